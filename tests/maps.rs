@@ -85,6 +85,7 @@ fn full() -> Value {
         "stations": [{"id": "W", "node": "w", "queue": ["q"], "pick_s": 8}],
         "chargers": ["c"], "parking": ["p"], "exits": ["o"],
         "walkable": [[[0, 0], [1, 0], [1, 1]]], "obstacles": [[[0, 0], [1, 0], [1, 1]]],
+        "marks": [{"id": "m", "x": 2, "y": 0.5}],
     })
 }
 

@@ -1,9 +1,11 @@
 // How the page is built, tested and served while it is being written. Without GIVEWAY_URL the dev
 // server starts the toy floor of dev/mock.mjs and talks to that; with it, to the server named there.
+import { parse } from '@formatjs/icu-messageformat-parser';
 import { svelte } from '@sveltejs/vite-plugin-svelte';
 import { readdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { brotliCompressSync, constants, gzipSync } from 'node:zlib';
+import { readFile } from 'node:fs/promises';
 import { defineConfig, type Plugin } from 'vitest/config';
 
 const MOCK_PORT = 8791;
@@ -42,6 +44,23 @@ function compressed(): Plugin {
   };
 }
 
+/** Compiles messages, so that no page loads the parser: without placeholders one is a string, else a tree. */
+function messages(): Plugin {
+  const compiled = (text: string) => {
+    const tree = parse(text, { captureLocation: false });
+    return tree.every((part) => part.type === 0) ? tree.map((part) => part.value).join('') : tree;
+  };
+  return {
+    name: 'giveway-messages',
+    enforce: 'pre',
+    async load(id) {
+      if (!/\/messages\/[a-z]+\.json$/.test(id)) return null;
+      const texts = Object.entries(JSON.parse(await readFile(id, 'utf8')) as Record<string, string>);
+      return JSON.stringify(Object.fromEntries(texts.map(([key, text]) => [key, compiled(text)])));
+    },
+  };
+}
+
 /** `--mode single`: script and style in one piece each, for pages that are a file with a reel in it. */
 const single = {
   copyPublicDir: false,
@@ -53,9 +72,12 @@ const single = {
 };
 
 export default defineConfig(({ mode }) => ({
-  plugins: [svelte(), mockServer(), ...(mode === 'single' ? [] : [compressed()])],
-  // Tests run components as a browser would, not as a server-side render.
-  ...(process.env['VITEST'] ? { resolve: { conditions: ['browser'] } } : {}),
+  plugins: [messages(), svelte(), mockServer(), ...(mode === 'single' ? [] : [compressed()])],
+  // Tests run components as a browser would, not as a server-side render, and parse messages. Pages get them compiled:
+  // the formatter's own parser would be 30 kB for nothing.
+  resolve: process.env['VITEST']
+    ? { conditions: ['browser'] }
+    : { alias: [{ find: /^@formatjs\/icu-messageformat-parser$/, replacement: '@formatjs/icu-messageformat-parser/no-parser.js' }] },
   build: {
     target: ['chrome123', 'firefox121', 'safari17.5'],
     // An inlined data: URL would need a hole in the Content-Security-Policy.
@@ -68,5 +90,5 @@ export default defineConfig(({ mode }) => ({
   },
   server: { proxy: { '/v1': { target: server, ws: true }, '/openapi.json': server, '/asyncapi.json': server } },
   // A minute for a test that takes a tenth of a second: a machine may be busy with other work.
-  test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'], testTimeout: 60_000, hookTimeout: 60_000 },
+  test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'], setupFiles: ['tests/english.ts'], testTimeout: 60_000, hookTimeout: 60_000 },
 }));

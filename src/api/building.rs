@@ -25,6 +25,18 @@ pub struct MapDto {
     obstacles: Vec<Vec<[f64; 2]>>,
     /// Outlines of the floor on which people may walk.
     walkable: Vec<Vec<[f64; 2]>>,
+    /// Marks on the floor, by which headsets find where they are.
+    marks: Vec<MarkDto>,
+}
+
+/// A mark on the floor.
+#[derive(Serialize, ToSchema)]
+struct MarkDto {
+    name: String,
+    /// Metres.
+    x: f64,
+    /// Metres.
+    y: f64,
 }
 
 /// A place where a robot can stand.
@@ -110,6 +122,9 @@ impl From<&Warehouse> for MapDto {
             racks: w.racks.iter().map(|r| RackHomeDto { id: r.name.clone(), node: r.home.ix() }).collect(),
             obstacles: outlines(&w.obstacles),
             walkable: outlines(&w.walkable),
+            marks: (w.marks.iter())
+                .map(|m| MarkDto { name: m.name.clone(), x: round3(m.at.x), y: round3(m.at.y) })
+                .collect(),
         }
     }
 }

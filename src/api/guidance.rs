@@ -5,7 +5,7 @@
 
 use super::dto::Names;
 use super::text::{assignment_name, round3};
-use super::words::GuidanceStateDto;
+use super::words::{GuidanceReasonDto, GuidanceStateDto};
 use crate::fleet::{Guidance, GuidanceReason, GuidanceState, NearRobot};
 use crate::geometry::{Point, wrap_angle};
 use crate::time::Time;
@@ -47,6 +47,8 @@ pub struct GuidanceDto {
     /// Why, in words.
     #[schema(example = "you left the path")]
     pub reason: Option<String>,
+    /// The same, for programs that say it in other languages.
+    pub cause: Option<GuidanceCauseDto>,
     /// Counts up with every new path.
     pub version: u64,
     /// The path from here on, metres.
@@ -60,10 +62,24 @@ pub struct GuidanceDto {
     /// What the path is for.
     #[schema(example = "a3")]
     pub assignment: Option<String>,
+    /// Whether the worker is at the place of the assignment.
+    pub arrived: bool,
     /// Robots near, the nearest first.
     pub near: Vec<NearRobotDto>,
     /// The newest pose that was taken into account.
     pub pose: Option<PoseRefDto>,
+}
+
+/// Why a worker is told something: a kind, and what its sentence names.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct GuidanceCauseDto {
+    /// What happened.
+    pub kind: GuidanceReasonDto,
+    /// The robot that it is about.
+    #[schema(example = "robot-3")]
+    pub robot: Option<String>,
+    /// Why the area that it is about is closed, in the supervisor's words.
+    pub closure: Option<String>,
 }
 
 /// A robot near a worker.
@@ -99,12 +115,14 @@ pub fn guidance(told: Option<&Guidance>, beside: GuidanceContext<'_>) -> Guidanc
         return GuidanceDto {
             state: GuidanceStateDto::Idle,
             reason: None,
+            cause: None,
             version: 0,
             path: Vec::new(),
             next: None,
             eta_s: None,
             wait_s: None,
             assignment: None,
+            arrived: false,
             near: Vec::new(),
             pose: None,
         };
@@ -120,15 +138,34 @@ pub fn guidance(told: Option<&Guidance>, beside: GuidanceContext<'_>) -> Guidanc
     GuidanceDto {
         state: g.state.into(),
         reason: g.reason.map(|r| reason(r, beside.names)),
+        cause: g.reason.map(|r| cause(r, beside.names)),
         version: g.version,
         path: line(&g.path),
         next: g.next.map(corner),
         eta_s: g.eta.map(|t| round3((t - beside.now).as_secs_f64())),
         wait_s: g.wait.map(|t| round3((t - beside.now).as_secs_f64().max(0.0))),
         assignment: g.assignment.map(assignment_name),
+        arrived: g.arrived,
         near: g.near.iter().map(near).collect(),
         pose: None,
     }
+}
+
+fn cause(reason: GuidanceReason, names: Names<'_>) -> GuidanceCauseDto {
+    use GuidanceReason as Why;
+    let (robot, closure) = match reason {
+        Why::RobotComes(r)
+        | Why::RobotInTheWay(r)
+        | Why::RobotWaits(r)
+        | Why::RobotPasses(r)
+        | Why::RobotCrosses(r)
+        | Why::PlaceUnsure(r) => (Some(names.robot(r)), None),
+        Why::RoundClosure(c) | Why::LeavesClosure(c) | Why::PlaceClosed(c) => {
+            (None, Some(names.why_closed(c)))
+        }
+        Why::LeftPath | Why::CutsOff | Why::Evacuation | Why::NoWay | Why::NotTracked => (None, None),
+    };
+    GuidanceCauseDto { kind: reason.into(), robot, closure }
 }
 
 pub(super) fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
@@ -202,6 +239,7 @@ mod tests {
             eta: Some(Time(5_000_000)),
             wait: Some(Time(4_500_000)),
             assignment: None,
+            arrived: false,
             near: vec![near],
         };
         let beside = |heading| GuidanceContext {

@@ -7,7 +7,7 @@
 use crate::alarm::{AlarmKind, AlarmSeverity, SubjectKind};
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::{
-    Activity, AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceState, JobKind, JobState, Presence,
+    Activity, AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceReason, GuidanceState, JobKind, JobState, Presence,
     Reaction, RobotState,
 };
 use crate::human::IntentState;
@@ -120,6 +120,16 @@ words! {
     /// What a worker is told.
     GuidanceStateDto of GuidanceState {
         Idle "idle", Following "following", Deviating "deviating", Redirected "redirected", Stop "stop",
+    }
+}
+
+words! {
+    /// Why a worker is told something.
+    GuidanceReasonDto of GuidanceReason {
+        LeftPath "left_path", RobotComes "robot_comes", RobotInTheWay "robot_in_the_way", RobotWaits "robot_waits",
+        RobotPasses "robot_passes", RobotCrosses "robot_crosses", PlaceUnsure "place_unsure", CutsOff "cuts_off",
+        RoundClosure "round_closure", LeavesClosure "leaves_closure", PlaceClosed "place_closed",
+        Evacuation "evacuation", NoWay "no_way", NotTracked "not_tracked",
     }
 }
 

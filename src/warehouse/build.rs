@@ -6,7 +6,7 @@ use super::body::Bodies;
 use super::check::{self, Findings};
 use super::conflict;
 use super::near::PointIndex;
-use super::{Arc, Lane, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
+use super::{Arc, Lane, Mark, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
 use crate::geometry::{Point, Segment, turn_between};
 use crate::id::{Dense, IdVec, NodeId, StationId};
 use crate::time::Span;
@@ -43,6 +43,8 @@ pub struct Draft {
     pub walkable: Vec<Vec<Point>>,
     /// Outlines of obstacles.
     pub obstacles: Vec<Vec<Point>>,
+    /// Marks on the floor.
+    pub marks: Vec<Mark>,
 }
 
 /// A named place.
@@ -206,6 +208,7 @@ impl Draft {
             racks,
             walkable: self.walkable,
             obstacles: self.obstacles,
+            marks: self.marks,
             out_start: Vec::new(),
             ways: IdVec::new(),
             kinds: IdVec::new(),

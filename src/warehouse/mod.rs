@@ -196,6 +196,15 @@ pub struct Rack {
     pub weight_kg: f64,
 }
 
+/// A mark on the floor: a place that can be touched or seen, by which a headset finds where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Unique name. A node that has it, too, stands at the same place.
+    pub name: String,
+    /// Where, metres.
+    pub at: Point,
+}
+
 /// A validated building. Made only by [`Draft::build`], which lists every problem of a bad one.
 #[derive(Clone, Debug)]
 pub struct Warehouse {
@@ -217,6 +226,8 @@ pub struct Warehouse {
     pub walkable: Vec<Vec<Point>>,
     /// Outlines of obstacles.
     pub obstacles: Vec<Vec<Point>>,
+    /// Marks on the floor.
+    pub marks: Vec<Mark>,
     out_start: Vec<u32>,
     ways: IdVec<ArcId, Way>,
     kinds: IdVec<NodeId, NodeKind>,
@@ -301,6 +312,12 @@ impl Warehouse {
     /// The node with this name.
     pub fn node_named(&self, name: &str) -> Option<NodeId> {
         self.nodes.pairs().find(|(_, n)| n.name == name).map(|(i, _)| i)
+    }
+
+    /// Where a mark of this name is; every node is one, too.
+    pub fn mark_named(&self, name: &str) -> Option<Point> {
+        let mark = self.marks.iter().find(|m| m.name == name).map(|m| m.at);
+        mark.or_else(|| self.node_named(name).map(|n| self.nodes[n].at))
     }
 
     /// The rack with this name.

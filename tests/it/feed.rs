@@ -387,7 +387,13 @@ async fn who_says_to_be_done_is_done_wherever_the_device_believes_to_be() {
             send(at, "POST", &format!("/v1/workers/{worker}/assignments"), &json, &body).await.unwrap();
         assert_eq!(made.status, 201, "{made:?}");
     }
-    while headset.next("guidance").await["assignment"] != "a1" {}
+    let told = loop {
+        let told = headset.next("guidance").await;
+        if told["assignment"] == "a1" {
+            break told;
+        }
+    };
+    assert_eq!((&told["arrived"], &told["cause"]), (&json!(false), &json!(null)), "{told}");
     headset.say(json!({"type": "done", "assignment": "a1"})).await;
     assert_eq!(headset.next("done").await, json!({"type": "done", "assignment": "a1", "refused": null}));
     assert_eq!(get(at, "/v1/assignments/a1").await.json()["state"], "done");

@@ -4,7 +4,7 @@ import { fit, mark, suggest, type Mark, type Marking } from '../src/headset/alig
 import { aim, multiply } from '../src/headset/arrow';
 import { DEAD_MS, type LineEvents } from '../src/headset/feed';
 import { floorHit, rotate, toDevice, toMap, type Alignment, type Vec2, type Vec3 } from '../src/headset/frame';
-import { buzz, show, STALE_MS, type Guidance, type Standing } from '../src/headset/guide';
+import { buzz, show, STALE_MS, type Guidance, type Standing, type Task } from '../src/headset/guide';
 import { lens, onCanvas, onMap, wayAhead } from '../src/headset/phone';
 import { LOST_MS, Pump, type Sample } from '../src/headset/pump';
 import { eyes, ribbon, Shapes, STRIDE, type Ink } from '../src/headset/shapes';
@@ -139,7 +139,7 @@ describe('guidance', () => {
     expect(show(null, { ...well, age_ms: null, link: 'connecting' }).title).toBe('Connecting');
     expect(show(guidance({ state: 'stop' }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', detail: expect.stringContaining('connection has been lost') });
     // A wait whose length is known is counted; where the connection is lost, nothing is.
-    expect(show(guidance({ state: 'stop', reason: 'robot-7 crosses your path', wait_s: 3.2 }), well)).toMatchObject({ kind: 'stop', title: 'WAIT 4 s', detail: 'Robot-7 crosses your path.' });
+    expect(show(guidance({ state: 'stop', reason: 'robot-7 crosses your path', wait_s: 3.2 }), well)).toMatchObject({ kind: 'stop', title: 'WAIT 4 sec', detail: 'Robot-7 crosses your path.' });
     expect(show(guidance({ state: 'stop', wait_s: 3.2 }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', title: 'STOP' });
   });
   test('without a position or marks there is no path', () => {
@@ -224,12 +224,13 @@ describe('a map on a phone', () => {
 
 class World {
   time = 1_000;
+  tasks: Task[] = [];
   lines: { events: LineEvents; sent: Record<string, unknown>[]; shut: boolean }[] = [];
   #timers: { at: number; run: () => void }[] = [];
   wearer: Wearer;
   constructor(frame: 'device' | 'map') {
     this.wearer = new Wearer({
-      frame, poses: frame === 'map' ? 'placed' : 'tracked', random: () => 1, onChange: () => {}, marks: [{ name: 'A', at: [0, 0] }, { name: 'B', at: [10, 0] }],
+      frame, poses: frame === 'map' ? 'placed' : 'tracked', random: () => 1, onChange: () => {}, task: async (id) => this.tasks.find((task) => task.id === id) ?? null, marks: [{ name: 'A', at: [0, 0] }, { name: 'B', at: [10, 0] }],
       open: (events) => {
         const line = { events, sent: [] as Record<string, unknown>[], shut: false };
         this.lines.push(line);
@@ -411,4 +412,42 @@ test('a phone says where it stands for as long as that was said, and then no mor
   expect(poses.length).toBeLessThanOrEqual(PLACED_MS / 1_000 + 1);
   expect(poses.length).toBeGreaterThan(50);
   expect(world.wearer.placed).toBeNull();
+});
+
+test('a tap that says where a phone stands yields to a tag, which is more exact, and counts again without it', () => {
+  const world = new World('map');
+  world.welcome(true);
+  const poses = (): number => world.said.filter((type) => type === 'pose').length;
+  world.wearer.place([3, 4]);
+  world.wearer.located(1.02);
+  world.pass(1_000);
+  world.wearer.tick();
+  expect(world.wearer.placed, 'the server knows no more than the tap').not.toBeNull();
+  const before = poses();
+  world.wearer.located(0.3);
+  expect(world.wearer.placed).toBeNull();
+  world.wearer.place([9, 9]);
+  world.pass(1_000);
+  world.wearer.tick();
+  expect(poses(), 'what the finger says is not sent any more').toBe(before);
+  world.wearer.located(null);
+  world.wearer.place([9, 9]);
+  expect(world.line.sent.at(-1)).toMatchObject({ type: 'pose', at: [9, 9], accuracy: 1 });
+});
+test('a wearer asks once what an assignment is about, and again where there was no answer', async () => {
+  const world = new World('map');
+  world.welcome(true);
+  world.hear({ ...guidance(), type: 'guidance' });
+  await Promise.resolve();
+  expect(world.wearer.task).toBeNull();
+  world.tasks.push({ id: 'a1', what: 'Count K1', place: 'G6-7' });
+  world.hear({ ...guidance(), type: 'guidance' });
+  await Promise.resolve();
+  expect(world.wearer.task, 'not so soon').toBeNull();
+  world.pass(4_000);
+  world.hear({ ...guidance(), type: 'guidance' });
+  await Promise.resolve();
+  expect(world.wearer.shown()).toMatchObject({ kind: 'following', title: 'Count K1 at G6-7', detail: '5.0 m · 1:05' });
+  world.hear({ ...guidance({ arrived: true }), type: 'guidance' });
+  expect(world.wearer.shown()).toMatchObject({ title: 'You are there', detail: 'Count K1 at G6-7' });
 });

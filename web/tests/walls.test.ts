@@ -3,11 +3,11 @@ import { describe, expect, test } from 'vitest';
 
 /** In reading order: a room names only rooms above it. */
 const ROOMS = [
-  'wire', 'words', 'parts', 'replay', 'floor', 'cards', 'why', 'robots', 'people', 'places', 'jobs', 'encounters',
+  'wire', 'language', 'words', 'parts', 'replay', 'floor', 'cards', 'why', 'robots', 'people', 'places', 'jobs', 'encounters',
   'timelines', 'charts', 'report', 'alarms', 'audit', 'page', 'headset', 'docs', 'editor',
 ];
 /** The page of a wearer, that of the API and the map editor load nothing of the dashboard. */
-const HEADSET_KNOWS = ['wire', 'parts'];
+const HEADSET_KNOWS = ['wire', 'language', 'parts'];
 const DOCS_KNOWS = ['parts'];
 const EDITOR_KNOWS = ['parts'];
 
@@ -25,7 +25,7 @@ function importsOf(sources: Sources, path: string): string[] {
     const plain = new URL(spec!, `file:///${path}`).pathname.slice(1);
     const file = [plain, `${plain}.ts`, `${plain}/index.ts`].find((one) => sources.has(one));
     if (file) found.push(file);
-    else if (!plain.endsWith('.css')) found.push(`${plain} (which is not there)`);
+    else if (!/\.(css|json)$/.test(plain)) found.push(`${plain} (which is not there)`);
   }
   return found;
 }

@@ -341,14 +341,14 @@ impl PoseIntake {
 /// What is wrong, in words.
 pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<PointPair>, String> {
     let pair = |(i, a): (usize, &AnchorSaid)| {
-        let node = |name: &String| {
-            let node = map.node_named(name).map(|n| map.nodes[n].at);
-            node.ok_or_else(|| format!("pairs[{i}]: there is no node \"{name}\"; GET /v1/map lists them"))
+        let named = |name: &String| {
+            let mark = map.mark_named(name);
+            mark.ok_or_else(|| format!("pairs[{i}]: there is no mark or node \"{name}\"; GET /v1/map lists them"))
         };
         let at = match (a.map, &a.mark) {
             (Some([x, y]), None) => Point::new(x, y),
-            (None, Some(name)) => node(name)?,
-            _ => return Err(format!("pairs[{i}]: give map [x, y], or mark, the name of a node")),
+            (None, Some(name)) => named(name)?,
+            _ => return Err(format!("pairs[{i}]: give map [x, y], or mark, the name of a mark or node")),
         };
         let no_rotation = || format!("pairs[{i}]: {}", PoseFault::Quaternion.text());
         let turned = a.quat.map(|q| rotation(q).ok_or_else(no_rotation)).transpose()?;

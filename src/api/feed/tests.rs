@@ -161,6 +161,7 @@ fn told(state: GuidanceState, version: u64) -> Guidance {
         eta: None,
         wait: None,
         assignment: None,
+        arrived: false,
         near: vec![],
     }
 }
@@ -182,6 +183,7 @@ async fn a_stop_leaves_at_once_and_says_which_pose_it_was_decided_with() {
         }
     };
     assert_eq!(stop["reason"], "no path to the place is free");
+    assert_eq!(stop["cause"], json!({"kind": "no_way", "robot": null, "closure": null}));
     assert_eq!(stop["pose"], json!({"epoch": 1, "seq": 7}));
     let text = stage.metrics.text(&Moment::default());
     assert!(text.contains("giveway_pose_to_stop_seconds_count 1"), "{text}");

@@ -25,7 +25,7 @@ pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
     }
     let name = match path {
         "" => "index.html",
-        "headset" => "headset.html",
+        "headset" | "headset/marks" => "headset.html",
         "docs" => "docs.html",
         "editor" => "editor.html",
         other => other,

@@ -74,6 +74,7 @@ impl HumanState {
             path,
             wait: person.waits().map(|w| w.until),
             assignment: plan.and_then(|p| p.assignment),
+            arrived: plan.is_some_and(|p| p.assignment.is_some()) && person.there_since.is_some(),
             near,
         }
     }

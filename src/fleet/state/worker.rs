@@ -188,6 +188,8 @@ pub struct Guidance {
     pub wait: Option<Time>,
     /// What the path is for.
     pub assignment: Option<AssignmentId>,
+    /// Whether the worker is at the place of the assignment.
+    pub arrived: bool,
     /// Robots nearby, nearest first.
     pub near: Vec<NearRobot>,
 }

@@ -49,6 +49,7 @@ pub(in crate::warehouse) fn names_and_numbers(draft: &Draft) -> Result<(), Findi
     racks(draft, &mut found);
     roles(draft, &at, &mut found);
     outlines(draft, &mut found);
+    marks(draft, &at, &mut found);
     found.into_result()
 }
 
@@ -240,6 +241,24 @@ fn outlines(draft: &Draft, found: &mut Findings) {
                 let remedy = format!("give metres within ±{FAR_M} of the map's zero");
                 found.add(&place, "a corner is absurdly far away or not a number", remedy);
             }
+        }
+    }
+}
+
+fn marks(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
+    let mut names = BTreeSet::new();
+    for mark in &draft.marks {
+        let place = FindingPlace::from(format!("mark {}", mark.name));
+        good_name(&mark.name, &place, found);
+        if !names.insert(mark.name.as_str()) {
+            found.add(&place, "the name is used twice", "rename one of the two");
+        }
+        if is_far(mark.at) {
+            let problem = format!("it is at ({}, {})", mark.at.x, mark.at.y);
+            found.add(&place, problem, format!("give metres within ±{FAR_M} of the map's zero"));
+        }
+        if at.get(mark.name.as_str()).is_some_and(|node| *node != mark.at) {
+            found.add(&place, "a node elsewhere has this name", "rename the mark, or put it at the node");
         }
     }
 }

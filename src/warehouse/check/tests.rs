@@ -3,7 +3,7 @@
 use super::room_for;
 use crate::geometry::Point;
 use crate::time::Span;
-use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, Users, sketch};
+use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, Mark, Users, sketch};
 use proptest::prelude::*;
 
 const GOOD: &str = "
@@ -79,6 +79,21 @@ fn a_wrong_name_does_not_hide_what_is_wrong_with_the_floor() {
     );
     draft.footprint_m = -1.0;
     assert_eq!(draft.build().expect_err("five problems").0.len(), 5, "nor does a wrong footprint");
+}
+
+#[test]
+fn marks_have_names_of_their_own_or_stand_where_their_node_is() {
+    let mark = |name: &str, x: f64, y: f64| Mark { name: name.into(), at: Point::new(x, y) };
+    let with = |marks: &[Mark]| Draft { marks: marks.to_vec(), ..good() };
+    let there = good().nodes[0].clone();
+    let good_marks = [mark("door", 0.4, -3.0), mark(&there.name, there.at.x, there.at.y)];
+    let built = with(&good_marks).build().expect("nothing is wrong with it");
+    assert_eq!(built.mark_named("door"), Some(Point::new(0.4, -3.0)));
+    assert_eq!(built.mark_named(&there.name), Some(there.at), "every node is a mark");
+    assert_eq!(built.mark_named("window"), None);
+    refused(with(&[mark("door", 0.0, 0.0), mark("door", 1.0, 0.0)]), &["mark door: the name is used twice"]);
+    refused(with(&[mark(&there.name, 7.0, 7.0)]), &["a node elsewhere has this name"]);
+    refused(with(&[mark("door", f64::NAN, 0.0)]), &["mark door: it is at (NaN, 0)"]);
 }
 
 /// Two halves of a floor that only the lane from `2,1` to `3,1` joins.

@@ -7,7 +7,9 @@ use super::MapError;
 use crate::geometry::Point;
 use crate::id::NodeId;
 use crate::time::Span;
-use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, NodeKind, Users, Warehouse};
+use crate::warehouse::{
+    Draft, DraftLane, DraftNode, DraftRack, DraftStation, Mark, NodeKind, Users, Warehouse,
+};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -52,6 +54,7 @@ pub fn write(w: &Warehouse) -> String {
     rows(&mut text, "exits", &record.exits, 16);
     rows(&mut text, "walkable", &record.walkable, 1);
     rows(&mut text, "obstacles", &record.obstacles, 1);
+    rows(&mut text, "marks", &record.marks, 1);
     text.pop();
     text.push_str("\n}\n");
     text
@@ -100,6 +103,16 @@ struct MapRecord {
     walkable: Vec<Vec<Corner>>,
     #[serde(default)]
     obstacles: Vec<Vec<Corner>>,
+    #[serde(default)]
+    marks: Vec<MarkRecord>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MarkRecord {
+    id: String,
+    x: Number,
+    y: Number,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -202,6 +215,9 @@ impl From<MapRecord> for Draft {
             exits: r.exits,
             walkable: r.walkable.into_iter().map(outline).collect(),
             obstacles: r.obstacles.into_iter().map(outline).collect(),
+            marks: (r.marks.into_iter())
+                .map(|m| Mark { name: m.id, at: Point::new(m.x.0, m.y.0) })
+                .collect(),
         }
     }
 }
@@ -268,6 +284,9 @@ impl From<&Warehouse> for MapRecord {
             exits: of(NodeKind::Exit),
             walkable: w.walkable.iter().map(outline).collect(),
             obstacles: w.obstacles.iter().map(outline).collect(),
+            marks: (w.marks.iter())
+                .map(|m| MarkRecord { id: m.name.clone(), x: Number(m.at.x), y: Number(m.at.y) })
+                .collect(),
         }
     }
 }
@@ -324,6 +343,9 @@ mod tests {
 ],
 "walkable":[
 [[0,0],[2,0],[2,2.5]]
+],
+"marks":[
+{"id":"M 1","x":0.5,"y":-2}
 ]
 }
 "#;

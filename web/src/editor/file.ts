@@ -27,6 +27,7 @@ export interface MapFile {
   readonly exits: readonly string[];
   readonly walkable: readonly (readonly Corner[])[];
   readonly obstacles: readonly (readonly Corner[])[];
+  readonly marks: readonly FileNode[];
 }
 export type Kind = 'aisle' | 'storage' | 'station' | 'queue' | 'charger' | 'parking' | 'exit';
 export const KIND_WORDS: Record<Kind, string> = {
@@ -34,11 +35,11 @@ export const KIND_WORDS: Record<Kind, string> = {
   parking: 'parking place', exit: 'door for people',
 };
 
-const LISTS = ['nodes', 'lanes', 'storage', 'racks', 'stations', 'chargers', 'parking', 'exits', 'walkable', 'obstacles'] as const;
+const LISTS = ['nodes', 'lanes', 'storage', 'racks', 'stations', 'chargers', 'parking', 'exits', 'walkable', 'obstacles', 'marks'] as const;
 
 export const EMPTY: MapFile = {
   giveway_map: 1, name: 'new floor', footprint_m: 0.9, nodes: [], lanes: [], storage: [], racks: [], stations: [],
-  chargers: [], parking: [], exits: [], walkable: [], obstacles: [],
+  chargers: [], parking: [], exits: [], walkable: [], obstacles: [], marks: [],
 };
 
 /** A map file from its text, with every list that it leaves out; a sentence where it is none. */

@@ -1,6 +1,7 @@
 // Marks on the floor, and the alignment that they make. The server decides; this fit is shown to the wearer while
-// marks are taken, so that a wrong one is seen at once. Pure. Fit: Arun, Huang and Blostein 1987 in the plane.
+// marks are taken, so that a wrong one is seen at once. Fit: Arun, Huang and Blostein 1987 in the plane.
 import { distance, planOf, toMap, type Alignment, type Vec2, type Vec3 } from './frame';
+import { metres, t } from './words';
 
 /** A mark that the wearer confirmed: where the device has it, and where the map has it. */
 export interface Mark {
@@ -21,16 +22,15 @@ const RMS_MAX_M = 0.15;
 
 /** What these marks say. */
 export function fit(marks: readonly Mark[]): Fit {
-  if (marks.length < 2) return { kind: 'more', text: 'Two marks are needed.' };
+  if (marks.length < 2) return { kind: 'more', text: t('mark.more') };
   const [a, b] = [marks.map((m) => planOf(m.device)), marks.map((m) => m.map)];
   const [ca, cb] = [middle(a), middle(b)];
   const [spreadA, spreadB] = [spread(a, ca), spread(b, cb)];
   const apart = Math.max(...b.map((p) => Math.max(...b.map((q) => distance(p, q)))));
-  if (apart < BASELINE_MIN_M) return { kind: 'misfit', text: `The marks are only ${metres(apart)} apart.` };
+  if (apart < BASELINE_MIN_M) return { kind: 'misfit', text: t('mark.close', { distance: metres(apart) }) };
   const scale = spreadA / spreadB;
   if (Math.abs(scale - 1) > SCALE_TOLERANCE) {
-    const measured = metres(apart * scale);
-    return { kind: 'misfit', text: `On the map they are ${metres(apart)} apart, but you walked ${measured}: check that each is the right mark.` };
+    return { kind: 'misfit', text: t('mark.scale', { distance: metres(apart), walked: metres(apart * scale) }) };
   }
   let [sine, cosine] = [0, 0];
   a.forEach((p, i) => {
@@ -43,11 +43,9 @@ export function fit(marks: readonly Mark[]): Fit {
   const [c, s] = [Math.cos(theta), Math.sin(theta)];
   const alignment: Alignment = { theta, shift: [cb[0] - c * ca[0] + s * ca[1], cb[1] - s * ca[0] - c * ca[1]] };
   const rms_m = Math.sqrt(marks.reduce((sum, m) => sum + distance(toMap(alignment, m.device), m.map) ** 2, 0) / marks.length);
-  if (rms_m > RMS_MAX_M) return { kind: 'misfit', text: `The marks are ${metres(rms_m)} off: take them again.` };
+  if (rms_m > RMS_MAX_M) return { kind: 'misfit', text: t('mark.off', { distance: metres(rms_m) }) };
   return { kind: 'fits', alignment, rms_m };
 }
-
-export const metres = (m: number): string => (m < 1 ? `${Math.round(m * 100)} cm` : `${m.toFixed(m < 10 ? 1 : 0)} m`);
 
 const middle = (points: readonly Vec2[]): Vec2 => [
   points.reduce((sum, p) => sum + p[0], 0) / points.length, points.reduce((sum, p) => sum + p[1], 0) / points.length,

@@ -1,4 +1,5 @@
-// What the wearer is to see now: the server's guidance, judged by how well position and connection are known. Pure.
+// What the wearer is to see now: the server's guidance, judged by how well position and connection are known.
+import { duration, metres, seconds, t, type Key } from './words';
 import type { GuidanceState, Point } from '../wire';
 
 export interface NearRobot {
@@ -10,9 +11,18 @@ export interface NearRobot {
   closest_s: number | null;
   speed: number;
 }
+/** Why the worker is told something: a kind, and what its sentence names. */
+export interface Cause {
+  kind: string;
+  robot: string | null;
+  /** Why an area is closed, in the supervisor's words. */
+  closure: string | null;
+}
 export interface Guidance {
   state: GuidanceState;
+  /** In English, for kinds of causes that this page does not know. */
   reason: string | null;
+  cause?: Cause | null;
   version: number;
   path: Point[];
   next: Point | null;
@@ -20,7 +30,16 @@ export interface Guidance {
   /** For about how long to wait for a robot to pass, seconds. */
   wait_s?: number | null;
   assignment: string | null;
+  /** Whether the worker is at the place of the assignment. */
+  arrived?: boolean;
   near: NearRobot[];
+}
+/** An assignment, as the worker is told of it. */
+export interface Task {
+  id: string;
+  /** In the customer's words; may be empty. */
+  what: string;
+  place: string;
 }
 
 /** What this page knows about itself. */
@@ -42,52 +61,82 @@ export interface Shown {
   path: readonly Point[];
   next: Point | null;
   near: readonly NearRobot[];
+  /** Why, in a sentence; empty where all is as planned. */
+  why: string;
+  /** At the place of the assignment. */
+  arrived: boolean;
 }
 
 /** Guidance comes four times a second. */
 export const STALE_MS = 2_000;
-const NOTHING = { path: [], next: null, near: [] } as const;
+const NOTHING = { path: [], next: null, near: [], why: '', arrived: false } as const;
+/** Longer texts are cut on the board, which is read in passing. */
+const LONGEST_WHAT = 80;
 
-export function show(g: Guidance | null, at: Standing): Shown {
+export function show(g: Guidance | null, at: Standing, task: Task | null = null): Shown {
   const fresh = at.link === 'live' && at.age_ms !== null && at.age_ms < STALE_MS;
   // A stop that was said stands until something newer is known.
   if (g?.state === 'stop' && fresh && g.wait_s !== null && g.wait_s !== undefined) {
-    const detail = sentence(g.reason ?? 'a robot passes');
-    return { kind: 'stop', tone: 'stop', title: `WAIT ${Math.max(1, Math.ceil(g.wait_s))} s`, detail, ...NOTHING, near: g.near };
+    const why = whyOf(g) || t('wait.why');
+    const title = t('wait', { time: seconds(Math.max(1, Math.ceil(g.wait_s))) });
+    return { ...NOTHING, kind: 'stop', tone: 'stop', title, detail: why, why, near: g.near };
   }
   if (g?.state === 'stop') {
-    const why = sentence(g.reason ?? 'the fleet asks you to');
-    return { kind: 'stop', tone: 'stop', title: 'STOP', detail: fresh ? why : `${why} The connection has been lost since then.`, ...NOTHING, near: fresh ? g.near : [] };
+    const why = whyOf(g) || t('stop.why');
+    const detail = fresh ? why : t('stop.broken', { why });
+    return { ...NOTHING, kind: 'stop', tone: 'stop', title: t('stop'), detail, why, near: fresh ? g.near : [] };
   }
   if (!fresh || !g) {
-    const waiting = at.link === 'connecting' && at.age_ms === null;
-    return {
-      kind: 'offline', tone: 'warn', title: waiting ? 'Connecting' : 'No connection',
-      detail: waiting ? 'The server has not answered yet.' : 'No guidance. Robots do not know where you are: look out for yourself.', ...NOTHING,
-    };
+    const key = at.link === 'connecting' && at.age_ms === null ? 'connecting' : 'offline';
+    return { ...NOTHING, kind: 'offline', tone: 'warn', title: t(key), detail: t(`${key}.detail`) };
   }
-  if (at.tracking === 'lost') {
-    return { kind: 'lost', tone: 'warn', title: 'Position lost', detail: 'Stand still and look around slowly. Robots keep away from where you were.', ...NOTHING };
-  }
-  if (!at.aligned) return { kind: 'marks', tone: 'notice', title: 'Marks needed', detail: 'Show this device where it is.', ...NOTHING };
-  return following(g, at);
+  if (at.tracking === 'lost') return { ...NOTHING, kind: 'lost', tone: 'warn', title: t('lost'), detail: t('lost.detail') };
+  if (!at.aligned) return { ...NOTHING, kind: 'marks', tone: 'notice', title: t('marks'), detail: t('marks.detail') };
+  return following(g, at, task);
 }
 
-function following(g: Guidance, at: Standing): Shown {
-  const floor = { path: g.path, next: g.next, near: g.near };
-  const guess = at.tracking === 'emulated' ? ' The position is a guess.' : '';
-  const way = [g.path.length > 1 ? far(lengthOf(g.path)) : '', g.eta_s === null ? '' : clock(g.eta_s)].filter(Boolean).join(' · ');
+function following(g: Guidance, at: Standing, task: Task | null): Shown {
+  const why = whyOf(g);
+  const arrived = g.arrived === true && g.assignment !== null;
+  const floor = { path: g.path, next: g.next, near: g.near, why, arrived };
+  const guess = at.tracking === 'emulated' ? t('guess') : '';
+  const length = g.path.length > 1 ? metres(lengthOf(g.path)) : '';
+  const way = [length, g.eta_s === null ? '' : duration(g.eta_s)].filter(Boolean).join(' · ');
+  const toDo = task && task.id === g.assignment ? taskText(task) : '';
   switch (g.state) {
     case 'deviating':
-      return { kind: 'deviating', tone: 'warn', title: 'The path is over there', detail: sentence(g.reason ?? 'you left the path') + guess, ...floor };
+      return { ...floor, kind: 'deviating', tone: 'warn', title: t('deviating'), detail: joined(why || t('cause.left_path'), guess) };
     case 'redirected':
-      return { kind: 'redirected', tone: 'notice', title: 'Redirected: a new path', detail: [g.reason ? sentence(g.reason) : '', way].filter(Boolean).join(' ') + guess, ...floor };
+      return { ...floor, kind: 'redirected', tone: 'notice', title: t('redirected'), detail: joined(why, toDo, way, guess) };
     case 'following':
-      return { kind: 'following', tone: 'calm', title: 'Follow the path', detail: [g.reason ? sentence(g.reason) : '', way].filter(Boolean).join(' ') + guess, ...floor };
-    default:
+      if (arrived) return { ...floor, kind: 'following', tone: 'calm', title: t('task.there'), detail: joined(why, toDo, guess) };
+      return { ...floor, kind: 'following', tone: 'calm', title: toDo || t('following'), detail: joined(why, way, guess) };
+    default: {
       // Whoever is to wait is told why: the place of the task is closed, or the building is evacuated.
-      return { kind: 'idle', tone: g.reason ? 'notice' : 'calm', title: g.reason ? 'Wait here' : 'Nothing to do', detail: (g.reason ? sentence(g.reason) : 'Wait for the next task.') + guess, ...floor };
+      const title = why ? t('idle.wait') : t('idle');
+      return { ...floor, kind: 'idle', tone: why ? 'notice' : 'calm', title, detail: joined(why || t('idle.detail'), guess) };
+    }
   }
+}
+
+/** What is to be done and where: "Count K1 at G6-7". */
+export function taskText({ what, place }: Task): string {
+  const words = what.trim();
+  const short = words.length > LONGEST_WHAT ? `${words.slice(0, LONGEST_WHAT - 1).trimEnd()}…` : words;
+  return short === '' ? t('task.place', { place }) : t('task', { what: short, place });
+}
+
+/** The kinds of causes that this page has sentences for; a newer server may know more. */
+const CAUSES = [
+  'left_path', 'robot_comes', 'robot_in_the_way', 'robot_waits', 'robot_passes', 'robot_crosses', 'place_unsure', 'cuts_off',
+  'round_closure', 'leaves_closure', 'place_closed', 'evacuation', 'no_way', 'not_tracked',
+] as const;
+
+function whyOf({ cause, reason }: Guidance): string {
+  const kind = CAUSES.find((one) => one === cause?.kind);
+  const key: Key | null = kind ? `cause.${kind}` : null;
+  if (key) return t(key, { robot: cause?.robot ?? '', closure: cause?.closure ?? '' });
+  return reason === null ? '' : sentence(reason);
 }
 
 /** How the device makes itself felt when this replaces that: milliseconds on and off; empty for not at all. */
@@ -100,11 +149,8 @@ export function buzz(before: Shown['kind'] | null, now: Shown['kind']): number[]
 
 export const lengthOf = (path: readonly Point[]): number =>
   path.slice(1).reduce((sum, p, i) => sum + Math.hypot(p[0] - path[i]![0], p[1] - path[i]![1]), 0);
-export const far = (m: number): string => (m < 10 ? `${m.toFixed(1)} m` : `${Math.round(m)} m`);
-const clock = (s: number): string => {
-  const whole = Math.max(0, Math.round(s));
-  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')}`;
-};
+/** What there is of some sentences, one after the other. */
+export const joined = (...parts: readonly string[]): string => parts.filter((part) => part !== '').join(' ');
 const sentence = (text: string): string => {
   const begun = text.charAt(0).toUpperCase() + text.slice(1);
   return /[.!?]$/.test(begun) ? begun : `${begun}.`;

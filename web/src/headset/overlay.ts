@@ -3,9 +3,11 @@ import { aim, multiply, type Aim, type Mat4 } from './arrow';
 import { toDevice, toMap, type Alignment, type Vec2, type Vec3 } from './frame';
 import type { Painter } from './gl';
 import type { Shown } from './guide';
+import { lifts } from './labels';
 import { mask, sight, straight } from './mask';
 import { eyes, POST_M, reticle, robotAt, room, type Colour, type Ink } from './shapes';
 import { BOARD_PIECE, labelPiece, MOST_LABELS, Sheet, type Writing } from './sheet';
+import { metres } from './words';
 
 /** What is to be drawn now. */
 export interface Scene {
@@ -44,6 +46,10 @@ export interface Head {
 
 /** Labels change their colour with robots closer than this, metres. */
 const CLOSE_M = 2;
+/** How high above the floor labels stand, metres, and half their width and height as seen from one metre away. */
+const LABEL_M = 1.35;
+const [LABEL_WIDE, LABEL_HIGH] = [0.13, 0.13 * 0.19] as const;
+const NEAREST_LABEL_M = 0.5;
 /** Between the board and the lower edge of a window, as a share of half of its height. */
 const EDGE = 0.04;
 
@@ -73,7 +79,8 @@ export class Overlay {
     const before = eyes(shown, next, half, this.#ink).corners;
     const masked = narrow ? mask(this.#ink.outside).corners : new Float32Array();
     const near = shown.near.slice(0, MOST_LABELS);
-    this.#write({ tone: shown.tone, title, detail, labels: near.map((r) => ({ text: `${r.id} ${r.distance.toFixed(1)} m`, close: r.distance < CLOSE_M })) });
+    this.#write({ tone: shown.tone, title, detail, labels: near.map((r) => ({ text: `${r.id} ${metres(r.distance)}`, close: r.distance < CLOSE_M })) });
+    const labels = alignment && from ? labelsAt(near.map((robot) => toDevice(alignment, robotAt(from, robot), head.floor + LABEL_M)), head.at) : [];
     this.painter.begin(target, this.#backdrop?.sky);
     [this.#eyes, this.#half] = [[], half];
     for (const { port, projection, toEye } of sights) {
@@ -83,7 +90,7 @@ export class Overlay {
       if (alignment) this.#backdrop?.draw(this.painter, world, alignment);
       this.painter.flat(inRoom, world, this.#backdrop ? 'behind' : 'over all');
       this.painter.flat(ring, world);
-      if (alignment && from) near.forEach((robot, i) => this.#label(toDevice(alignment, robotAt(from, robot), head.floor + 1.35), head.at, world, i));
+      labels.forEach((at, i) => this.#label(at, head.at, world, i));
       this.painter.flat(before, viewer);
       this.#board(shown, half, viewer, narrow ? 'window' : board);
       this.painter.flat(masked, viewer);
@@ -111,9 +118,9 @@ export class Overlay {
   #label(at: Vec3, head: Vec3, matrix: Mat4, i: number): void {
     // It faces the wearer and keeps its size in the view, so that it can be read from afar.
     const [dx, dz] = [head[0] - at[0], head[2] - at[2]];
-    const d = Math.max(0.5, Math.hypot(dx, dz));
-    const size = 0.13 * d;
-    this.painter.sprite({ matrix, centre: at, right: [(dz / d) * size, 0, (-dx / d) * size], up: [0, size * 0.19, 0], piece: labelPiece(i) });
+    const d = Math.max(NEAREST_LABEL_M, Math.hypot(dx, dz));
+    const size = LABEL_WIDE * d;
+    this.painter.sprite({ matrix, centre: at, right: [(dz / d) * size, 0, (-dx / d) * size], up: [0, LABEL_HIGH * d, 0], piece: labelPiece(i) });
   }
 
   #board(shown: Shown, half: Vec2, matrix: Mat4, where: Scene['board']): void {
@@ -124,4 +131,12 @@ export class Overlay {
     const low = where === 'window' ? half[1] * (1 - EDGE) - high : half[1] * 0.62;
     this.painter.sprite({ matrix, centre: [0, stop ? 0 : -low, -1], right: [wide, 0, 0], up: [0, high, 0], piece: BOARD_PIECE });
   }
+}
+
+/** Where labels stand so that none covers another from the head: those behind are lifted over those before them. */
+function labelsAt(wished: readonly Vec3[], head: Vec3): Vec3[] {
+  const far = ([x, , z]: Vec3): number => Math.max(NEAREST_LABEL_M, Math.hypot(x - head[0], z - head[2]));
+  const bearings = wished.map((at) => ({ left: Math.atan2(head[0] - at[0], head[2] - at[2]), up: (at[1] - head[1]) / far(at) }));
+  const lifted = lifts(bearings, 2 * LABEL_WIDE, 2 * LABEL_HIGH);
+  return wished.map((at, i) => [at[0], at[1] + (lifted[i] ?? 0) * far(at), at[2]]);
 }

@@ -1,7 +1,9 @@
 // The map for a phone: the path, the next point, the wearer, robots nearby. Drawn when something changed.
 import { distance, type Vec2 } from './frame';
 import type { Shown } from './guide';
+import { around, placed, type Box } from './labels';
 import { fromFeet, robotAt } from './shapes';
+import { metres } from './words';
 import type { FloorMap, Point } from '../wire';
 
 /** The wearer, as the server or the wearer says. */
@@ -12,6 +14,10 @@ export interface Self {
 
 /** So much of the floor around the wearer is shown: metres. */
 const AROUND_M = 7;
+/** Robots closer than this are shown in another colour, metres. */
+const CLOSE_M = 2;
+/** The wearer's own mark, and how high a name is: pixels. */
+const [SELF_PX, NAME_PX] = [12, 18] as const;
 
 /** The part of the map that is shown, and how it lies on the canvas. */
 export interface Lens {
@@ -58,11 +64,17 @@ export function drawMap(canvas: HTMLCanvasElement, map: FloorMap, self: Self | n
   c.fillRect(0, 0, width, height);
   ground(c, map, at, l.scale, ink);
   way(c, shown, self ? fromFeet(shown, self.at) : shown.path, at, ink);
-  if (self) {
-    for (const robot of shown.near) robotMark(c, at(robotAt(self.at, robot)), l.scale, `${robot.id} ${robot.distance.toFixed(1)} m`, ink(robot.distance < 2 ? 'map-stop' : 'map-granted'), ink);
-    const way = wayAhead(self.at, shown);
-    selfMark(c, at(self.at), self.heading, way, ink);
-  }
+  const named = (robot: Shown['near'][number], from: Vec2): Named =>
+    ({ at: at(robotAt(from, robot)), text: `${robot.id} ${metres(robot.distance)}`, close: robot.distance < CLOSE_M });
+  const robots = self ? shown.near.map((robot) => named(robot, self.at)) : [];
+  const radius = Math.max(10, 0.5 * l.scale);
+  for (const robot of robots) ring(c, robot.at, radius, ink(robot.close ? 'map-stop' : 'map-granted'));
+  if (self) selfMark(c, at(self.at), self.heading, wayAhead(self.at, shown), ink);
+  const places = map.stations.flatMap(({ id, node }): Named[] => {
+    const n = map.nodes[node];
+    return n ? [{ at: at([n.x, n.y]), text: id, close: false }] : [];
+  });
+  names(c, robots, places, radius, self ? at(self.at) : null, ink);
   return l;
 }
 
@@ -90,16 +102,12 @@ function ground(c: CanvasRenderingContext2D, map: FloorMap, at: At, scale: numbe
   }
   c.stroke();
   map.obstacles.forEach((outline) => area(outline, ink('map-wall')));
-  c.font = '600 12px system-ui, sans-serif';
-  [c.textAlign, c.textBaseline] = ['center', 'middle'];
   for (const station of map.stations) {
     const node = map.nodes[station.node];
     if (!node) continue;
     const [x, y] = at([node.x, node.y]);
     c.fillStyle = ink('map-station');
     c.fillRect(x - 0.3 * scale, y - 0.3 * scale, 0.6 * scale, 0.6 * scale);
-    c.fillStyle = ink('map-halo');
-    c.fillText(station.id, x, y);
   }
 }
 
@@ -119,15 +127,39 @@ function way(c: CanvasRenderingContext2D, shown: Shown, path: readonly (Point | 
   }
 }
 
-function robotMark(c: CanvasRenderingContext2D, [x, y]: Vec2, scale: number, text: string, colour: string, ink: Ink): void {
+interface Named {
+  at: Vec2;
+  text: string;
+  /** So close that it matters. */
+  close: boolean;
+}
+
+function ring(c: CanvasRenderingContext2D, [x, y]: Vec2, radius: number, colour: string): void {
   c.beginPath();
-  c.arc(x, y, Math.max(10, 0.5 * scale), 0, 7);
+  c.arc(x, y, radius, 0, 7);
   [c.lineWidth, c.strokeStyle] = [3, colour];
   c.stroke();
+}
+
+/** Names of robots, the nearest first, then of stations; a name that finds no room is left out. */
+function names(c: CanvasRenderingContext2D, robots: readonly Named[], places: readonly Named[], radius: number, self: Vec2 | null, ink: Ink): void {
   c.font = '600 13px system-ui, sans-serif';
-  [c.textAlign, c.lineWidth, c.strokeStyle, c.fillStyle] = ['center', 4, ink('map-halo'), ink('map-label')];
-  c.strokeText(text, x, y + Math.max(10, 0.5 * scale) + 11);
-  c.fillText(text, x, y + Math.max(10, 0.5 * scale) + 11);
+  [c.textAlign, c.textBaseline, c.lineWidth, c.strokeStyle, c.fillStyle] = ['center', 'middle', 4, ink('map-halo'), ink('map-label')];
+  const wide = (text: string): number => c.measureText(text).width + 6;
+  const square = ([x, y]: Vec2, half: number): Box => ({ x: x - half, y: y - half, width: 2 * half, height: 2 * half });
+  const taken = self ? [square(self, SELF_PX)] : [];
+  const all = [...robots, ...places];
+  const wishes = all.map(({ at, text }, i): Box[] => {
+    const width = wide(text);
+    const middle: Box = { x: at[0] - width / 2, y: at[1] - NAME_PX / 2, width, height: NAME_PX };
+    return i < robots.length ? around(at, radius + 2, width, NAME_PX) : [middle, ...around(at, NAME_PX, width, NAME_PX)];
+  });
+  placed(wishes, taken).forEach((box, i) => {
+    const text = all[i]?.text ?? '';
+    if (!box) return;
+    c.strokeText(text, box.x + box.width / 2, box.y + box.height / 2);
+    c.fillText(text, box.x + box.width / 2, box.y + box.height / 2);
+  });
 }
 
 function selfMark(c: CanvasRenderingContext2D, [x, y]: Vec2, heading: number | null, way: number | null, ink: Ink): void {
@@ -147,7 +179,7 @@ function selfMark(c: CanvasRenderingContext2D, [x, y]: Vec2, heading: number | n
   if (way !== null) wedge(way, 24, 42, 12, ink('map-chosen'));
   if (heading !== null) wedge(heading, 8, 22, 9, ink('map-person'));
   c.beginPath();
-  c.arc(x, y, 12, 0, 7);
+  c.arc(x, y, SELF_PX, 0, 7);
   [c.fillStyle, c.lineWidth, c.strokeStyle] = [ink('map-person'), 3, ink('map-halo')];
   c.fill();
   c.stroke();

@@ -1,8 +1,10 @@
-// What both views have in common: the words on the board, the shaking, the light that stays on.
-import { metres } from './align';
+// What all views have in common: the words on the board, the voice, the shaking, the light that stays on.
+import { Announcer, type Topic } from './announcer';
 import { make } from './dom';
-import { buzz, type Shown } from './guide';
+import { buzz, joined, type Shown } from './guide';
+import { voice } from './voice';
 import type { Wearer } from './wearer';
+import { metres, t } from './words';
 
 export class Screen {
   readonly title = make('h1', { className: 'title' });
@@ -11,10 +13,24 @@ export class Screen {
   /** What the server says about what it gets, below everything else. */
   readonly note = make('p', { className: 'dim small', role: 'status', hidden: true });
   readonly stop = make('div', { className: 'stop', role: 'alert', hidden: true });
+  /** Says the last words again, and switches the voice on and off. */
+  readonly talk: readonly HTMLElement[];
+  #announcer = new Announcer();
+  #voiceButton = make('button', { type: 'button', className: 'voice' });
+  #noVoice = make('span', { className: 'dim small', hidden: true });
   #kind: Shown['kind'] | null = null;
   #light: WakeLockSentinel | null = null;
 
   constructor(readonly root: HTMLElement, readonly wearer: Wearer) {
+    const again = make('button', { type: 'button', textContent: t('voice.again') });
+    again.addEventListener('click', () => this.again());
+    this.#voiceButton.addEventListener('click', () => {
+      voice.isOn = !voice.isOn;
+      this.#showVoice();
+      if (voice.isOn) this.again();
+    });
+    this.talk = [again, this.#voiceButton, this.#noVoice];
+    this.#showVoice();
     document.addEventListener('visibilitychange', this.#sight);
     addEventListener('pagehide', this.#hidden);
     void this.#keepLight();
@@ -33,19 +49,41 @@ export class Screen {
     write(this.detail, detail);
     const notice = this.wearer.notice();
     this.note.hidden = notice === null;
-    write(this.note, notice === null ? '' : `From the server: ${notice}`);
+    write(this.note, notice === null ? '' : `${t('server.says')} ${notice}`);
     if (this.stop.hidden === (shown.kind === 'stop')) {
       this.stop.hidden = shown.kind !== 'stop';
-      this.stop.replaceChildren(...(shown.kind === 'stop' ? [make('strong', { textContent: 'STOP' }), make('span', { className: 'why' })] : []));
+      this.stop.replaceChildren(...(shown.kind === 'stop' ? [make('strong', { textContent: t('stop') }), make('span', { className: 'why' })] : []));
     }
     const why = this.stop.querySelector<HTMLElement>('.why');
     if (why) write(why, shown.detail);
+    const said = this.#announcer.next(this.#topic(shown), performance.now());
+    if (said) voice.say(said);
+    this.root.dataset['said'] = voice.said;
+  }
+
+  /** What stands now is said again. */
+  again(): void {
+    voice.say({ text: this.#announcer.again(this.#topic(this.wearer.shown())), urgent: true });
+    this.root.dataset['said'] = voice.said;
+  }
+
+  #topic(shown: Shown): Topic {
+    const { guidance, task, finished } = this.wearer;
+    return { shown, assignment: guidance?.assignment ?? null, task, finished };
+  }
+
+  #showVoice(): void {
+    write(this.#voiceButton, t(voice.isOn ? 'voice.on' : 'voice.off'));
+    this.#voiceButton.ariaPressed = String(voice.isOn);
+    this.#noVoice.hidden = !voice.isOn || !voice.isMissing;
+    write(this.#noVoice, t('voice.none'));
   }
 
   close(): void {
     document.removeEventListener('visibilitychange', this.#sight);
     removeEventListener('pagehide', this.#hidden);
     this.wearer.stop();
+    voice.hush();
     void this.#light?.release().catch(() => {});
   }
 
@@ -77,16 +115,18 @@ export function board(shown: Shown, wearer: Wearer): readonly [title: string, de
   const { names, taken } = marking;
   switch (marking.kind) {
     case 'taking':
-      return [`Mark ${taken.length + 1} of ${names.length}: ${names[taken.length]}`, 'Stand on it or point at it: the ring must lie on the mark. Then pinch, pull the trigger or tap.'];
+      return [t('mark.take', { count: taken.length + 1, all: names.length, name: names[taken.length] ?? '' }), t('mark.take.detail')];
     case 'asking':
-      return ['Checking the marks', ''];
+      return [t('mark.asking'), ''];
     case 'refused':
-      return ['The marks do not fit', `${marking.text} Confirm to take them again.`];
-    case 'done':
-      if (wearer.due() !== null) return [shown.title, `${shown.detail} ${refusal(wearer)}Done here? Pinch, pull the trigger or tap.`.trim()];
-      return [shown.title, shown.kind === 'idle' && names.length > 0 ? `${shown.detail} Marks fit within ${metres(marking.rms_m)}; hold the trigger to take them again.` : shown.detail];
+      return [t('mark.refused'), t('mark.refused.detail', { why: marking.text })];
+    case 'done': {
+      if (wearer.due() !== null) return [shown.title, joined(shown.detail, refusal(wearer), t('task.ask'))];
+      const hasMarks = shown.kind === 'idle' && names.length > 0;
+      return [shown.title, joined(shown.detail, hasMarks ? t('mark.fit', { distance: metres(marking.rms_m) }) : '')];
+    }
   }
 }
 
 /** Why being done was not taken, to stand before what comes next. */
-export const refusal = ({ notTaken }: Wearer): string => (notTaken === null ? '' : `Not accepted: ${notTaken} `);
+export const refusal = ({ notTaken }: Wearer): string => (notTaken === null ? '' : t('task.refused', { why: notTaken }));

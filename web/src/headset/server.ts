@@ -1,5 +1,6 @@
 // Requests of this page to the public API, with the token where one is wanted.
 import type { Line, LineEvents } from './feed';
+import type { Task } from './guide';
 import type { FloorMap, Problem, RobotKind, Worker } from '../wire';
 
 export type Answer<T> = { kind: 'ok'; value: T } | { kind: 'locked' } | { kind: 'refused'; text: string } | { kind: 'unreachable' };
@@ -19,6 +20,11 @@ export class Server {
   kinds = () => this.#ask<RobotKind[]>('GET', '/v1/kinds');
   workers = () => this.#ask<{ items: Worker[] }>('GET', '/v1/workers?limit=200');
   worker = (id: string) => this.#ask<Worker>('GET', `/v1/workers/${encodeURIComponent(id)}`);
+  /** What an assignment of a worker is about; null where the server does not say. */
+  task = async (worker: string, assignment: string): Promise<Task | null> => {
+    const answer = await this.#ask<{ items: Task[] }>('GET', `/v1/workers/${encodeURIComponent(worker)}/assignments?limit=50`);
+    return answer.kind === 'ok' ? (answer.value.items.find(({ id }) => id === assignment) ?? null) : null;
+  };
   /** The same name is the same worker. */
   hire = (name: string) => this.#ask<Worker>('POST', '/v1/workers', { name });
   /** The worker has left the floor, and says so. */

@@ -1,5 +1,6 @@
 // The writing in the room, on one canvas: the board before the eyes, the word STOP, and a label for each robot.
 import type { Tone } from './guide';
+import { spoken } from './words';
 
 export interface Writing {
   tone: Tone;
@@ -73,12 +74,24 @@ function fit(c: CanvasRenderingContext2D, text: string, px: number, weight: numb
 function wrap(c: CanvasRenderingContext2D, text: string, px: number, room: number): string[] {
   c.font = font(px, 450);
   const lines = [''];
-  for (const word of text.split(' ')) {
-    const longer = `${lines.at(-1)} ${word}`.trim();
-    if (c.measureText(longer).width > room && lines.at(-1) !== '') lines.push(word);
+  for (const part of partsOf(text)) {
+    const longer = `${lines.at(-1)}${part}`;
+    if (c.measureText(longer.trimEnd()).width > room && lines.at(-1) !== '') lines.push(part);
     else lines[lines.length - 1] = longer;
   }
-  return lines;
+  return lines.map((line) => line.trim());
+}
+
+/** What a line may end with: words with the space behind them; in languages without spaces, as their words go. */
+export function partsOf(text: string, language = spoken()): string[] {
+  if (language !== 'zh') return text.split(/(?<= )/);
+  const parts: string[] = [];
+  for (const { segment, isWordLike } of new Intl.Segmenter(language, { granularity: 'word' }).segment(text)) {
+    // No line begins with a full stop.
+    if (isWordLike || parts.length === 0) parts.push(segment);
+    else parts.push(`${parts.pop()}${segment}`);
+  }
+  return parts;
 }
 
 function box(c: CanvasRenderingContext2D, x: number, y: number, w: number, h: number, fill: string): void {

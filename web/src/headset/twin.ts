@@ -12,6 +12,7 @@ import type { Server } from './server';
 import { steer } from './steer';
 import { drag, headingOf, LONG_SIDE, matricesOf, onMap, perspective, poseOf, seated, shifted, step, turned, walked, type Eye, type Free } from './walk';
 import { Wearer, type WearerOptions } from './wearer';
+import { t } from './words';
 import { offers, RoomView } from './xr';
 import { Api, Link, type FloorMap } from '../wire';
 
@@ -38,7 +39,6 @@ const DEAD = 0.2;
 const NARROW_BUTTON = 4;
 const DENSEST = 2;
 const BEAT_MS = 100;
-const HELP = 'Click the picture, then walk with the arrow keys or W, A, S and D; drag to look around. N switches the narrow view.';
 
 export class Twin {
   #o: TwinOptions;
@@ -54,8 +54,8 @@ export class Twin {
   #vr: { view: RoomView | null; rig: Alignment | null; snapped: boolean; pressed: boolean; at: number } | null = null;
   #before = 0;
   #ends: (() => void)[] = [];
-  #narrowButton = make('button', { type: 'button', textContent: 'Narrow view (30° × 17.5°)', ariaPressed: 'false' });
-  #doneButton = make('button', { type: 'button', textContent: 'Done', className: 'main', hidden: true });
+  #narrowButton = make('button', { type: 'button', textContent: t('twin.narrow'), ariaPressed: 'false' });
+  #doneButton = make('button', { type: 'button', textContent: t('done'), className: 'main', hidden: true });
   #error = make('p', { className: 'error', role: 'alert' });
 
   constructor(options: TwinOptions) {
@@ -63,11 +63,12 @@ export class Twin {
     const { host, server, map, worker, start, clock } = options;
     this.#free = (at) => canStand(map, at);
     this.#eye = { at: start, heading: towards(start, map), pitch: -0.12 };
-    this.#canvas = make('canvas', { tabIndex: 0, role: 'application', ariaLabel: 'The floor around you. Arrow keys walk and turn, N switches the narrow view, Enter says that the work is done.' });
+    this.#canvas = make('canvas', { tabIndex: 0, role: 'application', ariaLabel: t('twin.canvas') });
     this.#hall = new Hall(map, hallInk());
     this.#overlay = new Overlay(new Painter(this.#canvas), roomInk(), inkOf, this.#hall);
     this.#wearer = new Wearer({
-      frame: 'map', poses: 'tracked', clock, random: Math.random, marks: [], open: (events) => server.open(worker.id, events), onChange: () => this.#refresh(),
+      frame: 'map', poses: 'tracked', clock, random: Math.random, marks: [], open: (events) => server.open(worker.id, events),
+      task: (assignment) => server.task(worker.id, assignment), onChange: () => this.#refresh(),
     });
     this.#screen = new Screen(host, this.#wearer);
     const api = new Api();
@@ -82,11 +83,13 @@ export class Twin {
     const { host, map, worker, safety, left } = this.#o;
     const hands = steer(this.#canvas, {
       drag: (dx, dy) => { this.#eye = drag(this.#eye, dx, dy, this.#metresPerPixel()); },
-      done: () => this.#wearer.done(),
+      done: () => {
+        if (!this.#wearer.done()) this.#screen.again();
+      },
       narrow: () => this.#toggle(),
     });
-    const enter = make('button', { type: 'button', textContent: 'Enter VR', hidden: !(await offers('immersive-vr')) });
-    const gone = make('button', { type: 'button', textContent: 'I have left the floor' });
+    const enter = make('button', { type: 'button', textContent: t('twin.vr'), hidden: !(await offers('immersive-vr')) });
+    const gone = make('button', { type: 'button', textContent: t('left.gone') });
     this.#narrowButton.addEventListener('click', () => this.#toggle());
     this.#doneButton.addEventListener('click', () => this.#wearer.done());
     enter.addEventListener('click', () => void this.#enter());
@@ -94,14 +97,15 @@ export class Twin {
       this.close();
       left();
     });
-    const real = make('p', { className: 'safety', hidden: true, textContent: 'This floor is real: its robots give way to you wherever you walk here.' });
-    const { banner, note, stop } = this.#screen;
+    const real = make('p', { className: 'safety', hidden: true, textContent: t('twin.real') });
+    const { banner, note, stop, talk } = this.#screen;
     // The board and STOP are drawn into the picture; here they are for those who do not see it.
     host.dataset['screen'] = 'twin';
     host.replaceChildren(make('main', { className: 'twin' }, make('div', { className: 'hidden' }, banner, stop),
       make('div', { className: 'window' }, this.#canvas, hands.pad),
-      make('div', { className: 'row wrap' }, make('span', { className: 'dim grow', textContent: `${worker.name} on ${map.name}` }), this.#doneButton, this.#narrowButton, enter, gone),
-      real, note, this.#error, make('p', { className: 'dim small', textContent: HELP }), make('p', { className: 'safety', textContent: safety })));
+      make('div', { className: 'row wrap' }, make('span', { className: 'dim grow', textContent: t('twin.on', { name: worker.name, map: map.name }) }),
+        this.#doneButton, ...talk, this.#narrowButton, enter, gone),
+      real, note, this.#error, make('p', { className: 'dim small', textContent: t('twin.help') }), make('p', { className: 'safety', textContent: safety })));
     const watch = new ResizeObserver(() => this.#measure());
     watch.observe(this.#canvas);
     const beat = setInterval(() => {
@@ -135,7 +139,7 @@ export class Twin {
 
   #words(): readonly [title: string, detail: string] {
     const { feed } = this.#wearer;
-    return feed.kind === 'ended' ? ['Connection ended', feed.text] : board(this.#wearer.shown(), this.#wearer);
+    return feed.kind === 'ended' ? [t('ended'), feed.text] : board(this.#wearer.shown(), this.#wearer);
   }
 
   #toggle(): void {
@@ -209,7 +213,9 @@ export class Twin {
         inputs: (sources) => {
           if (last !== null) this.#sticks(sources, last.head);
         },
-        confirm: () => this.#wearer.done(),
+        confirm: () => {
+          if (!this.#wearer.done()) this.#screen.again();
+        },
         held: () => {},
         // The origin of the device jumped: the wearer did not, and stays where they were on the map.
         reset: () => { vr.rig = null; },
@@ -224,7 +230,7 @@ export class Twin {
       });
     } catch (error) {
       this.#vr = null;
-      this.#error.textContent = `VR did not open: ${error instanceof Error ? error.message : String(error)}`;
+      this.#error.textContent = t('failed.vr', { why: error instanceof Error ? error.message : String(error) });
     }
   }
 

@@ -3,7 +3,7 @@
 import { mark, type Mark, type MarkEvent, type Marking } from './align';
 import { Feed, type FeedEvent, type FeedOptions, type FeedState } from './feed';
 import { distance, type Alignment, type Vec2, type Vec3 } from './frame';
-import { lengthOf, show, type Guidance, type Shown, type Standing } from './guide';
+import { lengthOf, show, type Guidance, type Shown, type Standing, type Task } from './guide';
 import { Pump, type Sample } from './pump';
 
 export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clock' | 'random'> {
@@ -11,6 +11,8 @@ export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clo
   marks: readonly { name: string; at: Vec2 }[];
   /** Poses of frames, as from a headset; or places that the wearer points out on a map. */
   poses: 'tracked' | 'placed';
+  /** Asks the server for an assignment of this worker; null where it does not answer. */
+  task(assignment: string): Promise<Task | null>;
   onChange(): void;
 }
 
@@ -22,6 +24,10 @@ const NOTICE_MS = 6_000;
 const THERE_M = 2.5;
 /** A person who points at a map is right to about a metre. */
 const PLACED_ACCURACY_M = 1;
+/** What the server knows of a place is asked for every second, and old after two. */
+const KNOWN_MS = 2_500;
+/** After an assignment that could not be read it is asked for again, milliseconds. */
+const ASK_AGAIN_MS = 3_000;
 
 export class Wearer {
   marking: Marking;
@@ -33,6 +39,10 @@ export class Wearer {
   /** Poses that were sent. */
   sent = 0;
   placed: { at: Vec2; since: number } | null = null;
+  /** What the worker is to do, as soon as the server has said it. */
+  task: Task | null = null;
+  /** The assignment that was done last, by the wearer's word. */
+  finished: string | null = null;
   readonly pump = new Pump();
 
   #options: WearerOptions;
@@ -43,6 +53,9 @@ export class Wearer {
   #placedAt = -Infinity;
   /** The assignment that was said to be done, until the server has another one. */
   #reported: string | null = null;
+  #asked: { assignment: string; at: number } | null = null;
+  /** How well the server knows the place, by the most exact source. */
+  #known: { accuracy_m: number; at: number } | null = null;
   /** The last thing that the server found wrong with what it got. */
   #warning: { text: string; at: number } | null = null;
 
@@ -90,6 +103,7 @@ export class Wearer {
   /** Called a few times a second, with and without frames. */
   tick(): void {
     const now = this.#options.clock.now();
+    this.#askTask(now);
     if (this.#options.poses === 'tracked') {
       const message = this.pump.missing(now);
       if (message) this.#send(message);
@@ -102,11 +116,12 @@ export class Wearer {
     this.#options.onChange();
   }
 
-  /** The wearer confirms: the mark that is due, here; or, once the marks fit, that the work is done. */
-  confirm(at: Vec3): void {
+  /** The wearer confirms: the mark that is due, here; or, once the marks fit, that the work is done. False for neither. */
+  confirm(at: Vec3): boolean {
     if (this.marking.kind === 'done') return this.done();
     const due = this.#options.marks[this.marking.taken.length];
     this.#mark({ kind: 'confirm', at, map: due?.at ?? [0, 0] });
+    return true;
   }
   /**
    * The assignment that the wearer can say to be done with. In the room that is where its place is near, so that no
@@ -116,14 +131,16 @@ export class Wearer {
     const assignment = this.guidance?.assignment ?? null;
     const guided = ['following', 'deviating', 'redirected'].includes(this.shown().kind);
     if (!guided || assignment === null || assignment === this.#reported) return null;
-    return this.#options.poses === 'placed' || lengthOf(this.guidance?.path ?? []) < THERE_M ? assignment : null;
+    const isThere = this.guidance?.arrived === true || lengthOf(this.guidance?.path ?? []) < THERE_M;
+    return this.#options.poses === 'placed' || isThere ? assignment : null;
   }
-  done(): void {
+  done(): boolean {
     const due = this.due();
-    if (due === null) return;
+    if (due === null) return false;
     [this.#reported, this.notTaken] = [due, null];
     this.#feed.done(due);
     this.#options.onChange();
+    return true;
   }
   /** Takes the marks anew; until then the alignment from before stands. */
   remark(): void {
@@ -141,10 +158,22 @@ export class Wearer {
     this.#feed.resync();
     this.#feed.retryNow();
   }
-  /** The wearer says where they stand. */
+  /** The wearer says where they stand; a tag that knows it better is believed instead. */
   place(at: Vec2): void {
+    if (this.isKnown()) return this.#options.onChange();
     [this.placed, this.#placedAt] = [{ at, since: this.#options.clock.now() }, -Infinity];
     this.tick();
+  }
+
+  /** How well the server knows where the worker is; null where it does not. */
+  located(accuracy_m: number | null): void {
+    this.#known = accuracy_m === null ? null : { accuracy_m, at: this.#options.clock.now() };
+    if (this.isKnown()) this.placed = null;
+  }
+  /** Whether a tag or another device sees the worker more exactly than a finger points. */
+  isKnown(): boolean {
+    const known = this.#known;
+    return known !== null && known.accuracy_m < PLACED_ACCURACY_M && this.#options.clock.now() - known.at < KNOWN_MS;
   }
 
   shown(): Shown {
@@ -152,7 +181,7 @@ export class Wearer {
     const tracking = this.#options.poses === 'placed' ? 'none' : this.pump.isLost(now) ? 'lost' : this.#quality;
     const link: Standing['link'] = this.feed.kind;
     const age_ms = this.#heardAt === null ? null : now - this.#heardAt;
-    return show(this.guidance, { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null });
+    return show(this.guidance, { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null }, this.task);
   }
 
   /** What the server finds wrong with what it gets. It says so every two seconds while it lasts. */
@@ -203,9 +232,10 @@ export class Wearer {
       case 'guidance':
         if (event.guidance.assignment !== this.guidance?.assignment) this.notTaken = null;
         [this.guidance, this.#heardAt] = [event.guidance, this.#options.clock.now()];
-        return;
+        return this.#askTask(this.#heardAt);
       case 'done':
         if (event.refused !== null) [this.#reported, this.notTaken] = [null, event.refused];
+        else this.finished = event.assignment;
         return;
       case 'warning':
         this.#warning = { text: event.text, at: this.#options.clock.now() };
@@ -213,6 +243,19 @@ export class Wearer {
       case 'clock':
         return;
     }
+  }
+
+  /** Guidance names the assignment; what it is about is asked for once. */
+  #askTask(now: number): void {
+    const assignment = this.guidance?.assignment ?? null;
+    if (assignment === null || assignment === this.task?.id) return;
+    if (this.#asked?.assignment === assignment && now - this.#asked.at < ASK_AGAIN_MS) return;
+    this.#asked = { assignment, at: now };
+    void this.#options.task(assignment).then((task) => {
+      if (task === null || this.guidance?.assignment !== task.id) return;
+      this.task = task;
+      this.#options.onChange();
+    });
   }
 
   #mark(event: MarkEvent): void {

@@ -16,6 +16,8 @@ export interface FloorMap {
   racks: { id: string; node: number }[];
   obstacles: Point[][];
   walkable: Point[][];
+  /** Marks on the floor, by which headsets find where they are; none where a file does not say. */
+  marks?: readonly { name: string; x: number; y: number }[];
   /** The kinds of robots that may join; empty where a file does not say. */
   kinds?: readonly RobotKind[];
 }

@@ -1,0 +1,106 @@
+// What a worker hears, and when: the task with its place, "you are there", "done", the next one, and warnings. Each is said
+// once; what was said can be said again. It makes sentences and no sound.
+import { joined, taskText, type Shown, type Task } from './guide';
+import { t } from './words';
+
+/** What there is to talk about now. */
+export interface Topic {
+  shown: Shown;
+  /** The assignment that guidance is for. */
+  assignment: string | null;
+  /** What the worker is to do, once it is known. */
+  task: Task | null;
+  /** The assignment that the wearer reported as done and the fleet accepted. */
+  finished: string | null;
+}
+export interface Utterance {
+  text: string;
+  /** It silences what is being said. */
+  urgent: boolean;
+}
+
+/** Whoever walks along the edge of the path leaves it again and again: the same words are not said so soon. */
+const SAME_MS = 10_000;
+/** Between two tasks there may be a moment without one. */
+const PAUSE_MS = 2_000;
+const WARNINGS: readonly Shown['kind'][] = ['stop', 'lost', 'offline', 'deviating', 'redirected'];
+
+export class Announcer {
+  /** The warning that stands, and when each was said last. */
+  #warned = '';
+  #saidAt = new Map<string, number>();
+  #kind: Shown['kind'] | null = null;
+  /** The assignment that was told, and whether "you are there" was said for it. */
+  #told: { id: string; there: boolean } | null = null;
+  #endedAt: number | null = null;
+
+  /** What is to be said, if anything is new. */
+  next(topic: Topic, now: number): Utterance | null {
+    const warning = this.#warning(topic.shown, now);
+    const work = this.#work(topic, now);
+    this.#kind = topic.shown.kind;
+    const text = joined(warning, work);
+    return text === '' ? null : { text, urgent: topic.shown.kind === 'stop' || topic.shown.kind === 'lost' };
+  }
+
+  /** What stands now, for somebody who did not catch it. */
+  again({ shown, assignment, task }: Topic): string {
+    const hasTask = task !== null && task.id === assignment;
+    if (!isGuided(shown) || shown.kind === 'idle' || !hasTask) return sentences(shown);
+    const more = shown.kind === 'following' ? shown.why : sentences(shown);
+    return joined(t('sentence', { text: taskText(task) }), shown.arrived ? t('sentence', { text: t('task.there') }) : '', more);
+  }
+
+  #warning(shown: Shown, now: number): string {
+    const before = this.#kind;
+    if (!WARNINGS.includes(shown.kind)) {
+      const isBack = before === 'offline' && this.#warned.startsWith('offline');
+      this.#warned = '';
+      return isBack ? t('voice.connected') : '';
+    }
+    // The seconds of a wait count down: they make no new warning.
+    const key = `${shown.kind} ${shown.why}`;
+    if (key === this.#warned) return '';
+    this.#warned = key;
+    // A page that has just been opened is not connected yet, which is nothing to warn of.
+    if (shown.kind === 'offline' && before === null) {
+      this.#warned = '';
+      return '';
+    }
+    const isUrgent = shown.kind === 'stop' || shown.kind === 'lost';
+    if (!isUrgent && now - (this.#saidAt.get(key) ?? -Infinity) < SAME_MS) return '';
+    this.#saidAt.set(key, now);
+    // The task itself is told apart from the warning.
+    return shown.kind === 'redirected' || shown.kind === 'deviating' ? joined(t('sentence', { text: shown.title }), shown.why) : sentences(shown);
+  }
+
+  #work({ shown, assignment, task, finished }: Topic, now: number): string {
+    if (!isGuided(shown)) return '';
+    const told = this.#told;
+    const isOver = told !== null && told.id !== assignment;
+    // Work is over by the wearer's word, or because the worker was there for as long as it takes.
+    const isDone = isOver && (finished === told.id || told.there);
+    let said = isDone ? t('task.done') : '';
+    if (isOver) [this.#told, this.#endedAt] = [null, now];
+    if (assignment === null) {
+      if (this.#endedAt === null || now - this.#endedAt < PAUSE_MS) return said;
+      this.#endedAt = null;
+      return joined(said, t('task.none'));
+    }
+    if (task === null || task.id !== assignment) return said;
+    if (this.#told === null) {
+      const words = taskText(task);
+      said = joined(said, t('sentence', { text: this.#endedAt === null ? words : t('task.next', { task: words }) }));
+      [this.#told, this.#endedAt] = [{ id: assignment, there: false }, null];
+    }
+    if (shown.arrived && this.#told !== null && !this.#told.there) {
+      this.#told.there = true;
+      said = joined(said, t('sentence', { text: t('task.there') }));
+    }
+    return said;
+  }
+}
+
+/** Whether guidance says what the worker has to do, rather than that something is wrong. */
+const isGuided = ({ kind }: Shown): boolean => ['idle', 'following', 'deviating', 'redirected'].includes(kind);
+const sentences = ({ title, detail }: Shown): string => joined(t('sentence', { text: title }), detail);
