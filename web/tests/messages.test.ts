@@ -7,7 +7,7 @@ import { describe, expect, test } from 'vitest';
 import { LANGUAGES, languageFor, metres, sayIn, seconds } from '../src/language';
 
 /** Rooms whose every visible text is a message. */
-const TRANSLATED = ['headset', 'words', 'alarms', 'robots'];
+const TRANSLATED = ['headset', 'words', 'alarms', 'robots', 'jobs'];
 /** Messages stand in one room and are said in others, too: the dashboard's in all but those that load nothing of it. */
 const isSaidIn = (messages: string, room: string): boolean =>
   messages === room || (messages === 'words' && !['headset', 'docs', 'editor', 'language'].includes(room));

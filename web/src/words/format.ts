@@ -76,6 +76,16 @@ export const KIND_WORDS = wordsBy<JobKind>({
   deliver: 'kind.deliver', return: 'kind.return', relocate: 'kind.relocate', charge: 'kind.charge', park: 'kind.park', go: 'kind.go',
 });
 
+/** The same in one word, as cells of tables have it. */
+export const SHORT_KIND_WORDS = wordsBy<JobKind>({
+  deliver: 'kind.short.deliver', return: 'kind.short.return', relocate: 'kind.short.relocate', charge: 'kind.short.charge',
+  park: 'kind.short.park', go: 'kind.short.go',
+});
+export const STATE_WORDS = wordsBy<JobState>({
+  waiting: 'job.state.waiting', assigned: 'job.state.assigned', carrying: 'job.state.carrying', picking: 'job.state.picking',
+  done: 'job.state.done', cancelled: 'job.state.cancelled', failed: 'job.state.failed',
+});
+
 export const isOver = (state: JobState): boolean =>
   state === 'done' || state === 'cancelled' || state === 'failed';
 
