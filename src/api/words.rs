@@ -7,8 +7,8 @@
 use crate::alarm::{AlarmKind, AlarmSeverity, SubjectKind};
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::{
-    Activity, AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceReason, GuidanceState, JobKind, JobState, Presence,
-    Reaction, RobotState,
+    Activity, AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceReason, GuidanceState, JobKind,
+    JobState, Presence, Reaction, RobotState,
 };
 use crate::human::IntentState;
 use serde::{Deserialize, Serialize, Serializer};

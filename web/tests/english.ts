@@ -1,4 +1,5 @@
 // Tests read English, whatever the machine speaks.
-import { learn } from '../src/headset/words';
+import { learn as learnHeadset } from '../src/headset/words';
+import { learn } from '../src/words';
 
-await learn('en');
+await Promise.all([learn('en'), learnHeadset('en')]);

@@ -141,10 +141,10 @@ await check('A tap says it again; switched off, the voice is silent', async () =
   await german.getByRole('button', { name: 'Noch einmal sagen' }).click();
   assert((await heard(german)).length === before + 1, 'nothing was heard');
   assert((await heard(german)).at(-1).includes('Kartons holen bei R106'), (await heard(german)).at(-1));
-  await german.getByRole('button', { name: 'Stimme an' }).click();
+  await german.getByRole('button', { name: 'Stimme: an' }).click();
   await german.getByRole('button', { name: 'Noch einmal sagen' }).click();
   assert((await heard(german)).length === before + 1, 'it spoke');
-  await german.getByRole('button', { name: 'Stimme aus' }).click();
+  await german.getByRole('button', { name: 'Stimme: aus' }).click();
 });
 await check('Another language is chosen, and remembered', async () => {
   await german.getByRole('button', { name: 'Ich habe die Halle verlassen' }).click();

@@ -343,7 +343,9 @@ pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<PointPair>, Str
     let pair = |(i, a): (usize, &AnchorSaid)| {
         let named = |name: &String| {
             let mark = map.mark_named(name);
-            mark.ok_or_else(|| format!("pairs[{i}]: there is no mark or node \"{name}\"; GET /v1/map lists them"))
+            mark.ok_or_else(|| {
+                format!("pairs[{i}]: there is no mark or node \"{name}\"; GET /v1/map lists them")
+            })
         };
         let at = match (a.map, &a.mark) {
             (Some([x, y]), None) => Point::new(x, y),

@@ -215,9 +215,7 @@ impl From<MapRecord> for Draft {
             exits: r.exits,
             walkable: r.walkable.into_iter().map(outline).collect(),
             obstacles: r.obstacles.into_iter().map(outline).collect(),
-            marks: (r.marks.into_iter())
-                .map(|m| Mark { name: m.id, at: Point::new(m.x.0, m.y.0) })
-                .collect(),
+            marks: (r.marks.into_iter()).map(|m| Mark { name: m.id, at: Point::new(m.x.0, m.y.0) }).collect(),
         }
     }
 }

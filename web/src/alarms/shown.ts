@@ -1,8 +1,9 @@
 // What the list of alarms shows, and which of them call for a person: pure, so that it can be tested without a page.
 import type { Picked } from '../floor';
 import type { Alarm, AlarmRecord, Severity, SubjectKind } from '../wire';
+import { wordsBy } from '../words';
 
-export const SEVERITY_WORDS: Record<Severity, string> = { critical: 'Critical', warning: 'Warning', notice: 'Notice' };
+export const SEVERITY_WORDS = wordsBy<Severity>({ critical: 'alarm.critical', warning: 'alarm.warning', notice: 'alarm.notice' });
 
 /** Recordings of earlier versions do not say how bad an alarm was. */
 export const severityOf = (alarm: Alarm): Severity => alarm.severity ?? 'warning';

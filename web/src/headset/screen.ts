@@ -74,7 +74,6 @@ export class Screen {
 
   #showVoice(): void {
     write(this.#voiceButton, t(voice.isOn ? 'voice.on' : 'voice.off'));
-    this.#voiceButton.ariaPressed = String(voice.isOn);
     this.#noVoice.hidden = !voice.isOn || !voice.isMissing;
     write(this.#noVoice, t('voice.none'));
   }

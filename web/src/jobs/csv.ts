@@ -1,6 +1,7 @@
 // Jobs from a table: reads CSV, says line by line what is wrong, and makes the requests.
 import { build, BLANK, FIELDS, type FormValues } from './jobform';
 import { JOB_KINDS, type JobKind, type NewJob } from '../wire';
+import { t } from '../words';
 
 export interface CsvLine {
   /** In the file, from 1 on. */
@@ -63,15 +64,15 @@ export interface Known {
 
 export function readJobs(text: string, known: Known, now: Date): CsvRead {
   const [head, ...rest] = cells(text);
-  if (!head) return { kind: 'unreadable', why: 'The table is empty.' };
+  if (!head) return { kind: 'unreadable', why: t('csv.empty') };
   const names = head.cells.map((c) => c.toLowerCase());
   const strange = names.filter((n) => !(COLUMNS as readonly string[]).includes(n));
   if (!names.includes('kind') || strange.length > 0) {
-    const which = strange.length > 0 ? ` There is no column ${strange.map((s) => `“${s}”`).join(', ')}.` : '';
-    return { kind: 'unreadable', why: `The first line must name the columns, including kind; known columns are ${COLUMNS.join(', ')}.${which}` };
+    const which = strange.length > 0 ? t('csv.column.unknown', { columns: strange.map((s) => `“${s}”`).join(', ') }) : '';
+    return { kind: 'unreadable', why: [t('csv.columns.wrong', { columns: COLUMNS.join(', ') }), which].filter(Boolean).join(' ') };
   }
-  if (rest.length === 0) return { kind: 'unreadable', why: 'There is no job below the first line.' };
-  if (rest.length > MOST_LINES) return { kind: 'unreadable', why: `${rest.length} jobs are too many: submit at most ${MOST_LINES} at once.` };
+  if (rest.length === 0) return { kind: 'unreadable', why: t('csv.none') };
+  if (rest.length > MOST_LINES) return { kind: 'unreadable', why: t('csv.many', { count: rest.length, most: MOST_LINES }) };
   return { kind: 'table', lines: rest.map((r) => readLine(r, names, known, now)) };
 }
 
@@ -79,10 +80,10 @@ function readLine(row: { line: number; cells: string[] }, names: readonly string
   const found: Record<string, string> = {};
   names.forEach((name, i) => { found[name] = row.cells[i] ?? ''; });
   const errors: string[] = [];
-  if (row.cells.length > names.length) errors.push(`${row.cells.length} cells, but ${names.length} columns.`);
+  if (row.cells.length > names.length) errors.push(t('csv.cells', { cells: row.cells.length, columns: names.length }));
   const kind = (found['kind'] ?? '').toLowerCase() as JobKind;
   const at = { line: row.line, cells: found };
-  if (!JOB_KINDS.includes(kind)) return { ...at, job: null, errors: [`“${found['kind']}” is not a kind of job; use one of ${JOB_KINDS.join(', ')}.`] };
+  if (!JOB_KINDS.includes(kind)) return { ...at, job: null, errors: [t('csv.kind', { kind: found['kind'] ?? '', kinds: JOB_KINDS.join(', ') })] };
   const values: FormValues = {
     ...BLANK, kind, rack: found['rack'] ?? '', station: found['station'] ?? '', node: found['node'] ?? '',
     robot: found['robot'] ?? '', priority: found['priority'] || '0', deadline: found['deadline_min'] ?? '',
@@ -92,19 +93,19 @@ function readLine(row: { line: number; cells: string[] }, names: readonly string
   for (const field of ['rack', 'station', 'node', 'robot'] as const) {
     const text = values[field].trim();
     if (text === '') continue;
-    if (!FIELDS[kind].includes(field)) errors.push(`A ${kind} job has no ${field}.`);
-    else if (!known[field].has(text)) errors.push(`There is no ${field} “${text}”.`);
+    if (!FIELDS[kind].includes(field)) errors.push(t('csv.field', { kind, field }));
+    else if (!known[field].has(text)) errors.push(t('csv.unknown', { field, name: text }));
   }
   const job = built.kind === 'ready' ? built.job : null;
   const pick = found['pick_s'] ?? '';
   if (pick !== '') {
     const seconds = Number(pick);
-    if (kind !== 'deliver') errors.push(`A ${kind} job has no pick_s.`);
-    else if (!(seconds >= 0 && seconds <= LONGEST_PICK_S)) errors.push(`pick_s must be 0 to ${LONGEST_PICK_S} seconds.`);
+    if (kind !== 'deliver') errors.push(t('csv.field', { kind, field: 'pick_s' }));
+    else if (!(seconds >= 0 && seconds <= LONGEST_PICK_S)) errors.push(t('csv.pick', { most: LONGEST_PICK_S }));
     else if (job) job.pick_s = seconds;
   }
   const reference = found['reference'] ?? '';
-  if (reference.length > LONGEST_REFERENCE) errors.push(`The reference is longer than ${LONGEST_REFERENCE} characters.`);
+  if (reference.length > LONGEST_REFERENCE) errors.push(t('csv.reference', { most: LONGEST_REFERENCE }));
   else if (reference !== '' && job) job.reference = reference;
   return { ...at, job: errors.length === 0 ? job : null, errors };
 }

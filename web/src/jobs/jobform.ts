@@ -1,5 +1,6 @@
 // The job form without its looks: which fields a kind of job needs, and the request made of them.
 import type { JobKind, NewJob, Problem } from '../wire';
+import { t, wordsBy } from '../words';
 
 export type Field = 'rack' | 'station' | 'node' | 'robot';
 export type FormField = Field | 'priority' | 'deadline';
@@ -21,7 +22,7 @@ export const FIELDS: Record<JobKind, readonly Field[]> = {
   deliver: ['rack', 'station'], return: ['rack'], relocate: ['rack', 'node'],
   charge: ['robot'], park: ['robot'], go: ['robot', 'node'],
 };
-const FIELD_WORDS: Record<Field, string> = { rack: 'a rack', station: 'a station', node: 'a place', robot: 'a robot' };
+const MISSING = wordsBy<Field>({ rack: 'job.name.rack', station: 'job.name.station', node: 'job.name.node', robot: 'job.name.robot' });
 
 export const BLANK: FormValues = {
   kind: 'deliver', rack: '', station: '', node: '', robot: '', priority: '0', deadline: '',
@@ -33,19 +34,19 @@ export function build(values: FormValues, now: Date): Built {
   const job: NewJob = { kind: values.kind, priority: 0 };
   for (const field of FIELDS[values.kind]) {
     const text = values[field].trim();
-    if (text === '') errors[field] = `Name ${FIELD_WORDS[field]}.`;
+    if (text === '') errors[field] = MISSING[field];
     else job[field] = text;
   }
   const priority = Number(values.priority);
   if (values.priority.trim() === '' || !Number.isInteger(priority) || priority < 0 || priority > 9) {
-    errors.priority = 'Priority is a whole number from 0 to 9.';
+    errors.priority = t('job.priority.wrong');
   } else {
     job.priority = priority;
   }
   if (values.deadline.trim() !== '') {
     const minutes = Number(values.deadline);
     if (!Number.isFinite(minutes) || minutes <= 0 || minutes > 7 * 24 * 60) {
-      errors.deadline = 'The deadline is a number of minutes from now, at most a week.';
+      errors.deadline = t('job.deadline.wrong');
     } else {
       job.deadline = new Date(now.getTime() + minutes * 60_000).toISOString();
     }

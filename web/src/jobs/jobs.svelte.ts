@@ -1,7 +1,7 @@
 // The jobs list: the newest jobs, refreshed when the live counts say that something changed, with the
 // jobs submitted from this page kept on top until they are over and seen.
 import type { Api, Job, JobState } from '../wire';
-import { isOver } from '../words';
+import { isOver, t } from '../words';
 
 const SOONEST_MS = 1_000;
 const AT_LEAST_EVERY_MS = 5_000;
@@ -68,7 +68,7 @@ export class Jobs {
     await this.#refresh();
     if (answer.kind === 'ok') return null;
     return answer.kind === 'unreachable'
-      ? 'The server cannot be reached; the job may not have been cancelled.'
+      ? t('jobs.cancel.unsure')
       : (answer.problem.detail ?? answer.problem.title);
   }
 
@@ -87,7 +87,7 @@ export class Jobs {
         this.items = unique([...answer.value.items, ...this.#older]);
         await this.#refreshOwn(answer.value.items);
       } else {
-        this.trouble = answer.kind === 'unreachable' ? 'The jobs cannot be refreshed: the server cannot be reached.'
+        this.trouble = answer.kind === 'unreachable' ? t('jobs.stale')
           : (answer.problem.detail ?? answer.problem.title);
       }
     }

@@ -1,8 +1,8 @@
 // What the panel of jobs shows: tables of the jobs that the server lists, or of those that a replay knows of a moment.
 import { untrack } from 'svelte';
 import type { Replay } from '../replay';
-import type { Job, Mirror, Robot } from '../wire';
-import { count, doing, moment, timeOfDay } from '../words';
+import type { Job, JobKind, Mirror, Robot } from '../wire';
+import { doing, moment, SHORT_KIND_WORDS, STATE_WORDS, t, timeOfDay } from '../words';
 import type { Jobs } from './jobs.svelte';
 import { jobsUnderWay, waitedAt, type Waited, type Waiter } from './waited';
 
@@ -50,17 +50,17 @@ export function latestJobs({ own, items, state }: Pick<Jobs, 'own' | 'items' | '
   const lines = [...own, ...items.filter((j) => !own.some((o) => o.id === j.id))].map((job, i): JobLine => ({
     id: job.id, job, mine: i < own.length,
     cells: [
-      extra(job.kind), { text: [job.rack, job.station ?? job.node].filter(Boolean).join(' → ') || '–' }, robotCell(job.robot),
-      { text: job.state, more: job.why }, extra(String(job.priority)), extra(timeOfDay(job.deadline)), extra(timeOfDay(job.created)),
+      extra(SHORT_KIND_WORDS[job.kind] ?? job.kind), { text: [job.rack, job.station ?? job.node].filter(Boolean).join(' → ') || '–' }, robotCell(job.robot),
+      { text: STATE_WORDS[job.state] ?? job.state, more: job.why }, extra(String(job.priority)), extra(timeOfDay(job.deadline)), extra(timeOfDay(job.created)),
     ],
   }));
   const columns: JobTable['columns'] = [
-    { name: 'Kind', kind: 'extra' }, { name: 'What' }, { name: 'Robot' }, { name: 'State' },
-    { name: 'Priority', kind: 'extra' }, { name: 'Deadline', kind: 'extra' }, { name: 'Created', kind: 'extra' },
+    { name: t('robot.kind'), kind: 'extra' }, { name: t('jobs.what') }, { name: t('robot') }, { name: t('robot.state') },
+    { name: t('job.priority'), kind: 'extra' }, { name: t('job.deadline'), kind: 'extra' }, { name: t('job.created'), kind: 'extra' },
   ];
-  const none = `No jobs${state === 'any' ? ' yet' : ` in state ${state}`}.`;
+  const none = state === 'any' ? t('jobs.none') : t('jobs.none.state', { state: STATE_WORDS[state] });
   return {
-    label: 'Jobs', title: 'Latest jobs', note: null, region: 'Table of jobs', foot: null,
+    label: t('jobs'), title: t('jobs.latest'), note: null, region: t('jobs.table'), foot: null,
     tables: [{ kind: 'latest', label: undefined, heading: null, columns, lines, none }],
   };
 }
@@ -77,8 +77,8 @@ export function jobsThen(replay: Pick<Replay, 'recording' | 't' | 'waiting'>, mi
   const { waiting, done, cancelled, failed } = mirror.jobs;
   const at = (t: number): string => moment(recording.start, t);
   return {
-    label: 'Jobs at this moment', title: `Jobs in progress at this moment: ${robots.length}`, region: 'Tables of jobs at this moment',
-    note: `${waiting} waited for a robot, ${done} were done, ${cancelled} cancelled, ${failed} failed`,
+    label: t('jobs.then'), title: t('jobs.then.active', { count: robots.length }), region: t('jobs.then.tables'),
+    note: t('jobs.then.counts', { waiting, done, cancelled, failed }),
     tables: [underWay(robots), waitingThen(waited, waiting, list && at(list.at), at)],
     foot: footOf(list, waiting - waited.length, waited.length, replay.waiting),
   };
@@ -89,25 +89,28 @@ function underWay(robots: readonly Robot[]): JobTable {
     id: robot.job ?? '', job: null, mine: false,
     cells: [robotCell(robot.id), { text: robot.rack ?? '–' }, { text: doing(robot.doing) }, { text: robot.why ?? '–' }],
   }));
-  const columns = ['Robot', 'Rack on it', 'What it did', 'Why it waited'].map((name) => ({ name }));
-  return { kind: 'under way', label: 'Jobs under way then', heading: null, columns, lines, none: 'No robot had a job.' };
+  const columns = [t('robot'), t('jobs.then.rack'), t('jobs.then.did'), t('jobs.then.waited')].map((name) => ({ name }));
+  return { kind: 'under way', label: t('jobs.then.robots'), heading: null, columns, lines, none: t('jobs.then.none') };
 }
 
 function waitingThen(jobs: readonly Waiter[], all: number, asOf: string | null, at: (t: number) => string): JobTable {
   const lines = jobs.map((job): JobLine => ({
     id: job.id, job: null, mine: false,
-    cells: [job.kind, job.what.join(' → ') || '–', String(job.priority), at(job.submitted_s), job.after ?? '–'].map((text) => ({ text })),
+    cells: [kindOf(job.kind), job.what.join(' → ') || '–', String(job.priority), at(job.submitted_s), job.after ?? '–'].map((text) => ({ text })),
   }));
-  const note = asOf === null ? null : `(the list is as of ${asOf}, most urgent first)`;
-  const columns = ['Kind', 'What', 'Priority', 'Submitted', 'After'].map((name) => ({ name }));
+  const note = asOf === null ? null : t('jobs.then.as-of', { time: asOf });
+  const columns = [t('robot.kind'), t('jobs.what'), t('job.priority'), t('job.submitted'), t('job.after')].map((name) => ({ name }));
   return {
-    kind: 'waited', label: 'Jobs that waited then', heading: { text: `Jobs that waited for a robot: ${count(all)}`, note },
+    kind: 'waited', label: t('jobs.then.waiting'), heading: { text: t('jobs.then.waiting.count', { count: all }), note },
     columns, lines, none: null,
   };
 }
 
+/** A recording may be of a version that named other kinds. */
+const kindOf = (kind: string): string => SHORT_KIND_WORDS[kind as JobKind] ?? kind;
+
 function footOf(list: Waited | null, more: number, listed: number, loading: boolean): string | null {
-  if (list === null) return more <= 0 ? null : loading ? 'Loading…' : 'An older version recorded only their number.';
+  if (list === null) return more <= 0 ? null : loading ? t('loading') : t('jobs.then.number');
   if (more <= 0) return null;
-  return listed === 0 ? `${count(more)} were submitted after the list was made.` : `and ${count(more)} more`;
+  return listed === 0 ? t('jobs.then.after', { count: more }) : t('jobs.then.more', { count: more });
 }

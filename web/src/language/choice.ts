@@ -31,7 +31,12 @@ export function chooseLanguage(language: Language): void {
   }
 }
 
-/** Tells the browser, screen readers and spelling checkers which language the page is in. */
+let current: Language = 'en';
+
+/** Puts the page into a language; tells the browser, screen readers and spelling checkers. */
 export function applyLanguage(language: Language): void {
+  current = language;
   document.documentElement.lang = language === 'zh' ? 'zh-Hans' : language;
 }
+/** The language that the page is in. */
+export const spoken = (): Language => current;

@@ -1,5 +1,5 @@
 // The language of a page: which ones there are, which one is used, its messages, and its numbers with their units.
 // Messages are in ICU's format, so plurals follow the rules of each language.
-export { applyLanguage, chooseLanguage, chosenLanguage, LANGUAGES, languageFor, type Language } from './choice';
-export { sayIn, type Compiled, type Say, type Values } from './say';
+export { chooseLanguage, LANGUAGES, languageFor, spoken, type Language } from './choice';
+export { messagesOf, sayIn, type Compiled, type PageMessages, type Say, type Values } from './say';
 export { duration, metres, number, seconds } from './measure';

@@ -1,15 +1,11 @@
 // What a person may tell several robots at once. Each robot is told by a request of its own, a few at a time.
 import { activityOf, newKey, trouble, type Answer, type Api, type Robot } from '../wire';
+import { t } from '../words';
 
 export type ActsApi = Pick<Api, 'pause' | 'resume' | 'maintain' | 'workAgain' | 'submit'>;
 
 export interface RobotAct {
-  readonly id: string;
-  readonly label: string;
-  /** What it does, for whoever hovers. */
-  readonly title: string;
-  /** What is said when it is done. */
-  readonly done: string;
+  readonly id: 'pause' | 'resume' | 'charge' | 'park' | 'out' | 'back';
   /** Whether it makes sense for a robot. */
   readonly fits: (robot: Robot) => boolean;
   readonly tell: (api: ActsApi, id: string) => Promise<Answer<unknown>>;
@@ -21,33 +17,29 @@ const inService = (robot: Robot): boolean => !robot.maintenance && !robot.leavin
 
 export const ROBOT_ACTS: readonly RobotAct[] = [
   {
-    id: 'pause', label: 'Pause', title: 'They stop where they are, keep their reservations and get no new job', done: 'paused',
-    fits: (robot) => activityOf(robot) !== 'paused', tell: (api, id) => api.pause(id), undo: 'resume',
+    id: 'pause', fits: (robot) => activityOf(robot) !== 'paused', tell: (api, id) => api.pause(id), undo: 'resume',
   },
   {
-    id: 'resume', label: 'Resume', title: 'They continue where they were', done: 'resumed',
-    fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed', tell: (api, id) => api.resume(id), undo: 'pause',
+    id: 'resume', fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed', tell: (api, id) => api.resume(id), undo: 'pause',
   },
   {
-    id: 'charge', label: 'Charge', title: 'They drive to a free charger when they have finished their job', done: 'sent to charge',
-    fits: inService, tell: (api, id) => api.submit({ kind: 'charge', robot: id, priority: 0 }, newKey()),
+    id: 'charge', fits: inService, tell: (api, id) => api.submit({ kind: 'charge', robot: id, priority: 0 }, newKey()),
   },
   {
-    id: 'park', label: 'Park', title: 'They drive to a free parking place when they have finished their job', done: 'sent to park',
-    fits: inService, tell: (api, id) => api.submit({ kind: 'park', robot: id, priority: 0 }, newKey()),
+    id: 'park', fits: inService, tell: (api, id) => api.submit({ kind: 'park', robot: id, priority: 0 }, newKey()),
   },
   {
-    id: 'out', label: 'Out of service', title: 'They finish what they carry, go to a parking place and get no new job', done: 'going out of service',
-    fits: inService, tell: (api, id) => api.maintain(id), undo: 'back',
+    id: 'out', fits: inService, tell: (api, id) => api.maintain(id), undo: 'back',
   },
   {
-    id: 'back', label: 'Back in service', title: 'They take jobs again', done: 'back in service',
-    fits: (robot) => !inService(robot), tell: (api, id) => api.workAgain(id), undo: 'out',
+    id: 'back', fits: (robot) => !inService(robot), tell: (api, id) => api.workAgain(id), undo: 'out',
   },
 ];
 
 /** So many requests are under way at once. */
 const AT_ONCE = 8;
+/** So many refusals are shown with their reasons. */
+const MOST_REASONS = 3;
 
 export interface Told {
   readonly words: string;
@@ -79,8 +71,9 @@ export async function tellAll(act: RobotAct, api: ActsApi, ids: readonly string[
       else refused.push(`${some[k]}: ${why}`);
     });
   }
-  const robots = (n: number): string => `${n} ${n === 1 ? 'robot' : 'robots'}`;
-  if (refused.length === 0) return { words: `${robots(ids.length)} ${act.done}.`, wrong: false, done };
-  const more = refused.length > 3 ? ` And ${refused.length - 3} more.` : '';
-  return { words: `${robots(refused.length)} of ${ids.length} refused. ${refused.slice(0, 3).join(' ')}${more}`, wrong: true, done };
+  if (refused.length === 0) return { words: t(`robots.${act.id}.done`, { count: ids.length }), wrong: false, done };
+  const some = refused.slice(0, MOST_REASONS).join(' ');
+  const more = refused.length - MOST_REASONS;
+  const words = [t('robots.refused', { count: refused.length, all: ids.length }), some, more > 0 ? t('robots.refused.more', { count: more }) : ''];
+  return { words: words.filter(Boolean).join(' '), wrong: true, done };
 }

@@ -1,6 +1,7 @@
 // What the server knows of one robot: asked while its card is open, so that it does not depend on how long this page was.
 import { poll } from '../parts';
 import { trouble, type Api, type RobotDetail, type RobotEvent } from '../wire';
+import { t, wordsBy } from '../words';
 
 export type LifeApi = Pick<Api, 'robot' | 'robotHistory'>;
 
@@ -58,18 +59,19 @@ function unique(events: readonly RobotEvent[]): RobotEvent[] {
   });
 }
 
-const CHANGES: Record<string, string> = {
-  joined: 'joined', failed: 'cannot drive', repaired: 'drives again', fenced: 'fenced off: what is known of it contradicts itself',
-  paused: 'paused by hand', resumed: 'resumed', fleet_stopped: 'all robots were stopped by hand', fleet_resumed: 'all robots were resumed',
-  out_of_service: 'sent out of service', back_in_service: 'back in service', leaving: 'is to leave the floor', left: 'left the floor',
-  returned: 'came back to the floor',
-};
+const CHANGES: Readonly<Record<string, string>> = wordsBy({
+  joined: 'robot.change.joined', failed: 'robot.change.failed', repaired: 'robot.change.repaired', fenced: 'robot.change.fenced',
+  paused: 'robot.change.paused', resumed: 'robot.change.resumed', fleet_stopped: 'robot.change.fleet_stopped',
+  fleet_resumed: 'robot.change.fleet_resumed', out_of_service: 'robot.change.out_of_service',
+  back_in_service: 'robot.change.back_in_service', leaving: 'robot.change.leaving', left: 'robot.change.left',
+  returned: 'robot.change.returned',
+});
 
 /** What happened, in words; a newer server may say something this page has no words for. */
 export function eventWords(e: RobotEvent): string {
   switch (e.kind) {
-    case 'job': return `${e.text ?? 'job'} ${e.id ?? ''}: ${e.what}`;
-    case 'alarm': return `${e.text ?? e.what}${e.ended === null ? '' : ' (over)'}`;
+    case 'job': return `${e.text ?? t('robot.job')} ${e.id ?? ''}: ${e.what}`;
+    case 'alarm': return e.ended === null ? (e.text ?? e.what) : t('robot.alarm.over', { alarm: e.text ?? e.what });
     case 'change': return CHANGES[e.what] ?? e.what.replaceAll('_', ' ');
   }
 }

@@ -1,9 +1,11 @@
 // Numbers and words for people: one place, so that the same thing reads the same everywhere.
+import { number as numberIn, spoken } from '../language';
+import { wordsBy } from './say';
 import type { Activity, Doing, GuidanceState, JobKind, JobState, Presence } from '../wire';
 
-const whole = new Intl.NumberFormat('en', { maximumFractionDigits: 0 });
-
-export const count = (n: number): string => whole.format(n);
+/** With so many digits behind the point. */
+export const number = (n: number, decimals: number): string => numberIn(spoken(), n, decimals);
+export const count = (n: number): string => number(n, 0);
 
 export const percent = (share: number): string => `${Math.round(share * 100)} %`;
 
@@ -36,42 +38,53 @@ export function clock(seconds: number): string {
   return `${two(Math.floor(s / 3_600))}:${two(Math.floor(s / 60) % 60)}:${two(s % 60)}`;
 }
 
+/** How dates and times are written: in English as in Britain, since a day has 24 hours in a warehouse. */
+export const dates = (): string => (spoken() === 'en' ? 'en-GB' : spoken());
+
 export function timeOfDay(rfc3339: string | null): string {
   const date = rfc3339 === null ? null : new Date(rfc3339);
   if (!date || Number.isNaN(date.getTime())) return '–';
-  return date.toLocaleTimeString('en-GB', { hour: '2-digit', minute: '2-digit', second: '2-digit' });
+  return date.toLocaleTimeString(dates(), { hour: '2-digit', minute: '2-digit', second: '2-digit' });
 }
 
-export const ACTIVITY_WORDS: Record<Activity, string> = {
-  idle: 'Idle', driving: 'Driving', handling: 'Handling', picking: 'Picking', queueing: 'Queueing', charging: 'Charging',
-  waiting: 'Waiting', paused: 'Paused', stopped: 'Stopped', out_of_service: 'Out of service', offline: 'Offline', failed: 'Failed',
-  gone: 'Gone',
-};
+export const ACTIVITY_WORDS = wordsBy<Activity>({
+  idle: 'activity.idle', driving: 'activity.driving', handling: 'activity.handling', picking: 'activity.picking',
+  queueing: 'activity.queueing', charging: 'activity.charging', waiting: 'activity.waiting', paused: 'activity.paused',
+  stopped: 'activity.stopped', out_of_service: 'activity.out_of_service', offline: 'activity.offline',
+  failed: 'activity.failed', gone: 'activity.gone',
+});
 /** A newer server may name something this page has no words for; then its own word is shown. */
 export const activityWords = (a: Activity): string => ACTIVITY_WORDS[a] ?? String(a).replaceAll('_', ' ');
 
-export const GUIDANCE_WORDS: Record<GuidanceState, string> = {
-  idle: 'No task', following: 'On the path', deviating: 'Off the path', redirected: 'On a new path',
-  stop: 'Told to stop',
-};
-export const PRESENCE_WORDS: Record<Presence, string> = {
-  absent: 'not here', tracked: 'now', stale: 'a moment ago', lost: 'lost',
-};
+export const GUIDANCE_WORDS = wordsBy<GuidanceState>({
+  idle: 'guidance.idle', following: 'guidance.following', deviating: 'guidance.deviating', redirected: 'guidance.redirected',
+  stop: 'guidance.stop',
+});
+export const PRESENCE_WORDS = wordsBy<Presence>({
+  absent: 'presence.absent', tracked: 'presence.tracked', stale: 'presence.stale', lost: 'presence.lost',
+});
 
-const DOING_WORDS: Record<Doing, string> = {
-  to_rack: 'driving to its rack', lifting: 'lifting the rack', carrying: 'carrying the rack to the station',
-  queueing: 'queueing at the station', picking: 'at the station for picking',
-  returning: 'returning the rack', setting_down: 'setting the rack down',
-  to_charger: 'driving to a charger', charging: 'charging', parking: 'driving to its parking place',
-  going: 'driving', idle: 'idle', waiting: 'waiting for its path to clear', failed: 'failed',
-};
+const DOING_WORDS = wordsBy<Doing>({
+  to_rack: 'doing.to_rack', lifting: 'doing.lifting', carrying: 'doing.carrying', queueing: 'doing.queueing', picking: 'doing.picking',
+  returning: 'doing.returning', setting_down: 'doing.setting_down', to_charger: 'doing.to_charger', charging: 'doing.charging',
+  parking: 'doing.parking', going: 'doing.going', idle: 'doing.idle', waiting: 'doing.waiting', failed: 'doing.failed',
+});
 /** A newer server may name something this page has no words for; then its own word is shown. */
 export const doing = (d: Doing): string => DOING_WORDS[d] ?? String(d).replaceAll('_', ' ');
 
-export const KIND_WORDS: Record<JobKind, string> = {
-  deliver: 'Deliver a rack to a station', return: 'Return a rack to storage', relocate: 'Move a rack to a place',
-  charge: 'Send a robot to charge', park: 'Send a robot to park', go: 'Send a robot to a place',
-};
+export const KIND_WORDS = wordsBy<JobKind>({
+  deliver: 'kind.deliver', return: 'kind.return', relocate: 'kind.relocate', charge: 'kind.charge', park: 'kind.park', go: 'kind.go',
+});
+
+/** The same in one word, as cells of tables have it. */
+export const SHORT_KIND_WORDS = wordsBy<JobKind>({
+  deliver: 'kind.short.deliver', return: 'kind.short.return', relocate: 'kind.short.relocate', charge: 'kind.short.charge',
+  park: 'kind.short.park', go: 'kind.short.go',
+});
+export const STATE_WORDS = wordsBy<JobState>({
+  waiting: 'job.state.waiting', assigned: 'job.state.assigned', carrying: 'job.state.carrying', picking: 'job.state.picking',
+  done: 'job.state.done', cancelled: 'job.state.cancelled', failed: 'job.state.failed',
+});
 
 export const isOver = (state: JobState): boolean =>
   state === 'done' || state === 'cancelled' || state === 'failed';

@@ -1,15 +1,17 @@
 // Times and kinds of the past in words, once for all modules that say them.
-import { clock } from './format';
+import { clock, dates } from './format';
+import { wordsBy } from './say';
 import type { MarkKind } from '../wire';
 
-export const MARK_WORDS: Record<MarkKind, string> = {
-  deviation: 'Off the path', encounter: 'Encounter', stop: 'Manual stop', failure: 'Breakdown', closure: 'Closed area', alarm: 'Alarm',
-};
+export const MARK_WORDS = wordsBy<MarkKind>({
+  deviation: 'happened.deviation', encounter: 'happened.encounter', stop: 'happened.stop', failure: 'happened.failure',
+  closure: 'happened.closure', alarm: 'happened.alarm',
+});
 
 /** The time of day here, or the floor's own clock in a simulation. */
 export function moment(start: number | null, t: number): string {
   if (start === null) return clock(t);
-  return new Date((start + t) * 1_000).toLocaleTimeString('en-GB', { hour: '2-digit', minute: '2-digit', second: '2-digit' });
+  return new Date((start + t) * 1_000).toLocaleTimeString(dates(), { hour: '2-digit', minute: '2-digit', second: '2-digit' });
 }
 
 /** The day, where that is not today's. */
@@ -17,7 +19,7 @@ export function day(start: number | null, t: number, today: Date): string | null
   if (start === null) return null;
   const then = new Date((start + t) * 1_000);
   if (then.toDateString() === today.toDateString()) return null;
-  return then.toLocaleDateString('en-GB', { weekday: 'short', day: 'numeric', month: 'short' });
+  return then.toLocaleDateString(dates(), { weekday: 'short', day: 'numeric', month: 'short' });
 }
 
 /** The latest moment up to `end` at which a clock here showed `hh:mm` or `hh:mm:ss`; null where that is no time. */
