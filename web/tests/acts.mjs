@@ -113,7 +113,7 @@ await check('An area drawn by pointer is closed with a reason, and opened again 
   await closures.getByText('oil on the floor').waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(600);
   await page.screenshot({ path: `${SHOTS}closed.png` });
-  await closures.getByRole('button', { name: 'Undo' }).click();
+  await button('Undo').click();
   await closures.getByText(/is open again/).waitFor({ timeout: PATIENCE });
   await closures.getByText('oil on the floor').waitFor({ state: 'detached', timeout: PATIENCE });
 });

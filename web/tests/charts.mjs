@@ -84,6 +84,7 @@ await check('A closed area that is announced is drawn in dashes with its time', 
   });
   const post = async (body) => (await context.request.post(new URL('/v1/closures', url).href, { data: body })).json();
   const made = [await post(area(0.25, new Date(Date.now() + 3_600_000).toISOString())), await post(area(0.6, null))];
+  await page.getByText('Legend', { exact: true }).click();
   await page.getByRole('list', { name: 'Legend' }).getByText('Will be closed').waitFor({ timeout: PATIENCE });
   await page.waitForTimeout(800);
   await page.screenshot({ path: `${SHOTS}announced.png` });

@@ -218,6 +218,9 @@ export class Show {
     dataset['people'] = String(scene.people.length);
     dataset['motion'] = this.#how;
     dataset['version'] = String(version);
+    dataset['routes'] = String(this.#composer.sheets.ways.count);
+    dataset['names'] = String(this.#composer.words.count);
+    dataset['view'] = [this.view.x, this.view.y, this.view.scale].map((n) => n.toFixed(2)).join(' ');
   }
 
   #move(view: View): void {

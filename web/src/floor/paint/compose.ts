@@ -43,7 +43,7 @@ export const SIZE = {
   granted: 0.12, held: 0.07, ahead: 0.1, area: 0.9,
 } as const;
 /** Pixels per metre below which the floor is seen from afar. */
-export const FAR_BELOW = 14;
+export const FAR_BELOW = 10;
 /** Pixels per metre from which on names and gauges appear. */
 export const NAMES_FROM = 28;
 const RACK_NAMES_FROM = 52;

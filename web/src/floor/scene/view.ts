@@ -25,6 +25,9 @@ const LARGEST_SCALE = 160;
 const FIT_MARGIN_PX = 14;
 /** Kept free below the floor for the folded legend. */
 export const FOOT_PX = 52;
+/** At the right edge, for the buttons; above the floor, for the field, but only where there is room left. */
+const TOOLS_PX = 46;
+const HEAD_PX = 44;
 /** Between a name and the edge of the picture. */
 const NAME_GAP_PX = 4;
 /** Names may take this share of the picture on each side: a small screen is for the floor. */
@@ -35,18 +38,19 @@ const ROUNDS = 4;
 /** The whole floor with the names at its edge, above `foot` pixels that are left free. */
 export function fit(bounds: Bounds, width: number, height: number, names: readonly FixedName[] = [], foot = FOOT_PX): View {
   const [x0, y0, x1, y1] = bounds;
-  let [left, right, top] = [FIT_MARGIN_PX, FIT_MARGIN_PX, FIT_MARGIN_PX];
+  let [left, right, top] = [FIT_MARGIN_PX, TOOLS_PX, FIT_MARGIN_PX];
   let scale = LARGEST_SCALE;
   for (let round = 0; round < ROUNDS; round++) {
     const across = Math.max(40, width - left - right) / Math.max(1, x1 - x0);
     const upright = Math.max(40, height - top - FIT_MARGIN_PX - foot) / Math.max(1, y1 - y0);
     scale = Math.min(across, upright, LARGEST_SCALE);
-    const room = (most: number, wanted: number[]): number =>
-      Math.max(FIT_MARGIN_PX, Math.min(most, Math.max(0, ...wanted) + NAME_GAP_PX));
+    const room = (most: number, wanted: number[], least = FIT_MARGIN_PX): number =>
+      Math.max(least, Math.min(most, Math.max(0, ...wanted) + NAME_GAP_PX));
     left = room(MOST_FOR_NAMES * width, names.map((n) => n.half_px - (n.x - x0) * scale));
-    right = room(MOST_FOR_NAMES * width, names.map((n) => n.half_px - (x1 - n.x) * scale));
+    right = room(MOST_FOR_NAMES * width, names.map((n) => n.half_px - (x1 - n.x) * scale), TOOLS_PX);
     top = room(MOST_FOR_NAMES * height, names.map((n) => n.up_px + n.up_m * scale - (y1 - n.y) * scale));
   }
+  top += Math.min(HEAD_PX, Math.max(0, height - top - FIT_MARGIN_PX - foot - (y1 - y0) * scale));
   return {
     x: (x0 + x1) / 2 - (left - right) / 2 / scale, y: (y0 + y1) / 2 + (top - FIT_MARGIN_PX - foot) / 2 / scale, scale, width, height,
   };
