@@ -295,7 +295,7 @@ async fn work(
     let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
     let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
     let now: Now = Arc::new(move || clock.now());
-    let (tokens, desk) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone());
+    let (tokens, desk) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone()).await;
     let (hooks, asked) = webhooks::hook_queue();
     let api = Api {
         map,

@@ -35,6 +35,7 @@ mod retention;
 mod robots;
 mod route_record;
 mod seal;
+mod sessions;
 mod snapshot;
 mod steps;
 mod tokens;
@@ -49,6 +50,7 @@ pub use events::EVENTS_KEPT;
 pub use kinds::KindText;
 pub use opening::Opening;
 pub use seal::seal;
+pub use sessions::SessionRow;
 pub use snapshot::SNAPSHOT_AFTER;
 pub use steps::{Loaded, StepEntry};
 pub use tokens::{TokenDraft, TokenRow, TokenTable};
@@ -262,6 +264,7 @@ fn migrator() -> Migrator {
     let tenth = include_str!("../../migrations/sqlite/0010_robots.sql").into_sql_str();
     let eleventh = include_str!("../../migrations/sqlite/0011_tokens.sql").into_sql_str();
     let twelfth = include_str!("../../migrations/sqlite/0012_events.sql").into_sql_str();
+    let thirteenth = include_str!("../../migrations/sqlite/0013_sessions.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -275,6 +278,7 @@ fn migrator() -> Migrator {
         Migration::new(10, "robots".into(), MigrationType::Simple, tenth, false),
         Migration::new(11, "tokens".into(), MigrationType::Simple, eleventh, false),
         Migration::new(12, "events".into(), MigrationType::Simple, twelfth, false),
+        Migration::new(13, "sessions".into(), MigrationType::Simple, thirteenth, false),
     ])
 }
 

@@ -36,6 +36,7 @@ mod robots;
 mod roles;
 mod run;
 mod schema;
+mod sessions;
 mod stations;
 mod store;
 mod strangers;

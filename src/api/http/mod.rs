@@ -31,6 +31,7 @@ mod recurring;
 mod reports;
 mod robot_life;
 mod robots;
+mod session;
 mod stations;
 mod timelines;
 mod tokens;
@@ -43,7 +44,7 @@ pub use health::alive;
 use super::audit::AuditEntry;
 use super::caller::Caller;
 use super::error::Problem;
-use super::feed::session;
+use super::feed::session as feed_session;
 use super::metrics::HttpLabels;
 use super::roles::{Access, access_of, check_role, is_audited, subject_of};
 use super::{Api, ws};
@@ -120,7 +121,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(workers::get))
         .routes(routes!(lost::clear))
         .routes(routes!(lost::narrow))
-        .routes(routes!(session::feed))
+        .routes(routes!(feed_session::feed))
         .routes(routes!(positions::one))
         .routes(routes!(positions::many))
         .routes(routes!(reports::post, reports::stream))
@@ -143,6 +144,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(history::history))
         .routes(routes!(heat::heat))
         .routes(routes!(audit::list))
+        .routes(routes!(session::who, session::sign_in, session::sign_out))
         .routes(routes!(tokens::list, tokens::make))
         .routes(routes!(tokens::revoke))
         .routes(routes!(tokens::rotate))
@@ -154,7 +156,7 @@ fn routes() -> OpenApiRouter<Api> {
 /// that are to change something, with what came of them.
 async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> Response {
     let open = access_of(request.method().as_str(), request.uri().path()) == Some(Access::Open);
-    let caller = match api.gate.check(request.headers(), (api.now)()) {
+    let caller = match api.gate.check(request.method(), request.headers(), (api.now)()) {
         Ok(caller) => caller,
         Err(problem) if open && problem.status == StatusCode::UNAUTHORIZED.as_u16() => Caller::anonymous(),
         Err(problem) => return problem.into_response(),
