@@ -26,6 +26,7 @@ pub mod massrobotics;
 pub mod metrics;
 pub mod people;
 pub mod port;
+pub mod pseudonyms;
 pub mod recording;
 mod refusal;
 mod roles;
@@ -80,6 +81,8 @@ pub struct Api {
     pub live: Arc<live::Live>,
     /// Feeds of headsets and tags.
     pub feeds: Arc<feed::hub::Feeds>,
+    /// Names of people.
+    pub pseudonyms: Arc<pseudonyms::Pseudonyms>,
     /// Frames and workers of MassRobotics reports.
     pub interop: Arc<massrobotics::Interop>,
     /// The clock.

@@ -112,6 +112,8 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/evacuation", Read),
     ("POST", "/v1/evacuation", Operate),
     ("DELETE", "/v1/evacuation", Operate),
+    ("GET", "/v1/people", Operate),
+    ("DELETE", "/v1/people/{id}", Administer),
     ("GET", "/v1/alarms", Read),
     ("POST", "/v1/alarms/{id}/acknowledge", Operate),
     ("GET", "/v1/encounters", Read),

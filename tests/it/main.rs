@@ -31,6 +31,7 @@ mod page_filters;
 mod page_fixtures;
 mod past;
 mod people;
+mod privacy;
 mod recovery;
 mod robots;
 mod roles;

@@ -26,6 +26,7 @@ mod new_job;
 mod openapi;
 mod page;
 mod past;
+mod people;
 mod positions;
 mod recurring;
 mod reports;
@@ -119,6 +120,8 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(stations::resume))
         .routes(routes!(workers::list, workers::hire))
         .routes(routes!(workers::get))
+        .routes(routes!(people::list))
+        .routes(routes!(people::erase))
         .routes(routes!(lost::clear))
         .routes(routes!(lost::narrow))
         .routes(routes!(feed_session::feed))
