@@ -11,12 +11,13 @@ use std::process::Command;
 use std::{env, fs, io};
 
 /// What the page is built from, below `web/`.
-const INPUTS: [&str; 14] = [
+const INPUTS: [&str; 15] = [
     "src",
     "public",
     "index.html",
     "headset.html",
     "docs.html",
+    "signin.html",
     "editor.html",
     "package.json",
     "package-lock.json",

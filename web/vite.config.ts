@@ -85,7 +85,7 @@ export default defineConfig(({ mode }) => ({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
     // Pages that share no script: neither a headset nor the page of the API need load the dashboard.
-    rolldownOptions: { input: ['index.html', 'headset.html', 'docs.html', 'editor.html'] },
+    rolldownOptions: { input: ['index.html', 'headset.html', 'docs.html', 'editor.html', 'signin.html'] },
     ...(mode === 'single' ? single : {}),
   },
   server: { proxy: { '/v1': { target: server, ws: true }, '/openapi.json': server, '/asyncapi.json': server } },

@@ -3,14 +3,16 @@
 //! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Those of the settings
 //! are administrators'; named ones have a role and may change while the server runs. Without an administrator's token
 //! the server listens on the loopback only; there, requests under a foreign host name or from a foreign page are
-//! refused, since any web page can make a browser talk to the loopback. Refuses: tokens in addresses, which end up in
-//! logs.
+//! refused, since any web page can make a browser talk to the loopback. The cookie of a session stands for the token with
+//! which somebody signed in, and changes something only for pages of this server. Refuses: tokens in addresses, which end
+//! up in logs.
 
-use super::caller::{Caller, NamedToken, Role, TokenHash};
+use super::caller::{Caller, NamedToken, Role, TokenHash, WebSession};
+use super::cookie::session_secret;
 use super::error::Problem;
 use super::port::Now;
-use crate::time::Time;
-use axum::http::{HeaderMap, StatusCode, header};
+use crate::time::{Span, Time};
+use axum::http::{HeaderMap, Method, StatusCode, header};
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -28,6 +30,9 @@ pub const TOKEN_ENDED: &str = "the token of this connection no longer holds";
 
 /// How often it is looked whether a token of an open connection has expired.
 const LOOK: Duration = Duration::from_secs(1);
+
+/// How long a session lasts, however much it is used.
+pub const SESSION_LIFE: Span = Span::from_secs(7 * 24 * 3600);
 
 /// A new token of 244 random bits, as text.
 pub fn fresh_token() -> String {
@@ -49,10 +54,11 @@ pub struct Gate {
     changes: watch::Sender<()>,
 }
 
-/// Named tokens, and when each was used since that was last asked for.
+/// Named tokens, when each was used since that was last asked for, and sessions.
 #[derive(Debug, Default)]
 struct NamedTokens {
     all: Vec<NamedToken>,
+    sessions: BTreeMap<TokenHash, WebSession>,
     /// Whether there ever was one of an administrator that held: then the server needs tokens until it ends.
     closed: bool,
     used: BTreeMap<i64, Time>,
@@ -76,6 +82,12 @@ impl Gate {
         self.changes.send_replace(());
     }
 
+    /// Takes these sessions in the place of those it knew.
+    pub fn learn_sessions(&self, all: Vec<WebSession>) {
+        self.named().sessions = all.into_iter().map(|session| (session.hash, session)).collect();
+        self.changes.send_replace(());
+    }
+
     /// Whether tokens are needed.
     pub fn is_closed(&self) -> bool {
         !self.fixed.is_empty() || self.named().closed
@@ -84,9 +96,19 @@ impl Gate {
     /// Lets a request in, and says whose it is.
     ///
     /// # Errors
-    /// 401 without a valid token, 403 for foreign hosts and pages.
-    pub fn check(&self, headers: &HeaderMap, now: Time) -> Result<Caller, Problem> {
+    /// 401 without a valid token or session, 403 for foreign hosts and pages.
+    pub fn check(&self, method: &Method, headers: &HeaderMap, now: Time) -> Result<Caller, Problem> {
         self.check_origin(headers)?;
+        let cookie = if token_of(headers).is_none() { session_secret(headers) } else { None };
+        if let Some(caller) = cookie.and_then(|secret| self.signed_in(&hash_of(secret), now)) {
+            let changes = !matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS);
+            if (changes || headers.contains_key(header::UPGRADE)) && !says_own_page(headers) {
+                let detail = "with a session, pages of this server may change something and open feeds, and browsers \
+                              say which page asks; other clients send a token";
+                return Err(Problem::new(StatusCode::FORBIDDEN, "foreign", "Origin not allowed", detail));
+            }
+            return Ok(caller);
+        }
         match token_of(headers).map(|token| self.holder(&hash_of(token), now)) {
             Some(Some(caller)) => return Ok(caller),
             None if !self.is_closed() => return Ok(Caller::this_machine()),
@@ -96,13 +118,31 @@ impl Gate {
             }
             _ => {}
         }
-        let detail = "this server needs a token that holds: send `Authorization: Bearer TOKEN`, or offer the \
-                      WebSocket protocols `giveway` and `bearer.TOKEN`";
+        let detail = "this server needs a token that holds: send `Authorization: Bearer TOKEN`, offer the \
+                      WebSocket protocols `giveway` and `bearer.TOKEN`, or sign in at /sign-in";
         Err(Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", "A token is needed", detail))
     }
 
+    /// Who signed in and got the cookie of this digest, if both the session and its token hold.
+    fn signed_in(&self, hash: &TokenHash, now: Time) -> Option<Caller> {
+        let session = self.session(hash, now)?;
+        Some(Caller { session: Some(*hash), ..self.holder(&session.token, now)? })
+    }
+
+    fn session(&self, hash: &TokenHash, now: Time) -> Option<WebSession> {
+        self.named().sessions.get(hash).filter(|session| now < session.expires).copied()
+    }
+
+    /// When the session or the token of a caller ends; nothing where neither does.
+    pub fn end_of(&self, caller: &Caller, now: Time) -> Option<Time> {
+        let session = caller.session.and_then(|hash| self.session(&hash, now)).map(|s| s.expires);
+        let named = self.named();
+        let token = named.all.iter().find(|t| Some(t.hash) == caller.key).and_then(|t| t.expires);
+        session.into_iter().chain(token).min()
+    }
+
     /// Who has this token, if it holds.
-    fn holder(&self, digest: &TokenHash, now: Time) -> Option<Caller> {
+    pub fn holder(&self, digest: &TokenHash, now: Time) -> Option<Caller> {
         let mut named = self.named();
         let known = self.fixed.iter().chain(named.all.iter().map(|t| &t.hash));
         // All are compared, whichever it is.
@@ -126,12 +166,15 @@ impl Gate {
         match &caller.key {
             None => !self.is_closed(),
             Some(key) => {
-                self.fixed.contains(key) || self.named().all.iter().any(|t| t.hash == *key && t.holds(now))
+                let signed_in = caller.session.is_none_or(|hash| self.session(&hash, now).is_some());
+                let named = || self.named().all.iter().any(|t| t.hash == *key && t.holds(now));
+                signed_in && (self.fixed.contains(key) || named())
             }
         }
     }
 
-    /// Waits until the token of an admitted caller is no longer valid: it was revoked, rotated, or has expired.
+    /// Waits until the token or session of an admitted caller is no longer valid: it was revoked, rotated, signed out, or
+    /// has expired.
     pub async fn ended(&self, caller: &Caller, now: &Now) {
         let mut changes = self.changes.subscribe();
         while self.admits(caller, now()) {
@@ -180,7 +223,14 @@ fn token_of(headers: &HeaderMap) -> Option<&str> {
     offered.split(',').find_map(|p| p.trim().strip_prefix(WS_BEARER))
 }
 
-fn is_loopback(host: &str) -> bool {
+/// Whether a browser says that a page of this server asks; that it says nothing else was checked before.
+fn says_own_page(headers: &HeaderMap) -> bool {
+    let site = headers.get("sec-fetch-site").and_then(|v| v.to_str().ok());
+    headers.contains_key(header::ORIGIN) || site == Some("same-origin")
+}
+
+/// Whether this is a name of the machine itself.
+pub fn is_loopback(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,
         _ => host,
@@ -201,7 +251,7 @@ mod tests {
         for (name, value) in pairs {
             headers.insert(*name, value.parse().unwrap());
         }
-        gate.check(&headers, Time(10)).map_or_else(|p| p.status, |_| 200)
+        gate.check(&Method::GET, &headers, Time(10)).map_or_else(|p| p.status, |_| 200)
     }
 
     #[test]
@@ -262,13 +312,56 @@ mod tests {
         }
         let mut headers = HeaderMap::new();
         headers.insert("authorization", "Bearer alpha".parse().unwrap());
-        let caller = gate.check(&headers, Time(10)).unwrap();
+        let caller = gate.check(&Method::GET, &headers, Time(10)).unwrap();
         assert_eq!((caller.name.as_str(), caller.role), ("name-1", Role::Operator));
         assert_eq!(
             gate.take_used(),
             BTreeMap::from([(1, Time(10))]),
             "those that did not hold were not used"
         );
+    }
+
+    #[test]
+    fn a_session_stands_for_its_token_and_changes_things_for_own_pages_alone() {
+        let gate = Gate::new(["of-the-settings"]);
+        let of = |secret: &str, token: &str, expires| WebSession {
+            hash: hash_of(secret),
+            token: hash_of(token),
+            created: Time(1),
+            expires: Time(expires),
+        };
+        gate.learn(vec![named(1, "alpha", Role::Operator)], Time(10));
+        gate.learn_sessions(vec![of("one", "alpha", 99), of("two", "alpha", 10), of("three", "gone", 99)]);
+        let ask = |method: Method, secret: &str, more: &[(&'static str, &str)]| {
+            let mut headers = HeaderMap::new();
+            headers.insert("host", "site".parse().unwrap());
+            headers.insert("cookie", format!("giveway_session={secret}").parse().unwrap());
+            more.iter().for_each(|(name, value)| _ = headers.insert(*name, value.parse().unwrap()));
+            gate.check(&method, &headers, Time(10))
+                .map_or_else(|p| p.status, |c| if c.session.is_some() { 200 } else { 0 })
+        };
+        for (secret, status) in [("one", 200), ("two", 401), ("three", 401), ("", 401)] {
+            assert_eq!(ask(Method::GET, secret, &[]), status, "{secret}");
+        }
+        let (own, foreign) = (("origin", "https://site"), ("origin", "https://evil.example"));
+        let (same, cross) = (("sec-fetch-site", "same-origin"), ("sec-fetch-site", "cross-site"));
+        let upgrade = ("upgrade", "websocket");
+        for (method, more, status) in [
+            (Method::POST, &[][..], 403),
+            (Method::POST, &[own], 200),
+            (Method::POST, &[same], 200),
+            (Method::POST, &[foreign], 403),
+            (Method::DELETE, &[("sec-fetch-site", "none")], 403),
+            (Method::GET, &[upgrade], 403),
+            (Method::GET, &[upgrade, own], 200),
+            (Method::GET, &[upgrade, foreign], 403),
+            (Method::GET, &[cross], 403),
+            (Method::POST, &[("authorization", "Bearer alpha")], 0),
+        ] {
+            assert_eq!(ask(method.clone(), "one", more), status, "{method} {more:?}");
+        }
+        gate.learn(vec![named(1, "rotated", Role::Operator)], Time(10));
+        assert_eq!(ask(Method::GET, "one", &[]), 401, "with its token it is over");
     }
 
     #[test]

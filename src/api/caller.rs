@@ -1,6 +1,6 @@
 //! Who sends a request, what roles there are, and what is known of tokens.
 //!
-//! Main types: [`Caller`], [`Role`], [`NamedToken`]. Refuses: to decide what a role may do.
+//! Main types: [`Caller`], [`Role`], [`NamedToken`], [`WebSession`]. Refuses: to decide what a role may do.
 
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
@@ -57,6 +57,21 @@ pub struct Caller {
     pub subject: Option<String>,
     /// The digest of its token; nothing where none is needed.
     pub key: Option<TokenHash>,
+    /// The digest of the session through which it asks; nothing where it shows the token itself, or needs none.
+    pub session: Option<TokenHash>,
+}
+
+/// A browser that is signed in: its cookie stands for a token, as long as that holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WebSession {
+    /// SHA-256 of what the cookie says.
+    pub hash: TokenHash,
+    /// The digest of the token.
+    pub token: TokenHash,
+    /// When somebody signed in.
+    pub created: Time,
+    /// When it ends.
+    pub expires: Time,
 }
 
 impl Caller {
@@ -65,17 +80,18 @@ impl Caller {
 
     /// Who talks to a server that needs no token.
     pub fn this_machine() -> Caller {
-        Caller { name: "this machine".into(), role: Role::Admin, subject: None, key: None }
+        Caller { name: "this machine".into(), role: Role::Admin, subject: None, key: None, session: None }
     }
 
     /// Who has a token of the settings.
     pub fn of_configuration(key: TokenHash) -> Caller {
-        Caller { name: "configuration".into(), role: Role::Admin, subject: None, key: Some(key) }
+        let key = Some(key);
+        Caller { name: "configuration".into(), role: Role::Admin, subject: None, key, session: None }
     }
 
     /// A client without a token on a server that needs one: only routes that need no role are open to it.
     pub fn anonymous() -> Caller {
-        Caller { name: "anonymous".into(), role: Role::Viewer, subject: None, key: None }
+        Caller { name: "anonymous".into(), role: Role::Viewer, subject: None, key: None, session: None }
     }
 }
 
@@ -111,6 +127,6 @@ impl NamedToken {
     /// Who shows it.
     pub fn caller(&self) -> Caller {
         let (name, subject) = (self.name.clone(), self.subject.clone());
-        Caller { name, role: self.role, subject, key: Some(self.hash) }
+        Caller { name, role: self.role, subject, key: Some(self.hash), session: None }
     }
 }

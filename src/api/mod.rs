@@ -13,6 +13,7 @@ pub mod auth;
 mod building;
 mod called;
 pub mod caller;
+mod cookie;
 pub mod dto;
 pub mod error;
 pub mod events;
@@ -26,6 +27,7 @@ pub mod metrics;
 pub mod once;
 pub mod people;
 pub mod port;
+pub mod pseudonyms;
 pub mod recording;
 mod refusal;
 mod roles;
@@ -83,6 +85,8 @@ pub struct Api {
     pub live: Arc<live::Live>,
     /// Feeds of headsets and tags.
     pub feeds: Arc<feed::hub::Feeds>,
+    /// Names of people.
+    pub pseudonyms: Arc<pseudonyms::Pseudonyms>,
     /// Frames and workers of MassRobotics reports.
     pub interop: Arc<massrobotics::Interop>,
     /// The clock.

@@ -27,7 +27,8 @@ pub struct WorkerDto {
     /// Its number.
     #[schema(example = "w1")]
     pub id: String,
-    /// The name under which the worker was registered.
+    /// The name under which the worker was registered, for those who may see names (docs/secure.md); else, and in all
+    /// feeds, a pseudonym such as `worker-3f2a`.
     pub name: String,
     /// Whether the worker is on the floor, and how well the place is known.
     pub presence: PresenceDto,
@@ -264,9 +265,9 @@ pub const WEEKDAYS: [WeekdayDto; 7] = [
 pub struct EncounterDto {
     /// Its number, growing.
     pub id: i64,
-    /// The worker.
+    /// The worker; null when that has been forgotten, after `people_keep_days` or since the person was erased.
     #[schema(example = "w1")]
-    pub worker: String,
+    pub worker: Option<String>,
     /// Name of the robot.
     pub robot: String,
     /// When it began, RFC 3339.
@@ -467,7 +468,7 @@ impl Names<'_> {
         let m = |mm: i64| mm as f64 / 1000.0;
         EncounterDto {
             id: record.seq,
-            worker: worker_name(e.worker),
+            worker: record.worker().map(worker_name),
             robot: self.robot(e.robot),
             began: time_text(e.began),
             lasted_s: (e.ended - e.began).as_secs_f64(),

@@ -5,7 +5,7 @@
 //! [`KindRequest`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
 use super::audit::{AuditEntry, AuditQuery};
-use super::caller::{NamedToken, TokenHash};
+use super::caller::{NamedToken, TokenHash, WebSession};
 use super::once::{KeptAnswer, KeyedRequest, KnownRequest};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
@@ -66,7 +66,7 @@ pub trait Records: Send + Sync {
     }
 }
 
-/// Keeps named tokens. What it answers is in force already. Errors are texts for people.
+/// Keeps named tokens and sessions. What it answers is in force already. Errors are texts for people.
 pub trait TokenDesk: Send + Sync {
     /// All tokens, also those that no longer hold, in the order in which they were added.
     fn list(&self) -> Later<'_, Result<Vec<NamedToken>, String>>;
@@ -76,6 +76,10 @@ pub trait TokenDesk: Send + Sync {
     fn revoke(&self, id: i64) -> Later<'_, Result<bool, String>>;
     /// Puts another token, known by its digest, in the place of one that holds; nothing where there is no such one.
     fn rotate(&self, id: i64, hash: TokenHash) -> Later<'_, Result<Option<NamedToken>, String>>;
+    /// Begins a session.
+    fn sign_in(&self, session: WebSession) -> Later<'_, Result<(), String>>;
+    /// Ends one.
+    fn sign_out(&self, hash: TokenHash) -> Later<'_, Result<(), String>>;
 }
 
 /// Keeps the answers to requests that are to be carried out once. Errors are texts for people.

@@ -6,6 +6,7 @@
 
 use super::certificate::{self, CertificateLocation};
 use crate::api::auth::Gate;
+use crate::api::caller::Role;
 use crate::api::massrobotics::Interop;
 use crate::api::recording::Limits;
 use crate::sim::MethodWord;
@@ -17,7 +18,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 12] = [
+const FROM_ENVIRONMENT: [&str; 13] = [
     "scenario",
     "method",
     "listen",
@@ -25,6 +26,7 @@ const FROM_ENVIRONMENT: [&str; 12] = [
     "past_hours",
     "past_mb",
     "keep_days",
+    "people_keep_days",
     "token",
     "tokens",
     "tls",
@@ -82,6 +84,11 @@ pub struct Flags {
     #[arg(long, value_name = "DAYS")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_days: Option<u32>,
+    /// For how long lists, events and the kept past say who it was; then encounters and assignments are anonymous
+    /// [default: 7] [env: GIVEWAY_PEOPLE_KEEP_DAYS]
+    #[arg(long, value_name = "DAYS")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub people_keep_days: Option<u32>,
     /// File with one token a line; a single token may be in GIVEWAY_TOKEN [env: GIVEWAY_TOKENS]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -125,6 +132,10 @@ pub struct Config {
     pub past_mb: u32,
     /// For how many days what is over stays in the lists.
     pub keep_days: u32,
+    /// For how many days it is kept who it was.
+    pub people_keep_days: u32,
+    /// Roles that see names of people; in the settings file only.
+    pub people_names_for: Vec<Role>,
     /// A token.
     pub token: Option<String>,
     /// A file with tokens.
@@ -154,6 +165,8 @@ impl Default for Config {
             past_hours: 24,
             past_mb: 1000,
             keep_days: crate::store::KEEP_DAYS,
+            people_keep_days: crate::store::PEOPLE_KEEP_DAYS,
+            people_names_for: vec![Role::Operator, Role::Admin],
             token: None,
             tokens: None,
             tls: false,
@@ -188,7 +201,7 @@ impl Config {
                     ("tls", "true" | "1") => figment.merge(Serialized::default(key, true)),
                     ("tls", "false" | "0") => figment.merge(Serialized::default(key, false)),
                     ("tls", other) => bail!("GIVEWAY_TLS takes true or false, not \"{other}\""),
-                    ("past_hours" | "past_mb" | "keep_days", number) => {
+                    ("past_hours" | "past_mb" | "keep_days" | "people_keep_days", number) => {
                         let wrong =
                             format!("GIVEWAY_{} takes a number, not \"{number}\"", key.to_uppercase());
                         let number = number.parse::<u32>().context(wrong)?;
@@ -249,8 +262,9 @@ impl Config {
 
     /// Where the past is kept, and how much of it; nothing where none is to be.
     pub fn past(&self) -> Option<(PathBuf, Limits)> {
-        let limits =
-            Limits { age_s: f64::from(self.past_hours) * 3600.0, bytes: u64::from(self.past_mb) * 1_000_000 };
+        // Recordings show where people were.
+        let hours = self.past_hours.min(self.people_keep_days.saturating_mul(24));
+        let limits = Limits { age_s: f64::from(hours) * 3600.0, bytes: u64::from(self.past_mb) * 1_000_000 };
         let any = self.past_hours > 0 && self.past_mb > 0;
         any.then(|| (self.past_folder(), limits))
     }

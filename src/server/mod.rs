@@ -23,6 +23,7 @@ mod kinds;
 mod measure;
 mod outbox;
 mod past;
+mod people;
 mod queue;
 mod recorder;
 mod recordings;
@@ -144,6 +145,7 @@ impl Server {
         let kept =
             "keep_days must be at least 8: keys of jobs are kept for 7 days, and the jobs must outlive them";
         ensure!(config.keep_days >= 8, "{kept}");
+        ensure!(config.people_keep_days >= 1, "people_keep_days must be at least 1");
         let identity = identity(config, address)?;
         let base = floor.scenario.clone();
         let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
@@ -296,7 +298,8 @@ async fn work(
     let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
     let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
     let now: Now = Arc::new(move || clock.now());
-    let (tokens, desk) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone());
+    let (tokens, desk) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone()).await;
+    let pseudonyms = people::pseudonyms(&store, &now, parts.names_for).await?;
     let (hooks, asked) = webhooks::hook_queue();
     let api = Api {
         map,
@@ -311,6 +314,7 @@ async fn work(
         past: past.folder,
         live,
         feeds,
+        pseudonyms: Arc::new(pseudonyms),
         interop: Arc::new(interop),
         now,
         metrics,

@@ -112,7 +112,7 @@ impl Lists {
             }
             Fact::Encountered(encounter) => {
                 let seq = self.encounters.len() as i64 + 1;
-                self.encounters.push(EncounterRow { seq, encounter: encounter.clone() });
+                self.encounters.push(EncounterRow { seq, encounter: encounter.clone(), is_anonymous: false });
             }
             _ => {}
         }

@@ -105,6 +105,7 @@ impl Show {
             past: Some(kept),
             live: live.clone(),
             feeds: feeds.clone(),
+            pseudonyms: Arc::default(),
             interop: Arc::new(Interop::default()),
             now: Arc::new(move || clock.now()),
             metrics,

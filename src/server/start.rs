@@ -7,6 +7,7 @@ use super::clock::{self, Clock};
 use super::recordings::KeptPast;
 use super::{Config, SimulatedFloor, StartSummary, historian, journal};
 use crate::api::alarms::Alarms;
+use crate::api::caller::Role;
 use crate::api::feed::hub::{Feeds, HeardSighting};
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
@@ -30,6 +31,7 @@ pub struct ServerParts {
     pub period: Span,
     pub start: journal::Start,
     pub interop: Interop,
+    pub names_for: Vec<Role>,
     pub feeds: Arc<Feeds>,
     pub heard: mpsc::Receiver<HeardSighting>,
     pub live: Arc<Live>,
@@ -68,7 +70,7 @@ pub async fn open(config: &Config, floor: &SimulatedFloor) -> anyhow::Result<Arc
     let carry = Some(CarryOver { clearance, accept_losses: false, stamp: stamp()? });
     let opening = Opening { new, traces: vec![config.past_folder()], carry };
     let store = Store::open_as(&config.database, &floor.map, &opening).await?;
-    Ok(Arc::new(store.keep_days(config.keep_days)))
+    Ok(Arc::new(store.keep_days(config.keep_days).keep_people_days(config.people_keep_days)))
 }
 
 /// Refuses robots of a kind that the scenario does not have.
@@ -142,6 +144,7 @@ pub async fn build(
         period,
         start,
         interop,
+        names_for: config.people_names_for.clone(),
         feeds,
         heard,
         live,

@@ -1,12 +1,12 @@
-//! Named tokens between database and gate: what is written is in force before it is answered, and what another program
-//! writes within a second.
+//! Named tokens and sessions between database and gate: what is written is in force before it is answered, and tokens that
+//! another program writes within a second.
 //!
 //! Main type: [`TokenKeeper`]. Refuses: roles that this Giveway does not know; such a token does not hold.
 
 use crate::api::auth::Gate;
-use crate::api::caller::{NamedToken, Role, TokenHash};
+use crate::api::caller::{NamedToken, Role, TokenHash, WebSession};
 use crate::api::port::{Later, Now, TokenDesk};
-use crate::store::{Store, StoreError, TokenDraft, TokenRow};
+use crate::store::{SessionRow, Store, StoreError, TokenDraft, TokenRow};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -46,8 +46,11 @@ fn known(row: TokenRow) -> Option<NamedToken> {
 
 impl TokenKeeper {
     /// One that keeps this gate as the database says, and its task.
-    pub fn start(store: Arc<Store>, gate: Arc<Gate>, now: Now) -> (TokenKeeper, JoinHandle<()>) {
+    pub async fn start(store: Arc<Store>, gate: Arc<Gate>, now: Now) -> (TokenKeeper, JoinHandle<()>) {
         let keeper = TokenKeeper { store, gate, now };
+        if let Err(e) = keeper.learn_sessions().await {
+            tracing::error!("sessions cannot be read, everybody has to sign in again: {e}");
+        }
         let task = tokio::spawn(keeper.clone().run());
         (keeper, task)
     }
@@ -72,6 +75,17 @@ impl TokenKeeper {
     async fn learn(&self) -> Result<(), StoreError> {
         let rows = self.store.tokens().all().await?;
         self.gate.learn(rows.into_iter().filter_map(known).collect(), (self.now)());
+        Ok(())
+    }
+
+    /// Puts the sessions of the database in force.
+    async fn learn_sessions(&self) -> Result<(), StoreError> {
+        let rows = self.store.sessions().await?;
+        let known = |row: SessionRow| {
+            let SessionRow { hash, token, created, expires } = row;
+            Some(WebSession { hash: hash.try_into().ok()?, token: token.try_into().ok()?, created, expires })
+        };
+        self.gate.learn_sessions(rows.into_iter().filter_map(known).collect());
         Ok(())
     }
 
@@ -126,6 +140,22 @@ impl TokenDesk for TokenKeeper {
         Box::pin(async move {
             let rotated = self.change(self.store.tokens().rotate(id, hash, (self.now)())).await?;
             if rotated { self.one(id).await } else { Ok(None) }
+        })
+    }
+
+    fn sign_in(&self, session: WebSession) -> Later<'_, Result<(), String>> {
+        Box::pin(async move {
+            let WebSession { hash, token, created, expires } = session;
+            let row = SessionRow { hash: hash.into(), token: token.into(), created, expires };
+            self.change(self.store.add_session(&row)).await?;
+            self.learn_sessions().await.map_err(told)
+        })
+    }
+
+    fn sign_out(&self, hash: TokenHash) -> Later<'_, Result<(), String>> {
+        Box::pin(async move {
+            self.change(self.store.end_session(&hash)).await?;
+            self.learn_sessions().await.map_err(told)
         })
     }
 }

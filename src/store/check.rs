@@ -47,6 +47,7 @@ impl Store {
             last,
             run,
             keep,
+            keep_people: keep,
             lock,
             gone,
             carried: None,

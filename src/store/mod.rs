@@ -28,6 +28,7 @@ mod jobs;
 mod kinds;
 pub mod ledger_record;
 mod lock;
+mod names;
 mod opening;
 mod people;
 mod people_record;
@@ -36,6 +37,7 @@ mod retention;
 mod robots;
 mod route_record;
 mod seal;
+mod sessions;
 mod shift;
 mod snapshot;
 mod steps;
@@ -50,8 +52,10 @@ pub use check::Belongs;
 pub use error::StoreError;
 pub use events::EVENTS_KEPT;
 pub use kinds::KindText;
+pub use names::PersonRow;
 pub use opening::Opening;
 pub use seal::seal;
+pub use sessions::SessionRow;
 pub use snapshot::SNAPSHOT_AFTER;
 pub use steps::{Loaded, StepEntry};
 pub use tokens::{TokenDraft, TokenRow, TokenTable};
@@ -93,6 +97,9 @@ const LOG_BYTES: &str = "67108864";
 /// What is over stays in the lists for so many days unless the settings say otherwise.
 pub const KEEP_DAYS: u32 = 400;
 
+/// For so many days lists say who it was, unless the settings say otherwise.
+pub const PEOPLE_KEEP_DAYS: u32 = 7;
+
 /// The database: one connection that writes, some that read.
 #[derive(Debug)]
 pub struct Store {
@@ -104,6 +111,8 @@ pub struct Store {
     /// Names this opening of the database: what others wrote since is noticed.
     run: String,
     keep: Span,
+    /// For how long lists say who it was.
+    keep_people: Span,
     lock: Arc<Lock>,
     /// Names of what the lists speak of and the map no longer has.
     gone: Gone,
@@ -173,9 +182,9 @@ impl Store {
         let place = OpenFiles::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
         let gone = Gone::read(&readers).await?;
         lock.note(last);
-        let (keep, lock) = (days(KEEP_DAYS), lock.clone());
+        let (keep, keep_people, lock) = (days(KEEP_DAYS), days(PEOPLE_KEEP_DAYS), lock.clone());
         let news = watch::Sender::new(());
-        Ok(Store { writer, readers, place, last, run, keep, lock, gone, carried, news })
+        Ok(Store { writer, readers, place, last, run, keep, keep_people, lock, gone, carried, news })
     }
 
     /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
@@ -207,6 +216,11 @@ impl Store {
     /// The same, but what is over stays in the lists for so many days.
     pub fn keep_days(self, keep: u32) -> Store {
         Store { keep: days(keep), ..self }
+    }
+
+    /// The same, but lists say for so many days who it was.
+    pub fn keep_people_days(self, keep: u32) -> Store {
+        Store { keep_people: days(keep), ..self }
     }
 
     /// Names this opening of the database; each step says by which run it was written.
@@ -265,6 +279,7 @@ fn migrator() -> Migrator {
     let tenth = include_str!("../../migrations/sqlite/0010_robots.sql").into_sql_str();
     let eleventh = include_str!("../../migrations/sqlite/0011_tokens.sql").into_sql_str();
     let twelfth = include_str!("../../migrations/sqlite/0012_events.sql").into_sql_str();
+    let thirteenth = include_str!("../../migrations/sqlite/0013_sessions_people.sql").into_sql_str();
     let fifteenth = include_str!("../../migrations/sqlite/0015_shift.sql").into_sql_str();
     let sixteenth = include_str!("../../migrations/sqlite/0016_answers.sql").into_sql_str();
     Migrator::with_migrations(vec![
@@ -280,6 +295,7 @@ fn migrator() -> Migrator {
         Migration::new(10, "robots".into(), MigrationType::Simple, tenth, false),
         Migration::new(11, "tokens".into(), MigrationType::Simple, eleventh, false),
         Migration::new(12, "events".into(), MigrationType::Simple, twelfth, false),
+        Migration::new(13, "sessions_people".into(), MigrationType::Simple, thirteenth, false),
         Migration::new(15, "shift".into(), MigrationType::Simple, fifteenth, false),
         Migration::new(16, "answers".into(), MigrationType::Simple, sixteenth, false),
     ])

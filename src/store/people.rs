@@ -135,8 +135,10 @@ pub(super) fn encounter(row: &SqliteRow) -> Result<EncounterRow, StoreError> {
     let seq: i64 = row.try_get("seq")?;
     let word: &str = row.try_get("reaction")?;
     let reaction = [Kept, Slowed, Held, Rerouted, Stopped].into_iter().find(|r| r.word() == word);
+    let worker: i64 = row.try_get("worker")?;
+    let known = u32::try_from(worker).ok();
     let encounter = Encounter {
-        worker: WorkerId(row.try_get("worker")?),
+        worker: WorkerId(known.unwrap_or_default()),
         robot: RobotId(row.try_get("robot")?),
         began: Time(row.try_get("began")?),
         ended: Time(row.try_get("ended")?),
@@ -148,7 +150,7 @@ pub(super) fn encounter(row: &SqliteRow) -> Result<EncounterRow, StoreError> {
         reaction: reaction.ok_or_else(|| broken("encounter", seq, word))?,
         delay: Span(row.try_get("delay")?),
     };
-    Ok(EncounterRow { seq, encounter })
+    Ok(EncounterRow { seq, encounter, is_anonymous: known.is_none() })
 }
 
 fn broken(list: &'static str, id: i64, word: &str) -> StoreError {

@@ -1,4 +1,4 @@
-//! What is deleted: steps that a snapshot stands for, and what has long been over.
+//! What is deleted: steps that a snapshot stands for, what has long been over, and who it was.
 //!
 //! Main function: `tidy`, which every append calls in its transaction. Each call deletes a bounded number of rows,
 //! so that no append waits long; SQLite uses the pages again. Refuses: to delete what is not over, and what a start
@@ -28,16 +28,36 @@ const LISTS: [&str; 6] = [
     "DELETE FROM audit WHERE id IN (SELECT id FROM audit WHERE id < $2 LIMIT $1)",
 ];
 
+/// Who it was, in rows that stay and that are over.
+const PEOPLE: [&str; 3] = [
+    "UPDATE encounters SET worker = -1 WHERE seq IN (SELECT seq FROM encounters WHERE worker >= 0 AND began < $2 LIMIT $1)",
+    "UPDATE assignments SET worker = NULL WHERE id IN (SELECT id FROM assignments \
+     WHERE worker IS NOT NULL AND state IN ('done', 'cancelled') AND updated < $2 LIMIT $1)",
+    "DELETE FROM alarms WHERE id IN (SELECT id FROM alarms WHERE cleared < $2 AND subject_kind = 'worker' LIMIT $1)",
+];
+
 /// Events from the first one on, so that none is missing between those that are kept.
 const EVENTS: &str =
     "DELETE FROM events WHERE seq IN (SELECT seq FROM events WHERE at < $2 ORDER BY seq LIMIT $1)";
 
-/// Deletes some of what is too old `now`: what was over before the last `keep`, and steps that no start needs.
-pub(super) async fn tidy(db: &mut SqliteConnection, now: Time, keep: Span) -> Result<(), sqlx::Error> {
+/// Deletes some of what is too old `now`: what was over before the last `keep`, who it was before the last `people`, and
+/// steps that no start needs.
+pub(super) async fn tidy(
+    db: &mut SqliteConnection,
+    now: Time,
+    (keep, people): (Span, Span),
+) -> Result<(), sqlx::Error> {
     sqlx::query(STEPS).bind(SLICE).execute(&mut *db).await?;
     for list in LISTS {
         sqlx::query(list).bind(SLICE).bind((now - keep).0).execute(&mut *db).await?;
     }
-    sqlx::query(EVENTS).bind(SLICE).bind((now - keep.min(EVENTS_KEPT)).0).execute(&mut *db).await?;
+    for list in PEOPLE {
+        sqlx::query(list).bind(SLICE).bind((now - people).0).execute(&mut *db).await?;
+    }
+    sqlx::query(EVENTS)
+        .bind(SLICE)
+        .bind((now - keep.min(people).min(EVENTS_KEPT)).0)
+        .execute(&mut *db)
+        .await?;
     Ok(())
 }

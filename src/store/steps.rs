@@ -136,7 +136,7 @@ impl Store {
             }
         }
         if let Some(step) = missing.last() {
-            retention::tidy(&mut *connection, step.at, self.keep).await?;
+            retention::tidy(&mut *connection, step.at, (self.keep, self.keep_people)).await?;
         }
         sqlx::query(COMMIT).execute(&mut *connection).await?;
         Ok(news)

@@ -334,7 +334,9 @@ async fn encounters_are_listed_filtered_and_exported() {
         store.append(1, &[step]).await.unwrap();
         store.close().await;
     }
-    let server = start(&folder).await;
+    // Whenever this runs: the server does not forget who it was.
+    let settings = Config { people_keep_days: 36_500, ..config(&folder) };
+    let server = Server::start(&settings, floor()).await.unwrap();
     let at = server.address();
     let closest = async |query: &str| -> Vec<f64> {
         let page = get(at, &format!("/v1/encounters{query}")).await.json();

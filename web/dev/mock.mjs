@@ -15,6 +15,27 @@ const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 const TICK_S = 0.1;
 
+const mayEnter = (request, token) => token === null || String(request.headers.cookie ?? '').includes(`mock_session=${token}`);
+
+/** Signing in and out; the cookie is the token itself, since this is a mock. */
+async function session(request, response, token) {
+  const me = { name: 'mock', role: 'admin', subject: null, by: token === null ? 'nothing' : 'session', expires: null };
+  if (request.method === 'DELETE') {
+    response.setHeader('Set-Cookie', 'mock_session=; Path=/; Max-Age=0');
+    response.writeHead(204).end();
+    return;
+  }
+  if (request.method === 'POST') {
+    let body = '';
+    for await (const part of request) body += part;
+    if (JSON.parse(body).token !== token) return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Wrong token.' });
+    response.setHeader('Set-Cookie', `mock_session=${token}; Path=/; HttpOnly; SameSite=Strict`);
+  } else if (!mayEnter(request, token)) {
+    return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Sign in.' });
+  }
+  return send(response, request.method === 'POST' ? 201 : 200, me);
+}
+
 export async function startMock({ port, width = 40, height = 25, robots = 50, people = 3, dist = null, token = null }) {
   const floor = toyFloor(width, height);
   const fleet = new ToyFleet(floor, robots, people);
@@ -24,16 +45,14 @@ export async function startMock({ port, width = 40, height = 25, robots = 50, pe
   const http = createServer(async (request, response) => {
     const url = new URL(request.url, 'http://mock');
     if (!url.pathname.startsWith('/v1/')) return serveFile(dist, url.pathname, response);
-    if (token !== null && request.headers.authorization !== `Bearer ${token}`) {
-      return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Send an access token.' });
-    }
+    if (url.pathname === '/v1/session') return session(request, response, token);
+    if (!mayEnter(request, token)) return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Sign in.' });
     const [status, body] = await answer(fleet, floor.map, request, url);
     send(response, status, body);
   });
   const sockets = new WebSocketServer({ noServer: true, handleProtocols: (offered) => (offered.has('giveway') ? 'giveway' : false) });
   http.on('upgrade', (request, socket, head) => {
-    const offered = String(request.headers['sec-websocket-protocol'] ?? '');
-    if (token !== null && !offered.includes(`bearer.${token}`)) {
+    if (!mayEnter(request, token)) {
       socket.end('HTTP/1.1 401 Unauthorized\r\n\r\n');
       return;
     }

@@ -1,6 +1,5 @@
 // Requests to the public API: files that a link cannot fetch, and the past, which cannot be changed.
 import { afterEach, expect, test, vi } from 'vitest';
-import { LiveEncounters } from '../src/encounters/live.svelte';
 import { Api } from '../src/wire';
 
 const answer = (body: string, status: number, type: string): void => {
@@ -11,23 +10,20 @@ afterEach(() => {
   sessionStorage.clear();
 });
 
-test('without a token the table of encounters is a plain link; with one it is fetched as a file', async () => {
+test('no request bears a token: the browser adds the cookie of the session', async () => {
   const api = new Api();
-  expect(api.encountersFile({ worker: 'w1' })).toEqual({ href: '/v1/encounters?worker=w1&format=csv', fetch: null });
-  api.token = 'secret';
-  answer('id,worker\n', 200, 'text/csv; charset=utf-8');
-  const got = await api.encountersFile({}).fetch!();
-  expect(got.kind === 'ok' && (await got.value.text())).toBe('id,worker\n');
+  expect(api.encountersFile({ worker: 'w1' })).toBe('/v1/encounters?worker=w1&format=csv');
+  answer('[]', 200, 'application/json');
+  await api.kinds();
   const [path, { headers }] = vi.mocked(fetch).mock.calls[0] as [string, { headers: Record<string, string> }];
-  expect([path, headers['Authorization']]).toEqual(['/v1/encounters?format=csv', 'Bearer secret']);
+  expect([path, Object.keys(headers)]).toEqual(['/v1/kinds', ['Accept']]);
 });
-test('a table of encounters that does not come says so', async () => {
+test('an answer 401 is told to the page', async () => {
   const api = new Api();
-  api.token = 'secret';
-  answer('{"title":"No","detail":"The disk is full."}', 503, 'application/problem+json');
-  const shown = new LiveEncounters(api);
-  shown.csv!.take(new MouseEvent('click', { cancelable: true }));
-  await expect.poll(() => shown.wrong).toBe('The disk is full.');
+  api.onLocked = vi.fn();
+  answer('{"title":"A token is needed"}', 401, 'application/problem+json');
+  await api.map();
+  expect(api.onLocked).toHaveBeenCalledOnce();
 });
 test('while the past is shown, only the stop of all robots is sent to the present', async () => {
   const api = new Api();

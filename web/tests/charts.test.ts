@@ -143,7 +143,7 @@ describe('chances', () => {
 
 describe('the feed of somebody in words', () => {
   const look = (taken: number, more: Partial<WorkerDetail> = {}): WorkerDetail => ({
-    id: 'w1', connected: true, clock_error_ms: 3.2, age_s: 0.05, accuracy: 0.1, feed: { taken, late: 0, jumps: 0, absurd: 0 }, sequence: [], ...more,
+    id: 'w1', name: 'Ana', connected: true, clock_error_ms: 3.2, age_s: 0.05, accuracy: 0.1, feed: { taken, late: 0, jumps: 0, absurd: 0 }, sequence: [], ...more,
   });
   test('a good feed is said to be well in all that is known', () => {
     const all = feedWords({ before: look(100), now: look(140), apart_s: 2 }, 0);

@@ -3,13 +3,13 @@ import { describe, expect, test } from 'vitest';
 
 /** In reading order: a room names only rooms above it. */
 const ROOMS = [
-  'wire', 'language', 'words', 'parts', 'replay', 'floor', 'cards', 'why', 'robots', 'people', 'places', 'jobs', 'encounters',
+  'wire', 'language', 'words', 'parts', 'session', 'replay', 'floor', 'cards', 'why', 'robots', 'people', 'places', 'jobs', 'encounters',
   'timelines', 'charts', 'report', 'alarms', 'audit', 'page', 'headset', 'docs', 'editor',
 ];
 /** The page of a wearer, that of the API and the map editor load nothing of the dashboard. */
 const HEADSET_KNOWS = ['wire', 'language', 'parts'];
 const DOCS_KNOWS = ['parts'];
-const EDITOR_KNOWS = ['parts'];
+const EDITOR_KNOWS = ['parts', 'session'];
 
 type Sources = ReadonlyMap<string, string>;
 const files = import.meta.glob<string>('../src/**/*.{ts,svelte}', { eager: true, query: '?raw', import: 'default' });
@@ -94,9 +94,9 @@ describe('the rooms of the page', () => {
     expect(planted('jobs/planted.ts', "import { Stage } from '../floor/scene/scene';\n"))
       .toEqual(['jobs/planted.ts imports floor/scene/scene.ts, which is inside floor; its doors are index.ts and its components']);
   });
-  test('a panel that reaches for the token dialog is found', () => {
-    expect(planted('jobs/JobsTable.svelte', "import TokenDialog from '../page/TokenDialog.svelte';\n"))
-      .toContain('jobs/JobsTable.svelte imports page/TokenDialog.svelte: page comes after jobs');
+  test('a panel that reaches for the bar is found', () => {
+    expect(planted('jobs/JobsTable.svelte', "import TopBar from '../page/TopBar.svelte';\n"))
+      .toContain('jobs/JobsTable.svelte imports page/TopBar.svelte: page comes after jobs');
   });
   test('a part of the dashboard in the page of a wearer is found', () => {
     expect(planted('headset/planted.ts', "import { count } from '../words';\n"))

@@ -197,10 +197,11 @@ async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, SessionEnd> {
 
 impl Session<'_> {
     async fn run(&mut self, hello: &HelloSaid) -> Result<(), SessionEnd> {
+        let name = self.api.feeds.name(self.worker);
         let welcome = FeedMessage::Welcome {
             version: VERSIONS[0],
             worker: worker_name(self.worker),
-            name: self.api.feeds.name(self.worker),
+            name: name.map(|pseudonym| self.api.pseudonyms.shown(&self.api.caller, self.worker, &pseudonym)),
             frame: hello.frame,
             epoch: self.intake.epoch(),
             aligned: self.intake.alignment().is_some(),

@@ -96,6 +96,7 @@ impl TestServer {
             past: None,
             live: Arc::new(Live::new(map, 1)),
             feeds: feeds.clone(),
+            pseudonyms: Arc::default(),
             interop: Arc::new(Interop::default()),
             now: Arc::new(move || Time(ticks.fetch_add(1, Ordering::Relaxed))),
             metrics: metrics.clone(),

@@ -132,7 +132,8 @@ fn csv(items: &[EncounterDto]) -> String {
     for e in items {
         let numbers = [e.x, e.y, f64::from(e.region), e.radius, e.closest, e.robot_speed, e.worker_speed]
             .map(|n| n.to_string());
-        let cells = [e.id.to_string(), e.worker.clone(), quoted(&e.robot), e.began.clone()];
+        let cells =
+            [e.id.to_string(), e.worker.clone().unwrap_or_default(), quoted(&e.robot), e.began.clone()];
         let cells = cells.join(",");
         let numbers = numbers.join(",");
         text += &format!("{cells},{},{numbers},{},{}\r\n", e.lasted_s, e.reaction.word(), e.delay_s);
@@ -157,7 +158,7 @@ mod tests {
     fn a_table_has_a_line_for_each_and_quotes_what_it_must() {
         let e = EncounterDto {
             id: 7,
-            worker: "w1".into(),
+            worker: Some("w1".into()),
             robot: "the \"big\", red one".into(),
             began: "2027-01-31T12:00:00Z".into(),
             lasted_s: 1.5,

@@ -8,6 +8,7 @@ use crate::api::error::Problem;
 use crate::api::port::What;
 use crate::api::text::time_text;
 use crate::fleet::{GuidanceReason, Presence, WorkerView};
+use crate::id::{Dense, WorkerId};
 use axum::Json;
 use axum::http::StatusCode;
 use serde::Serialize;
@@ -18,7 +19,7 @@ use utoipa::ToSchema;
 pub struct EvacuationDto {
     /// Since when, RFC 3339; null if nobody ordered one.
     pub since: Option<String>,
-    /// Workers who are on the floor and not at a door yet, by name.
+    /// Workers who are on the floor and not at a door yet, by name, or by pseudonym for those who may not see names.
     pub inside: Vec<String>,
 }
 
@@ -28,12 +29,12 @@ pub struct EvacuationDto {
 pub async fn get(Called(api): Called) -> Json<EvacuationDto> {
     let moment = api.moment();
     let view = &moment.view;
-    let is_led = |w: &&WorkerView| {
+    let is_led = |w: &WorkerView| {
         let told = w.guidance.reason == Some(GuidanceReason::Evacuation);
         w.presence != Presence::Absent && !(told && w.guidance.path.is_empty())
     };
-    let inside = view.workers.iter().filter(is_led).filter(|_| view.evacuation.is_some());
-    let inside = inside.map(|w| w.name.clone()).collect();
+    let all = view.workers.iter().enumerate().filter(|(_, w)| is_led(w) && view.evacuation.is_some());
+    let inside = all.map(|(i, w)| api.pseudonyms.shown(&api.caller, WorkerId::at(i), &w.name)).collect();
     Json(EvacuationDto { since: view.evacuation.map(time_text), inside })
 }
 

@@ -26,11 +26,13 @@ mod new_job;
 mod openapi;
 mod page;
 mod past;
+mod people;
 mod positions;
 mod recurring;
 mod reports;
 mod robot_life;
 mod robots;
+mod session;
 mod shift;
 mod stations;
 mod timelines;
@@ -44,7 +46,7 @@ pub use health::alive;
 use super::audit::AuditEntry;
 use super::caller::Caller;
 use super::error::Problem;
-use super::feed::session;
+use super::feed::session as feed_session;
 use super::metrics::HttpLabels;
 use super::roles::{Access, access_of, check_role, is_audited, subject_of};
 use super::{Api, once, ws};
@@ -130,9 +132,11 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(stations::resume))
         .routes(routes!(workers::list, workers::hire))
         .routes(routes!(workers::get))
+        .routes(routes!(people::list))
+        .routes(routes!(people::erase))
         .routes(routes!(lost::clear))
         .routes(routes!(lost::narrow))
-        .routes(routes!(session::feed))
+        .routes(routes!(feed_session::feed))
         .routes(routes!(positions::one))
         .routes(routes!(positions::many))
         .routes(routes!(reports::post, reports::stream))
@@ -156,6 +160,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(shift::report))
         .routes(routes!(heat::heat))
         .routes(routes!(audit::list))
+        .routes(routes!(session::who, session::sign_in, session::sign_out))
         .routes(routes!(tokens::list, tokens::make))
         .routes(routes!(tokens::revoke))
         .routes(routes!(tokens::rotate))
@@ -167,7 +172,7 @@ fn routes() -> OpenApiRouter<Api> {
 /// that are to change something, with what came of them.
 async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> Response {
     let open = access_of(request.method().as_str(), request.uri().path()) == Some(Access::Open);
-    let caller = match api.gate.check(request.headers(), (api.now)()) {
+    let caller = match api.gate.check(request.method(), request.headers(), (api.now)()) {
         Ok(caller) => caller,
         Err(problem) if open && problem.status == StatusCode::UNAUTHORIZED.as_u16() => Caller::anonymous(),
         Err(problem) => return problem.into_response(),

@@ -48,8 +48,12 @@ pub fn described(document: &Document) -> Value {
         "description": "One of the server's tokens. Browsers, which cannot set the header on a WebSocket, offer it as \
                         the protocol `bearer.TOKEN` beside `giveway`. A server without tokens listens on the loopback \
                         only and needs none.",
+    }, "session": {
+        "type": "apiKey", "in": "cookie", "name": "giveway_session",
+        "description": "What a browser gets from `POST /v1/session`; where the address has a port, `_PORT` follows the \
+                        name. With it, pages of this server alone may change something.",
     }});
-    document["security"] = json!([{"bearer": []}]);
+    document["security"] = json!([{"bearer": []}, {"session": []}]);
     for (path, item) in members(&mut document["paths"]) {
         for (method, operation) in members(item) {
             complete(path, method, operation);
@@ -68,7 +72,7 @@ fn complete(path: &str, method: &str, operation: &mut Value) {
     let access = access_of(&method.to_uppercase(), path).unwrap_or(Access::Administer);
     let needed = access.words();
     match &needed {
-        None => operation["security"] = json!([{}, {"bearer": []}]),
+        None => operation["security"] = json!([{}, {"bearer": []}, {"session": []}]),
         Some(words) => tell_roles(access, words, operation),
     }
     let has_parameters = operation["parameters"].as_array().is_some_and(|list| !list.is_empty());

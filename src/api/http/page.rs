@@ -27,6 +27,7 @@ pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
         "" => "index.html",
         "headset" | "headset/marks" => "headset.html",
         "docs" => "docs.html",
+        "sign-in" => "signin.html",
         "editor" => "editor.html",
         other => other,
     };

@@ -99,7 +99,11 @@ fn kind_of(status: u16) -> &'static str {
 
 fn take(api: &Api, said: &InteropReport) -> Result<(), Problem> {
     let name = api.interop.worker(&said.uuid).unwrap_or(&said.uuid);
-    let worker = api.feeds.named(name).or_else(|| api.feeds.named(&name.to_lowercase()));
+    let named = |name: &str| {
+        let pseudonym = api.pseudonyms.pseudonym_of(name);
+        api.feeds.named(pseudonym.as_deref().unwrap_or(name))
+    };
+    let worker = named(name).or_else(|| named(&name.to_lowercase()));
     let worker = worker.ok_or_else(|| {
         api.metrics.refused("unknown-uuid");
         Problem::unknown("worker", Unfit::UnknownUuid(said.uuid.clone()).to_string())

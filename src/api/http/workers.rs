@@ -27,7 +27,8 @@ const LONGEST_NAME: usize = 64;
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewWorker {
-    /// A name of your choice, 1 to 64 characters; preferably a pseudonym. For MassRobotics reports, the uuid.
+    /// The name, 1 to 64 characters. It is kept in one table, apart from everything else, which knows this worker by a
+    /// pseudonym. For MassRobotics reports, the uuid.
     #[schema(example = "picker-7")]
     name: String,
 }
@@ -81,7 +82,9 @@ fn located(api: &Api, id: WorkerId, name: String) -> LocatedWorker {
 fn own_worker(api: &Api, name: &str) -> Result<LocatedWorker, Problem> {
     let subject = api.caller.subject.as_deref().unwrap_or_default();
     match api.feeds.worker(subject).ok().and_then(|id| Some((id, api.feeds.name(id)?))) {
-        Some((id, own)) if own == name => Ok(located(api, id, own)),
+        Some((id, own)) if own == name || api.pseudonyms.person(&own).is_some_and(|p| p.name == name) => {
+            Ok(located(api, id, own))
+        }
         _ => {
             let detail =
                 format!("this token is for the worker {subject} alone: sign in with that worker's name");
@@ -115,23 +118,35 @@ pub async fn hire(
     if api.caller.role == Role::Device {
         return own_worker(&api, name).map(|own| (StatusCode::OK, own.0, own.1));
     }
-    match api.ask(What::Hire(name.into())).await? {
+    api.queue()?;
+    let taken = |name: &str| api.feeds.named(name).is_some();
+    let registered = api.pseudonyms.register(name, (api.now)(), taken).await;
+    let pseudonym = registered.map_err(|why| Problem::unavailable(why, 2))?;
+    match api.ask(What::Hire(pseudonym.clone())).await? {
         Reply::WorkerRegistered { worker: id, new, .. } => {
             let status = if new { StatusCode::CREATED } else { StatusCode::OK };
-            let (location, worker) = located(&api, id, name.into());
+            let (location, worker) = located(&api, id, pseudonym);
             Ok((status, location, worker))
         }
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        Reply::Refused { why, .. } => {
+            // Nobody is registered under it: the name is not to stay.
+            if let Err(why) = api.pseudonyms.erase(&pseudonym, None).await {
+                tracing::warn!("a name is kept without its worker: {why}");
+            }
+            Err(refused(&api.map, why))
+        }
         _ => Err(Problem::internal()),
     }
 }
 
-/// A worker as the latest view has it.
+/// A worker as the latest view has it, with the name that the caller may see.
 fn worker(api: &Api, id: WorkerId, name: String) -> WorkerDto {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
-    match moment.view.workers.get(id.ix()) {
+    let shown = api.pseudonyms.shown(&api.caller, id, &name);
+    let worker = match moment.view.workers.get(id.ix()) {
         Some(seen) => names.worker(id, seen),
         None => Names::absent_worker(id, name),
-    }
+    };
+    WorkerDto { name: shown, ..worker }
 }

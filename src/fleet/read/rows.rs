@@ -122,8 +122,17 @@ pub struct AssignmentQuery {
 pub struct EncounterRow {
     /// Its number, in the order of recording.
     pub seq: i64,
-    /// What happened.
+    /// What happened. `worker` means nothing if it is anonymous.
     pub encounter: Encounter,
+    /// Whether the list no longer says who it was.
+    pub is_anonymous: bool,
+}
+
+impl EncounterRow {
+    /// Who it was, if that is still known.
+    pub fn worker(&self) -> Option<WorkerId> {
+        (!self.is_anonymous).then_some(self.encounter.worker)
+    }
 }
 
 /// Which encounters to list, newest first.

@@ -1,4 +1,4 @@
-// Requests of this page to the public API, with the token where one is wanted.
+// Requests of this page to the public API; the browser adds the cookie of the session.
 import type { MapFile } from './file';
 
 export interface Finding { severity: 'error' | 'warning'; place: string; text: string; remedy: string; nodes: string[]; at: [number, number][] }
@@ -10,20 +10,7 @@ export interface Trial {
 }
 export type Answer<T> = { kind: 'ok'; value: T } | { kind: 'refused'; text: string } | { kind: 'locked' } | { kind: 'unreachable' };
 
-const TOKEN = 'giveway.token';
-
 export class Server {
-  get token(): string {
-    try {
-      return sessionStorage.getItem(TOKEN) ?? '';
-    } catch {
-      return '';
-    }
-  }
-  set token(token: string) {
-    sessionStorage.setItem(TOKEN, token);
-  }
-
   map = (): Promise<Answer<MapFile>> => this.#ask('GET', '/v1/map:file');
   check = (text: string, signal?: AbortSignal): Promise<Answer<Review>> => this.#ask('POST', '/v1/maps:check', text, signal);
   try = (map: MapFile, robots: number, jobs_per_hour: number | null): Promise<Answer<Trial>> =>
@@ -31,7 +18,6 @@ export class Server {
 
   async #ask<T>(method: string, path: string, body?: string, signal?: AbortSignal): Promise<Answer<T>> {
     const headers: Record<string, string> = body === undefined ? {} : { 'Content-Type': 'application/json' };
-    if (this.token) headers['Authorization'] = `Bearer ${this.token}`;
     try {
       const answer = await fetch(path, { method, headers, ...(body === undefined ? {} : { body }), ...(signal ? { signal } : {}) });
       if (answer.ok) return { kind: 'ok', value: (await answer.json()) as T };
@@ -47,5 +33,5 @@ export class Server {
 /** What an answer without a value means, for people. */
 export function whyNot(answer: Exclude<Answer<unknown>, { kind: 'ok' }>): string {
   if (answer.kind === 'refused') return answer.text;
-  return answer.kind === 'locked' ? 'The server requires an access token.' : 'The server cannot be reached.';
+  return answer.kind === 'locked' ? 'Nobody is signed in.' : 'The server cannot be reached.';
 }

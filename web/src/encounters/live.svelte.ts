@@ -31,9 +31,8 @@ export class LiveEncounters implements EncountersShown {
     return [...this.#newest, ...this.#older.filter((o) => !this.#newest.some((e) => e.id === o.id))];
   }
 
-  get csv(): EncountersShown['csv'] {
-    const file = this.#api.encountersFile(queryOf(this.worker, this.robot));
-    return { href: file.href, take: (event) => void this.#take(event, file) };
+  get csv(): string {
+    return this.#api.encountersFile(queryOf(this.worker, this.robot));
   }
 
   get older(): EncountersShown['older'] {
@@ -76,19 +75,5 @@ export class LiveEncounters implements EncountersShown {
     if (answer.kind !== 'ok') return;
     this.#older = [...this.#older, ...answer.value.items];
     this.#next = answer.value.next;
-  }
-
-  /** With a token the file must be fetched, not linked to. */
-  async #take(event: MouseEvent, { fetch }: ReturnType<Api['encountersFile']>): Promise<void> {
-    if (fetch === null) return;
-    event.preventDefault();
-    const answer = await fetch();
-    this.wrong = trouble(answer);
-    if (answer.kind !== 'ok') return;
-    const link = document.createElement('a');
-    link.href = URL.createObjectURL(answer.value);
-    link.download = 'encounters.csv';
-    link.click();
-    URL.revokeObjectURL(link.href);
   }
 }

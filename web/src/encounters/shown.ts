@@ -19,7 +19,7 @@ export interface EncountersShown {
   /** What else is to be said of them. */
   readonly note: string | null;
   /** The table as a file, where there is one. */
-  readonly csv: { readonly href: string; take(event: MouseEvent): void } | null;
+  readonly csv: string | null;
   /** Fetches older ones; null where there are none. */
   readonly older: (() => Promise<void>) | null;
   when(e: Encounter): string;

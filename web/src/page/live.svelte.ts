@@ -45,12 +45,6 @@ export class Live {
     clearTimeout(this.#retry);
   }
 
-  /** Begins again, for instance with another token. */
-  restart(): void {
-    void this.#loadMap();
-    this.#link.retryNow();
-  }
-
   retryNow(): void {
     this.#link.retryNow();
   }
@@ -72,8 +66,8 @@ export class Live {
     }
     const locked = answer.kind === 'refused' && answer.problem.status === 401;
     const why = answer.kind === 'refused' ? (answer.problem.detail ?? answer.problem.title) : 'The server cannot be reached.';
-    this.map = { kind: 'failed', why: locked ? 'The server requires an access token.' : why };
-    // With a wrong token, asking again would only lock the page again: wait for another token.
+    this.map = { kind: 'failed', why: locked ? 'Nobody is signed in.' : why };
+    // The page to sign in comes next.
     if (!locked) this.#retry = setTimeout(() => void this.#loadMap(), MAP_RETRY_MS);
   }
 }

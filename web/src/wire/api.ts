@@ -1,5 +1,5 @@
 // Requests to the public API. Every answer is a value, never an exception: done, refused with a reason,
-// or unreachable. It keeps the access token, and tells the page when the server wants one.
+// or unreachable. The browser adds the cookie of the session; the page is told when the server wants somebody to sign in.
 import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type { ShiftReport } from './report';
@@ -13,7 +13,6 @@ export type Answer<T> =
   | { kind: 'refused'; problem: Problem }
   | { kind: 'unreachable' };
 
-const TOKEN = 'giveway.token';
 const PATIENCE_MS = 15_000;
 const PAST: Problem = { title: 'The past cannot be changed', status: 409, detail: 'You are looking at the past, which cannot be changed. Go back to live first.' };
 
@@ -83,11 +82,8 @@ export class Api {
   reportTable = (query: Record<string, string>) =>
     this.#ask<Blob>('GET', `/v1/report?${new URLSearchParams({ ...query, format: 'csv' })}`, { Accept: 'text/csv' });
 
-  /** The table of encounters as a file: a link, and, where a token is needed that a link cannot carry, what fetches it. */
-  encountersFile(query: Record<string, string>): { href: string; fetch: (() => Promise<Answer<Blob>>) | null } {
-    const href = `/v1/encounters?${new URLSearchParams({ ...query, format: 'csv' })}`;
-    return { href, fetch: this.token === null ? null : () => this.#ask<Blob>('GET', href, { Accept: 'text/csv' }) };
-  }
+  /** Where the table of encounters is as a file. */
+  encountersFile = (query: Record<string, string>) => `/v1/encounters?${new URLSearchParams({ ...query, format: 'csv' })}`;
 
   jobs(state: JobState | 'any', cursor: string | null): Promise<Answer<JobPage>> {
     const query = new URLSearchParams({ limit: '50' });
@@ -108,21 +104,13 @@ export class Api {
     return this.#ask<JobBatch>('POST', '/v1/jobs:batch', {}, { jobs });
   }
 
-  get token(): string | null {
-    return sessionStorage.getItem(TOKEN);
-  }
-  set token(token: string) {
-    sessionStorage.setItem(TOKEN, token);
-  }
-
   openLive(since: number | null, events: SocketEvents): Socket {
     const url = new URL('/v1/live', location.href);
     url.protocol = url.protocol.replace('http', 'ws');
     url.searchParams.set('thin', 'true');
     url.searchParams.set('packed', 'true');
     if (since !== null) url.searchParams.set('since', String(since));
-    // Browsers let no header be set on a WebSocket; the subprotocol list is the one place for a token.
-    const socket = this.token ? new WebSocket(url, ['giveway', `bearer.${this.token}`]) : new WebSocket(url);
+    const socket = new WebSocket(url);
     socket.binaryType = 'arraybuffer';
     // Unpacking takes a moment: what comes meanwhile waits, since no message may overtake another one.
     let unpacking: Promise<void> | null = null;
@@ -152,7 +140,6 @@ export class Api {
 
   async #send<T>(method: string, path: string, headers: Record<string, string> = {}, body?: object): Promise<Answer<T>> {
     const all: Record<string, string> = { Accept: 'application/json', ...headers };
-    if (this.token) all['Authorization'] = `Bearer ${this.token}`;
     if (body) all['Content-Type'] = 'application/json';
     try {
       const response = await fetch(path, {
@@ -161,7 +148,7 @@ export class Api {
       });
       if (response.status === 204) return { kind: 'ok', value: null as T };
       if (response.ok) {
-        const isFile = /^(application\/gzip|text\/csv)\b/.test(response.headers.get('content-type') ?? '');
+        const isFile = /^application\/gzip\b/.test(response.headers.get('content-type') ?? '');
         return { kind: 'ok', value: (await (isFile ? response.blob() : response.json())) as T };
       }
       if (response.status === 401) this.onLocked();

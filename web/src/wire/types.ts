@@ -495,7 +495,8 @@ export type Reaction = (typeof REACTIONS)[number];
 /** A robot came into region 1 of a worker. */
 export interface Encounter {
   id: number;
-  worker: string;
+  /** Null when it has been forgotten who it was. */
+  worker: string | null;
   robot: string;
   began: string;
   lasted_s: number;
@@ -517,6 +518,8 @@ export interface EncounterPage {
 /** One worker with what the live feed leaves out. */
 export interface WorkerDetail {
   id: string;
+  /** The name for those who may see names, and the pseudonym of the live feed for others. */
+  name: string;
   connected: boolean;
   clock_error_ms: number | null;
   age_s: number | null;

@@ -1,0 +1,80 @@
+//! `/v1/people`: who is behind the pseudonyms of workers, and forgetting a person.
+//!
+//! Main type: [`PersonDto`]. Refuses: to erase a person who is on the floor or has something to do.
+
+use super::lists::{Paging, page};
+use crate::api::called::Called;
+use crate::api::dto::Page;
+use crate::api::error::Problem;
+use crate::api::extract::{Params, PathPart};
+use crate::api::text::{assignment_name, time_text, worker_name};
+use crate::fleet::{AssignmentQuery, AssignmentState, Presence};
+use crate::id::{Dense, WorkerId};
+use axum::Json;
+use axum::http::StatusCode;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// A person, with the pseudonym that stands for the name everywhere else.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct PersonDto {
+    /// The worker.
+    #[schema(example = "w1")]
+    pub id: String,
+    /// What feeds, events, webhooks, recordings and the journal call this person.
+    #[schema(example = "worker-3f2a")]
+    pub pseudonym: String,
+    /// The name.
+    #[schema(example = "Anna Berg")]
+    pub name: String,
+    /// When the person was registered, RFC 3339.
+    pub since: String,
+}
+
+/// All people whose names are kept.
+#[utoipa::path(get, path = "/v1/people", tag = "people", operation_id = "listPeople", params(Paging), responses(
+    (status = 200, description = "People in order of joining", body = Page<PersonDto>),
+    (status = 422, body = Problem, content_type = "application/problem+json")))]
+pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<PersonDto>>, Problem> {
+    let pseudonyms = api.feeds.names();
+    let people = pseudonyms.iter().enumerate().filter_map(|(i, pseudonym)| {
+        let person = api.pseudonyms.person(pseudonym)?;
+        let (id, since) = (worker_name(WorkerId::at(i)), time_text(person.since));
+        Some(PersonDto { id, pseudonym: person.pseudonym, name: person.name, since })
+    });
+    page(people.collect(), &p)
+}
+
+/// Erase a person: the name is forgotten, and who it was is taken out of encounters, assignments, events and alarms.
+/// Tokens of the person's devices are revoked. If the person is registered again, it is under another pseudonym.
+#[utoipa::path(delete, path = "/v1/people/{id}", tag = "people", operation_id = "erasePerson",
+    params(("id" = String, Path, example = "w1")), responses(
+    (status = 204, description = "Erased, and that is durable"),
+    (status = 404, description = "There is no such worker, or its name is not kept", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "The person is on the floor, or has something to do", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn erase(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+    api.queue()?;
+    let worker = api.feeds.worker(&id)?;
+    let person = api.feeds.name(worker).and_then(|pseudonym| api.pseudonyms.person(&pseudonym));
+    let person = person.ok_or_else(|| {
+        let detail = format!("no name is kept of {id}: the person was erased, or is older than pseudonyms");
+        Problem::unknown("person", detail)
+    })?;
+    let seen = api.moment().view.workers.get(worker.ix()).map(|w| w.presence);
+    if seen.is_some_and(|presence| presence != Presence::Absent) {
+        let detail = format!("{id} is on the floor: wait until the person has left, or clear a lost worker");
+        return Err(Problem::conflict("on-floor", "The person is on the floor", detail));
+    }
+    let query = AssignmentQuery { worker: Some(worker), limit: 500, ..AssignmentQuery::default() };
+    let all = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let is_open = |state| !matches!(state, AssignmentState::Done | AssignmentState::Cancelled);
+    if let Some(open) = all.iter().find(|row| is_open(row.assignment.state)) {
+        let detail = format!("{id} has the assignment {}: cancel it first", assignment_name(open.id));
+        return Err(Problem::conflict("assigned", "The person has something to do", detail));
+    }
+    let erased = api.pseudonyms.erase(&person.pseudonym, Some(worker)).await;
+    erased.map_err(|why| Problem::unavailable(why, 2))?;
+    Ok(StatusCode::NO_CONTENT)
+}

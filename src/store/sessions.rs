@@ -1,0 +1,64 @@
+//! Sessions of browsers: digests of cookies, and of the tokens for which they stand.
+//!
+//! Main type: [`SessionRow`]. Refuses: more than [`MOST`] sessions; the oldest end first.
+
+use super::{Store, StoreError};
+use crate::time::Time;
+use sqlx::Row;
+
+/// How many there may be.
+const MOST: i64 = 1000;
+
+const ALL: &str = "SELECT hash, token, created, expires FROM sessions";
+const ADD: &str = "INSERT INTO sessions (hash, token, created, expires) VALUES ($1, $2, $3, $4)";
+const END: &str = "DELETE FROM sessions WHERE hash = $1";
+const TIDY: &str = "DELETE FROM sessions WHERE expires <= $1 \
+    OR hash IN (SELECT hash FROM sessions ORDER BY created DESC LIMIT -1 OFFSET $2)";
+
+/// What is kept of a session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SessionRow {
+    /// SHA-256 of what the cookie says, 32 bytes.
+    pub hash: Vec<u8>,
+    /// SHA-256 of the token, 32 bytes.
+    pub token: Vec<u8>,
+    /// When somebody signed in.
+    pub created: Time,
+    /// When it ends.
+    pub expires: Time,
+}
+
+impl Store {
+    /// All sessions.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn sessions(&self) -> Result<Vec<SessionRow>, StoreError> {
+        let rows = sqlx::query(ALL).fetch_all(&self.readers).await?;
+        let read = |row: &sqlx::sqlite::SqliteRow| -> Result<SessionRow, sqlx::Error> {
+            let (created, expires) = (Time(row.try_get("created")?), Time(row.try_get("expires")?));
+            Ok(SessionRow { hash: row.try_get("hash")?, token: row.try_get("token")?, created, expires })
+        };
+        Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
+    }
+
+    /// Keeps one more, and forgets those that are over.
+    ///
+    /// # Errors
+    /// Where the database takes nothing.
+    pub async fn add_session(&self, new: &SessionRow) -> Result<(), StoreError> {
+        let query = sqlx::query(ADD).bind(&new.hash).bind(&new.token).bind(new.created.0).bind(new.expires.0);
+        query.execute(&self.writer).await?;
+        sqlx::query(TIDY).bind(new.created.0).bind(MOST).execute(&self.writer).await?;
+        Ok(())
+    }
+
+    /// Ends one.
+    ///
+    /// # Errors
+    /// Where the database takes nothing.
+    pub async fn end_session(&self, hash: &[u8]) -> Result<(), StoreError> {
+        sqlx::query(END).bind(hash).execute(&self.writer).await?;
+        Ok(())
+    }
+}

@@ -1,0 +1,216 @@
+//! Names of people: who sees them, where they are not, and what is left of a person who was erased.
+
+use crate::helper::{Folder, map};
+use crate::tokens::{ADMIN, make, start_closed, with};
+use futures_util::StreamExt;
+use giveway::fleet::{
+    AssignmentQuery, AssignmentRequest, AssignmentState, Encounter, EncounterQuery, EventQuery, Fact,
+    Reaction,
+};
+use giveway::geometry::Spot;
+use giveway::id::{AssignmentId, NodeId, RobotId, WorkerId};
+use giveway::store::{StepEntry, Store};
+use giveway::time::{Span, Time};
+use serde_json::{Value, json};
+use std::net::SocketAddr;
+use std::path::Path;
+use std::time::Duration;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::client::IntoClientRequest;
+
+const NAME: &str = "Annabella Bergstroem";
+
+async fn register(at: SocketAddr) -> Value {
+    let made = with(at, ADMIN, "POST", "/v1/workers", &json!({ "name": NAME }).to_string()).await;
+    assert_eq!(made.status, 201, "{made:?}");
+    made.json()
+}
+
+/// The token of a role, or of the worker's device once the worker is in the picture.
+async fn token(at: SocketAddr, role: &str) -> String {
+    let subject = (role == "device").then_some("w1");
+    let body = json!({"name": role, "role": role, "subject": subject}).to_string();
+    for _ in 0..100 {
+        let made = with(at, ADMIN, "POST", "/v1/tokens", &body).await;
+        if made.status == 201 {
+            return made.json()["token"].as_str().unwrap().to_owned();
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("no token for {role}");
+}
+
+async fn name_seen_by(at: SocketAddr, token: &str) -> String {
+    let listed = with(at, token, "GET", "/v1/workers", "").await.json();
+    let one = with(at, token, "GET", "/v1/workers/w1", "").await.json();
+    assert_eq!(listed["items"][0]["name"], one["name"]);
+    one["name"].as_str().unwrap().to_owned()
+}
+
+/// The first snapshot of the live feed that has the worker.
+async fn snapshot(at: SocketAddr) -> String {
+    for _ in 0..100 {
+        let mut request = format!("ws://{at}/v1/live").into_client_request().unwrap();
+        let offer = format!("giveway, bearer.{ADMIN}");
+        request.headers_mut().insert("sec-websocket-protocol", offer.parse().unwrap());
+        let (mut feed, _) = tokio_tungstenite::connect_async(request).await.unwrap();
+        if let Some(Ok(Message::Text(text))) = feed.next().await
+            && text.contains("\"w1\"")
+        {
+            return text.to_string();
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("the worker never comes");
+}
+
+/// Files below a folder that have these bytes.
+fn files_with(folder: &Path, bytes: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(files_with(&path, bytes));
+        } else if std::fs::read(&path).unwrap().windows(bytes.len()).any(|w| w == bytes.as_bytes()) {
+            found.push(path.file_name().unwrap().to_string_lossy().into_owned());
+        }
+    }
+    found
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn operators_and_administrators_see_names_and_all_others_a_pseudonym() {
+    let folder = Folder::new();
+    let server = start_closed(&folder).await;
+    let at = server.address();
+    assert_eq!(register(at).await["name"], NAME);
+    let again = with(at, ADMIN, "POST", "/v1/workers", &json!({ "name": NAME }).to_string()).await;
+    assert_eq!((again.status, &again.json()["id"]), (200, &json!("w1")), "the same name is the same worker");
+
+    for role in ["operator", "device"] {
+        assert_eq!(name_seen_by(at, &token(at, role).await).await, NAME, "{role}");
+    }
+    let viewer = token(at, "viewer").await;
+    let pseudonym = name_seen_by(at, &viewer).await;
+    assert!(pseudonym.starts_with("worker-") && pseudonym.len() == 11, "{pseudonym}");
+    assert_eq!(name_seen_by(at, &token(at, "integrator").await).await, pseudonym);
+    with(at, &viewer, "GET", "/v1/people", "").await.problem(403);
+    let people = with(at, ADMIN, "GET", "/v1/people", "").await.json();
+    let known = &people["items"][0];
+    assert_eq!(
+        (&known["id"], &known["pseudonym"], &known["name"]),
+        (&json!("w1"), &json!(pseudonym), &json!(NAME))
+    );
+
+    let floor = snapshot(at).await;
+    assert!(
+        floor.contains(&pseudonym) && !floor.contains(NAME),
+        "the live feed has the pseudonym, for everybody"
+    );
+    for path in ["/v1/events", "/v1/audit", "/metrics", "/v1/past"] {
+        assert!(!with(at, ADMIN, "GET", path, "").await.text.contains(NAME), "{path}");
+    }
+    server.stop().await.unwrap();
+
+    let server = start_closed(&folder).await;
+    assert_eq!(name_seen_by(server.address(), ADMIN).await, NAME, "after a restart");
+    assert_eq!(name_seen_by(server.address(), &viewer).await, pseudonym);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn nothing_is_left_of_a_person_who_was_erased() {
+    let folder = Folder::new();
+    let server = start_closed(&folder).await;
+    let at = server.address();
+    register(at).await;
+    let device = token(at, "device").await;
+    let pseudonym = name_seen_by(at, &token(at, "viewer").await).await;
+    assert!(!files_with(folder.path(), NAME).is_empty(), "this test can find the name");
+
+    let place = {
+        let map = map();
+        map.nodes[map.stations.iter().next().unwrap().node].name.clone()
+    };
+    let task = json!({"place": place, "what": "count", "stay_s": 1}).to_string();
+    let task = with(at, ADMIN, "POST", "/v1/workers/w1/assignments", &task).await.json();
+    let erase = ("DELETE", "/v1/people/w1");
+    let refused = with(at, ADMIN, erase.0, erase.1, "").await.problem(409);
+    assert!(refused["detail"].as_str().unwrap().contains("cancel it first"), "{refused}");
+    let cancelled =
+        with(at, ADMIN, "DELETE", &format!("/v1/assignments/{}", task["id"].as_str().unwrap()), "").await;
+    assert!(cancelled.status < 300, "{cancelled:?}");
+    let operator = token(at, "operator").await;
+    with(at, &operator, erase.0, erase.1, "").await.problem(403);
+    with(at, ADMIN, "DELETE", "/v1/people/w9", "").await.problem(404);
+
+    assert_eq!(with(at, ADMIN, erase.0, erase.1, "").await.status, 204);
+    with(at, ADMIN, erase.0, erase.1, "").await.problem(404);
+    assert_eq!(files_with(folder.path(), NAME), Vec::<String>::new(), "while the server runs");
+    assert_eq!(name_seen_by(at, ADMIN).await, pseudonym, "nobody knows any more");
+    assert_eq!(with(at, ADMIN, "GET", "/v1/people", "").await.json()["items"], json!([]));
+    let events = with(at, ADMIN, "GET", "/v1/events", "").await.json();
+    assert!(events["items"].as_array().unwrap().iter().all(|e| e["worker"] != "w1"), "{events}");
+    let tasks = with(at, ADMIN, "GET", "/v1/assignments", "").await.json();
+    assert_eq!(tasks["items"][0]["worker"], Value::Null);
+    let audit = with(at, ADMIN, "GET", "/v1/audit", "").await.text;
+    assert!(audit.contains("DELETE /v1/people/{id}") && !audit.contains(NAME), "{audit}");
+    for _ in 0..100 {
+        if with(at, &device, "GET", "/v1/workers", "").await.status == 401 {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    with(at, &device, "GET", "/v1/workers", "").await.problem(401);
+    let again = register(at).await;
+    assert_eq!(again["id"], "w2", "the same person is another worker from now on");
+    server.stop().await.unwrap();
+    assert_eq!(files_with(folder.path(), &pseudonym).len(), 1, "the journal has the pseudonym");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn lists_forget_after_some_days_who_it_was() {
+    const DAY: i64 = 24 * 3600 * 1_000_000;
+    let folder = Folder::new();
+    let store = Store::open(&folder.database(), &map()).await.unwrap().keep_people_days(7);
+    let begin = 1_800_000_000_000_000;
+    let met = Fact::Encountered(Encounter {
+        worker: WorkerId(0),
+        robot: RobotId(0),
+        began: Time(begin),
+        ended: Time(begin + 1_000_000),
+        at: Spot { x_mm: 1250, y_mm: -500 },
+        radius_mm: 1400,
+        closest_mm: 900,
+        robot_mmps: 500,
+        worker_mmps: 1200,
+        reaction: Reaction::Stopped,
+        delay: Span::ZERO,
+    });
+    let (id, worker, at) = (AssignmentId(1), WorkerId(0), Time(begin));
+    let request = AssignmentRequest { place: NodeId(0), stay: Span::ZERO, what: "count".into(), key: None };
+    let done = Fact::Advanced { assignment: id, state: AssignmentState::Done, at };
+    let facts = vec![
+        Fact::WorkerRegistered { worker, name: "worker-3f2a".into(), at },
+        Fact::Assigned { assignment: id, worker: Some(worker), request, at },
+        done,
+        met,
+    ];
+    store.append(1, &[StepEntry { at, facts, causes: Vec::new() }]).await.unwrap();
+    let who = async || {
+        let encounters = store.encounters(&EncounterQuery { limit: 9, ..Default::default() }).await.unwrap();
+        let tasks = store.assignments(&AssignmentQuery { limit: 9, ..Default::default() }).await.unwrap();
+        let events = store.events(&EventQuery { after: 0, kinds: Vec::new(), limit: 99 }).await.unwrap();
+        (encounters[0].worker(), tasks[0].assignment.worker, events.iter().any(|e| e.worker.is_some()))
+    };
+    assert_eq!(who().await, (Some(worker), Some(worker), true));
+    let later = Time(begin + 6 * DAY);
+    store.append(2, &[StepEntry { at: later, facts: Vec::new(), causes: Vec::new() }]).await.unwrap();
+    assert_eq!(who().await, (Some(worker), Some(worker), true), "within seven days it is known");
+    let later = Time(begin + 7 * DAY + 1);
+    store.append(3, &[StepEntry { at: later, facts: Vec::new(), causes: Vec::new() }]).await.unwrap();
+    assert_eq!(who().await, (None, None, false));
+    let of_worker = EncounterQuery { worker: Some(worker), limit: 9, ..Default::default() };
+    assert_eq!(store.encounters(&of_worker).await.unwrap(), [], "nor can it be filtered by");
+    store.close().await;
+}

@@ -1,0 +1,3 @@
+// Who is signed in: the page that asks for a token, and what other pages need to sign in and out and to come back. It
+// keeps no token: the browser has a cookie, which scripts cannot read.
+export { adoptToken, signIn, signInAt, whoAmI, type Me } from './session';

@@ -1,0 +1,80 @@
+// Signing in and out, and the way back to where one was.
+
+/** Who the server takes this browser for. */
+export interface Me {
+  name: string;
+  role: 'viewer' | 'operator' | 'integrator' | 'device' | 'admin';
+  subject: string | null;
+  /** `nothing`: the server needs no token. */
+  by: 'session' | 'token' | 'nothing';
+  expires: string | null;
+}
+
+/** Who is signed in, `nobody`, or why that is not known. */
+export type Who = Me | 'nobody' | 'unreachable';
+
+const PATIENCE_MS = 15_000;
+/** Where pages kept a token before there were sessions. */
+const TOKEN = 'giveway.token';
+
+const ask = (method: string, body?: object): Promise<Response> =>
+  fetch('/v1/session', {
+    method, signal: AbortSignal.timeout(PATIENCE_MS),
+    ...(body ? { headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) } : {}),
+  });
+
+export async function whoAmI(): Promise<Who> {
+  try {
+    const answer = await ask('GET');
+    if (answer.ok) return (await answer.json()) as Me;
+    return answer.status === 401 ? 'nobody' : 'unreachable';
+  } catch {
+    return 'unreachable';
+  }
+}
+
+/** Signs in; what is wrong, in words for people, or null. */
+export async function signIn(token: string): Promise<string | null> {
+  const given = token.trim();
+  if (given === '') return 'Enter the token.';
+  try {
+    const answer = await ask('POST', { token: given });
+    if (answer.status === 401) return 'This token is wrong, has expired or was revoked.';
+    if (!answer.ok) {
+      const problem = (await answer.json().catch(() => ({}))) as { detail?: string };
+      return problem.detail ?? `The server answered ${answer.status}.`;
+    }
+  } catch {
+    return 'The server cannot be reached.';
+  }
+  return (await whoAmI()) === 'nobody' ? 'The browser did not keep the cookie. Allow cookies for this page.' : null;
+}
+
+/** Signs out; whether the server has said so. */
+export async function signOut(): Promise<boolean> {
+  try {
+    return (await ask('DELETE')).ok;
+  } catch {
+    return false;
+  }
+}
+
+/** A token that an earlier version kept in this tab becomes a session. */
+export async function adoptToken(): Promise<void> {
+  const token = sessionStorage.getItem(TOKEN);
+  if (token === null) return;
+  await signIn(token);
+  sessionStorage.removeItem(TOKEN);
+}
+
+/** The address of the page that asks for a token and then comes back here. */
+export const signInAt = ({ pathname, search, hash }: Pick<Location, 'pathname' | 'search' | 'hash'>): string =>
+  `/sign-in?${new URLSearchParams({ back: pathname + search + hash })}`;
+
+/** Where to go on after signing in: a page of this server, and no other. */
+export function wayBack(search: string, origin: string): string {
+  const back = new URLSearchParams(search).get('back') ?? '/';
+  if (!URL.canParse(back, origin)) return '/';
+  const url = new URL(back, origin);
+  return back.startsWith('/') && url.origin === origin && url.pathname !== '/sign-in' ? url.pathname + url.search + url.hash : '/';
+}

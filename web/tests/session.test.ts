@@ -1,0 +1,41 @@
+// Signing in: the way back, and a token that an earlier version kept.
+import { afterEach, expect, test, vi } from 'vitest';
+import { adoptToken, signIn, signInAt, wayBack } from '../src/session/session';
+
+const answers = (...list: (readonly [number, object])[]): void => {
+  const all = list.map(([status, body]) => new Response(JSON.stringify(body), { status }));
+  vi.stubGlobal('fetch', vi.fn(() => Promise.resolve(all.shift()!)));
+};
+afterEach(() => {
+  vi.unstubAllGlobals();
+  sessionStorage.clear();
+});
+
+test('the way to the page that signs in leads back to where one was', () => {
+  const at = signInAt({ pathname: '/', search: '?replay=x&t=3', hash: '#a' });
+  expect(wayBack(new URL(at, 'http://h').search, 'http://h')).toBe('/?replay=x&t=3#a');
+});
+test('the way back never leaves this server', () => {
+  for (const back of ['//evil.example', 'https://evil.example/', '/\\evil.example', 'javascript:alert(1)', 'x', '/sign-in', '']) {
+    expect(wayBack(`?${new URLSearchParams({ back })}`, 'http://h'), back).toBe('/');
+  }
+  expect(wayBack('', 'http://h')).toBe('/');
+});
+test('a kept token becomes a session and is kept no longer', async () => {
+  sessionStorage.setItem('giveway.token', 'secret');
+  answers([201, {}], [200, { name: 'anna' }]);
+  await adoptToken();
+  expect(vi.mocked(fetch).mock.calls[0]).toMatchObject(['/v1/session', { method: 'POST', body: '{"token":"secret"}' }]);
+  expect(sessionStorage.getItem('giveway.token')).toBe(null);
+  await adoptToken();
+  expect(fetch).toHaveBeenCalledTimes(2);
+});
+test('what is wrong is said: a wrong token, and a browser that keeps no cookie', async () => {
+  expect(await signIn('  ')).toBe('Enter the token.');
+  answers([401, {}]);
+  expect(await signIn('wrong')).toContain('wrong, has expired');
+  answers([201, {}], [401, {}]);
+  expect(await signIn('right')).toContain('cookie');
+  answers([201, {}], [200, { name: 'anna' }]);
+  expect(await signIn('right')).toBe(null);
+});
