@@ -49,6 +49,8 @@ pub fn hash_of(token: &str) -> TokenHash {
 pub struct Gate {
     /// Those of the settings.
     fixed: Vec<TokenHash>,
+    /// Origins of other sites whose pages may use the server with a token.
+    origins: Vec<String>,
     named: Mutex<NamedTokens>,
     /// Says that named tokens changed.
     changes: watch::Sender<()>,
@@ -68,6 +70,16 @@ impl Gate {
     /// A gate that opens to these tokens of the settings; if there are none, to every client on this machine.
     pub fn new<'a>(tokens: impl IntoIterator<Item = &'a str>) -> Gate {
         Gate { fixed: tokens.into_iter().map(hash_of).collect(), ..Gate::default() }
+    }
+
+    /// Lets pages of these origins in, too: with a token of their own, never with the cookie of a session.
+    pub fn with_origins(self, origins: Vec<String>) -> Gate {
+        Gate { origins, ..self }
+    }
+
+    /// Origins of other sites whose pages may use the server.
+    pub fn origins(&self) -> &[String] {
+        &self.origins
     }
 
     /// Takes these named tokens in the place of those it knew.
@@ -99,7 +111,8 @@ impl Gate {
     /// 401 without a valid token or session, 403 for foreign hosts and pages.
     pub fn check(&self, method: &Method, headers: &HeaderMap, now: Time) -> Result<Caller, Problem> {
         self.check_origin(headers)?;
-        let cookie = if token_of(headers).is_none() { session_secret(headers) } else { None };
+        let by_cookie = token_of(headers).is_none() && !self.is_of_allowed_page(headers);
+        let cookie = if by_cookie { session_secret(headers) } else { None };
         if let Some(caller) = cookie.and_then(|secret| self.signed_in(&hash_of(secret), now)) {
             let changes = !matches!(*method, Method::GET | Method::HEAD | Method::OPTIONS);
             if (changes || headers.contains_key(header::UPGRADE)) && !says_own_page(headers) {
@@ -206,11 +219,19 @@ impl Gate {
         // Browsers say where a request comes from; one that sends no origin, such as for a picture, says at least that.
         let site = headers.get("sec-fetch-site").map(|v| v.to_str().unwrap_or("?"));
         let is_same = site.is_none_or(|site| matches!(site, "same-origin" | "none"));
-        if origin.is_none_or(is_own) && is_same {
+        if origin.is_none_or(is_own) && is_same || self.is_of_allowed_page(headers) {
             return Ok(());
         }
         let page = origin.unwrap_or("another site");
-        Err(forbid(format!("a page of {page} may not use the server at {host}")))
+        Err(forbid(format!(
+            "a page of {page} may not use the server at {host}: the setting `allowed_origins` names those that may"
+        )))
+    }
+
+    /// Whether a page of another site asks whose origin the settings name.
+    fn is_of_allowed_page(&self, headers: &HeaderMap) -> bool {
+        let origin = headers.get(header::ORIGIN).and_then(|v| v.to_str().ok());
+        origin.is_some_and(|origin| self.origins.iter().any(|allowed| allowed == origin))
     }
 }
 
@@ -362,6 +383,29 @@ mod tests {
         }
         gate.learn(vec![named(1, "rotated", Role::Operator)], Time(10));
         assert_eq!(ask(Method::GET, "one", &[]), 401, "with its token it is over");
+    }
+
+    #[test]
+    fn pages_of_origins_that_the_settings_name_need_a_token_and_have_no_session() {
+        let gate = Gate::new(["of-the-settings"]).with_origins(vec!["https://wms.example".into()]);
+        let session = WebSession {
+            hash: hash_of("one"),
+            token: hash_of("of-the-settings"),
+            created: Time(1),
+            expires: Time(99),
+        };
+        gate.learn_sessions(vec![session]);
+        let (host, cross) = (("host", "site"), ("sec-fetch-site", "cross-site"));
+        let allowed = ("origin", "https://wms.example");
+        let token = ("authorization", "Bearer of-the-settings");
+        let cookie = ("cookie", "giveway_session=one");
+        assert_eq!(check(&gate, &[host, cross, allowed, token]), 200);
+        assert_eq!(check(&gate, &[host, cross, allowed]), 401);
+        assert_eq!(check(&gate, &[host, cross, allowed, cookie]), 401, "a session is for own pages alone");
+        assert_eq!(check(&gate, &[host, cookie]), 200);
+        for other in ["https://wms.example:8443", "http://wms.example", "https://wms.example.evil", "null"] {
+            assert_eq!(check(&gate, &[host, cross, ("origin", other), token]), 403, "{other}");
+        }
     }
 
     #[test]

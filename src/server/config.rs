@@ -149,6 +149,10 @@ pub struct Config {
     /// More names of the certificate that the server makes.
     #[serde(default)]
     pub tls_names: Vec<String>,
+    /// Origins of other sites whose pages may use the API with a token, as `https://wms.example`; in the settings file
+    /// only.
+    #[serde(default)]
+    pub allowed_origins: Vec<String>,
     /// Frames and workers of MassRobotics reports; in the settings file only.
     #[serde(default)]
     pub massrobotics: Interop,
@@ -173,6 +177,7 @@ impl Default for Config {
             tls_cert: None,
             tls_key: None,
             tls_names: Vec::new(),
+            allowed_origins: Vec::new(),
             massrobotics: Interop::default(),
         }
     }
@@ -239,7 +244,10 @@ impl Config {
                  `openssl rand -hex 24`"
             );
         }
-        Ok(Gate::new(tokens.iter().map(String::as_str)))
+        for origin in &self.allowed_origins {
+            ensure!(is_origin(origin), "allowed_origins: \"{origin}\" is no origin such as https://wms.example:8443");
+        }
+        Ok(Gate::new(tokens.iter().map(String::as_str)).with_origins(self.allowed_origins.clone()))
     }
 
     /// Where to listen.
@@ -317,6 +325,14 @@ fn database_file(given: &Path) -> anyhow::Result<PathBuf> {
         bail!("databases of the kind \"{scheme}\" are not supported: {REMEDY}");
     }
     Ok(given.into())
+}
+
+/// Whether this is what browsers send as `Origin`: scheme and host in small letters, with a port where it is not the usual
+/// one, and nothing after that.
+fn is_origin(text: &str) -> bool {
+    let host = ["https://", "http://"].into_iter().find_map(|scheme| text.strip_prefix(scheme));
+    let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.:[]".contains(c);
+    host.is_some_and(|host| !host.is_empty() && host.chars().all(plain))
 }
 
 #[cfg(test)]
@@ -412,5 +428,17 @@ mod tests {
         assert!(short.gate().unwrap_err().to_string().contains("shorter"));
         let absurd = Config { listen: "127.0.0.1:99999".into(), ..Config::default() };
         assert!(absurd.address(&Gate::default()).await.unwrap_err().to_string().contains("--listen"));
+    }
+
+    #[test]
+    fn origins_are_as_browsers_send_them() {
+        for origin in ["https://wms.example", "http://localhost:5173", "https://[::1]:8443"] {
+            assert!(is_origin(origin), "{origin}");
+        }
+        for other in ["*", "wms.example", "https://", "https://wms.example/", "https://WMS.example", "null"] {
+            assert!(!is_origin(other), "{other}");
+            let config = Config { allowed_origins: vec![other.into()], ..Config::default() };
+            assert!(config.gate().is_err(), "{other}");
+        }
     }
 }

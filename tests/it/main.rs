@@ -28,6 +28,7 @@ mod load;
 mod maps;
 mod measured;
 mod once;
+mod origins;
 mod page_filters;
 mod page_fixtures;
 mod past;

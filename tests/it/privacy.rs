@@ -1,7 +1,7 @@
 //! Names of people: who sees them, where they are not, and what is left of a person who was erased.
 
 use crate::helper::{Folder, map};
-use crate::tokens::{ADMIN, make, start_closed, with};
+use crate::tokens::{ADMIN, start_closed, with};
 use futures_util::StreamExt;
 use giveway::fleet::{
     AssignmentQuery, AssignmentRequest, AssignmentState, Encounter, EncounterQuery, EventQuery, Fact,

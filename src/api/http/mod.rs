@@ -58,8 +58,10 @@ use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use serde_json::Value;
 use std::sync::Arc;
+use std::time::Duration;
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
+use tower_http::cors::CorsLayer;
 use tower_http::compression::predicate::{NotForContentType, Predicate, SizeAbove};
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
@@ -73,6 +75,7 @@ pub fn router(api: Api) -> (Router, Document) {
         let text = document.to_string();
         get(move || async move { ([(header::CONTENT_TYPE, "application/json")], text) })
     };
+    let origins = api.gate.origins().to_vec();
     let router = v1
         .route_layer(middleware::from_fn_with_state(api.clone(), authorise))
         .route("/openapi.json", served(openapi::described(&document)))
@@ -83,7 +86,36 @@ pub fn router(api: Api) -> (Router, Document) {
         .layer(CompressionLayer::new().compress_when(worth_compressing()))
         .layer(CatchPanicLayer::custom(|_| Problem::internal().into_response()))
         .layer(middleware::from_fn_with_state(api, account));
+    // Without origins nothing answers for pages of other sites.
+    let router = if origins.is_empty() { router } else { router.layer(cross_origin(&origins)) };
     (router, document)
+}
+
+/// Lets browsers show answers to pages of these origins, and ask on their behalf; without the cookie of a session.
+fn cross_origin(origins: &[String]) -> CorsLayer {
+    let origins: Vec<HeaderValue> = origins.iter().filter_map(|origin| origin.parse().ok()).collect();
+    let requests = [
+        header::ACCEPT,
+        header::AUTHORIZATION,
+        header::CONTENT_TYPE,
+        header::IF_NONE_MATCH,
+        HeaderName::from_static("idempotency-key"),
+        HeaderName::from_static("last-event-id"),
+    ];
+    let answers = [
+        header::CONTENT_DISPOSITION,
+        header::ETAG,
+        header::LINK,
+        header::LOCATION,
+        header::RETRY_AFTER,
+        HeaderName::from_static("idempotency-replayed"),
+    ];
+    CorsLayer::new()
+        .allow_origin(origins)
+        .allow_methods([Method::GET, Method::HEAD, Method::POST, Method::PUT, Method::PATCH, Method::DELETE])
+        .allow_headers(requests)
+        .expose_headers(answers)
+        .max_age(Duration::from_secs(600))
 }
 
 /// Texts of more than a kilobyte; neither event streams, which must leave at once, nor what is compressed already.
