@@ -46,14 +46,13 @@ const open = async (address) => {
   await page.goto(`${url}/${address}`);
   await drawn();
 };
-/** Looks at both themes, on a picture and with axe. */
+/** Looks at both themes, on a picture and with axe. The page follows the system. */
 const both = async (name, on = page) => {
-  for (const theme of ['Light', 'Dark']) {
-    // The wall has no menu: the theme is a word on the root.
-    await on.evaluate((word) => { document.documentElement.dataset.theme = word; }, theme.toLowerCase());
-    await on.waitForTimeout(250);
-    await on.screenshot({ path: `${SHOTS}${name}-${theme.toLowerCase()}.png` });
-    await assertAccessible(on, `${name}, ${theme}`);
+  for (const colorScheme of ['light', 'dark']) {
+    await on.emulateMedia({ colorScheme });
+    await on.waitForTimeout(300);
+    await on.screenshot({ path: `${SHOTS}${name}-${colorScheme}.png` });
+    await assertAccessible(on, `${name}, ${colorScheme}`);
   }
 };
 
@@ -146,7 +145,8 @@ await check('The legend is folded at first, and neither folded nor open it cover
     await page.waitForTimeout(700);
     const [, y, scale] = (await shown('view')).split(' ').map(Number);
     const box = await host.boundingBox();
-    const foot = box.y + (y - map.bounds[1]) * scale + box.height / 2;
+    // With half a station at the edge.
+    const foot = box.y + (y - map.bounds[1] + 0.62) * scale + box.height / 2;
     const top = (await legend.boundingBox()).y;
     assert(foot <= top, `${state}: the floor ends at ${foot.toFixed()} px, the legend begins at ${top.toFixed()}`);
   }
@@ -314,14 +314,20 @@ await check('What is refused is said beside what asked for it', async () => {
   // A job that waits for another one can be cancelled for as long as this takes.
   const first = await post('/v1/jobs', { kind: 'deliver', rack: map.racks[0].id, station: map.stations[0].id, pick_s: 3600 });
   const second = await post('/v1/jobs', { kind: 'deliver', rack: map.racks[1].id, station: map.stations[0].id, after: [first.id] });
-  const NO = 'The test refuses this.';
+  const area = await post('/v1/closures', { outline: [[0, 0], [0.3, 0], [0.3, 0.3]], reason: 'Paint' });
+  // Each refusal has a number, so that an earlier one is not taken for it.
+  let asked = 0;
   await page.route('**/v1/**', (route) => {
     if (route.request().method() === 'GET') return route.continue();
-    return route.fulfill({ status: 409, contentType: 'application/problem+json', body: JSON.stringify({ title: 'No', status: 409, detail: NO }) });
+    asked += 1;
+    const detail = `The test refuses this, number ${asked}.`;
+    return route.fulfill({ status: 409, contentType: 'application/problem+json', body: JSON.stringify({ title: 'No', status: 409, detail }) });
   });
   const refused = async (where, act) => {
+    const before = asked;
     await act();
-    await where.getByRole('alert').filter({ hasText: NO }).waitFor({ timeout: PATIENCE });
+    await until('a request', () => asked > before, 20);
+    await where.getByRole('alert').filter({ hasText: `number ${asked}.` }).waitFor({ timeout: PATIENCE });
   };
   const told = [];
   await find.fill(id);
@@ -366,7 +372,9 @@ await check('What is refused is said beside what asked for it', async () => {
   await closing.getByLabel('Why').fill('cleaning');
   await refused(closing, () => closing.getByRole('button', { name: 'Close the area' }).click());
   await closing.getByRole('button', { name: 'Do not close it' }).click();
-  told.push('closed area');
+  const line = closures.getByRole('listitem').filter({ hasText: 'Paint' });
+  await refused(line, () => line.getByRole('button', { name: `Open ${area.id} again` }).click());
+  told.push('closed area', 'opened area');
   await tab('Robots').click();
   const panel = page.getByRole('region', { name: 'Robots', exact: true });
   await panel.getByRole('checkbox', { name: `Select ${id}`, exact: true }).check();
@@ -378,6 +386,7 @@ await check('What is refused is said beside what asked for it', async () => {
   told.push('stop', 'evacuation');
   await page.unroute('**/v1/**');
   for (const one of [second, first]) await context.request.delete(new URL(`/v1/jobs/${one.id}`, url).href);
+  await context.request.delete(new URL(`/v1/closures/${area.id}`, url).href);
   await page.reload();
   await drawn();
   return told.join(', ');

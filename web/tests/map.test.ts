@@ -92,11 +92,14 @@ describe('the whole floor', () => {
       expect(cx - half_px, 'left').toBeGreaterThanOrEqual(0);
       expect(cx + half_px, 'right').toBeLessThanOrEqual(width);
       expect(cy + below - px / 2, 'top').toBeGreaterThanOrEqual(0);
+      // Half a station, in metres.
+      expect(cx - 0.62 * view.scale, 'its mark').toBeGreaterThanOrEqual(0);
+      expect(cx + 0.62 * view.scale, 'its mark').toBeLessThanOrEqual(width);
     }
   });
   test('ends above what is kept free', () => {
     for (const foot of [52, 180]) {
-      const [, bottom] = toScreen(fit(MAP.bounds, 600, 500, titlesOf(MAP), foot), 0, 0);
+      const [, bottom] = toScreen(fit(MAP.bounds, 600, 500, titlesOf(MAP), foot), 0, -0.62);
       expect(bottom).toBeLessThanOrEqual(500 - foot);
     }
   });

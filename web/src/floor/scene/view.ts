@@ -22,7 +22,9 @@ export interface FixedName {
 }
 
 const LARGEST_SCALE = 160;
-const FIT_MARGIN_PX = 14;
+const FIT_MARGIN_PX = 8;
+/** Marks of places at the edge, a station at most, reach so far beyond it. */
+const EDGE_M = 0.65;
 /** Kept free below the floor for the folded legend. */
 export const FOOT_PX = 52;
 /** At the right edge, for the buttons; above the floor, for the field, but only where there is room left. */
@@ -37,7 +39,7 @@ const ROUNDS = 4;
 
 /** The whole floor with the names at its edge, above `foot` pixels that are left free. */
 export function fit(bounds: Bounds, width: number, height: number, names: readonly FixedName[] = [], foot = FOOT_PX): View {
-  const [x0, y0, x1, y1] = bounds;
+  const [x0, y0, x1, y1] = [bounds[0] - EDGE_M, bounds[1] - EDGE_M, bounds[2] + EDGE_M, bounds[3] + EDGE_M];
   let [left, right, top] = [FIT_MARGIN_PX, TOOLS_PX, FIT_MARGIN_PX];
   let scale = LARGEST_SCALE;
   for (let round = 0; round < ROUNDS; round++) {
