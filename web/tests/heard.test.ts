@@ -91,6 +91,7 @@ describe('what a worker hears', () => {
   test('a connection that breaks and comes back is said, and not while the page opens', () => {
     const ears = new Ears();
     ears.come({}, { at: { link: 'connecting', age_ms: null } });
+    ears.wait(2_000);
     expect(ears.heard).toEqual([]);
     ears.come({}, { task: COUNT });
     ears.come({}, { task: COUNT, at: { link: 'lost' } });
