@@ -139,6 +139,7 @@ describe('languages', () => {
   });
   test('a long task is cut on the board, and one without words leads to its place', () => {
     expect(taskText({ id: 'a', what: ' ', place: 'A1' })).toBe('Go to A1');
+    expect(show(guidance({ arrived: true }), WELL, { id: 'a1', what: '', place: 'A1' })).toMatchObject({ title: 'You are there', detail: 'A1.' });
     const text = taskText({ id: 'a', what: 'x'.repeat(500), place: 'A1' });
     expect(text).toBe(`${'x'.repeat(79)}… at A1`);
   });
