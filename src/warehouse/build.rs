@@ -6,7 +6,7 @@ use super::body::Bodies;
 use super::check::{self, Findings};
 use super::conflict;
 use super::near::PointIndex;
-use super::{Arc, Lane, Mark, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
+use super::{Arc, FloorMark, Lane, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
 use crate::geometry::{Point, Segment, turn_between};
 use crate::id::{Dense, IdVec, NodeId, StationId};
 use crate::time::Span;
@@ -44,7 +44,7 @@ pub struct Draft {
     /// Outlines of obstacles.
     pub obstacles: Vec<Vec<Point>>,
     /// Marks on the floor.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<FloorMark>,
 }
 
 /// A named place.

@@ -198,7 +198,7 @@ pub struct Rack {
 
 /// A mark on the floor: a place that can be touched or seen, by which a headset finds where it is.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
+pub struct FloorMark {
     /// Unique name. A node that has it, too, stands at the same place.
     pub name: String,
     /// Where, metres.
@@ -227,7 +227,7 @@ pub struct Warehouse {
     /// Outlines of obstacles.
     pub obstacles: Vec<Vec<Point>>,
     /// Marks on the floor.
-    pub marks: Vec<Mark>,
+    pub marks: Vec<FloorMark>,
     out_start: Vec<u32>,
     ways: IdVec<ArcId, Way>,
     kinds: IdVec<NodeId, NodeKind>,

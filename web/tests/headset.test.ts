@@ -449,5 +449,5 @@ test('a wearer asks once what an assignment is about, and again where there was 
   await Promise.resolve();
   expect(world.wearer.shown()).toMatchObject({ kind: 'following', title: 'Count K1 at G6-7', detail: '5.0 m · 1:05' });
   world.hear({ ...guidance({ arrived: true }), type: 'guidance' });
-  expect(world.wearer.shown()).toMatchObject({ title: 'You are there', detail: 'Count K1 at G6-7' });
+  expect(world.wearer.shown()).toMatchObject({ title: 'You are there', detail: 'Count K1 at G6-7.' });
 });

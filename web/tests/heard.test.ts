@@ -91,6 +91,7 @@ describe('what a worker hears', () => {
   test('a connection that breaks and comes back is said, and not while the page opens', () => {
     const ears = new Ears();
     ears.come({}, { at: { link: 'connecting', age_ms: null } });
+    ears.wait(2_000);
     expect(ears.heard).toEqual([]);
     ears.come({}, { task: COUNT });
     ears.come({}, { task: COUNT, at: { link: 'lost' } });
@@ -138,6 +139,7 @@ describe('languages', () => {
   });
   test('a long task is cut on the board, and one without words leads to its place', () => {
     expect(taskText({ id: 'a', what: ' ', place: 'A1' })).toBe('Go to A1');
+    expect(show(guidance({ arrived: true }), WELL, { id: 'a1', what: '', place: 'A1' })).toMatchObject({ title: 'You are there', detail: 'A1.' });
     const text = taskText({ id: 'a', what: 'x'.repeat(500), place: 'A1' });
     expect(text).toBe(`${'x'.repeat(79)}… at A1`);
   });

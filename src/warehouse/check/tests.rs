@@ -3,7 +3,7 @@
 use super::room_for;
 use crate::geometry::Point;
 use crate::time::Span;
-use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, Mark, Users, sketch};
+use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, FloorMark, Users, sketch};
 use proptest::prelude::*;
 
 const GOOD: &str = "
@@ -83,8 +83,8 @@ fn a_wrong_name_does_not_hide_what_is_wrong_with_the_floor() {
 
 #[test]
 fn marks_have_names_of_their_own_or_stand_where_their_node_is() {
-    let mark = |name: &str, x: f64, y: f64| Mark { name: name.into(), at: Point::new(x, y) };
-    let with = |marks: &[Mark]| Draft { marks: marks.to_vec(), ..good() };
+    let mark = |name: &str, x: f64, y: f64| FloorMark { name: name.into(), at: Point::new(x, y) };
+    let with = |marks: &[FloorMark]| Draft { marks: marks.to_vec(), ..good() };
     let there = good().nodes[0].clone();
     let good_marks = [mark("door", 0.4, -3.0), mark(&there.name, there.at.x, there.at.y)];
     let built = with(&good_marks).build().expect("nothing is wrong with it");

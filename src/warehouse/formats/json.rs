@@ -8,7 +8,7 @@ use crate::geometry::Point;
 use crate::id::NodeId;
 use crate::time::Span;
 use crate::warehouse::{
-    Draft, DraftLane, DraftNode, DraftRack, DraftStation, Mark, NodeKind, Users, Warehouse,
+    Draft, DraftLane, DraftNode, DraftRack, DraftStation, FloorMark, NodeKind, Users, Warehouse,
 };
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -215,7 +215,9 @@ impl From<MapRecord> for Draft {
             exits: r.exits,
             walkable: r.walkable.into_iter().map(outline).collect(),
             obstacles: r.obstacles.into_iter().map(outline).collect(),
-            marks: (r.marks.into_iter()).map(|m| Mark { name: m.id, at: Point::new(m.x.0, m.y.0) }).collect(),
+            marks: (r.marks.into_iter())
+                .map(|m| FloorMark { name: m.id, at: Point::new(m.x.0, m.y.0) })
+                .collect(),
         }
     }
 }

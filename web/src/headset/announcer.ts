@@ -29,7 +29,7 @@ export class Announcer {
   /** The warning that stands, and when each was said last. */
   #warned = '';
   #saidAt = new Map<string, number>();
-  #kind: Shown['kind'] | null = null;
+  #wasConnected = false;
   /** The assignment that was told, and whether "you are there" was said for it. */
   #told: { id: string; there: boolean } | null = null;
   #endedAt: number | null = null;
@@ -38,7 +38,6 @@ export class Announcer {
   next(topic: Topic, now: number): Utterance | null {
     const warning = this.#warning(topic.shown, now);
     const work = this.#work(topic, now);
-    this.#kind = topic.shown.kind;
     const text = joined(warning, work);
     return text === '' ? null : { text, urgent: topic.shown.kind === 'stop' || topic.shown.kind === 'lost' };
   }
@@ -52,21 +51,18 @@ export class Announcer {
   }
 
   #warning(shown: Shown, now: number): string {
-    const before = this.#kind;
     if (!WARNINGS.includes(shown.kind)) {
-      const isBack = before === 'offline' && this.#warned.startsWith('offline');
-      this.#warned = '';
+      const isBack = this.#warned.startsWith('offline');
+      [this.#warned, this.#wasConnected] = ['', true];
       return isBack ? t('voice.connected') : '';
     }
+    // A page that has just been opened is not connected yet, which is nothing to warn of.
+    if (shown.kind === 'offline' && !this.#wasConnected) return '';
+    this.#wasConnected = true;
     // The seconds of a wait count down: they make no new warning.
     const key = `${shown.kind} ${shown.why}`;
     if (key === this.#warned) return '';
     this.#warned = key;
-    // A page that has just been opened is not connected yet, which is nothing to warn of.
-    if (shown.kind === 'offline' && before === null) {
-      this.#warned = '';
-      return '';
-    }
     const isUrgent = shown.kind === 'stop' || shown.kind === 'lost';
     if (!isUrgent && now - (this.#saidAt.get(key) ?? -Infinity) < SAME_MS) return '';
     this.#saidAt.set(key, now);

@@ -102,14 +102,20 @@ function following(g: Guidance, at: Standing, task: Task | null): Shown {
   const guess = at.tracking === 'emulated' ? t('guess') : '';
   const length = g.path.length > 1 ? metres(lengthOf(g.path)) : '';
   const way = [length, g.eta_s === null ? '' : duration(g.eta_s)].filter(Boolean).join(' · ');
-  const toDo = task && task.id === g.assignment ? taskText(task) : '';
+  const mine = task?.id === g.assignment ? task : null;
+  const toDo = mine ? taskText(mine) : '';
+  const said = toDo === '' ? '' : t('sentence', { text: toDo });
   switch (g.state) {
     case 'deviating':
       return { ...floor, kind: 'deviating', tone: 'warn', title: t('deviating'), detail: joined(why || t('cause.left_path'), guess) };
     case 'redirected':
-      return { ...floor, kind: 'redirected', tone: 'notice', title: t('redirected'), detail: joined(why, toDo, way, guess) };
+      return { ...floor, kind: 'redirected', tone: 'notice', title: t('redirected'), detail: joined(why, said, way, guess) };
     case 'following':
-      if (arrived) return { ...floor, kind: 'following', tone: 'calm', title: t('task.there'), detail: joined(why, toDo, guess) };
+      if (arrived) {
+        // Whoever is there needs no "go to".
+        const here = mine && mine.what.trim() === '' ? t('sentence', { text: mine.place }) : said;
+        return { ...floor, kind: 'following', tone: 'calm', title: t('task.there'), detail: joined(why, here, guess) };
+      }
       return { ...floor, kind: 'following', tone: 'calm', title: toDo || t('following'), detail: joined(why, way, guess) };
     default: {
       // Whoever is to wait is told why: the place of the task is closed, or the building is evacuated.

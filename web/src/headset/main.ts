@@ -207,8 +207,9 @@ function phone(map: FloorMap, id: string, name: string): void {
   const look = async (): Promise<void> => {
     const answer = await server.worker(id);
     const w = answer.kind === 'ok' ? answer.value : null;
-    // Without a tag the server knows nothing newer than what was said here.
-    seen = w && w.x !== null && w.y !== null && w.presence === 'tracked' ? { at: [w.x, w.y], heading: w.heading } : null;
+    // Without a tag the server knows nothing newer than what was said here; a tag may report but once a second.
+    const isSeen = w !== null && ['tracked', 'stale'].includes(w.presence);
+    seen = isSeen && w.x !== null && w.y !== null ? { at: [w.x, w.y], heading: w.heading } : null;
     wearer.located(seen && w ? w.accuracy : null);
   };
   const beats = [setInterval(() => wearer.tick(), 250), setInterval(() => void look(), 1_000)];

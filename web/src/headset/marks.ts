@@ -3,7 +3,7 @@
 import { encode } from 'uqr';
 import { make } from './dom';
 import { languageField, marksOf } from './signin';
-import { metres, t } from './words';
+import { coordinate, t } from './words';
 import type { Place } from './align';
 import type { FloorMap } from '../wire';
 
@@ -34,7 +34,7 @@ function sheet(mark: Place): HTMLElement {
     make('p', { className: 'up', textContent: `↑ ${t('sheet.up')}` }),
     cross(),
     make('h2', { textContent: title }),
-    make('p', { textContent: t('sheet.place', { x: metres(x), y: metres(y) }) }),
+    make('p', { textContent: t('sheet.place', { x: coordinate(x), y: coordinate(y) }) }),
     make('div', { className: 'scan' }, code(address), make('p', { textContent: t('sheet.scan') })),
     make('p', { textContent: t('sheet.floor') }));
 }

@@ -1,6 +1,8 @@
 // The words of this page, in the language of its wearer.
 import type english from './messages/en.json';
-import { duration, messagesOf, metres as metresIn, seconds as secondsIn, spoken, type Compiled, type Language } from '../language';
+import {
+  coordinate as coordinateIn, duration, messagesOf, metres as metresIn, seconds as secondsIn, spoken, type Compiled, type Language,
+} from '../language';
 
 export type Key = keyof typeof english;
 
@@ -14,5 +16,6 @@ export async function learn(wanted?: Language): Promise<void> {
 }
 
 export const metres = (m: number): string => metresIn(spoken(), m);
+export const coordinate = (m: number): string => coordinateIn(spoken(), m);
 export const seconds = (s: number): string => secondsIn(spoken(), s);
 export { duration, spoken };

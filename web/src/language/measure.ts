@@ -26,6 +26,9 @@ export function metres(language: Language, m: number, length: Length = 'short'):
   return unit(language, 'meter', m, m < 10 && length === 'short' ? 1 : 0, length);
 }
 
+/** A coordinate of the map, to the centimetre. */
+export const coordinate = (language: Language, m: number): string => unit(language, 'meter', m, 2, 'short');
+
 export const seconds = (language: Language, s: number, length: Length = 'short'): string =>
   unit(language, 'second', Math.max(0, Math.round(s)), 0, length);
 
