@@ -1,11 +1,11 @@
 //! Authorisation: bearer tokens, and on an open loopback server only pages that it served itself.
 //!
-//! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Those of the settings
-//! are administrators'; named ones have a role and may change while the server runs. Without an administrator's token
-//! the server listens on the loopback only; there, requests under a foreign host name or from a foreign page are
-//! refused, since any web page can make a browser talk to the loopback. The cookie of a session stands for the token with
-//! which somebody signed in, and changes something only for pages of this server. Refuses: tokens in addresses, which end
-//! up in logs.
+//! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Those of the settings are
+//! administrators'; named ones have a role and may change while the server runs. Without an administrator's token the
+//! server listens on the loopback only; there, requests under a foreign host name or from a foreign page are refused,
+//! since any web page can make a browser talk to the loopback. The cookie of a session stands for the token with
+//! which somebody signed in, and changes something only for pages of this server. Refuses: tokens in addresses, which
+//! end up in logs.
 
 use super::caller::{Caller, NamedToken, Role, TokenHash, WebSession};
 use super::cookie::session_secret;
@@ -186,8 +186,8 @@ impl Gate {
         }
     }
 
-    /// Waits until the token or session of an admitted caller is no longer valid: it was revoked, rotated, signed out, or
-    /// has expired.
+    /// Waits until the token or session of an admitted caller is no longer valid: it was revoked, rotated, signed
+    /// out, or has expired.
     pub async fn ended(&self, caller: &Caller, now: &Now) {
         let mut changes = self.changes.subscribe();
         while self.admits(caller, now()) {

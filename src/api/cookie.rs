@@ -9,8 +9,8 @@ use axum::http::{HeaderMap, header};
 /// How the name of the cookie begins.
 const NAME: &str = "giveway_session";
 
-/// The name of the cookie at the address that was asked. Browsers do not tell ports apart, so the name does: two servers
-/// on one machine do not sign each other's users out.
+/// The name of the cookie at the address that was asked. Browsers do not tell ports apart, so the name does: two
+/// servers on one machine do not sign each other's users out.
 fn cookie_name(headers: &HeaderMap) -> String {
     match text(headers, header::HOST).rsplit_once(':') {
         Some((_, port)) if !port.is_empty() && port.bytes().all(|b| b.is_ascii_digit()) => {
@@ -39,8 +39,9 @@ pub fn no_session_cookie(headers: &HeaderMap) -> String {
     format!("{}; Max-Age=0", session_cookie(headers, ""))
 }
 
-/// Whether the page came over plain HTTP, and a browser would not keep a `Secure` cookie of it. Browsers say in `Origin`
-/// how they got the page, also where a proxy speaks TLS; a client that does not say is trusted on this machine alone.
+/// Whether the page came over plain HTTP, and a browser would not keep a `Secure` cookie of it. Browsers say in
+/// `Origin` how they got the page, also where a proxy speaks TLS; a client that does not say is trusted on this
+/// machine alone.
 fn is_plain(headers: &HeaderMap) -> bool {
     match text(headers, header::ORIGIN) {
         "" => is_loopback(text(headers, header::HOST)),

@@ -1,5 +1,5 @@
-//! Named tokens and sessions between database and gate: what is written is in force before it is answered, and tokens that
-//! another program writes within a second.
+//! Named tokens and sessions between database and gate: what is written is in force before it is answered, and tokens
+//! that another program writes within a second.
 //!
 //! Main type: [`TokenKeeper`]. Refuses: roles that this Giveway does not know; such a token does not hold.
 

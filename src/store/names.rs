@@ -1,7 +1,7 @@
 //! Names of people, apart from everything else, and what becomes of a person who is erased.
 //!
-//! Main type: [`PersonRow`]. Deleted names are overwritten in the file, and the write-ahead log is emptied, since it still
-//! has the pages of before. Refuses: to forget encounters; who it was is taken out of them.
+//! Main type: [`PersonRow`]. Deleted names are overwritten in the file, and the write-ahead log is emptied, since it
+//! still has the pages of before. Refuses: to forget encounters; who it was is taken out of them.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
 use crate::id::WorkerId;

@@ -30,7 +30,8 @@ const LISTS: [&str; 6] = [
 
 /// Who it was, in rows that stay and that are over.
 const PEOPLE: [&str; 3] = [
-    "UPDATE encounters SET worker = -1 WHERE seq IN (SELECT seq FROM encounters WHERE worker >= 0 AND began < $2 LIMIT $1)",
+    "UPDATE encounters SET worker = -1 WHERE seq IN (SELECT seq FROM encounters \
+     WHERE worker >= 0 AND began < $2 LIMIT $1)",
     "UPDATE assignments SET worker = NULL WHERE id IN (SELECT id FROM assignments \
      WHERE worker IS NOT NULL AND state IN ('done', 'cancelled') AND updated < $2 LIMIT $1)",
     "DELETE FROM alarms WHERE id IN (SELECT id FROM alarms WHERE cleared < $2 AND subject_kind = 'worker' LIMIT $1)",
@@ -40,8 +41,8 @@ const PEOPLE: [&str; 3] = [
 const EVENTS: &str =
     "DELETE FROM events WHERE seq IN (SELECT seq FROM events WHERE at < $2 ORDER BY seq LIMIT $1)";
 
-/// Deletes some of what is too old `now`: what was over before the last `keep`, who it was before the last `people`, and
-/// steps that no start needs.
+/// Deletes some of what is too old `now`: what was over before the last `keep`, who it was before the last `people`,
+/// and steps that no start needs.
 pub(super) async fn tidy(
     db: &mut SqliteConnection,
     now: Time,

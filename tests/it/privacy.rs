@@ -1,6 +1,6 @@
 //! Names of people: who sees them, where they are not, and what is left of a person who was erased.
 
-use crate::helper::{Folder, map};
+use crate::helper::{Folder, get, map, start};
 use crate::tokens::{ADMIN, start_closed, with};
 use futures_util::StreamExt;
 use giveway::fleet::{
@@ -213,4 +213,68 @@ async fn lists_forget_after_some_days_who_it_was() {
     let of_worker = EncounterQuery { worker: Some(worker), limit: 9, ..Default::default() };
     assert_eq!(store.encounters(&of_worker).await.unwrap(), [], "nor can it be filtered by");
     store.close().await;
+}
+
+/// The names of all properties below a schema, those that it refers to among them.
+fn properties(document: &Value, schema: &Value, found: &mut Vec<String>) {
+    if let Some(to) = schema["$ref"].as_str() {
+        properties(document, document.pointer(&to[1..]).unwrap(), found);
+    }
+    for (name, of) in schema["properties"].as_object().into_iter().flatten() {
+        found.push(name.clone());
+        properties(document, of, found);
+    }
+    for key in ["items", "allOf", "oneOf", "anyOf"] {
+        match &schema[key] {
+            Value::Array(all) => all.iter().for_each(|one| properties(document, one, found)),
+            one => _ = one.is_object().then(|| properties(document, one, found)),
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn no_list_or_table_tells_how_fast_a_person_is_or_where_a_person_is_going() {
+    /// Words of pace and of forecasts.
+    const TELLING: [&str; 10] = [
+        "speed",
+        "pace",
+        "goal",
+        "forecast",
+        "undecided",
+        "elsewhere",
+        "eta",
+        "sequence",
+       
+        "gaze",
+        "idle",
+    ];
+    /// The speed at an encounter is what a safety engineer needs (docs/secure.md): one moment, of a pseudonym, for days.
+    const ALLOWED: [&str; 1] = ["GET /v1/encounters: worker_speed"];
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let document = get(at, "/openapi.json").await.json();
+    let (mut lists, mut told) = (0, Vec::new());
+    for (path, item) in document["paths"].as_object().unwrap() {
+        let content = &item["get"]["responses"]["200"]["content"]["application/json"]["schema"];
+        let mut names = Vec::new();
+        properties(&document, content, &mut names);
+        let of_people = names.iter().any(|n| ["worker", "person", "actor"].contains(&n.as_str()))
+            || path.starts_with("/v1/workers")
+            || path.starts_with("/v1/people");
+        if !names.contains(&"items".to_owned()) || !of_people {
+            continue;
+        }
+        lists += 1;
+        let telling =
+            names.iter().filter(|n| TELLING.iter().any(|t| n.split('_').any(|part| part.starts_with(t))));
+        told.extend(telling.filter(|n| *n != "robot_speed").map(|n| format!("GET {path}: {n}")));
+    }
+    assert!(lists >= 5, "workers, people, assignments, encounters, events: {lists}");
+    assert_eq!(told, ALLOWED);
+    let table = get(at, "/v1/encounters?format=csv").await.text;
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let telling: Vec<&&str> = header.iter().filter(|c| TELLING.iter().any(|t| c.contains(t))).collect();
+    assert_eq!(telling, [&"robot_speed", &"worker_speed"]);
+    server.stop().await.unwrap();
 }

@@ -1,6 +1,6 @@
 //! `/v1/workers`: who is on the floor.
 //!
-//! Main type: [`NewWorker`]. Refuses: to forget anybody.
+//! Main types: [`NewWorker`], [`ListedWorkerDto`]. Refuses: to list how fast people are and where they are going.
 
 use super::lists::{Paging, page};
 use crate::api::Api;
@@ -13,11 +13,12 @@ use crate::api::people::{EpisodeDto, SensesDto, WorkerDetailDto, WorkerDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{round3, worker_name};
+use crate::api::words::{GuidanceStateDto, PresenceDto};
 use crate::fleet::Reply;
 use crate::id::{Dense, WorkerId};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 /// The longest name of a worker.
@@ -33,17 +34,61 @@ pub struct NewWorker {
     name: String,
 }
 
+/// A worker in a list, without pace and without where the worker is probably going: side by side these would tell how
+/// people work. Robots need them, and the map shows them of the moment.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct ListedWorkerDto {
+    /// Its number.
+    #[schema(example = "w1")]
+    pub id: String,
+    /// The name under which the worker was registered, for those who may see names (docs/secure.md); else a pseudonym
+    /// such as `worker-3f2a`.
+    pub name: String,
+    /// Whether the worker is on the floor, and how well the place is known.
+    pub presence: PresenceDto,
+    /// Metres; null if the worker has not been seen.
+    pub x: Option<f64>,
+    /// Metres.
+    pub y: Option<f64>,
+    /// Radians, counter-clockwise from the x axis.
+    pub heading: Option<f64>,
+    /// When the worker was seen last, RFC 3339.
+    pub seen: Option<String>,
+    /// One standard deviation of the position, metres; it grows while no pose comes.
+    pub accuracy: f64,
+    /// What the worker is told.
+    pub state: GuidanceStateDto,
+    /// Why, in words.
+    #[schema(example = "you left the path")]
+    pub reason: Option<String>,
+    /// What the path is for.
+    #[schema(example = "a3")]
+    pub assignment: Option<String>,
+}
+
+impl From<WorkerDto> for ListedWorkerDto {
+    fn from(w: WorkerDto) -> ListedWorkerDto {
+        let WorkerDto {
+            id, name, presence, x, y, heading, seen, accuracy, state, reason, assignment, ..
+        } = w;
+        ListedWorkerDto { id, name, presence, x, y, heading, seen, accuracy, state, reason, assignment }
+    }
+}
+
 /// All workers; a device gets its own alone.
 #[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(Paging), responses(
-    (status = 200, description = "Workers in order of joining", body = Page<WorkerDto>),
+    (status = 200, description = "Workers in order of joining", body = Page<ListedWorkerDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<WorkerDto>>, Problem> {
+pub async fn list(
+    Called(api): Called,
+    Params(p): Params<Paging>,
+) -> Result<Json<Page<ListedWorkerDto>>, Problem> {
     let mut workers: Vec<(WorkerId, String)> =
         api.feeds.names().into_iter().enumerate().map(|(i, name)| (WorkerId::at(i), name)).collect();
     if api.caller.role == Role::Device {
         workers.retain(|(id, _)| api.caller.subject.as_deref() == Some(&worker_name(*id)));
     }
-    page(workers.into_iter().map(|(id, name)| worker(&api, id, name)).collect(), &p)
+    page(workers.into_iter().map(|(id, name)| worker(&api, id, name).into()).collect(), &p)
 }
 
 /// One worker, with gaze, hands and charge if a headset reports them.
