@@ -245,7 +245,10 @@ impl Config {
             );
         }
         for origin in &self.allowed_origins {
-            ensure!(is_origin(origin), "allowed_origins: \"{origin}\" is no origin such as https://wms.example:8443");
+            ensure!(
+                is_origin(origin),
+                "allowed_origins: \"{origin}\" is no origin such as https://wms.example:8443"
+            );
         }
         Ok(Gate::new(tokens.iter().map(String::as_str)).with_origins(self.allowed_origins.clone()))
     }
