@@ -207,7 +207,7 @@ async fn lists_forget_after_some_days_who_it_was() {
     let later = Time(begin + 6 * DAY);
     store.append(2, &[StepEntry { at: later, facts: Vec::new(), causes: Vec::new() }]).await.unwrap();
     assert_eq!(who().await, (Some(worker), Some(worker), true), "within seven days it is known");
-    let later = Time(begin + 7 * DAY + 1);
+    let later = Time(begin + 7 * DAY + 2_000_000);
     store.append(3, &[StepEntry { at: later, facts: Vec::new(), causes: Vec::new() }]).await.unwrap();
     assert_eq!(who().await, (None, None, false));
     let of_worker = EncounterQuery { worker: Some(worker), limit: 9, ..Default::default() };
@@ -235,19 +235,8 @@ fn properties(document: &Value, schema: &Value, found: &mut Vec<String>) {
 #[tokio::test(flavor = "multi_thread")]
 async fn no_list_or_table_tells_how_fast_a_person_is_or_where_a_person_is_going() {
     /// Words of pace and of forecasts.
-    const TELLING: [&str; 10] = [
-        "speed",
-        "pace",
-        "goal",
-        "forecast",
-        "undecided",
-        "elsewhere",
-        "eta",
-        "sequence",
-       
-        "gaze",
-        "idle",
-    ];
+    const TELLING: [&str; 10] =
+        ["speed", "pace", "goal", "forecast", "undecided", "elsewhere", "eta", "sequence", "gaze", "idle"];
     /// The speed at an encounter is what a safety engineer needs (docs/secure.md): one moment, of a pseudonym, for days.
     const ALLOWED: [&str; 1] = ["GET /v1/encounters: worker_speed"];
     let folder = Folder::new();
