@@ -207,7 +207,7 @@ async fn lists_forget_after_some_days_who_it_was() {
     let later = Time(begin + 6 * DAY);
     store.append(2, &[StepEntry { at: later, facts: Vec::new(), causes: Vec::new() }]).await.unwrap();
     assert_eq!(who().await, (Some(worker), Some(worker), true), "within seven days it is known");
-    let later = Time(begin + 7 * DAY + 1);
+    let later = Time(begin + 7 * DAY + 2_000_000);
     store.append(3, &[StepEntry { at: later, facts: Vec::new(), causes: Vec::new() }]).await.unwrap();
     assert_eq!(who().await, (None, None, false));
     let of_worker = EncounterQuery { worker: Some(worker), limit: 9, ..Default::default() };

@@ -70,8 +70,6 @@ await check('The right one leads back to where one was, and the page says who is
 });
 await check('The tab Audit says who did what', async () => {
   await page.getByRole('button', { name: 'Stop all robots' }).click();
-  const sure = page.getByRole('dialog').getByRole('button', { name: /stop/i });
-  if (await sure.count() > 0) await sure.first().click();
   await page.getByRole('button', { name: 'Audit', exact: true }).click();
   const row = audit.getByRole('row').filter({ hasText: 'POST /v1/fleet/stop' });
   for (let i = 0; i < 20 && await row.count() === 0; i++) {
@@ -82,7 +80,8 @@ await check('The tab Audit says who did what', async () => {
   assert(/configuration admin POST \/v1\/fleet\/stop – done/.test(words), words);
   const signed = audit.getByRole('row').filter({ hasText: 'POST /v1/session' });
   assert(await signed.count() > 0, 'signing in is written down');
-  await page.getByRole('button', { name: /Resume/ }).first().click();
+  await page.getByRole('button', { name: 'Resume all robots' }).click();
+  await page.getByRole('dialog').getByRole('button', { name: 'Resume all robots' }).click();
   return words;
 });
 for (const [width, colorScheme] of [[1400, 'light'], [1400, 'dark'], [820, 'light'], [390, 'dark']]) {
