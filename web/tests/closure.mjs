@@ -56,14 +56,12 @@ const watch = (seconds, enough) => page.evaluate(([area, most, few]) => new Prom
   look();
 }), [AREA, seconds, enough]);
 
-/** Where a place of the map is on the screen while the whole floor is shown; floor/scene/view.ts. */
 const map = await (await context.request.get(new URL('/v1/map', url).href)).json();
+/** Where a place of the map is on the screen, as the page shows it. */
 async function onScreen(x, y) {
-  const [margin, foot] = [14, 52];
   const { x: left, y: top, width, height } = await host.boundingBox();
-  const [x0, y0, x1, y1] = map.bounds;
-  const scale = Math.min((width - 2 * margin) / (x1 - x0), (height - 2 * margin - foot) / (y1 - y0), 160);
-  return [left + width / 2 + (x - (x0 + x1) / 2) * scale, top + height / 2 + ((y0 + y1) / 2 - foot / 2 / scale - y) * scale];
+  const [midX, midY, scale] = (await data('view')).split(' ').map(Number);
+  return [left + width / 2 + (x - midX) * scale, top + height / 2 + (midY - y) * scale];
 }
 
 await page.goto(url);
