@@ -8,7 +8,7 @@
 //! end up in logs.
 
 use super::caller::{Caller, NamedToken, Role, TokenHash, WebSession};
-use super::cookie::session_secret;
+use super::cookie::{is_loopback, session_secret};
 use super::error::Problem;
 use super::port::Now;
 use crate::time::{Span, Time};
@@ -248,18 +248,6 @@ fn token_of(headers: &HeaderMap) -> Option<&str> {
 fn says_own_page(headers: &HeaderMap) -> bool {
     let site = headers.get("sec-fetch-site").and_then(|v| v.to_str().ok());
     headers.contains_key(header::ORIGIN) || site == Some("same-origin")
-}
-
-/// Whether this is a name of the machine itself.
-pub fn is_loopback(host: &str) -> bool {
-    let name = match host.rsplit_once(':') {
-        Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,
-        _ => host,
-    };
-    let name = name.trim_start_matches('[').trim_end_matches(']');
-    name.is_empty()
-        || name.eq_ignore_ascii_case("localhost")
-        || name.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
 }
 
 #[cfg(test)]

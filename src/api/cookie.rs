@@ -3,7 +3,6 @@
 //! Main functions: [`session_secret`], [`session_cookie`], [`no_session_cookie`]. Refuses: to send a cookie to another
 //! site, to scripts, and in the clear where the page came over HTTPS.
 
-use super::auth::is_loopback;
 use axum::http::{HeaderMap, header};
 
 /// How the name of the cookie begins.
@@ -47,6 +46,18 @@ fn is_plain(headers: &HeaderMap) -> bool {
         "" => is_loopback(text(headers, header::HOST)),
         origin => origin.starts_with("http://"),
     }
+}
+
+/// Whether this is a name of the machine itself.
+pub fn is_loopback(host: &str) -> bool {
+    let name = match host.rsplit_once(':') {
+        Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,
+        _ => host,
+    };
+    let name = name.trim_start_matches('[').trim_end_matches(']');
+    name.is_empty()
+        || name.eq_ignore_ascii_case("localhost")
+        || name.parse::<std::net::IpAddr>().is_ok_and(|ip| ip.is_loopback())
 }
 
 fn text(headers: &HeaderMap, name: header::HeaderName) -> &str {

@@ -1,8 +1,8 @@
 //! Names of people and the pseudonyms that stand for them everywhere else: in the fleet and its journal, in feeds,
 //! events, webhooks and recordings.
 //!
-//! Main types: [`Pseudonyms`], [`Person`]. Refuses: to give a pseudonym to a second person, also after the first was
-//! erased.
+//! Main types: [`Pseudonyms`], [`NamedPerson`]. Refuses: to give a pseudonym to a second person, also after the first
+//! was erased.
 
 use super::caller::{Caller, Role};
 use super::port::Later;
@@ -15,7 +15,7 @@ use uuid::Uuid;
 
 /// A person, as one table knows it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Person {
+pub struct NamedPerson {
     /// What everything else calls this person.
     pub pseudonym: String,
     /// The name.
@@ -27,7 +27,7 @@ pub struct Person {
 /// Keeps names durably. Errors are texts for people.
 pub trait PersonDesk: Send + Sync {
     /// Keeps one.
-    fn keep(&self, person: Person) -> Later<'_, Result<(), String>>;
+    fn keep(&self, person: NamedPerson) -> Later<'_, Result<(), String>>;
     /// Forgets one, and who it was in all lists of this worker.
     fn erase(&self, pseudonym: String, worker: Option<WorkerId>) -> Later<'_, Result<(), String>>;
 }
@@ -35,7 +35,7 @@ pub trait PersonDesk: Send + Sync {
 /// Who is behind a pseudonym, and who may know.
 #[derive(Default)]
 pub struct Pseudonyms {
-    people: Mutex<BTreeMap<String, Person>>,
+    people: Mutex<BTreeMap<String, NamedPerson>>,
     /// Roles that see names.
     names_for: Vec<Role>,
     /// Absent where a recording is shown.
@@ -46,13 +46,13 @@ pub struct Pseudonyms {
 
 impl Pseudonyms {
     /// With the people who are known, for these roles.
-    pub fn new(people: Vec<Person>, names_for: Vec<Role>, desk: Box<dyn PersonDesk>) -> Pseudonyms {
+    pub fn new(people: Vec<NamedPerson>, names_for: Vec<Role>, desk: Box<dyn PersonDesk>) -> Pseudonyms {
         let people = people.into_iter().map(|p| (p.pseudonym.clone(), p)).collect();
         Pseudonyms { people: Mutex::new(people), names_for, desk: Some(desk), turn: Default::default() }
     }
 
     /// The person behind a pseudonym.
-    pub fn person(&self, pseudonym: &str) -> Option<Person> {
+    pub fn person(&self, pseudonym: &str) -> Option<NamedPerson> {
         self.people().get(pseudonym).cloned()
     }
 
@@ -88,7 +88,7 @@ impl Pseudonyms {
         while is_taken(&pseudonym) || self.person(&pseudonym).is_some() {
             pseudonym = fresh(8);
         }
-        let person = Person { pseudonym: pseudonym.clone(), name: name.to_owned(), since: now };
+        let person = NamedPerson { pseudonym: pseudonym.clone(), name: name.to_owned(), since: now };
         desk.keep(person.clone()).await?;
         self.people().insert(pseudonym.clone(), person);
         Ok(pseudonym)
@@ -107,7 +107,7 @@ impl Pseudonyms {
         Ok(())
     }
 
-    fn people(&self) -> MutexGuard<'_, BTreeMap<String, Person>> {
+    fn people(&self) -> MutexGuard<'_, BTreeMap<String, NamedPerson>> {
         self.people.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

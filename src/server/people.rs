@@ -4,7 +4,7 @@
 
 use crate::api::caller::Role;
 use crate::api::port::{Later, Now};
-use crate::api::pseudonyms::{Person, PersonDesk, Pseudonyms};
+use crate::api::pseudonyms::{NamedPerson, PersonDesk, Pseudonyms};
 use crate::id::WorkerId;
 use crate::store::{PersonRow, Store, StoreError};
 use std::sync::Arc;
@@ -24,16 +24,16 @@ pub async fn pseudonyms(
     now: &Now,
     names_for: Vec<Role>,
 ) -> Result<Pseudonyms, StoreError> {
-    let known = |PersonRow { pseudonym, name, since }| Person { pseudonym, name, since };
+    let known = |PersonRow { pseudonym, name, since }| NamedPerson { pseudonym, name, since };
     let people = store.people().await?.into_iter().map(known).collect();
     let keeper = PersonKeeper { store: store.clone(), now: now.clone() };
     Ok(Pseudonyms::new(people, names_for, Box::new(keeper)))
 }
 
 impl PersonDesk for PersonKeeper {
-    fn keep(&self, person: Person) -> Later<'_, Result<(), String>> {
+    fn keep(&self, person: NamedPerson) -> Later<'_, Result<(), String>> {
         Box::pin(async move {
-            let Person { pseudonym, name, since } = person;
+            let NamedPerson { pseudonym, name, since } = person;
             self.store.check_place().map_err(told)?;
             self.store.keep_name(&PersonRow { pseudonym, name, since }).await.map_err(told)?;
             self.store.check_place().map_err(told)

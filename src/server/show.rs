@@ -74,8 +74,7 @@ impl Show {
         let listener = TcpListener::bind(listen_at).await;
         let listener = listener
             .with_context(|| format!("cannot listen on {listen_at}: choose another with --listen"))?;
-        let address = listener.local_addr()?;
-        let map = player.fleet.warehouse().clone();
+        let (address, map) = (listener.local_addr()?, player.fleet.warehouse().clone());
         let recordings =
             Recordings(std::env::temp_dir().join(format!("giveway-replay-{}", std::process::id())));
         let kept = Folder::open(recordings.0.clone(), map.clone(), player.scenario.name.clone(), None);

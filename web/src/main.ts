@@ -3,8 +3,10 @@ import { mount } from 'svelte';
 import './app.css';
 import { App } from './page';
 import { applyTheme, storedTheme } from './parts';
+import { adoptToken } from './session';
 import { learn } from './words';
 
 applyTheme(storedTheme());
 const target = document.getElementById('app');
-if (target) void learn().then(() => mount(App, { target }));
+// First the session, since everything on the page asks the server at once; and the words.
+if (target) void Promise.all([adoptToken(), learn()]).then(() => mount(App, { target }));

@@ -24,10 +24,10 @@ test('the way back never leaves this server', () => {
 test('a kept token becomes a session and is kept no longer', async () => {
   sessionStorage.setItem('giveway.token', 'secret');
   answers([201, {}], [200, { name: 'anna' }]);
-  await adoptToken();
+  expect(await adoptToken()).toBe(true);
   expect(vi.mocked(fetch).mock.calls[0]).toMatchObject(['/v1/session', { method: 'POST', body: '{"token":"secret"}' }]);
   expect(sessionStorage.getItem('giveway.token')).toBe(null);
-  await adoptToken();
+  expect(await adoptToken()).toBe(false);
   expect(fetch).toHaveBeenCalledTimes(2);
 });
 test('what is wrong is said: a wrong token, and a browser that keeps no cookie', async () => {

@@ -191,13 +191,19 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(history::history))
         .routes(routes!(shift::report))
         .routes(routes!(heat::heat))
+        .merge(access_routes())
+        .routes(routes!(ws::live))
+        .routes(routes!(health::metrics))
+}
+
+/// Routes about who may do what, and who did.
+fn access_routes() -> OpenApiRouter<Api> {
+    OpenApiRouter::new()
         .routes(routes!(audit::list))
         .routes(routes!(session::who, session::sign_in, session::sign_out))
         .routes(routes!(tokens::list, tokens::make))
         .routes(routes!(tokens::revoke))
         .routes(routes!(tokens::rotate))
-        .routes(routes!(ws::live))
-        .routes(routes!(health::metrics))
 }
 
 /// Lets requests in whose caller has the role that the route needs, tells the handler whose they are, and notes those

@@ -59,12 +59,18 @@ export async function signOut(): Promise<boolean> {
   }
 }
 
-/** A token that an earlier version kept in this tab becomes a session. */
-export async function adoptToken(): Promise<void> {
-  const token = sessionStorage.getItem(TOKEN);
-  if (token === null) return;
-  await signIn(token);
-  sessionStorage.removeItem(TOKEN);
+/** A token that an earlier version kept in this tab becomes a session; whether there was one that holds. */
+export async function adoptToken(): Promise<boolean> {
+  try {
+    const token = sessionStorage.getItem(TOKEN);
+    if (token === null) return false;
+    const wrong = await signIn(token);
+    sessionStorage.removeItem(TOKEN);
+    return wrong === null;
+  } catch {
+    // A page may be shown where nothing can be kept.
+    return false;
+  }
 }
 
 /** The address of the page that asks for a token and then comes back here. */
