@@ -237,6 +237,20 @@ await check('A lost connection is said plainly and the data is shown as old', as
   await lost.close();
 });
 
+await check('The page speaks the language that is chosen, also after it is opened again', async () => {
+  const other = await context.newPage();
+  await other.goto(url);
+  await other.getByLabel('Language').selectOption('de');
+  await other.waitForFunction(() => document.documentElement.lang === 'de', null, { timeout: PATIENCE });
+  await other.getByRole('heading', { name: /^(Alarme|\d+ Alarme?)\b/ }).waitFor({ timeout: PATIENCE });
+  await other.reload();
+  await other.waitForFunction(() => document.documentElement.lang === 'de', null, { timeout: PATIENCE });
+  await other.screenshot({ path: `${SHOTS}german.png` });
+  await other.locator('header select').first().selectOption('en');
+  await other.waitForFunction(() => document.documentElement.lang === 'en', null, { timeout: PATIENCE });
+  await other.close();
+});
+
 await finish(browser);
 
 function watch(one) {
