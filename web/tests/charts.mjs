@@ -211,7 +211,7 @@ await check('A report says what the lists say, on the screen, as a table and as 
   const done = [];
   for (let cursor = ''; cursor !== null;) {
     const { items, next } = await ask(`/v1/jobs?state=done&limit=500${cursor && `&cursor=${cursor}`}`);
-    done.push(...items.filter((job) => job.kind === 'deliver' && job.ended_at >= from && job.ended_at < to));
+    done.push(...items.filter((job) => job.kind === 'deliver' && Date.parse(job.times.ended) >= Date.parse(from) && Date.parse(job.times.ended) < Date.parse(to)));
     cursor = next;
   }
   assert(words.deliveries.done === done.length && done.length > 0, `it has ${words.deliveries.done} deliveries, the list ${done.length}`);

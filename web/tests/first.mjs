@@ -1,5 +1,6 @@
 // What a first visit to a hall with 800 robots costs: node tests/first.mjs PROGRAM
-// Bytes as they travel are counted until all robots are drawn, and asserted; times depend on the machine and are printed.
+// Bytes of files, answers and the snapshot as they travel are counted until all robots are drawn, and asserted; times, and
+// how many patches come meanwhile, depend on the machine and are printed.
 import { mkdtempSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
@@ -20,31 +21,38 @@ async function visit() {
   const cdp = await context.newCDPSession(page);
   const urls = new Map();
   const sizes = new Map();
+  let live = 0;
+  let snapshots = 0;
   const add = (url, bytes) => sizes.set(url, (sizes.get(url) ?? 0) + bytes);
   await cdp.send('Network.enable');
   cdp.on('Network.requestWillBeSent', ({ requestId, request }) => urls.set(requestId, new URL(request.url).pathname));
   cdp.on('Network.webSocketCreated', ({ requestId, url }) => urls.set(requestId, new URL(url).pathname));
   cdp.on('Network.loadingFinished', ({ requestId, encodedDataLength }) => add(urls.get(requestId), encodedDataLength));
   cdp.on('Network.webSocketFrameReceived', ({ requestId, response: { opcode, payloadData } }) => {
-    add(urls.get(requestId), opcode === 2 ? Buffer.byteLength(payloadData, 'base64') : Buffer.byteLength(payloadData));
+    // The patches that follow the snapshot come as long as the page is open.
+    if (opcode === 2) {
+      add(urls.get(requestId), Buffer.byteLength(payloadData, 'base64'));
+      snapshots += 1;
+    } else live += Buffer.byteLength(payloadData);
   });
   const began = performance.now();
   await page.goto(server.url);
   await page.waitForFunction((robots) => Number(document.querySelector('canvas')?.dataset.robots) >= robots, ROBOTS, { timeout: PATIENCE });
   const took = performance.now() - began;
   await context.close();
-  return { took, sizes };
+  assert(snapshots === 1, `${snapshots} snapshots came packed`);
+  return { took, sizes, live };
 }
 
-const visits = [];
-for (let i = 0; i < 5; i++) visits.push(await visit());
-await check(`A first visit to a hall with ${ROBOTS} robots takes at most 200 kB until all of them are drawn`, () => {
+await check(`A first visit to a hall with ${ROBOTS} robots takes at most 200 kB, the snapshot included`, async () => {
+  const visits = [];
+  for (let i = 0; i < 5; i++) visits.push(await visit());
   const totals = visits.map(({ sizes }) => [...sizes.values()].reduce((sum, bytes) => sum + bytes, 0));
   const largest = [...visits[0].sizes].sort((a, b) => b[1] - a[1]).slice(0, 6);
   const told = largest.map(([url, bytes]) => `${url} ${(bytes / 1_000).toFixed(1)} kB`).join(', ');
   assert(Math.max(...totals) <= MOST_BYTES, `${totals.join(', ')} bytes: ${told}`);
   const ms = visits.map(({ took }) => took).sort((a, b) => a - b);
-  return `${(Math.max(...totals) / 1_000).toFixed(0)} kB: ${told}; drawn after ${ms[2].toFixed(0)} ms, median of five, ${ms[0].toFixed(0)} to ${ms[4].toFixed(0)}`;
+  return `${(Math.max(...totals) / 1_000).toFixed(0)} kB: ${told}; until all are drawn ${(Math.max(...visits.map((v) => v.live)) / 1_000).toFixed(0)} kB of patches at most, and ${ms[2].toFixed(0)} ms, median of five, ${ms[0].toFixed(0)} to ${ms[4].toFixed(0)}`;
 });
 await check('Every text above a kilobyte is compressed for those who take it, and nothing is for those who do not', async () => {
   const encoding = async (path, accepts) => (await fetch(server.url + path, { headers: { 'Accept-Encoding': accepts } })).headers.get('content-encoding');

@@ -50,12 +50,12 @@ use super::feed::session as feed_session;
 use super::metrics::HttpLabels;
 use super::roles::{Access, access_of, check_role, is_audited, subject_of};
 use super::{Api, once, ws};
-use axum::Router;
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
+use axum::{Extension, Router};
 use serde_json::Value;
 use std::sync::Arc;
 use std::time::Duration;
@@ -83,6 +83,7 @@ pub fn router(api: Api) -> (Router, Document) {
         .fallback(page::page)
         .method_not_allowed_fallback(wrong_method)
         .with_state(api.clone())
+        .layer(Extension(map::MapAnswer::of(&api.map)))
         .layer(CompressionLayer::new().compress_when(worth_compressing()))
         .layer(CatchPanicLayer::custom(|_| Problem::internal().into_response()))
         .layer(middleware::from_fn_with_state(api, account));

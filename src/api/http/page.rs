@@ -63,7 +63,7 @@ fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
 }
 
 /// Whether a client says that it takes this encoding.
-fn accepts(headers: &HeaderMap, encoding: &str) -> bool {
+pub fn accepts(headers: &HeaderMap, encoding: &str) -> bool {
     let values = headers.get_all(header::ACCEPT_ENCODING).into_iter().filter_map(|v| v.to_str().ok());
     values.flat_map(|v| v.split(',')).any(|item| {
         let (name, weight) = item.split_once(';').unwrap_or((item, ""));

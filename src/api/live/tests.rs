@@ -230,7 +230,7 @@ fn a_packed_snapshot_is_the_text_of_the_other_and_made_once() {
 }
 
 fn fresh(live: &Live) -> Value {
-    let (texts, _) = after(&live, PatchFormat::Plain, None, LAGGING);
+    let (texts, _) = after(live, PatchFormat::Plain, None, LAGGING);
     serde_json::from_str(&texts[0]).unwrap()
 }
 
