@@ -3,6 +3,7 @@
 use crate::helper::{Answer, Folder, get, send, start};
 use serde_json::json;
 use std::net::SocketAddr;
+use std::time::Duration;
 
 async fn keyed(at: SocketAddr, path: &str, key: &str, body: &serde_json::Value) -> Answer {
     let headers = [("content-type", "application/json"), ("idempotency-key", key)];
@@ -34,8 +35,16 @@ async fn a_repeat_with_the_same_key_closes_nothing_a_second_time_also_over_a_res
     let again = keyed(at, "/v1/closures", "spill-1", &area(1.0)).await;
     assert_eq!((again.status, &again.text), (201, &first.text));
     assert_eq!(keyed(at, "/v1/closures", "spill-2", &area(1.0)).await.status, 201);
-    let closed = get(at, "/v1/closures").await.json();
-    assert_eq!(closed["items"].as_array().unwrap().len(), 2, "{closed}");
+    // The list is of a view, which is a step behind.
+    let mut closed = 0;
+    for _ in 0..100 {
+        closed = get(at, "/v1/closures").await.json()["items"].as_array().unwrap().len();
+        if closed > 1 {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    assert_eq!(closed, 2);
     server.stop().await.unwrap();
 }
 
@@ -61,7 +70,7 @@ async fn two_at_the_same_time_with_one_key_make_one() {
     statuses.sort_unstable();
     assert!(statuses == [201, 409] || statuses == [201, 201], "{} {}", a.text, b.text);
     let hooks = get(at, "/v1/webhooks").await.json();
-    assert_eq!(hooks["items"].as_array().unwrap().len(), 1, "{hooks}");
+    assert_eq!(hooks.as_array().unwrap().len(), 1, "{hooks}");
     assert_eq!(keyed(at, "/v1/webhooks", "k", &hook).await.status, 201);
     server.stop().await.unwrap();
 }

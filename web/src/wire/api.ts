@@ -148,7 +148,7 @@ export class Api {
       });
       if (response.status === 204) return { kind: 'ok', value: null as T };
       if (response.ok) {
-        const isFile = /^application\/gzip\b/.test(response.headers.get('content-type') ?? '');
+        const isFile = /^(application\/gzip|text\/csv)\b/.test(response.headers.get('content-type') ?? '');
         return { kind: 'ok', value: (await (isFile ? response.blob() : response.json())) as T };
       }
       if (response.status === 401) this.onLocked();
