@@ -5,7 +5,7 @@ import type { Drawing, Picked } from '../src/floor';
 import PickedCard from '../src/page/PickedCard.svelte';
 import { Chances } from '../src/people';
 import ClosureForm from '../src/places/ClosureForm.svelte';
-import { Notices } from '../src/parts';
+import { Notices } from '../src/parts/notices.svelte';
 import { EMPTY, reduce, type Answer, type FloorMap, type Mirror, type Point } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 

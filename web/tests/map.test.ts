@@ -10,7 +10,7 @@ import { LOOKS, Stage } from '../src/floor/scene/scene';
 import { fit, toScreen, type View } from '../src/floor/scene/view';
 import { addressOf, hashOf, HOME, isThere } from '../src/page/address';
 import { afterKey, LEAST, MOST, USUAL, within } from '../src/page/share';
-import { Notices, OFFERED_MS } from '../src/parts';
+import { Notices, OFFERED_MS } from '../src/parts/notices.svelte';
 import { closedAgain } from '../src/places/closureform';
 import { undoOf, ROBOT_ACTS, type ActsApi } from '../src/robots/acts';
 import { EMPTY, reduce, type Alarm, type FloorMap, type Job, type Mirror, type Snapshot } from '../src/wire';

@@ -44,8 +44,11 @@ export async function tap(context) {
     };
     globalThis.WebSocket = class extends WebSocket {
       constructor(address, ...more) {
-        super(address, ...more);
-        if (String(address).includes('/v1/live')) this.addEventListener('message', ({ data }) => take(JSON.parse(data)));
+        const url = new URL(address, location.href);
+        // As text, which is read without a wait.
+        url.searchParams.delete('packed');
+        super(url, ...more);
+        if (url.pathname === '/v1/live') this.addEventListener('message', ({ data }) => take(JSON.parse(data)));
       }
     };
   });
