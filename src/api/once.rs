@@ -1,7 +1,7 @@
 //! Requests with an `Idempotency-Key` whose effect has no key of its own: a repeat gets the answer of the first one.
 //!
 //! Main function: [`answer`]. Jobs and assignments carry their keys themselves, in the same transaction; for what is
-//! listed in [`KEYED`], it is noted before the request is carried out that it has begun, and its answer after that. So a
+//! listed in `KEYED`, it is noted before the request is carried out that it has begun, and its answer after that. So a
 //! repeat never does it twice; if the server ended in between, the repeat is told that nobody knows. Refuses: to keep
 //! tokens, which are shown once.
 
@@ -9,7 +9,7 @@ use super::Api;
 use super::caller::Caller;
 use super::error::Problem;
 use super::extract::{BODY_LIMIT, IdempotencyKey};
-use super::port::AnswerDesk;
+use super::port::{AnswerDesk, KeptAnswer, KeyedRequest, KnownRequest};
 use axum::body::{Body, to_bytes};
 use axum::extract::{FromRequestParts, Request};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
@@ -26,43 +26,6 @@ const LONGEST: usize = 1 << 20;
 
 /// Says that an answer was given before.
 const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
-
-/// A request that is to be carried out once.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct KeyedRequest {
-    /// Who asked; keys of different callers have nothing to do with one another.
-    pub caller: String,
-    /// The route.
-    pub route: String,
-    /// The key.
-    pub key: String,
-}
-
-/// An answer that is kept.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct KeptAnswer {
-    /// Its status.
-    pub status: u16,
-    /// Where what was made is.
-    pub location: Option<String>,
-    /// Its body, JSON.
-    pub body: String,
-}
-
-/// What is known of a request.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum KnownRequest {
-    /// Nothing: it is noted now that it has begun.
-    New,
-    /// It came before with another body.
-    Other,
-    /// It is being carried out.
-    Running,
-    /// It had begun when the server ended, or its answer was that nobody knows.
-    Unknown,
-    /// It came before, with this answer.
-    Answered(KeptAnswer),
-}
 
 /// Answers a request: as it was answered before, if it has a key under which it was.
 pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, next: Next) -> Response {
@@ -146,8 +109,8 @@ fn refused(known: &KnownRequest) -> Problem {
             Problem { retry_after: Some(1), ..Problem::conflict("in-progress", "Still in progress", detail) }
         }
         _ => {
-            let detail = "the server ended, or could not write, while it carried out the request with this key, so it is \
-                          not known whether it did: look at the list, and use a new key if it is not there";
+            let detail = "the server ended, or could not write, while it carried out the request with this key, so it \
+                          is not known whether it did: look at the list, and use a new key if it is not there";
             Problem::conflict("outcome-unknown", "The outcome is not known", detail)
         }
     }

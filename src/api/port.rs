@@ -6,7 +6,6 @@
 
 use super::audit::{AuditEntry, AuditQuery};
 use super::caller::{NamedToken, TokenHash, WebSession};
-use super::once::{KeptAnswer, KeyedRequest, KnownRequest};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
@@ -80,6 +79,43 @@ pub trait TokenDesk: Send + Sync {
     fn sign_in(&self, session: WebSession) -> Later<'_, Result<(), String>>;
     /// Ends one.
     fn sign_out(&self, hash: TokenHash) -> Later<'_, Result<(), String>>;
+}
+
+/// A request that is to be carried out once.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct KeyedRequest {
+    /// Who asked; keys of different callers have nothing to do with one another.
+    pub caller: String,
+    /// The route.
+    pub route: String,
+    /// The key.
+    pub key: String,
+}
+
+/// An answer that is kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeptAnswer {
+    /// Its status.
+    pub status: u16,
+    /// Where what was made is.
+    pub location: Option<String>,
+    /// Its body, JSON.
+    pub body: String,
+}
+
+/// What is known of a request.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum KnownRequest {
+    /// Nothing: it is noted now that it has begun.
+    New,
+    /// It came before with another body.
+    Other,
+    /// It is being carried out.
+    Running,
+    /// It had begun when the server ended, or its answer was that nobody knows.
+    Unknown,
+    /// It came before, with this answer.
+    Answered(KeptAnswer),
 }
 
 /// Keeps the answers to requests that are to be carried out once. Errors are texts for people.

@@ -8,7 +8,7 @@ use super::called::Called;
 use super::error::Problem;
 use super::extract::Params;
 use super::feed::hub::CarriedSenses;
-use super::live::{LAGGING, PatchFormat, Reader, SnapshotFormat};
+use super::live::{FeedReader, LAGGING, PatchFormat, SnapshotFormat};
 use super::people::SensesDto;
 use super::text::worker_name;
 use crate::id::{Dense, WorkerId};
@@ -54,7 +54,8 @@ pub struct LiveParams {
 /// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
 /// "version", …}` ten times a second. A patch names only items and keys that changed; if its base is not
 /// the reader's version, connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Live feed"),
-/// with `packed=true` snapshots are binary messages: their text, packed with gzip. With `senses=true` there are messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
+/// with `packed=true` snapshots are binary messages: their text, packed with gzip. With `senses=true` there are
+/// messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
 /// besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", operation_id = "openLiveFeed", params(LiveParams), responses(
     (status = 101, description = "The feed begins"),
@@ -92,7 +93,7 @@ async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
     let mut ping = interval(PING);
     ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut silent = 0;
-    let reader = Reader {
+    let reader = FeedReader {
         patches: if p.thin == Some(true) { PatchFormat::Thin } else { PatchFormat::Plain },
         snapshots: if p.packed == Some(true) { SnapshotFormat::Gzip } else { SnapshotFormat::Text },
     };

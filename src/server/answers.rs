@@ -1,10 +1,9 @@
 //! Answers to requests with an `Idempotency-Key` between API and store.
 //!
 //! Main type: [`AnswerKeeper`]. Which requests are being carried out is known to the process alone: after a restart
-//! nothing is. Refuses: to fail a request whose answer could not be kept; a repeat is told that its outcome is not known.
+//! nothing is. Refuses: to fail a request whose answer could not be kept; a repeat is told that nobody knows.
 
-use crate::api::once::{KeptAnswer, KeyedRequest, KnownRequest};
-use crate::api::port::{AnswerDesk, Later};
+use crate::api::port::{AnswerDesk, KeptAnswer, KeyedRequest, KnownRequest, Later};
 use crate::store::{AnswerRow, Store, StoreError};
 use crate::time::Time;
 use std::collections::BTreeSet;

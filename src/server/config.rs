@@ -330,8 +330,8 @@ fn database_file(given: &Path) -> anyhow::Result<PathBuf> {
     Ok(given.into())
 }
 
-/// Whether this is what browsers send as `Origin`: scheme and host in small letters, with a port where it is not the usual
-/// one, and nothing after that.
+/// Whether this is what browsers send as `Origin`: scheme and host in small letters, with a port where it is not the
+/// usual one, and nothing after that.
 fn is_origin(text: &str) -> bool {
     let host = ["https://", "http://"].into_iter().find_map(|scheme| text.strip_prefix(scheme));
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.:[]".contains(c);

@@ -71,9 +71,8 @@ impl Show {
         listen_at: SocketAddr,
         speed: f64,
     ) -> anyhow::Result<Show> {
-        let listener = TcpListener::bind(listen_at).await;
-        let listener = listener
-            .with_context(|| format!("cannot listen on {listen_at}: choose another with --listen"))?;
+        let taken = || format!("cannot listen on {listen_at}: choose another with --listen");
+        let listener = TcpListener::bind(listen_at).await.with_context(taken)?;
         let (address, map) = (listener.local_addr()?, player.fleet.warehouse().clone());
         let recordings =
             Recordings(std::env::temp_dir().join(format!("giveway-replay-{}", std::process::id())));

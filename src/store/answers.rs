@@ -1,7 +1,7 @@
 //! Requests with an `Idempotency-Key` whose effect has no key of its own, and their answers.
 //!
-//! Main functions: [`Store::begin_keyed`], [`Store::finish_keyed`]. Refuses: to keep one for longer than jobs keep their
-//! keys.
+//! Main functions: [`Store::begin_keyed`], [`Store::finish_keyed`]. Refuses: to keep one for longer than jobs keep
+//! their keys.
 
 use super::{Store, StoreError};
 use crate::fleet::KEY_LIFE;

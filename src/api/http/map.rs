@@ -1,6 +1,6 @@
 //! `/v1/map`: the building.
 //!
-//! Main function: [`map`]; main type [`MapAnswer`], which is made once. Refuses: to send it again to a page that has it.
+//! Main function: [`map`]; main type [`MapAnswer`], made once. Refuses: to send it again to a page that has it.
 
 use super::page::accepts;
 use crate::api::building::{MapDto, map_text};
@@ -15,8 +15,8 @@ use std::io::Write;
 use std::sync::{Arc, OnceLock};
 use std::thread;
 
-/// The best quality and the usual window. It takes two seconds for a hall with 800 robots, once, and the answer is half as
-/// long as with what is quick enough for each request.
+/// The best quality and the usual window. It takes two seconds for a hall with 800 robots, once, and the answer is half
+/// as long as with what is quick enough for each request.
 const QUALITY: u32 = 11;
 const WINDOW: u32 = 22;
 

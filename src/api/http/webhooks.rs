@@ -110,8 +110,8 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
     responses(
     (status = 201, description = "From now on it is told; the secret is not shown again", body = WebhookDto),
     (status = 400, description = "The body is not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "There are too many, a recording is shown, or the request with this key is in progress or its outcome is \
-     not known", body = Problem,
+    (status = 409, description = "There are too many, a recording is shown, or the request with this key is in \
+     progress or its outcome is not known", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, description = "A field is wrong", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "The database does not answer", body = Problem,

@@ -1,6 +1,6 @@
 //! The live feed: a snapshot, then patches with base and version, made once for all clients.
 //!
-//! Main types: [`Live`], [`Reader`]. [`Live::publish`] compares the new frame with the last one and writes one
+//! Main types: [`Live`], [`FeedReader`]. [`Live::publish`] compares the new frame with the last one and writes one
 //! patch for each format that has readers; these fetch what they miss by version, so that a slow reader costs
 //! nothing but its own fresh snapshot. Versions start above those of every earlier run, so that a reader that resumes
 //! after a restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for formats without
@@ -33,7 +33,7 @@ pub const LAGGING: u64 = 50;
 
 /// How a reader wants what it is sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reader {
+pub struct FeedReader {
     /// What is sent of each change.
     pub patches: PatchFormat,
     /// What is sent of the whole floor.
@@ -127,7 +127,7 @@ impl Live {
 
     /// What a reader at version `since` misses, with the version it has then: patches if there are at most
     /// `most`, else a snapshot.
-    pub fn after(&self, reader: Reader, since: Option<u64>, most: u64) -> (Vec<Message>, u64) {
+    pub fn after(&self, reader: FeedReader, since: Option<u64>, most: u64) -> (Vec<Message>, u64) {
         let mut state = self.state();
         let version = state.version;
         let missing = since.and_then(|s| version.checked_sub(s));

@@ -206,7 +206,8 @@ fn live() -> Live {
 
 /// What a reader of texts misses.
 fn after(live: &Live, patches: PatchFormat, since: Option<u64>, most: u64) -> (Vec<Utf8Bytes>, u64) {
-    let (messages, version) = live.after(Reader { patches, snapshots: SnapshotFormat::Text }, since, most);
+    let (messages, version) =
+        live.after(FeedReader { patches, snapshots: SnapshotFormat::Text }, since, most);
     (messages.into_iter().map(|m| m.into_text().unwrap()).collect(), version)
 }
 
@@ -214,7 +215,7 @@ fn after(live: &Live, patches: PatchFormat, since: Option<u64>, most: u64) -> (V
 fn a_packed_snapshot_is_the_text_of_the_other_and_made_once() {
     let live = live();
     live.publish(&picture(3), &[], 0.0);
-    let reader = Reader { patches: PatchFormat::Plain, snapshots: SnapshotFormat::Gzip };
+    let reader = FeedReader { patches: PatchFormat::Plain, snapshots: SnapshotFormat::Gzip };
     let packed = || match live.after(reader, None, LAGGING).0.remove(0) {
         Message::Binary(bytes) => bytes,
         other => panic!("{other:?}"),

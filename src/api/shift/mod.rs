@@ -1,5 +1,5 @@
-//! The report of a stretch of time: what was delivered, how long orders took, what robots and stations were at, what they
-//! waited for, alarms, people.
+//! The report of a stretch of time: what was delivered, how long orders took, what robots and stations were at, what
+//! they waited for, alarms, people.
 //!
 //! Main types: [`ShiftReportDto`], [`ShiftSources`]. Refuses: figures by person.
 

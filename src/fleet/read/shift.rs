@@ -43,8 +43,8 @@ pub struct ShiftRows {
 }
 
 impl ShiftRows {
-    /// Takes a job in, as the list has it, if it says anything about the time from `from` to `to`; what is not over lasts
-    /// until `now`.
+    /// Takes a job in, as the list has it, if it says anything about the time from `from` to `to`; what is not over
+    /// lasts until `now`.
     pub fn note(&mut self, row: &JobRow, (from, to): (Time, Time), now: Time) {
         let request = &row.job.request;
         let station = request.kind.station();
