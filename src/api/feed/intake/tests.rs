@@ -195,7 +195,7 @@ fn the_uncertainty_grows_with_the_way_and_not_with_sway() {
 
 #[test]
 fn marks_are_named_or_measured() {
-    let map = crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
+    let map = crate::warehouse::formats::json::parse(include_str!("../../../../maps/lab.json")).unwrap();
     let (id, node) = map.nodes.pairs().next().unwrap();
     let anchor = AnchorSaid {
         device: [1.0, 0.0, -2.0],
