@@ -53,8 +53,13 @@ pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, n
         Ok(KnownRequest::New) => {
             // To its end, whether or not the client waits for that.
             let request = Request::from_parts(parts, Body::from(body));
-            let run = tokio::spawn(async move { kept(desk, keyed, next.run(request).await).await });
-            run.await.unwrap_or_else(|_| Problem::internal().into_response())
+            let (theirs, request_key) = (desk.clone(), keyed.clone());
+            let run = tokio::spawn(async move { kept(theirs, request_key, next.run(request).await).await });
+            run.await.unwrap_or_else(|_| {
+                // It panicked: nobody knows what came of it, and it no longer runs.
+                desk.leave(&keyed);
+                Problem::internal().into_response()
+            })
         }
         Ok(known) => refused(&known).into_response(),
     }
