@@ -5,6 +5,7 @@
 //! another.
 
 use crate::api::Api;
+use crate::api::dto::Names;
 use crate::api::webhooks::{FailedMessage, HookRequest, Webhook, message, read_secret, signature};
 use crate::fleet::EventQuery;
 use crate::store::{FailedRow, HookRow, Store, StoreError};
@@ -217,7 +218,8 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
     };
     let id = format!("giveway-{}-{first}-{last}", hook.id);
     let seconds = (api.now)().0 / 1_000_000;
-    let body = message(&api.moments.borrow().view, rows);
+    let moment = api.moments.borrow().clone();
+    let body = message(Names { map: &api.map, view: &moment.view }, rows);
     let sent = match read_secret(&hook.secret) {
         Some(secret) => {
             let signed = signature(&secret, &id, seconds, &body);
