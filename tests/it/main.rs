@@ -17,6 +17,7 @@ mod events;
 mod faults;
 mod feed;
 mod fence;
+mod filters;
 mod fixture;
 mod guard;
 mod helper;

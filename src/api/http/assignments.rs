@@ -1,14 +1,15 @@
 //! `/v1/workers/{id}/assignments` and `/v1/assignments`: what workers are to do.
 //!
 //! Main type: [`NewAssignment`]. A request is answered when its facts are durable. Refuses: to reorder anybody's
-//! work.
+//! work, and to tell roles below admin of an assignment that is over both who had it and when: that would tell how fast
+//! a person works.
 
-use super::lists::checked_limit;
+use super::lists::{checked_limit, read_words, refuse_wrong};
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart};
+use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_time};
 use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
@@ -52,17 +53,30 @@ pub struct NewAssignment {
 pub struct AssignmentParams {
     /// How many at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
-    /// Only those in this state.
-    #[param(value_type = Option<AssignmentStateDto>)]
+    /// Only those in this state, or in one of several with commas between them.
+    #[param(value_type = Option<Vec<AssignmentStateDto>>, style = Form, explode = false)]
     state: Option<String>,
+    /// Only those at this node.
+    #[param(example = "A12")]
+    place: Option<String>,
+    /// Only those whose state changed at this time or later, RFC 3339.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    updated_since: Option<String>,
+    /// Only those that were accepted at this time or later.
+    from: Option<String>,
+    /// Only those that were accepted before this time.
+    to: Option<String>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// A worker's assignments, newest first.
+/// A worker's assignments, newest first. Those that are over, with their times, would tell how fast a person works:
+/// administrators see them, and a device those of its own worker; others get those that are open.
 #[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people", operation_id = "listAssignmentsOfWorker",
     params(("id" = String, Path, example = "w1"), AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
+    (status = 403, description = "Only administrators may ask for a person's assignments that are over", body = Problem,
+     content_type = "application/problem+json"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -72,10 +86,12 @@ pub async fn of_worker(
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
     let worker = api.feeds.worker(&id)?;
-    list(&api, Some(worker), &p).await
+    let query = read_query(&api, &p)?;
+    list(&api, AssignmentQuery { worker: Some(worker), ..query }).await
 }
 
-/// All assignments, newest first.
+/// All assignments, newest first. For roles below admin, `worker` is null if an assignment is over: with its times it
+/// would tell how fast a person works.
 #[utoipa::path(get, path = "/v1/assignments", tag = "people",
     operation_id = "listAssignments", params(AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
@@ -85,7 +101,7 @@ pub async fn all(
     Called(api): Called,
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
-    list(&api, None, &p).await
+    list(&api, read_query(&api, &p)?).await
 }
 
 /// One assignment.
@@ -218,21 +234,22 @@ async fn end(api: &Api, id: AssignmentId, how: What) -> Result<Json<AssignmentDt
     }
 }
 
-async fn list(
-    api: &Api,
-    worker: Option<WorkerId>,
-    p: &AssignmentParams,
-) -> Result<Json<Page<AssignmentDto>>, Problem> {
+/// What a list is limited to; complains about words, names and times that are none.
+fn read_query(api: &Api, p: &AssignmentParams) -> Result<AssignmentQuery, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
-    let state = p.state.as_deref().and_then(|word| {
-        let known = ASSIGNMENT_STATES.map(|s| s.word()).into_iter().find(|w| *w == word);
-        if known.is_none() {
-            let words = ASSIGNMENT_STATES.map(|s| s.word()).join(", ");
-            errors.push(FieldError::new("state", format!("\"{word}\" is not one of {words}")));
+    let words = ASSIGNMENT_STATES.map(|s| s.word());
+    let states = read_words("state", p.state.as_deref(), &words, &mut errors);
+    let place = p.place.as_deref().and_then(|name| {
+        let place = api.map.node_named(name);
+        if place.is_none() {
+            errors.push(no_place(name));
         }
-        known
+        place
     });
+    let mut time = |field: &str, text: &Option<String>| read_time(field, text.as_deref(), &mut errors);
+    let updated_since = time("updated_since", &p.updated_since);
+    let (from, to) = (time("from", &p.from), time("to", &p.to));
     let before = p.cursor.as_deref().and_then(|cursor| {
         let id = parse_assignment(cursor);
         if id.is_none() {
@@ -240,11 +257,13 @@ async fn list(
         }
         id
     });
-    if !errors.is_empty() {
-        return Err(Problem::invalid(errors));
-    }
-    let filter = AssignmentQuery { worker, state, before, limit: limit + 1 };
-    let mut rows = api.records.assignments(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
+    refuse_wrong(errors)?;
+    Ok(AssignmentQuery { worker: None, states, place, updated_since, from, to, before, limit })
+}
+
+async fn list(api: &Api, query: AssignmentQuery) -> Result<Json<Page<AssignmentDto>>, Problem> {
+    let (limit, query) = (query.limit, AssignmentQuery { limit: query.limit + 1, ..query });
+    let mut rows = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
     let next = rows.last().filter(|_| more).map(|row| assignment_name(row.id));
@@ -265,13 +284,16 @@ fn dto(api: &Api, record: &AssignmentRow) -> AssignmentDto {
     Names { map: &api.map, view: &api.moment().view }.assignment(record)
 }
 
+fn no_place(name: &str) -> FieldError {
+    FieldError::new("place", format!("there is no node \"{name}\"; GET /v1/map lists them"))
+}
+
 impl NewAssignment {
     fn read(&self, api: &Api) -> Result<AssignmentRequest, Problem> {
         let mut errors = Vec::new();
         let place = api.map.node_named(&self.place);
         if place.is_none() {
-            let detail = format!("there is no node \"{}\"; GET /v1/map lists them", self.place);
-            errors.push(FieldError::new("place", detail));
+            errors.push(no_place(&self.place));
         }
         let stay_s = self.stay_s.unwrap_or(USUAL_STAY_S);
         if !(0.0..=LONGEST_STAY_S).contains(&stay_s) {
