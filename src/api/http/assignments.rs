@@ -7,13 +7,14 @@
 use super::lists::{checked_limit, read_words, refuse_wrong};
 use crate::api::Api;
 use crate::api::called::Called;
+use crate::api::caller::Role;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_time};
 use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
-use crate::api::text::{assignment_name, parse_assignment};
+use crate::api::text::{assignment_name, parse_assignment, worker_name};
 use crate::api::words::AssignmentStateDto;
 use crate::fleet::{AssignmentQuery, AssignmentRequest, AssignmentRow, Reply};
 use crate::id::{AssignmentId, WorkerId};
@@ -25,6 +26,9 @@ use utoipa::{IntoParams, ToSchema};
 
 /// The longest stay: a shift, seconds.
 const LONGEST_STAY_S: f64 = 8.0 * 3600.0;
+
+/// States in which nothing is known yet of how long it took.
+const OPEN: [&str; 3] = ["waiting", "walking", "working"];
 
 /// How long a stay is if the request does not say, seconds.
 const USUAL_STAY_S: f64 = 30.0;
@@ -86,7 +90,19 @@ pub async fn of_worker(
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
     let worker = api.feeds.worker(&id)?;
-    let query = read_query(&api, &p)?;
+    let mut query = read_query(&api, &p)?;
+    if !may_know_pace(&api, worker) {
+        let is_open = |word: &&str| OPEN.contains(word);
+        if !query.states.iter().all(is_open) {
+            let detail = "assignments of one person that are over are for administrators, since their times tell how \
+                          fast the person works: ask for those that are waiting, walking or working, or for those of \
+                          all people at /v1/assignments";
+            return Err(Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail));
+        }
+        if query.states.is_empty() {
+            query.states = OPEN.into();
+        }
+    }
     list(&api, AssignmentQuery { worker: Some(worker), ..query }).await
 }
 
@@ -280,8 +296,19 @@ async fn read(api: &Api, id: AssignmentId) -> Result<AssignmentRow, Problem> {
     record.ok_or_else(|| Problem::unknown("assignment", format!("{} does not exist", assignment_name(id))))
 }
 
+/// Whether the caller may know how long a worker took for something: an administrator, or the worker's own device.
+fn may_know_pace(api: &Api, worker: WorkerId) -> bool {
+    let caller = &api.caller;
+    let is_own = caller.role == Role::Device && caller.subject.as_deref() == Some(&worker_name(worker));
+    caller.role == Role::Admin || is_own
+}
+
+/// An assignment as the caller may see it: if it is over, others than administrators are not told who had it.
 fn dto(api: &Api, record: &AssignmentRow) -> AssignmentDto {
-    Names { map: &api.map, view: &api.moment().view }.assignment(record)
+    let dto = Names { map: &api.map, view: &api.moment().view }.assignment(record);
+    let is_open = OPEN.contains(&dto.state.word());
+    let is_shown = is_open || record.assignment.worker.is_some_and(|worker| may_know_pace(api, worker));
+    AssignmentDto { worker: dto.worker.filter(|_| is_shown), ..dto }
 }
 
 fn no_place(name: &str) -> FieldError {
