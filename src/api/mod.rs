@@ -25,6 +25,7 @@ pub mod live;
 pub mod massrobotics;
 pub mod metrics;
 pub mod once;
+pub mod outgoing;
 pub mod people;
 pub mod port;
 pub mod pseudonyms;

@@ -18,7 +18,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 13] = [
+const FROM_ENVIRONMENT: [&str; 14] = [
     "scenario",
     "method",
     "listen",
@@ -32,6 +32,7 @@ const FROM_ENVIRONMENT: [&str; 13] = [
     "tls",
     "tls_cert",
     "tls_key",
+    "ca_file",
 ];
 
 /// Schemes of other databases, which are told apart from the names of files even without `//`.
@@ -109,6 +110,11 @@ pub struct Flags {
     #[arg(long = "tls-name", value_name = "NAME")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tls_names: Vec<String>,
+    /// Authorities (PEM) that webhooks and the identity provider are trusted by, in the place of the public ones
+    /// [env: GIVEWAY_CA_FILE]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ca_file: Option<PathBuf>,
 }
 
 /// What holds in the end.
@@ -149,6 +155,10 @@ pub struct Config {
     /// More names of the certificate that the server makes.
     #[serde(default)]
     pub tls_names: Vec<String>,
+    /// Authorities by which others are trusted, in the place of the public ones.
+    pub ca_file: Option<PathBuf>,
+    /// For how many seconds a webhook may take nothing before that is an alarm; in the settings file only.
+    pub webhook_alarm_s: u32,
     /// Origins of other sites whose pages may use the API with a token, as `https://wms.example`; in the settings file
     /// only.
     #[serde(default)]
@@ -177,6 +187,8 @@ impl Default for Config {
             tls_cert: None,
             tls_key: None,
             tls_names: Vec::new(),
+            ca_file: None,
+            webhook_alarm_s: 60,
             allowed_origins: Vec::new(),
             massrobotics: Interop::default(),
         }
@@ -250,7 +262,8 @@ impl Config {
                 "allowed_origins: \"{origin}\" is no origin such as https://wms.example:8443"
             );
         }
-        Ok(Gate::new(tokens.iter().map(String::as_str)).with_origins(self.allowed_origins.clone()))
+        let gate = Gate::new(tokens.iter().map(String::as_str)).with_origins(self.allowed_origins.clone());
+        Ok(gate)
     }
 
     /// Where to listen.

@@ -50,6 +50,7 @@ use crate::api::audit::AuditDesk;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
+use crate::api::outgoing::Outgoing;
 use crate::api::port::{Moment, Now, QUESTIONS, Question};
 use crate::api::{Api, auth::Gate, caller::Caller, router};
 use crate::fleet::Fleet;
@@ -147,11 +148,12 @@ impl Server {
         ensure!(config.keep_days >= 8, "{kept}");
         ensure!(config.people_keep_days >= 1, "people_keep_days must be at least 1");
         let identity = identity(config, address)?;
+        let outbound = Outbound::of(config)?;
         let base = floor.scenario.clone();
         let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let (ready, is_ready) = oneshot::channel();
-        let front = Front::open(door, gate, ready);
+        let front = Front::open(door, gate, outbound, ready);
         tracing::info!("listening on {address}; the journal is being loaded");
         let store = match start::open(config, &floor).await {
             Ok(store) => store,
@@ -220,6 +222,7 @@ struct Front {
     entrance: Entrance,
     http: JoinHandle<std::io::Result<()>>,
     gate: Arc<Gate>,
+    outbound: Outbound,
     /// Dropped when it no longer says "starting".
     ready: oneshot::Sender<()>,
     closing: watch::Sender<bool>,
@@ -227,10 +230,10 @@ struct Front {
 }
 
 impl Front {
-    fn open(door: Door, gate: Arc<Gate>, ready: oneshot::Sender<()>) -> Front {
+    fn open(door: Door, gate: Arc<Gate>, outbound: Outbound, ready: oneshot::Sender<()>) -> Front {
         let (entrance, (closing, closes)) = (Entrance::default(), watch::channel(false));
         let http = tokio::spawn(listen(door, entrance.router(), closes.clone()));
-        Front { entrance, http, gate, ready, closing, closes }
+        Front { entrance, http, gate, outbound, ready, closing, closes }
     }
 
     /// Closes the port, since the server cannot start.
@@ -238,6 +241,21 @@ impl Front {
         self.http.abort();
         let _ = self.http.await;
         why
+    }
+}
+
+/// What the server needs for its own requests.
+struct Outbound {
+    outgoing: Outgoing,
+    /// How long a webhook may take nothing before that is an alarm.
+    tolerance: Duration,
+}
+
+impl Outbound {
+    fn of(config: &Config) -> anyhow::Result<Outbound> {
+        let outgoing = Outgoing::trusting(config.ca_file.as_deref()).map_err(anyhow::Error::msg)?;
+        let tolerance = Duration::from_secs(config.webhook_alarm_s.into());
+        Ok(Outbound { tolerance, outgoing })
     }
 }
 
@@ -274,7 +292,7 @@ async fn work(
 ) -> anyhow::Result<()> {
     let ServerParts { fleet, world, clock, period, start, interop, feeds, heard, live, past, charts, .. } =
         parts;
-    let Front { entrance, http, gate, ready, closing, closes } = front;
+    let Front { entrance, http, gate, outbound, ready, closing, closes } = front;
     let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
@@ -327,7 +345,8 @@ async fn work(
         entry: None,
         closing: closes,
     };
-    let hook_keeper = tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), asked).run());
+    let hook_keeper =
+        tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), &outbound, asked).run());
     entrance.open(router(api).0);
     drop(ready);
     let historian = charts.historian;

@@ -7,6 +7,7 @@
 mod alarms;
 mod api;
 mod audit;
+mod authority;
 mod carry;
 mod command;
 mod custody;
