@@ -50,6 +50,7 @@ use crate::api::audit::AuditDesk;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
+use crate::api::oidc::Oidc;
 use crate::api::outgoing::Outgoing;
 use crate::api::port::{Moment, Now, QUESTIONS, Question};
 use crate::api::{Api, auth::Gate, caller::Caller, router};
@@ -249,13 +250,15 @@ struct Outbound {
     outgoing: Outgoing,
     /// How long a webhook may take nothing before that is an alarm.
     tolerance: Duration,
+    oidc: Option<Arc<Oidc>>,
 }
 
 impl Outbound {
     fn of(config: &Config) -> anyhow::Result<Outbound> {
         let outgoing = Outgoing::trusting(config.ca_file.as_deref()).map_err(anyhow::Error::msg)?;
+        let oidc = config.oidc.clone().map(|settings| Oidc::new(settings, &outgoing)).transpose();
         let tolerance = Duration::from_secs(config.webhook_alarm_s.into());
-        Ok(Outbound { tolerance, outgoing })
+        Ok(Outbound { tolerance, oidc: oidc.map_err(anyhow::Error::msg)?.map(Arc::new), outgoing })
     }
 }
 
@@ -338,6 +341,7 @@ async fn work(
         metrics,
         trials: trial::trials(),
         gate,
+        oidc: outbound.oidc.clone(),
         tokens: Some(Arc::new(tokens)),
         answers: Some(Arc::new(answers::AnswerKeeper::new(store.clone()))),
         audit: Arc::new(audit),

@@ -30,6 +30,7 @@ mod load;
 mod maps;
 mod measured;
 mod mutated;
+mod oidc;
 mod once;
 mod origins;
 mod page_filters;
