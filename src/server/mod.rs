@@ -50,6 +50,8 @@ use crate::api::audit::AuditDesk;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
+use crate::api::oidc::Oidc;
+use crate::api::outgoing::Outgoing;
 use crate::api::port::{Moment, Now, QUESTIONS, Question};
 use crate::api::{Api, auth::Gate, caller::Caller, router};
 use crate::fleet::Fleet;
@@ -147,11 +149,12 @@ impl Server {
         ensure!(config.keep_days >= 8, "{kept}");
         ensure!(config.people_keep_days >= 1, "people_keep_days must be at least 1");
         let identity = identity(config, address)?;
+        let outbound = Outbound::of(config)?;
         let base = floor.scenario.clone();
         let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let (ready, is_ready) = oneshot::channel();
-        let front = Front::open(door, gate, ready);
+        let front = Front::open(door, gate, outbound, ready);
         tracing::info!("listening on {address}; the journal is being loaded");
         let store = match start::open(config, &floor).await {
             Ok(store) => store,
@@ -220,6 +223,7 @@ struct Front {
     entrance: Entrance,
     http: JoinHandle<std::io::Result<()>>,
     gate: Arc<Gate>,
+    outbound: Outbound,
     /// Dropped when it no longer says "starting".
     ready: oneshot::Sender<()>,
     closing: watch::Sender<bool>,
@@ -227,10 +231,10 @@ struct Front {
 }
 
 impl Front {
-    fn open(door: Door, gate: Arc<Gate>, ready: oneshot::Sender<()>) -> Front {
+    fn open(door: Door, gate: Arc<Gate>, outbound: Outbound, ready: oneshot::Sender<()>) -> Front {
         let (entrance, (closing, closes)) = (Entrance::default(), watch::channel(false));
         let http = tokio::spawn(listen(door, entrance.router(), closes.clone()));
-        Front { entrance, http, gate, ready, closing, closes }
+        Front { entrance, http, gate, outbound, ready, closing, closes }
     }
 
     /// Closes the port, since the server cannot start.
@@ -238,6 +242,23 @@ impl Front {
         self.http.abort();
         let _ = self.http.await;
         why
+    }
+}
+
+/// What the server needs for its own requests.
+struct Outbound {
+    outgoing: Outgoing,
+    /// How long a webhook may take nothing before that is an alarm.
+    tolerance: Duration,
+    oidc: Option<Arc<Oidc>>,
+}
+
+impl Outbound {
+    fn of(config: &Config) -> anyhow::Result<Outbound> {
+        let outgoing = Outgoing::trusting(config.ca_file.as_deref()).map_err(anyhow::Error::msg)?;
+        let oidc = config.oidc.clone().map(|settings| Oidc::new(settings, &outgoing)).transpose();
+        let tolerance = Duration::from_secs(config.webhook_alarm_s.into());
+        Ok(Outbound { tolerance, oidc: oidc.map_err(anyhow::Error::msg)?.map(Arc::new), outgoing })
     }
 }
 
@@ -274,7 +295,7 @@ async fn work(
 ) -> anyhow::Result<()> {
     let ServerParts { fleet, world, clock, period, start, interop, feeds, heard, live, past, charts, .. } =
         parts;
-    let Front { entrance, http, gate, ready, closing, closes } = front;
+    let Front { entrance, http, gate, outbound, ready, closing, closes } = front;
     let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
     let (journal, writer) =
         journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
@@ -320,6 +341,7 @@ async fn work(
         metrics,
         trials: trial::trials(),
         gate,
+        oidc: outbound.oidc.clone(),
         tokens: Some(Arc::new(tokens)),
         answers: Some(Arc::new(answers::AnswerKeeper::new(store.clone()))),
         audit: Arc::new(audit),
@@ -327,7 +349,8 @@ async fn work(
         entry: None,
         closing: closes,
     };
-    let hook_keeper = tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), asked).run());
+    let hook_keeper =
+        tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), &outbound, asked).run());
     entrance.open(router(api).0);
     drop(ready);
     let historian = charts.historian;

@@ -1,6 +1,6 @@
 // Signing in: the way back, and a token that an earlier version kept.
 import { afterEach, expect, test, vi } from 'vitest';
-import { adoptToken, signIn, signInAt, wayBack } from '../src/session/session';
+import { adoptToken, providerName, refusalIn, signIn, signInAt, wayBack, wayToProvider } from '../src/session/session';
 
 const answers = (...list: (readonly [number, object])[]): void => {
   const all = list.map(([status, body]) => new Response(JSON.stringify(body), { status }));
@@ -38,4 +38,19 @@ test('what is wrong is said: a wrong token, and a browser that keeps no cookie',
   expect(await signIn('right')).toContain('cookie');
   answers([201, {}], [200, { name: 'anna' }]);
   expect(await signIn('right')).toBe(null);
+});
+test('the page leads to the identity provider, and says what is wrong with it', async () => {
+  answers([200, { name: 'Keycloak' }], [200, { address: 'https://login.example/authorize?x=1' }]);
+  expect(await providerName()).toBe('Keycloak');
+  expect(await wayToProvider('/?t=3')).toEqual({ address: 'https://login.example/authorize?x=1' });
+  expect(vi.mocked(fetch).mock.calls[1]).toMatchObject(['/v1/session/oidc', { method: 'POST', body: '{"back":"/?t=3"}' }]);
+  answers([503, { detail: 'Keycloak does not answer.' }], [500, {}], [404, {}]);
+  expect(await wayToProvider('/')).toEqual({ error: 'Keycloak does not answer.' });
+  expect(await wayToProvider('/')).toEqual({ error: 'The server answered 500.' });
+  expect(await providerName()).toBe(null);
+});
+test('somebody who was sent back reads why, and never what an address says', () => {
+  expect(refusalIn('?back=/')).toBe(null);
+  expect(refusalIn('?refused=no_role&back=/')).toContain('none of your groups');
+  expect(refusalIn('?refused=Call+0900-1234')).toBe('The identity provider did not sign you in. Try again.');
 });

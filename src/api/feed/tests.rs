@@ -102,6 +102,7 @@ impl TestServer {
             metrics: metrics.clone(),
             trials: crate::api::trial::Trials::default(),
             gate: Arc::new(Gate::default()),
+            oidc: None,
             tokens: None,
             answers: None,
             audit: Arc::new(AuditDesk::new(0).0),

@@ -50,6 +50,44 @@ export async function signIn(token: string): Promise<string | null> {
   return (await whoAmI()) === 'nobody' ? 'The browser did not keep the cookie. Allow cookies for this page.' : null;
 }
 
+/** What the identity provider is called with which people sign in here; null if there is none. */
+export async function providerName(): Promise<string | null> {
+  try {
+    const answer = await fetch('/v1/session/oidc', { signal: AbortSignal.timeout(PATIENCE_MS) });
+    return answer.ok ? ((await answer.json()) as { name: string | null }).name : null;
+  } catch {
+    return null;
+  }
+}
+
+/** Where the browser is to go to sign in with the identity provider, or what is wrong, in words for people. */
+export async function wayToProvider(back: string): Promise<{ address: string } | { error: string }> {
+  try {
+    const answer = await fetch('/v1/session/oidc', {
+      method: 'POST', signal: AbortSignal.timeout(PATIENCE_MS), headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ back }),
+    });
+    const said = (await answer.json().catch(() => ({}))) as { address?: string; detail?: string };
+    return answer.ok && said.address ? { address: said.address } : { error: said.detail ?? `The server answered ${answer.status}.` };
+  } catch {
+    return { error: 'The server cannot be reached.' };
+  }
+}
+
+/** Why the way to the identity provider and back signed nobody in, by the server's word for it. */
+const REFUSALS = new Map([
+  ['stale', 'That took too long, was begun in another browser or was done before. Try again.'],
+  ['denied', 'The identity provider did not sign you in. Try again, or ask whoever runs it.'],
+  ['unreachable', 'The identity provider does not answer as it should. Sign in with a token meanwhile, or try again later; the log of the server says what is wrong.'],
+  ['untrusted', 'What the identity provider said of you cannot be trusted. Ask whoever runs this server: its log says what is wrong.'],
+  ['no_role', 'You are known to the identity provider, but none of your groups may use this server. Ask whoever runs it for a group that may.'],
+]);
+
+/** What to say to somebody whom the server sent back here; null if it sent nobody. */
+export function refusalIn(search: string): string | null {
+  const word = new URLSearchParams(search).get('refused');
+  return word === null ? null : REFUSALS.get(word) ?? 'The identity provider did not sign you in. Try again.';
+}
+
 /** Signs out; whether the server has said so. */
 export async function signOut(): Promise<boolean> {
   try {
