@@ -1,6 +1,7 @@
 // Signing in: the way back, and a token that an earlier version kept.
 import { afterEach, expect, test, vi } from 'vitest';
-import { adoptToken, signIn, signInAt, wayBack } from '../src/session/session';
+import { adoptToken, signIn, signInAt } from '../src/session';
+import { wayBack } from '../src/session/session';
 
 const answers = (...list: (readonly [number, object])[]): void => {
   const all = list.map(([status, body]) => new Response(JSON.stringify(body), { status }));

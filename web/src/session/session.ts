@@ -33,21 +33,27 @@ export async function whoAmI(): Promise<Who> {
   }
 }
 
-/** Signs in; what is wrong, in words for people, or null. */
-export async function signIn(token: string): Promise<string | null> {
+/** Why somebody is not signed in. */
+export type Refusal =
+  | { kind: 'empty' | 'wrong' | 'no-cookie' | 'unreachable' }
+  | { kind: 'said'; text: string }
+  | { kind: 'status'; status: number };
+
+/** Signs in; what is wrong, or null. */
+export async function tryToken(token: string): Promise<Refusal | null> {
   const given = token.trim();
-  if (given === '') return 'Enter the token.';
+  if (given === '') return { kind: 'empty' };
   try {
     const answer = await ask('POST', { token: given });
-    if (answer.status === 401) return 'This token is wrong, has expired or was revoked.';
+    if (answer.status === 401) return { kind: 'wrong' };
     if (!answer.ok) {
       const problem = (await answer.json().catch(() => ({}))) as { detail?: string };
-      return problem.detail ?? `The server answered ${answer.status}.`;
+      return problem.detail ? { kind: 'said', text: problem.detail } : { kind: 'status', status: answer.status };
     }
   } catch {
-    return 'The server cannot be reached.';
+    return { kind: 'unreachable' };
   }
-  return (await whoAmI()) === 'nobody' ? 'The browser did not keep the cookie. Allow cookies for this page.' : null;
+  return (await whoAmI()) === 'nobody' ? { kind: 'no-cookie' } : null;
 }
 
 /** Signs out; whether the server has said so. */
@@ -64,7 +70,7 @@ export async function adoptToken(): Promise<boolean> {
   try {
     const token = sessionStorage.getItem(TOKEN);
     if (token === null) return false;
-    const wrong = await signIn(token);
+    const wrong = await tryToken(token);
     sessionStorage.removeItem(TOKEN);
     return wrong === null;
   } catch {

@@ -4,3 +4,4 @@ export * from './format';
 export { learn, t, within, wordsBy, type MessageKey } from './say';
 export * from './linkwords';
 export * from './moments';
+export { trouble } from './trouble';
