@@ -23,7 +23,8 @@ const rooms = new Map<string, Map<string, Texts>>();
 for (const [path, text] of Object.entries(files)) {
   const language = path.replace(/^.*\//, '').replace('.json', '');
   const room = rooms.get(roomOf(path)) ?? new Map<string, Texts>();
-  rooms.set(roomOf(path), room.set(language, JSON.parse(text) as Texts));
+  // A room may have more messages than those that its page begins with.
+  rooms.set(roomOf(path), room.set(language, { ...room.get(language), ...(JSON.parse(text) as Texts) }));
 }
 
 /** The placeholders of a message. */
@@ -178,6 +179,13 @@ describe.each([...rooms])('the messages of %s', (room, languages) => {
     const isMade = (key: string): boolean => made.some(([before, after]) => key.startsWith(before) && key.endsWith(after));
     expect(Object.keys(english).filter((key) => !all.includes(`'${key}'`) && !isMade(key))).toEqual([]);
   });
+});
+
+test('messages that are loaded with panels are said by no other room', () => {
+  const ofPanels = Object.keys(JSON.parse(files['../src/words/panels/messages/en.json'] ?? '{}') as Texts);
+  const early = Object.entries(sources).filter(([path]) => !['report', 'audit', 'charts', 'encounters', 'timelines'].includes(roomOf(path)));
+  expect(ofPanels.length).toBeGreaterThan(0);
+  expect(ofPanels.filter((key) => early.some(([, source]) => source.includes(`'${key}'`)))).toEqual([]);
 });
 
 describe('visible texts', () => {
