@@ -46,7 +46,7 @@ export function quantity(language: Language, n: number, symbol: Unit, decimals =
 export const together = (language: Language, parts: readonly string[]): string => parts.join(language === 'zh' ? '' : ' ');
 
 /** Things one after the other, in a line. */
-export const listed = (language: Language, parts: readonly string[]): string => parts.join(language === 'zh' ? '、' : ', ');
+export const listed = (language: Language, parts: readonly string[]): string => parts.join(language === 'zh' ? '，' : ', ');
 
 /** Hours or days, spelt out. */
 export const spelt = (language: Language, n: number, name: 'hour' | 'day'): string => unit(language, name, n, 0, 'long');
