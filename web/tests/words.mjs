@@ -1,5 +1,5 @@
-// The page of a wearer and the dashboard in German and in Chinese, what a wearer hears, and the sheets of a map's marks,
-// against a real server that this test starts itself: node tests/words.mjs PATH-TO-GIVEWAY
+// The page of a wearer and the dashboard in German and in Chinese, what a wearer hears, and the sheets of a map's
+// marks, against a real server that this test starts itself: node tests/words.mjs PATH-TO-GIVEWAY
 import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
@@ -204,7 +204,8 @@ await check('Each mark of the map has a sheet with a code, on a page of its own'
 await check('axe finds nothing wrong (sheets)', () => assertAccessible(sheets, 'sheets'));
 const DESK = { viewport: { width: 1440, height: 900 }, hasTouch: false };
 const TABS = 8;
-/** What a visitor of the dashboard sees and hears, but for the rows of the audit, which name requests, and examples of CSV. */
+/** What a visitor of the dashboard sees and hears, but for the rows of the audit, which name requests, and examples
+ *  of CSV. */
 const said = (page) => page.evaluate(() => {
   const named = [...document.querySelectorAll('[aria-label], [title], [placeholder]:not(textarea)')];
   const requests = document.querySelector('[data-outcome]')?.closest('tbody').innerText ?? '';

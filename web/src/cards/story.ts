@@ -37,7 +37,8 @@ export class Story {
   #rackLine(a: Rack, b: Rack): string | null {
     if (a.robot === b.robot) return null;
     if (b.robot !== null) return t('story.rack.lifted', { robot: b.robot });
-    return b.node === null ? t('story.rack.down.unknown') : t('story.rack.down', { place: this.places[b.node]?.id ?? '?' });
+    if (b.node === null) return t('story.rack.down.unknown');
+    return t('story.rack.down', { place: this.places[b.node]?.id ?? '?' });
   }
 
   #add(kind: Picked['kind'], id: string, line: Line): void {
@@ -77,7 +78,8 @@ function workerLines(a: Worker, b: Worker): (string | null)[] {
 
 function stationLines(a: Station, b: Station): (string | null)[] {
   return [
-    a.robot === b.robot ? null : b.robot === null ? t('story.station.left', { robot: a.robot ?? '?' }) : t('story.station.arrived', { robot: b.robot }),
+    a.robot === b.robot ? null
+      : b.robot === null ? t('story.station.left', { robot: a.robot ?? '?' }) : t('story.station.arrived', { robot: b.robot }),
     a.queue.length === b.queue.length ? null : t('story.station.queue', { count: b.queue.length }),
   ];
 }

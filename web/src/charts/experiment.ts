@@ -15,7 +15,9 @@ export interface Comparison {
   /** By pair of arms, "ours-theirs". */
   paired: [pair: string, figures: Record<string, Difference>][];
 }
-export type Read = { kind: 'ok'; comparisons: Comparison[]; figures: string[] } | { kind: 'wrong'; why: 'experiment.no-json' | 'experiment.no-scenarios' | 'experiment.no-arms' };
+export type Read =
+  | { kind: 'ok'; comparisons: Comparison[]; figures: string[] }
+  | { kind: 'wrong'; why: 'experiment.no-json' | 'experiment.no-scenarios' | 'experiment.no-arms' };
 
 export function readExperiment(text: string): Read {
   let raw: unknown;

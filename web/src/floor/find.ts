@@ -29,16 +29,20 @@ export function namesOn(mirror: Mirror, map: FloorMap | null): Found[] {
   const all: Found[] = [];
   const robots = onFloor(mirror);
   for (const r of robots) all.push({ kind: 'robot', id: r.id, name: r.id, word: t('robot'), more: '' });
-  for (const w of mirror.workers.rows) all.push({ kind: 'worker', id: w.id, name: w.name, word: t('person'), more: w.name === w.id ? '' : w.id });
+  for (const { id, name } of mirror.workers.rows) all.push({ kind: 'worker', id, name, word: t('person'), more: name === id ? '' : id });
   for (const s of mirror.stations.rows) all.push({ kind: 'station', id: s.id, name: s.id, word: t('station'), more: '' });
-  for (const r of mirror.racks.rows) all.push({ kind: 'rack', id: r.id, name: r.id, word: t('job.rack'), more: r.robot === null ? '' : t('rack.on', { robot: r.robot }) });
+  for (const { id, robot } of mirror.racks.rows) {
+    all.push({ kind: 'rack', id, name: id, word: t('job.rack'), more: robot === null ? '' : t('rack.on', { robot }) });
+  }
   for (const r of robots) if (r.job !== null) all.push({ kind: 'job', id: r.job, name: r.job, word: t('job'), more: r.id });
-  for (const c of mirror.closures) all.push({ kind: 'closure', id: c.id, name: c.id, word: t('happened.closure'), more: c.reason });
+  for (const { id, reason } of mirror.closures) all.push({ kind: 'closure', id, name: id, word: t('happened.closure'), more: reason });
   for (const n of map?.nodes ?? []) if (n.kind !== 'station') all.push({ kind: 'place', id: n.id, name: n.id, word: NODE_WORDS[n.kind], more: '' });
   return all;
 }
 
-export const foundJob = (job: Job): Found => ({ kind: 'job', id: job.id, name: job.id, word: t('job'), more: job.reference ?? STATE_WORDS[job.state] ?? job.state });
+export function foundJob({ id, reference, state }: Job): Found {
+  return { kind: 'job', id, name: id, word: t('job'), more: reference ?? STATE_WORDS[state] ?? state };
+}
 
 /** The best matches first: the whole name, its beginning, a part of it, its parts. */
 export function matching(all: readonly Found[], text: string): Found[] {

@@ -28,7 +28,8 @@ const PLACED_ACCURACY_M = 1;
 const KNOWN_MS = 2_500;
 /** After an assignment that could not be read it is asked for again, milliseconds. */
 const ASK_AGAIN_MS = 3_000;
-/** The end of an assignment may reach the server's list a moment after guidance: how often it is asked for, and how soon again. */
+/** The end of an assignment may reach the server's list a moment after guidance: how often it is asked for, and how
+ *  soon again, milliseconds. */
 const ASK_END = 5;
 const ASK_END_AGAIN_MS = 300;
 

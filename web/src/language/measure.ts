@@ -30,12 +30,13 @@ const unit = (language: Language, name: string, n: number, decimals: number, len
 
 /** Units by their symbols; those that Chinese writes in words by what Intl calls them. */
 const UNITS = {
-  'µs': null, ms: null, s: 'second', min: 'minute', h: 'hour', m: 'meter', km: 'kilometer', 'm/s': 'meter-per-second', '%': 'percent',
+  'µs': null, ms: null, s: 'second', min: 'minute', h: 'hour', m: 'meter', km: 'kilometer', 'm/s': 'meter-per-second',
+  '%': 'percent',
 } as const;
 export type Unit = keyof typeof UNITS;
 
-/** A number with its unit, for panels. The symbols are those of the SI, which languages in Latin script share: Intl would
- *  shorten words there, to “5 Sek.” and “5 secs”. */
+/** A number with its unit, for panels. The symbols are those of the SI, which languages in Latin script share: Intl
+ *  would shorten words there, to “5 Sek.” and “5 secs”. */
 export function quantity(language: Language, n: number, symbol: Unit, decimals = 0): string {
   const name = UNITS[symbol];
   if (language === 'zh' && name !== null) return unit(language, name, n, decimals, 'short');

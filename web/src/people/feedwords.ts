@@ -26,10 +26,14 @@ export function feedWords({ before, now, apart_s }: Looks, lost: number | null):
     const hz = Math.max(0, now.feed.taken - before.feed.taken) / apart_s;
     words.push({ name: t('feed.rate'), text: t('feed.rate.value', { rate: number(hz, hz < 10 ? 1 : 0) }), well: hz >= SLOW_HZ });
   }
-  if (now.age_s !== null) words.push({ name: t('feed.latest'), text: t('feed.latest.value', { time: quantity(now.age_s, 's', now.age_s < 10 ? 2 : 0) }), well: now.age_s <= OLD_S });
+  if (now.age_s !== null) {
+    const time = quantity(now.age_s, 's', now.age_s < 10 ? 2 : 0);
+    words.push({ name: t('feed.latest'), text: t('feed.latest.value', { time }), well: now.age_s <= OLD_S });
+  }
   words.push({ name: t('feed.accuracy'), text: `± ${quantity(now.accuracy, 'm', 2)}`, well: now.accuracy <= UNSURE_M });
   if (now.clock_error_ms !== null) {
-    words.push({ name: t('feed.clock'), text: t('feed.clock.value', { time: quantity(now.clock_error_ms, 'ms', now.clock_error_ms < 10 ? 1 : 0) }), well: now.clock_error_ms < 100 });
+    const time = quantity(now.clock_error_ms, 'ms', now.clock_error_ms < 10 ? 1 : 0);
+    words.push({ name: t('feed.clock'), text: t('feed.clock.value', { time }), well: now.clock_error_ms < 100 });
   } else {
     words.push({ name: t('feed.clock'), text: t(now.connected ? 'feed.clock.unknown' : 'feed.clock.server'), well: true });
   }

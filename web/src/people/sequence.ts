@@ -12,7 +12,9 @@ export interface Line {
 
 /** The newest first, so many at most. */
 export function sequenceLines(all: readonly Episode[], places: readonly MapNode[], most = 6): Line[] {
-  const text = ({ state, x, y }: Episode): string =>
-    state !== 'goal' ? (STATES[state] ?? state) : x === null || y === null ? t('sequence.to.gone') : t('sequence.to', { place: placeNear(places, x, y) ?? '?' });
+  const text = ({ state, x, y }: Episode): string => {
+    if (state !== 'goal') return STATES[state] ?? state;
+    return x === null || y === null ? t('sequence.to.gone') : t('sequence.to', { place: placeNear(places, x, y) ?? '?' });
+  };
   return all.slice(-most).toReversed().map((e) => ({ since: timeOfDay(e.since), text: text(e) }));
 }

@@ -2,8 +2,8 @@
 import { wordsBy } from '../words';
 
 export const SPANS = wordsBy({
-  hour: 'report.span.hour', eight: 'report.span.eight', today: 'report.span.today', yesterday: 'report.span.yesterday', week: 'report.span.week',
-  own: 'report.span.own',
+  hour: 'report.span.hour', eight: 'report.span.eight', today: 'report.span.today', yesterday: 'report.span.yesterday',
+  week: 'report.span.week', own: 'report.span.own',
 });
 export type SpanName = keyof typeof SPANS;
 

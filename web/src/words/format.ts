@@ -1,6 +1,7 @@
 // Numbers and words for people: one place, so that the same thing reads the same everywhere.
 import {
-  atMost, listed as listedIn, number as numberIn, quantity as quantityIn, significant as significantIn, spelt, spoken, together, type Unit,
+  atMost, listed as listedIn, number as numberIn, quantity as quantityIn, significant as significantIn, spelt, spoken,
+  together, type Unit,
 } from '../language';
 import { wordsBy } from './say';
 import type { Activity, Doing, GuidanceState, JobKind, JobState, Presence } from '../wire';
@@ -19,7 +20,8 @@ export const percent = (share: number): string => quantity(Math.round(share * 10
 export function micros(us: number): string {
   if (!Number.isFinite(us) || us < 0) return '–';
   if (us < 1_000) return quantity(us, 'µs');
-  return us < 1_000_000 ? quantity(us / 1_000, 'ms', us < 10_000 ? 1 : 0) : quantity(us / 1_000_000, 's', us < 10_000_000 ? 1 : 0);
+  if (us < 1_000_000) return quantity(us / 1_000, 'ms', us < 10_000 ? 1 : 0);
+  return quantity(us / 1_000_000, 's', us < 10_000_000 ? 1 : 0);
 }
 
 /** A time in its two largest units, rounded down. */

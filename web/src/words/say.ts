@@ -1,5 +1,5 @@
-// The dashboard's messages, in the language of its reader. Those of panels that are fetched when somebody asks for them come
-// with these panels.
+// The dashboard's messages, in the language of its reader. Those of panels that are fetched when somebody asks for them
+// come with these panels.
 import type english from './messages/en.json';
 import type ofPanels from './panels/messages/en.json';
 import { messagesOf, type Compiled } from '../language';
