@@ -1,6 +1,8 @@
 // Signing in: the way back, and a token that an earlier version kept.
 import { afterEach, expect, test, vi } from 'vitest';
-import { adoptToken, providerName, refusalIn, signIn, signInAt, wayBack, wayToProvider } from '../src/session/session';
+import { adoptToken, signIn, signInAt } from '../src/session';
+import { sentBackWords } from '../src/session/refusal';
+import { providerName, sentBackIn, wayBack, wayToProvider } from '../src/session/session';
 
 const answers = (...list: (readonly [number, object])[]): void => {
   const all = list.map(([status, body]) => new Response(JSON.stringify(body), { status }));
@@ -45,12 +47,13 @@ test('the page leads to the identity provider, and says what is wrong with it', 
   expect(await wayToProvider('/?t=3')).toEqual({ address: 'https://login.example/authorize?x=1' });
   expect(vi.mocked(fetch).mock.calls[1]).toMatchObject(['/v1/session/oidc', { method: 'POST', body: '{"back":"/?t=3"}' }]);
   answers([503, { detail: 'Keycloak does not answer.' }], [500, {}], [404, {}]);
-  expect(await wayToProvider('/')).toEqual({ error: 'Keycloak does not answer.' });
-  expect(await wayToProvider('/')).toEqual({ error: 'The server answered 500.' });
+  expect(await wayToProvider('/')).toEqual({ refusal: { kind: 'said', text: 'Keycloak does not answer.' } });
+  expect(await wayToProvider('/')).toEqual({ refusal: { kind: 'status', status: 500 } });
   expect(await providerName()).toBe(null);
 });
 test('somebody who was sent back reads why, and never what an address says', () => {
-  expect(refusalIn('?back=/')).toBe(null);
-  expect(refusalIn('?refused=no_role&back=/')).toContain('none of your groups');
-  expect(refusalIn('?refused=Call+0900-1234')).toBe('The identity provider did not sign you in. Try again.');
+  expect(sentBackIn('?back=/')).toBe(null);
+  expect(sentBackIn('?refused=no_role&back=/')).toBe('no_role');
+  expect(sentBackWords('no_role')).toContain('none of your groups');
+  expect(sentBackIn('?refused=Call+0900-1234')).toBe('denied');
 });

@@ -33,21 +33,27 @@ export async function whoAmI(): Promise<Who> {
   }
 }
 
-/** Signs in; what is wrong, in words for people, or null. */
-export async function signIn(token: string): Promise<string | null> {
+/** Why somebody is not signed in. */
+export type Refusal =
+  | { kind: 'empty' | 'wrong' | 'no-cookie' | 'unreachable' }
+  | { kind: 'said'; text: string }
+  | { kind: 'status'; status: number };
+
+/** Signs in; what is wrong, or null. */
+export async function tryToken(token: string): Promise<Refusal | null> {
   const given = token.trim();
-  if (given === '') return 'Enter the token.';
+  if (given === '') return { kind: 'empty' };
   try {
     const answer = await ask('POST', { token: given });
-    if (answer.status === 401) return 'This token is wrong, has expired or was revoked.';
+    if (answer.status === 401) return { kind: 'wrong' };
     if (!answer.ok) {
       const problem = (await answer.json().catch(() => ({}))) as { detail?: string };
-      return problem.detail ?? `The server answered ${answer.status}.`;
+      return problem.detail ? { kind: 'said', text: problem.detail } : { kind: 'status', status: answer.status };
     }
   } catch {
-    return 'The server cannot be reached.';
+    return { kind: 'unreachable' };
   }
-  return (await whoAmI()) === 'nobody' ? 'The browser did not keep the cookie. Allow cookies for this page.' : null;
+  return (await whoAmI()) === 'nobody' ? { kind: 'no-cookie' } : null;
 }
 
 /** What the identity provider is called with which people sign in here; null if there is none. */
@@ -60,32 +66,28 @@ export async function providerName(): Promise<string | null> {
   }
 }
 
-/** Where the browser is to go to sign in with the identity provider, or what is wrong, in words for people. */
-export async function wayToProvider(back: string): Promise<{ address: string } | { error: string }> {
+/** Where the browser is to go to sign in with the identity provider, or what is wrong. */
+export async function wayToProvider(back: string): Promise<{ address: string } | { refusal: Refusal }> {
   try {
     const answer = await fetch('/v1/session/oidc', {
       method: 'POST', signal: AbortSignal.timeout(PATIENCE_MS), headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ back }),
     });
     const said = (await answer.json().catch(() => ({}))) as { address?: string; detail?: string };
-    return answer.ok && said.address ? { address: said.address } : { error: said.detail ?? `The server answered ${answer.status}.` };
+    if (answer.ok && said.address) return { address: said.address };
+    return { refusal: said.detail ? { kind: 'said', text: said.detail } : { kind: 'status', status: answer.status } };
   } catch {
-    return { error: 'The server cannot be reached.' };
+    return { refusal: { kind: 'unreachable' } };
   }
 }
 
-/** Why the way to the identity provider and back signed nobody in, by the server's word for it. */
-const REFUSALS = new Map([
-  ['stale', 'That took too long, was begun in another browser or was done before. Try again.'],
-  ['denied', 'The identity provider did not sign you in. Try again, or ask whoever runs it.'],
-  ['unreachable', 'The identity provider does not answer as it should. Sign in with a token meanwhile, or try again later; the log of the server says what is wrong.'],
-  ['untrusted', 'What the identity provider said of you cannot be trusted. Ask whoever runs this server: its log says what is wrong.'],
-  ['no_role', 'You are known to the identity provider, but none of your groups may use this server. Ask whoever runs it for a group that may.'],
-]);
+/** Why the way to the identity provider and back signed nobody in. */
+const SENT_BACK = ['stale', 'denied', 'unreachable', 'untrusted', 'no_role'] as const;
+export type SentBack = (typeof SENT_BACK)[number];
 
-/** What to say to somebody whom the server sent back here; null if it sent nobody. */
-export function refusalIn(search: string): string | null {
+/** Why the server sent somebody back here; null if it sent nobody. What else an address says is never shown. */
+export function sentBackIn(search: string): SentBack | null {
   const word = new URLSearchParams(search).get('refused');
-  return word === null ? null : REFUSALS.get(word) ?? 'The identity provider did not sign you in. Try again.';
+  return word === null ? null : SENT_BACK.find((known) => known === word) ?? 'denied';
 }
 
 /** Signs out; whether the server has said so. */
@@ -102,7 +104,7 @@ export async function adoptToken(): Promise<boolean> {
   try {
     const token = sessionStorage.getItem(TOKEN);
     if (token === null) return false;
-    const wrong = await signIn(token);
+    const wrong = await tryToken(token);
     sessionStorage.removeItem(TOKEN);
     return wrong === null;
   } catch {
