@@ -18,6 +18,7 @@ use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Moment, QUESTIONS, Question, SharedHistory};
+use crate::api::publish::MapDesk;
 use crate::api::recording::{Folder, Limits, Rotation};
 use crate::api::{Api, router};
 use crate::fleet::{Fleet, View};
@@ -108,6 +109,7 @@ impl Show {
             now: Arc::new(move || clock.now()),
             metrics,
             trials: super::trial::trials(),
+            maps: MapDesk::default(),
             gate: Arc::new(Gate::default()),
             tokens: None,
             answers: None,

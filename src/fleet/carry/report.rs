@@ -2,6 +2,7 @@
 //!
 //! Main types: [`Report`], [`ReportEntry`]. Refuses: to leave an entry out; texts for people are cut, and say how much.
 
+use crate::geometry::Spot;
 use std::fmt;
 
 /// So many entries of each kind are shown as text.
@@ -14,6 +15,8 @@ pub struct ReportEntry {
     pub what: String,
     /// What to do.
     pub remedy: String,
+    /// Where that is on the old map; nothing where it is at no place.
+    pub at: Option<Spot>,
 }
 
 impl fmt::Display for ReportEntry {
@@ -39,12 +42,12 @@ impl Report {
         self.obstacles.is_empty() && self.losses.is_empty()
     }
 
-    pub(super) fn refuse(&mut self, what: String, remedy: &str) {
-        self.obstacles.push(ReportEntry { what, remedy: remedy.to_owned() });
+    pub(super) fn refuse(&mut self, at: Option<Spot>, what: String, remedy: &str) {
+        self.obstacles.push(ReportEntry { what, remedy: remedy.to_owned(), at });
     }
 
-    pub(super) fn lose(&mut self, what: String, remedy: &str) {
-        self.losses.push(ReportEntry { what, remedy: remedy.to_owned() });
+    pub(super) fn lose(&mut self, at: Option<Spot>, what: String, remedy: &str) {
+        self.losses.push(ReportEntry { what, remedy: remedy.to_owned(), at });
     }
 }
 

@@ -181,7 +181,7 @@ fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way(
     let said = report.to_string();
     assert!(
         said.contains(&format!(
-            "robot-1 stands on {robot}, which the new map does not have: start with the old map"
+            "robot-1 stands on {robot}, which the new map does not have: with the old map"
         )),
         "{said}"
     );

@@ -1,0 +1,277 @@
+//! Maps that are published to the running server: looked at, and handed on when the floor stands.
+//!
+//! Main types: [`MapKeeper`] (answers requests), [`GoOver`] (the order to the server). What decides is the carrying
+//! over of the database: the same as at a start with a changed map. Refuses: to begin while something is in the way,
+//! and to change anything itself.
+
+use super::audit_keeper::row_of;
+use super::ground::Ground;
+use super::settle::SettleRequest;
+use crate::api::publish::{MapDesk, MapDone, MapOrder, MapOrigin, MapOutlook, MapRefusal, MapRequest};
+use crate::api::map_version;
+use crate::fleet::Unsettled;
+use crate::fleet::carry::{Report, ReportEntry};
+use crate::store::{AuditRow, KindText, PublishedMap, Store, StoreError, map_digest};
+use crate::time::Time;
+use crate::warehouse::{Draft, Finding, Remark, Review, Severity, Warehouse, differences, review};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::{mpsc, oneshot};
+use tokio::time::timeout;
+
+/// What a robot beside its node needs.
+const GET_THERE: &str =
+    "let it drive on (is it paused?), or push it onto a free node, where it rejoins the fleet, then try again";
+
+/// How long the loop may take to answer; it gives robots less.
+const PATIENCE: Duration = Duration::from_secs(40);
+
+/// The status of an answer that something is in the way.
+const REFUSED: u16 = 409;
+
+/// The order to go over to another map: everything that could be checked was, and the floor stands.
+pub struct GoOver {
+    /// The map, not yet fitted to kinds of robots.
+    pub map: Arc<Warehouse>,
+    /// Whether losses are accepted.
+    pub accept_losses: bool,
+    /// What is noted about it.
+    pub note: PublishedMap,
+    /// The request as it is written down when that has happened.
+    pub request: AuditRow,
+    /// Gets the answer.
+    pub reply: oneshot::Sender<Result<MapDone, MapRefusal>>,
+}
+
+/// A map that was looked at.
+struct Looked {
+    outlook: MapOutlook,
+    /// The building, and the same for all kinds of robots; nothing where it has errors.
+    map: Option<(Arc<Warehouse>, Arc<Warehouse>)>,
+}
+
+impl Looked {
+    fn is_refused(&self, accept_losses: bool) -> bool {
+        let Report { obstacles, losses, .. } = &self.outlook.report;
+        self.map.is_none() || !obstacles.is_empty() || (!losses.is_empty() && !accept_losses)
+    }
+}
+
+/// Answers requests about maps.
+pub struct MapKeeper {
+    store: Arc<Store>,
+    ground: Ground,
+    /// The map in operation.
+    map: Arc<Warehouse>,
+    requests: mpsc::Receiver<MapRequest>,
+    settle: mpsc::Sender<SettleRequest>,
+    go_over: mpsc::Sender<GoOver>,
+}
+
+/// Robots that do not stand, as obstacles.
+fn obstacles(map: &Warehouse, standing: &[Unsettled]) -> Vec<ReportEntry> {
+    let entry = |u: &Unsettled| {
+        let near = map.nodes.iter().min_by(|a, b| (a.at - u.at).norm().total_cmp(&(b.at - u.at).norm()));
+        let near = near.map_or("", |node| node.name.as_str());
+        let what = format!("{} does not stand on a node, but near {near}", u.name);
+        ReportEntry { what, remedy: GET_THERE.into(), at: Some(u.at.into()) }
+    };
+    standing.iter().map(entry).collect()
+}
+
+impl MapKeeper {
+    /// One for a server with this map in operation, and what handlers see of it.
+    pub fn new(
+        store: &Arc<Store>,
+        ground: &Ground,
+        map: Arc<Warehouse>,
+        (ask, requests): (mpsc::Sender<MapRequest>, mpsc::Receiver<MapRequest>),
+        (settle, go_over): (mpsc::Sender<SettleRequest>, mpsc::Sender<GoOver>),
+    ) -> (MapDesk, MapKeeper) {
+        let origin = ground.published.as_ref().map(origin_of);
+        let desk = MapDesk { origin, requests: Some(ask) };
+        let (store, ground) = (store.clone(), ground.clone());
+        (desk, MapKeeper { store, ground, map, requests, settle, go_over })
+    }
+
+    /// Answers until the requests end, or the server goes over to another map.
+    pub async fn run(mut self) {
+        while let Some(request) = self.requests.recv().await {
+            match request {
+                MapRequest::Check(draft, reply) => _ = reply.send(self.check(*draft).await),
+                MapRequest::Publish(order, reply) => {
+                    let MapOrder { map, accept_losses, by } = *order;
+                    match self.prepare(map, accept_losses).await {
+                        Err(refused) => _ = reply.send(refused),
+                        Ok(map) => {
+                            let (number, at) = (self.next_number(), Time(by.id));
+                            let (by, request) = (by.actor.clone(), row_of(&by));
+                            let note = PublishedMap { number, at, by, file: self.ground.file.clone() };
+                            let request = AuditRow { outcome: Some(200), ..request };
+                            let order = GoOver { map, accept_losses, note, request, reply };
+                            // The server takes this core down now, or is down already.
+                            let _ = self.go_over.send(order).await;
+                            return std::future::pending().await;
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn next_number(&self) -> u32 {
+        self.ground.published.as_ref().map_or(1, |published| published.number + 1)
+    }
+
+    async fn check(&self, draft: Draft) -> Result<MapOutlook, MapRefusal> {
+        let mut looked = self.look(draft).await?;
+        let (reply, answer) = oneshot::channel();
+        if self.settle.send(SettleRequest::Look(reply)).await.is_ok()
+            && let Ok(Ok(standing)) = timeout(PATIENCE, answer).await
+        {
+            looked.outlook.report.obstacles.extend(obstacles(&self.map, &standing));
+        }
+        Ok(looked.outlook)
+    }
+
+    /// Everything that is done before the server goes over: looks, has robots stand, and looks again. An error is the
+    /// answer where that is it.
+    async fn prepare(
+        &self,
+        draft: Draft,
+        accept_losses: bool,
+    ) -> Result<Arc<Warehouse>, Result<MapDone, MapRefusal>> {
+        let looked = self.look(draft.clone()).await.map_err(Err)?;
+        if let Some((map, _)) = &looked.map
+            && map_digest(map) == map_digest(&self.map)
+        {
+            let (version, report) = (map_version(&self.map), Report::default());
+            return Err(Ok(MapDone { version, origin: None, report }));
+        }
+        if looked.is_refused(accept_losses) {
+            return Err(Err(MapRefusal::Outlook(Box::new(looked.outlook))));
+        }
+        tracing::info!("a map is being published: robots drive to the end of their grants and stand");
+        if let Err(why) = self.have_robots_stand().await {
+            let _ = self.settle.send(SettleRequest::GoOn).await;
+            return Err(Err(match why {
+                Ok(obstacles) => {
+                    let report = Report { obstacles, ..Report::default() };
+                    MapRefusal::Outlook(Box::new(MapOutlook { report, ..looked.outlook }))
+                }
+                Err(why) => MapRefusal::Failed(why.into()),
+            }));
+        }
+        let again = self.look(draft).await;
+        match again {
+            Ok(looked) if !looked.is_refused(accept_losses) => {
+                Ok(looked.map.expect("it is not refused").0)
+            }
+            other => {
+                let _ = self.settle.send(SettleRequest::GoOn).await;
+                let why = other.map(|looked| MapRefusal::Outlook(Box::new(looked.outlook)));
+                Err(Err(why.unwrap_or_else(|why| why)))
+            }
+        }
+    }
+
+    /// What a change to this map would mean now.
+    async fn look(&self, draft: Draft) -> Result<Looked, MapRefusal> {
+        let added = self.store.kinds().await.map_err(|e| told(&e))?;
+        let (ground, old) = (self.ground.clone(), self.map.clone());
+        let look = tokio::task::spawn_blocking(move || look_at(&draft, &ground, &old, &added)).await;
+        let mut looked = look.map_err(|_| MapRefusal::Failed("the map could not be looked at".into()))?;
+        if let Some((_, fitted)) = &looked.map {
+            let clearance = self.ground.scenario.settings().clearance();
+            let report = self.store.compare(fitted, clearance).await.map_err(|e| told(&e))?;
+            looked.outlook.report = report.unwrap_or_default();
+        }
+        Ok(looked)
+    }
+
+    /// Has robots stand. An error is which robots do not, or what else is in the way.
+    async fn have_robots_stand(&self) -> Result<(), Result<Vec<ReportEntry>, &'static str>> {
+        let (reply, answer) = oneshot::channel();
+        let stuck = "the control loop does not answer: look at the alarms. The map in operation stays.";
+        self.settle.send(SettleRequest::Stand(reply)).await.map_err(|_| Err(stuck))?;
+        match timeout(PATIENCE, answer).await {
+            Ok(Ok(Ok(()))) => Ok(()),
+            Ok(Ok(Err(moving))) if moving.is_empty() => {
+                Err(Err("the database takes no facts: look at the alarms. The map in operation stays."))
+            }
+            Ok(Ok(Err(moving))) => Err(Ok(obstacles(&self.map, &moving))),
+            _ => Err(Err(stuck)),
+        }
+    }
+}
+
+/// What there is to say about a map without the floor, and the building.
+fn look_at(
+    draft: &Draft,
+    ground: &Ground,
+    old: &Arc<Warehouse>,
+    added: &[KindText],
+) -> Looked {
+    let mut review = review(draft);
+    let good = review.warehouse.take().filter(|_| review.is_good()).map(Arc::new);
+    let fitted = good.and_then(|map| match ground.fit_all(&map, old, added) {
+        Ok(fitted) => Some((map, fitted)),
+        Err(why) => {
+            why.into_iter().for_each(|why| not_for_fleet(&mut review, why));
+            None
+        }
+    });
+    let differences = fitted.as_ref().map_or_else(Vec::new, |(map, _)| differences(old, map));
+    Looked { outlook: MapOutlook { review, differences, report: Report::default() }, map: fitted }
+}
+
+/// An error that only this fleet makes one.
+fn not_for_fleet(review: &mut Review, why: String) {
+    let finding = Finding {
+        place: "the fleet of this server".into(),
+        nodes: Vec::new(),
+        corners: Vec::new(),
+        problem: why,
+        remedy: "change the map, or start the server with another scenario".into(),
+    };
+    review.remarks.insert(0, Remark { severity: Severity::Error, finding, at: Vec::new() });
+}
+
+fn origin_of(published: &PublishedMap) -> MapOrigin {
+    MapOrigin { number: published.number, at: published.at, by: published.by.clone() }
+}
+
+/// Logs the failure, once.
+fn told(e: &StoreError) -> MapRefusal {
+    tracing::error!("maps: {e}");
+    MapRefusal::Failed("the database does not answer; the server's log says why. Nothing was changed.".into())
+}
+
+impl GoOver {
+    /// The answer where it has happened.
+    pub fn done(note: &PublishedMap, map: &Warehouse, report: Report) -> MapDone {
+        MapDone { version: map_version(map), origin: Some(origin_of(note)), report }
+    }
+
+    /// The answer where the database could not be carried over after all: the floor changed in the last moment.
+    pub fn refused(why: &anyhow::Error) -> MapRefusal {
+        match why.downcast_ref::<StoreError>() {
+            Some(StoreError::ChangedMap { report, .. }) => {
+                let review = Review {
+                    remarks: Vec::new(),
+                    shut_in: Vec::new(),
+                    dead_ends: Vec::new(),
+                    warehouse: None,
+                };
+                let report = (**report).clone();
+                MapRefusal::Outlook(Box::new(MapOutlook { review, differences: Vec::new(), report }))
+            }
+            _ => MapRefusal::Failed(format!("{why:#}. The map in operation stays.")),
+        }
+    }
+
+    /// The request as it is written down where it was refused.
+    pub fn refused_request(request: AuditRow) -> AuditRow {
+        AuditRow { outcome: Some(REFUSED), ..request }
+    }
+}
