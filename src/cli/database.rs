@@ -411,7 +411,7 @@ fn show(command: &DatabaseCommand, report: &DatabaseReport) {
     }
     report.problems.iter().for_each(|problem| println!("PROBLEM  {problem}"));
     let verb = match command {
-        DatabaseCommand::Check { .. } => "",
+        DatabaseCommand::Check { .. } | DatabaseCommand::Map { .. } => "",
         DatabaseCommand::Carry { .. } => "backup  ",
         DatabaseCommand::Backup { .. } => "written ",
         DatabaseCommand::Restore { .. } => "aside   ",

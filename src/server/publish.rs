@@ -23,6 +23,9 @@ use tokio::time::timeout;
 const GET_THERE: &str =
     "let it drive on (is it paused?), or push it onto a free node, where it rejoins the fleet, then try again";
 
+/// How many requests may wait.
+const WAITING: usize = 2;
+
 /// How long the loop may take to answer; it gives robots less.
 const PATIENCE: Duration = Duration::from_secs(40);
 
@@ -85,9 +88,9 @@ impl MapKeeper {
         store: &Arc<Store>,
         ground: &Ground,
         map: Arc<Warehouse>,
-        (ask, requests): (mpsc::Sender<MapRequest>, mpsc::Receiver<MapRequest>),
         (settle, go_over): (mpsc::Sender<SettleRequest>, mpsc::Sender<GoOver>),
     ) -> (MapDesk, MapKeeper) {
+        let (ask, requests) = mpsc::channel(WAITING);
         let origin = ground.published.as_ref().map(origin_of);
         let desk = MapDesk { origin, requests: Some(ask) };
         let (store, ground) = (store.clone(), ground.clone());

@@ -42,9 +42,6 @@ const LAST_FRAMES: Duration = Duration::from_secs(3);
 /// The loop is stuck when its view is older.
 const STUCK: Span = Span::from_secs(2);
 
-/// How requests about maps may wait.
-const MAPS: usize = 1;
-
 /// What the loop shares with other parts.
 #[derive(Clone)]
 struct LoopShares {
@@ -143,8 +140,7 @@ impl RunningCore {
         store: Arc<Store>,
         gate: Arc<Gate>,
     ) -> anyhow::Result<(RunningCore, Router)> {
-        let ServerParts { fleet, world, clock, period, start, interop, feeds, heard, live, past, charts, .. } =
-            parts;
+        let ServerParts { fleet, world, clock, period, start, feeds, heard, live, past, charts, .. } = parts;
         let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
@@ -154,17 +150,15 @@ impl RunningCore {
         let custody =
             tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
         let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
-        let (ask_maps, maps) = mpsc::channel(MAPS);
-        let (desk, maps) = MapKeeper::new(&store, &parts.ground, map.clone(), (ask_maps, maps), (asks, over));
+        let (maps, map_keeper) = MapKeeper::new(&store, &parts.ground, map.clone(), (asks, over));
         let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.ground.scenario, &fleet);
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
-        let shares = LoopShares { store: store.clone(), clock, metrics, alarms, feeds };
+        let shares = LoopShares { store, clock, metrics, alarms, feeds };
         let (inbox, notes, tap) = (Inbox::new(requests, heard), charts.notes, past.tap);
-        let settling = Settling::new(settle);
-        let displaced = gone.clone();
+        let (settling, displaced) = (Settling::new(settle), gone.clone());
         let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settling };
         let drive = drive_loop((fleet, world, period), ends, shares.clone());
-        let LoopShares { clock, metrics, alarms, feeds, .. } = shares;
+        let LoopShares { store, clock, metrics, alarms, feeds } = shares;
         let (halt, halted) = watch::channel(false);
         let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
         let alarm_keeper = alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone());
@@ -174,7 +168,7 @@ impl RunningCore {
         let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
         let now: Now = Arc::new(move || clock.now());
         let (tokens, learner) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone()).await;
-        let pseudonyms = people::pseudonyms(&store, &now, parts.names_for).await?;
+        let pseudonyms = Arc::new(people::pseudonyms(&store, &now, parts.names_for).await?);
         let (hooks, asked) = webhooks::hook_queue();
         let (closing, closes) = watch::channel(false);
         let api = Api {
@@ -190,12 +184,12 @@ impl RunningCore {
             past: past.folder,
             live,
             feeds,
-            pseudonyms: Arc::new(pseudonyms),
-            interop: Arc::new(interop),
+            pseudonyms,
+            interop: Arc::new(parts.interop),
             now,
             metrics,
             trials: trial::trials(),
-            maps: desk,
+            maps,
             gate,
             tokens: Some(Arc::new(tokens)),
             answers: Some(Arc::new(answers::AnswerKeeper::new(store.clone()))),
@@ -204,14 +198,8 @@ impl RunningCore {
             entry: None,
             closing: closes,
         };
-        let hooks = webhooks::HookKeeper::new(store.clone(), api.clone(), asked).run();
-        let others = vec![
-            custody,
-            tokio::spawn(keeper.run()),
-            learner,
-            tokio::spawn(hooks),
-            tokio::spawn(maps.run()),
-        ];
+        let hooks = tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), asked).run());
+        let others = vec![custody, tokio::spawn(keeper.run()), learner, hooks, tokio::spawn(map_keeper.run())];
         let (historian, past) = (charts.historian, past.ended);
         let tasks = Tasks { writer, thread, feed, historian, keepers, others, past };
         Ok((RunningCore { store, tasks, go_over, closing, halt, displaced: gone }, router(api).0))
