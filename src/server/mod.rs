@@ -59,7 +59,7 @@ use entrance::Entrance;
 use ground::Ground;
 use publish::GoOver;
 use running::{CoreEnd, RunningCore};
-use start::{Built, ServerParts};
+use start::Built;
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
@@ -73,7 +73,6 @@ use tokio::time::timeout;
 const DRAIN: Duration = Duration::from_secs(12);
 
 /// What the server runs: a simulated floor, until real robots come.
-#[derive(Clone)]
 pub struct SimulatedFloor {
     /// Fleet, customers, faults.
     pub scenario: Scenario,
@@ -287,7 +286,7 @@ impl ServerRun {
                     let world = core.end(true).await?;
                     (built, answer) = self.go_over(*order, (map, ground)).await?;
                     if let (Built::Whole(parts), Some(world)) = (&mut built, &world) {
-                        parts.world.take_over(world);
+                        parts.world.keep_robots_of(world);
                     }
                     continue;
                 }
@@ -357,7 +356,8 @@ impl ServerRun {
         drop(self.front.ready.take());
         let _ = self.stopping.wait_for(|stop| *stop).await;
         drain(self.front.http, &self.front.closing).await;
-        self.stores.borrow().clone().close().await;
+        let store = self.stores.borrow().clone();
+        store.close().await;
         Ok(())
     }
 }

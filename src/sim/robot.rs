@@ -125,7 +125,7 @@ impl RobotBody {
     }
 
     /// It is turned, charged and broken as another one was.
-    pub fn take_over(&mut self, before: &RobotBody) {
+    pub fn stay_as(&mut self, before: &RobotBody) {
         self.pose.heading = before.pose.heading;
         (self.battery, self.flat_since, self.fault) = (before.battery, before.flat_since, before.fault);
     }

@@ -7,9 +7,9 @@ use super::World;
 impl World {
     /// Robots are turned, charged and broken as they were on a floor before this one. Each stands where the fleet has
     /// it.
-    pub fn take_over(&mut self, before: &World) {
+    pub fn keep_robots_of(&mut self, before: &World) {
         for (robot, was) in self.robots.iter_mut().zip(&before.robots) {
-            robot.body.take_over(&was.body);
+            robot.body.stay_as(&was.body);
         }
     }
 }
