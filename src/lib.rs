@@ -129,8 +129,8 @@
 //! in, and the scene is empty. To the step that is a floor of silent robots, and nothing special.
 //!
 //! A map that is published to the running server is a restart within the process: robots stand on nodes
-//! (`server/settle.rs`), the core is taken down, the database is carried over in one transaction, and another core is made
-//! from it behind the same port. So a kill at any instant is a kill before or after it.
+//! (`server/settle.rs`), the core is taken down, the database is carried over in one transaction, and another core is
+//! made from it behind the same port. So a kill at any instant is a kill before or after it.
 //!
 //! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
 //! (`fleet/traffic/fence.rs`): it is treated as failed, whatever it reports, until a person releases it.
@@ -272,7 +272,7 @@
 //! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs`, `improbable.rs` |
 //! | maps that are drawn, and tried out | `api/http/maps.rs`, `api/trial.rs`, `server/trial.rs`; `web/src/editor/` |
 //! | a map that is published to the running server | `api/http/publish.rs`, `server/publish.rs`, `settle.rs` |
-//! | which map a start takes: the file's, the published one | `server/ground.rs`, `store/published.rs` |
+//! | which map a start takes: the file's, the published one | `server/basis.rs`, `store/published.rs` |
 //! | what is different between two maps | `warehouse/differences.rs` |
 //! | where people walk | `warehouse/walkway/` |
 //! | which observations are believed; what a deviation is | `human/source.rs`; `human/deviation.rs` |

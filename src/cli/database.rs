@@ -201,7 +201,8 @@ async fn map_of(path: &Path) -> anyhow::Result<String> {
     let store = inspect(path).await?;
     let map = store.map().await;
     store.close().await;
-    let none = "the database has no map yet: it was last used by a Giveway that did not write it down, or never";
+    let none =
+        "the database has no map yet: it was last used by a Giveway that did not write it down, or never";
     Ok(json::write(&map?.context(none)?))
 }
 

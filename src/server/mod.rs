@@ -1,14 +1,15 @@
 //! The running server: reads settings, restores the fleet, wires the parts, and takes them down in order.
 //!
 //! Main types: [`Server`] (started, with its address), [`Config`]. `running` is what runs behind the port, `drive` its
-//! loop. The port answers first, and says "starting" until the journal is loaded. Going down: no new requests, those on their way are answered, one last
-//! step, the journal flushed, sockets and files closed. Refuses: to start where anything is wrong with map, database,
-//! address or tokens.
+//! loop. The port answers first, and says "starting" until the journal is loaded. Going down: no new requests, those
+//! on their way are answered, one last step, the journal flushed, sockets and files closed. Refuses: to start where
+//! anything is wrong with map, database, address or tokens.
 
 mod ahead;
 mod alarm_keeper;
 mod answers;
 mod audit_keeper;
+mod basis;
 mod certificate;
 mod clock;
 mod config;
@@ -16,7 +17,6 @@ mod connections;
 mod custody;
 mod drive;
 mod entrance;
-mod ground;
 mod historian;
 mod inbox;
 mod journal;
@@ -55,8 +55,8 @@ use crate::warehouse::Warehouse;
 use anyhow::{Context, ensure};
 use axum::Router;
 use axum::serve::ListenerExt;
+use basis::FloorBasis;
 use entrance::Entrance;
-use ground::Ground;
 use publish::GoOver;
 use running::{CoreEnd, RunningCore};
 use start::Built;
@@ -88,7 +88,7 @@ impl SimulatedFloor {
     /// # Errors
     /// Where both were changed since.
     pub async fn with_map_of(self, database: &Path) -> anyhow::Result<SimulatedFloor> {
-        Ground::choose(self, database).await.map(|(floor, _)| floor)
+        FloorBasis::choose(self, database).await.map(|(floor, _)| floor)
     }
 
     /// The same with the kinds of robots that were added to a database.
@@ -110,7 +110,7 @@ pub struct Server {
 }
 
 /// What was found at the start.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct StartSummary {
     /// Name of the map.
     pub map: String,
@@ -149,12 +149,12 @@ impl Server {
         ensure!(config.keep_days >= 8, "{kept}");
         ensure!(config.people_keep_days >= 1, "people_keep_days must be at least 1");
         let identity = identity(config, address)?;
-        let (floor, ground) = match config.new {
+        let (floor, basis) = match config.new {
             true => {
-                let ground = Ground::of(&floor);
-                (floor, ground)
+                let basis = FloorBasis::of(&floor);
+                (floor, basis)
             }
-            false => Ground::choose(floor, &config.database).await?,
+            false => FloorBasis::choose(floor, &config.database).await?,
         };
         let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
@@ -165,7 +165,7 @@ impl Server {
             Ok(store) => store,
             Err(e) => return Err(front.shut(e).await),
         };
-        let (built, summary) = match start::build(config, floor, ground, &store).await {
+        let (built, summary) = match start::build(config, floor, basis, &store).await {
             Ok(built) => built,
             Err(e) => {
                 store.close().await;
@@ -273,7 +273,7 @@ impl ServerRun {
                 Built::Whole(parts) => *parts,
                 Built::Broken(why) => return self.explain(why).await,
             };
-            let (map, ground) = (parts.fleet.warehouse().clone(), parts.ground.clone());
+            let (map, basis) = (parts.fleet.warehouse().clone(), parts.basis.clone());
             let (mut core, inside) = RunningCore::begin(parts, self.store(), self.front.gate.clone()).await?;
             self.front.entrance.open(inside);
             drop(self.front.ready.take());
@@ -284,7 +284,7 @@ impl ServerRun {
                     core.close();
                     self.front.entrance.empty(1).await;
                     let world = core.end(true).await?;
-                    (built, answer) = self.go_over(*order, (map, ground)).await?;
+                    (built, answer) = self.go_over(*order, (map, basis)).await?;
                     if let (Built::Whole(parts), Some(world)) = (&mut built, &world) {
                         parts.world.keep_robots_of(world);
                     }
@@ -308,43 +308,45 @@ impl ServerRun {
     async fn go_over(
         &self,
         order: GoOver,
-        (old, ground): (Arc<Warehouse>, Ground),
+        (old, basis): (Arc<Warehouse>, FloorBasis),
     ) -> anyhow::Result<(Built, Option<LateAnswer>)> {
         let GoOver { map, accept_losses, note, request, reply } = order;
         let noted = MapNote::Publish(note.clone(), AuditRow { outcome: Some(200), ..request.clone() });
-        let (store, floor, ground, answer) = match self.open(&ground, &map, (accept_losses, noted)).await {
+        let (store, floor, basis, answer) = match self.open(&basis, &map, (accept_losses, noted)).await {
             Ok((store, floor)) => {
                 tracing::info!("the map {:?} is in operation: it was published by {}", map.name, note.by);
                 let report = store.carried().map(|carried| carried.report.clone()).unwrap_or_default();
                 let done = GoOver::done(&note, &floor.map, report);
-                (store, floor, Ground { published: Some(note), ..ground }, Ok(done))
+                (store, floor, FloorBasis { published: Some(note), ..basis }, Ok(done))
             }
             Err(why) => {
-                if ground::has_gone_over(&self.config.database, &note).await {
-                    return Err(why.context("the database has gone over to the published map, but cannot be used"));
+                if basis::has_gone_over(&self.config.database, &note).await {
+                    return Err(
+                        why.context("the database has gone over to the published map, but cannot be used")
+                    );
                 }
                 tracing::warn!("the map {:?} is not published: {why:#}", map.name);
-                let (store, floor) = self.open(&ground, &old, (false, MapNote::Keep)).await?;
+                let (store, floor) = self.open(&basis, &old, (false, MapNote::Keep)).await?;
                 if let Err(e) = store.keep_audit(&[GoOver::refused_request(request)]).await {
                     tracing::warn!("an entry of the audit was not written down: {e}");
                 }
-                (store, floor, ground, Err(GoOver::refused(&why)))
+                (store, floor, basis, Err(GoOver::refused(&why)))
             }
         };
         self.stores.send_replace(store.clone());
-        let (built, _) = start::build(&self.config, floor, ground, &store).await?;
+        let (built, _) = start::build(&self.config, floor, basis, &store).await?;
         Ok((built, Some(Box::new(move || _ = reply.send(answer)))))
     }
 
     /// Opens the database with a map, for the kinds of robots that it has.
     async fn open(
         &self,
-        ground: &Ground,
+        basis: &FloorBasis,
         map: &Arc<Warehouse>,
         note: (bool, MapNote),
     ) -> anyhow::Result<(Arc<Store>, SimulatedFloor)> {
         let unfit = |why: Vec<String>| anyhow::anyhow!("the map is not for this fleet: {}", why.join("; "));
-        let floor = ground.with(ground.fit(map).map_err(unfit)?).with_kinds_of(&self.config.database).await;
+        let floor = basis.with(basis.fit(map).map_err(unfit)?).with_kinds_of(&self.config.database).await;
         Ok((start::open(&self.config, &floor, note).await?, floor))
     }
 

@@ -5,10 +5,10 @@
 //! and to change anything itself.
 
 use super::audit_keeper::row_of;
-use super::ground::Ground;
+use super::basis::FloorBasis;
 use super::settle::SettleRequest;
-use crate::api::publish::{MapDesk, MapDone, MapOrder, MapOrigin, MapOutlook, MapRefusal, MapRequest};
 use crate::api::map_version;
+use crate::api::publish::{MapDesk, MapDone, MapOrder, MapOrigin, MapOutlook, MapRefusal, MapRequest};
 use crate::fleet::Unsettled;
 use crate::fleet::carry::{Report, ReportEntry};
 use crate::store::{AuditRow, KindText, PublishedMap, Store, StoreError, map_digest};
@@ -20,8 +20,7 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::time::timeout;
 
 /// What a robot beside its node needs.
-const GET_THERE: &str =
-    "let it drive on (is it paused?), or push it onto a free node, where it rejoins the fleet, then try again";
+const GET_THERE: &str = "let it drive on (is it paused?), or push it onto a free node, where it rejoins the fleet; then try again";
 
 /// How many requests may wait.
 const WAITING: usize = 2;
@@ -63,7 +62,7 @@ impl Looked {
 /// Answers requests about maps.
 pub struct MapKeeper {
     store: Arc<Store>,
-    ground: Ground,
+    basis: FloorBasis,
     /// The map in operation.
     map: Arc<Warehouse>,
     requests: mpsc::Receiver<MapRequest>,
@@ -86,15 +85,15 @@ impl MapKeeper {
     /// One for a server with this map in operation, and what handlers see of it.
     pub fn new(
         store: &Arc<Store>,
-        ground: &Ground,
+        basis: &FloorBasis,
         map: Arc<Warehouse>,
         (settle, go_over): (mpsc::Sender<SettleRequest>, mpsc::Sender<GoOver>),
     ) -> (MapDesk, MapKeeper) {
         let (ask, requests) = mpsc::channel(WAITING);
-        let origin = ground.published.as_ref().map(origin_of);
+        let origin = basis.published.as_ref().map(origin_of);
         let desk = MapDesk { origin, requests: Some(ask) };
-        let (store, ground) = (store.clone(), ground.clone());
-        (desk, MapKeeper { store, ground, map, requests, settle, go_over })
+        let (store, basis) = (store.clone(), basis.clone());
+        (desk, MapKeeper { store, basis, map, requests, settle, go_over })
     }
 
     /// Answers until the requests end, or the server goes over to another map.
@@ -109,7 +108,7 @@ impl MapKeeper {
                         Ok(map) => {
                             let (number, at) = (self.next_number(), Time(by.id));
                             let (by, request) = (by.actor.clone(), row_of(&by));
-                            let note = PublishedMap { number, at, by, file: self.ground.file.clone() };
+                            let note = PublishedMap { number, at, by, file: self.basis.file.clone() };
                             let request = AuditRow { outcome: Some(200), ..request };
                             let order = GoOver { map, accept_losses, note, request, reply };
                             // The server takes this core down now, or is down already.
@@ -123,7 +122,7 @@ impl MapKeeper {
     }
 
     fn next_number(&self) -> u32 {
-        self.ground.published.as_ref().map_or(1, |published| published.number + 1)
+        self.basis.published.as_ref().map_or(1, |published| published.number + 1)
     }
 
     async fn check(&self, draft: Draft) -> Result<MapOutlook, MapRefusal> {
@@ -167,9 +166,7 @@ impl MapKeeper {
         }
         let again = self.look(draft).await;
         match again {
-            Ok(looked) if !looked.is_refused(accept_losses) => {
-                Ok(looked.map.expect("it is not refused").0)
-            }
+            Ok(looked) if !looked.is_refused(accept_losses) => Ok(looked.map.expect("it is not refused").0),
             other => {
                 let _ = self.settle.send(SettleRequest::GoOn).await;
                 let why = other.map(|looked| MapRefusal::Outlook(Box::new(looked.outlook)));
@@ -181,11 +178,11 @@ impl MapKeeper {
     /// What a change to this map would mean now.
     async fn look(&self, draft: Draft) -> Result<Looked, MapRefusal> {
         let added = self.store.kinds().await.map_err(|e| told(&e))?;
-        let (ground, old) = (self.ground.clone(), self.map.clone());
-        let look = tokio::task::spawn_blocking(move || look_at(&draft, &ground, &old, &added)).await;
+        let (basis, old) = (self.basis.clone(), self.map.clone());
+        let look = tokio::task::spawn_blocking(move || look_at(&draft, &basis, &old, &added)).await;
         let mut looked = look.map_err(|_| MapRefusal::Failed("the map could not be looked at".into()))?;
         if let Some((_, fitted)) = &looked.map {
-            let clearance = self.ground.scenario.settings().clearance();
+            let clearance = self.basis.scenario.settings().clearance();
             let report = self.store.compare(fitted, clearance).await.map_err(|e| told(&e))?;
             looked.outlook.report = report.unwrap_or_default();
         }
@@ -209,15 +206,10 @@ impl MapKeeper {
 }
 
 /// What there is to say about a map without the floor, and the building.
-fn look_at(
-    draft: &Draft,
-    ground: &Ground,
-    old: &Arc<Warehouse>,
-    added: &[KindText],
-) -> Looked {
+fn look_at(draft: &Draft, basis: &FloorBasis, old: &Arc<Warehouse>, added: &[KindText]) -> Looked {
     let mut review = review(draft);
     let good = review.warehouse.take().filter(|_| review.is_good()).map(Arc::new);
-    let fitted = good.and_then(|map| match ground.fit_all(&map, old, added) {
+    let fitted = good.and_then(|map| match basis.fit_all(&map, old, added) {
         Ok(fitted) => Some((map, fitted)),
         Err(why) => {
             why.into_iter().for_each(|why| not_for_fleet(&mut review, why));

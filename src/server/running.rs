@@ -1,7 +1,7 @@
 //! The running core: fleet, floor, journal and everything beside them, from when they are wired to when they are down.
 //!
-//! Main types: [`RunningCore`], [`CoreEnd`]. A server has one core after another where its map is changed; the port and who may
-//! enter outlive it. Refuses: to leave a task behind that still knows the database.
+//! Main types: [`RunningCore`], [`CoreEnd`]. A server has one core after another where its map is changed; the port
+//! and who may enter outlive it. Refuses: to leave a task behind that still knows the database.
 
 use super::inbox::Inbox;
 use super::publish::{GoOver, MapKeeper};
@@ -150,8 +150,8 @@ impl RunningCore {
         let custody =
             tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
         let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
-        let (maps, map_keeper) = MapKeeper::new(&store, &parts.ground, map.clone(), (asks, over));
-        let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.ground.scenario, &fleet);
+        let (maps, map_keeper) = MapKeeper::new(&store, &parts.basis, map.clone(), (asks, over));
+        let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.basis.scenario, &fleet);
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
         let shares = LoopShares { store, clock, metrics, alarms, feeds };
         let (inbox, notes, tap) = (Inbox::new(requests, heard), charts.notes, past.tap);
@@ -199,7 +199,8 @@ impl RunningCore {
             closing: closes,
         };
         let hooks = tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), asked).run());
-        let others = vec![custody, tokio::spawn(keeper.run()), learner, hooks, tokio::spawn(map_keeper.run())];
+        let others =
+            vec![custody, tokio::spawn(keeper.run()), learner, hooks, tokio::spawn(map_keeper.run())];
         let (historian, past) = (charts.historian, past.ended);
         let tasks = Tasks { writer, thread, feed, historian, keepers, others, past };
         Ok((RunningCore { store, tasks, go_over, closing, halt, displaced: gone }, router(api).0))

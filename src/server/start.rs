@@ -3,8 +3,8 @@
 //! Main types: [`ServerParts`], [`Built`]. The fold is work for a thread of its own, so that the port answers
 //! meanwhile. Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
 
+use super::basis::FloorBasis;
 use super::clock::{self, Clock};
-use super::ground::Ground;
 use super::recordings::KeptPast;
 use super::{Config, SimulatedFloor, StartSummary, historian, journal};
 use crate::api::alarms::Alarms;
@@ -40,7 +40,7 @@ pub struct ServerParts {
     pub past: KeptPast,
     pub charts: Charts,
     /// What stays the same from one map to the next.
-    pub ground: Ground,
+    pub basis: FloorBasis,
     /// The number of the last request that was written down.
     pub last_audit: i64,
 }
@@ -95,15 +95,14 @@ fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
 pub async fn build(
     config: &Config,
     floor: SimulatedFloor,
-    ground: Ground,
+    basis: FloorBasis,
     store: &Arc<Store>,
 ) -> anyhow::Result<(Built, StartSummary)> {
     let SimulatedFloor { scenario, map, lines } = floor;
     let loaded = store.load(Ledger::new(map.clone(), scenario.settings().clearance(), false)).await?;
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
-    let published = ground.published.clone();
-    let summary =
-        StartSummary { map: map.name.clone(), published, robots, facts, jobs: 0, open_jobs: 0, trouble: None };
+    let (published, map_name) = (basis.published.clone(), map.name.clone());
+    let summary = StartSummary { map: map_name, published, robots, facts, ..StartSummary::default() };
     let clock = Arc::new(Clock::start(loaded.last));
     let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
     let (buckets, heat) = store.load_history().await?;
@@ -158,7 +157,7 @@ pub async fn build(
         alarms,
         past,
         charts,
-        ground,
+        basis,
         last_audit: store.last_audit().await?,
     };
     Ok((Built::Whole(Box::new(parts)), summary))

@@ -1,8 +1,8 @@
 //! The map that was published to a running server, and the file in whose place it came.
 //!
-//! Main types: [`PublishedMap`], [`MapNote`]. What is noted goes into the transaction in which the database goes over to
-//! the map: after a kill there is the old map, or the new one with its note. Refuses: to say which of the two a start
-//! takes; the server does.
+//! Main types: [`PublishedMap`], [`MapNote`]. What is noted goes into the transaction in which the database goes over
+//! to the map: after a kill there is the old map, or the new one with its note. Refuses: to say which of the two a
+//! start takes; the server does.
 
 use super::{ABOUT, AuditRow, Store, StoreError, audit};
 use crate::time::Time;
@@ -78,8 +78,7 @@ impl Store {
     pub async fn published(&self) -> Result<Option<PublishedMap>, StoreError> {
         let text: Option<String> =
             sqlx::query_scalar(ABOUT).bind("published").fetch_optional(&self.readers).await?;
-        let damaged =
-            |e: serde_json::Error| StoreError::Row { list: "map", id: 0, why: format!("{e}") };
+        let damaged = |e: serde_json::Error| StoreError::Row { list: "map", id: 0, why: format!("{e}") };
         let record: Option<PublishedRecord> =
             text.map(|text| serde_json::from_str(&text).map_err(damaged)).transpose()?;
         Ok(record.map(|PublishedRecord { number, at, by, file }| PublishedMap {

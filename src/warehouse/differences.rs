@@ -124,7 +124,10 @@ fn outlines(all: &[Vec<Point>]) -> Things {
 }
 
 fn settings(w: &Warehouse) -> Things {
-    let middle = { let (low, high) = w.bounds(); low + (high - low) / 2.0 };
+    let middle = {
+        let (low, high) = w.bounds();
+        low + (high - low) / 2.0
+    };
     let all = [("name", w.name.clone()), ("footprint of robots", format!("{} m", w.footprint_m))];
     all.into_iter().map(|(name, value)| named(name, middle, value)).collect()
 }

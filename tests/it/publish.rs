@@ -1,7 +1,9 @@
 //! A map is published to a running server: every job ends, what is refused changes nothing, two editors do not overwrite
 //! one another, and a kill leaves the old map or the new one.
 
-use crate::carry::{backups, changed, database, grown, is_over, moved, orders, start, submit, until, wish, without_rack};
+use crate::carry::{
+    backups, changed, database, grown, is_over, moved, orders, start, submit, until, wish, without_rack,
+};
 use crate::helper::{Answer, Folder, get, map, post, send};
 use crate::recovery::Program;
 use crate::tokens::{ADMIN, make, start_closed, until_robots, with};
@@ -73,7 +75,10 @@ async fn with_jobs_under_way_the_server_goes_over_to_the_map_and_every_job_ends(
     let old = version(at).await;
 
     let told = check(at, &grown()).await;
-    assert_eq!((&told["version"], &told["good"], &told["published"]), (&json!(old), &json!(true), &Value::Null));
+    assert_eq!(
+        (&told["version"], &told["good"], &told["published"]),
+        (&json!(old), &json!(true), &Value::Null)
+    );
     assert_eq!(changes(&told), ["parking places added: new", "nodes added: new", "lanes added: R32–new"]);
     assert_eq!((&told["obstacles"], &told["losses"]), (&json!([]), &json!([])), "{told}");
     assert_eq!(version(at).await, old, "a check changes nothing");
@@ -84,7 +89,10 @@ async fn with_jobs_under_way_the_server_goes_over_to_the_map_and_every_job_ends(
     let new = version(at).await;
     assert_eq!((&done["version"], &done["published"]["number"]), (&json!(new), &json!(1)), "{done}");
     assert_ne!(new, old);
-    assert_eq!(get(at, "/v1/map:file").await.json(), serde_json::from_str::<Value>(&file::write(&grown())).unwrap());
+    assert_eq!(
+        get(at, "/v1/map:file").await.json(),
+        serde_json::from_str::<Value>(&file::write(&grown())).unwrap()
+    );
     assert_eq!(backups(&folder).len(), 1, "there is a backup");
 
     // Feeds end, and what comes next says of which map it speaks.
@@ -209,7 +217,8 @@ async fn losses_are_published_only_where_they_are_accepted() {
     carrying(at).await;
     let told = check(at, &without_rack("K12")).await;
     assert_eq!((&told["good"], told["losses"].as_array().unwrap().len()), (&json!(true), 2), "{told}");
-    let answer = publish(at, &without_rack("K12"), told["version"].as_str().unwrap(), "?accept_losses=true").await;
+    let answer =
+        publish(at, &without_rack("K12"), told["version"].as_str().unwrap(), "?accept_losses=true").await;
     assert_eq!((answer.status, answer.json()["losses"].as_array().unwrap().len()), (200, 2), "{answer:?}");
     let jobs = all_end(at).await;
     let (failed, done): (Vec<&Value>, Vec<&Value>) = jobs.iter().partition(|j| j["id"] == "j7");
@@ -261,10 +270,30 @@ async fn administrators_alone_publish() {
     server.stop().await.unwrap();
 }
 
+/// When the program is killed.
+#[derive(Clone, Copy, Debug)]
+enum KillAt {
+    /// Shortly after the order.
+    Once,
+    /// So many milliseconds after it takes no more requests, as the core goes down and the database goes over.
+    DoorShut(u64),
+    /// When the order was answered.
+    Answered,
+}
+
+async fn until_the_door_is_shut(at: SocketAddr) {
+    let end = Instant::now() + PATIENCE;
+    while get(at, "/v1/kinds").await.status == 200 {
+        assert!(Instant::now() < end, "it takes no more requests");
+        tokio::time::sleep(Duration::from_millis(2)).await;
+    }
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_kill_while_a_map_is_published_leaves_the_old_map_or_the_new_one() {
     let (mut kept, mut published) = (0, 0);
-    for delay_ms in [0, 20, 60, 100, 150, 200, 300, 500, 1000, 2500] {
+    let after_the_door_shut = [0, 10, 30, 60, 100, 200, 400].map(KillAt::DoorShut);
+    for instant in [KillAt::Once].into_iter().chain(after_the_door_shut).chain([KillAt::Answered]) {
         let folder = Folder::new();
         let program = Program::start(&folder);
         let at = program.address;
@@ -272,21 +301,32 @@ async fn a_kill_while_a_map_is_published_leaves_the_old_map_or_the_new_one() {
         let job = json!({"kind": "deliver", "rack": "K1", "station": "P", "pick_s": 0.2});
         assert_eq!(post(at, Some("order"), &job).await.unwrap().status, 201);
         let old = version(at).await;
-        let order = tokio::spawn(async move {
+        let mut order = tokio::spawn(async move {
             let text = file::write(&grown());
             send(at, "PUT", "/v1/map", &[JSON, ("if-match", "*")], &text).await.ok().map(|a| a.status)
         });
-        tokio::time::sleep(Duration::from_millis(delay_ms)).await;
+        let mut known = None;
+        match instant {
+            KillAt::Once => tokio::time::sleep(Duration::from_millis(5)).await,
+            KillAt::DoorShut(delay) => {
+                until_the_door_is_shut(at).await;
+                tokio::time::sleep(Duration::from_millis(delay)).await;
+            }
+            KillAt::Answered => known = Some((&mut order).await.unwrap()),
+        }
         program.kill();
-        let answered = order.await.unwrap();
+        let answered = match known {
+            Some(answered) => answered,
+            None => order.await.unwrap(),
+        };
         let program = Program::start(&folder);
         let at = program.address;
         let is_new = version(at).await != old;
         let file = if is_new { file::write(&grown()) } else { file::write(&map()) };
-        assert_eq!(get(at, "/v1/map:file").await.text, file, "after {delay_ms} ms");
-        assert!(is_new || answered != Some(200), "what was acknowledged is there, after {delay_ms} ms");
+        assert_eq!(get(at, "/v1/map:file").await.text, file, "{instant:?}");
+        assert!(is_new || answered != Some(200), "what was acknowledged is there: {instant:?}");
         let jobs = all_end(at).await;
-        assert_eq!((jobs.len(), &jobs[0]["state"]), (1, &json!("done")), "after {delay_ms} ms: {jobs:#?}");
+        assert_eq!((jobs.len(), &jobs[0]["state"]), (1, &json!("done")), "{instant:?}: {jobs:#?}");
         *(if is_new { &mut published } else { &mut kept }) += 1;
         program.kill();
     }

@@ -1,8 +1,8 @@
 //! `/v1/map:check` and `PUT /v1/map`: a map that is to become the server's own, while it runs.
 //!
-//! Main types: [`MapCheckDto`], [`PublishedMapDto`]. Whoever publishes names the version of the map on which the changes
-//! are based, so that two editors do not overwrite one another. Refuses: to publish what would lose something on the
-//! floor, unless that is accepted.
+//! Main types: [`MapCheckDto`], [`PublishedMapDto`]. Whoever publishes names the version of the map on which the
+//! changes are based, so that two editors do not overwrite one another. Refuses: to publish what would lose something
+//! on the floor, unless that is accepted.
 
 use super::map::MapAnswer;
 use super::maps::{LIMIT, MOST, MapFile, MapReviewDto};
@@ -171,17 +171,18 @@ pub async fn check(
     }))
 }
 
-/// Publish a map: the server goes over to it while it runs. Robots drive to the end of what they were granted and stand,
-/// the database is backed up and carried over in one transaction, and the floor goes on with the new map; feeds end and
-/// are opened anew. That takes some seconds. `If-Match` names the version on which the map is based, as the `ETag` of
-/// `GET /v1/map` does, so that two editors do not overwrite one another. The next start takes the published map, too.
+/// Publish a map: the server goes over to it while it runs. Robots drive to the end of what they were granted and
+/// stand, the database is backed up and carried over in one transaction, and the floor goes on with the new map; feeds
+/// end and are opened anew. That takes some seconds. `If-Match` names the version on which the map is based, as the
+/// `ETag` of `GET /v1/map` does, so that two editors do not overwrite one another. The next start takes the published
+/// map, too.
 #[utoipa::path(put, path = "/v1/map", tag = "floor", operation_id = "publishMap", request_body = MapFile,
     params(PublishParams, ("If-Match" = Option<String>, Header,
         description = "The version on which the map is based, in quotes; `*` for any. Without it the answer is 428")),
     responses(
     (status = 200, description = "The server has gone over to it, and that is durable", body = PublishedMapDto),
-    (status = 409, description = "The map has errors, or not everything can be carried over: `errors` lists what", body = Problem,
-     content_type = "application/problem+json"),
+    (status = 409, description = "The map has errors, or not everything can be carried over: `errors` lists what",
+     body = Problem, content_type = "application/problem+json"),
     (status = 412, description = "The map in operation is another one than that in If-Match", body = Problem,
      content_type = "application/problem+json"),
     (status = 413, description = "The map is longer than 8 MiB", body = Problem,
@@ -214,7 +215,8 @@ pub async fn publish(
 fn is_based_on(headers: &HeaderMap, version: &str) -> Result<(), Problem> {
     let Some(named) = headers.get(header::IF_MATCH) else {
         let detail = format!(
-            "say with If-Match on which version the map is based, as the ETag of GET /v1/map names it: \"{version}\" now"
+            "say with If-Match on which version the map is based, as the ETag of GET /v1/map names it: now \
+             \"{version}\""
         );
         let status = StatusCode::PRECONDITION_REQUIRED;
         return Err(Problem::new(status, "if-match", "If-Match is missing", detail));
@@ -225,8 +227,8 @@ fn is_based_on(headers: &HeaderMap, version: &str) -> Result<(), Problem> {
         return Ok(());
     }
     let detail = format!(
-        "the map is based on version {named}, and the map in operation is \"{version}\": somebody published another one \
-         since. Look at what is different, take it over, and publish again"
+        "the map is based on version {named}, and the map in operation is \"{version}\": somebody published another \
+         one since. Look at what is different, take it over, and publish again"
     );
     let status = StatusCode::PRECONDITION_FAILED;
     Err(Problem::new(status, "other-version", "The map was changed meanwhile", detail))
@@ -252,5 +254,9 @@ fn reasons(outlook: &MapOutlook) -> Vec<FieldError> {
     let errors = outlook.review.of(Severity::Error).map(|r| FieldError::new("error", r.to_string()));
     let Report { obstacles, losses, .. } = &outlook.report;
     let of = |field: &'static str| move |e: &ReportEntry| FieldError::new(field, e.to_string());
-    errors.chain(obstacles.iter().map(of("obstacle"))).chain(losses.iter().map(of("loss"))).take(MOST).collect()
+    errors
+        .chain(obstacles.iter().map(of("obstacle")))
+        .chain(losses.iter().map(of("loss")))
+        .take(MOST)
+        .collect()
 }

@@ -98,7 +98,12 @@ impl Live {
             plain: RecentPatches::default(),
             thin: RecentPatches::default(),
         };
-        Live { map_version: map_version(&map), map, state: Mutex::new(state), newest: watch::Sender::new(first) }
+        Live {
+            map_version: map_version(&map),
+            map,
+            state: Mutex::new(state),
+            newest: watch::Sender::new(first),
+        }
     }
 
     /// Tells of every new version.

@@ -1,6 +1,6 @@
 //! What a server is started with, and which map it takes: that of the file, or the one that was published to it.
 //!
-//! Main types: [`Ground`]; main function [`Ground::choose`]. Refuses: to choose where both the file was changed and a
+//! Main types: [`FloorBasis`]; main function [`FloorBasis::choose`]. Refuses: to choose where both the file was changed and a
 //! map was published.
 
 use super::{SimulatedFloor, kinds};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 /// What stays the same from one map to the next.
 #[derive(Clone)]
-pub struct Ground {
+pub struct FloorBasis {
     /// The scenario as its file has it, without kinds that were added.
     pub scenario: Scenario,
     /// What the customers order, where the scenario names a file.
@@ -25,10 +25,10 @@ pub struct Ground {
     pub published: Option<PublishedMap>,
 }
 
-impl Ground {
-    /// The ground of a floor whose map comes from a file.
-    pub fn of(floor: &SimulatedFloor) -> Ground {
-        Ground {
+impl FloorBasis {
+    /// The basis of a floor whose map comes from a file.
+    pub fn of(floor: &SimulatedFloor) -> FloorBasis {
+        FloorBasis {
             scenario: floor.scenario.clone(),
             lines: floor.lines.clone(),
             file: map_digest(&floor.map),
@@ -41,13 +41,16 @@ impl Ground {
     ///
     /// # Errors
     /// Where the file was changed, too, or the published map is not for this fleet.
-    pub async fn choose(floor: SimulatedFloor, database: &Path) -> anyhow::Result<(SimulatedFloor, Ground)> {
-        let mut ground = Ground::of(&floor);
-        let Some((published, map)) = published_in(database).await? else { return Ok((floor, ground)) };
-        if ground.file != published.file && ground.file != map_digest(&map) {
+    pub async fn choose(
+        floor: SimulatedFloor,
+        database: &Path,
+    ) -> anyhow::Result<(SimulatedFloor, FloorBasis)> {
+        let mut basis = FloorBasis::of(&floor);
+        let Some((published, map)) = published_in(database).await? else { return Ok((floor, basis)) };
+        if basis.file != published.file && basis.file != map_digest(&map) {
             bail!("{}", conflict(&floor.map, &map, &published));
         }
-        let map = ground.fit(&Arc::new(map)).map_err(|why| {
+        let map = basis.fit(&Arc::new(map)).map_err(|why| {
             anyhow::anyhow!(
                 "the map {:?} was published to this server, but is not for this fleet: {}. Start with the scenario \
                  with which it was published, or take the map of the file: `giveway database carry`",
@@ -55,8 +58,8 @@ impl Ground {
                 why.join("; ")
             )
         })?;
-        ground.published = Some(published);
-        Ok((SimulatedFloor { map, ..floor }, ground))
+        basis.published = Some(published);
+        Ok((SimulatedFloor { map, ..floor }, basis))
     }
 
     /// The map for the fleet of the scenario.
@@ -69,7 +72,8 @@ impl Ground {
         if let Err(findings) = room_for(map, scenario.robots) {
             why.extend(findings.0.iter().map(ToString::to_string));
         }
-        let fitted = scenario.fit(map).map_err(|findings| findings.0.iter().map(ToString::to_string).collect());
+        let fitted =
+            scenario.fit(map).map_err(|findings| findings.0.iter().map(ToString::to_string).collect());
         let fitted = match fitted {
             Ok(fitted) => fitted,
             Err(found) => return Err([why, found].concat()),
@@ -100,8 +104,9 @@ impl Ground {
         let fitted = kinds::join_kinds(&mut then, fitted, added);
         let lost = now.kinds.iter().map(|k| &k.kind.name);
         let lost = lost.filter(|name| !then.kinds.iter().any(|k| k.kind.name == **name));
-        let lost: Vec<String> =
-            lost.map(|name| format!("the map is not for robots of the kind {name:?}, which was added")).collect();
+        let lost: Vec<String> = lost
+            .map(|name| format!("the map is not for robots of the kind {name:?}, which was added"))
+            .collect();
         if lost.is_empty() { Ok(fitted) } else { Err(lost) }
     }
 
@@ -131,17 +136,18 @@ pub async fn has_gone_over(database: &Path, note: &PublishedMap) -> bool {
 async fn read_published(store: &Store) -> anyhow::Result<Option<(PublishedMap, Warehouse)>> {
     // A database that was never used has no tables.
     let Ok(Some(published)) = store.published().await else { return Ok(None) };
-    let damaged = "the database says that its map was published, but the map in it cannot be read: restore a backup";
+    let damaged =
+        "the database says that its map was published, but the map in it cannot be read: restore a backup";
     Ok(Some((published, store.map().await?.context(damaged)?)))
 }
 
 fn conflict(file: &Warehouse, map: &Warehouse, published: &PublishedMap) -> String {
     let at = jiff::Timestamp::from_microsecond(published.at.0).map_or_else(|_| "?".into(), |t| t.to_string());
     format!(
-        "two maps claim this server: {:?} was published to it by {} at {at}, and the map file, {:?}, is another one than \
-         the one with which it was started then. Nothing was changed. To keep the published map, write it into the \
-         file: `giveway database map --output FILE`. To take the map of the file: `giveway database carry --map FILE`. \
-         Then start again",
+        "two maps claim this server: {:?} was published to it by {} at {at}, and the map file, {:?}, is another one \
+         than the one with which it was started then. Nothing was changed. To keep the published map, write it into \
+         the file: `giveway database map --output FILE`. To take the map of the file: `giveway database carry --map \
+         FILE`. Then start again",
         map.name, published.by, file.name
     )
 }
