@@ -92,7 +92,7 @@ impl Changed {
             to: to.to_owned(),
             obstacles: found.obstacles.iter().map(ToString::to_string).collect(),
             losses: found.losses.iter().map(ToString::to_string).collect(),
-            notes: found.notes.clone(),
+            notes: found.all_notes(),
         }
     }
 }

@@ -20,7 +20,8 @@ use tokio::sync::{mpsc, oneshot};
 use tokio::time::timeout;
 
 /// What a robot beside its node needs.
-const GET_THERE: &str = "let it drive on (is it paused?), or push it onto a free node, where it rejoins the fleet; then try again";
+const GET_THERE: &str =
+    "let it drive on, or push it onto a free node, where it rejoins the fleet; then try again";
 
 /// How many requests may wait.
 const WAITING: usize = 2;

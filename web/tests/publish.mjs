@@ -91,7 +91,7 @@ await check('It is published, and the editor says which version it is', async ()
 await check('The dashboard goes on with the new map, and robots go on working', async () => {
   const { nodes } = await map();
   const added = nodes.find((n) => n.x === 7 && n.y === 0).id;
-  await until('a live dashboard', async () => (await dashboard.getByText('live', { exact: true }).count()) > 0, 30);
+  await until('a live dashboard', async () => (await dashboard.locator('[data-link="live"]').count()) > 0, 30);
   await robots();
   await dashboard.getByLabel('Find on the floor').fill(added);
   await dashboard.getByRole('option', { name: new RegExp(added) }).first().waitFor({ timeout: PATIENCE });
@@ -104,7 +104,7 @@ await check('An editor that began before is warned, and has to say that it repla
   await second.compare();
   await second.panel.getByRole('alert').getByText('Somebody published another map').waitFor();
   await second.panel.getByRole('button', { name: 'Publish over theirs' }).waitFor();
-  await second.panel.getByRole('button', { name: 'Cancel' }).click();
+  await second.panel.getByRole('button', { name: 'Cancel', exact: true }).click();
   assert((await second.panel.count()) === 0, 'it is still there');
 });
 
@@ -121,7 +121,7 @@ await check('What stands in the way is marked in its place, and cannot be publis
   await first.page.screenshot({ path: `${SHOTS}editor-publish-refused.png` });
   const now = first.panel.getByRole('button', { name: 'Publish now' });
   assert((await now.count()) === 0 || (await now.isDisabled()), 'it could be published');
-  await first.panel.getByRole('button', { name: 'Cancel' }).click();
+  await first.panel.getByRole('button', { name: 'Cancel', exact: true }).click();
 });
 await server.stop();
 

@@ -52,7 +52,7 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
     let old = &**ledger.warehouse();
     let ids = Matching::new(old, new);
     let mut m = Move { ledger, old, new, ids, report: Report::default(), at };
-    m.report.notes = changes::notes(old, new, &m.ids);
+    m.report.changes = changes::notes(old, new, &m.ids);
     let placed = m.place();
     let (jobs, waiting, failed) = m.jobs();
     let (assignments, cancelled) = m.assignments();

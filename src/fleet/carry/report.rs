@@ -32,7 +32,9 @@ pub struct Report {
     pub obstacles: Vec<ReportEntry>,
     /// What would be lost: carried over only if the operator accepts that.
     pub losses: Vec<ReportEntry>,
-    /// What is different, and needs nothing.
+    /// What is different between the maps.
+    pub changes: Vec<String>,
+    /// What else happens on the floor, and needs nothing.
     pub notes: Vec<String>,
 }
 
@@ -40,6 +42,11 @@ impl Report {
     /// Whether nothing is in the way and nothing would be lost.
     pub fn is_clean(&self) -> bool {
         self.obstacles.is_empty() && self.losses.is_empty()
+    }
+
+    /// What is different, and what else happens.
+    pub fn all_notes(&self) -> Vec<String> {
+        self.changes.iter().chain(&self.notes).cloned().collect()
     }
 
     pub(super) fn refuse(&mut self, at: Option<Spot>, what: String, remedy: &str) {
@@ -57,7 +64,7 @@ impl fmt::Display for Report {
         let lists = [
             ("obstacle", texts(&self.obstacles)),
             ("loss", texts(&self.losses)),
-            ("note", self.notes.clone()),
+            ("note", self.all_notes()),
         ];
         let mut first = true;
         for (kind, list) in lists {

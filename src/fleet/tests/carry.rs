@@ -412,9 +412,9 @@ fn notes_say_what_is_different() {
     });
     let report = floor.carried(&map).report;
     assert!(report.is_clean(), "{report}");
-    assert_eq!(report.notes, ["2 nodes moved, by 0.15 m at most (R119)"]);
+    assert_eq!(report.changes, ["2 nodes moved, by 0.15 m at most (R119)"]);
     let report = floor.carried(&thesis()).report;
     for word in ["nodes removed", "nodes added", "lanes removed", "stations added", "racks added"] {
-        assert!(report.notes.iter().any(|n| n.contains(word)), "{word}: {report}");
+        assert!(report.changes.iter().any(|n| n.contains(word)), "{word}: {report}");
     }
 }
