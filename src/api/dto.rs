@@ -7,9 +7,10 @@ use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::alarm::displacement_words;
 use crate::fleet::{
-    Counts, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotState, RobotView, View, Why,
+    Counts, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotChoice, RobotState, RobotView, View,
+    Visiting, Why,
 };
-use crate::id::{Dense, NodeId, RobotId};
+use crate::id::{Dense, NodeId, RobotId, StationId};
 use crate::time::Time;
 use crate::timeline::Holder;
 use crate::warehouse::{NodeKind, Warehouse};
@@ -151,6 +152,18 @@ pub struct CountersDto {
     pub step_us_p99: u64,
 }
 
+/// A station of a delivery to several of them.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct StopDto {
+    /// The station.
+    #[schema(example = "S1")]
+    pub station: String,
+    /// How long the pick takes, seconds, where the job says so.
+    pub pick_s: Option<f64>,
+    /// When the pick there had ended, RFC 3339; null until then.
+    pub served: Option<String>,
+}
+
 /// One job.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct JobDto {
@@ -161,12 +174,16 @@ pub struct JobDto {
     pub kind: JobKindDto,
     /// The rack to move.
     pub rack: Option<String>,
-    /// The station to bring it to.
+    /// The station to bring it to; of several the next one, or the last one when it is over.
     pub station: Option<String>,
+    /// The stations of a delivery to several of them, in their order; empty for one.
+    pub stops: Vec<StopDto>,
     /// The node to bring it, or the robot, to.
     pub node: Option<String>,
     /// The robot that works on it, the last one that did, or the one that the job names.
     pub robot: Option<String>,
+    /// The robot that an operator has chosen for it, until a robot has it.
+    pub only: Option<String>,
     /// How long the pick takes, seconds, where the job says so.
     pub pick_s: Option<f64>,
     /// 0 to 9, 9 first.
@@ -340,6 +357,11 @@ impl Names<'_> {
             node,
             robot: record.robot.or(request.kind.robot()).map(|r| self.robot(r)),
             pick_s: pick.map(|p| p.as_secs_f64()),
+            stops: self.stops(record),
+            only: match record.job.choice {
+                RobotChoice::Only(robot) => Some(self.robot(robot)),
+                RobotChoice::Any | RobotChoice::Except(..) => None,
+            },
             priority: request.priority,
             deadline: request.deadline.map(time_text),
             after: request.after.iter().map(|j| job_name(*j)).collect(),
@@ -357,6 +379,27 @@ impl Names<'_> {
                 ended: record.times.ended.map(time_text),
             },
         }
+    }
+
+    /// The stations of a delivery to several of them; nothing for one.
+    fn stops(&self, record: &JobRow) -> Vec<StopDto> {
+        let (job, gone) = (&record.job, &record.gone);
+        if job.served.is_empty() && job.request.then.is_empty() {
+            return Vec::new();
+        }
+        let name = |s: StationId| {
+            let gone = gone.stops.get(&s).cloned();
+            gone.or_else(|| self.map.stations.get(s).map(|s| s.name.clone()))
+                .unwrap_or_else(|| format!("{s:?}"))
+        };
+        let stop = |v: Visiting, served: Option<Time>| StopDto {
+            station: name(v.station),
+            pick_s: v.pick.map(|p| p.as_secs_f64()),
+            served: served.map(time_text),
+        };
+        let last = (job.state == JobState::Done).then_some(record.times.ended).flatten();
+        let to_come = job.request.stations().map(|v| stop(v, last));
+        job.served.iter().map(|(v, at)| stop(*v, Some(*at))).chain(to_come).collect()
     }
 
     fn why_of_job(&self, record: &JobRow) -> Option<String> {

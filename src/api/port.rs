@@ -197,6 +197,8 @@ pub enum What {
     Station(StationId, StationOrder),
     /// What is to be different about a waiting job.
     Change(JobId, JobChange),
+    /// A job is to be done by this robot, or by any other than the one that has it.
+    Reassign(JobId, Option<RobotId>),
 }
 
 /// What is too much to be in every view: the thread that owns the fleet works it out on request, from the fleet as it

@@ -16,6 +16,10 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::UnknownJob(_)
         | Refusal::JobIsOver(_)
         | Refusal::JobHasBegun(_)
+        | Refusal::CannotBeTaken(_)
+        | Refusal::NamesItsRobot(_)
+        | Refusal::NotForRobot(_)
+        | Refusal::SameStationTwice
         | Refusal::UnknownPredecessor(_)
         | Refusal::DeadlineIsOver
         | Refusal::HasNoStation(_)
@@ -142,6 +146,23 @@ fn about_jobs(why: Refusal) -> Problem {
             );
             Problem::conflict("job-has-begun", "The job has begun", detail)
         }
+        Refusal::CannotBeTaken(job) => {
+            let detail = format!(
+                "the rack of {} is at its station, or on its way to where it is to stay: let it end, or cancel it",
+                job_name(job)
+            );
+            Problem::conflict("job-cannot-be-taken", "The job cannot be taken from its robot", detail)
+        }
+        Refusal::NamesItsRobot(kind) => {
+            let detail = format!(
+                "a {kind} job names its robot: change it with PATCH before it has begun, or cancel it"
+            );
+            Problem::conflict("job-names-its-robot", "The job names its robot", detail)
+        }
+        Refusal::NotForRobot(_) => {
+            field("robot", "it cannot carry the rack, or may not drive to it or to where it is wanted".into())
+        }
+        Refusal::SameStationTwice => field("stops", "two stops in a row are at the same station".into()),
         Refusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
         Refusal::DeadlineIsOver => {
             field("deadline", "it is over already: give a time to come, or none".into())

@@ -87,6 +87,7 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/jobs/{id}", Read),
     ("PATCH", "/v1/jobs/{id}", Change),
     ("DELETE", "/v1/jobs/{id}", Change),
+    ("POST", "/v1/jobs/{id}/reassign", Change),
     ("GET", "/v1/jobs/{id}/why", Read),
     ("GET", "/v1/timelines", Read),
     ("GET", "/v1/workers", Known),

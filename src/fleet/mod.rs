@@ -39,7 +39,7 @@ pub use state::fault::Fault;
 pub use state::io::{
     Bounded, CausedFacts, Command, Input, Refusal, Reply, StationOrder, Step, Telemetry, Waypoint,
 };
-pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState};
+pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, RobotChoice, Visiting};
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums};

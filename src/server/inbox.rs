@@ -170,6 +170,7 @@ fn input(token: u64, what: What) -> Input {
         What::Release(robot) => Input::Release { token, robot },
         What::Station(station, order) => Input::Station { token, station, order },
         What::Change(job, change) => Input::Change { token, job, change },
+        What::Reassign(job, robot) => Input::Reassign { token, job, robot },
     }
 }
 

@@ -6,7 +6,7 @@ use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
     Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, Fact,
-    GoneNames, Job, JobQuery, JobRow, JobState, JobTimes, RobotEventQuery, RobotEventRow, RobotEventSource,
+    GoneNames, Job, JobQuery, JobRow, JobTimes, RobotEventQuery, RobotEventRow, RobotEventSource,
     RobotJobCounts, ShiftRows, robot_change,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
@@ -70,7 +70,7 @@ impl Lists {
         match fact {
             Fact::Accepted { job: id, request, at } => {
                 let (gone, request) = (GoneNames::default(), request.clone());
-                let job = Job { request, state: JobState::Waiting, accepted: *at };
+                let job = Job::new(request, *at);
                 let (robot, times, changed) = (None, JobTimes::default(), false);
                 self.jobs.insert(*id, JobRow { id: *id, job, robot, updated: *at, times, changed, gone });
             }
@@ -80,6 +80,16 @@ impl Lists {
                     record.robot = state.robot().or(record.robot);
                     record.updated = *at;
                     record.times.note(*state, *at);
+                }
+            }
+            Fact::Served { job, tasked: (robot, _), at } => {
+                if let Some(record) = self.jobs.get_mut(job) {
+                    record.serve(*robot, *at);
+                }
+            }
+            Fact::Chosen { job, choice, at } => {
+                if let Some(record) = self.jobs.get_mut(job) {
+                    (record.job.choice, record.updated) = (*choice, *at);
                 }
             }
             Fact::Prioritised { job, priority, at } => {

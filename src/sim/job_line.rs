@@ -3,7 +3,7 @@
 //! Main types: [`JobLine`], [`ChangeLine`]. Fields that came later are left out where they say nothing, so that older
 //! recordings are read. Refuses: versions; [`super::recording`] has them.
 
-use crate::fleet::{JobChange, JobKind, JobRequest};
+use crate::fleet::{JobChange, JobKind, JobRequest, Visiting};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,9 @@ pub struct JobLine {
     deadline: Option<i64>,
     after: Vec<u64>,
     key: Option<String>,
+    /// Stations that the rack goes on to, and how long the picks take.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    then: Vec<(u32, Option<i64>)>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reference: Option<String>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -66,6 +69,7 @@ impl JobLine {
             deadline: request.deadline.map(|d| d.0),
             after: request.after.iter().map(|j| j.0).collect(),
             key: request.key.clone(),
+            then: request.then.iter().map(|v| (v.station.0, v.pick.map(|p| p.0))).collect(),
             reference: request.reference.clone(),
             labels: request.labels.clone(),
         }
@@ -90,10 +94,15 @@ impl From<JobLine> for JobRequest {
             deadline: line.deadline.map(Time),
             after: line.after.into_iter().map(JobId).collect(),
             key: line.key,
+            then: line.then.into_iter().map(visiting).collect(),
             reference: line.reference,
             labels: line.labels,
         }
     }
+}
+
+fn visiting((station, pick): (u32, Option<i64>)) -> Visiting {
+    Visiting { station: StationId(station), pick: pick.map(Span) }
 }
 
 impl From<&JobChange> for ChangeLine {

@@ -186,6 +186,7 @@ enum Other {
     /// From before more than the priority could be changed.
     Prioritise(u64, u64, u8),
     Change(u64, u64, ChangeLine),
+    Reassign(u64, u64, Option<u32>),
     /// Token, station, what it says.
     Station(u64, u32, Says),
 }
@@ -337,6 +338,7 @@ fn asked(input: &Input) -> Other {
         Input::Halt { token, robot } => Other::Halt(*token, robot.map(|r| r.0)),
         Input::Release { token, robot } => Other::Release(*token, robot.map(|r| r.0)),
         Input::Change { token, job, change } => Other::Change(*token, job.0, change.into()),
+        Input::Reassign { token, job, robot } => Other::Reassign(*token, job.0, robot.map(|r| r.0)),
         Input::Station { token, station, order } => Other::Station(*token, station.0, (*order).into()),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
     }
@@ -497,6 +499,9 @@ fn other(o: Other) -> Input {
         Other::Prioritise(token, job, priority) => {
             let change = JobChange { priority: Some(priority), ..JobChange::default() };
             Input::Change { token, job: JobId(job), change }
+        }
+        Other::Reassign(token, job, robot) => {
+            Input::Reassign { token, job: JobId(job), robot: robot.map(RobotId) }
         }
         Other::Change(token, job, change) => Input::Change { token, job: JobId(job), change: change.into() },
         Other::Station(token, station, order) => {

@@ -8,6 +8,7 @@
 use super::check::{back_up, sync_folder};
 use super::events::NOTE_JOBS;
 use super::gone::{BEYOND, Gone, GoneKind};
+use super::jobs::StopsRecord;
 use super::opening::free_name;
 use super::{
     MapNote, Opening, Store, StoreError, floor, job_record, last_step, ledger_record, published, seal, steps,
@@ -46,6 +47,8 @@ const RENUMBER: [&str; 7] = [
      WHERE node IN (SELECT old FROM temp.ids WHERE kind = 'node')",
     "UPDATE heat SET node = -1 - node WHERE node < 0",
 ];
+const STOPS: &str = "SELECT id, stops FROM jobs WHERE stops IS NOT NULL";
+const SET_STOPS: &str = "UPDATE jobs SET stops = $2 WHERE id = $1";
 const WAIT_AGAIN: &str = "UPDATE jobs SET state = 'waiting', why = NULL, worker = NULL, updated = $1, \
     assigned_at = NULL, lifted_at = NULL, arrived_at = NULL \
     WHERE id IN (SELECT value FROM json_each($2))";
@@ -230,6 +233,9 @@ async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -
     sqlx::query(IDS).execute(&mut *db).await?;
     for kind in GoneKind::ALL {
         let changes = changes(kind, &names(kind, old), &names(kind, new), &known, &mut gone);
+        if kind == GoneKind::Station {
+            renumber_stops(&mut *db, &changes.iter().copied().collect()).await?;
+        }
         let changes = serde_json::to_string(&changes).expect("a list of numbers is JSON");
         sqlx::query(MAP_ID).bind(kind.word()).bind(changes).execute(&mut *db).await?;
     }
@@ -240,6 +246,18 @@ async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -
     sqlx::query(FORGET_GONE).execute(&mut *db).await?;
     for ((kind, id), name) in &gone.0 {
         sqlx::query(NOTE_GONE).bind(kind.word()).bind(id).bind(name).execute(&mut *db).await?;
+    }
+    Ok(())
+}
+
+/// Gives the stations of deliveries to several of them their new ids.
+async fn renumber_stops(db: &mut SqliteConnection, ids: &BTreeMap<u32, u32>) -> Result<(), StoreError> {
+    for (job, text) in sqlx::query_as::<_, (i64, String)>(STOPS).fetch_all(&mut *db).await? {
+        let broken = |e: serde_json::Error| StoreError::Job { id: job, why: e.to_string() };
+        let mut stops: StopsRecord = serde_json::from_str(&text).map_err(broken)?;
+        stops.renumber(|station| ids.get(&station).copied().unwrap_or(station));
+        let text = serde_json::to_string(&stops).expect("lists of numbers are JSON");
+        sqlx::query(SET_STOPS).bind(job).bind(text).execute(&mut *db).await?;
     }
     Ok(())
 }

@@ -4,8 +4,8 @@
 //! that they never come to mean something else. Refuses: to name what the map has.
 
 use super::StoreError;
-use crate::fleet::{GoneNames, JobFailure, JobKind, JobState};
-use crate::id::NodeId;
+use crate::fleet::{GoneNames, Job, JobFailure, JobKind, JobState};
+use crate::id::{NodeId, StationId};
 use sqlx::Row;
 use sqlx::sqlite::{SqliteExecutor, SqlitePool};
 use std::collections::BTreeMap;
@@ -69,7 +69,11 @@ impl Gone {
     }
 
     /// The names of what a job speaks of.
-    pub fn of_job(&self, kind: &JobKind, state: JobState) -> GoneNames {
+    pub fn of_job(&self, job: &Job) -> GoneNames {
+        let kind = &job.request.kind;
+        let state = job.state;
+        let stops = job.served.iter().map(|(v, _)| v).chain(&job.request.then);
+        let station = |s: StationId| Some((s, self.name(GoneKind::Station, s.0)?));
         let node = match (*kind, state) {
             (JobKind::Relocate { node, .. } | JobKind::Go { node, .. }, _)
             | (_, JobState::Failed(JobFailure::StorageTaken(node))) => self.node(node),
@@ -79,6 +83,7 @@ impl Gone {
             rack: kind.rack().and_then(|r| self.name(GoneKind::Rack, r.0)),
             station: kind.station().and_then(|s| self.name(GoneKind::Station, s.0)),
             node,
+            stops: stops.filter_map(|v| station(v.station)).collect(),
         }
     }
 }

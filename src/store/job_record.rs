@@ -2,7 +2,7 @@
 //!
 //! Main types: [`RequestRecord`], [`StateRecord`], [`TaskRecord`]. Refuses: to know of steps.
 
-use crate::fleet::{JobFailure, JobKind, JobRequest, JobState, Purpose, Task};
+use crate::fleet::{JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
@@ -19,6 +19,18 @@ pub(super) enum KindRecord {
     Go { robot: u32, node: u32 },
 }
 
+/// A station, and how long the pick takes.
+pub(super) type StationRecord = (u32, Option<i64>);
+
+/// Which robots may do a job; also a column of the `jobs` table.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum ChoiceRecord {
+    Any,
+    Except(u32, i64),
+    Only(u32),
+}
+
 #[derive(Serialize, Deserialize)]
 pub(super) struct RequestRecord {
     kind: KindRecord,
@@ -26,6 +38,8 @@ pub(super) struct RequestRecord {
     deadline: Option<i64>,
     after: Vec<u64>,
     key: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    then: Vec<StationRecord>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reference: Option<String>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -114,8 +128,37 @@ impl From<&JobRequest> for RequestRecord {
             deadline: r.deadline.map(|t| t.0),
             after: r.after.iter().map(|j| j.0).collect(),
             key: r.key.clone(),
+            then: r.then.iter().map(visit_record).collect(),
             reference: r.reference.clone(),
             labels: r.labels.clone(),
+        }
+    }
+}
+
+pub(super) fn visit_record(v: &Visiting) -> StationRecord {
+    (v.station.0, v.pick.map(|p| p.0))
+}
+
+pub(super) fn visiting((station, pick): StationRecord) -> Visiting {
+    Visiting { station: StationId(station), pick: pick.map(Span) }
+}
+
+impl From<RobotChoice> for ChoiceRecord {
+    fn from(choice: RobotChoice) -> ChoiceRecord {
+        match choice {
+            RobotChoice::Any => ChoiceRecord::Any,
+            RobotChoice::Except(robot, until) => ChoiceRecord::Except(robot.0, until.0),
+            RobotChoice::Only(robot) => ChoiceRecord::Only(robot.0),
+        }
+    }
+}
+
+impl From<ChoiceRecord> for RobotChoice {
+    fn from(choice: ChoiceRecord) -> RobotChoice {
+        match choice {
+            ChoiceRecord::Any => RobotChoice::Any,
+            ChoiceRecord::Except(robot, until) => RobotChoice::Except(RobotId(robot), Time(until)),
+            ChoiceRecord::Only(robot) => RobotChoice::Only(RobotId(robot)),
         }
     }
 }
@@ -128,6 +171,7 @@ impl From<RequestRecord> for JobRequest {
             deadline: r.deadline.map(Time),
             after: r.after.into_iter().map(JobId).collect(),
             key: r.key,
+            then: r.then.into_iter().map(visiting).collect(),
             reference: r.reference,
             labels: r.labels,
         }

@@ -3,31 +3,55 @@
 //! Refuses: names, which the map gives to ids elsewhere.
 
 use super::gone::Gone;
+use super::job_record::{ChoiceRecord, StationRecord, visiting};
 use super::{Store, StoreError, job_record};
-use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes};
+use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, RobotChoice};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
+use serde::{Deserialize, Serialize};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{QueryBuilder, Row};
+
+/// The stations of a delivery besides the one at which the rack is wanted now, or was wanted last.
+#[derive(Default, Serialize, Deserialize)]
+pub(super) struct StopsRecord {
+    /// Those that were served, and when.
+    served: Vec<(StationRecord, i64)>,
+    /// Those that come after it.
+    then: Vec<StationRecord>,
+}
+
+impl StopsRecord {
+    /// Gives stations other ids.
+    pub fn renumber(&mut self, id: impl Fn(u32) -> u32) {
+        let visits = self.served.iter_mut().map(|(visit, _)| visit).chain(&mut self.then);
+        visits.for_each(|(station, _)| *station = id(*station));
+    }
+}
 
 /// What is read of a job.
 macro_rules! columns {
     () => {
         "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, worker, \
-         created, updated, reference, assigned_at, lifted_at, arrived_at, ended_at, changed, \
+         created, updated, reference, stops, choice, assigned_at, lifted_at, arrived_at, ended_at, changed, \
          (SELECT json_group_object(key, value) FROM job_labels WHERE job = jobs.id) AS labels FROM jobs"
     };
 }
 
 const ACCEPT: &str = "INSERT INTO jobs \
-    (id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, created, updated, reference) \
-    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12, $13)";
+    (id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, created, updated, reference, \
+    stops) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12, $13, $14)";
 const LABEL: &str = "INSERT INTO job_labels (job, key, value) VALUES ($1, $2, $3)";
 const PROGRESS: &str = "UPDATE jobs SET state = $2, why = $3, worker = $4, updated = $5, \
+    choice = CASE $2 WHEN 'waiting' THEN choice ELSE NULL END, \
     assigned_at = CASE $2 WHEN 'waiting' THEN NULL WHEN 'assigned' THEN $5 ELSE assigned_at END, \
     lifted_at = CASE $2 WHEN 'carrying' THEN $5 WHEN 'picking' THEN lifted_at ELSE NULL END, \
     arrived_at = CASE $2 WHEN 'picking' THEN $5 ELSE NULL END WHERE id = $1";
 const FINISH: &str = "UPDATE jobs SET state = $2, why = $3, updated = $4, ended_at = $4 WHERE id = $1";
+const STOPS: &str = "SELECT station, pick, stops FROM jobs WHERE id = $1";
+const SERVE: &str = "UPDATE jobs SET state = 'carrying', station = $2, pick = $3, stops = $4, updated = $5, \
+    arrived_at = NULL WHERE id = $1";
+const CHOOSE: &str = "UPDATE jobs SET choice = $2, updated = $3 WHERE id = $1";
 const PRIORITISE: &str = "UPDATE jobs SET priority = $2, updated = $3, changed = 1 WHERE id = $1";
 const CHANGE: &str = "UPDATE jobs SET station = $2, robot = $3, priority = $4, deadline = $5, updated = $6, \
     changed = 1 WHERE id = $1";
@@ -107,6 +131,12 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
     match fact {
         Fact::Accepted { job, request, at } => accept(db, *job, request, *at).await,
         Fact::Progressed { job, state, at, .. } => progress(db, *job, *state, *at).await,
+        Fact::Served { job, at, .. } => serve(db, *job, *at).await,
+        Fact::Chosen { job, choice, at } => {
+            let choice = serde_json::to_string(&ChoiceRecord::from(*choice)).expect("a choice is JSON");
+            let query = sqlx::query(CHOOSE).bind(job.0.cast_signed()).bind(choice).bind(at.0);
+            query.execute(db).await.map(|_| ())
+        }
         Fact::Prioritised { job, priority, at } => prioritise(db, *job, *priority, *at).await,
         Fact::JobChanged { job, kind, priority, deadline, at } => {
             let query = sqlx::query(CHANGE).bind(job.0.cast_signed()).bind(kind.station().map(|s| s.0));
@@ -147,12 +177,42 @@ async fn accept(
         .bind(&request.key)
         .bind(at.0)
         .bind(&request.reference)
+        .bind(stops_text(&StopsRecord { served: Vec::new(), then: then_of(request) }))
         .execute(&mut *db)
         .await?;
     for (key, value) in &request.labels {
         sqlx::query(LABEL).bind(id.0.cast_signed()).bind(key).bind(value).execute(&mut *db).await?;
     }
     Ok(())
+}
+
+/// A rack goes on from a station to the next one.
+async fn serve(db: &mut SqliteConnection, id: JobId, at: Time) -> Result<(), sqlx::Error> {
+    let row = sqlx::query(STOPS).bind(id.0.cast_signed()).fetch_one(&mut *db).await?;
+    let mut stops = stops_of(&row)?;
+    let (station, pick): (Option<u32>, Option<i64>) = (row.try_get("station")?, row.try_get("pick")?);
+    let Some(station) = station.filter(|_| !stops.then.is_empty()) else {
+        return Err(sqlx::Error::Decode(format!("job {} has no station to go on to", id.0).into()));
+    };
+    stops.served.push(((station, pick), at.0));
+    let (next, pick) = stops.then.remove(0);
+    let query = sqlx::query(SERVE).bind(id.0.cast_signed()).bind(next).bind(pick).bind(stops_text(&stops));
+    query.bind(at.0).execute(db).await.map(|_| ())
+}
+
+fn then_of(request: &JobRequest) -> Vec<StationRecord> {
+    request.then.iter().map(job_record::visit_record).collect()
+}
+
+/// Nothing for jobs with one station, as most have.
+fn stops_text(stops: &StopsRecord) -> Option<String> {
+    let is_one = stops.served.is_empty() && stops.then.is_empty();
+    (!is_one).then(|| serde_json::to_string(stops).expect("lists of numbers are JSON"))
+}
+
+fn stops_of(row: &SqliteRow) -> Result<StopsRecord, sqlx::Error> {
+    let Some(text) = row.try_get::<Option<&str>, _>("stops")? else { return Ok(StopsRecord::default()) };
+    serde_json::from_str(text).map_err(|e| sqlx::Error::Decode(e.into()))
 }
 
 async fn prioritise(db: &mut SqliteConnection, id: JobId, priority: u8, at: Time) -> Result<(), sqlx::Error> {
@@ -190,10 +250,16 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
     let broken = |why: &str| StoreError::Job { id, why: why.into() };
     let worker = row.try_get::<Option<u32>, _>("worker")?.map(RobotId);
     let after: Vec<u64> = serde_json::from_str(row.try_get("after")?).map_err(|e| broken(&e.to_string()))?;
+    let stops = stops_of(row)?;
+    let choice = match row.try_get::<Option<&str>, _>("choice")? {
+        Some(text) => serde_json::from_str::<ChoiceRecord>(text).map_err(|e| broken(&e.to_string()))?.into(),
+        None => RobotChoice::Any,
+    };
     let request = JobRequest {
         kind: decode_kind(row)?.ok_or_else(|| broken("its kind and its columns do not go together"))?,
         priority: row.try_get("priority")?,
         deadline: row.try_get::<Option<i64>, _>("deadline")?.map(Time),
+        then: stops.then.into_iter().map(visiting).collect(),
         after: after.into_iter().map(JobId).collect(),
         key: row.try_get("key")?,
         reference: row.try_get("reference")?,
@@ -212,7 +278,13 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
         }
         (state, _, _) => return Err(broken(&format!("state {state} and its columns do not go together"))),
     };
-    let gone = gone.of_job(&request.kind, state);
+    let job = Job {
+        request,
+        state,
+        accepted: Time(row.try_get("created")?),
+        served: stops.served.into_iter().map(|(v, at)| (visiting(v), Time(at))).collect(),
+        choice,
+    };
     let time = |column| Ok::<_, sqlx::Error>(row.try_get::<Option<i64>, _>(column)?.map(Time));
     Ok(JobRow {
         times: JobTimes {
@@ -222,9 +294,9 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
             ended: time("ended_at")?,
         },
         changed: row.try_get("changed")?,
-        gone,
+        gone: gone.of_job(&job),
         id: JobId(id.unsigned_abs()),
-        job: Job { request, state, accepted: Time(row.try_get("created")?) },
+        job,
         robot: worker,
         updated: Time(row.try_get("updated")?),
     })

@@ -4,15 +4,17 @@
 //! in the program does not change what is on disk unnoticed. Refuses: what a newer program wrote, and what
 //! contradicts itself.
 
-use super::job_record::{RequestRecord, StateRecord, TaskRecord};
+use super::job_record::{
+    ChoiceRecord, RequestRecord, StateRecord, StationRecord, TaskRecord, visit_record, visiting,
+};
 use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, LastPlaceRecord, RecurringRecord,
 };
 use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
-    Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, Service, Stop,
-    Sums, Wishes,
+    Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, RobotChoice,
+    Service, Stop, Sums, Wishes,
 };
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
@@ -52,6 +54,11 @@ struct JobRecord {
     request: RequestRecord,
     state: StateRecord,
     accepted: i64,
+    /// Stations that were served, and when.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    served: Vec<(StationRecord, i64)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    choice: Option<ChoiceRecord>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -243,13 +250,25 @@ fn keys<I: Copy + Ord>(r: KeysRecord, id: impl Fn(u64) -> I) -> Keys<I> {
 
 impl From<&Job> for JobRecord {
     fn from(j: &Job) -> JobRecord {
-        JobRecord { request: (&j.request).into(), state: j.state.into(), accepted: j.accepted.0 }
+        JobRecord {
+            request: (&j.request).into(),
+            state: j.state.into(),
+            accepted: j.accepted.0,
+            served: j.served.iter().map(|(v, at)| (visit_record(v), at.0)).collect(),
+            choice: (j.choice != RobotChoice::Any).then(|| j.choice.into()),
+        }
     }
 }
 
 impl From<JobRecord> for Job {
     fn from(r: JobRecord) -> Job {
-        Job { request: r.request.into(), state: r.state.into(), accepted: Time(r.accepted) }
+        Job {
+            request: r.request.into(),
+            state: r.state.into(),
+            accepted: Time(r.accepted),
+            served: r.served.into_iter().map(|(v, at)| (visiting(v), Time(at))).collect(),
+            choice: r.choice.map_or(RobotChoice::Any, RobotChoice::from),
+        }
     }
 }
 

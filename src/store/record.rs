@@ -3,7 +3,7 @@
 //! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
 //! with another meaning: a journal outlives the program that wrote it. Refuses: to guess what a newer version means.
 
-use super::job_record::{KindRecord, RequestRecord, StateRecord, TaskRecord};
+use super::job_record::{ChoiceRecord, KindRecord, RequestRecord, StateRecord, TaskRecord};
 use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, LastPlaceRecord, ReactionRecord,
     RecurringRecord,
@@ -86,6 +86,16 @@ enum Record {
         state: StateRecord,
         #[serde(default, skip_serializing_if = "Option::is_none")]
         tasked: Option<(u32, TaskRecord)>,
+        at: i64,
+    },
+    Served {
+        job: u64,
+        tasked: (u32, TaskRecord),
+        at: i64,
+    },
+    Chosen {
+        job: u64,
+        choice: ChoiceRecord,
         at: i64,
     },
     Tasked {
@@ -370,6 +380,12 @@ impl From<&Fact> for Record {
             Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
             Fact::StationPaused { station, at } => Record::StationPaused { station: station.0, at: at.0 },
             Fact::StationResumed { station, at } => Record::StationResumed { station: station.0, at: at.0 },
+            Fact::Served { job, tasked: (robot, task), at } => {
+                Record::Served { job: job.0, tasked: (robot.0, (*task).into()), at: at.0 }
+            }
+            Fact::Chosen { job, choice, at } => {
+                Record::Chosen { job: job.0, choice: (*choice).into(), at: at.0 }
+            }
             Fact::Prioritised { job, priority, at } => {
                 Record::Prioritised { job: job.0, priority: *priority, at: at.0 }
             }
@@ -505,6 +521,12 @@ impl From<Record> for Fact {
             }
             Record::StationResumed { station, at } => {
                 Fact::StationResumed { station: StationId(station), at: Time(at) }
+            }
+            Record::Served { job, tasked: (robot, task), at } => {
+                Fact::Served { job: JobId(job), tasked: (RobotId(robot), task.into()), at: Time(at) }
+            }
+            Record::Chosen { job, choice, at } => {
+                Fact::Chosen { job: JobId(job), choice: choice.into(), at: Time(at) }
             }
             Record::Prioritised { job, priority, at } => {
                 Fact::Prioritised { job: JobId(job), priority, at: Time(at) }

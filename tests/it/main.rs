@@ -42,6 +42,7 @@ mod run;
 mod schema;
 mod sessions;
 mod stations;
+mod stops;
 mod store;
 mod strangers;
 mod tls;

@@ -177,7 +177,7 @@ pub async fn submit(
 
 /// Refuses a key that was used for another job. One that was changed since may differ from what was submitted.
 pub(super) fn check_same(row: &JobRow, asked: JobRequest) -> Result<(), Problem> {
-    let mut known = JobRequest { priority: asked.priority, ..row.job.request.clone() };
+    let mut known = JobRequest { priority: asked.priority, ..row.job.submitted() };
     if row.changed {
         let same_kind = std::mem::discriminant(&known.kind) == std::mem::discriminant(&asked.kind);
         if same_kind && known.kind.rack() == asked.kind.rack() {
@@ -285,6 +285,45 @@ impl JobPatch {
 pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let id = parse_id(&id)?;
     match api.ask(What::Cancel(id)).await? {
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Ok(Json(dto(&api, &read(&api, id).await?))),
+    }
+}
+
+/// Which robot is to do a job.
+#[derive(Clone, Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Reassignment {
+    /// Name of the robot; if absent, any other than the one that has the job, which gets it again after two minutes at
+    /// the earliest.
+    #[schema(example = "robot-1")]
+    robot: Option<String>,
+}
+
+/// Take a job from its robot, or give it to another one. The robot that has it puts down the rack if it carries it.
+/// A job without a robot waits for the one that is named; without a name, any robot may take it again.
+/// A choice ends when a robot has the job, or when the robot that was chosen goes out of service.
+#[utoipa::path(post, path = "/v1/jobs/{id}/reassign", tag = "jobs", operation_id = "reassignJob",
+    request_body = Reassignment, params(("id" = String, Path, example = "j17")), responses(
+    (status = 200, description = "The job as it is now", body = JobDto),
+    (status = 404, body = Problem, content_type = "application/problem+json"),
+    (status = 409, description = "It is over, its rack is at its station, or it names its robot", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, body = Problem, content_type = "application/problem+json")))]
+pub async fn reassign(
+    Called(api): Called,
+    PathPart(id): PathPart,
+    JsonBody(to): JsonBody<Reassignment>,
+) -> Result<Json<JobDto>, Problem> {
+    let id = parse_id(&id)?;
+    let mut errors = Vec::new();
+    let moment = api.moment();
+    let robot = named("robot", to.robot.as_deref(), |name| robot_named(&moment, name), &mut errors);
+    if !errors.is_empty() {
+        return Err(Problem::invalid(errors));
+    }
+    match api.ask(What::Reassign(id, robot)).await? {
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Ok(Json(dto(&api, &read(&api, id).await?))),
     }

@@ -157,6 +157,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(jobs::list, jobs::submit))
         .routes(routes!(batch::submit))
         .routes(routes!(jobs::get, jobs::change, jobs::cancel))
+        .routes(routes!(jobs::reassign))
         .routes(routes!(halt::fleet))
         .routes(routes!(halt::stop))
         .routes(routes!(halt::resume))

@@ -8,7 +8,7 @@ use crate::api::extract::read_time;
 use crate::api::port::Moment;
 use crate::api::text::parse_job_name;
 use crate::api::words::JobKindDto;
-use crate::fleet::{JobKind, JobRequest};
+use crate::fleet::{JobKind, JobRequest, Visiting};
 use crate::id::{Dense, NodeId, RackId, RobotId, StationId};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
@@ -32,8 +32,23 @@ const LONGEST_PICK_S: f64 = 3600.0;
 /// How many jobs one may come after.
 const MOST_PREDECESSORS: usize = 100;
 
-/// A job as a customer submits it. Which fields it has depends on its kind: `deliver` rack, station,
-/// pick_s?; `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
+/// The most stations of one delivery.
+const MOST_STOPS: usize = 16;
+
+/// A station of a delivery to several of them.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewStop {
+    /// Name of a station.
+    #[schema(example = "S1")]
+    station: String,
+    /// How long the pick takes, seconds; the station's usual time if absent.
+    #[schema(minimum = 0, maximum = 3600)]
+    pick_s: Option<f64>,
+}
+
+/// A job as a customer submits it. Which fields it has depends on its kind: `deliver` rack, and station and
+/// pick_s? or stops; `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewJob {
@@ -44,6 +59,9 @@ pub struct NewJob {
     /// Name of a station.
     #[schema(example = "S1")]
     station: Option<String>,
+    /// Stations that the rack goes to one after the other, in place of `station` and `pick_s`; 1 to 16.
+    #[schema(min_items = 1, max_items = 16)]
+    stops: Option<Vec<NewStop>>,
     /// Name of a node.
     node: Option<String>,
     /// Name of a robot.
@@ -122,10 +140,65 @@ impl Reader<'_> {
         self.name("robot", new.robot.as_deref(), |r, text| robot_named(r.moment, text))
     }
 
+    /// Where a rack is wanted first.
+    fn first_stop(&mut self, new: &NewJob) -> Option<Visiting> {
+        if let Some(first) = new.stops.as_deref().and_then(<[NewStop]>::first) {
+            return self.stop(0, first);
+        }
+        let pick = self.pick("pick_s", new.pick_s);
+        Some(Visiting { station: self.station(new)?, pick })
+    }
+
+    /// Where it is wanted after that; complains about lists of stops that cannot be.
+    fn then(&mut self, new: &NewJob) -> Vec<Visiting> {
+        let Some(stops) = new.stops.as_deref().filter(|_| self.kind == JobKindDto::Deliver) else {
+            return Vec::new();
+        };
+        if !(1..=MOST_STOPS).contains(&stops.len()) {
+            self.wrong("stops", format!("{} stops; 1 to {MOST_STOPS} are allowed", stops.len()));
+            return Vec::new();
+        }
+        for (field, _) in [("station", new.station.is_some()), ("pick_s", new.pick_s.is_some())]
+            .into_iter()
+            .filter(|(_, given)| *given)
+        {
+            self.wrong(field, "leave it out where there are stops: each of them has its own");
+        }
+        for (i, pair) in stops.windows(2).enumerate() {
+            if pair[0].station == pair[1].station {
+                let detail = format!("\"{}\" comes twice in a row: put the picks into one", pair[0].station);
+                self.wrong(&format!("stops[{}].station", i + 1), detail);
+            }
+        }
+        (1..).zip(&stops[1..]).filter_map(|(i, stop)| self.stop(i, stop)).collect()
+    }
+
+    fn stop(&mut self, i: usize, stop: &NewStop) -> Option<Visiting> {
+        let field = format!("stops[{i}].station");
+        let pick = self.pick(&format!("stops[{i}].pick_s"), stop.pick_s);
+        let station = self.map.station_named(&stop.station);
+        if station.is_none() {
+            self.wrong(
+                &field,
+                format!("there is no station \"{}\"; GET /v1/stations lists them", stop.station),
+            );
+        }
+        Some(Visiting { station: station?, pick })
+    }
+
+    fn pick(&mut self, field: &str, seconds: Option<f64>) -> Option<Span> {
+        let seconds = seconds?;
+        if !(0.0..=LONGEST_PICK_S).contains(&seconds) {
+            self.wrong(field, format!("must be 0 to {LONGEST_PICK_S} seconds"));
+            return None;
+        }
+        Some(Span::from_secs_f64(seconds))
+    }
+
     /// Complains about fields that this kind of job does not have.
     fn superfluous(&mut self, new: &NewJob) {
         let fields: &[&str] = match self.kind {
-            JobKindDto::Deliver => &["rack", "station", "pick_s"],
+            JobKindDto::Deliver => &["rack", "station", "stops", "pick_s"],
             JobKindDto::Return => &["rack"],
             JobKindDto::Relocate => &["rack", "node"],
             JobKindDto::Charge | JobKindDto::Park => &["robot"],
@@ -134,6 +207,7 @@ impl Reader<'_> {
         let given = [
             ("rack", new.rack.is_some()),
             ("station", new.station.is_some()),
+            ("stops", new.stops.is_some()),
             ("node", new.node.is_some()),
             ("robot", new.robot.is_some()),
             ("pick_s", new.pick_s.is_some()),
@@ -170,9 +244,9 @@ impl Reader<'_> {
     fn kind(&mut self, new: &NewJob) -> Option<JobKind> {
         Some(match self.kind {
             JobKindDto::Deliver => {
-                let (rack, station) = (self.rack(new), self.station(new));
-                let pick = new.pick_s.map(Span::from_secs_f64);
-                JobKind::Deliver { rack: rack?, station: station?, pick }
+                let (rack, first) = (self.rack(new), self.first_stop(new));
+                let Visiting { station, pick } = first?;
+                JobKind::Deliver { rack: rack?, station, pick }
             }
             JobKindDto::Return => JobKind::Return { rack: self.rack(new)? },
             JobKindDto::Relocate => {
@@ -194,9 +268,6 @@ impl NewJob {
     pub(super) fn read(&self, map: &Warehouse, moment: &Moment) -> Result<JobRequest, Problem> {
         let mut r = Reader { map, moment, kind: self.kind, errors: Vec::new() };
         r.superfluous(self);
-        if self.pick_s.is_some_and(|s| !(0.0..=LONGEST_PICK_S).contains(&s)) {
-            r.wrong("pick_s", format!("must be 0 to {LONGEST_PICK_S} seconds"));
-        }
         let priority = self.priority.unwrap_or(0);
         if !(0..=9).contains(&priority) {
             r.wrong("priority", format!("{priority} is not between 0 and 9"));
@@ -216,11 +287,12 @@ impl NewJob {
                 }
             }
         }
+        let then = r.then(self);
         match (r.kind(self), r.errors.is_empty()) {
             (Some(kind), true) => {
                 let priority = u8::try_from(priority).unwrap_or(0);
                 let (reference, labels) = (self.reference.clone(), self.labels.clone().unwrap_or_default());
-                Ok(JobRequest { priority, deadline, after, reference, labels, ..JobRequest::new(kind) })
+                Ok(JobRequest { then, priority, deadline, after, reference, labels, ..JobRequest::new(kind) })
             }
             _ => Err(Problem::invalid(r.errors)),
         }

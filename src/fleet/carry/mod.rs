@@ -13,7 +13,9 @@ pub use matching::Matching;
 pub use report::{Report, ReportEntry};
 
 use crate::fleet::state::worker::{Assignment, Closure};
-use crate::fleet::{Job, JobKind, JobState, Ledger, Parts, Promises, RecurringClosure, Wishes};
+use crate::fleet::{
+    Job, JobKind, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Visiting, Wishes,
+};
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, SeriesId, StationId};
 use crate::time::Time;
@@ -100,14 +102,14 @@ impl Move<'_> {
     fn jobs(&mut self) -> (BTreeMap<JobId, Job>, Vec<JobId>, Vec<JobId>) {
         let (mut open, mut waiting, mut failed) = (BTreeMap::new(), Vec::new(), Vec::new());
         for (id, job) in &self.ledger.jobs {
-            match self.kind(job.request.kind) {
-                Ok(kind) => {
+            match self.request(&job.request) {
+                Ok(request) => {
                     if job.state != JobState::Waiting {
                         waiting.push(*id);
                     }
-                    let mut carried = Job { state: JobState::Waiting, ..job.clone() };
-                    carried.request.kind = kind;
-                    open.insert(*id, carried);
+                    let served = job.served.iter().filter_map(|(v, at)| Some((self.visiting(*v).ok()?, *at)));
+                    let served = served.collect();
+                    open.insert(*id, Job { request, state: JobState::Waiting, served, ..job.clone() });
                 }
                 Err(missing) => {
                     let what = format!("job {id:?} ({}) asks for {missing}", job.request.kind.word());
@@ -119,6 +121,16 @@ impl Move<'_> {
             }
         }
         (open, waiting, failed)
+    }
+
+    /// A job as it was submitted, by the new map's ids; or what the new map does not have.
+    fn request(&self, request: &JobRequest) -> Result<JobRequest, String> {
+        let then: Result<Vec<Visiting>, String> = request.then.iter().map(|v| self.visiting(*v)).collect();
+        Ok(JobRequest { kind: self.kind(request.kind)?, then: then?, ..request.clone() })
+    }
+
+    fn visiting(&self, visiting: Visiting) -> Result<Visiting, String> {
+        Ok(Visiting { station: self.station(visiting.station)?, ..visiting })
     }
 
     /// What a job wants, by the new map's ids; or what the new map does not have.

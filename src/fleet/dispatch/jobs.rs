@@ -42,7 +42,8 @@ pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], no
         let Some(job) = floor.ledger.index().queue.next_delivery(rack) else { continue };
         let JobKind::Deliver { station, .. } = floor.ledger.jobs[&job].request.kind else { continue };
         let station = floor.warehouse().stations[station].node;
-        if !floor.may_be_at(robot, station) {
+        let is_allowed = floor.is_allowed(robot, &floor.ledger.jobs[&job], now);
+        if !floor.may_be_at(robot, station) || !is_allowed {
             continue;
         }
         let task = Task::Deliver { job, rack, station, store };
@@ -113,7 +114,7 @@ fn assign_racks(core: &mut Core, needs: &Needs, robots: Vec<RobotId>, now: Time)
     if jobs.is_empty() {
         return robots;
     }
-    let (few, mut left) = nearest(core.floor().ways(&robots, &jobs));
+    let (few, mut left) = nearest(core.floor().ways(&robots, &jobs, now));
     let under_way = core.floor().under_way();
     let congestion = |id: &JobId| core.floor().congestion(*id, &under_way);
     let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| congestion(id) - urgency_ms).collect();
@@ -203,19 +204,27 @@ impl Floor<'_> {
     }
 
     /// For each robot, how long its ways to the racks of these jobs take.
-    fn ways(&self, robots: &[RobotId], jobs: &[(JobId, RackId, NodeId, i64)]) -> Vec<(RobotId, Ways)> {
+    fn ways(
+        &self,
+        robots: &[RobotId],
+        jobs: &[(JobId, RackId, NodeId, i64)],
+        now: Time,
+    ) -> Vec<(RobotId, Ways)> {
         let ways = |r: RobotId| -> Ways {
-            jobs.iter().map(|(id, rack, node, _)| self.way_ms(r, *id, (*rack, *node))).collect()
+            jobs.iter().map(|(id, rack, node, _)| self.way_ms(r, *id, (*rack, *node), now)).collect()
         };
         robots.iter().map(|r| (*r, ways(*r))).collect()
     }
 
     /// How long the robot's way to a rack takes, milliseconds; nothing if another robot stands there for ever, or the
-    /// robot is not of a kind for the job, or its charge does not last for it, or a broken robot stands between.
-    fn way_ms(&self, robot: RobotId, job: JobId, (rack, node): (RackId, NodeId)) -> Option<i64> {
-        let kind = &self.ledger.jobs[&job].request.kind;
+    /// robot is not of a kind for the job, or its charge does not last for it, or a broken robot stands between, or an
+    /// operator wants another robot to do it.
+    fn way_ms(&self, robot: RobotId, job: JobId, (rack, node): (RackId, NodeId), now: Time) -> Option<i64> {
+        let job = &self.ledger.jobs[&job];
+        let kind = &job.request.kind;
         if self.ledger.resident(node).is_some_and(|r| r != robot)
-            || !kind.is_for(self.warehouse(), self.body(robot), (rack, node))
+            || !job.request.is_for(self.warehouse(), self.body(robot), (rack, node))
+            || !self.is_allowed(robot, job, now)
             || !self.restrictions.cut_off.may_fetch(self.ledger.node_of(robot), node)
         {
             return None;

@@ -111,7 +111,11 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         Fact::Progressed { job, state, .. } => {
             FloorEvent { robot: state.robot(), ..FloorEvent::of(Job, Some(job.0), state.word()) }
         }
-        Fact::Prioritised { job, .. } | Fact::JobChanged { job, .. } => {
+        Fact::Served { job, tasked: (robot, _), .. } => {
+            let state = JobState::Carrying { robot: *robot };
+            FloorEvent { robot: Some(*robot), ..FloorEvent::of(Job, Some(job.0), state.word()) }
+        }
+        Fact::Prioritised { job, .. } | Fact::JobChanged { job, .. } | Fact::Chosen { job, .. } => {
             FloorEvent::of(Job, Some(job.0), JobState::Waiting.word())
         }
         Fact::Evacuated { .. } => FloorEvent::of(Fleet, None, "evacuation_began"),

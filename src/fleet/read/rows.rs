@@ -7,6 +7,7 @@ use crate::fleet::state::job::{Job, JobState};
 use crate::fleet::state::worker::{Assignment, Encounter};
 use crate::id::{AssignmentId, JobId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
+use std::collections::BTreeMap;
 
 /// A job as it is listed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,6 +26,14 @@ pub struct JobRow {
     pub changed: bool,
     /// Names of what it speaks of and the map no longer has.
     pub gone: GoneNames,
+}
+
+impl JobRow {
+    /// Its rack was served at a station that is not its last.
+    pub fn serve(&mut self, robot: RobotId, at: Time) {
+        self.job.go_on(robot, at);
+        (self.updated, self.times.arrived) = (at, None);
+    }
 }
 
 /// When a job came to each state. If a robot gives it back, the times of that attempt are forgotten.
@@ -62,6 +71,8 @@ pub struct GoneNames {
     pub station: Option<String>,
     /// Of its node, or place.
     pub node: Option<String>,
+    /// Of the other stations of a delivery.
+    pub stops: BTreeMap<StationId, String>,
 }
 
 /// Which jobs to list, newest first.

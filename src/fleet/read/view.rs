@@ -8,7 +8,7 @@ use crate::fleet::state::activity::{Activity, Doing};
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
-use crate::fleet::state::job::{Job, JobKind, JobState};
+use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::why::Why;
@@ -203,19 +203,38 @@ impl View {
                 },
             };
         }
+        if let Some(why) = self.why_not_chosen(job) {
+            return Some(why);
+        }
         let rack_busy = job.request.kind.rack().and_then(|rack| {
             let robot = self.robot_at_work_on(rack)?;
             Some(JobWhy::RackBusy(rack, robot, self.robots.get(robot.ix())?.job))
         });
-        rack_busy.or_else(|| self.why_not_fetched(map, &job.request.kind))
+        rack_busy.or_else(|| self.why_not_fetched(map, &job.request))
+    }
+
+    /// What keeps the robot that an operator chose for a job, if one was chosen and something keeps it.
+    fn why_not_chosen(&self, job: &Job) -> Option<JobWhy> {
+        let RobotChoice::Only(chosen) = job.choice else { return None };
+        let robot = self.robots.get(chosen.ix())?;
+        if robot.maintenance || robot.leaving {
+            return None;
+        }
+        match robot.why {
+            Some(why) if why.is_by_itself() => Some(JobWhy::Robot(chosen, why)),
+            _ if robot.job.is_some() => Some(JobWhy::RobotBusy(chosen, robot.job)),
+            _ if robot.battery < robot.critical => Some(JobWhy::RobotLow(chosen)),
+            _ => None,
+        }
     }
 
     /// Why no robot fetches a rack that stands in storage.
-    fn why_not_fetched(&self, map: &Warehouse, kind: &JobKind) -> Option<JobWhy> {
+    fn why_not_fetched(&self, map: &Warehouse, request: &JobRequest) -> Option<JobWhy> {
+        let kind = &request.kind;
         let rack = kind.rack()?;
         let RackAt::Stored(node) = *self.racks.get(rack.ix())? else { return None };
         let closed = |n: &NodeId| self.closing.contains(n);
-        let fits = |body: &BodyId| kind.is_for(map, *body, (rack, node));
+        let fits = |body: &BodyId| request.is_for(map, *body, (rack, node));
         if !self.kinds.is_empty() && !self.kinds.iter().any(fits) {
             return Some(JobWhy::NoKind);
         }

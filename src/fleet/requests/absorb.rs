@@ -10,7 +10,7 @@ use crate::fleet::state::heard::{Heard, WorkerInput};
 use crate::fleet::state::io::{Bounded, CausedFacts, Input, Refusal, Reply};
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
 use crate::fleet::state::ledger::RackAt;
-use crate::id::{Dense, JobId, RackId, RobotId, WorkerId};
+use crate::id::{Dense, JobId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 use crate::warehouse::walkway::Walkways;
@@ -89,7 +89,7 @@ impl Intake<'_> {
         if let Some(job) = request.key.as_ref().and_then(|k| self.core.ledger.keys.get(k)) {
             return Ok((*job, false));
         }
-        self.core.floor().check_places(&request.kind)?;
+        self.core.floor().check_request(&request)?;
         if request.priority > 9 {
             return Err(Refusal::Priority(request.priority));
         }
@@ -127,7 +127,23 @@ impl Intake<'_> {
 }
 
 impl Floor<'_> {
-    pub(super) fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
+    /// Everything that a job names exists, and some robots can do it at all of its stations.
+    pub(super) fn check_request(&self, request: &JobRequest) -> Result<(), Refusal> {
+        let w = self.warehouse();
+        if request.then.iter().any(|v| v.station.ix() >= w.stations.len()) {
+            return Err(Refusal::UnknownPlace);
+        }
+        let visits: Vec<StationId> = request.stations().map(|v| v.station).collect();
+        if (!request.then.is_empty() && request.kind.station().is_none())
+            || visits.windows(2).any(|pair| pair[0] == pair[1])
+        {
+            return Err(Refusal::SameStationTwice);
+        }
+        self.check_places(&request.kind)?;
+        self.check_kinds(request)
+    }
+
+    fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
         let w = self.warehouse();
         let rack_known = |r: RackId| r.ix() < w.racks.len();
         let robot_known = |r: RobotId| r.ix() < self.ledger.robots.len();
@@ -161,12 +177,13 @@ impl Floor<'_> {
                 return Err(Refusal::StorageTaken(node));
             }
         }
-        self.check_kinds(kind)
+        Ok(())
     }
 
     /// Some kind of robots must be able to do it, or that of the robot which the customer names.
-    fn check_kinds(&self, kind: &JobKind) -> Result<(), Refusal> {
+    fn check_kinds(&self, request: &JobRequest) -> Result<(), Refusal> {
         let w = self.warehouse();
+        let kind = &request.kind;
         if let JobKind::Go { robot, node } = *kind
             && !self.may_be_at(robot, node)
         {
@@ -177,13 +194,13 @@ impl Floor<'_> {
             RackAt::Stored(node) => node,
             RackAt::On(robot) => self.ledger.node_of(robot),
         };
-        let fits = w.bodies().ids().any(|body| kind.is_for(w, body, (rack, node)));
+        let fits = w.bodies().ids().any(|body| request.is_for(w, body, (rack, node)));
         if fits { Ok(()) } else { Err(Refusal::NoKindFor(rack)) }
     }
 
     /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to
     /// where it may stay.
-    fn task_without_job(&self, robot: RobotId) -> Task {
+    pub(super) fn task_without_job(&self, robot: RobotId) -> Task {
         match self.ledger.robots[robot].task {
             Task::Deliver { rack, store, .. } | Task::Store { rack, store, .. } => {
                 Task::Store { job: None, rack, store }

@@ -5,7 +5,7 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::io::{Refusal, Reply};
-use crate::fleet::state::job::{JobChange, JobKind, JobState};
+use crate::fleet::state::job::{JobChange, JobKind, JobRequest, JobState};
 use crate::id::JobId;
 use crate::time::Time;
 
@@ -28,7 +28,7 @@ impl Intake<'_> {
         let before = &record.request;
         let kind = changed_kind(before.kind, &change)?;
         if kind != before.kind {
-            self.core.floor().check_places(&kind)?;
+            self.core.floor().check_request(&JobRequest { kind, ..before.clone() })?;
         }
         let priority = change.priority.unwrap_or(before.priority);
         if priority > 9 {

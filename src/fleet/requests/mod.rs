@@ -10,6 +10,7 @@ mod enrolment;
 mod intake;
 mod operator;
 mod racks;
+mod reassign;
 mod station;
 mod workers;
 

@@ -47,6 +47,13 @@ impl Intake<'_> {
         self.core.record(Fact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
         self.heard.left_early.push(robot);
         if let Task::Deliver { job, rack, store, .. } = self.core.ledger.robots[robot].task {
+            let next = self.core.ledger.jobs[&job].request.then.first().copied();
+            if let Some(next) = next.filter(|_| state == JobState::Done) {
+                let station = self.core.warehouse().stations[next.station].node;
+                let task = Task::Deliver { job, rack, station, store };
+                self.core.record(Fact::Served { job, tasked: (robot, task), at: now });
+                return;
+            }
             let task = Task::Store { job: None, rack, store };
             self.core.progress(job, state, Some((robot, task)), now);
             self.heard.picked.push(robot);

@@ -50,6 +50,7 @@ impl Intake<'_> {
             Input::Retire { token, robot } => (token, self.retire(token, robot, now)),
             Input::TakeRack { token, rack, node } => (token, self.take_rack_off(token, rack, node, now)),
             Input::Change { token, job, change } => (token, self.change(token, job, change, now)),
+            Input::Reassign { token, job, robot } => (token, self.reassign(token, job, robot, now)),
             _ => unreachable!("telemetry, sightings and jobs are taken in elsewhere"),
         };
         self.core.out.replies.push(answer.unwrap_or_else(|why| Reply::Refused { token, why }));

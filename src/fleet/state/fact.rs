@@ -3,7 +3,7 @@
 //! Main type: [`Fact`]. Facts carry results (the chosen route, the time), never recipes: a better planner cannot
 //! rewrite history. Refuses: observations (poses, battery), which are seen again after a restart.
 
-use crate::fleet::state::job::{JobKind, JobRequest, JobState};
+use crate::fleet::state::job::{JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{
     AssignmentRequest, AssignmentState, Closure, Encounter, LastPlace, Reaction,
@@ -46,6 +46,24 @@ pub enum Fact {
         state: JobState,
         /// The robot whose task changes with it, and that task.
         tasked: Option<(RobotId, Task)>,
+        /// When.
+        at: Time,
+    },
+    /// A rack was served at a station and is wanted at another one: its robot goes there, and its job goes on.
+    Served {
+        /// The job.
+        job: JobId,
+        /// The robot, and its way to the next station.
+        tasked: (RobotId, Task),
+        /// When.
+        at: Time,
+    },
+    /// An operator says which robots may do a job that no robot has.
+    Chosen {
+        /// The job.
+        job: JobId,
+        /// The robots.
+        choice: RobotChoice,
         /// When.
         at: Time,
     },

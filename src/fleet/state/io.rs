@@ -214,6 +214,15 @@ pub enum Input {
         /// In what.
         change: JobChange,
     },
+    /// An operator takes a job from its robot, or gives it to another one.
+    Reassign {
+        /// Comes back with the reply.
+        token: u64,
+        /// Which.
+        job: JobId,
+        /// The robot that is to do it; any other than the one that has it if absent.
+        robot: Option<RobotId>,
+    },
 }
 
 impl Input {
@@ -244,7 +253,8 @@ impl Input {
             | Input::Halt { token, .. }
             | Input::Release { token, .. }
             | Input::Station { token, .. }
-            | Input::Change { token, .. } => Some(*token),
+            | Input::Change { token, .. }
+            | Input::Reassign { token, .. } => Some(*token),
         }
     }
 }
@@ -469,6 +479,14 @@ pub enum Refusal {
     JobIsOver(JobId),
     /// A robot works on the job already.
     JobHasBegun(JobId),
+    /// The job's rack stands at its station, or is on its way to where it is to stay.
+    CannotBeTaken(JobId),
+    /// This kind of job names its robot.
+    NamesItsRobot(&'static str),
+    /// The robot can never do the job.
+    NotForRobot(RobotId),
+    /// A rack cannot go on from a station to the same one, and only deliveries go to stations.
+    SameStationTwice,
     /// A job cannot come after one that does not exist.
     UnknownPredecessor(JobId),
     /// There is no such rack, station, node or robot.

@@ -104,11 +104,22 @@ impl JobKind {
     }
 }
 
+/// A station that a rack is wanted at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Visiting {
+    /// The station.
+    pub station: StationId,
+    /// How long the pick takes; the station's usual time where absent.
+    pub pick: Option<Span>,
+}
+
 /// A job as a customer hands it in.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct JobRequest {
-    /// What.
+    /// What. Of a delivery to several stations: to the next one.
     pub kind: JobKind,
+    /// The stations that the rack goes on to from there, in this order; of a delivery only.
+    pub then: Vec<Visiting>,
     /// 0 (whenever) to 9 (before all others).
     pub priority: u8,
     /// When it should be done.
@@ -126,8 +137,46 @@ pub struct JobRequest {
 impl JobRequest {
     /// This, whenever there is time for it.
     pub fn new(kind: JobKind) -> JobRequest {
-        let (after, labels) = (Vec::new(), BTreeMap::new());
-        JobRequest { kind, priority: 0, deadline: None, after, key: None, reference: None, labels }
+        let (then, after, labels) = (Vec::new(), Vec::new(), BTreeMap::new());
+        JobRequest { kind, then, priority: 0, deadline: None, after, key: None, reference: None, labels }
+    }
+
+    /// Whether robots of a kind can do it with its rack on a node, at all of its stations.
+    pub fn is_for(&self, w: &Warehouse, body: BodyId, rack: (RackId, NodeId)) -> bool {
+        let reaches = |v: &Visiting| w.may_be_at(body, w.stations[v.station].node);
+        self.kind.is_for(w, body, rack) && self.then.iter().all(reaches)
+    }
+
+    /// The stations at which the rack is still wanted, in their order.
+    pub fn stations(&self) -> impl Iterator<Item = Visiting> {
+        let next = match self.kind {
+            JobKind::Deliver { station, pick, .. } => Some(Visiting { station, pick }),
+            _ => None,
+        };
+        next.into_iter().chain(self.then.iter().copied())
+    }
+}
+
+/// Which robots may do a job for a rack.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum RobotChoice {
+    /// Any that can.
+    #[default]
+    Any,
+    /// Not this one, from which the job was taken, until then.
+    Except(RobotId, Time),
+    /// This one, as an operator wants.
+    Only(RobotId),
+}
+
+impl RobotChoice {
+    /// Whether a robot may do the job.
+    pub fn allows(&self, robot: RobotId, now: Time) -> bool {
+        match *self {
+            RobotChoice::Any => true,
+            RobotChoice::Except(other, until) => robot != other || until <= now,
+            RobotChoice::Only(chosen) => robot == chosen,
+        }
     }
 }
 
@@ -228,4 +277,42 @@ pub struct Job {
     pub state: JobState,
     /// When it was accepted.
     pub accepted: Time,
+    /// The stations that were served, and when the pick at each of them ended.
+    pub served: Vec<(Visiting, Time)>,
+    /// Which robots may do it, if it is for a rack.
+    pub choice: RobotChoice,
+}
+
+impl Job {
+    /// A job that was just accepted.
+    pub fn new(request: JobRequest, accepted: Time) -> Job {
+        let (state, choice) = (JobState::Waiting, RobotChoice::Any);
+        Job { request, state, accepted, served: Vec::new(), choice }
+    }
+
+    /// The pick at the station has ended, and the rack goes on to the next one. Gives the station that was served;
+    /// nothing, and changes nothing, if there is no next one.
+    pub fn go_on(&mut self, robot: RobotId, at: Time) -> Option<StationId> {
+        let JobKind::Deliver { rack, station, pick } = self.request.kind else { return None };
+        if self.request.then.is_empty() {
+            return None;
+        }
+        let next = self.request.then.remove(0);
+        self.served.push((Visiting { station, pick }, at));
+        self.request.kind = JobKind::Deliver { rack, station: next.station, pick: next.pick };
+        self.state = JobState::Carrying { robot };
+        Some(station)
+    }
+
+    /// The request as it was submitted, with the stations that were served since.
+    pub fn submitted(&self) -> JobRequest {
+        let visits: Vec<Visiting> =
+            self.served.iter().map(|(v, _)| *v).chain(self.request.stations()).collect();
+        let mut request = self.request.clone();
+        if let (JobKind::Deliver { rack, .. }, Some((first, then))) = (request.kind, visits.split_first()) {
+            request.kind = JobKind::Deliver { rack, station: first.station, pick: first.pick };
+            request.then = then.to_vec();
+        }
+        request
+    }
 }

@@ -5,7 +5,7 @@
 
 use super::super::random::Stream;
 use super::super::scenario::Habits;
-use crate::fleet::{Fleet, Input, JobKind, JobRequest, Reply, StationOrder};
+use crate::fleet::{Fleet, Input, JobKind, JobRequest, Reply, StationOrder, Visiting};
 use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -20,6 +20,7 @@ const REMEMBERED: usize = 32;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Undo {
     Cancel(JobId),
+    Reassign(JobId, Option<RobotId>),
     Release(RobotId),
     Resume(StationId),
 }
@@ -29,9 +30,13 @@ enum Undo {
 pub(super) struct Choices {
     habits: Habits,
     random: Stream,
+    /// For what came later, so that older runs repeat.
+    later_random: Stream,
     storage: Vec<NodeId>,
     /// Tokens of jobs that are to be cancelled when they are accepted, with how long after that.
     doomed: BTreeMap<u64, Span>,
+    /// Those of jobs that are to be given to another robot: which one, if any, and how long after acceptance.
+    moved: BTreeMap<u64, (Option<RobotId>, Span)>,
     accepted: VecDeque<JobId>,
     later: Vec<(Time, Undo)>,
     /// Requests that are handed in a second time.
@@ -46,8 +51,10 @@ impl Choices {
         Choices {
             habits,
             random: Stream::new(seed, PURPOSE, 0),
+            later_random: Stream::new(seed, PURPOSE, 1),
             storage: warehouse.nodes_where(|k| k == NodeKind::Storage),
             doomed: BTreeMap::new(),
+            moved: BTreeMap::new(),
             accepted: VecDeque::new(),
             later: Vec::new(),
             again: Vec::new(),
@@ -86,12 +93,34 @@ impl Choices {
         if self.random.happens(h.cancel) {
             self.doomed.insert(token, Span::from_secs_f64(self.random.exponential(h.cancel_after_s)));
         }
+        self.want_more(&mut request, token, fleet);
         if self.random.happens(h.twice) {
             self.keys += 1;
             request.key = Some(format!("order {} of {}", self.keys, now.0));
             self.again.push(request.clone());
         }
         request
+    }
+
+    /// More stations for a delivery, and another robot for a job.
+    fn want_more(&mut self, request: &mut JobRequest, token: u64, fleet: &Fleet) {
+        let (h, random) = (self.habits, &mut self.later_random);
+        if h.more_stops > 0.0 && random.happens(h.more_stops) {
+            let stations = fleet.warehouse().stations.len();
+            for _ in 0..=random.below(2) {
+                let last = request.stations().last();
+                let next = StationId::at(random.below(stations));
+                if last.is_some_and(|last| last.station != next) {
+                    request.then.push(Visiting { station: next, pick: None });
+                }
+            }
+        }
+        if h.reassign > 0.0 && random.happens(h.reassign) {
+            let robot = RobotId::at(random.below(fleet.ledger().robots.len().max(1)));
+            let named = random.happens(0.5).then_some(robot);
+            let after = Span::from_secs_f64(random.exponential(h.cancel_after_s));
+            self.moved.insert(token, (named, after));
+        }
     }
 
     fn kind(&mut self, plain: JobKind, fleet: &Fleet) -> JobKind {
@@ -127,6 +156,9 @@ impl Choices {
         let Reply::Accepted { token, job, new: true } = *reply else { return };
         if let Some(after) = self.doomed.remove(&token) {
             self.later.push((now + after, Undo::Cancel(job)));
+        }
+        if let Some((robot, after)) = self.moved.remove(&token) {
+            self.later.push((now + after, Undo::Reassign(job, robot)));
         }
         self.accepted.push_back(job);
         if self.accepted.len() > REMEMBERED {
@@ -181,6 +213,7 @@ impl Choices {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Undone {
     Cancel(JobId),
+    Reassign(JobId, Option<RobotId>),
     Halt(RobotId),
     Release(RobotId),
     Station(StationId, StationOrder),
@@ -190,6 +223,7 @@ impl From<Undo> for Undone {
     fn from(undo: Undo) -> Undone {
         match undo {
             Undo::Cancel(job) => Undone::Cancel(job),
+            Undo::Reassign(job, robot) => Undone::Reassign(job, robot),
             Undo::Release(robot) => Undone::Release(robot),
             Undo::Resume(station) => Undone::Station(station, StationOrder::Resume),
         }
@@ -201,6 +235,7 @@ impl Undone {
     pub fn input(self, token: u64) -> Input {
         match self {
             Undone::Cancel(job) => Input::Cancel { token, job },
+            Undone::Reassign(job, robot) => Input::Reassign { token, job, robot },
             Undone::Halt(robot) => Input::Halt { token, robot: Some(robot) },
             Undone::Release(robot) => Input::Release { token, robot: Some(robot) },
             Undone::Station(station, order) => Input::Station { token, station, order },

@@ -50,6 +50,9 @@ impl JobLaws {
                     Some(entry) => entry.0 = *kind,
                     None => broken.push(Violation::JobLost(*job)),
                 },
+                Fact::Served { job, tasked: (robot, _), .. } => {
+                    broken.extend(self.served(*job, *robot, now, world, fleet));
+                }
                 Fact::Progressed { job, state, .. } => {
                     broken.extend(self.progress(*job, *state, now, world, fleet))
                 }
@@ -62,6 +65,26 @@ impl JobLaws {
             broken.extend(self.delivers(now, fleet));
         }
         broken
+    }
+
+    /// A rack was served at a station that is not its last: it truly stood there.
+    fn served(
+        &mut self,
+        job: JobId,
+        robot: RobotId,
+        now: Time,
+        world: &World,
+        fleet: &Fleet,
+    ) -> Option<Violation> {
+        let Some((kind, before, since)) = self.open.get_mut(&job) else {
+            return Some(Violation::JobLost(job));
+        };
+        let (was, lie) = (*kind, !happened(kind, *before, world, fleet));
+        (*before, *since) = (JobState::Carrying { robot }, now);
+        if let Some(next) = fleet.ledger().jobs.get(&job) {
+            *kind = next.request.kind;
+        }
+        lie.then_some(Violation::UntrueEnd(job, was))
     }
 
     fn progress(
@@ -196,7 +219,7 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
 fn is_any_fit(mut kinds: impl Iterator<Item = BodyId>, job: &Job, fleet: &Fleet) -> bool {
     let Some(rack) = job.request.kind.rack() else { return false };
     let RackAt::Stored(node) = fleet.ledger().racks[rack] else { return false };
-    kinds.any(|body| job.request.kind.is_for(fleet.warehouse(), body, (rack, node)))
+    kinds.any(|body| job.request.is_for(fleet.warehouse(), body, (rack, node)))
 }
 
 fn w_station(fleet: &Fleet, station: crate::id::StationId) -> crate::id::NodeId {

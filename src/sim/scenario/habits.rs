@@ -35,6 +35,10 @@ pub struct Habits {
     pub cancel: f64,
     /// After how long, in the mean, seconds.
     pub cancel_after_s: f64,
+    /// Share of deliveries whose rack is wanted at one or two more stations.
+    pub more_stops: f64,
+    /// Share of jobs that an operator gives to another robot, as long after acceptance as others are cancelled.
+    pub reassign: f64,
     /// Share of deliveries at which the picker takes long.
     pub slow_pick: f64,
     /// How long then, seconds.
@@ -68,6 +72,8 @@ impl Default for Habits {
             twice: 0.0,
             cancel: 0.0,
             cancel_after_s: 60.0,
+            more_stops: 0.0,
+            reassign: 0.0,
             slow_pick: 0.0,
             slow_pick_s: 120.0,
             short: 0.0,
@@ -91,6 +97,8 @@ impl Habits {
             ("customers.after", self.after),
             ("customers.twice", self.twice),
             ("customers.cancel", self.cancel),
+            ("customers.more_stops", self.more_stops),
+            ("customers.reassign", self.reassign),
             ("customers.slow_pick", self.slow_pick),
             ("customers.short", self.short),
         ] {

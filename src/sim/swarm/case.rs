@@ -53,6 +53,10 @@ pub enum SwarmPart {
     Cancels,
     /// Picks take long, or goods are missing.
     Picks,
+    /// Racks are wanted at several stations.
+    Stops,
+    /// Operators give jobs to other robots.
+    Reassigned,
     /// Operators pause robots and stations.
     Holds,
     /// Robots are taken off the floor and brought back.
@@ -67,7 +71,7 @@ pub enum SwarmPart {
 
 impl SwarmPart {
     /// All of them, in the order in which the shrinking tries them.
-    pub const ALL: [SwarmPart; 26] = [
+    pub const ALL: [SwarmPart; 28] = [
         SwarmPart::Departures,
         SwarmPart::Pushes,
         SwarmPart::Manual,
@@ -85,6 +89,8 @@ impl SwarmPart {
         SwarmPart::Holds,
         SwarmPart::Cancels,
         SwarmPart::Picks,
+        SwarmPart::Stops,
+        SwarmPart::Reassigned,
         SwarmPart::Wishes,
         SwarmPart::Returns,
         SwarmPart::Relocations,
@@ -120,6 +126,8 @@ impl SwarmPart {
             SwarmPart::Wishes => "wishes",
             SwarmPart::Cancels => "cancels",
             SwarmPart::Picks => "picks",
+            SwarmPart::Stops => "stops",
+            SwarmPart::Reassigned => "reassigned",
             SwarmPart::Holds => "holds",
             SwarmPart::Departures => "departures",
             SwarmPart::Sensors => "sensors",

@@ -33,6 +33,7 @@ const JOBS: u64 = 105;
 const CUSTOMERS: u64 = 106;
 const CLOSURES: u64 = 107;
 const FAULTS: u64 = 108;
+const STOPS: u64 = 109;
 
 /// What a case runs.
 #[derive(Clone, Debug)]
@@ -99,7 +100,9 @@ fn file(case: &SwarmCase, warehouse: &Warehouse, (robots, places): (usize, usize
     put("drain_s", json!(HEALS_WITHIN.as_secs_f64()));
     put("period_ms", json!(if stream(KINDS).happens_of(0.2) { 200 } else { 100 }));
     put("jobs", demand(robots, &mut stream(JOBS)));
-    put("customers", customers(case, &mut stream(CUSTOMERS)));
+    let mut wanted = customers(case, &mut stream(CUSTOMERS));
+    more_wanted(case, &mut stream(STOPS), &mut wanted);
+    put("customers", wanted);
     put("faults", faults(case, seconds, &mut stream(FAULTS)));
     put("closures", closures(case, seconds, warehouse, &mut stream(CLOSURES)));
     put("workers", people(case, seconds, &mut stream(PEOPLE), &mut stream(SENSORS)));
@@ -194,6 +197,17 @@ fn customers(case: &SwarmCase, random: &mut Stream) -> Value {
         group.insert(key.into(), json!(random.between(low, high)));
     }
     Value::Object(group)
+}
+
+/// What customers and operators do since there are deliveries to several stations.
+fn more_wanted(case: &SwarmCase, random: &mut Stream, wanted: &mut Value) {
+    for (part, key, probability, (low, high)) in [
+        (SwarmPart::Stops, "more_stops", 0.4, (0.05, 0.5)),
+        (SwarmPart::Reassigned, "reassign", 0.4, (0.05, 0.4)),
+    ] {
+        let number = at_times(probability, low, high, random);
+        wanted[key] = json!(if case.has(part) { number } else { 0.0 });
+    }
 }
 
 fn faults(case: &SwarmCase, seconds: f64, random: &mut Stream) -> Value {

@@ -1,5 +1,5 @@
 // Jobs from a table: reads CSV, says line by line what is wrong, and makes the requests.
-import { build, BLANK, FIELDS, type FormValues } from './jobform';
+import { build, BLANK, FIELDS, stationsOf, type FormValues } from './jobform';
 import { JOB_KINDS, type JobKind, type NewJob } from '../wire';
 import { t } from '../words';
 
@@ -94,7 +94,11 @@ function readLine(row: { line: number; cells: string[] }, names: readonly string
     const text = values[field].trim();
     if (text === '') continue;
     if (!FIELDS[kind].includes(field)) errors.push(t('csv.field', { kind, field }));
-    else if (!known[field].has(text)) errors.push(t('csv.unknown', { field, name: text }));
+    else {
+      for (const name of field === 'station' ? stationsOf(text) : [text]) {
+        if (!known[field].has(name)) errors.push(t('csv.unknown', { field, name }));
+      }
+    }
   }
   const job = built.kind === 'ready' ? built.job : null;
   const pick = found['pick_s'] ?? '';
@@ -102,6 +106,7 @@ function readLine(row: { line: number; cells: string[] }, names: readonly string
     const seconds = Number(pick);
     if (kind !== 'deliver') errors.push(t('csv.field', { kind, field: 'pick_s' }));
     else if (!(seconds >= 0 && seconds <= LONGEST_PICK_S)) errors.push(t('csv.pick', { most: LONGEST_PICK_S }));
+    else if (job?.stops) for (const stop of job.stops) stop.pick_s = seconds;
     else if (job) job.pick_s = seconds;
   }
   const reference = found['reference'] ?? '';

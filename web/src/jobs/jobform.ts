@@ -28,14 +28,19 @@ export const BLANK: FormValues = {
   kind: 'deliver', rack: '', station: '', node: '', robot: '', priority: '0', deadline: '',
 };
 
+/** The stations in a text such as “S1 > S2”. */
+export const stationsOf = (text: string): string[] => text.split('>').map((s) => s.trim()).filter((s) => s !== '');
+
 /** Checks only what the page can know; whether a rack exists is the server's to say. */
 export function build(values: FormValues, now: Date): Built {
   const errors: FieldErrors = {};
   const job: NewJob = { kind: values.kind, priority: 0 };
   for (const field of FIELDS[values.kind]) {
     const text = values[field].trim();
-    if (text === '') errors[field] = MISSING[field];
-    else job[field] = text;
+    const stations = field === 'station' ? stationsOf(text) : [];
+    if (text === '' || (field === 'station' && stations.length === 0)) errors[field] = MISSING[field];
+    else if (stations.length > 1) job.stops = stations.map((station) => ({ station }));
+    else job[field] = stations[0] ?? text;
   }
   const priority = Number(values.priority);
   if (values.priority.trim() === '' || !Number.isInteger(priority) || priority < 0 || priority > 9) {
@@ -60,7 +65,8 @@ export function explain(problem: Problem, kind: JobKind): { fields: FieldErrors;
   const fields: FieldErrors = {};
   const rest: string[] = [];
   for (const error of problem.errors ?? []) {
-    if (shown.includes(error.field)) fields[error.field as FormField] = error.detail;
+    const field = error.field.startsWith('stops') ? 'station' : error.field;
+    if (shown.includes(field)) fields[field as FormField] = error.detail;
     else rest.push(error.detail);
   }
   const said = Object.keys(fields).length > 0 || rest.length > 0;

@@ -25,6 +25,9 @@ export class Api {
   map = () => this.#ask<FloorMap>('GET', '/v1/map');
   kinds = () => this.#ask<RobotKind[]>('GET', '/v1/kinds');
   job = (id: string) => this.#ask<Job>('GET', `/v1/jobs/${encodeURIComponent(id)}`);
+  /** Gives a job to this robot, or to any other than the one that has it. */
+  reassign = (id: string, robot: string | null) =>
+    this.#ask<Job>('POST', `/v1/jobs/${encodeURIComponent(id)}/reassign`, {}, robot === null ? {} : { robot });
   cancel = (id: string) => this.#ask<Job>('DELETE', `/v1/jobs/${encodeURIComponent(id)}`);
 
   why = (kind: 'robot' | 'job', id: string) => this.#ask<Why>('GET', `/v1/${kind}s/${encodeURIComponent(id)}/why`);

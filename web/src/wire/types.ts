@@ -349,8 +349,12 @@ export interface Job {
   kind: JobKind;
   rack: string | null;
   station: string | null;
+  /** The stations of a delivery to several of them, in their order; empty for one. */
+  stops?: { station: string; served: string | null }[];
   node: string | null;
   robot: string | null;
+  /** The robot that an operator has chosen for it, until a robot has it. */
+  only?: string | null;
   priority: number;
   deadline: string | null;
   state: JobState;
@@ -366,6 +370,7 @@ export interface NewJob {
   kind: JobKind;
   rack?: string;
   station?: string;
+  stops?: { station: string; pick_s?: number }[];
   node?: string;
   robot?: string;
   priority: number;

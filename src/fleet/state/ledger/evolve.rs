@@ -5,10 +5,10 @@
 
 use super::{Ledger, RackAt, Robot, Service, stand};
 use crate::fleet::state::fact::{Act, Booking, Fact, KeptRoute, Task};
-use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState};
+use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::life::{self, JobStage, Work};
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
-use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, WorkerId};
+use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::{self, Holder, Visit};
 
@@ -27,6 +27,12 @@ impl Ledger {
         match fact {
             Fact::Accepted { job, request, at } => self.accept(*job, request, *at),
             Fact::Progressed { job, state, tasked, .. } => self.progress(*job, *state, *tasked),
+            Fact::Served { job, tasked, at } => self.serve(*job, *tasked, *at),
+            Fact::Chosen { job, choice, .. } => {
+                let job = self.promises.jobs.get_mut(job).expect("only live jobs change");
+                assert_eq!(job.state, JobState::Waiting, "a robot works on the job that is given to another");
+                job.choice = *choice;
+            }
             Fact::Prioritised { job, priority, .. } => {
                 self.promises.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
             }
@@ -163,9 +169,7 @@ impl Ledger {
         if let Some(rack) = request.kind.rack() {
             self.promises.wishes.note(rack);
         }
-        self.promises
-            .jobs
-            .insert(id, Job { request: request.clone(), state: JobState::Waiting, accepted: at });
+        self.promises.jobs.insert(id, Job::new(request.clone(), at));
         self.index.note_named(id, &request.kind, JobState::Waiting);
     }
 
@@ -250,6 +254,9 @@ impl Ledger {
         let robots = (before.robot(), state.robot());
         assert!(!matches!(robots, (Some(a), Some(b)) if a != b), "{id:?} changes its robot: {robots:?}");
         job.state = state;
+        if matches!(state, JobState::Assigned { .. } | JobState::Carrying { .. }) {
+            job.choice = RobotChoice::Any;
+        }
         self.index.note_named(id, &kind, state);
         if let Some((robot, task)) = tasked {
             let old = self.promises.robots[robot].task;
@@ -269,12 +276,27 @@ impl Ledger {
             _ => self.promises.counts.failed += 1,
         }
         if let (JobKind::Deliver { station, .. }, JobState::Done) = (job.request.kind, state) {
-            self.promises.counts.robot_deliveries += 1;
-            self.promises.served[station] += 1;
+            self.count_delivery(station);
         }
         if let Some(key) = job.request.key {
             self.promises.keys.end(id, key, job.accepted);
         }
+    }
+
+    /// A pick has ended, and the rack goes on to the job's next station.
+    fn serve(&mut self, id: JobId, (robot, task): (RobotId, Task), at: Time) {
+        let job = self.promises.jobs.get_mut(&id).expect("only live jobs are served");
+        assert_eq!(job.state, JobState::Picking { robot }, "{id:?} is served where its rack does not stand");
+        let station = job.go_on(robot, at).expect("the rack is wanted at another station");
+        let (kind, state) = (job.request.kind, job.state);
+        self.give(robot, task);
+        self.assert_served(id, &kind, state);
+        self.count_delivery(station);
+    }
+
+    fn count_delivery(&mut self, station: StationId) {
+        self.promises.counts.robot_deliveries += 1;
+        self.promises.served[station] += 1;
     }
 
     /// Gives a robot another task that changes no job's state.

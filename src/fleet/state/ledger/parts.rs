@@ -6,7 +6,7 @@
 use super::{Ledger, Promises, RackAt, Sums};
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::index::Index;
-use crate::fleet::state::job::JobKind;
+use crate::fleet::state::job::{JobKind, RobotChoice};
 use crate::fleet::state::keys::Keys;
 use crate::fleet::state::wishes::Wishes;
 use crate::id::{Dense, IdVec, NodeId, RackId, RobotId};
@@ -173,7 +173,14 @@ fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
             JobKind::Charge { robot: r } | JobKind::Park { robot: r } => robot(r),
             JobKind::Go { robot: r, node: n } => robot(r) && node(n),
         };
-        let fits = fits && id.0 < p.next_job && job.state.robot().is_none_or(robot);
+        let served = job.served.iter().map(|(v, _)| v);
+        let mut visits = job.request.then.iter().chain(served);
+        let fits = fits && visits.all(|v| v.station.ix() < w.stations.len());
+        let chosen = match job.choice {
+            RobotChoice::Any => true,
+            RobotChoice::Except(r, _) | RobotChoice::Only(r) => robot(r),
+        };
+        let fits = fits && chosen && id.0 < p.next_job && job.state.robot().is_none_or(robot);
         known(fits, format!("job {id:?}"))?;
     }
     for (id, record) in p.robots.pairs() {

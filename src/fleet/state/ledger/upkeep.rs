@@ -82,7 +82,12 @@ impl Ledger {
                 self.index_robot(*robot);
                 cut.iter().for_each(|kept| self.index_robot(kept.robot));
             }
-            Fact::Accepted { job, .. } | Fact::Prioritised { job, .. } | Fact::JobChanged { job, .. } => {
+            Fact::Accepted { job, .. }
+            | Fact::Prioritised { job, .. }
+            | Fact::JobChanged { job, .. }
+            | Fact::Chosen { job, .. } => self.index_job(*job),
+            Fact::Served { job, tasked: (robot, _), .. } => {
+                self.index_robot(*robot);
                 self.index_job(*job);
             }
             Fact::Progressed { job, state, tasked, at } => {

@@ -1,0 +1,101 @@
+//! An operator takes a job from its robot, or gives it to another one.
+//!
+//! Main function: `reassign`. The job waits again, and the choice of robots is a fact. Refuses: to take a rack from the
+//! station at which it is served, or from the robot that carries it to where it is to stay; jobs that name their robot
+//! are changed instead.
+
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::io::{Refusal, Reply};
+use crate::fleet::state::job::{Job, JobState, RobotChoice};
+use crate::fleet::state::ledger::{RackAt, Service};
+use crate::id::{Dense, JobId, RackId, RobotId};
+use crate::time::{Span, Time};
+
+/// For how long a robot does not get a job that was taken from it. Another one has it by then, or none can.
+pub(in crate::fleet) const STAYS_AWAY: Span = Span::from_secs(120);
+
+impl Intake<'_> {
+    /// Takes a job from its robot, and gives it to `chosen`, or to any other robot if none is named.
+    pub(in crate::fleet) fn reassign(
+        &mut self,
+        token: u64,
+        job: JobId,
+        chosen: Option<RobotId>,
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
+            return Err(Refusal::UnknownJob(job));
+        }
+        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let (state, has) = (record.state, record.state.robot());
+        let Some(rack) = record.request.kind.rack() else {
+            return Err(Refusal::NamesItsRobot(record.request.kind.word()));
+        };
+        if let Some(robot) = chosen {
+            self.core.floor().check_choice(record, rack, robot)?;
+        }
+        if has.is_some() && has == chosen {
+            return Ok(Reply::Done { token });
+        }
+        let is_delivery = record.request.kind.station().is_some();
+        if matches!(state, JobState::Picking { .. })
+            || (matches!(state, JobState::Carrying { .. }) && !is_delivery)
+        {
+            return Err(Refusal::CannotBeTaken(job));
+        }
+        if let Some(robot) = has {
+            let task = self.core.floor().task_after_loss(robot);
+            self.core.progress(job, JobState::Waiting, Some((robot, task)), now);
+            self.heard.left_early.push(robot);
+        }
+        let choice = match (chosen, has) {
+            (Some(robot), _) => RobotChoice::Only(robot),
+            (None, Some(robot)) => RobotChoice::Except(robot, now + STAYS_AWAY),
+            (None, None) => RobotChoice::Any,
+        };
+        self.core.record(Fact::Chosen { job, choice, at: now });
+        Ok(Reply::Done { token })
+    }
+}
+
+impl Floor<'_> {
+    /// Whether a robot may do a job as far as operators are concerned. A choice of a robot that has left, is leaving or
+    /// is out of service binds no more.
+    pub(in crate::fleet) fn is_allowed(&self, robot: RobotId, job: &Job, now: Time) -> bool {
+        match job.choice {
+            RobotChoice::Only(chosen) if self.ledger.robots[chosen].service != Service::Works => true,
+            choice => choice.allows(robot, now),
+        }
+    }
+
+    fn check_choice(&self, job: &Job, rack: RackId, robot: RobotId) -> Result<(), Refusal> {
+        if robot.ix() >= self.ledger.robots.len() {
+            return Err(Refusal::UnknownPlace);
+        }
+        if self.ledger.robots[robot].service != Service::Works {
+            return Err(Refusal::RobotIsGone(robot));
+        }
+        let node = match self.ledger.racks[rack] {
+            RackAt::Stored(node) => node,
+            RackAt::On(carrier) => self.ledger.node_of(carrier),
+        };
+        if job.request.is_for(self.warehouse(), self.body(robot), (rack, node)) {
+            Ok(())
+        } else {
+            Err(Refusal::NotForRobot(robot))
+        }
+    }
+
+    /// What a robot goes on with when it loses its job to another one: out of the way of the rack, if it has not lifted
+    /// it and is not granted to.
+    fn task_after_loss(&self, robot: RobotId) -> Task {
+        match self.ledger.robots[robot].task {
+            Task::Fetch { node, .. } if !self.next_stop_is_granted(robot) => {
+                Task::rest_at(self.place_without_rack(robot).unwrap_or(node), Purpose::Park)
+            }
+            _ => self.task_without_job(robot),
+        }
+    }
+}

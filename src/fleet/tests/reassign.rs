@@ -1,0 +1,102 @@
+//! An operator takes a job from its robot: another one does it, and the rack is not left anywhere.
+
+use super::*;
+
+impl TestFloor {
+    fn reassign(&mut self, job: JobId, robot: Option<RobotId>) -> Reply {
+        self.answer_to(9, vec![Input::Reassign { token: 9, job, robot }])
+    }
+
+    fn robot_of(&self, job: JobId) -> Option<RobotId> {
+        self.state(job).and_then(|s| s.robot())
+    }
+}
+
+#[track_caller]
+fn another_robot_does_it(stage: &str, wait_s: i64) {
+    let mut floor = TestFloor::thesis(3);
+    let job = floor.submit(request(deliver(40)));
+    floor.until(300, stage, |f| f.is(job, stage));
+    floor.run(wait_s);
+    let first = floor.robot_of(job).expect("a robot has it");
+    assert_eq!(floor.reassign(job, None), Reply::Done { token: 9 });
+    assert_ne!(floor.robot_of(job), Some(first));
+    floor.until(300, "another robot has it", |f| f.robot_of(job).is_some());
+    assert_ne!(floor.robot_of(job), Some(first));
+    floor.until_over(600);
+    floor.assert_done_once(&[job]);
+}
+
+#[test]
+fn a_job_can_be_taken_from_a_robot_that_drives_to_the_rack() {
+    another_robot_does_it("assigned", 0);
+    another_robot_does_it("assigned", 3);
+}
+
+#[test]
+fn a_job_can_be_taken_from_a_robot_that_carries_the_rack_to_its_station() {
+    another_robot_does_it("carrying", 2);
+}
+
+#[test]
+fn a_robot_that_is_named_does_it_as_soon_as_it_is_free() {
+    let mut floor = TestFloor::thesis(3);
+    let busy = floor.submit(request(deliver(7)));
+    floor.until(60, "a robot has it", |f| f.is(busy, "carrying"));
+    let chosen = floor.robot_of(busy).expect("a robot has it");
+    let job = floor.submit(request(deliver(40)));
+    floor.until(60, "another robot has it", |f| f.is(job, "assigned"));
+    assert_ne!(floor.robot_of(job), Some(chosen));
+    floor.reassign(job, Some(chosen));
+    let why = |f: &TestFloor| {
+        let (view, record) = (f.fleet.view(f.now), &f.fleet.ledger().jobs[&job]);
+        view.why_job(f.fleet.warehouse(), job, record)
+    };
+    assert_eq!(why(&floor), Some(JobWhy::RobotBusy(chosen, Some(busy))));
+    floor.until(600, "the chosen robot has it", |f| f.robot_of(job) == Some(chosen));
+    floor.until_over(600);
+    floor.assert_done_once(&[job, busy]);
+}
+
+#[test]
+fn a_choice_ends_when_its_robot_goes_out_of_service() {
+    let mut floor = TestFloor::thesis(2);
+    let busy = floor.submit(request(deliver(7)));
+    floor.until(60, "a robot has it", |f| f.is(busy, "carrying"));
+    let chosen = floor.robot_of(busy).expect("a robot has it");
+    let job = floor.submit(request(deliver(40)));
+    floor.reassign(job, Some(chosen));
+    floor.answer_to(4, vec![Input::Maintain { token: 4, robot: chosen, begins: true }]);
+    floor.until(300, "the other one has it", |f| f.robot_of(job).is_some_and(|r| r != chosen));
+    floor.until_over(600);
+}
+
+#[test]
+fn the_only_robot_gets_its_job_again_after_a_while() {
+    let mut floor = TestFloor::thesis(1);
+    let job = floor.submit(request(deliver(40)));
+    floor.until(60, "the robot has it", |f| f.is(job, "assigned"));
+    floor.reassign(job, None);
+    floor.run(60);
+    assert!(floor.is(job, "waiting"));
+    floor.until(90, "it has it again", |f| f.is(job, "assigned"));
+}
+
+#[test]
+fn what_cannot_be_taken_is_refused_with_the_reason() {
+    let mut floor = TestFloor::thesis(2);
+    let refused = |why| Reply::Refused { token: 9, why };
+    let job = floor.submit(request(deliver(40)));
+    floor.until(300, "somebody picks", |f| f.is(job, "picking"));
+    assert_eq!(floor.reassign(job, None), refused(Refusal::CannotBeTaken(job)));
+    let parks = floor.submit(request(JobKind::Park { robot: RobotId(0) }));
+    assert_eq!(floor.reassign(parks, None), refused(Refusal::NamesItsRobot("park")));
+    assert_eq!(floor.reassign(JobId(99), None), refused(Refusal::UnknownJob(JobId(99))));
+    let node = floor.free_storage();
+    let put = floor.submit(request(JobKind::Relocate { rack: RackId(41), node }));
+    floor.until(300, "it is carried", |f| f.is(put, "carrying"));
+    assert_eq!(floor.reassign(put, None), refused(Refusal::CannotBeTaken(put)));
+    assert_eq!(floor.reassign(put, Some(RobotId(9))), refused(Refusal::UnknownPlace));
+    floor.until_over(600);
+    assert_eq!(floor.reassign(job, None), refused(Refusal::JobIsOver(job)));
+}
