@@ -33,6 +33,20 @@ pub struct MapOutlook {
     pub report: Report,
 }
 
+impl MapOutlook {
+    /// Whether the server does not go over to it.
+    pub fn is_refused(&self, accept_losses: bool) -> bool {
+        let Report { obstacles, losses, .. } = &self.report;
+        !self.review.is_good() || !obstacles.is_empty() || (!losses.is_empty() && !accept_losses)
+    }
+}
+
+impl From<MapOutlook> for MapRefusal {
+    fn from(outlook: MapOutlook) -> MapRefusal {
+        MapRefusal::Outlook(Box::new(outlook))
+    }
+}
+
 /// A map to go over to.
 #[derive(Clone, Debug)]
 pub struct MapOrder {

@@ -50,7 +50,7 @@ pub use show::Show;
 
 use crate::api::auth::Gate;
 use crate::sim::{OrderLine, Scenario};
-use crate::store::{AuditRow, MapNote, PublishedMap, Store};
+use crate::store::{MapNote, PublishedMap, Store};
 use crate::warehouse::Warehouse;
 use anyhow::{Context, ensure};
 use axum::Router;
@@ -311,12 +311,12 @@ impl ServerRun {
         (old, basis): (Arc<Warehouse>, FloorBasis),
     ) -> anyhow::Result<(Built, Option<LateAnswer>)> {
         let GoOver { map, accept_losses, note, request, reply } = order;
-        let noted = MapNote::Publish(note.clone(), AuditRow { outcome: Some(200), ..request.clone() });
+        let noted = MapNote::Publish(note.clone(), request.clone());
         let (store, floor, basis, answer) = match self.open(&basis, &map, (accept_losses, noted)).await {
             Ok((store, floor)) => {
                 tracing::info!("the map {:?} is in operation: it was published by {}", map.name, note.by);
                 let report = store.carried().map(|carried| carried.report.clone()).unwrap_or_default();
-                let done = GoOver::done(&note, &floor.map, report);
+                let done = GoOver::done(Some(&note), &floor.map, report);
                 (store, floor, FloorBasis { published: Some(note), ..basis }, Ok(done))
             }
             Err(why) => {

@@ -7,6 +7,7 @@
 use super::audit_keeper::row_of;
 use super::basis::FloorBasis;
 use super::settle::SettleRequest;
+use crate::api::audit::AuditEntry;
 use crate::api::map_version;
 use crate::api::publish::{MapDesk, MapDone, MapOrder, MapOrigin, MapOutlook, MapRefusal, MapRequest};
 use crate::fleet::Unsettled;
@@ -53,13 +54,6 @@ struct Looked {
     map: Option<(Arc<Warehouse>, Arc<Warehouse>)>,
 }
 
-impl Looked {
-    fn is_refused(&self, accept_losses: bool) -> bool {
-        let Report { obstacles, losses, .. } = &self.outlook.report;
-        self.map.is_none() || !obstacles.is_empty() || (!losses.is_empty() && !accept_losses)
-    }
-}
-
 /// Answers requests about maps.
 pub struct MapKeeper {
     store: Arc<Store>,
@@ -104,26 +98,32 @@ impl MapKeeper {
                 MapRequest::Check(draft, reply) => _ = reply.send(self.check(*draft).await),
                 MapRequest::Publish(order, reply) => {
                     let MapOrder { map, accept_losses, by } = *order;
-                    match self.prepare(map, accept_losses).await {
-                        Err(refused) => _ = reply.send(refused),
-                        Ok(map) => {
-                            let (number, at) = (self.next_number(), Time(by.id));
-                            let (by, request) = (by.actor.clone(), row_of(&by));
-                            let note = PublishedMap { number, at, by, file: self.basis.file.clone() };
-                            let request = AuditRow { outcome: Some(200), ..request };
-                            let order = GoOver { map, accept_losses, note, request, reply };
-                            // The server takes this core down now, or is down already.
-                            let _ = self.go_over.send(order).await;
-                            return std::future::pending().await;
+                    let map = match self.prepare(map, accept_losses).await {
+                        Ok(Some(map)) => map,
+                        Ok(None) => {
+                            _ = reply.send(Ok(GoOver::done(None, &self.map, Report::default())));
+                            continue;
                         }
-                    }
+                        Err(why) => {
+                            _ = reply.send(Err(why));
+                            continue;
+                        }
+                    };
+                    let note = self.note(&by);
+                    let request = AuditRow { outcome: Some(200), ..row_of(&by) };
+                    let order = GoOver { map, accept_losses, note, request, reply };
+                    // The server takes this core down now, or is down already.
+                    let _ = self.go_over.send(order).await;
+                    return std::future::pending().await;
                 }
             }
         }
     }
 
-    fn next_number(&self) -> u32 {
-        self.basis.published.as_ref().map_or(1, |published| published.number + 1)
+    /// What is noted about a map that is published by this request.
+    fn note(&self, by: &AuditEntry) -> PublishedMap {
+        let number = self.basis.published.as_ref().map_or(1, |published| published.number + 1);
+        PublishedMap { number, at: Time(by.id), by: by.actor.clone(), file: self.basis.file.clone() }
     }
 
     async fn check(&self, draft: Draft) -> Result<MapOutlook, MapRefusal> {
@@ -137,43 +137,36 @@ impl MapKeeper {
         Ok(looked.outlook)
     }
 
-    /// Everything that is done before the server goes over: looks, has robots stand, and looks again. An error is the
-    /// answer where that is it.
-    async fn prepare(
-        &self,
-        draft: Draft,
-        accept_losses: bool,
-    ) -> Result<Arc<Warehouse>, Result<MapDone, MapRefusal>> {
-        let looked = self.look(draft.clone()).await.map_err(Err)?;
-        if let Some((map, _)) = &looked.map
-            && map_digest(map) == map_digest(&self.map)
-        {
-            let (version, report) = (map_version(&self.map), Report::default());
-            return Err(Ok(MapDone { version, origin: None, report }));
-        }
-        if looked.is_refused(accept_losses) {
-            return Err(Err(MapRefusal::Outlook(Box::new(looked.outlook))));
+    /// Everything that is done before the server goes over: looks, has robots stand, and compares once more. Nothing
+    /// where the map in operation is the same one.
+    async fn prepare(&self, draft: Draft, accept_losses: bool) -> Result<Option<Arc<Warehouse>>, MapRefusal> {
+        let mut looked = self.look(draft).await?;
+        let Some((map, fitted)) = looked.map.take_if(|_| !looked.outlook.is_refused(accept_losses)) else {
+            return Err(looked.outlook.into());
+        };
+        if map_digest(&map) == map_digest(&self.map) {
+            return Ok(None);
         }
         tracing::info!("a map is being published: robots drive to the end of their grants and stand");
-        if let Err(why) = self.have_robots_stand().await {
-            let _ = self.settle.send(SettleRequest::GoOn).await;
-            return Err(Err(match why {
-                Ok(obstacles) => {
-                    let report = Report { obstacles, ..Report::default() };
-                    MapRefusal::Outlook(Box::new(MapOutlook { report, ..looked.outlook }))
-                }
-                Err(why) => MapRefusal::Failed(why.into()),
-            }));
+        let report = match self.have_robots_stand().await {
+            Ok(()) => self.compare(&fitted).await,
+            Err(Ok(obstacles)) => Ok(Report { obstacles, ..Report::default() }),
+            Err(Err(why)) => Err(MapRefusal::Failed(why.into())),
+        };
+        looked.outlook.report = match report {
+            Ok(report) => report,
+            Err(why) => return Err(self.go_on(why).await),
+        };
+        if looked.outlook.is_refused(accept_losses) {
+            return Err(self.go_on(looked.outlook.into()).await);
         }
-        let again = self.look(draft).await;
-        match again {
-            Ok(looked) if !looked.is_refused(accept_losses) => Ok(looked.map.expect("it is not refused").0),
-            other => {
-                let _ = self.settle.send(SettleRequest::GoOn).await;
-                let why = other.map(|looked| MapRefusal::Outlook(Box::new(looked.outlook)));
-                Err(Err(why.unwrap_or_else(|why| why)))
-            }
-        }
+        Ok(Some(map))
+    }
+
+    /// Robots go on, since the map in operation stays.
+    async fn go_on(&self, why: MapRefusal) -> MapRefusal {
+        let _ = self.settle.send(SettleRequest::GoOn).await;
+        why
     }
 
     /// What a change to this map would mean now.
@@ -183,11 +176,16 @@ impl MapKeeper {
         let look = tokio::task::spawn_blocking(move || look_at(&draft, &basis, &old, &added)).await;
         let mut looked = look.map_err(|_| MapRefusal::Failed("the map could not be looked at".into()))?;
         if let Some((_, fitted)) = &looked.map {
-            let clearance = self.basis.scenario.settings().clearance();
-            let report = self.store.compare(fitted, clearance).await.map_err(|e| told(&e))?;
-            looked.outlook.report = report.unwrap_or_default();
+            looked.outlook.report = self.compare(fitted).await?;
         }
         Ok(looked)
+    }
+
+    /// What the floor and the database cannot carry over to a map, as everything is durable now.
+    async fn compare(&self, fitted: &Arc<Warehouse>) -> Result<Report, MapRefusal> {
+        let clearance = self.basis.scenario.settings().clearance();
+        let report = self.store.compare(fitted, clearance).await.map_err(|e| told(&e))?;
+        Ok(report.unwrap_or_default())
     }
 
     /// Has robots stand. An error is which robots do not, or what else is in the way.
@@ -245,8 +243,8 @@ fn told(e: &StoreError) -> MapRefusal {
 
 impl GoOver {
     /// The answer where it has happened.
-    pub fn done(note: &PublishedMap, map: &Warehouse, report: Report) -> MapDone {
-        MapDone { version: map_version(map), origin: Some(origin_of(note)), report }
+    pub fn done(note: Option<&PublishedMap>, map: &Warehouse, report: Report) -> MapDone {
+        MapDone { version: map_version(map), origin: note.map(origin_of), report }
     }
 
     /// The answer where the database could not be carried over after all: the floor changed in the last moment.

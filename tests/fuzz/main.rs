@@ -23,7 +23,8 @@ fn folder(name: &str) -> PathBuf {
 
 /// All texts of a folder that end so.
 fn texts(name: &str, end: &str) -> Vec<String> {
-    let mut files: Vec<PathBuf> = std::fs::read_dir(folder(name)).unwrap().map(|f| f.unwrap().path()).collect();
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(folder(name)).unwrap().map(|f| f.unwrap().path()).collect();
     files.retain(|f| f.to_str().is_some_and(|f| f.ends_with(end)));
     files.sort();
     assert!(!files.is_empty(), "{name} has no {end}");
@@ -45,7 +46,9 @@ fn each(what: &str, texts: &[String], usual: u64, read: impl Fn(&str) -> bool) {
                 let file = std::env::temp_dir().join(format!("giveway-fuzz-{seed}.txt"));
                 std::fs::write(&file, &broken).unwrap();
                 let text = file.display();
-                panic!("{what}: GIVEWAY_FUZZ_SEED={seed} GIVEWAY_FUZZ_ROUNDS=1 repeats it; the text is in {text}");
+                panic!(
+                    "{what}: GIVEWAY_FUZZ_SEED={seed} GIVEWAY_FUZZ_ROUNDS=1 repeats it; the text is in {text}"
+                );
             }
         }
     }
@@ -104,7 +107,9 @@ fn broken_recordings_are_read_or_refused_line_by_line() {
     let lines = recorded();
     let play = |text: &str| {
         let mut lines = text.lines();
-        let Ok((_, mut playback)) = recording::Playback::open(lines.next().unwrap_or_default()) else { return false };
+        let Ok((_, mut playback)) = recording::Playback::open(lines.next().unwrap_or_default()) else {
+            return false;
+        };
         lines.all(|line| playback.read(line).is_ok())
     };
     each("recordings", &[lines.join("\n")], 100, play);

@@ -123,7 +123,10 @@ impl Mutator {
                     let some: Vec<char> = all[from..to.min(from + 40)].to_vec();
                     all.splice(i..i, some);
                 }
-                3 => all.insert(i, *self.choose(&['"', '{', '}', '[', ']', ',', '\u{0}', '\n', '9', '-', 'e', 'ß'])),
+                3 => all.insert(
+                    i,
+                    *self.choose(&['"', '{', '}', '[', ']', ',', '\u{0}', '\n', '9', '-', 'e', 'ß']),
+                ),
                 4 if from < all.len() && to < all.len() => all.swap(from, to),
                 _ if i < all.len() => all[i] = *self.choose(&['0', '9', 'x', ' ', ';', '.', '\u{fffd}']),
                 _ => all.push('1'),

@@ -61,11 +61,8 @@ impl Report {
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let texts = |entries: &[ReportEntry]| entries.iter().map(ToString::to_string).collect::<Vec<_>>();
-        let lists = [
-            ("obstacle", texts(&self.obstacles)),
-            ("loss", texts(&self.losses)),
-            ("note", self.all_notes()),
-        ];
+        let lists =
+            [("obstacle", texts(&self.obstacles)), ("loss", texts(&self.losses)), ("note", self.all_notes())];
         let mut first = true;
         for (kind, list) in lists {
             let more = list.len().saturating_sub(SHOWN);
