@@ -292,7 +292,10 @@ impl AlarmKind {
             K::ForecastBad => {
                 "Nothing at once: robots keep out of all that people can reach. Check the tags."
             }
-            K::ClockOff => "Set the system's clock right and restart Giveway.",
+            K::ClockOff => {
+                "Set the system's clock right and restart Giveway. If the system's clock is behind and right, stop \
+                 Giveway and type `giveway database set-clock` before that."
+            }
             K::Journal | K::Halt => "Check the disk of the database: make room, or bring it back.",
             K::Database => "Put the files of the database back, or restart with a backup.",
             K::LoopStuck => "If this does not end within a minute, restart Giveway.",

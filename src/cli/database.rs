@@ -11,6 +11,7 @@ use crate::fleet::carry::Report as Differences;
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::server::{Config, Flags, SimulatedFloor};
 use crate::store::{Belongs, CarryOver, MapNote, Opening, Store, StoreError, seal};
+use crate::time::Time;
 use crate::warehouse::Warehouse;
 use crate::warehouse::formats::json;
 use anyhow::{Context, ensure};
@@ -64,6 +65,9 @@ enum DatabaseCommand {
         #[arg(long, value_name = "FILE")]
         output: Option<PathBuf>,
     },
+    /// Let a database go on now whose last step is later than that, since the system's clock had been wrong. Robots
+    /// stand where they are, jobs that they had wait again, and a backup is made first.
+    SetClock,
     /// Write everything committed into a new file and check that file. Works while a server runs.
     Backup {
         /// The new file.
@@ -136,6 +140,7 @@ impl DatabaseCommand {
         match self {
             DatabaseCommand::Check { map } | DatabaseCommand::Carry { map, .. } => map.as_deref(),
             DatabaseCommand::Map { .. }
+            | DatabaseCommand::SetClock
             | DatabaseCommand::Backup { .. }
             | DatabaseCommand::Restore { .. } => None,
         }
@@ -182,6 +187,7 @@ impl DatabaseArgs {
             match &command {
                 DatabaseCommand::Check { .. } => check(&config.database, floor, named).await,
                 DatabaseCommand::Carry { accept_losses, .. } => carry(&config, floor, *accept_losses).await,
+                DatabaseCommand::SetClock => set_clock(&config, floor).await,
                 DatabaseCommand::Backup { target } => backup(&config.database, target, floor, named).await,
                 DatabaseCommand::Restore { source } => restore(source, &config.database, floor, named).await,
                 DatabaseCommand::Map { .. } => unreachable!("it is done"),
@@ -255,6 +261,32 @@ async fn carry(config: &Config, floor: FoldSettings, accept_losses: bool) -> any
         None => report.notes.push("it belongs to this map already: there was nothing to carry over".into()),
         Some(carried) => {
             report.changed_map = Some(Changed::new(&map.name, &carried.report));
+            report.files.extend(carried.backup);
+        }
+    }
+    Ok(report)
+}
+
+/// Lets a database go on now whose last step is later.
+async fn set_clock(config: &Config, floor: FoldSettings) -> anyhow::Result<DatabaseReport> {
+    let path = &config.database;
+    ensure!(path.is_file(), "there is no database {}: name it with --database FILE", path.display());
+    let (map, settings) = floor.clone().context("name its scenario with --scenario FILE")?;
+    let now = jiff::Timestamp::now();
+    let stamp = now.strftime("%Y-%m-%dT%H%M%SZ").to_string();
+    let store = Store::open_as(path, &map, &Opening::default()).await?;
+    let folders = [config.past_folder()];
+    let set =
+        store.set_clock(&map, settings.clearance(), Time(now.as_microsecond()), (&folders, &stamp)).await;
+    store.close().await;
+    let set = set?;
+    let mut report = check(path, floor, true).await?;
+    match set {
+        None => {
+            report.notes.push("its last step is not later than it is now: there was nothing to set".into())
+        }
+        Some(carried) => {
+            report.notes.extend(carried.report.notes);
             report.files.extend(carried.backup);
         }
     }
@@ -413,7 +445,7 @@ fn show(command: &DatabaseCommand, report: &DatabaseReport) {
     report.problems.iter().for_each(|problem| println!("PROBLEM  {problem}"));
     let verb = match command {
         DatabaseCommand::Check { .. } | DatabaseCommand::Map { .. } => "",
-        DatabaseCommand::Carry { .. } => "backup  ",
+        DatabaseCommand::Carry { .. } | DatabaseCommand::SetClock => "backup  ",
         DatabaseCommand::Backup { .. } => "written ",
         DatabaseCommand::Restore { .. } => "aside   ",
     };

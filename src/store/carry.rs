@@ -119,7 +119,7 @@ pub(super) async fn carry_over(
     back_up(db, &backup).await?;
     tracing::warn!("the map has changed; the database as it was is kept as {}", backup.display());
     if !compared.carried.ids.keeps_ids() {
-        set_frames_aside(&opening.traces, &wanted.stamp)?;
+        set_frames_aside(&opening.traces, &format!("before-map-change-{}", wanted.stamp))?;
     }
     write(db, (&old, map), compared, &opening.note).await?;
     tracing::warn!("the database was carried over from the map \"{theirs}\" to \"{}\":\n{report}", map.name);
@@ -173,12 +173,12 @@ async fn compare(
 }
 
 /// Recordings of the past name places by the old map's positions, so they are no longer shown, but kept.
-fn set_frames_aside(folders: &[PathBuf], stamp: &str) -> Result<(), StoreError> {
+pub(super) fn set_frames_aside(folders: &[PathBuf], stamp: &str) -> Result<(), StoreError> {
     for folder in folders.iter().filter(|folder| folder.exists()) {
-        let aside = free_name(folder, &format!("before-map-change-{stamp}"));
+        let aside = free_name(folder, stamp);
         std::fs::rename(folder, &aside).map_err(|why| StoreError::Aside { path: folder.clone(), why })?;
         let _ = sync_folder(folder);
-        tracing::warn!("frames of the past show the old map; they are kept in {}", aside.display());
+        tracing::warn!("frames of the past are of before; they are kept in {}", aside.display());
     }
     Ok(())
 }

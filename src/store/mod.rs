@@ -39,6 +39,7 @@ mod robots;
 mod route_record;
 mod seal;
 mod sessions;
+mod set_clock;
 mod shift;
 mod snapshot;
 mod steps;

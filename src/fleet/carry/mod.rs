@@ -5,10 +5,12 @@
 //! Refuses: to guess where something is, and to decide whether a loss is acceptable: that is the operator's business.
 
 mod changes;
+mod clock;
 mod matching;
 mod places;
 mod report;
 
+pub use clock::set_back;
 pub use matching::Matching;
 pub use report::{Report, ReportEntry};
 
