@@ -101,3 +101,28 @@ fn decide(moving: NotStanding, is_end: bool) -> Option<Result<(), NotStanding>> 
     let off: NotStanding = moving.into_iter().filter(|u| u.is_off).collect();
     Some(if off.is_empty() { Ok(()) } else { Err(off) })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::id::RobotId;
+
+    fn robot(is_off: bool) -> Unsettled {
+        let (robot, name, at) = (RobotId(0), "robot-1".to_owned(), Point::new(1.0, 2.0));
+        Unsettled { robot, name, at, is_off, stands_off: is_off }
+    }
+
+    #[test]
+    fn robots_are_waited_for_and_in_the_end_those_beside_their_nodes_are_in_the_way() {
+        assert_eq!(decide(vec![], false), Some(Ok(())));
+        assert_eq!(decide(vec![robot(false)], false), None, "it may drive on");
+        assert_eq!(decide(vec![robot(true)], false), None, "it may get there");
+        assert_eq!(
+            decide(vec![robot(false)], true),
+            Some(Ok(())),
+            "it stands on its node, whatever it was granted"
+        );
+        assert_eq!(decide(vec![robot(false), robot(true)], true), Some(Err(vec![robot(true)])));
+    }
+}

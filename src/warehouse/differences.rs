@@ -186,6 +186,7 @@ mod tests {
         let expected = [
             "stations changed: P",
             "racks removed: K12",
+            "chargers moved: R118",
             "parking places added: new",
             "nodes added: new",
             "nodes moved: R118",
