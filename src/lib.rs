@@ -49,7 +49,8 @@
 //!   headsets: frames, clocks and thinning are pure there, and guidance bypasses all queues.
 //! - `vda5050/`: to come. Real robots instead of simulated ones, behind the same [`fleet::Command`] and
 //!   [`fleet::Telemetry`].
-//! - `server`: settings, the only clock, the loop, what waits for the journal.
+//! - `server`: settings, the only clock, the loop, what waits for the journal; one running core after another where the
+//!   map is changed (`server/running.rs`).
 //! - `cli`: one file per command of the program. `main.rs` calls it and nothing else.
 //!
 //! # Words
@@ -126,6 +127,10 @@
 //! The journal's task folds what is durable into a ledger of its own and writes a snapshot of it now and then; steps
 //! that the snapshots cover are deleted. After a restart the ledger is the last snapshot with the steps after it folded
 //! in, and the scene is empty. To the step that is a floor of silent robots, and nothing special.
+//!
+//! A map that is published to the running server is a restart within the process: robots stand on nodes
+//! (`server/settle.rs`), the core is taken down, the database is carried over in one transaction, and another core is
+//! made from it behind the same port. So a kill at any instant is a kill before or after it.
 //!
 //! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
 //! (`fleet/traffic/fence.rs`): it is treated as failed, whatever it reports, until a person releases it.
@@ -266,6 +271,9 @@
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs`, `improbable.rs` |
 //! | maps that are drawn, and tried out | `api/http/maps.rs`, `api/trial.rs`, `server/trial.rs`; `web/src/editor/` |
+//! | a map that is published to the running server | `api/http/publish.rs`, `server/publish.rs`, `settle.rs` |
+//! | which map a start takes: the file's, the published one | `server/basis.rs`, `store/published.rs` |
+//! | what is different between two maps | `warehouse/differences.rs` |
 //! | where people walk | `warehouse/walkway/` |
 //! | which observations are believed; what a deviation is | `human/source.rs`; `human/deviation.rs` |
 //! | which of several sources is believed, and where else a worker may be | `human/track.rs` |

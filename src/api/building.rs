@@ -1,17 +1,22 @@
-//! The building as it travels, once: it does not change while the server runs.
+//! The building as it travels, once for each version of it.
 //!
 //! Main type: [`MapDto`]; main function [`map_text`]. Refuses: anything that moves.
 
 use super::text::round3;
 use crate::geometry::Point;
 use crate::id::Dense;
+use crate::warehouse::formats::json;
 use crate::warehouse::{NodeKind, Users, Warehouse};
 use serde::Serialize;
+use sha2::{Digest, Sha256};
 use utoipa::ToSchema;
 
 /// The building. Everything else refers to nodes by their index here.
 #[derive(Serialize, ToSchema)]
 pub struct MapDto {
+    /// Names what is in this map: another map has another version. It is the map's ETag, too.
+    #[schema(example = "5f2c8a1b90de4f6677c31a02")]
+    version: String,
     name: String,
     /// x0, y0, x1, y1, metres.
     bounds: [f64; 4],
@@ -83,7 +88,14 @@ struct RackHomeDto {
 
 /// The building as JSON.
 pub fn map_text(map: &Warehouse) -> String {
-    serde_json::to_string(&MapDto::from(map)).expect("maps are plain")
+    serde_json::to_string(&MapDto { version: map_version(map), ..MapDto::from(map) }).expect("maps are plain")
+}
+
+/// Names what is in a map: everything that its file says, and everything that is sent of it.
+pub fn map_version(map: &Warehouse) -> String {
+    let sent = serde_json::to_string(&MapDto::from(map)).expect("maps are plain");
+    let digest = Sha256::new().chain_update(sent).chain_update(json::write(map)).finalize();
+    digest[..12].iter().map(|b| format!("{b:02x}")).collect()
 }
 
 impl From<&Warehouse> for MapDto {
@@ -92,6 +104,7 @@ impl From<&Warehouse> for MapDto {
         let pair = |p: &Point| [round3(p.x), round3(p.y)];
         let outlines = |o: &[Vec<Point>]| o.iter().map(|ring| ring.iter().map(pair).collect()).collect();
         MapDto {
+            version: String::new(),
             name: w.name.clone(),
             bounds: [round3(low.x), round3(low.y), round3(high.x), round3(high.y)],
             footprint_m: w.footprint_m,

@@ -30,6 +30,7 @@ pub mod outgoing;
 pub mod people;
 pub mod port;
 pub mod pseudonyms;
+pub mod publish;
 pub mod recording;
 mod refusal;
 mod roles;
@@ -41,6 +42,7 @@ pub mod webhooks;
 mod words;
 mod ws;
 
+pub use building::map_version;
 pub use http::{alive, router};
 
 use crate::fleet::{Reply, RobotKind};
@@ -97,6 +99,8 @@ pub struct Api {
     pub metrics: Arc<metrics::Metrics>,
     /// Tries maps out.
     pub trials: trial::Trials,
+    /// Takes maps that are to become the server's own.
+    pub maps: publish::MapDesk,
     /// Decides which requests are authorised.
     pub gate: Arc<auth::Gate>,
     /// The identity provider, if people sign in with one.

@@ -48,6 +48,8 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/metrics", Read),
     ("GET", "/v1/live", Read),
     ("GET", "/v1/map", Known),
+    ("PUT", "/v1/map", Administer),
+    ("POST", "/v1/map:check", Administer),
     ("GET", "/v1/kinds", Known),
     ("PUT", "/v1/kinds/{name}", Administer),
     ("DELETE", "/v1/kinds/{name}", Administer),
@@ -145,7 +147,7 @@ pub const OIDC_CALLBACK: &str = "/v1/session/oidc/callback";
 const REPORTS: [&str; 3] = ["/v1/positions", "/v1/workers/{id}/position", "/v1/massrobotics"];
 
 /// Routes that work out an answer and change nothing.
-const TRIALS: [&str; 2] = ["/v1/maps:check", "/v1/maps:try"];
+const TRIALS: [&str; 3] = ["/v1/map:check", "/v1/maps:check", "/v1/maps:try"];
 
 impl Access {
     /// The roles that may, besides a device for its own; none where everybody may.
@@ -243,6 +245,8 @@ mod tests {
             ("GET", "/v1/map", &Role::ALL),
             ("GET", "/v1/health", &Role::ALL),
             ("POST", "/v1/robots", &[Admin]),
+            ("PUT", "/v1/map", &[Admin]),
+            ("POST", "/v1/map:check", &[Admin]),
             ("GET", "/v1/tokens", &[Admin]),
             ("GET", "/v1/no/such/route", &[Admin]),
         ] {

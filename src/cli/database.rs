@@ -10,9 +10,10 @@ use super::sim::Setup;
 use crate::fleet::carry::Report as Differences;
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::server::{Config, Flags, SimulatedFloor};
-use crate::store::{Belongs, CarryOver, Opening, Store, StoreError, seal};
+use crate::store::{Belongs, CarryOver, MapNote, Opening, Store, StoreError, seal};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
+use crate::warehouse::formats::json;
 use anyhow::{Context, ensure};
 use clap::{Args, Subcommand};
 use serde::Serialize;
@@ -57,6 +58,13 @@ enum DatabaseCommand {
         #[arg(long)]
         accept_losses: bool,
     },
+    /// Write the database's own map as a map file: the map that was published to the server, say. Works while a server
+    /// runs.
+    Map {
+        /// The file; standard output if absent.
+        #[arg(long, value_name = "FILE")]
+        output: Option<PathBuf>,
+    },
     /// Let a database go on now whose last step is later than that, since the system's clock had been wrong. Robots
     /// stand where they are, jobs that they had wait again, and a backup is made first.
     SetClock,
@@ -88,7 +96,7 @@ impl Changed {
             to: to.to_owned(),
             obstacles: found.obstacles.iter().map(ToString::to_string).collect(),
             losses: found.losses.iter().map(ToString::to_string).collect(),
-            notes: found.notes.clone(),
+            notes: found.all_notes(),
         }
     }
 }
@@ -131,10 +139,16 @@ impl DatabaseCommand {
     fn map(&self) -> Option<&Path> {
         match self {
             DatabaseCommand::Check { map } | DatabaseCommand::Carry { map, .. } => map.as_deref(),
-            DatabaseCommand::SetClock | DatabaseCommand::Backup { .. } | DatabaseCommand::Restore { .. } => {
-                None
-            }
+            DatabaseCommand::Map { .. }
+            | DatabaseCommand::SetClock
+            | DatabaseCommand::Backup { .. }
+            | DatabaseCommand::Restore { .. } => None,
         }
+    }
+
+    /// Whether the database is taken as a start takes it: with the map that was published, if one was.
+    fn is_as_published(&self) -> bool {
+        self.map().is_none() && !matches!(self, DatabaseCommand::Carry { .. })
     }
 
     /// The file that is read: the backup, or the database itself.
@@ -151,11 +165,20 @@ impl DatabaseArgs {
         let readable = scenario.is_some();
         let config = Config::read(&Flags { database, scenario, config, ..Flags::default() })?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+        if let DatabaseCommand::Map { output } = &command {
+            let text = runtime.block_on(map_of(&config.database))?;
+            super::write(output.as_deref(), &text)?;
+            return Ok(ExitCode::SUCCESS);
+        }
         let floor = if readable || config.scenario.exists() {
             let Setup { scenario, warehouse, lines, .. } =
                 Setup::read(&config.scenario, command.map(), None)?;
             let floor = SimulatedFloor { scenario, map: warehouse, lines };
-            let floor = runtime.block_on(floor.with_kinds_of(command.read_from(&config.database)));
+            let file = command.read_from(&config.database);
+            let floor = runtime.block_on(async {
+                let floor = if command.is_as_published() { floor.with_map_of(file).await? } else { floor };
+                anyhow::Ok(floor.with_kinds_of(file).await)
+            })?;
             Some((floor.map, floor.scenario.settings()))
         } else {
             command.map().map(read_map).transpose()?.map(|map| (map, Settings::default()))
@@ -167,6 +190,7 @@ impl DatabaseArgs {
                 DatabaseCommand::SetClock => set_clock(&config, floor).await,
                 DatabaseCommand::Backup { target } => backup(&config.database, target, floor, named).await,
                 DatabaseCommand::Restore { source } => restore(source, &config.database, floor, named).await,
+                DatabaseCommand::Map { .. } => unreachable!("it is done"),
             }
         })?;
         if json {
@@ -176,6 +200,16 @@ impl DatabaseArgs {
         }
         Ok(if report.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
+}
+
+/// The database's own map as a map file.
+async fn map_of(path: &Path) -> anyhow::Result<String> {
+    let store = inspect(path).await?;
+    let map = store.map().await;
+    store.close().await;
+    let none =
+        "the database has no map yet: it was last used by a Giveway that did not write it down, or never";
+    Ok(json::write(&map?.context(none)?))
 }
 
 /// Opens a database that is there, to be read.
@@ -214,7 +248,8 @@ async fn carry(config: &Config, floor: FoldSettings, accept_losses: bool) -> any
         .context("name the changed map with --map FILE, or its scenario with --scenario FILE")?;
     let stamp = jiff::Timestamp::now().strftime("%Y-%m-%dT%H%M%SZ").to_string();
     let wanted = CarryOver { clearance: settings.clearance(), accept_losses, stamp };
-    let opening = Opening { new: None, traces: vec![config.past_folder()], carry: Some(wanted) };
+    let (traces, note) = (vec![config.past_folder()], MapNote::Forget);
+    let opening = Opening { new: None, traces, carry: Some(wanted), note };
     let store = match Store::open_as(path, &map, &opening).await {
         Err(StoreError::ChangedMap { .. }) => return check(path, floor, true).await,
         opened => opened?,
@@ -409,7 +444,7 @@ fn show(command: &DatabaseCommand, report: &DatabaseReport) {
     }
     report.problems.iter().for_each(|problem| println!("PROBLEM  {problem}"));
     let verb = match command {
-        DatabaseCommand::Check { .. } => "",
+        DatabaseCommand::Check { .. } | DatabaseCommand::Map { .. } => "",
         DatabaseCommand::Carry { .. } | DatabaseCommand::SetClock => "backup  ",
         DatabaseCommand::Backup { .. } => "written ",
         DatabaseCommand::Restore { .. } => "aside   ",

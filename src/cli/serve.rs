@@ -20,7 +20,8 @@ pub struct Serve {
     /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, if absent.
     #[arg(long)]
     model: Option<std::path::PathBuf>,
-    /// A map other than the scenario's, in any format that `map import` knows. The database is carried over to it.
+    /// A map other than the scenario's, in any format that `map import` knows. The database is carried over to it. A
+    /// map that was published to the running server since takes precedence over the same file.
     #[arg(long)]
     map: Option<std::path::PathBuf>,
 }
@@ -96,6 +97,10 @@ async fn serve(config: &Config, floor: SimulatedFloor) -> anyhow::Result<()> {
         }
     }
     say!("map      {}, {} robots (simulated)", found.map, found.robots);
+    if let Some(map) = &found.published {
+        let at = jiff::Timestamp::from_microsecond(map.at.0)?;
+        say!("         published by {} at {at} (number {}); the map file is not used", map.by, map.number);
+    }
     say!("database {}", config.database.display());
     say!("restored {} jobs ({} not over) from {} facts", found.jobs, found.open_jobs, found.facts);
     if let Some(trouble) = &found.trouble {

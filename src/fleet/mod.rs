@@ -29,6 +29,7 @@ pub use read::rows::{
 };
 pub use read::safety_regions::{RegionStay, SafetyRegion};
 pub use read::shift::{EndedJob, ShiftRows};
+pub use read::unsettled::Unsettled;
 pub use read::view::{Counts, JobWhy, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::activity::{Activity, Doing};
@@ -259,6 +260,17 @@ impl Fleet {
     /// If even that contradicts the ledger.
     pub fn fence(&mut self, robot: RobotId, now: Time) {
         fence::fence(&mut self.core, robot, now);
+    }
+
+    /// From now on robots get no further grants: each drives to the end of what it was granted, and stands on a node
+    /// there. It is no fact: a restart forgets it.
+    pub fn settle(&mut self) {
+        self.traffic.settling = true;
+    }
+
+    /// Robots get grants again.
+    pub fn go_on(&mut self) {
+        self.traffic.settling = false;
     }
 
     /// Panics over the robot of the trap.

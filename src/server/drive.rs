@@ -15,6 +15,7 @@ use super::measure::Measure;
 use super::outbox::Outbox;
 use super::recordings::Tap;
 use super::rescue::{Rescue, drivers};
+use super::settle::Settling;
 use super::watchdog::Watchdog;
 use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
@@ -78,6 +79,8 @@ pub struct DriveLoop {
     pub store: Arc<Store>,
     /// Gets the view.
     pub moments: watch::Sender<Arc<Moment>>,
+    /// Whether robots are to stand for a change of the map.
+    pub settling: Settling,
 }
 
 /// How the loop turns.
@@ -92,8 +95,8 @@ pub struct LoopPace {
 }
 
 impl DriveLoop {
-    /// Turns until `stop` says so.
-    pub async fn run(mut self, mut stop: watch::Receiver<bool>) {
+    /// Turns until `stop` says so. Gives the floor as it is then.
+    pub async fn run(mut self, mut stop: watch::Receiver<bool>) -> World {
         let mut tick = interval(Duration::from_micros(self.period.0.unsigned_abs().max(1000)));
         tick.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let mut published = self.clock.started();
@@ -114,6 +117,7 @@ impl DriveLoop {
             self.release();
         }
         self.turn(&mut published);
+        self.world
     }
 
     /// Turns at once where a pose calls for a stop and the loop has rested.
@@ -164,6 +168,7 @@ impl DriveLoop {
             let after = self.journal.record(now, step.facts, causes);
             self.outbox.put(after, step.commands, step.replies);
         }
+        self.settling.look(&mut self.fleet, now, self.journal.is_settled());
         if now - *published >= PUBLISH {
             *published = now;
             self.publish(now);
@@ -327,6 +332,7 @@ mod tests {
             watchdog: Watchdog::default(),
             store: store.clone(),
             moments,
+            settling: Settling::new(mpsc::channel(1).1),
         };
         (drive, writer, queue)
     }

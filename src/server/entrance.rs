@@ -1,4 +1,5 @@
-//! The door while the server starts: it answers at once, and leads inside as soon as there is an inside.
+//! The door while the server starts or goes over to another map: it answers at once, and leads inside as soon as there
+//! is an inside.
 //!
 //! Main type: [`Entrance`]. Until then every request gets 503 with the reason, but the one that asks whether the
 //! process lives. Refuses: to keep a client waiting for the journal.
@@ -11,7 +12,9 @@ use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use tokio::sync::watch;
+use tokio::time::sleep;
 use tower::ServiceExt;
 
 /// Seconds after which a new try makes sense while the journal loads.
@@ -20,11 +23,17 @@ const AGAIN_S: u32 = 1;
 /// Seconds after which a new try makes sense where a person has to act first.
 const MENDED_S: u32 = 60;
 
+/// How long requests that are inside may take when the map is changed, and how often it is looked.
+const LEAVE: Duration = Duration::from_secs(3);
+const LOOK: Duration = Duration::from_millis(20);
+
 /// What is behind the door.
 #[derive(Clone, Debug)]
 enum Inside {
     /// The journal is being loaded.
     Starting,
+    /// The map is being changed.
+    Changing,
     /// The server.
     Open(Router),
     /// Nothing, and why.
@@ -33,11 +42,15 @@ enum Inside {
 
 /// The door. Cheap to clone.
 #[derive(Clone, Debug)]
-pub struct Entrance(Arc<watch::Sender<Inside>>);
+pub struct Entrance {
+    inside: Arc<watch::Sender<Inside>>,
+    /// One for each request that is inside, and one more.
+    visitors: Arc<()>,
+}
 
 impl Default for Entrance {
     fn default() -> Entrance {
-        Entrance(Arc::new(watch::Sender::new(Inside::Starting)))
+        Entrance { inside: Arc::new(watch::Sender::new(Inside::Starting)), visitors: Arc::new(()) }
     }
 }
 
@@ -49,22 +62,47 @@ impl Entrance {
 
     /// Leads inside from now on.
     pub fn open(&self, inside: Router) {
-        self.0.send_replace(Inside::Open(inside));
+        self.inside.send_replace(Inside::Open(inside));
+    }
+
+    /// Says from now on that the map is being changed, and waits for a while until no more than `left` requests are
+    /// inside.
+    pub async fn empty(&self, left: usize) {
+        self.inside.send_replace(Inside::Changing);
+        let begun = Instant::now();
+        // Each clone of the door has one.
+        while Arc::strong_count(&self.visitors) > self.doors() + left && begun.elapsed() < LEAVE {
+            sleep(LOOK).await;
+        }
+    }
+
+    /// How many clones of the door there are.
+    fn doors(&self) -> usize {
+        Arc::strong_count(&self.inside)
     }
 
     /// Says from now on why the server does not work.
     pub fn shut(&self, why: String) {
-        self.0.send_replace(Inside::Shut(why));
+        self.inside.send_replace(Inside::Shut(why));
     }
 }
 
 async fn enter(State(entrance): State<Entrance>, request: Request) -> Response {
-    let inside = entrance.0.borrow().clone();
+    let (inside, visitor) = (entrance.inside.borrow().clone(), entrance.visitors.clone());
+    drop(entrance);
     let problem = match inside {
-        Inside::Open(router) => return router.oneshot(request).await.into_response(),
+        Inside::Open(router) => {
+            let response = router.oneshot(request).await.into_response();
+            drop(visitor);
+            return response;
+        }
         Inside::Starting => {
             let detail = "the server is starting: it loads its journal. Try again soon.";
             problem("starting", "The server is starting", detail.into(), AGAIN_S)
+        }
+        Inside::Changing => {
+            let detail = "the server goes over to another map: it loads its journal again. Try again soon.";
+            problem("starting", "The map is being changed", detail.into(), AGAIN_S)
         }
         Inside::Shut(why) => problem("broken", "The server cannot work", why, MENDED_S),
     };

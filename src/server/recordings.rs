@@ -18,6 +18,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
+use tokio::sync::oneshot;
 
 /// So many facts may wait for their bookmarks.
 const WAITING: usize = 1024;
@@ -54,6 +55,8 @@ pub struct KeptPast {
     pub folder: Option<Arc<Folder>>,
     /// For the loop.
     pub tap: Tap,
+    /// Ends with the thread that writes.
+    pub ended: Option<oneshot::Receiver<()>>,
 }
 
 impl KeptPast {
@@ -74,11 +77,14 @@ impl KeptPast {
             let rotation = Rotation::new(folder.clone(), limits);
             let (live, clock, alarms) = (live.clone(), clock.clone(), alarms.clone());
             let keeper = Keeper { rotation, live, clock, alarms, rest: None };
-            std::thread::Builder::new().name("past".into()).spawn(move || keeper.run(&facts))?;
-            Ok(KeptPast {
-                folder: Some(folder),
-                tap: Tap { facts: Some(send), queue: LastBacklog::default() },
-            })
+            let (end, ended) = oneshot::channel();
+            let write = move || {
+                keeper.run(&facts);
+                let _ = end.send(());
+            };
+            std::thread::Builder::new().name("past".into()).spawn(write)?;
+            let tap = Tap { facts: Some(send), queue: LastBacklog::default() };
+            Ok(KeptPast { folder: Some(folder), tap, ended: Some(ended) })
         };
         begin().unwrap_or_else(|e| {
             let text = format!("the past is not kept: {}: {e}. The fleet goes on.", path.display());

@@ -16,8 +16,8 @@ use crate::api::caller::Caller;
 use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::massrobotics::Interop;
-use crate::api::metrics::Metrics;
 use crate::api::port::{Moment, QUESTIONS, Question, SharedHistory};
+use crate::api::publish::MapDesk;
 use crate::api::recording::{Folder, Limits, Rotation};
 use crate::api::{Api, router};
 use crate::fleet::{Fleet, View};
@@ -80,8 +80,7 @@ impl Show {
         let kept = Arc::new(kept.with_context(|| format!("cannot write to {}", recordings.0.display()))?);
         let rotation = Rotation::new(kept.clone(), ALL);
         std::thread::Builder::new().name("ahead".into()).spawn(move || run_ahead(ahead, rotation))?;
-        let (alarms, metrics) = (Arc::new(Alarms::default()), Arc::new(Metrics::default()));
-        let (moments, picture) = watch::channel(Arc::new(Moment::default()));
+        let (alarms, (moments, picture)) = (Arc::new(Alarms::default()), watch::channel(Arc::default()));
         let (ask, questions) = mpsc::channel(QUESTIONS);
         let (clock, arm) = (Clock::start(None), player.fleet.settings().policy.word());
         let live = Arc::new(Live::new(map.clone(), clock.now().0.unsigned_abs()));
@@ -105,8 +104,9 @@ impl Show {
             pseudonyms: Arc::default(),
             interop: Arc::new(Interop::default()),
             now: Arc::new(move || clock.now()),
-            metrics,
+            metrics: Arc::default(),
             trials: super::trial::trials(),
+            maps: MapDesk::default(),
             gate: Arc::new(Gate::default()),
             oidc: None,
             tokens: None,

@@ -3,6 +3,7 @@
 //! Main types: [`ServerParts`], [`Built`]. The fold is work for a thread of its own, so that the port answers
 //! meanwhile. Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
 
+use super::basis::FloorBasis;
 use super::clock::{self, Clock};
 use super::recordings::KeptPast;
 use super::{Config, SimulatedFloor, StartSummary, historian, journal};
@@ -14,8 +15,8 @@ use crate::api::massrobotics::Interop;
 use crate::api::port::SharedHistory;
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
-use crate::sim::{Scenario, World};
-use crate::store::{CarryOver, Opening, Store};
+use crate::sim::World;
+use crate::store::{CarryOver, MapNote, Opening, Store};
 use crate::time::Span;
 use anyhow::Context;
 use std::any::Any;
@@ -38,8 +39,8 @@ pub struct ServerParts {
     pub alarms: Arc<Alarms>,
     pub past: KeptPast,
     pub charts: Charts,
-    /// The scenario as its file has it, without kinds that were added.
-    pub base: Scenario,
+    /// What stays the same from one map to the next.
+    pub basis: FloorBasis,
     /// The number of the last request that was written down.
     pub last_audit: i64,
 }
@@ -59,16 +60,20 @@ pub enum Built {
     Broken(String),
 }
 
-/// Opens the database.
-pub async fn open(config: &Config, floor: &SimulatedFloor) -> anyhow::Result<Arc<Store>> {
+/// Opens the database; `note` is noted about its map, and losses are accepted where that is so.
+pub async fn open(
+    config: &Config,
+    floor: &SimulatedFloor,
+    (accept_losses, note): (bool, MapNote),
+) -> anyhow::Result<Arc<Store>> {
     let stamp = || {
         let now = jiff::Timestamp::from_microsecond(Clock::start(None).started().0)?;
         anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
     };
     let new = config.new.then(stamp).transpose()?;
     let clearance = floor.scenario.settings().clearance();
-    let carry = Some(CarryOver { clearance, accept_losses: false, stamp: stamp()? });
-    let opening = Opening { new, traces: vec![config.past_folder()], carry };
+    let carry = Some(CarryOver { clearance, accept_losses, stamp: stamp()? });
+    let opening = Opening { new, traces: vec![config.past_folder()], carry, note };
     let store = Store::open_as(&config.database, &floor.map, &opening).await?;
     Ok(Arc::new(store.keep_days(config.keep_days).keep_people_days(config.people_keep_days)))
 }
@@ -90,13 +95,14 @@ fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
 pub async fn build(
     config: &Config,
     floor: SimulatedFloor,
-    base: Scenario,
+    basis: FloorBasis,
     store: &Arc<Store>,
 ) -> anyhow::Result<(Built, StartSummary)> {
     let SimulatedFloor { scenario, map, lines } = floor;
     let loaded = store.load(Ledger::new(map.clone(), scenario.settings().clearance(), false)).await?;
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
-    let summary = StartSummary { map: map.name.clone(), robots, facts, jobs: 0, open_jobs: 0, trouble: None };
+    let (published, map_name) = (basis.published.clone(), map.name.clone());
+    let summary = StartSummary { map: map_name, published, robots, facts, ..StartSummary::default() };
     let clock = Arc::new(Clock::start(loaded.last));
     let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
     let (buckets, heat) = store.load_history().await?;
@@ -151,7 +157,7 @@ pub async fn build(
         alarms,
         past,
         charts,
-        base,
+        basis,
         last_audit: store.last_audit().await?,
     };
     Ok((Built::Whole(Box::new(parts)), summary))

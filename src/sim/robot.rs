@@ -124,6 +124,12 @@ impl RobotBody {
         (self.reached, self.acted, self.recalls, self.rack) = (reached, acted, recalls, rack);
     }
 
+    /// It is turned, charged and broken as another one was.
+    pub fn stay_as(&mut self, before: &RobotBody) {
+        self.pose.heading = before.pose.heading;
+        (self.battery, self.flat_since, self.fault) = (before.battery, before.flat_since, before.fault);
+    }
+
     /// People switch it off, push it elsewhere and switch it on: it has forgotten its waypoints. `node` is the one to
     /// which it is nearest there.
     pub fn put(&mut self, at: Point, node: NodeId) {

@@ -2,6 +2,7 @@
 //!
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
+mod handover;
 mod incidents;
 
 use super::announce::Announcements;

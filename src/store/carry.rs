@@ -10,7 +10,9 @@ use super::events::NOTE_JOBS;
 use super::gone::{BEYOND, Gone, GoneKind};
 use super::jobs::StopsRecord;
 use super::opening::free_name;
-use super::{Opening, Store, StoreError, floor, job_record, last_step, ledger_record, seal, steps};
+use super::{
+    MapNote, Opening, Store, StoreError, floor, job_record, last_step, ledger_record, published, seal, steps,
+};
 use crate::fleet::carry::{Carried, Report, carry};
 use crate::fleet::{AssignmentState, JobFailure, JobState, Ledger};
 use crate::id::{Dense, IdVec};
@@ -100,7 +102,10 @@ pub(super) async fn carry_over(
     let wanted = opening.carry.as_ref().filter(|_| opening.new.is_none()).ok_or_else(other)?;
     if last_step(db).await? == 0 {
         // Nothing was ever promised.
-        floor::keep(&mut *db.acquire().await?, map).await?;
+        let mut tx = db.begin_with("BEGIN IMMEDIATE").await?;
+        floor::keep(&mut tx, map).await?;
+        published::note(&mut tx, &opening.note).await?;
+        tx.commit().await?;
         return Ok(CarriedOver { from: theirs, report: Report::default(), backup: None });
     }
     let unknown =
@@ -118,7 +123,7 @@ pub(super) async fn carry_over(
     if !compared.carried.ids.keeps_ids() {
         set_frames_aside(&opening.traces, &format!("before-map-change-{}", wanted.stamp))?;
     }
-    write(db, &old, map, compared).await?;
+    write(db, (&old, map), compared, &opening.note).await?;
     tracing::warn!("the database was carried over from the map \"{theirs}\" to \"{}\":\n{report}", map.name);
     Ok(CarriedOver { from: theirs, report, backup: Some(backup) })
 }
@@ -132,7 +137,7 @@ impl Store {
         let Some(about) = self.belongs().await?.filter(|about| about.seal != seal(map)) else {
             return Ok(None);
         };
-        if self.last() == 0 {
+        if last_step(&self.readers).await? == 0 {
             return Ok(Some(Report::default()));
         }
         let (path, ours) = (self.path().to_owned(), map.name.clone());
@@ -183,9 +188,9 @@ pub(super) fn set_frames_aside(folders: &[PathBuf], stamp: &str) -> Result<(), S
 /// Everything in one transaction.
 async fn write(
     db: &SqlitePool,
-    old: &Warehouse,
-    new: &Warehouse,
+    (old, new): (&Warehouse, &Warehouse),
     compared: Compared,
+    note: &MapNote,
 ) -> Result<(), StoreError> {
     let Compared { carried, last, at } = compared;
     let parts = carried.parts.expect("nothing is in the way");
@@ -213,6 +218,7 @@ async fn write(
     let row = sqlx::query(SNAPSHOT).bind(last).bind(at.0).bind(ledger_record::VERSION).bind(body);
     row.execute(&mut *tx).await?;
     floor::keep(&mut tx, new).await?;
+    published::note(&mut tx, note).await?;
     tx.commit().await?;
     Ok(())
 }

@@ -32,6 +32,7 @@ mod names;
 mod opening;
 mod people;
 mod people_record;
+mod published;
 pub mod record;
 mod retention;
 mod robots;
@@ -55,6 +56,7 @@ pub use events::EVENTS_KEPT;
 pub use kinds::KindText;
 pub use names::PersonRow;
 pub use opening::Opening;
+pub use published::{MapNote, PublishedMap, map_digest};
 pub use seal::seal;
 pub use sessions::SessionRow;
 pub use snapshot::SNAPSHOT_AFTER;
@@ -320,6 +322,7 @@ async fn seal_or_carry(
     }
     let mut tx = writer.begin_with("BEGIN IMMEDIATE").await?;
     floor::keep(&mut tx, map).await?;
+    published::note(&mut tx, &opening.note).await?;
     tx.commit().await?;
     Ok(None)
 }

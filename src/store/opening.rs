@@ -6,7 +6,7 @@
 use super::carry::CarryOver;
 use super::identity::beside;
 use super::lock::{Lock, LockRecord};
-use super::{Store, StoreError};
+use super::{MapNote, Store, StoreError};
 use crate::warehouse::Warehouse;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,6 +24,8 @@ pub struct Opening {
     pub traces: Vec<PathBuf>,
     /// Carry the database over where it belongs to another map; refuse it where this is not given.
     pub carry: Option<CarryOver>,
+    /// What is noted about the map.
+    pub note: MapNote,
 }
 
 impl Store {

@@ -8,6 +8,7 @@ mod body;
 mod build;
 mod check;
 mod conflict;
+mod differences;
 mod footprint;
 pub mod formats;
 mod generate;
@@ -22,6 +23,7 @@ pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
 pub use check::{
     Finding, Findings, Remark, Review, Severity, ShutIn, review, room_for, shut_in, shut_in_text,
 };
+pub use differences::{Difference, HowDifferent, differences};
 pub use footprint::{Footprint, Hull};
 pub use generate::{Blocks, kiva, lab, mixed, thesis};
 pub use sketch::sketch;

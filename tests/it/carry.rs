@@ -25,7 +25,7 @@ const BUSY: &str = include_str!("busy.json");
 const PATIENCE: Duration = Duration::from_secs(300);
 
 /// The map of the tests, changed by hand.
-fn changed(change: impl FnOnce(&mut Draft)) -> Warehouse {
+pub fn changed(change: impl FnOnce(&mut Draft)) -> Warehouse {
     change_of(&map(), change)
 }
 
@@ -36,12 +36,12 @@ fn change_of(map: &Warehouse, change: impl FnOnce(&mut Draft)) -> Warehouse {
 }
 
 /// One node is 15 cm from where it was.
-fn moved() -> Warehouse {
+pub fn moved() -> Warehouse {
     changed(|draft| draft.nodes.iter_mut().find(|n| n.name == "R118").unwrap().at.y += 0.15)
 }
 
 /// A parking place more, before all other nodes: every id is another one.
-fn grown() -> Warehouse {
+pub fn grown() -> Warehouse {
     changed(|draft| {
         let at = draft.nodes.iter().find(|n| n.name == "R32").unwrap().at;
         let at = at + giveway::geometry::Vector::new(1.2, 0.0);
@@ -52,7 +52,7 @@ fn grown() -> Warehouse {
     })
 }
 
-fn without_rack(name: &str) -> Warehouse {
+pub fn without_rack(name: &str) -> Warehouse {
     changed(|draft| draft.racks.retain(|rack| rack.name != name))
 }
 
@@ -66,7 +66,7 @@ fn discs(map: Warehouse) -> Warehouse {
     Arc::unwrap_or_clone(fitted)
 }
 
-async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
+pub async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
     Server::start(&config(folder), SimulatedFloor { scenario, map: Arc::new(map), lines: Vec::new() }).await
 }
@@ -87,7 +87,7 @@ fn beside(folder: &Folder, text: &str) -> Vec<PathBuf> {
     all.filter(|path| path.to_string_lossy().contains(text)).collect()
 }
 
-fn backups(folder: &Folder) -> Vec<PathBuf> {
+pub fn backups(folder: &Folder) -> Vec<PathBuf> {
     let mut all = beside(folder, "giveway.sqlite.before-map-change-");
     all.retain(|path| !["-wal", "-shm"].iter().any(|side| path.to_string_lossy().ends_with(side)));
     all.sort();
@@ -95,7 +95,7 @@ fn backups(folder: &Folder) -> Vec<PathBuf> {
 }
 
 /// Runs `giveway database` with a map. Its exit code, and what it printed.
-fn database(file: &Path, map: &Warehouse, arguments: &[&str]) -> (Option<i32>, Value, String) {
+pub fn database(file: &Path, map: &Warehouse, arguments: &[&str]) -> (Option<i32>, Value, String) {
     let text = file.with_extension("map.json");
     std::fs::write(&text, json::write(map)).unwrap();
     let Output { status, stdout, stderr } = Command::new(env!("CARGO_BIN_EXE_giveway"))
@@ -111,7 +111,7 @@ fn database(file: &Path, map: &Warehouse, arguments: &[&str]) -> (Option<i32>, V
 }
 
 /// Jobs of every kind, each with a key.
-fn orders() -> Vec<(String, Value)> {
+pub fn orders() -> Vec<(String, Value)> {
     let jobs = [
         json!({"kind": "deliver", "rack": "K1", "station": "P", "pick_s": 0.2}),
         json!({"kind": "deliver", "rack": "K2", "station": "P", "pick_s": 0.2, "priority": 7}),
@@ -126,7 +126,7 @@ fn orders() -> Vec<(String, Value)> {
 }
 
 /// Hands all of them in, once the robots are known.
-async fn submit(at: SocketAddr) {
+pub async fn submit(at: SocketAddr) {
     let end = Instant::now() + PATIENCE;
     while get(at, "/v1/robots").await.json()["items"].as_array().map(Vec::len) != Some(2) {
         assert!(Instant::now() < end, "the robots join");
@@ -139,7 +139,7 @@ async fn submit(at: SocketAddr) {
 }
 
 /// Waits until the jobs are so.
-async fn until(at: SocketAddr, what: &str, so: impl Fn(&[Value]) -> bool) -> Vec<Value> {
+pub async fn until(at: SocketAddr, what: &str, so: impl Fn(&[Value]) -> bool) -> Vec<Value> {
     let end = Instant::now() + PATIENCE;
     loop {
         let jobs = all_jobs(at, 500).await;
@@ -151,12 +151,12 @@ async fn until(at: SocketAddr, what: &str, so: impl Fn(&[Value]) -> bool) -> Vec
     }
 }
 
-fn is_over(job: &Value) -> bool {
+pub fn is_over(job: &Value) -> bool {
     ["done", "cancelled", "failed"].contains(&job["state"].as_str().unwrap())
 }
 
 /// What a job asks for, by names.
-fn wish(job: &Value) -> Value {
+pub fn wish(job: &Value) -> Value {
     json!([job["id"], job["kind"], job["rack"], job["station"], job["node"], job["after"], job["created"]])
 }
 

@@ -38,6 +38,7 @@ mod page_fixtures;
 mod past;
 mod people;
 mod privacy;
+mod publish;
 mod recovery;
 mod robots;
 mod roles;

@@ -101,6 +101,7 @@ impl TestServer {
             now: Arc::new(move || Time(ticks.fetch_add(1, Ordering::Relaxed))),
             metrics: metrics.clone(),
             trials: crate::api::trial::Trials::default(),
+            maps: crate::api::publish::MapDesk::default(),
             gate: Arc::new(Gate::default()),
             oidc: None,
             tokens: None,

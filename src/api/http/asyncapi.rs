@@ -167,6 +167,7 @@ impl Components {
             ("time_s", seconds.clone()),
             ("simulated", json!({"type": "boolean"})),
             ("started", json!({"type": "string", "description": "When second 0 of the feed was, RFC 3339"})),
+            ("map", json!({"type": "string", "description": "The version of the map, as in GET /v1/map"})),
             ("robots", list(self.schema::<RobotDto>(true))),
             ("racks", list(self.schema::<RackDto>(true))),
             ("stations", list(self.schema::<StationDto>(true))),

@@ -3,14 +3,13 @@
 //! Main function: [`map`]; main type [`MapAnswer`], made once. Refuses: to send it again to a page that has it.
 
 use super::page::accepts;
-use crate::api::building::{MapDto, map_text};
+use crate::api::building::{MapDto, map_text, map_version};
 use crate::warehouse::Warehouse;
 use axum::Extension;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use brotli::CompressorWriter;
 use bytes::Bytes;
-use sha2::{Digest, Sha256};
 use std::io::Write;
 use std::sync::{Arc, OnceLock};
 use std::thread;
@@ -26,7 +25,10 @@ const SMALL: usize = 16 * 1024;
 /// The building as it is sent.
 pub struct MapAnswer {
     text: Bytes,
-    etag: HeaderValue,
+    /// Names what is in it.
+    pub version: String,
+    /// The same in quotes.
+    pub etag: HeaderValue,
     /// The text compressed with brotli, as soon as that is done.
     packed: OnceLock<Bytes>,
 }
@@ -35,9 +37,9 @@ impl MapAnswer {
     /// Writes the building down, and compresses that on a thread of its own.
     pub fn of(map: &Warehouse) -> Arc<MapAnswer> {
         let text = Bytes::from(map_text(map));
-        let digest: String = Sha256::digest(&text)[..12].iter().map(|b| format!("{b:02x}")).collect();
-        let etag = HeaderValue::from_str(&format!("\"{digest}\"")).expect("hexadecimal digits in quotes");
-        let answer = Arc::new(MapAnswer { text, etag, packed: OnceLock::new() });
+        let version = map_version(map);
+        let etag = HeaderValue::from_str(&format!("\"{version}\"")).expect("hexadecimal digits in quotes");
+        let answer = Arc::new(MapAnswer { text, version, etag, packed: OnceLock::new() });
         if answer.text.len() > SMALL {
             let theirs = answer.clone();
             thread::spawn(move || _ = theirs.packed.set(brotli(&theirs.text)));

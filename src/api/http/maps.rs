@@ -3,6 +3,7 @@
 //!
 //! Main types: [`MapFile`], [`MapReviewDto`], [`TrialDto`]. Refuses: to change the map of the server.
 
+use super::map::MapAnswer;
 use crate::api::Api;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::JsonBody;
@@ -11,19 +12,19 @@ use crate::api::trial::{NoTrial, TrialFigures, TrialOrder};
 use crate::geometry::Point;
 use crate::time::Span;
 use crate::warehouse::{Draft, Remark, Review, Severity, Warehouse, formats, review, room_for};
-use axum::Json;
 use axum::extract::State;
-use axum::http::header;
+use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;
 use utoipa::ToSchema;
 
 /// How long a map may be, bytes: ten times that of the largest hall that ships.
-const LIMIT: usize = 8 * 1024 * 1024;
+pub(super) const LIMIT: usize = 8 * 1024 * 1024;
 /// So many findings of an answer, and so many points of a finding.
-const MOST: usize = 500;
+pub(super) const MOST: usize = 500;
 /// How many robots may be tried.
 const MOST_ROBOTS: usize = 200;
 /// How long a trial may be, minutes of simulated time.
@@ -37,7 +38,7 @@ const PATIENCE: Duration = Duration::from_secs(25);
 #[schema(value_type = Object, example = json!({"giveway_map": 1, "name": "small", "footprint_m": 0.9,
     "nodes": [{"id": "a", "x": 0, "y": 0}, {"id": "p", "x": 1, "y": 0}],
     "lanes": [{"from": "a", "to": "p", "both": true}], "parking": ["p"]}))]
-pub struct MapFile(Draft);
+pub struct MapFile(pub(super) Draft);
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, Serialize, ToSchema)]
@@ -111,11 +112,13 @@ impl From<&Review> for MapReviewDto {
     }
 }
 
-/// The map of this server as a map file, with everything that a map file can say.
+/// The map of this server as a map file, with everything that a map file can say. Its `ETag` names its version, as that
+/// of `GET /v1/map` does.
 #[utoipa::path(get, path = "/v1/map:file", tag = "floor", operation_id = "getMapFile", responses(
     (status = 200, description = "The map file", body = MapFile)))]
-pub async fn file(State(api): State<Api>) -> Response {
-    ([(header::CONTENT_TYPE, "application/json")], formats::json::write(&api.map)).into_response()
+pub async fn file(State(api): State<Api>, Extension(answer): Extension<Arc<MapAnswer>>) -> Response {
+    let media = (header::CONTENT_TYPE, HeaderValue::from_static("application/json"));
+    ([media, (header::ETAG, answer.etag.clone())], formats::json::write(&api.map)).into_response()
 }
 
 /// Check a map: everything that is wrong with it or looks like a slip, each with its place and remedy. The map of the

@@ -29,6 +29,7 @@ mod page;
 mod past;
 mod people;
 mod positions;
+mod publish;
 mod recurring;
 mod reports;
 mod robot_life;
@@ -100,6 +101,7 @@ fn cross_origin(origins: &[String]) -> CorsLayer {
         header::ACCEPT,
         header::AUTHORIZATION,
         header::CONTENT_TYPE,
+        header::IF_MATCH,
         header::IF_NONE_MATCH,
         HeaderName::from_static("idempotency-key"),
         HeaderName::from_static("last-event-id"),
@@ -136,7 +138,8 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(health::ready))
         .routes(routes!(alarms::list))
         .routes(routes!(alarms::acknowledge))
-        .routes(routes!(map::map))
+        .routes(routes!(map::map, publish::publish))
+        .routes(routes!(publish::check))
         .routes(routes!(maps::file))
         .routes(routes!(maps::check))
         .routes(routes!(maps::trial))

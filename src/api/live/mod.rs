@@ -13,6 +13,7 @@ pub(super) mod thin;
 pub use forecast::ForecastDto;
 pub use frame::Frame;
 
+use super::building::map_version;
 use super::port::Moment;
 use crate::alarm::Alarm;
 use crate::warehouse::Warehouse;
@@ -80,6 +81,8 @@ struct LiveState {
 #[derive(Debug)]
 pub struct Live {
     map: Arc<Warehouse>,
+    /// Names what is in the map: who reads on after a break learns whether it is still the same one.
+    map_version: String,
     state: Mutex<LiveState>,
     newest: watch::Sender<u64>,
 }
@@ -95,7 +98,12 @@ impl Live {
             plain: RecentPatches::default(),
             thin: RecentPatches::default(),
         };
-        Live { map, state: Mutex::new(state), newest: watch::Sender::new(first) }
+        Live {
+            map_version: map_version(&map),
+            map,
+            state: Mutex::new(state),
+            newest: watch::Sender::new(first),
+        }
     }
 
     /// Tells of every new version.
@@ -142,7 +150,12 @@ impl Live {
             return (kept.patches.iter().skip(skip).cloned().map(Message::Text).collect(), version);
         }
         let LiveState { frame, snapshot, packed, .. } = &mut *state;
-        let text = snapshot.get_or_insert_with(|| frame.snapshot(version).to_string().into());
+        let whole = || {
+            let mut whole = frame.snapshot(version);
+            whole["map"] = self.map_version.as_str().into();
+            whole.to_string().into()
+        };
+        let text = snapshot.get_or_insert_with(whole);
         let message = match reader.snapshots {
             SnapshotFormat::Text => Message::Text(text.clone()),
             SnapshotFormat::Gzip => Message::Binary(packed.get_or_insert_with(|| gzip(text)).clone()),

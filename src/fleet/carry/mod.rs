@@ -18,6 +18,7 @@ use crate::fleet::state::worker::{Assignment, Closure};
 use crate::fleet::{
     Job, JobKind, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Visiting, Wishes,
 };
+use crate::geometry::Spot;
 use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, SeriesId, StationId};
 use crate::time::Time;
 use crate::warehouse::{NodeKind, Warehouse};
@@ -55,7 +56,7 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
     let old = &**ledger.warehouse();
     let ids = Matching::new(old, new);
     let mut m = Move { ledger, old, new, ids, report: Report::default(), at };
-    m.report.notes = changes::notes(old, new, &m.ids);
+    m.report.changes = changes::notes(old, new, &m.ids);
     let placed = m.place();
     let (jobs, waiting, failed) = m.jobs();
     let (assignments, cancelled) = m.assignments();
@@ -114,9 +115,9 @@ impl Move<'_> {
                 }
                 Err(missing) => {
                     let what = format!("job {id:?} ({}) asks for {missing}", job.request.kind.word());
-                    let remedy = "start with the old map and cancel it or let it end, or accept that it fails, and \
-                                  with it the jobs that come after it";
-                    self.report.lose(what, remedy);
+                    let remedy = "with the old map, cancel it or let it end, or accept that it fails, and with it the \
+                                  jobs that come after it";
+                    self.report.lose(self.place_of(job.request.kind), what, remedy);
                     failed.push(*id);
                 }
             }
@@ -160,6 +161,21 @@ impl Move<'_> {
         })
     }
 
+    /// Where a node is on the old map.
+    fn spot(&self, node: NodeId) -> Option<Spot> {
+        Some(self.old.nodes[node].at.into())
+    }
+
+    /// Where on the old map a job ends, or is to begin.
+    fn place_of(&self, kind: JobKind) -> Option<Spot> {
+        match kind {
+            JobKind::Deliver { station, .. } => self.spot(self.old.stations[station].node),
+            JobKind::Return { rack } => self.spot(self.old.racks[rack].home),
+            JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => self.spot(node),
+            JobKind::Charge { .. } | JobKind::Park { .. } => None,
+        }
+    }
+
     fn rack(&self, rack: RackId) -> Result<RackId, String> {
         self.ids.racks[rack].ok_or_else(|| format!("rack {}, which is gone", self.old.racks[rack].name))
     }
@@ -186,8 +202,8 @@ impl Move<'_> {
                 Err(missing) => {
                     let of = assignment.worker.map(|w| format!(" of worker {}", self.ledger.workers[w]));
                     let what = format!("assignment a{}{} is at {missing}", id.0, of.unwrap_or_default());
-                    self.report
-                        .lose(what, "assign the worker to another place, or accept that it is cancelled");
+                    let remedy = "assign the worker to another place, or accept that it is cancelled";
+                    self.report.lose(self.spot(assignment.request.place), what, remedy);
                     cancelled.push(*id);
                 }
             }
@@ -218,7 +234,9 @@ impl Move<'_> {
         let gone = area.nodes.len() - nodes.len();
         if gone > 0 && nodes.is_empty() {
             let what = format!("{name} (\"{}\") closes only nodes that are gone", area.reason);
-            self.report.lose(what, "close the area again on the new map, and accept that this one ends");
+            let at = area.nodes.first().and_then(|n| self.spot(*n));
+            let remedy = "close the area again on the new map, and accept that this one ends";
+            self.report.lose(at, what, remedy);
             return None;
         }
         if gone > 0 {

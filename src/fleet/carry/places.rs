@@ -8,6 +8,7 @@ use crate::fleet::state::fact::Task;
 use crate::fleet::state::ledger::{Robot, stand};
 use crate::fleet::state::storage::along_axes;
 use crate::fleet::{JobKind, RackAt};
+use crate::geometry::Spot;
 use crate::id::{IdVec, NodeId, RackId, RobotId};
 use crate::timeline::{ChainParts, Holder, Visit};
 use crate::warehouse::NodeKind;
@@ -66,7 +67,7 @@ impl Move<'_> {
             let Some(here) = self.ids.nodes[node] else {
                 let name = &self.old.nodes[node].name;
                 let what = format!("{} stands on {name}, which the new map does not have", record.name);
-                self.report.refuse(what, SEND_ELSEWHERE);
+                self.report.refuse(self.spot(node), what, SEND_ELSEWHERE);
                 continue;
             };
             for other in self.too_near(robot, here, &by_node) {
@@ -78,7 +79,7 @@ impl Move<'_> {
                     place(robot),
                     place(other)
                 );
-                self.report.refuse(what, SEND_ELSEWHERE);
+                self.report.refuse(self.spot(node), what, SEND_ELSEWHERE);
             }
             by_node.insert(here, robot);
             stands.insert(robot, here);
@@ -110,18 +111,21 @@ impl Move<'_> {
                 (Some(new), RackAt::On(robot)) => racks[new] = Some(RackAt::On(robot)),
                 (Some(new), RackAt::Stored(node)) => racks[new] = self.stored_at(name, node),
                 (None, RackAt::On(robot)) => {
+                    let at = self.spot(self.ledger.node_of(robot));
                     let robot = &self.ledger.robots[robot].name;
                     let what = format!("{robot} carries rack {name}, which the new map does not have");
                     self.report.refuse(
+                        at,
                         what,
-                        "start with the old map, wait until the robot has set it down, stop, and start again",
+                        "with the old map, wait until the robot has set it down, then try again",
                     );
                 }
                 (None, RackAt::Stored(node)) => {
+                    let at = self.spot(node);
                     let node = &self.old.nodes[node].name;
                     let what = format!("rack {name}, which stands on {node}, is gone from the map");
-                    self.report
-                        .lose(what, "put it back into the map, or take it off the floor and accept its loss");
+                    let remedy = "put it back into the map, or take it off the floor and accept its loss";
+                    self.report.lose(at, what, remedy);
                 }
             }
         }
@@ -139,9 +143,9 @@ impl Move<'_> {
             Some(new) => return Some(RackAt::Stored(new)),
         };
         self.report.refuse(
+            self.spot(node),
             format!("rack {rack} stands on {name}, {why}"),
-            "start with the old map, relocate the rack to a node that is a storage node on both maps, stop, and start \
-             again",
+            "with the old map, relocate the rack to a node that is a storage node on both maps, then try again",
         );
         None
     }
@@ -172,7 +176,7 @@ impl Move<'_> {
                     "{robot} stands on {node} with a rack, and on the new map no lane for loaded robots leads from \
                      there"
                 );
-                self.report.refuse(what, SEND_ELSEWHERE);
+                self.report.refuse(self.spot(self.ledger.node_of(load.robot)), what, SEND_ELSEWHERE);
             }
         }
     }
@@ -193,7 +197,8 @@ impl Move<'_> {
             let far = |n: &NodeId| ((along_axes(at(home), at(*n)) * 1000.0) as i64, *n);
             let Some(node) = storage.into_iter().filter(is_free).min_by_key(far) else {
                 let what = format!("the new map has no free storage node for its new rack {name}");
-                self.report.refuse(what, "add a storage node to the map, or leave the rack out");
+                let at = Some(Spot::from(at(home)));
+                self.report.refuse(at, what, "add a storage node to the map, or leave the rack out");
                 continue;
             };
             if node != home {
@@ -243,7 +248,8 @@ impl Move<'_> {
     fn no_room(&mut self, load: &Load) {
         let (robot, rack) = (&self.ledger.robots[load.robot].name, &self.new.racks[load.rack].name);
         let what = format!("{robot} carries rack {rack}, and the new map has no free storage node for it");
-        self.report.refuse(what, "add a storage node to the map");
+        let at = self.spot(self.ledger.node_of(load.robot));
+        self.report.refuse(at, what, "add a storage node to the map");
     }
 
     /// Each robot is idle, or brings away the rack that it carries.
@@ -273,8 +279,7 @@ impl Move<'_> {
     }
 }
 
-const SEND_ELSEWHERE: &str =
-    "start with the old map, send the robot to a node that both maps have, stop, and start again";
+const SEND_ELSEWHERE: &str = "with the old map, send the robot to a node that both maps have, then try again";
 
 fn stored_on(at: &RackAt) -> Option<NodeId> {
     match *at {

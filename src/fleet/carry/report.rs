@@ -2,6 +2,7 @@
 //!
 //! Main types: [`Report`], [`ReportEntry`]. Refuses: to leave an entry out; texts for people are cut, and say how much.
 
+use crate::geometry::Spot;
 use std::fmt;
 
 /// So many entries of each kind are shown as text.
@@ -14,6 +15,8 @@ pub struct ReportEntry {
     pub what: String,
     /// What to do.
     pub remedy: String,
+    /// Where that is on the old map; nothing where it is at no place.
+    pub at: Option<Spot>,
 }
 
 impl fmt::Display for ReportEntry {
@@ -29,7 +32,9 @@ pub struct Report {
     pub obstacles: Vec<ReportEntry>,
     /// What would be lost: carried over only if the operator accepts that.
     pub losses: Vec<ReportEntry>,
-    /// What is different, and needs nothing.
+    /// What is different between the maps.
+    pub changes: Vec<String>,
+    /// What else happens on the floor, and needs nothing.
     pub notes: Vec<String>,
 }
 
@@ -39,23 +44,25 @@ impl Report {
         self.obstacles.is_empty() && self.losses.is_empty()
     }
 
-    pub(super) fn refuse(&mut self, what: String, remedy: &str) {
-        self.obstacles.push(ReportEntry { what, remedy: remedy.to_owned() });
+    /// What is different, and what else happens.
+    pub fn all_notes(&self) -> Vec<String> {
+        self.changes.iter().chain(&self.notes).cloned().collect()
     }
 
-    pub(super) fn lose(&mut self, what: String, remedy: &str) {
-        self.losses.push(ReportEntry { what, remedy: remedy.to_owned() });
+    pub(super) fn refuse(&mut self, at: Option<Spot>, what: String, remedy: &str) {
+        self.obstacles.push(ReportEntry { what, remedy: remedy.to_owned(), at });
+    }
+
+    pub(super) fn lose(&mut self, at: Option<Spot>, what: String, remedy: &str) {
+        self.losses.push(ReportEntry { what, remedy: remedy.to_owned(), at });
     }
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let texts = |entries: &[ReportEntry]| entries.iter().map(ToString::to_string).collect::<Vec<_>>();
-        let lists = [
-            ("obstacle", texts(&self.obstacles)),
-            ("loss", texts(&self.losses)),
-            ("note", self.notes.clone()),
-        ];
+        let lists =
+            [("obstacle", texts(&self.obstacles)), ("loss", texts(&self.losses)), ("note", self.all_notes())];
         let mut first = true;
         for (kind, list) in lists {
             let more = list.len().saturating_sub(SHOWN);

@@ -14,5 +14,6 @@ pub(in crate::fleet) mod robot_events;
 pub mod rows;
 pub(in crate::fleet) mod safety_regions;
 pub(in crate::fleet) mod shift;
+pub(in crate::fleet) mod unsettled;
 pub mod view;
 pub(in crate::fleet) mod why;

@@ -181,7 +181,7 @@ fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way(
     let said = report.to_string();
     assert!(
         said.contains(&format!(
-            "robot-1 stands on {robot}, which the new map does not have: start with the old map"
+            "robot-1 stands on {robot}, which the new map does not have: with the old map"
         )),
         "{said}"
     );
@@ -412,9 +412,9 @@ fn notes_say_what_is_different() {
     });
     let report = floor.carried(&map).report;
     assert!(report.is_clean(), "{report}");
-    assert_eq!(report.notes, ["2 nodes moved, by 0.15 m at most (R119)"]);
+    assert_eq!(report.changes, ["2 nodes moved, by 0.15 m at most (R119)"]);
     let report = floor.carried(&thesis()).report;
     for word in ["nodes removed", "nodes added", "lanes removed", "stations added", "racks added"] {
-        assert!(report.notes.iter().any(|n| n.contains(word)), "{word}: {report}");
+        assert!(report.changes.iter().any(|n| n.contains(word)), "{word}: {report}");
     }
 }

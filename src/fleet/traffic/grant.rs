@@ -51,7 +51,8 @@ impl Traffic {
             let direction = self.direction(robot);
             let stays = direction != Some(Direction::Forward) && core.floor().is_halfway(robot);
             let goes_back = direction == Some(Direction::Back);
-            let gets_no_more = core.floor().is_halted(robot) || interrupted(robot) || stays || goes_back;
+            let is_kept = self.settling || core.floor().is_halted(robot) || interrupted(robot);
+            let gets_no_more = is_kept || stays || goes_back;
             self.withheld[robot] = match gets_no_more {
                 true => core.floor().withholds(yielding, robot, before, now),
                 false => extend_grant(core, yielding, robot, now),

@@ -122,6 +122,8 @@ pub(in crate::fleet) struct Traffic {
     pub(super) looked_round: BTreeMap<RobotId, Time>,
     /// When each robot on a way out last looked for a place to leave for, while the building is evacuated.
     pub(super) cleared: BTreeMap<RobotId, Time>,
+    /// Whether robots drive to the end of what they were granted, and no further.
+    pub settling: bool,
 }
 
 impl Traffic {
@@ -141,6 +143,7 @@ impl Traffic {
             obstructions: BTreeMap::new(),
             looked_round: BTreeMap::new(),
             cleared: BTreeMap::new(),
+            settling: false,
         }
     }
 

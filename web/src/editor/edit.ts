@@ -74,12 +74,15 @@ function joined(map: MapFile, ids: readonly string[], pitch: number | null): Map
   const at = new Map(map.nodes.map((n) => [n.id, n]));
   const known = new Set(map.lanes.map((l) => [l.from, l.to].sort().join('\n')));
   const lanes: FileLane[] = [];
+  const far = reach(pitch);
   for (const id of ids) {
     const here = at.get(id);
     if (!here) continue;
     for (const other of map.nodes) {
+      // Distance first: in a large hall nearly all are far away, and names take longer than numbers.
+      if (other.id === id || Math.abs(other.x - here.x) > far || Math.abs(other.y - here.y) > far) continue;
       const key = [id, other.id].sort().join('\n');
-      if (other.id === id || known.has(key) || Math.hypot(other.x - here.x, other.y - here.y) > reach(pitch)) continue;
+      if (known.has(key) || Math.hypot(other.x - here.x, other.y - here.y) > far) continue;
       const both = [kinds.get(id)!, kinds.get(other.id)!];
       const users = usersBetween(both[0]!, both[1]!);
       if (users === null) continue;

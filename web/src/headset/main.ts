@@ -186,8 +186,16 @@ function phone(map: FloorMap, id: string, name: string): void {
   const done = make('button', { textContent: t('done'), className: 'main', hidden: true });
   const back = make('button', { textContent: t('reconnect'), className: 'main', hidden: true });
   let [self, seen, shot]: [Self | null, Self | null, Lens | null] = [null, null, null];
+  let link = wearer.feed.kind;
+  /** Another map may have been published while the server was away. */
+  const mapAgain = async (): Promise<void> => {
+    const answer = await server.map();
+    if (answer.kind === 'ok') map = answer.value;
+  };
   const refresh = (): void => {
     const shown = wearer.shown();
+    if (link === 'lost' && wearer.feed.kind === 'live') void mapAgain();
+    link = wearer.feed.kind;
     const ended = wearer.feed.kind === 'ended' ? wearer.feed.text : '';
     screen.say(shown, shown.title, ended || joined(refusal(wearer), shown.detail));
     back.hidden = ended === '';

@@ -25,7 +25,10 @@ export class Live {
     },
     random: Math.random,
     onState: (state) => { this.link = state; },
-    onMirror: (mirror, kind) => this.onMirror(mirror, kind === 'snapshot' ? 'jump' : 'glide'),
+    onMirror: (mirror, kind) => {
+      if (kind === 'snapshot') this.#follow(mirror.map);
+      this.onMirror(mirror, kind === 'snapshot' ? 'jump' : 'glide');
+    },
   });
 
   constructor(api: LiveApi) {
@@ -55,6 +58,14 @@ export class Live {
     const { freshAt } = this.#link;
     const age = freshAt === null ? null : Math.floor((performance.now() - freshAt) / 1_000);
     if (age !== this.age) this.age = age;
+  }
+
+  /** Another map was published while the server was away: rows name places of that one from here on. */
+  #follow(version: string | null): void {
+    const { map } = this;
+    if (version === null || map.kind !== 'ready' || map.value.version === undefined || map.value.version === version) return;
+    this.map = { kind: 'loading' };
+    void this.#loadMap();
   }
 
   async #loadMap(): Promise<void> {

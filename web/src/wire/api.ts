@@ -96,6 +96,13 @@ export class Api {
     return this.#ask<JobPage>('GET', `/v1/jobs?${query}`);
   }
 
+  /** Jobs that were done since a time, newest first. */
+  jobsDone(since: string, cursor: string | null): Promise<Answer<JobPage>> {
+    const query = new URLSearchParams({ limit: '500', state: 'done', updated_since: since });
+    if (cursor) query.set('cursor', cursor);
+    return this.#ask<JobPage>('GET', `/v1/jobs?${query}`);
+  }
+
   /** Jobs that a customer calls so, newest first. */
   jobsCalled = (reference: string) => this.#ask<JobPage>('GET', `/v1/jobs?${new URLSearchParams({ limit: '5', reference })}`);
 

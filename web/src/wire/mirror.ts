@@ -14,6 +14,8 @@ export interface Mirror {
   readonly time_s: number;
   /** When `time_s` was zero, in milliseconds of the epoch; null where a recording does not say. */
   readonly started: number | null;
+  /** The version of the map; null where nothing says it. */
+  readonly map: string | null;
   readonly source: 'simulated' | 'real' | 'unknown';
   readonly robots: Table<Robot>;
   readonly racks: Table<Rack>;
@@ -62,7 +64,7 @@ const BLANK_WORKER: Worker = {
 };
 
 export const EMPTY: Mirror = {
-  version: null, time_s: 0, started: null, source: 'unknown',
+  version: null, time_s: 0, started: null, map: null, source: 'unknown',
   robots: tableOf([], BLANK_ROBOT), racks: tableOf([], BLANK_RACK), stations: tableOf([], BLANK_STATION),
   workers: tableOf([], BLANK_WORKER), closures: [], forecasts: [],
   jobs: NO_JOBS, counters: NO_COUNTERS, alarms: [],
@@ -79,6 +81,7 @@ export function reduce(mirror: Mirror, message: Message): Reduced {
       version: message.version,
       time_s: message.time_s,
       started: message.started === undefined ? null : Date.parse(message.started),
+      map: message.map ?? null,
       source: message.simulated ? 'simulated' : 'real',
       robots: tableOf(message.robots, BLANK_ROBOT),
       racks: tableOf(message.racks, BLANK_RACK),
@@ -104,6 +107,7 @@ function patched(old: Mirror, patch: Patch): Mirror {
     version: patch.version,
     time_s: patch.time_s ?? old.time_s,
     started: old.started,
+    map: old.map,
     source: old.source,
     robots: drive(merge(old.robots, patch.robots, BLANK_ROBOT), old.robots, patch),
     racks: merge(old.racks, patch.racks, BLANK_RACK),

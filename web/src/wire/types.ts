@@ -7,6 +7,8 @@ export type Point = [x: number, y: number];
 
 /** Metres and radians in a right-handed frame with y up; only the screen flips y. */
 export interface FloorMap {
+  /** Names what is in it; earlier recordings do not say. */
+  version?: string;
   name: string;
   bounds: [x0: number, y0: number, x1: number, y1: number];
   footprint_m: number;
@@ -274,6 +276,8 @@ export interface Snapshot {
   time_s: number;
   /** When `time_s` was zero, RFC 3339. Recordings of earlier versions do not say. */
   started?: string;
+  /** The version of the map of which it speaks; recordings have their map with them. */
+  map?: string;
   simulated: boolean;
   robots: Robot[];
   racks: Rack[];

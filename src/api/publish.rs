@@ -1,0 +1,112 @@
+//! Maps that are to become the server's own: what would change, what cannot be carried over, and the order to go over.
+//!
+//! Main types: [`MapRequest`], [`MapOutlook`], [`MapRefusal`], [`MapOrigin`]. The program that runs the API decides and
+//! carries out. Refuses: to know how.
+
+use super::audit::AuditEntry;
+use super::error::Problem;
+use crate::fleet::carry::Report;
+use crate::time::Time;
+use crate::warehouse::{Difference, Draft, Review};
+use std::sync::Arc;
+use tokio::sync::{mpsc, oneshot};
+
+/// Where the map in operation comes from, if it was published.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MapOrigin {
+    /// Which published map it is, counted from 1.
+    pub number: u32,
+    /// When it was published.
+    pub at: Time,
+    /// Who did.
+    pub by: String,
+}
+
+/// What a change to another map would mean now.
+#[derive(Clone, Debug)]
+pub struct MapOutlook {
+    /// What there is to say about the map itself.
+    pub review: Review,
+    /// What is different from the map in operation; nothing where the map has errors.
+    pub differences: Vec<Difference>,
+    /// What the floor and the database cannot carry over.
+    pub report: Report,
+}
+
+impl MapOutlook {
+    /// Whether the server does not go over to it.
+    pub fn is_refused(&self, accept_losses: bool) -> bool {
+        let Report { obstacles, losses, .. } = &self.report;
+        !self.review.is_good() || !obstacles.is_empty() || (!losses.is_empty() && !accept_losses)
+    }
+}
+
+impl From<MapOutlook> for MapRefusal {
+    fn from(outlook: MapOutlook) -> MapRefusal {
+        MapRefusal::Outlook(Box::new(outlook))
+    }
+}
+
+/// A map to go over to.
+#[derive(Clone, Debug)]
+pub struct MapOrder {
+    /// The map.
+    pub map: Draft,
+    /// Whether losses are accepted.
+    pub accept_losses: bool,
+    /// Who asks, and as what it is written down.
+    pub by: Arc<AuditEntry>,
+}
+
+/// A map that the server has gone over to.
+#[derive(Clone, Debug)]
+pub struct MapDone {
+    /// Its version.
+    pub version: String,
+    /// Where it comes from; nothing where the map in operation was the same one and nothing was done.
+    pub origin: Option<MapOrigin>,
+    /// What became of what was on the floor.
+    pub report: Report,
+}
+
+/// Why the server does not go over to a map.
+#[derive(Clone, Debug)]
+pub enum MapRefusal {
+    /// The map has errors, or not everything can be carried over.
+    Outlook(Box<MapOutlook>),
+    /// Something failed; in words, with what to do. The map in operation stays.
+    Failed(String),
+}
+
+/// What is asked of the program about maps.
+#[derive(Debug)]
+pub enum MapRequest {
+    /// What a change to this map would mean.
+    Check(Box<Draft>, oneshot::Sender<Result<MapOutlook, MapRefusal>>),
+    /// The change itself.
+    Publish(Box<MapOrder>, oneshot::Sender<Result<MapDone, MapRefusal>>),
+}
+
+/// Takes requests about maps.
+#[derive(Clone, Debug, Default)]
+pub struct MapDesk {
+    /// Where the map in operation comes from, if it was published.
+    pub origin: Option<MapOrigin>,
+    /// Where requests go; absent where a recording is shown.
+    pub requests: Option<mpsc::Sender<MapRequest>>,
+}
+
+impl MapDesk {
+    /// Asks, and waits for the answer, however long robots take to stand.
+    pub(super) async fn ask<T>(
+        &self,
+        request: impl FnOnce(oneshot::Sender<Result<T, MapRefusal>>) -> MapRequest,
+    ) -> Result<Result<T, MapRefusal>, Problem> {
+        let requests = self.requests.as_ref().ok_or_else(Problem::of_recording)?;
+        let (reply, answer) = oneshot::channel();
+        let busy = || Problem::unavailable("another map is being checked or published: try again soon", 3);
+        requests.try_send(request(reply)).map_err(|_| busy())?;
+        let gone = "the server shuts down, or goes over to another map just now: look at the map again";
+        answer.await.map_err(|_| Problem::unavailable(gone, 3))
+    }
+}

@@ -1,0 +1,46 @@
+//! Robots that do not stand on a node: a change of the map waits for them.
+//!
+//! Main type: [`Unsettled`]. Refuses: to say why one does not get there.
+
+use crate::fleet::Fleet;
+use crate::fleet::state::displaced::OFF_ROUTE_M;
+use crate::geometry::Point;
+use crate::id::RobotId;
+
+/// A robot that drives, or stands beside the node that it reached last.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unsettled {
+    /// Which.
+    pub robot: RobotId,
+    /// Its name.
+    pub name: String,
+    /// Where it is.
+    pub at: Point,
+    /// Whether it is not on the node that it reached last.
+    pub is_off: bool,
+    /// Whether it stands there, off that node.
+    pub stands_off: bool,
+}
+
+impl Fleet {
+    /// Robots of which the last report does not say that they stand on the node that they reached last, with nothing
+    /// granted beyond. One that was never heard of stands where the ledger has it.
+    pub fn unsettled(&self) -> Vec<Unsettled> {
+        let ledger = self.ledger();
+        let found = ledger.present().filter_map(|robot| {
+            let seen = self.telemetry(robot)?;
+            let off_m = (seen.pose.at - self.warehouse().nodes[ledger.node_of(robot)].at).norm();
+            let chain = ledger.chain(robot);
+            let drives = !seen.stands() || chain.granted() > chain.first() + 1;
+            let is_off = off_m > OFF_ROUTE_M;
+            (drives || is_off).then_some(Unsettled {
+                robot,
+                name: ledger.robots[robot].name.clone(),
+                at: seen.pose.at,
+                is_off,
+                stands_off: is_off && seen.stands(),
+            })
+        });
+        found.collect()
+    }
+}

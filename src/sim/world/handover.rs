@@ -1,0 +1,15 @@
+//! Robots that stay as they are while the fleet goes over to another map: the floor is made anew, they are not.
+//!
+//! Refuses: to move a robot off the node on which the fleet has it.
+
+use super::World;
+
+impl World {
+    /// Robots are turned, charged and broken as they were on a floor before this one. Each stands where the fleet has
+    /// it.
+    pub fn keep_robots_of(&mut self, before: &World) {
+        for (robot, was) in self.robots.iter_mut().zip(&before.robots) {
+            robot.body.stay_as(&was.body);
+        }
+    }
+}
