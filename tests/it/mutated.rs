@@ -123,7 +123,8 @@ async fn broken_messages_of_a_feed_end_it_at_worst_and_robots_go_on() {
                 socket
             }
         };
-        let text = mutator.text(&mutator.choose(&messages).clone().to_string());
+        let message = mutator.choose(&messages).to_string();
+        let text = mutator.text(&message);
         let message = if mutator.below(20) == 0 {
             Message::Binary(text.into_bytes().into())
         } else {
