@@ -147,7 +147,7 @@ impl RunningCore {
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
         let ((queue, requests), (ask, questions)) = (mpsc::channel(inbox::QUEUE), mpsc::channel(QUESTIONS));
         let ((asks, settle), (over, go_over)) = (mpsc::channel(1), mpsc::channel(1));
-        let (displaced, gone) = watch::channel(false);
+        let ((displaced, gone), (closing, closes)) = (watch::channel(false), watch::channel(false));
         let custody =
             tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
         let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
@@ -169,9 +169,7 @@ impl RunningCore {
         let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
         let now: Now = Arc::new(move || clock.now());
         let (tokens, learner) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone()).await;
-        let pseudonyms = Arc::new(people::pseudonyms(&store, &now, parts.names_for).await?);
         let (hooks, asked) = webhooks::hook_queue();
-        let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
             kinds,
@@ -185,7 +183,7 @@ impl RunningCore {
             past: past.folder,
             live,
             feeds,
-            pseudonyms,
+            pseudonyms: Arc::new(people::pseudonyms(&store, &now, parts.names_for).await?),
             interop: Arc::new(parts.interop),
             now,
             metrics,
@@ -200,10 +198,9 @@ impl RunningCore {
             entry: None,
             closing: closes,
         };
-        let hooks =
-            tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), outbound, asked).run());
-        let others =
-            vec![custody, tokio::spawn(keeper.run()), learner, hooks, tokio::spawn(map_keeper.run())];
+        let hooks = webhooks::HookKeeper::new(store.clone(), api.clone(), outbound, asked).run();
+        let (keeper, hooks) = (tokio::spawn(keeper.run()), tokio::spawn(hooks));
+        let others = vec![custody, keeper, learner, hooks, tokio::spawn(map_keeper.run())];
         let (historian, past) = (charts.historian, past.ended);
         let tasks = Tasks { writer, thread, feed, historian, keepers, others, past };
         Ok((RunningCore { store, tasks, go_over, closing, halt, displaced: gone }, router(api).0))

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`RequestRecord`], [`StateRecord`], [`TaskRecord`]. Refuses: to know of steps.
 
-use crate::fleet::{JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting};
+use crate::fleet::{Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
@@ -29,6 +29,37 @@ pub(super) enum ChoiceRecord {
     Any,
     Except(u32, i64),
     Only(u32),
+}
+
+/// What happened to a job besides coming to another state.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "what", rename_all = "snake_case")]
+pub(super) enum JobFactRecord {
+    Served { job: u64, tasked: (u32, TaskRecord), at: i64 },
+    Chosen { job: u64, choice: ChoiceRecord, at: i64 },
+}
+
+impl JobFactRecord {
+    pub fn served(job: JobId, (robot, task): (RobotId, Task), at: Time) -> JobFactRecord {
+        JobFactRecord::Served { job: job.0, tasked: (robot.0, task.into()), at: at.0 }
+    }
+
+    pub fn chosen(job: JobId, choice: RobotChoice, at: Time) -> JobFactRecord {
+        JobFactRecord::Chosen { job: job.0, choice: choice.into(), at: at.0 }
+    }
+}
+
+impl From<JobFactRecord> for Fact {
+    fn from(record: JobFactRecord) -> Fact {
+        match record {
+            JobFactRecord::Served { job, tasked: (robot, task), at } => {
+                Fact::Served { job: JobId(job), tasked: (RobotId(robot), task.into()), at: Time(at) }
+            }
+            JobFactRecord::Chosen { job, choice, at } => {
+                Fact::Chosen { job: JobId(job), choice: choice.into(), at: Time(at) }
+            }
+        }
+    }
 }
 
 #[derive(Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 //! Main types: `Record` with [`VERSION`]; [`encode`] and [`decode`]. Field names are short and never reused
 //! with another meaning: a journal outlives the program that wrote it. Refuses: to guess what a newer version means.
 
-use super::job_record::{ChoiceRecord, KindRecord, RequestRecord, StateRecord, TaskRecord};
+use super::job_record::{JobFactRecord, KindRecord, RequestRecord, StateRecord, TaskRecord};
 use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, LastPlaceRecord, ReactionRecord,
     RecurringRecord,
@@ -88,16 +88,7 @@ enum Record {
         tasked: Option<(u32, TaskRecord)>,
         at: i64,
     },
-    Served {
-        job: u64,
-        tasked: (u32, TaskRecord),
-        at: i64,
-    },
-    Chosen {
-        job: u64,
-        choice: ChoiceRecord,
-        at: i64,
-    },
+    OfJob(JobFactRecord),
     Tasked {
         robot: u32,
         task: TaskRecord,
@@ -380,12 +371,8 @@ impl From<&Fact> for Record {
             Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
             Fact::StationPaused { station, at } => Record::StationPaused { station: station.0, at: at.0 },
             Fact::StationResumed { station, at } => Record::StationResumed { station: station.0, at: at.0 },
-            Fact::Served { job, tasked: (robot, task), at } => {
-                Record::Served { job: job.0, tasked: (robot.0, (*task).into()), at: at.0 }
-            }
-            Fact::Chosen { job, choice, at } => {
-                Record::Chosen { job: job.0, choice: (*choice).into(), at: at.0 }
-            }
+            Fact::Served { job, tasked, at } => Record::OfJob(JobFactRecord::served(*job, *tasked, *at)),
+            Fact::Chosen { job, choice, at } => Record::OfJob(JobFactRecord::chosen(*job, *choice, *at)),
             Fact::Prioritised { job, priority, at } => {
                 Record::Prioritised { job: job.0, priority: *priority, at: at.0 }
             }
@@ -522,12 +509,7 @@ impl From<Record> for Fact {
             Record::StationResumed { station, at } => {
                 Fact::StationResumed { station: StationId(station), at: Time(at) }
             }
-            Record::Served { job, tasked: (robot, task), at } => {
-                Fact::Served { job: JobId(job), tasked: (RobotId(robot), task.into()), at: Time(at) }
-            }
-            Record::Chosen { job, choice, at } => {
-                Fact::Chosen { job: JobId(job), choice: choice.into(), at: Time(at) }
-            }
+            Record::OfJob(record) => record.into(),
             Record::Prioritised { job, priority, at } => {
                 Fact::Prioritised { job: JobId(job), priority, at: Time(at) }
             }

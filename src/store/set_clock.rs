@@ -27,8 +27,8 @@ const SNAPSHOT: &str = "INSERT INTO snapshots (seq, at, wire, body) VALUES ($1, 
 
 impl Store {
     /// Lets the journal go on at `now`, before its last step: robots stand where they are, and the jobs that they had
-    /// wait again. Figures of the time to come are deleted, frames of the past set aside, and `stamp` becomes part of the
-    /// names of what is kept of before. Gives nothing, and changes nothing, where the last step is not later than that.
+    /// wait again. Figures of the time to come are deleted, frames of the past set aside, and `stamp` becomes part of
+    /// the names of what is kept of before. Gives nothing, and changes nothing, where the last step is not later.
     ///
     /// # Errors
     /// Where the journal contradicts itself, or a promise would be lost.
