@@ -158,6 +158,8 @@ kinds! {
     LedgerUnsound: "ledger", Critical, Server, 0, 0;
     /// The past is not recorded.
     PastNotKept: "past", Warning, Server, 0, 0;
+    /// A webhook has taken no events for a while.
+    WebhookFailing: "webhook", Warning, Server, 0, 0;
     /// A recording is shown to its end.
     RecordingEnded: "end", Notice, Server, 0, 0;
     /// All robots are stopped by hand.
@@ -301,6 +303,9 @@ impl AlarmKind {
             K::LoopStuck => "If this does not end within a minute, restart Giveway.",
             K::Broken | K::LedgerUnsound => {
                 "Keep a copy of the database, restart Giveway, and restore a backup if that does not help."
+            }
+            K::WebhookFailing => {
+                "Bring its receiver back, or remove the webhook. Events wait for about an hour; then they are given up."
             }
             K::PastNotKept => "Make room on the disk of the recordings.",
             K::RecordingEnded => "Seek in the recording, or close it.",

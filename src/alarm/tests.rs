@@ -362,3 +362,56 @@ fn a_standstill_is_told_with_names() {
         "robot-4 has no way to go; robot-4 and 2 more wait for that."
     );
 }
+
+/// An area that robots keep out of, round these nodes.
+fn closed(floor: &StandingFloor, nodes: Vec<NodeId>) -> Input {
+    let at = floor.fleet.warehouse().nodes[nodes[0]].at;
+    let corner = |dx: f64, dy: f64| Point::new(at.x + dx, at.y + dy).into();
+    let area = Closure {
+        outline: vec![corner(-0.2, -0.2), corner(0.2, -0.2), corner(0.2, 0.2), corner(-0.2, 0.2)],
+        nodes,
+        window: Window::new(floor.now, Time::MAX),
+        reason: "oil".into(),
+        binds: Binds::Robots,
+        series: None,
+    };
+    Input::Close { token: 1, area }
+}
+
+#[test]
+fn a_station_for_which_jobs_wait_in_vain_is_starved_until_they_do_not() {
+    let mut floor = StandingFloor::new(2);
+    floor.run(5);
+    let home = floor.fleet.warehouse().racks[RackId(0)].home;
+    let closing = closed(&floor, vec![home]);
+    floor.step(vec![closing]);
+    let job = floor.submit(deliver(), None);
+    floor.run(280);
+    assert!(!floor.kinds().contains(&"station_starved"), "it may not last: {:?}", floor.active());
+    floor.run(40);
+    let name = floor.fleet.warehouse().stations[StationId(0)].name.clone();
+    let said = ("station_starved", format!("no rack is on its way to {name}, though j1 waits for it."));
+    assert!(floor.active().contains(&said), "{:?}", floor.active());
+    floor.step(vec![Input::Cancel { token: 1, job }]);
+    assert_eq!(floor.run(20), []);
+}
+
+#[test]
+fn a_robot_that_finds_no_route_though_nothing_is_known_to_be_in_its_way_is_blocked_until_it_finds_one() {
+    let mut floor = StandingFloor::new(1);
+    floor.run(5);
+    let here = floor.fleet.ledger().node_of(RobotId(0));
+    let around = floor.fleet.warehouse().out(here).map(|(_, arc)| arc.to).collect();
+    let closing = closed(&floor, around);
+    floor.step(vec![closing]);
+    let job = floor.submit(deliver(), None);
+    floor.run(50);
+    assert!(!floor.kinds().contains(&"robot_blocked"), "it may not last: {:?}", floor.active());
+    floor.run(30);
+    let said = ("robot_blocked", "robot-1 finds no route.".to_owned());
+    assert!(floor.active().contains(&said), "{:?}", floor.active());
+    floor.step(vec![Input::Reopen { token: 1, closure: crate::id::ClosureId(1) }]);
+    floor.run(15);
+    assert!(!floor.kinds().contains(&"robot_blocked"), "{:?}", floor.active());
+    floor.step(vec![Input::Cancel { token: 1, job }]);
+}

@@ -4,10 +4,10 @@
 //! administrators'; named ones have a role and may change while the server runs. Without an administrator's token the
 //! server listens on the loopback only; there, requests under a foreign host name or from a foreign page are refused,
 //! since any web page can make a browser talk to the loopback. The cookie of a session stands for the token with
-//! which somebody signed in, and changes something only for pages of this server. Refuses: tokens in addresses, which
-//! end up in logs.
+//! which somebody signed in, or for the person whom an identity provider named, and changes something only for pages of
+//! this server. Refuses: tokens in addresses, which end up in logs.
 
-use super::caller::{Caller, NamedToken, Role, TokenHash, WebSession};
+use super::caller::{Caller, NamedToken, Role, SessionHolder, TokenHash, WebSession};
 use super::cookie::{is_loopback, session_secret};
 use super::error::Problem;
 use super::port::Now;
@@ -51,6 +51,8 @@ pub struct Gate {
     fixed: Vec<TokenHash>,
     /// Origins of other sites whose pages may use the server with a token.
     origins: Vec<String>,
+    /// Whether people sign in with an identity provider.
+    has_provider: bool,
     named: Mutex<NamedTokens>,
     /// Says that named tokens changed.
     changes: watch::Sender<()>,
@@ -75,6 +77,11 @@ impl Gate {
     /// Lets pages of these origins in, too: with a token of their own, never with the cookie of a session.
     pub fn with_origins(self, origins: Vec<String>) -> Gate {
         Gate { origins, ..self }
+    }
+
+    /// Lets people in whom an identity provider named: the server then needs a token or a session of everybody.
+    pub fn with_provider(self, has_provider: bool) -> Gate {
+        Gate { has_provider, ..self }
     }
 
     /// Origins of other sites whose pages may use the server.
@@ -102,7 +109,7 @@ impl Gate {
 
     /// Whether tokens are needed.
     pub fn is_closed(&self) -> bool {
-        !self.fixed.is_empty() || self.named().closed
+        self.has_provider || !self.fixed.is_empty() || self.named().closed
     }
 
     /// Lets a request in, and says whose it is.
@@ -138,12 +145,17 @@ impl Gate {
 
     /// Who signed in and got the cookie of this digest, if both the session and its token hold.
     fn signed_in(&self, hash: &TokenHash, now: Time) -> Option<Caller> {
-        let session = self.session(hash, now)?;
-        Some(Caller { session: Some(*hash), ..self.holder(&session.token, now)? })
+        match self.session(hash, now)?.holder {
+            SessionHolder::Token(token) => Some(Caller { session: Some(*hash), ..self.holder(&token, now)? }),
+            SessionHolder::Person { name, role } => Some(Caller::of_person(name, role, *hash)),
+        }
     }
 
+    /// A session that holds; those of people only as long as the settings name their provider.
     fn session(&self, hash: &TokenHash, now: Time) -> Option<WebSession> {
-        self.named().sessions.get(hash).filter(|session| now < session.expires).copied()
+        let is_known =
+            |session: &&WebSession| self.has_provider || matches!(session.holder, SessionHolder::Token(_));
+        self.named().sessions.get(hash).filter(|s| now < s.expires).filter(is_known).cloned()
     }
 
     /// When the session or the token of a caller ends; nothing where neither does.
@@ -176,10 +188,11 @@ impl Gate {
 
     /// Whether this caller, who was admitted before, would be admitted again.
     fn admits(&self, caller: &Caller, now: Time) -> bool {
+        let signed_in = caller.session.is_none_or(|hash| self.session(&hash, now).is_some());
         match &caller.key {
+            None if caller.session.is_some() => signed_in,
             None => !self.is_closed(),
             Some(key) => {
-                let signed_in = caller.session.is_none_or(|hash| self.session(&hash, now).is_some());
                 let named = || self.named().all.iter().any(|t| t.hash == *key && t.holds(now));
                 signed_in && (self.fixed.contains(key) || named())
             }
@@ -335,7 +348,7 @@ mod tests {
         let gate = Gate::new(["of-the-settings"]);
         let of = |secret: &str, token: &str, expires| WebSession {
             hash: hash_of(secret),
-            token: hash_of(token),
+            holder: SessionHolder::Token(hash_of(token)),
             created: Time(1),
             expires: Time(expires),
         };
@@ -374,11 +387,31 @@ mod tests {
     }
 
     #[test]
+    fn a_session_of_a_person_holds_as_long_as_the_settings_name_a_provider() {
+        let holder = SessionHolder::Person { name: "anna".into(), role: Role::Operator };
+        let (hash, host) = (hash_of("one"), ("host", "site"));
+        let session = WebSession { hash, holder, created: Time(1), expires: Time(99) };
+        let cookie = ("cookie", "giveway_session=one");
+        let with_provider = Gate::default().with_provider(true);
+        assert!(with_provider.is_closed(), "who is not signed in is not let in");
+        with_provider.learn_sessions(vec![session.clone()]);
+        assert_eq!(check(&with_provider, &[host, cookie]), 200);
+        assert_eq!(check(&with_provider, &[host]), 401);
+        let anna = Caller::of_person("anna".into(), Role::Operator, hash);
+        assert!(with_provider.admits(&anna, Time(98)) && !with_provider.admits(&anna, Time(99)));
+        with_provider.learn_sessions(Vec::new());
+        assert!(!with_provider.admits(&anna, Time(10)), "signed out");
+        let without = Gate::new(["of-the-settings"]);
+        without.learn_sessions(vec![session]);
+        assert_eq!(check(&without, &[host, cookie]), 401);
+    }
+
+    #[test]
     fn pages_of_origins_that_the_settings_name_need_a_token_and_have_no_session() {
         let gate = Gate::new(["of-the-settings"]).with_origins(vec!["https://wms.example".into()]);
         let session = WebSession {
             hash: hash_of("one"),
-            token: hash_of("of-the-settings"),
+            holder: SessionHolder::Token(hash_of("of-the-settings")),
             created: Time(1),
             expires: Time(99),
         };

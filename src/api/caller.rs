@@ -61,17 +61,31 @@ pub struct Caller {
     pub session: Option<TokenHash>,
 }
 
-/// A browser that is signed in: its cookie stands for a token, as long as that holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A browser that is signed in.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WebSession {
     /// SHA-256 of what the cookie says.
     pub hash: TokenHash,
-    /// The digest of the token.
-    pub token: TokenHash,
+    /// For whom the cookie stands.
+    pub holder: SessionHolder,
     /// When somebody signed in.
     pub created: Time,
     /// When it ends.
     pub expires: Time,
+}
+
+/// For whom a session stands.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SessionHolder {
+    /// Whoever has the token of this digest, as long as that holds.
+    Token(TokenHash),
+    /// Somebody whom the identity provider named.
+    Person {
+        /// The name.
+        name: String,
+        /// What the groups at the provider allow.
+        role: Role,
+    },
 }
 
 impl Caller {
@@ -87,6 +101,11 @@ impl Caller {
     pub fn of_configuration(key: TokenHash) -> Caller {
         let key = Some(key);
         Caller { name: "configuration".into(), role: Role::Admin, subject: None, key, session: None }
+    }
+
+    /// Who signed in with an identity provider, and got the cookie of this digest.
+    pub fn of_person(name: String, role: Role, session: TokenHash) -> Caller {
+        Caller { name, role, subject: None, key: None, session: Some(session) }
     }
 
     /// A client without a token on a server that needs one: only routes that need no role are open to it.

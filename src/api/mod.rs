@@ -24,7 +24,9 @@ mod http;
 pub mod live;
 pub mod massrobotics;
 pub mod metrics;
+pub mod oidc;
 pub mod once;
+pub mod outgoing;
 pub mod people;
 pub mod port;
 pub mod pseudonyms;
@@ -101,6 +103,8 @@ pub struct Api {
     pub maps: publish::MapDesk,
     /// Decides which requests are authorised.
     pub gate: Arc<auth::Gate>,
+    /// The identity provider, if people sign in with one.
+    pub oidc: Option<Arc<oidc::Oidc>>,
     /// Keeps named tokens; absent where a recording is shown.
     pub tokens: Option<Arc<dyn TokenDesk>>,
     /// Keeps answers to requests with keys; absent where a recording is shown.

@@ -176,7 +176,8 @@ pub struct AssignmentDto {
     /// Its number.
     #[schema(example = "a3")]
     pub id: String,
-    /// The worker; null while it waits for the nearest one who is free.
+    /// The worker; null while it waits for the nearest one who is free. Of one that is over, administrators alone are
+    /// told.
     #[schema(example = "w1")]
     pub worker: Option<String>,
     /// The node to go to.
@@ -455,11 +456,6 @@ impl Names<'_> {
     pub fn closures(&self) -> Vec<ClosureDto> {
         let ahead = self.view.closures.iter().filter(|c| self.view.now < c.closure.window.end());
         ahead.map(|c| self.closure(c.id, &c.closure, self.view.now)).collect()
-    }
-
-    /// Those that are over, too.
-    pub fn all_closures(&self, now: Time) -> Vec<ClosureDto> {
-        self.view.closures.iter().map(|c| self.closure(c.id, &c.closure, now)).collect()
     }
 
     /// An encounter.

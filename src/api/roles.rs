@@ -130,11 +130,18 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/session", Known),
     ("POST", "/v1/session", Open),
     ("DELETE", "/v1/session", Open),
+    ("GET", "/v1/session/oidc", Open),
+    ("POST", "/v1/session/oidc", Open),
+    ("GET", OIDC_CALLBACK, Open),
     ("GET", "/v1/tokens", Administer),
     ("POST", "/v1/tokens", Administer),
     ("DELETE", "/v1/tokens/{id}", Administer),
     ("POST", "/v1/tokens/{id}/rotate", Administer),
 ];
+
+/// Where an identity provider sends browsers back to. They come from another site, and what they bring along is checked
+/// there, so this route alone is open to pages of others.
+pub const OIDC_CALLBACK: &str = "/v1/session/oidc/callback";
 
 /// Routes of reports of where people are.
 const REPORTS: [&str; 3] = ["/v1/positions", "/v1/workers/{id}/position", "/v1/massrobotics"];
@@ -177,14 +184,14 @@ pub fn access_of(method: &str, route: &str) -> Option<Access> {
     RULES.iter().find(|(m, path, _)| *m == method && *path == route).map(|(_, _, access)| *access)
 }
 
-/// The route of signing in and out, which writes itself down: who it was is known only inside, and a client without a
+/// Routes of signing in and out, which write themselves down: who it was is known only inside, and a client without a
 /// token must not fill the audit.
-const SIGN_IN: &str = "/v1/session";
+const SIGN_IN: [&str; 2] = ["/v1/session", "/v1/session/oidc"];
 
 /// Whether a request is to change something, and so is written down. Reports of where people are, are observations.
 pub fn is_audited(method: &str, route: &str) -> bool {
     let reads = matches!(method, "GET" | "HEAD" | "OPTIONS");
-    !reads && !REPORTS.contains(&route) && !TRIALS.contains(&route) && route != SIGN_IN
+    !reads && !REPORTS.contains(&route) && !TRIALS.contains(&route) && !SIGN_IN.contains(&route)
 }
 
 /// Lets a caller use a route, at this path.

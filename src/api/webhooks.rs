@@ -3,8 +3,10 @@
 //! Main types: [`Webhook`], [`HookRequest`]; main functions: [`message`], [`signature`]. Messages and headers follow
 //! the Standard Webhooks specification 1.0.0 (standardwebhooks.com). Refuses: to send anything.
 
+use super::caller::Role;
+use super::dto::Names;
 use super::events::event;
-use crate::fleet::{EventKind, EventRow, View};
+use crate::fleet::{EventKind, EventRow};
 use crate::time::Time;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -78,9 +80,9 @@ pub fn new_secret() -> String {
     format!("{SECRET_PREFIX}{}", STANDARD.encode([a.into_bytes(), b.into_bytes()].concat()))
 }
 
-/// The body of a message.
-pub fn message(view: &View, rows: Vec<EventRow>) -> String {
-    let events: Vec<_> = rows.into_iter().map(|row| event(view, row)).collect();
+/// The body of a message, with all that an administrator sees: nobody else adds webhooks.
+pub fn message(names: Names<'_>, rows: Vec<EventRow>) -> String {
+    let events: Vec<_> = rows.into_iter().map(|row| event(names, Role::Admin, row)).collect();
     json!({"type": "giveway.events", "timestamp": events.last().map(|e| e.at.clone()), "data": {"events": events}})
         .to_string()
 }

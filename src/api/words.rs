@@ -24,6 +24,10 @@ macro_rules! words {
         pub enum $name { $(#[serde(rename = $word)] $variant,)+ }
 
         impl $name {
+            /// All of them.
+            #[allow(dead_code, reason = "some are only serialised")]
+            pub const ALL: [$name; [$($name::$variant),+].len()] = [$($name::$variant),+];
+
             /// The word on the wire.
             #[allow(dead_code, reason = "some are only serialised")]
             pub fn word(self) -> &'static str {

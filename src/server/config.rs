@@ -8,17 +8,19 @@ use super::certificate::{self, CertificateLocation};
 use crate::api::auth::Gate;
 use crate::api::caller::Role;
 use crate::api::massrobotics::Interop;
+use crate::api::oidc::OidcSettings;
 use crate::api::recording::Limits;
 use crate::sim::MethodWord;
 use anyhow::{Context, bail, ensure};
 use figment::Figment;
 use figment::providers::{Format, Serialized, Toml};
+use openidconnect::ClientSecret;
 use serde::{Deserialize, Serialize};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 13] = [
+const FROM_ENVIRONMENT: [&str; 14] = [
     "scenario",
     "method",
     "listen",
@@ -32,6 +34,7 @@ const FROM_ENVIRONMENT: [&str; 13] = [
     "tls",
     "tls_cert",
     "tls_key",
+    "ca_file",
 ];
 
 /// Schemes of other databases, which are told apart from the names of files even without `//`.
@@ -109,6 +112,11 @@ pub struct Flags {
     #[arg(long = "tls-name", value_name = "NAME")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tls_names: Vec<String>,
+    /// Authorities (PEM) that webhooks and the identity provider are trusted by, in the place of the public ones
+    /// [env: GIVEWAY_CA_FILE]
+    #[arg(long, value_name = "FILE")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ca_file: Option<PathBuf>,
 }
 
 /// What holds in the end.
@@ -149,6 +157,13 @@ pub struct Config {
     /// More names of the certificate that the server makes.
     #[serde(default)]
     pub tls_names: Vec<String>,
+    /// Authorities by which others are trusted, in the place of the public ones.
+    pub ca_file: Option<PathBuf>,
+    /// An identity provider with which people sign in; in the settings file only.
+    #[serde(default)]
+    pub oidc: Option<OidcSettings>,
+    /// For how many seconds a webhook may take nothing before that is an alarm; in the settings file only.
+    pub webhook_alarm_s: u32,
     /// Origins of other sites whose pages may use the API with a token, as `https://wms.example`; in the settings file
     /// only.
     #[serde(default)]
@@ -177,6 +192,9 @@ impl Default for Config {
             tls_cert: None,
             tls_key: None,
             tls_names: Vec::new(),
+            ca_file: None,
+            oidc: None,
+            webhook_alarm_s: 60,
             allowed_origins: Vec::new(),
             massrobotics: Interop::default(),
         }
@@ -217,7 +235,10 @@ impl Config {
             }
         }
         let merged = figment.merge(Serialized::defaults(flags)).extract();
-        let config: Config = merged.map_err(|e| anyhow::anyhow!("settings: {e}"))?;
+        let mut config: Config = merged.map_err(|e| anyhow::anyhow!("settings: {e}"))?;
+        if let Some(oidc) = &mut config.oidc {
+            oidc.client_secret = environment("GIVEWAY_OIDC_CLIENT_SECRET").map(ClientSecret::new);
+        }
         Ok(Config { database: database_file(&config.database)?, ..config })
     }
 
@@ -250,7 +271,8 @@ impl Config {
                 "allowed_origins: \"{origin}\" is no origin such as https://wms.example:8443"
             );
         }
-        Ok(Gate::new(tokens.iter().map(String::as_str)).with_origins(self.allowed_origins.clone()))
+        let gate = Gate::new(tokens.iter().map(String::as_str)).with_origins(self.allowed_origins.clone());
+        Ok(gate.with_provider(self.oidc.is_some()))
     }
 
     /// Where to listen.
@@ -368,6 +390,33 @@ mod tests {
         let error = Config::merge(&flags, nothing).unwrap_err().to_string();
         std::fs::remove_file(&file).unwrap();
         assert!(error.contains("listn") && error.contains(".toml"), "{error}");
+    }
+
+    #[test]
+    fn an_identity_provider_is_a_table_of_the_file_and_its_secret_comes_from_elsewhere() {
+        let file = std::env::temp_dir().join(format!("giveway-oidc-{}.toml", std::process::id()));
+        let table = "[oidc]\nissuer = \"https://login.example\"\nclient_id = \"giveway\"\n\
+                     [oidc.roles]\n\"shift leads\" = \"operator\"\n";
+        let read = |text: &str, secret: Option<&str>| {
+            std::fs::write(&file, text).unwrap();
+            let flags = Flags { config: Some(file.clone()), ..Flags::default() };
+            Config::merge(&flags, |name| {
+                secret.filter(|_| name == "GIVEWAY_OIDC_CLIENT_SECRET").map(str::to_owned)
+            })
+        };
+        let config = read(table, Some("open sesame")).unwrap();
+        assert!(config.gate().unwrap().is_closed(), "who is not signed in is not let in");
+        let oidc = config.oidc.unwrap();
+        assert_eq!(oidc.roles.get("shift leads"), Some(&Role::Operator));
+        assert_eq!(oidc.client_secret.unwrap().secret(), "open sesame");
+        assert!(read(table, None).unwrap().oidc.unwrap().client_secret.is_none());
+        for (wrong, named) in [("operator", "captain"), ("client_id", "client_name")] {
+            let error = read(&table.replace(wrong, named), None).unwrap_err().to_string();
+            assert!(error.contains(named), "{error}");
+        }
+        let inside = table.replace("client_id", "client_secret = \"x\"\nclient_id");
+        assert!(read(&inside, None).is_err(), "a secret is not for the settings file");
+        std::fs::remove_file(&file).unwrap();
     }
 
     #[test]

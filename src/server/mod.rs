@@ -49,6 +49,8 @@ pub use recorder::FrameRecorder;
 pub use show::Show;
 
 use crate::api::auth::Gate;
+use crate::api::oidc::Oidc;
+use crate::api::outgoing::Outgoing;
 use crate::sim::{OrderLine, Scenario};
 use crate::store::{MapNote, PublishedMap, Store};
 use crate::warehouse::Warehouse;
@@ -149,6 +151,7 @@ impl Server {
         ensure!(config.keep_days >= 8, "{kept}");
         ensure!(config.people_keep_days >= 1, "people_keep_days must be at least 1");
         let identity = identity(config, address)?;
+        let outbound = Outbound::of(config)?;
         let (floor, basis) = match config.new {
             true => {
                 let basis = FloorBasis::of(&floor);
@@ -159,7 +162,7 @@ impl Server {
         let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let (ready, is_ready) = oneshot::channel();
-        let front = Front::open(door, gate, ready);
+        let front = Front::open(door, gate, outbound, ready);
         tracing::info!("listening on {address}; the journal is being loaded");
         let store = match start::open(config, &floor, (false, MapNote::Keep)).await {
             Ok(store) => store,
@@ -226,16 +229,17 @@ struct Front {
     entrance: Entrance,
     http: JoinHandle<std::io::Result<()>>,
     gate: Arc<Gate>,
+    outbound: Outbound,
     /// Dropped when it no longer says "starting".
     ready: Option<oneshot::Sender<()>>,
     closing: watch::Sender<bool>,
 }
 
 impl Front {
-    fn open(door: Door, gate: Arc<Gate>, ready: oneshot::Sender<()>) -> Front {
+    fn open(door: Door, gate: Arc<Gate>, outbound: Outbound, ready: oneshot::Sender<()>) -> Front {
         let (entrance, (closing, closes)) = (Entrance::default(), watch::channel(false));
         let http = tokio::spawn(listen(door, entrance.router(), closes));
-        Front { entrance, http, gate, ready: Some(ready), closing }
+        Front { entrance, http, gate, outbound, ready: Some(ready), closing }
     }
 
     /// Closes the port, since the server cannot start.
@@ -243,6 +247,23 @@ impl Front {
         self.http.abort();
         let _ = self.http.await;
         why
+    }
+}
+
+/// What the server needs for its own requests.
+struct Outbound {
+    outgoing: Outgoing,
+    /// How long a webhook may take nothing before that is an alarm.
+    tolerance: Duration,
+    oidc: Option<Arc<Oidc>>,
+}
+
+impl Outbound {
+    fn of(config: &Config) -> anyhow::Result<Outbound> {
+        let outgoing = Outgoing::trusting(config.ca_file.as_deref()).map_err(anyhow::Error::msg)?;
+        let oidc = config.oidc.clone().map(|settings| Oidc::new(settings, &outgoing)).transpose();
+        let tolerance = Duration::from_secs(config.webhook_alarm_s.into());
+        Ok(Outbound { tolerance, oidc: oidc.map_err(anyhow::Error::msg)?.map(Arc::new), outgoing })
     }
 }
 
@@ -274,7 +295,9 @@ impl ServerRun {
                 Built::Broken(why) => return self.explain(why).await,
             };
             let (map, basis) = (parts.fleet.warehouse().clone(), parts.basis.clone());
-            let (mut core, inside) = RunningCore::begin(parts, self.store(), self.front.gate.clone()).await?;
+            let (mut core, inside) =
+                RunningCore::begin(parts, self.store(), self.front.gate.clone(), &self.front.outbound)
+                    .await?;
             self.front.entrance.open(inside);
             drop(self.front.ready.take());
             answer.take().into_iter().for_each(|answer| answer());

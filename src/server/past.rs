@@ -164,7 +164,11 @@ impl Records for PastLists {
         let before = f.before.unwrap_or(AssignmentId(u64::MAX));
         let wanted = |r: &&AssignmentRow| {
             f.worker.is_none_or(|w| r.assignment.worker == Some(w))
-                && f.state.is_none_or(|s| r.assignment.state.word() == s)
+                && (f.states.is_empty() || f.states.contains(&r.assignment.state.word()))
+                && f.place.is_none_or(|place| r.assignment.request.place == place)
+                && f.updated_since.is_none_or(|t| r.updated >= t)
+                && f.from.is_none_or(|t| r.assignment.accepted >= t)
+                && f.to.is_none_or(|t| r.assignment.accepted < t)
         };
         let lists = self.lists();
         let newest_first = lists.assignments.range(..before).rev().map(|(_, r)| r);
@@ -197,6 +201,8 @@ impl Records for PastLists {
                 && f.to.is_none_or(|t| e.began < t)
                 && f.worker.is_none_or(|w| e.worker == w)
                 && f.robot.is_none_or(|robot| e.robot == robot)
+                && (f.reactions.is_empty() || f.reactions.contains(&e.reaction.word()))
+                && f.updated_since.is_none_or(|t| e.ended >= t)
         };
         let lists = self.lists();
         let newest_first = lists.encounters.iter().rev();

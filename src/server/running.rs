@@ -8,8 +8,8 @@ use super::publish::{GoOver, MapKeeper};
 use super::settle::Settling;
 use super::start::ServerParts;
 use super::{
-    Clock, ahead, alarm_keeper, answers, audit_keeper, custody, drive, historian, inbox, journal, kinds,
-    measure, outbox, people, recordings, records, rescue, tokens, trial, watchdog, webhooks,
+    Clock, Outbound, ahead, alarm_keeper, answers, audit_keeper, custody, drive, historian, inbox, journal,
+    kinds, measure, outbox, people, recordings, records, rescue, tokens, trial, watchdog, webhooks,
 };
 use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
@@ -139,6 +139,7 @@ impl RunningCore {
         parts: ServerParts,
         store: Arc<Store>,
         gate: Arc<Gate>,
+        outbound: &Outbound,
     ) -> anyhow::Result<(RunningCore, Router)> {
         let ServerParts { fleet, world, clock, period, start, feeds, heard, live, past, charts, .. } = parts;
         let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
@@ -191,6 +192,7 @@ impl RunningCore {
             trials: trial::trials(),
             maps,
             gate,
+            oidc: outbound.oidc.clone(),
             tokens: Some(Arc::new(tokens)),
             answers: Some(Arc::new(answers::AnswerKeeper::new(store.clone()))),
             audit: Arc::new(audit),
@@ -198,7 +200,8 @@ impl RunningCore {
             entry: None,
             closing: closes,
         };
-        let hooks = tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), asked).run());
+        let hooks =
+            tokio::spawn(webhooks::HookKeeper::new(store.clone(), api.clone(), outbound, asked).run());
         let others =
             vec![custody, tokio::spawn(keeper.run()), learner, hooks, tokio::spawn(map_keeper.run())];
         let (historian, past) = (charts.historian, past.ended);

@@ -82,11 +82,10 @@ impl Show {
         std::thread::Builder::new().name("ahead".into()).spawn(move || run_ahead(ahead, rotation))?;
         let (alarms, (moments, picture)) = (Arc::new(Alarms::default()), watch::channel(Arc::default()));
         let (ask, questions) = mpsc::channel(QUESTIONS);
-        let clock = Clock::start(None);
+        let (clock, arm) = (Clock::start(None), player.fleet.settings().policy.word());
         let live = Arc::new(Live::new(map.clone(), clock.now().0.unsigned_abs()));
         // Poses of today change nothing in the past: they are dropped.
         let (feeds, past) = (Arc::new(Feeds::new().0), Arc::new(PastLists::default()));
-        let arm = player.fleet.settings().policy.word();
         let figures = Arc::new(SharedHistory::new(Time::ZERO, arm, History::default()));
         let (closing, closes) = watch::channel(false);
         let api = Api {
@@ -109,6 +108,7 @@ impl Show {
             trials: super::trial::trials(),
             maps: MapDesk::default(),
             gate: Arc::new(Gate::default()),
+            oidc: None,
             tokens: None,
             answers: None,
             audit: Arc::new(AuditDesk::new(0).0),

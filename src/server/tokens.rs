@@ -4,7 +4,7 @@
 //! Main type: [`TokenKeeper`]. Refuses: roles that this Giveway does not know; such a token does not hold.
 
 use crate::api::auth::Gate;
-use crate::api::caller::{NamedToken, Role, TokenHash, WebSession};
+use crate::api::caller::{NamedToken, Role, SessionHolder, TokenHash, WebSession};
 use crate::api::port::{Later, Now, TokenDesk};
 use crate::store::{SessionRow, Store, StoreError, TokenDraft, TokenRow};
 use std::path::Path;
@@ -82,8 +82,12 @@ impl TokenKeeper {
     async fn learn_sessions(&self) -> Result<(), StoreError> {
         let rows = self.store.sessions().await?;
         let known = |row: SessionRow| {
-            let SessionRow { hash, token, created, expires } = row;
-            Some(WebSession { hash: hash.try_into().ok()?, token: token.try_into().ok()?, created, expires })
+            let SessionRow { hash, token, person, created, expires } = row;
+            let holder = match person {
+                Some((name, role)) => SessionHolder::Person { name, role: Role::of_word(&role)? },
+                None => SessionHolder::Token(token.try_into().ok()?),
+            };
+            Some(WebSession { hash: hash.try_into().ok()?, holder, created, expires })
         };
         self.gate.learn_sessions(rows.into_iter().filter_map(known).collect());
         Ok(())
@@ -145,8 +149,12 @@ impl TokenDesk for TokenKeeper {
 
     fn sign_in(&self, session: WebSession) -> Later<'_, Result<(), String>> {
         Box::pin(async move {
-            let WebSession { hash, token, created, expires } = session;
-            let row = SessionRow { hash: hash.into(), token: token.into(), created, expires };
+            let WebSession { hash, holder, created, expires } = session;
+            let (token, person) = match holder {
+                SessionHolder::Token(token) => (token.into(), None),
+                SessionHolder::Person { name, role } => (Vec::new(), Some((name, role.word().into()))),
+            };
+            let row = SessionRow { hash: hash.into(), token, person, created, expires };
             self.change(self.store.add_session(&row)).await?;
             self.learn_sessions().await.map_err(told)
         })

@@ -1,10 +1,15 @@
-//! Tells webhooks of events, in order, each until it takes them or they are given up.
+//! Tells webhooks of events, in order, each until it takes them or they are given up. An alarm stands while one has
+//! taken nothing for long.
 //!
 //! Main types: [`HookKeeper`], [`Sender`]. How far a webhook is stands in the database: after a restart it goes on
 //! there, and events may come twice. Refuses: to follow redirects, and to let one webhook wait for
 //! another.
 
+use super::Outbound;
+use crate::alarm::AlarmKind;
 use crate::api::Api;
+use crate::api::dto::Names;
+use crate::api::outgoing::failure;
 use crate::api::webhooks::{FailedMessage, HookRequest, Webhook, message, read_secret, signature};
 use crate::fleet::EventQuery;
 use crate::store::{FailedRow, HookRow, Store, StoreError};
@@ -55,23 +60,34 @@ pub struct HookKeeper {
     news: u64,
     /// Webhooks that know everything up to this news.
     known: BTreeMap<i64, u64>,
+    /// Webhooks that have taken nothing since then, and why.
+    failing: BTreeMap<i64, (Instant, String)>,
+    /// For how long that raises no alarm.
+    tolerance: Duration,
 }
 
 /// What came of an attempt.
 enum Delivery {
     /// There was nothing to tell.
     Nothing,
-    /// A message was taken, or the webhook is past events that are not for it.
+    /// A message was taken.
     Done,
-    /// A message was not taken; after so many attempts.
-    Refused(u32),
+    /// The webhook is past events that are not for it, or are not kept any more.
+    Skipped,
+    /// A message was not taken; after so many attempts, and why.
+    Refused(u32, String),
 }
 
 impl HookKeeper {
     /// One for a server.
-    pub fn new(store: Arc<Store>, api: Api, requests: mpsc::Receiver<HookRequest>) -> HookKeeper {
+    pub fn new(
+        store: Arc<Store>,
+        api: Api,
+        outbound: &Outbound,
+        requests: mpsc::Receiver<HookRequest>,
+    ) -> HookKeeper {
         let (busy, on_the_way) = (BTreeSet::new(), JoinSet::new());
-        let (sender, known) = (Sender::new(), BTreeMap::new());
+        let (sender, known) = (Sender(outbound.outgoing.agent(PATIENCE, true)), BTreeMap::new());
         HookKeeper {
             store,
             api,
@@ -83,6 +99,8 @@ impl HookKeeper {
             hooks: None,
             news: 0,
             known,
+            failing: BTreeMap::new(),
+            tolerance: outbound.tolerance,
         }
     }
 
@@ -93,9 +111,12 @@ impl HookKeeper {
             if let Err(e) = self.begin().await {
                 tracing::warn!("webhooks are not told at present: {e}");
             }
+            self.warn();
             let look = Instant::now() + LOOK;
-            let next =
-                self.resting.iter().map(|(_, until)| *until).min().map_or(look, |until| until.min(look));
+            let rests = self.resting.iter().map(|(_, until)| *until);
+            let overdue = self.failing.values().map(|(since, _)| *since + self.tolerance);
+            let next = rests.chain(overdue.filter(|at| *at > Instant::now())).min();
+            let next = next.map_or(look, |next| next.min(look));
             tokio::select! {
                 request = self.requests.recv() => match request {
                     Some(request) => self.answer(request).await,
@@ -140,12 +161,19 @@ impl HookKeeper {
             self.hooks = None;
         }
         let attempts = match told {
-            Ok(Delivery::Done) => return,
+            Ok(Delivery::Done) => {
+                self.failing.remove(&id);
+                return;
+            }
+            Ok(Delivery::Skipped) => return,
             Ok(Delivery::Nothing) => {
                 self.known.insert(id, news);
                 return;
             }
-            Ok(Delivery::Refused(attempts)) => attempts,
+            Ok(Delivery::Refused(attempts, why)) => {
+                self.failing.entry(id).or_insert((Instant::now(), String::new())).1 = why;
+                attempts
+            }
             Err(e) => {
                 tracing::warn!("how far webhook {id} is cannot be written down: {e}");
                 1
@@ -153,6 +181,21 @@ impl HookKeeper {
         };
         let pause = PAUSES.0 * 2_u32.saturating_pow(attempts.saturating_sub(1).min(16));
         self.resting.push((id, Instant::now() + pause.min(PAUSES.1)));
+    }
+
+    /// Raises an alarm about webhooks that have taken nothing for too long, or ends it.
+    fn warn(&mut self) {
+        let Some(hooks) = &self.hooks else { return };
+        let now = (self.api.now)();
+        self.failing.retain(|id, _| hooks.iter().any(|hook| hook.id == *id));
+        let overdue = self.failing.iter().filter(|(_, (since, _))| since.elapsed() >= self.tolerance);
+        let said: Vec<String> = overdue.map(|(id, (_, why))| format!("h{id} ({why})")).collect();
+        if said.is_empty() {
+            self.api.alarms.clear(AlarmKind::WebhookFailing, now);
+        } else {
+            let text = format!("webhooks take no events: {}.", said.join(", "));
+            self.api.alarms.raise(AlarmKind::WebhookFailing, text, now);
+        }
     }
 
     /// A receiver of an answer that is gone is no error.
@@ -201,7 +244,7 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
     if hook.cursor < span.before {
         store.webhook_missed(hook.id, span.before, "these events are not kept any more").await?;
         store.webhook_given_up(hook.id, (hook.cursor + 1, span.before), (api.now)()).await?;
-        return Ok(Delivery::Done);
+        return Ok(Delivery::Skipped);
     }
     let query = EventQuery { kinds: hook.kinds.clone(), after: hook.cursor, limit: AT_ONCE };
     let mut rows = store.events(&query).await?;
@@ -211,13 +254,14 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
         // So that events of other kinds, when they are deleted, do not look like events that were missed.
         if hook.cursor < (span.before + span.last) / 2 {
             store.webhook_reached(hook.id, span.last).await?;
-            return Ok(Delivery::Done);
+            return Ok(Delivery::Skipped);
         }
         return Ok(Delivery::Nothing);
     };
     let id = format!("giveway-{}-{first}-{last}", hook.id);
     let seconds = (api.now)().0 / 1_000_000;
-    let body = message(&api.moments.borrow().view, rows);
+    let moment = api.moments.borrow().clone();
+    let body = message(Names { map: &api.map, view: &moment.view }, rows);
     let sent = match read_secret(&hook.secret) {
         Some(secret) => {
             let signed = signature(&secret, &id, seconds, &body);
@@ -235,7 +279,7 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
     if attempts >= ATTEMPTS {
         store.webhook_given_up(hook.id, (first, last), (api.now)()).await?;
     }
-    Ok(Delivery::Refused(attempts))
+    Ok(Delivery::Refused(attempts, why))
 }
 
 /// Sends messages.
@@ -243,16 +287,6 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
 pub struct Sender(ureq::Agent);
 
 impl Sender {
-    fn new() -> Sender {
-        let config = ureq::Agent::config_builder()
-            .timeout_global(Some(PATIENCE))
-            .max_redirects(0)
-            .max_redirects_will_error(true)
-            .user_agent(concat!("giveway/", env!("CARGO_PKG_VERSION")))
-            .build();
-        Sender(config.into())
-    }
-
     /// Posts a message under an id, with its time and signature; says why it was not taken.
     async fn post(&self, url: String, headers: [String; 3], body: String) -> Result<(), String> {
         let agent = self.0.clone();
@@ -266,7 +300,7 @@ impl Sender {
                 .header("webhook-signature", signed)
                 .send(body)
                 .map(|_| ())
-                .map_err(|e| e.to_string())
+                .map_err(|e| failure(&e))
         };
         tokio::task::spawn_blocking(post).await.map_err(|_| "sending broke off".to_owned())?
     }

@@ -31,7 +31,7 @@ const DROP_IDS: &str = "DROP TABLE temp.ids";
 const FORGET_GONE: &str = "DELETE FROM gone";
 const NOTE_GONE: &str = "INSERT INTO gone (kind, id, name) VALUES ($1, $2, $3)";
 /// Rows of the heat are known by their node: each goes below 0 first, so that no two have one number in between.
-const RENUMBER: [&str; 7] = [
+const RENUMBER: [&str; 8] = [
     "UPDATE jobs SET rack = (SELECT new FROM temp.ids WHERE kind = 'rack' AND old = rack) \
      WHERE rack IN (SELECT old FROM temp.ids WHERE kind = 'rack')",
     "UPDATE jobs SET station = (SELECT new FROM temp.ids WHERE kind = 'station' AND old = station) \
@@ -43,6 +43,8 @@ const RENUMBER: [&str; 7] = [
      AND json_extract(why, '$.storage_taken') IN (SELECT old FROM temp.ids WHERE kind = 'node')",
     "UPDATE assignments SET place = (SELECT new FROM temp.ids WHERE kind = 'node' AND old = place) \
      WHERE place IN (SELECT old FROM temp.ids WHERE kind = 'node')",
+    "UPDATE events SET subject = (SELECT new FROM temp.ids WHERE kind = 'station' AND old = subject) \
+     WHERE kind = 'station' AND subject IN (SELECT old FROM temp.ids WHERE kind = 'station')",
     "UPDATE heat SET node = -1 - (SELECT new FROM temp.ids WHERE kind = 'node' AND old = node) \
      WHERE node IN (SELECT old FROM temp.ids WHERE kind = 'node')",
     "UPDATE heat SET node = -1 - node WHERE node < 0",

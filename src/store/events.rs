@@ -3,10 +3,11 @@
 //! Main functions: [`Store::events`], [`Store::event_span`], [`Store::events_changed`]. Refuses: names, which others
 //! give to ids, and to keep events for longer than [`EVENTS_KEPT`].
 
+use super::gone::Gone;
 use super::{Store, StoreError};
 use crate::alarm::Alarm;
 use crate::fleet::{EventKind, EventQuery, EventRow, EventSpan, Fact, floor_event};
-use crate::id::{RobotId, WorkerId};
+use crate::id::{RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{QueryBuilder, Row};
@@ -50,7 +51,7 @@ impl Store {
         }
         query.push(" ORDER BY seq LIMIT ").push_bind(q.limit);
         let rows = query.build().fetch_all(&self.readers).await?;
-        let rows: Result<Vec<_>, sqlx::Error> = rows.iter().map(decode).collect();
+        let rows: Result<Vec<_>, sqlx::Error> = rows.iter().map(|row| decode(row, &self.gone)).collect();
         Ok(rows?.into_iter().flatten().collect())
     }
 
@@ -98,18 +99,21 @@ pub(super) async fn note_alarm(db: &mut SqliteConnection, alarm: &Alarm) -> Resu
 }
 
 /// Nothing where the row is from a newer version.
-fn decode(row: &SqliteRow) -> Result<Option<EventRow>, sqlx::Error> {
+fn decode(row: &SqliteRow, gone: &Gone) -> Result<Option<EventRow>, sqlx::Error> {
     let Some(kind) = EventKind::of_word(row.try_get("kind")?) else { return Ok(None) };
+    let subject = row.try_get::<Option<i64>, _>("subject")?.map(i64::cast_unsigned);
+    let station = subject.filter(|_| kind == EventKind::Station).and_then(|id| u32::try_from(id).ok());
+    let text = station.and_then(|id| gone.station(StationId(id)));
     Ok(Some(EventRow {
         seq: row.try_get("seq")?,
         at: Time(row.try_get("at")?),
         kind,
-        subject: row.try_get::<Option<i64>, _>("subject")?.map(i64::cast_unsigned),
+        subject,
         old: row.try_get("old")?,
         new: row.try_get("new")?,
         robot: row.try_get::<Option<u32>, _>("robot")?.map(RobotId),
         worker: row.try_get::<Option<u32>, _>("worker")?.map(WorkerId),
-        text: row.try_get("text")?,
+        text: text.or(row.try_get("text")?),
         reference: row.try_get("reference")?,
     }))
 }

@@ -68,12 +68,17 @@ impl Gone {
         self.name(GoneKind::Node, node.0)
     }
 
+    /// The name of a station.
+    pub fn station(&self, station: StationId) -> Option<String> {
+        self.name(GoneKind::Station, station.0)
+    }
+
     /// The names of what a job speaks of.
     pub fn of_job(&self, job: &Job) -> GoneNames {
         let kind = &job.request.kind;
         let state = job.state;
         let stops = job.served.iter().map(|(v, _)| v).chain(&job.request.then);
-        let station = |s: StationId| Some((s, self.name(GoneKind::Station, s.0)?));
+        let station = |s: StationId| Some((s, self.station(s)?));
         let node = match (*kind, state) {
             (JobKind::Relocate { node, .. } | JobKind::Go { node, .. }, _)
             | (_, JobState::Failed(JobFailure::StorageTaken(node))) => self.node(node),
@@ -81,7 +86,7 @@ impl Gone {
         };
         GoneNames {
             rack: kind.rack().and_then(|r| self.name(GoneKind::Rack, r.0)),
-            station: kind.station().and_then(|s| self.name(GoneKind::Station, s.0)),
+            station: kind.station().and_then(|s| self.station(s)),
             node,
             stops: stops.filter_map(|v| station(v.station)).collect(),
         }

@@ -4,6 +4,7 @@
 
 use super::gone::Gone;
 use super::job_record::{ChoiceRecord, StationRecord, visiting};
+use super::people::{narrow, one_of};
 use super::{Store, StoreError, job_record};
 use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, RobotChoice};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
@@ -83,13 +84,7 @@ impl Store {
         let mut query = QueryBuilder::new(COLUMNS);
         query.push(" WHERE id < ");
         query.push_bind(q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX)));
-        if !q.states.is_empty() {
-            let mut states = query.push(" AND state IN (").separated(", ");
-            for state in &q.states {
-                states.push_bind(*state);
-            }
-            query.push(")");
-        }
+        one_of(&mut query, " AND state IN (", &q.states);
         let numbers = [
             (" AND rack = ", q.rack.map(|rack| i64::from(rack.0))),
             (" AND station = ", q.station.map(|station| i64::from(station.0))),
@@ -98,11 +93,7 @@ impl Store {
             (" AND created >= ", q.from.map(|t| t.0)),
             (" AND created < ", q.to.map(|t| t.0)),
         ];
-        for (condition, number) in numbers {
-            if let Some(number) = number {
-                query.push(condition).push_bind(number);
-            }
-        }
+        narrow(&mut query, numbers);
         if let Some(reference) = &q.reference {
             query.push(" AND reference = ").push_bind(reference);
         }

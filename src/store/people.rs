@@ -11,8 +11,8 @@ use crate::fleet::{
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time};
-use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
+use sqlx::{QueryBuilder, Row, Sqlite};
 
 const ASSIGN: &str = "INSERT INTO assignments \
     (id, worker, place, stay, what, key, state, created, updated) \
@@ -25,12 +25,9 @@ const MEET: &str = "INSERT INTO encounters (worker, robot, began, ended, x, y, r
 const ASSIGNMENT: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
     FROM assignments WHERE id = $1";
 const ASSIGNMENTS: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
-    FROM assignments WHERE id < $1 AND ($2 IS NULL OR worker = $2) AND ($3 IS NULL OR state = $3) \
-    ORDER BY id DESC LIMIT $4";
+    FROM assignments WHERE id < ";
 const ENCOUNTERS: &str = "SELECT seq, worker, robot, began, ended, x, y, radius, closest, robot_speed, \
-    worker_speed, reaction, delay FROM encounters \
-    WHERE seq < $1 AND began >= $2 AND began < $3 AND ($4 IS NULL OR worker = $4) \
-    AND ($5 IS NULL OR robot = $5) ORDER BY seq DESC LIMIT $6";
+    worker_speed, reaction, delay FROM encounters WHERE seq < ";
 
 impl Store {
     /// One assignment.
@@ -49,8 +46,21 @@ impl Store {
     /// Where the database does not answer.
     pub async fn assignments(&self, q: &AssignmentQuery) -> Result<Vec<AssignmentRow>, StoreError> {
         let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
-        let query = sqlx::query(ASSIGNMENTS).bind(before).bind(q.worker.map(|w| w.0));
-        let rows = query.bind(q.state).bind(q.limit).fetch_all(&self.readers).await?;
+        let mut query = QueryBuilder::new(ASSIGNMENTS);
+        query.push_bind(before);
+        narrow(
+            &mut query,
+            [
+                (" AND worker = ", q.worker.map(|w| i64::from(w.0))),
+                (" AND place = ", q.place.map(|n| i64::from(n.0))),
+                (" AND updated >= ", q.updated_since.map(|t| t.0)),
+                (" AND created >= ", q.from.map(|t| t.0)),
+                (" AND created < ", q.to.map(|t| t.0)),
+            ],
+        );
+        one_of(&mut query, " AND state IN (", &q.states);
+        query.push(" ORDER BY id DESC LIMIT ").push_bind(q.limit);
+        let rows = query.build().fetch_all(&self.readers).await?;
         rows.iter().map(|row| assignment(row, &self.gone)).collect()
     }
 
@@ -59,17 +69,47 @@ impl Store {
     /// # Errors
     /// Where the database does not answer.
     pub async fn encounters(&self, q: &EncounterQuery) -> Result<Vec<EncounterRow>, StoreError> {
-        let rows = sqlx::query(ENCOUNTERS)
-            .bind(q.before.unwrap_or(i64::MAX))
-            .bind(q.from.map_or(i64::MIN, |t| t.0))
-            .bind(q.to.map_or(i64::MAX, |t| t.0))
-            .bind(q.worker.map(|w| w.0))
-            .bind(q.robot.map(|r| r.0))
-            .bind(q.limit)
-            .fetch_all(&self.readers)
-            .await?;
+        let mut query = QueryBuilder::new(ENCOUNTERS);
+        query.push_bind(q.before.unwrap_or(i64::MAX));
+        narrow(
+            &mut query,
+            [
+                (" AND worker = ", q.worker.map(|w| i64::from(w.0))),
+                (" AND robot = ", q.robot.map(|r| i64::from(r.0))),
+                (" AND ended >= ", q.updated_since.map(|t| t.0)),
+                (" AND began >= ", q.from.map(|t| t.0)),
+                (" AND began < ", q.to.map(|t| t.0)),
+            ],
+        );
+        one_of(&mut query, " AND reaction IN (", &q.reactions);
+        query.push(" ORDER BY seq DESC LIMIT ").push_bind(q.limit);
+        let rows = query.build().fetch_all(&self.readers).await?;
         rows.iter().map(encounter).collect()
     }
+}
+
+/// Adds the conditions whose number is given.
+pub(super) fn narrow<const N: usize>(
+    query: &mut QueryBuilder<Sqlite>,
+    conditions: [(&'static str, Option<i64>); N],
+) {
+    for (condition, number) in conditions {
+        if let Some(number) = number {
+            query.push(condition).push_bind(number);
+        }
+    }
+}
+
+/// Adds that a word is one of these, if there are any.
+pub(super) fn one_of(query: &mut QueryBuilder<Sqlite>, condition: &'static str, words: &[&'static str]) {
+    if words.is_empty() {
+        return;
+    }
+    let mut list = query.push(condition).separated(", ");
+    for word in words {
+        list.push_bind(*word);
+    }
+    query.push(")");
 }
 
 /// Writes what a fact means for the lists.

@@ -1,4 +1,4 @@
-//! Sessions of browsers: digests of cookies, and of the tokens for which they stand.
+//! Sessions of browsers: digests of cookies, and the tokens or people for which they stand.
 //!
 //! Main type: [`SessionRow`]. Refuses: more than [`MOST`] sessions; the oldest end first.
 
@@ -9,8 +9,9 @@ use sqlx::Row;
 /// How many there may be.
 const MOST: i64 = 1000;
 
-const ALL: &str = "SELECT hash, token, created, expires FROM sessions";
-const ADD: &str = "INSERT INTO sessions (hash, token, created, expires) VALUES ($1, $2, $3, $4)";
+const ALL: &str = "SELECT hash, token, name, role, created, expires FROM sessions";
+const ADD: &str =
+    "INSERT INTO sessions (hash, token, name, role, created, expires) VALUES ($1, $2, $3, $4, $5, $6)";
 const END: &str = "DELETE FROM sessions WHERE hash = $1";
 const TIDY: &str = "DELETE FROM sessions WHERE expires <= $1 \
     OR hash IN (SELECT hash FROM sessions ORDER BY created DESC LIMIT -1 OFFSET $2)";
@@ -20,8 +21,10 @@ const TIDY: &str = "DELETE FROM sessions WHERE expires <= $1 \
 pub struct SessionRow {
     /// SHA-256 of what the cookie says, 32 bytes.
     pub hash: Vec<u8>,
-    /// SHA-256 of the token, 32 bytes.
+    /// SHA-256 of the token, 32 bytes; none if it stands for a person.
     pub token: Vec<u8>,
+    /// The name and the role of that person.
+    pub person: Option<(String, String)>,
     /// When somebody signed in.
     pub created: Time,
     /// When it ends.
@@ -37,7 +40,9 @@ impl Store {
         let rows = sqlx::query(ALL).fetch_all(&self.readers).await?;
         let read = |row: &sqlx::sqlite::SqliteRow| -> Result<SessionRow, sqlx::Error> {
             let (created, expires) = (Time(row.try_get("created")?), Time(row.try_get("expires")?));
-            Ok(SessionRow { hash: row.try_get("hash")?, token: row.try_get("token")?, created, expires })
+            let (name, role): (Option<String>, Option<String>) = (row.try_get("name")?, row.try_get("role")?);
+            let (hash, token, person) = (row.try_get("hash")?, row.try_get("token")?, name.zip(role));
+            Ok(SessionRow { hash, token, person, created, expires })
         };
         Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
     }
@@ -47,8 +52,9 @@ impl Store {
     /// # Errors
     /// Where the database takes nothing.
     pub async fn add_session(&self, new: &SessionRow) -> Result<(), StoreError> {
-        let query = sqlx::query(ADD).bind(&new.hash).bind(&new.token).bind(new.created.0).bind(new.expires.0);
-        query.execute(&self.writer).await?;
+        let (name, role) = new.person.as_ref().map(|(name, role)| (name, role)).unzip();
+        let query = sqlx::query(ADD).bind(&new.hash).bind(&new.token).bind(name).bind(role);
+        query.bind(new.created.0).bind(new.expires.0).execute(&self.writer).await?;
         sqlx::query(TIDY).bind(new.created.0).bind(MOST).execute(&self.writer).await?;
         Ok(())
     }

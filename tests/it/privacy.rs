@@ -267,3 +267,65 @@ async fn no_list_or_table_tells_how_fast_a_person_is_or_where_a_person_is_going(
     assert_eq!(telling, [&"robot_speed", &"worker_speed"]);
     server.stop().await.unwrap();
 }
+
+/// The worker of each assignment in a list, with whether there is a time beside.
+fn who_and_when(listed: &Value) -> Vec<(Value, bool)> {
+    let items = listed["items"].as_array().unwrap().iter();
+    items.map(|a| (a["worker"].clone(), a["created"].is_string() && a["updated"].is_string())).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn nobody_but_an_administrator_is_told_of_an_assignment_that_is_over_both_who_had_it_and_when() {
+    let folder = Folder::new();
+    let server = start_closed(&folder).await;
+    let at = server.address();
+    register(at).await;
+    let place = {
+        let map = map();
+        map.nodes[map.stations.iter().next().unwrap().node].name.clone()
+    };
+    let task = json!({"place": place, "what": "count", "stay_s": 1}).to_string();
+    for _ in 0..2 {
+        assert_eq!(with(at, ADMIN, "POST", "/v1/workers/w1/assignments", &task).await.status, 201);
+    }
+    let done = with(at, ADMIN, "POST", "/v1/assignments/a1/done", "").await;
+    assert_eq!((done.status, &done.json()["worker"]), (200, &json!("w1")));
+    let device = token(at, "device").await;
+    for role in ["viewer", "operator", "integrator"] {
+        let token = token(at, role).await;
+        let all = with(at, &token, "GET", "/v1/assignments", "").await.json();
+        assert_eq!(
+            who_and_when(&all),
+            [(json!("w1"), true), (Value::Null, true)],
+            "{role}: a2 is open, a1 is over"
+        );
+        assert_eq!(
+            with(at, &token, "GET", "/v1/assignments/a1", "").await.json()["worker"],
+            Value::Null,
+            "{role}"
+        );
+        let of_worker = "/v1/workers/w1/assignments";
+        let own = with(at, &token, "GET", of_worker, "").await.json();
+        assert_eq!(
+            (own["items"].as_array().unwrap().len(), &own["items"][0]["id"]),
+            (1, &json!("a2")),
+            "{role}"
+        );
+        for state in ["done", "cancelled", "waiting,done"] {
+            let refused =
+                with(at, &token, "GET", &format!("{of_worker}?state={state}"), "").await.problem(403);
+            assert!(refused["detail"].as_str().unwrap().contains("administrators"), "{role}: {refused}");
+        }
+        let probe = format!("{of_worker}?updated_since=2020-01-01T00:00:00Z");
+        let probed = with(at, &token, "GET", &probe, "").await.json();
+        assert_eq!(probed["items"].as_array().unwrap().len(), 1, "{role}: filters find nothing else");
+        let events = with(at, &token, "GET", "/v1/events?kind=assignment", "").await.json();
+        let events = events["items"].as_array().unwrap();
+        assert!(events.len() >= 3 && events.iter().all(|e| e["worker"].is_null()), "{role}: {events:?}");
+    }
+    let all = with(at, ADMIN, "GET", "/v1/workers/w1/assignments", "").await.json();
+    assert_eq!(who_and_when(&all), [(json!("w1"), true), (json!("w1"), true)]);
+    let own = with(at, &device, "GET", "/v1/workers/w1/assignments?state=done", "").await.json();
+    assert_eq!(who_and_when(&own), [(json!("w1"), true)], "a person's own");
+    server.stop().await.unwrap();
+}

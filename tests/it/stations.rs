@@ -143,3 +143,24 @@ async fn a_robot_before_a_closed_area_sets_off_when_the_area_is_opened_long_befo
     sets_off(at, job, from).await;
     server.stop().await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_station_that_is_paused_or_resumed_is_an_event() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let station = map().stations.iter().next().unwrap().name.clone();
+    for what in ["pause", "pause", "resume"] {
+        assert_eq!(say(at, &station, what).await.status, 204);
+    }
+    let page = get(at, "/v1/events?kind=station").await.json();
+    let told: Vec<_> = page["items"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|e| [&e["kind"], &e["id"], &e["old"], &e["new"]])
+        .collect();
+    let (kind, id, paused) = (json!("station"), json!(station), json!("paused"));
+    assert_eq!(told, [[&kind, &id, &Value::Null, &paused], [&kind, &id, &paused, &json!("resumed")]]);
+    server.stop().await.unwrap();
+}

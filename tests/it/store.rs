@@ -237,7 +237,7 @@ async fn lists_about_people_follow_the_facts() {
     assert_eq!((first.assignment.accepted, first.updated), (at, at + Span(1)));
     let others = AssignmentQuery { worker: Some(WorkerId(9)), ..all.clone() };
     assert_eq!(store.assignments(&others).await.unwrap(), []);
-    let done = AssignmentQuery { state: Some("done"), ..all };
+    let done = AssignmentQuery { states: vec!["done"], ..all };
     assert_eq!(store.assignments(&done).await.unwrap()[0].id, AssignmentId(4));
 
     let all = EncounterQuery { limit: 10, ..EncounterQuery::default() };

@@ -1,8 +1,13 @@
 //! Webhooks: a receiver that is away for a while is told everything in order, once it is back.
 
-use crate::helper::{Folder, delivery, get, post, send, start};
+use crate::authority::{Authority, serve_tls};
+use crate::helper::{Folder, config, delivery, floor, get, post, send, start};
+use axum::routing;
 use giveway::api::webhooks::{read_secret, signature};
+use giveway::server::{Config, Server};
 use serde_json::{Value, json};
+use std::net::SocketAddr;
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -142,4 +147,85 @@ async fn a_webhook_that_stays_away_shows_why_and_its_message_is_given_up_after_t
     let after = get(at, "/v1/webhooks").await.json();
     assert!(after[0]["cursor"].as_i64() >= Some(pending), "it goes on behind what was given up: {after}");
     again.stop().await.unwrap();
+}
+
+/// The active alarms about webhooks, as soon as there are so many.
+async fn alarms(at: SocketAddr, count: usize) -> Vec<Value> {
+    let mut found = Vec::new();
+    for _ in 0..300 {
+        let listed = get(at, "/v1/alarms").await.json();
+        found =
+            listed["items"].as_array().unwrap().iter().filter(|a| a["kind"] == "webhook").cloned().collect();
+        if found.len() == count {
+            return found;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    panic!("never {count}: {found:?}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_webhook_that_takes_nothing_for_a_while_is_an_alarm_until_it_takes_something_or_is_removed() {
+    let folder = Folder::new();
+    let settings = Config { webhook_alarm_s: 1, ..config(&folder) };
+    let server = Server::start(&settings, floor()).await.unwrap();
+    let at = server.address();
+    let (url, taken) = receiver(3).await;
+    assert_eq!(add(at, &json!({"url": url, "kinds": ["job"]})).await.status, 201);
+    post(at, None, &delivery(0)).await.unwrap();
+    let alarm = alarms(at, 1).await.remove(0);
+    assert_eq!((&alarm["severity"], &alarm["subject"]["kind"]), (&json!("warning"), &json!("server")));
+    let text = alarm["text"].as_str().unwrap();
+    assert!(text.contains("h1 (") && text.contains("500"), "it says which, and why: {text}");
+    assert!(taken.lock().unwrap().is_empty(), "it is raised while nothing is taken");
+    alarms(at, 0).await;
+    assert!(!taken.lock().unwrap().is_empty(), "it ends when something is taken");
+
+    let gone = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let url = format!("http://{}/hook", gone.local_addr().unwrap());
+    drop(gone);
+    assert_eq!(add(at, &json!({"url": url, "kinds": ["job"]})).await.status, 201);
+    post(at, None, &delivery(1)).await.unwrap();
+    let text = alarms(at, 1).await.remove(0)["text"].as_str().unwrap().to_owned();
+    assert!(text.contains("h2 (") && !text.contains("h1 ("), "{text}");
+    assert_eq!(send(at, "DELETE", "/v1/webhooks/h2", &[], "").await.unwrap().status, 204);
+    alarms(at, 0).await;
+    server.stop().await.unwrap();
+}
+
+/// A server that tells a webhook at `url` of a job, and trusts these authorities.
+async fn tell(folder: &Folder, url: &str, ca_file: Option<PathBuf>) -> Server {
+    let server = Server::start(&Config { ca_file, ..config(folder) }, floor()).await.unwrap();
+    assert_eq!(add(server.address(), &json!({"url": url, "kinds": ["job"]})).await.status, 201);
+    post(server.address(), None, &delivery(0)).await.unwrap();
+    server
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_webhook_with_a_certificate_of_a_private_authority_is_told_where_the_setting_names_that() {
+    let (folder, other) = (Folder::new(), Folder::new());
+    let authority = Authority::new(folder.path());
+    let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
+    let url = format!("https://localhost:{}/hook", listener.local_addr().unwrap().port());
+    let (told, mut bodies) = tokio::sync::mpsc::unbounded_channel();
+    let take = async move |body: String| told.send(body).map_err(|_| axum::http::StatusCode::GONE);
+    let router = axum::Router::new().route("/hook", routing::post(take));
+    tokio::spawn(serve_tls(listener, authority.server_config(), router));
+
+    let server = tell(&other, &url, None).await;
+    let mut failing = Value::Null;
+    for _ in 0..100 {
+        failing = get(server.address(), "/v1/webhooks").await.json()[0]["failing"].clone();
+        if failing.is_string() {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    assert!(failing.as_str().is_some_and(|why| why.contains("`ca_file` names others")), "{failing}");
+    server.stop().await.unwrap();
+
+    let server = tell(&folder, &url, Some(authority.file.clone())).await;
+    let body = tokio::time::timeout(Duration::from_secs(20), bodies.recv()).await.expect("told").unwrap();
+    assert!(body.contains("\"new\":\"waiting\""), "{body}");
+    server.stop().await.unwrap();
 }

@@ -45,6 +45,7 @@ export async function startMock({ port, width = 40, height = 25, robots = 50, pe
   const http = createServer(async (request, response) => {
     const url = new URL(request.url, 'http://mock');
     if (!url.pathname.startsWith('/v1/')) return serveFile(dist, url.pathname, response);
+    if (url.pathname === '/v1/session/oidc') return send(response, 200, { name: null });
     if (url.pathname === '/v1/session') return session(request, response, token);
     if (!mayEnter(request, token)) return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Sign in.' });
     const [status, body] = await answer(fleet, floor.map, request, url);

@@ -26,7 +26,7 @@ function card(first: Picked, mirror: Mirror) {
   let drawing: Drawing | null = null;
   const props = $state({
     picked: first, mirror, map, source: { tense: 'now', api } as const, chances: new Chances(), notices: new Notices(), onDraw: (asked: Drawing) => { drawing = asked; },
-    frame: { kept: 'chosen', lines: [], since: 'this page was opened', onCentre: () => {}, onClose: () => {} } as const,
+    frame: { kept: 'chosen', lines: [], since: 'page', onCentre: () => {}, onClose: () => {} } as const,
     onPick: () => {}, onJob: () => {},
   });
   const target = document.createElement('div');

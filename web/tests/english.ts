@@ -1,5 +1,6 @@
 // Tests read English, whatever the machine speaks.
 import { learn as learnHeadset } from '../src/headset/words';
-import { learn } from '../src/words';
+import { learn, learnMore } from '../src/words';
 
 await Promise.all([learn('en'), learnHeadset('en')]);
+await learnMore();

@@ -1,6 +1,11 @@
 // Numbers and words as people read them.
-import { describe, expect, test } from 'vitest';
-import { clock, count, doing, metres, micros, percent, roughly, span, timeOfDay } from '../src/words/format';
+import { afterEach, describe, expect, test } from 'vitest';
+import { quantity } from '../src/language';
+import { PAST, type Answer } from '../src/wire';
+import { learn, learnMore, trouble } from '../src/words';
+import {
+  clock, count, doing, listed, longSpan, metres, micros, percent, roughly, roundSpan, span, timeOfDay,
+} from '../src/words/format';
 import { linkWords } from '../src/words/linkwords';
 import type { Doing } from '../src/wire/types';
 
@@ -36,6 +41,39 @@ describe('formatting', () => {
   test('a doing this page has no words for is shown as the server says it', () => {
     expect(doing('picking')).toBe('at the station for picking');
     expect(doing('being_washed' as Doing)).toBe('being washed');
+  });
+});
+
+describe('in other languages', () => {
+  afterEach(async () => { await learn('en'); await learnMore(); });
+
+  test('numbers and units are written as each language has them', () => {
+    const all = (n: number, unit: Parameters<typeof quantity>[2], decimals: number): string[] =>
+      (['en', 'de', 'es', 'zh'] as const).map((one) => quantity(one, n, unit, decimals));
+    expect(all(1.5, 'm', 1)).toEqual(['1.5 m', '1,5 m', '1,5 m', '1.5米']);
+    expect(all(83, '%', 0)).toEqual(['83 %', '83 %', '83 %', '83%']);
+    expect(all(1_200, 'µs', 0)[1]).toBe('1.200 µs');
+  });
+  test('times are said in the language of the page', async () => {
+    expect([longSpan(3_600), longSpan(86_400), longSpan(900)]).toEqual(['1 hour', '1 day', '15 min']);
+    await learn('de');
+    expect([span(75), roundSpan(7_200), longSpan(3_600), listed(['a', 'b'])]).toEqual(['1 min 15 s', '2 h', '1 Stunde', 'a, b']);
+    await learn('zh');
+    expect([span(75), roughly(3_700), longSpan(86_400), listed(['a', 'b'])]).toEqual(['1分钟15秒', '1小时', '1天', 'a，b']);
+  });
+});
+
+describe('what went wrong with a request', () => {
+  const refused = (title: string, detail?: string): Answer<never> =>
+    ({ kind: 'refused', problem: { title, status: 502, ...(detail === undefined ? {} : { detail }) } });
+
+  test('is said as the server says it, and in own words where it says nothing', () => {
+    expect(trouble({ kind: 'ok', value: 1 })).toBeNull();
+    expect(trouble({ kind: 'unreachable' })).toBe('The server cannot be reached.');
+    expect(trouble(refused('No', 'rack K1 is not there'))).toBe('rack K1 is not there');
+    expect(trouble(refused('No'))).toBe('No');
+    expect(trouble(refused(''))).toBe('The server answered 502.');
+    expect(trouble({ kind: 'refused', problem: PAST })).toContain('Go back to live');
   });
 });
 

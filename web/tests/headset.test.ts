@@ -451,3 +451,16 @@ test('a wearer asks once what an assignment is about, and again where there was 
   world.hear({ ...guidance({ arrived: true }), type: 'guidance' });
   expect(world.wearer.shown()).toMatchObject({ title: 'You are there', detail: 'Count K1 at G6-7.' });
 });
+test('a wearer asks how an assignment ended, until the server has it', async () => {
+  const world = new World('map');
+  world.welcome(true);
+  world.tasks = [{ id: 'a1', what: 'Count K1', place: 'G6-7', state: 'working' }];
+  world.hear({ ...guidance({ arrived: true }), type: 'guidance' });
+  world.hear({ ...guidance({ state: 'idle', assignment: null, path: [] }), type: 'guidance' });
+  await Promise.resolve();
+  expect(world.wearer.ended, 'the list is a moment behind').toBeNull();
+  world.tasks = [{ id: 'a1', what: 'Count K1', place: 'G6-7', state: 'cancelled' }];
+  world.pass(400);
+  await Promise.resolve();
+  expect(world.wearer.ended).toEqual({ id: 'a1', how: 'cancelled' });
+});

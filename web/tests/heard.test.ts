@@ -23,9 +23,9 @@ class Ears {
   #announcer = new Announcer();
   #now = 0;
   #topic: Topic | null = null;
-  come(more: Partial<Guidance>, { task = null, finished = null, at = {} }: { task?: Task | null; finished?: string | null; at?: Partial<Standing> } = {}): void {
+  come(more: Partial<Guidance>, { task = null, finished = null, ended = null, at = {} }: Partial<Pick<Topic, 'task' | 'finished' | 'ended'>> & { at?: Partial<Standing> } = {}): void {
     const g = guidance(more);
-    this.#topic = { shown: show(g, { ...WELL, ...at }, task), assignment: g.assignment, task, finished };
+    this.#topic = { shown: show(g, { ...WELL, ...at }, task), assignment: g.assignment, task, finished, ended };
     this.wait(250);
   }
   /** The same, for so long. */
@@ -58,7 +58,7 @@ describe('what a worker hears', () => {
     ears.wait(5_000);
     expect(ears.heard.slice(2)).toEqual(['Done.', 'Next: Pick 3 boxes at R102.']);
     ears.come({ assignment: 'a2', arrived: true }, { task: PICK });
-    ears.come({ state: 'idle', assignment: null, path: [] }, { task: PICK });
+    ears.come({ state: 'idle', assignment: null, path: [] }, { task: PICK, ended: { id: 'a2', how: 'done' } });
     ears.wait(5_000);
     expect(ears.heard.slice(4)).toEqual(['You are there.', 'Done.', 'Nothing more to do.']);
   });
@@ -66,7 +66,28 @@ describe('what a worker hears', () => {
     const ears = new Ears();
     ears.come({}, { task: COUNT });
     ears.come({ assignment: 'a2' }, { task: PICK });
+    ears.wait(2_000);
     expect(ears.heard).toEqual(['Count K1 at G6-7.', 'Next: Pick 3 boxes at R102.']);
+  });
+  test('a task that is cancelled is said to be cancelled, also after the worker was there', () => {
+    const ears = new Ears();
+    ears.come({}, { task: COUNT });
+    ears.come({ arrived: true }, { task: COUNT });
+    ears.come({ assignment: 'a2' }, { task: PICK });
+    expect(ears.heard.slice(2), 'the server has not said yet how it ended').toEqual([]);
+    ears.come({ assignment: 'a2' }, { task: PICK, ended: { id: 'a1', how: 'cancelled' } });
+    expect(ears.heard.slice(2)).toEqual(['This task is cancelled. Next: Pick 3 boxes at R102.']);
+    ears.come({ state: 'idle', assignment: null, path: [] }, { ended: { id: 'a2', how: 'cancelled' } });
+    ears.wait(5_000);
+    expect(ears.heard.slice(3)).toEqual(['This task is cancelled.', 'Nothing more to do.']);
+  });
+  test('how a task ended is not made up where the server does not say it', () => {
+    const ears = new Ears();
+    ears.come({}, { task: COUNT });
+    ears.come({ arrived: true }, { task: COUNT });
+    ears.come({ state: 'idle', assignment: null, path: [] }, { ended: { id: 'a0', how: 'done' } });
+    ears.wait(5_000);
+    expect(ears.heard.slice(2)).toEqual(['Nothing more to do.']);
   });
   test('a stop is said with its reason, once, though its seconds count down', () => {
     const ears = new Ears();
@@ -110,7 +131,7 @@ describe('what a worker hears', () => {
     expect(ears.again()).toBe('STOP. No path to the place is free.');
     ears.come({ state: 'idle', assignment: null, path: [] });
     expect(ears.again()).toBe('Nothing to do. Wait for the next task.');
-    expect(ears.heard.slice(2), 'and that makes nothing new').toEqual(['STOP. No path to the place is free.', 'Done.']);
+    expect(ears.heard.slice(2), 'and that makes nothing new').toEqual(['STOP. No path to the place is free.']);
   });
 });
 

@@ -6,13 +6,13 @@ import ts from 'typescript';
 import { describe, expect, test } from 'vitest';
 import { LANGUAGES, languageFor, metres, sayIn, seconds } from '../src/language';
 
-/** Rooms whose every visible text is a message. */
-const TRANSLATED = ['headset', 'words', 'alarms', 'robots', 'jobs'];
+/** Rooms that speak English alone; every visible text of the others is a message. */
+const ENGLISH = ['editor', 'docs'];
 /** Messages stand in one room and are said in others, too: the dashboard's in all but those that load nothing of it. */
 const isSaidIn = (messages: string, room: string): boolean =>
   messages === room || (messages === 'words' && !['headset', 'docs', 'editor', 'language'].includes(room));
 /** What is the same in every language: names, examples, and signs. */
-const NAMES = ['picker-7', 'Giveway'];
+const NAMES = ['picker-7', 'Giveway', 'VDA 5050', 'CSV', 'JSON'];
 
 const files = import.meta.glob<string>('../src/**/messages/*.json', { eager: true, query: '?raw', import: 'default' });
 const sources = import.meta.glob<string>('../src/**/*.{ts,svelte}', { eager: true, query: '?raw', import: 'default' });
@@ -23,7 +23,8 @@ const rooms = new Map<string, Map<string, Texts>>();
 for (const [path, text] of Object.entries(files)) {
   const language = path.replace(/^.*\//, '').replace('.json', '');
   const room = rooms.get(roomOf(path)) ?? new Map<string, Texts>();
-  rooms.set(roomOf(path), room.set(language, JSON.parse(text) as Texts));
+  // A room may have more messages than those that its page begins with.
+  rooms.set(roomOf(path), room.set(language, { ...room.get(language), ...(JSON.parse(text) as Texts) }));
 }
 
 /** The placeholders of a message. */
@@ -62,31 +63,52 @@ function pluralsMissing(language: string, tree: readonly MessageFormatElement[])
   });
 }
 
+/** Keys of messages, which scripts hand on to where they are said. */
+const keys = new Set([...rooms.values()].flatMap((languages) => Object.keys(languages.get('en') ?? {})));
 const isWord = (text: string): boolean => /\p{L}{2}/u.test(NAMES.reduce((rest, name) => rest.replaceAll(name, ''), text));
+const SEEN = ['aria-label', 'aria-description', 'aria-roledescription', 'aria-valuetext', 'title', 'placeholder', 'alt', 'label', 'hint', 'prompt'];
+
+/** Texts that an expression in a component can come to; what it compares with or hands on to a function is none. */
+function textsOf(node: Record<string, unknown> | null | undefined): string[] {
+  const all = (...names: string[]): string[] => names.flatMap((name) => textsOf(node?.[name] as Record<string, unknown>));
+  switch (node?.['type']) {
+    case 'Literal': return typeof node['value'] === 'string' ? [node['value']] : [];
+    case 'TemplateLiteral': return [
+      ...(node['quasis'] as { value: { cooked: string } }[]).map((quasi) => quasi.value.cooked),
+      ...(node['expressions'] as Record<string, unknown>[]).flatMap(textsOf),
+    ];
+    case 'ConditionalExpression': return all('consequent', 'alternate');
+    case 'LogicalExpression': return all('left', 'right');
+    case 'BinaryExpression': return node['operator'] === '+' ? all('left', 'right') : [];
+    case 'TSAsExpression': case 'TSNonNullExpression': return all('expression');
+    default: return [];
+  }
+}
 
 /** Texts in a Svelte component that a visitor sees or hears. */
 function hardCodedInSvelte(source: string): string[] {
   const found: string[] = [];
-  const seen = ['aria-label', 'title', 'placeholder', 'alt', 'label'];
   const walk = (node: unknown): void => {
     if (Array.isArray(node)) return node.forEach(walk);
     if (typeof node !== 'object' || node === null) return;
-    const { type, name, value, data } = node as Record<string, unknown>;
+    const { type, name, value, data, expression } = node as Record<string, unknown>;
     if (type === 'Text' && typeof data === 'string' && isWord(data)) found.push(data.trim());
+    if (type === 'ExpressionTag') found.push(...textsOf(expression as Record<string, unknown>).filter(isWord).map((text) => text.trim()));
     if (type === 'Attribute' || type === 'StyleDirective') {
-      if (!seen.includes(String(name))) return;
+      if (!SEEN.includes(String(name))) return;
       return walk(value);
     }
     Object.values(node).forEach(walk);
   };
   walk(parseSvelte(source, { modern: true }).fragment);
-  return found;
+  const scripts = [...source.matchAll(/<script[^>]*>(.*?)<\/script>/gs)].map(([, script]) => script ?? '');
+  return [...found, ...scripts.flatMap(hardCodedInScript)];
 }
 
 /** Texts in a script that go to an element that a visitor sees or hears, and whole sentences wherever they go. */
 function hardCodedInScript(source: string): string[] {
   const found: string[] = [];
-  const seen = ['textContent', 'ariaLabel', 'placeholder', 'title', 'alt', 'innerText', 'label'];
+  const seen = ['textContent', 'ariaLabel', 'placeholder', 'title', 'alt', 'innerText', 'label', 'prompt', 'words'];
   const textOf = (node: ts.Node): string => {
     if (ts.isStringLiteralLike(node)) return node.text;
     return ts.isTemplateExpression(node) ? [node.head, ...node.templateSpans.map((s) => s.literal)].map((p) => p.text).join(' ') : '';
@@ -102,7 +124,7 @@ function hardCodedInScript(source: string): string[] {
     if (ts.isThrowStatement(node) || ts.isImportDeclaration(node) || ts.isLiteralTypeNode(node)) return;
     if (isCallOfT(node)) return node.arguments.slice(1).forEach((one) => walk(one, false));
     const text = textOf(node);
-    if ((isShown && isWord(text)) || /^\p{Lu}\p{Ll}+ \p{Ll}/u.test(text)) found.push(text);
+    if ((isShown && !keys.has(text) && isWord(text)) || /^\p{Lu}\p{Ll}+ \p{Ll}/u.test(text)) found.push(text);
     const target = targetOf(node);
     const goesOn = isShown && !ts.isCallExpression(node) && !ts.isBinaryExpression(node);
     ts.forEachChild(node, (child) => walk(child, target === null ? goesOn : seen.includes(target)));
@@ -159,8 +181,16 @@ describe.each([...rooms])('the messages of %s', (room, languages) => {
   });
 });
 
+test('messages that are loaded with panels are said by no other room', () => {
+  const ofPanels = Object.keys(JSON.parse(files['../src/words/panels/messages/en.json'] ?? '{}') as Texts);
+  const early = Object.entries(sources).filter(([path]) => !['report', 'audit', 'charts', 'encounters', 'timelines'].includes(roomOf(path)));
+  expect(ofPanels.length).toBeGreaterThan(0);
+  expect(ofPanels.filter((key) => early.some(([, source]) => source.includes(`'${key}'`)))).toEqual([]);
+});
+
 describe('visible texts', () => {
-  test.each(TRANSLATED)('all of %s are messages', (room) => {
+  const translated = [...new Set(Object.keys(sources).map(roomOf))].filter((room) => !ENGLISH.includes(room));
+  test.each(translated)('all of %s are messages', (room) => {
     const own = Object.entries(sources).filter(([path]) => roomOf(path) === room);
     const found = own.flatMap(([path, source]) => (path.endsWith('.svelte') ? hardCodedInSvelte(source) : hardCodedInScript(source)).map((text) => `${path}: ${text}`));
     expect(own.length).toBeGreaterThan(0);
@@ -170,6 +200,12 @@ describe('visible texts', () => {
     expect(hardCodedInSvelte('<p class="dim text">Robots <b>wait</b></p>')).toEqual(['Robots', 'wait']);
     expect(hardCodedInSvelte('<button title="Stop all" aria-label={t("x")}>{t("stop")} · Giveway</button>')).toEqual(['Stop all']);
     expect(hardCodedInSvelte('{#if a}<input placeholder="picker-7" type="text" />{:else}<i>none</i>{/if}')).toEqual(['none']);
+  });
+  test('a text that an expression of a component comes to is found', () => {
+    expect(hardCodedInSvelte("<p>{busy ? 'Closing' : t('closure.close')}</p>")).toEqual(['Closing']);
+    expect(hardCodedInSvelte("<b title={`${n} robots`}>{kind === 'robot' ? '–' : n}</b>")).toEqual(['robots']);
+    expect(hardCodedInSvelte("<i data-kind={a ? 'worker' : 'robot'}>{quantity(n, 'min')}{t(a ? 'robot' : 'job')}</i>")).toEqual([]);
+    expect(hardCodedInSvelte("<script lang=\"ts\">\n  wrong = 'Say who you are.';\n</script>\n<p>{wrong}</p>")).toEqual(['Say who you are.']);
   });
   test('a text in a script is found', () => {
     expect(hardCodedInScript("make('p', { className: 'dim small', textContent: 'Robots' })")).toEqual(['Robots']);

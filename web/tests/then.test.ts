@@ -49,7 +49,7 @@ describe('charts of the past', () => {
   });
   test('searches have a median and 99 %, and none that nobody measured', () => {
     const { lines } = chart('plans');
-    expect(lines.map((l) => l.name)).toEqual(['median', '99 %']);
+    expect(lines.map((l) => l.id)).toEqual(['median', '99 %']);
     const grid = gridOfSums([sum(0), sum(10, { plan_us_p50: 40, plan_us_p99: 900 }), sum(20)], 0, 20, null);
     expect(lines.map((line) => valuesOf(line, grid))).toEqual([[40, null], [900, null]]);
   });

@@ -1,5 +1,5 @@
-// The page of a wearer in German and in Chinese, what its wearer hears, and the sheets of a map's marks, against a real
-// server that this test starts itself: node tests/words.mjs PATH-TO-GIVEWAY
+// The page of a wearer and the dashboard in German and in Chinese, what a wearer hears, and the sheets of a map's
+// marks, against a real server that this test starts itself: node tests/words.mjs PATH-TO-GIVEWAY
 import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
@@ -146,6 +146,14 @@ await check('A tap says it again; switched off, the voice is silent', async () =
   assert((await heard(german)).length === before + 1, 'it spoke');
   await german.getByRole('button', { name: 'Stimme: aus' }).click();
 });
+await check('A task that is cancelled is heard to be cancelled', async () => {
+  const { id } = await worker('packer-1');
+  const { items } = await ask(`/v1/workers/${id}/assignments`);
+  const open = items.find(({ what, state }) => what === 'Kartons holen' && state !== 'done');
+  const answer = await fetch(`${url}/v1/assignments/${open.id}`, { method: 'DELETE' });
+  assert(answer.ok, `${answer.status} ${await answer.text()}`);
+  await until('the word for it', async () => (await heard(german)).some((text) => text.includes('Diese Aufgabe ist abgesagt.')), 30);
+});
 await check('Another language is chosen, and remembered', async () => {
   await german.getByRole('button', { name: 'Ich habe die Halle verlassen' }).click();
   await german.getByText('packer-1 hat die Halle verlassen.').waitFor({ timeout: PATIENCE });
@@ -194,6 +202,45 @@ await check('Each mark of the map has a sheet with a code, on a page of its own'
   await shots(sheets, 'sheets-de');
 });
 await check('axe finds nothing wrong (sheets)', () => assertAccessible(sheets, 'sheets'));
+const DESK = { viewport: { width: 1440, height: 900 }, hasTouch: false };
+const TABS = 8;
+/** What a visitor of the dashboard sees and hears, but for the rows of the audit, which name requests, and examples
+ *  of CSV. */
+const said = (page) => page.evaluate(() => {
+  const named = [...document.querySelectorAll('[aria-label], [title], [placeholder]:not(textarea)')];
+  const requests = document.querySelector('[data-outcome]')?.closest('tbody').innerText ?? '';
+  return [document.body.innerText.replace(requests, ''), ...named.flatMap((e) => [e.ariaLabel, e.title, e.placeholder])].filter(Boolean).join('\n');
+});
+const dashboard = await open('de-DE', DESK);
+await check('The dashboard is in German, with numbers as Germans write them', async () => {
+  await dashboard.goto(url);
+  await dashboard.locator('canvas[data-robots]').waitFor({ state: 'attached', timeout: PATIENCE });
+  await dashboard.getByRole('button', { name: 'Alle Roboter anhalten' }).waitFor({ timeout: PATIENCE });
+  await dashboard.getByLabel('In der Halle finden').fill('R106');
+  await dashboard.keyboard.press('Enter');
+  await dashboard.getByRole('region', { name: 'Ort', exact: true }).getByText(/^-?\d+,\d m \/ -?\d+,\d m$/).waitFor({ timeout: PATIENCE });
+  await dashboard.getByRole('button', { name: 'Bericht', exact: true }).click();
+  await dashboard.getByText('Worauf wartende Roboter warteten').waitFor({ timeout: PATIENCE });
+  await shots(dashboard, 'dashboard-de');
+});
+await check('axe finds nothing wrong (dashboard, German)', () => assertAccessible(dashboard, 'dashboard'));
+const desk = await open('zh-CN', DESK);
+await check('The dashboard has no English left in Chinese, whichever panel is shown', async () => {
+  await desk.goto(url);
+  await desk.locator('canvas[data-robots]').waitFor({ state: 'attached', timeout: PATIENCE });
+  const tabs = desk.getByRole('group', { name: '地图下方显示的内容' }).getByRole('button');
+  assert((await tabs.count()) >= TABS, `${await tabs.count()} tabs`);
+  const own = new RegExp(`Giveway|giveway|English|Deutsch|Español|CSV|JSON|Ctrl|Esc|Shift|reel|${map.name}|(robot|packer|worker)-\\w+|[A-Z]+\\d+(-\\d+)?`, 'g');
+  const columns = /kind|rack|station|priority|deadline_min|node|robot|pick_s|reference|then/g;
+  const left = new Set();
+  for (let tab = 0; tab < TABS; tab += 1) {
+    await tabs.nth(tab).click();
+    await desk.waitForTimeout(1_500);
+    for (const word of (await said(desk)).replaceAll(own, '').replaceAll(columns, '').match(/.*[A-Za-z]{3,}.*/g) ?? []) left.add(word);
+  }
+  assert(left.size === 0, [...left].join(' | '));
+  await shots(desk, 'dashboard-zh');
+});
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
 
 await stop();

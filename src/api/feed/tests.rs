@@ -103,6 +103,7 @@ impl TestServer {
             trials: crate::api::trial::Trials::default(),
             maps: crate::api::publish::MapDesk::default(),
             gate: Arc::new(Gate::default()),
+            oidc: None,
             tokens: None,
             answers: None,
             audit: Arc::new(AuditDesk::new(0).0),

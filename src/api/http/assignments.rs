@@ -1,18 +1,20 @@
 //! `/v1/workers/{id}/assignments` and `/v1/assignments`: what workers are to do.
 //!
 //! Main type: [`NewAssignment`]. A request is answered when its facts are durable. Refuses: to reorder anybody's
-//! work.
+//! work, and to tell roles below admin of an assignment that is over both who had it and when: that would tell how fast
+//! a person works.
 
-use super::lists::checked_limit;
+use super::lists::{checked_limit, read_words, refuse_wrong};
 use crate::api::Api;
 use crate::api::called::Called;
+use crate::api::caller::Role;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart};
+use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_time};
 use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
-use crate::api::text::{assignment_name, parse_assignment};
+use crate::api::text::{assignment_name, parse_assignment, worker_name};
 use crate::api::words::AssignmentStateDto;
 use crate::fleet::{AssignmentQuery, AssignmentRequest, AssignmentRow, Reply};
 use crate::id::{AssignmentId, WorkerId};
@@ -24,6 +26,9 @@ use utoipa::{IntoParams, ToSchema};
 
 /// The longest stay: a shift, seconds.
 const LONGEST_STAY_S: f64 = 8.0 * 3600.0;
+
+/// States in which nothing is known yet of how long it took.
+const OPEN: [&str; 3] = ["waiting", "walking", "working"];
 
 /// How long a stay is if the request does not say, seconds.
 const USUAL_STAY_S: f64 = 30.0;
@@ -52,17 +57,30 @@ pub struct NewAssignment {
 pub struct AssignmentParams {
     /// How many at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
-    /// Only those in this state.
-    #[param(value_type = Option<AssignmentStateDto>)]
+    /// Only those in this state, or in one of several with commas between them.
+    #[param(value_type = Option<Vec<AssignmentStateDto>>, style = Form, explode = false)]
     state: Option<String>,
+    /// Only those at this node.
+    #[param(example = "A12")]
+    place: Option<String>,
+    /// Only those whose state changed at this time or later, RFC 3339.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    updated_since: Option<String>,
+    /// Only those that were accepted at this time or later.
+    from: Option<String>,
+    /// Only those that were accepted before this time.
+    to: Option<String>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// A worker's assignments, newest first.
+/// A worker's assignments, newest first. Those that are over, with their times, would tell how fast a person works:
+/// administrators see them, and a device those of its own worker; others get those that are open.
 #[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people", operation_id = "listAssignmentsOfWorker",
     params(("id" = String, Path, example = "w1"), AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
+    (status = 403, description = "Only administrators may ask for a person's assignments that are over", body = Problem,
+     content_type = "application/problem+json"),
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
@@ -72,10 +90,24 @@ pub async fn of_worker(
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
     let worker = api.feeds.worker(&id)?;
-    list(&api, Some(worker), &p).await
+    let mut query = read_query(&api, &p)?;
+    if !may_know_pace(&api, worker) {
+        let is_open = |word: &&str| OPEN.contains(word);
+        if !query.states.iter().all(is_open) {
+            let detail = "assignments of one person that are over are for administrators, since their times tell how \
+                          fast the person works: ask for those that are waiting, walking or working, or for those of \
+                          all people at /v1/assignments";
+            return Err(Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail));
+        }
+        if query.states.is_empty() {
+            query.states = OPEN.into();
+        }
+    }
+    list(&api, AssignmentQuery { worker: Some(worker), ..query }).await
 }
 
-/// All assignments, newest first.
+/// All assignments, newest first. For roles below admin, `worker` is null if an assignment is over: with its times it
+/// would tell how fast a person works.
 #[utoipa::path(get, path = "/v1/assignments", tag = "people",
     operation_id = "listAssignments", params(AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
@@ -85,7 +117,7 @@ pub async fn all(
     Called(api): Called,
     Params(p): Params<AssignmentParams>,
 ) -> Result<Json<Page<AssignmentDto>>, Problem> {
-    list(&api, None, &p).await
+    list(&api, read_query(&api, &p)?).await
 }
 
 /// One assignment.
@@ -218,21 +250,22 @@ async fn end(api: &Api, id: AssignmentId, how: What) -> Result<Json<AssignmentDt
     }
 }
 
-async fn list(
-    api: &Api,
-    worker: Option<WorkerId>,
-    p: &AssignmentParams,
-) -> Result<Json<Page<AssignmentDto>>, Problem> {
+/// What a list is limited to; complains about words, names and times that are none.
+fn read_query(api: &Api, p: &AssignmentParams) -> Result<AssignmentQuery, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
-    let state = p.state.as_deref().and_then(|word| {
-        let known = ASSIGNMENT_STATES.map(|s| s.word()).into_iter().find(|w| *w == word);
-        if known.is_none() {
-            let words = ASSIGNMENT_STATES.map(|s| s.word()).join(", ");
-            errors.push(FieldError::new("state", format!("\"{word}\" is not one of {words}")));
+    let words = ASSIGNMENT_STATES.map(|s| s.word());
+    let states = read_words("state", p.state.as_deref(), &words, &mut errors);
+    let place = p.place.as_deref().and_then(|name| {
+        let place = api.map.node_named(name);
+        if place.is_none() {
+            errors.push(no_place(name));
         }
-        known
+        place
     });
+    let mut time = |field: &str, text: &Option<String>| read_time(field, text.as_deref(), &mut errors);
+    let updated_since = time("updated_since", &p.updated_since);
+    let (from, to) = (time("from", &p.from), time("to", &p.to));
     let before = p.cursor.as_deref().and_then(|cursor| {
         let id = parse_assignment(cursor);
         if id.is_none() {
@@ -240,11 +273,13 @@ async fn list(
         }
         id
     });
-    if !errors.is_empty() {
-        return Err(Problem::invalid(errors));
-    }
-    let filter = AssignmentQuery { worker, state, before, limit: limit + 1 };
-    let mut rows = api.records.assignments(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
+    refuse_wrong(errors)?;
+    Ok(AssignmentQuery { worker: None, states, place, updated_since, from, to, before, limit })
+}
+
+async fn list(api: &Api, query: AssignmentQuery) -> Result<Json<Page<AssignmentDto>>, Problem> {
+    let (limit, query) = (query.limit, AssignmentQuery { limit: query.limit + 1, ..query });
+    let mut rows = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
     let next = rows.last().filter(|_| more).map(|row| assignment_name(row.id));
@@ -261,8 +296,23 @@ async fn read(api: &Api, id: AssignmentId) -> Result<AssignmentRow, Problem> {
     record.ok_or_else(|| Problem::unknown("assignment", format!("{} does not exist", assignment_name(id))))
 }
 
+/// Whether the caller may know how long a worker took for something: an administrator, or the worker's own device.
+fn may_know_pace(api: &Api, worker: WorkerId) -> bool {
+    let caller = &api.caller;
+    let is_own = caller.role == Role::Device && caller.subject.as_deref() == Some(&worker_name(worker));
+    caller.role == Role::Admin || is_own
+}
+
+/// An assignment as the caller may see it: if it is over, others than administrators are not told who had it.
 fn dto(api: &Api, record: &AssignmentRow) -> AssignmentDto {
-    Names { map: &api.map, view: &api.moment().view }.assignment(record)
+    let dto = Names { map: &api.map, view: &api.moment().view }.assignment(record);
+    let is_open = OPEN.contains(&dto.state.word());
+    let is_shown = is_open || record.assignment.worker.is_some_and(|worker| may_know_pace(api, worker));
+    AssignmentDto { worker: dto.worker.filter(|_| is_shown), ..dto }
+}
+
+fn no_place(name: &str) -> FieldError {
+    FieldError::new("place", format!("there is no node \"{name}\"; GET /v1/map lists them"))
 }
 
 impl NewAssignment {
@@ -270,8 +320,7 @@ impl NewAssignment {
         let mut errors = Vec::new();
         let place = api.map.node_named(&self.place);
         if place.is_none() {
-            let detail = format!("there is no node \"{}\"; GET /v1/map lists them", self.place);
-            errors.push(FieldError::new("place", detail));
+            errors.push(no_place(&self.place));
         }
         let stay_s = self.stay_s.unwrap_or(USUAL_STAY_S);
         if !(0.0..=LONGEST_STAY_S).contains(&stay_s) {

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`NewClosure`]. Refuses: areas of nothing, and times that are over.
 
-use super::lists::{Paging, page};
+use super::lists::{Paging, is_wanted, page, read_words, refuse_wrong};
 use super::recurring::NewRecurrence;
 use crate::api::Api;
 use crate::api::called::Called;
@@ -14,7 +14,7 @@ use crate::api::people::{ClosureDto, RecurringClosureDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{closure_name, parse_closure, parse_series, series_name};
-use crate::api::words::BindsDto;
+use crate::api::words::{BindsDto, ClosureStateDto};
 use crate::fleet::{Binds, Closure, Recurrence, RecurringClosure, Refusal, Reply};
 use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId, SeriesId};
@@ -22,7 +22,7 @@ use crate::time::{Time, Window};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::{IntoParams, ToSchema};
 
 /// The most corners.
 const MOST_CORNERS: usize = 100;
@@ -75,13 +75,54 @@ enum ClosedId {
     Recurring(SeriesId),
 }
 
-/// All areas that are closed or announced, and those whose closure ended less than a day ago.
-#[utoipa::path(get, path = "/v1/closures", tag = "people", operation_id = "listClosures", params(Paging), responses(
+/// Which closed areas to list.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct ClosureParams {
+    /// Only areas in this state, or in one of several with commas between them.
+    #[param(value_type = Option<Vec<ClosureStateDto>>, style = Form, explode = false)]
+    state: Option<String>,
+    /// Only areas that keep these out, or one of several with commas between them.
+    #[param(value_type = Option<Vec<BindsDto>>, style = Form, explode = false)]
+    binds: Option<String>,
+    /// Only areas that are closed at this time or later, RFC 3339.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    from: Option<String>,
+    /// Only areas that are closed before this time.
+    to: Option<String>,
+    /// How many items at most, 1 to 500; 100 if absent.
+    limit: Option<u32>,
+    /// `next` of the previous page.
+    cursor: Option<String>,
+}
+
+/// All areas that are closed or announced, and those whose closure ended less than a day ago; or some of them.
+#[utoipa::path(get, path = "/v1/closures", tag = "people", operation_id = "listClosures",
+    params(ClosureParams), responses(
     (status = 200, description = "Areas in the order in which they were requested", body = Page<ClosureDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
-pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<ClosureDto>>, Problem> {
-    let moment = api.moment();
-    page(Names { map: &api.map, view: &moment.view }.all_closures((api.now)()), &p)
+pub async fn list(
+    Called(api): Called,
+    Params(p): Params<ClosureParams>,
+) -> Result<Json<Page<ClosureDto>>, Problem> {
+    let mut errors = Vec::new();
+    let states = ClosureStateDto::ALL.map(ClosureStateDto::word);
+    let states = read_words("state", p.state.as_deref(), &states, &mut errors);
+    let binds = BindsDto::ALL.map(BindsDto::word);
+    let binds = read_words("binds", p.binds.as_deref(), &binds, &mut errors);
+    let from = read_time("from", p.from.as_deref(), &mut errors);
+    let to = read_time("to", p.to.as_deref(), &mut errors);
+    refuse_wrong(errors)?;
+    let (moment, now) = (api.moment(), (api.now)());
+    let names = Names { map: &api.map, view: &moment.view };
+    let is_within =
+        |window: Window| from.is_none_or(|t| window.end() > t) && to.is_none_or(|t| window.start() < t);
+    let closures = moment.view.closures.iter().filter(|c| is_within(c.closure.window));
+    let closures = closures.map(|c| names.closure(c.id, &c.closure, now));
+    let closures =
+        closures.filter(|c| is_wanted(&states, c.state.word()) && is_wanted(&binds, c.binds.word()));
+    page(closures.collect(), &Paging { limit: p.limit, cursor: p.cursor })
 }
 
 /// Close an area, now or later. When this call returns, the closure is durable. Before it begins, robots are routed

@@ -2,15 +2,16 @@
 //!
 //! Main type: [`EncounterParams`]. Refuses: to leave any out.
 
-use super::lists::checked_limit;
+use super::lists::{checked_limit, named, read_words, refuse_wrong};
+use super::new_job::robot_named;
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Params, read_time};
 use crate::api::people::EncounterDto;
+use crate::api::words::ReactionDto;
 use crate::fleet::EncounterQuery;
-use crate::id::{Dense, RobotId};
 use axum::Json;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
@@ -34,7 +35,14 @@ pub struct EncounterParams {
     #[param(example = "w1")]
     worker: Option<String>,
     /// Only those of this robot.
+    #[param(example = "robot-1")]
     robot: Option<String>,
+    /// Only those about which the fleet did this, or one of several with commas between them.
+    #[param(value_type = Option<Vec<ReactionDto>>, style = Form, explode = false)]
+    reaction: Option<String>,
+    /// Only those that ended at this time or later, RFC 3339: an encounter is listed when it has ended.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    updated_since: Option<String>,
     /// How many at most: for a list 1 to 500, 50 if absent; for a table 1 to 100000, 100000 if absent.
     limit: Option<u32>,
     /// `next` of the previous page; for a table, from its `Link` header.
@@ -103,14 +111,11 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
         let worker = api.feeds.worker(text);
         worker.map_err(|problem| errors.push(FieldError::new("worker", problem.detail))).ok()
     });
-    let robot = p.robot.as_deref().and_then(|name| {
-        let found = api.moment().view.robots.iter().position(|r| r.name == name);
-        if found.is_none() {
-            let detail = format!("there is no robot \"{name}\"; GET /v1/robots lists them");
-            errors.push(FieldError::new("robot", detail));
-        }
-        found.map(RobotId::at)
-    });
+    let moment = api.moment();
+    let robot = named("robot", p.robot.as_deref(), |name| robot_named(&moment, name), &mut errors);
+    let reactions = ReactionDto::ALL.map(ReactionDto::word);
+    let reactions = read_words("reaction", p.reaction.as_deref(), &reactions, &mut errors);
+    let updated_since = read_time("updated_since", p.updated_since.as_deref(), &mut errors);
     let before = p.cursor.as_deref().and_then(|cursor| {
         let seq = cursor.parse::<i64>().ok();
         if seq.is_none() {
@@ -118,10 +123,8 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
         }
         seq
     });
-    if !errors.is_empty() {
-        return Err(Problem::invalid(errors));
-    }
-    Ok(EncounterQuery { from, to, worker, robot, before, limit: 0 })
+    refuse_wrong(errors)?;
+    Ok(EncounterQuery { from, to, worker, robot, reactions, updated_since, before, limit: 0 })
 }
 
 /// A table as RFC 4180 has it.

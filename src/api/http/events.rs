@@ -6,6 +6,7 @@
 use super::lists::checked_limit;
 use crate::api::Api;
 use crate::api::called::Called;
+use crate::api::dto::Names;
 use crate::api::error::{FieldError, Problem};
 use crate::api::events::{EventDto, event};
 use crate::api::extract::Params;
@@ -59,15 +60,16 @@ pub struct EventParams {
     /// counts before this.
     #[param(minimum = 0)]
     after: Option<i64>,
-    /// Only these kinds, with commas between them: job, robot, fleet, worker, assignment, closure, alarm, encounter.
+    /// Only these kinds, with commas between them: job, robot, fleet, station, worker, assignment, closure, alarm,
+    /// encounter.
     #[param(example = "job,alarm")]
     kind: Option<String>,
     /// How many a page has at most, 1 to 500; 100 if absent. Streams have no limit.
     limit: Option<u32>,
 }
 
-/// What happened, in order, for seven days: changes of state of jobs, robots, workers, assignments, closures and
-/// alarms, and encounters. With `Accept: text/event-stream` the events come as a stream of server-sent events, each
+/// What happened, in order, for seven days: changes of state of jobs, robots, stations, workers, assignments, closures
+/// and alarms, and encounters. With `Accept: text/event-stream` the events come as a stream of server-sent events, each
 /// with its number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it
 /// tells, in one transaction: a reader that goes on after the last number that it has seen misses nothing, also if the
 /// server was killed.
@@ -115,7 +117,9 @@ pub async fn list(
     let next = rows.last().filter(|_| full).map_or(span.last.max(begin), |row| row.seq);
     let next = rows.last().map_or(next, |row| next.max(row.seq));
     know_robots(&api, &rows).await;
-    let items = rows.into_iter().map(|row| event(&api.moment().view, row)).collect();
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    let items = rows.into_iter().map(|row| event(names, api.caller.role, row)).collect();
     Ok(Json(EventPage { items, next, last: span.last.max(next) }).into_response())
 }
 
@@ -186,7 +190,9 @@ fn texts(stream: EventStream) -> impl Stream<Item = Result<Event, Infallible>> {
     unfold(stream, |mut stream| async move {
         let row = stream.next().await?;
         let text = Event::default().id(row.seq.to_string()).event(row.kind.word());
-        let event = event(&stream.api.moment().view, row);
+        let moment = stream.api.moment();
+        let names = Names { map: &stream.api.map, view: &moment.view };
+        let event = event(names, stream.api.caller.role, row);
         let text = text.json_data(&event).expect("an event is JSON");
         Some((Ok(text), stream))
     })

@@ -3,7 +3,7 @@
 //! Main types: [`JobParams`], [`JobPatch`]. A request is answered when its facts are durable. Refuses: to change what a
 //! robot works on.
 
-use super::lists::checked_limit;
+use super::lists::{checked_limit, named, read_words};
 use super::new_job::{NewJob, robot_named};
 use crate::api::Api;
 use crate::api::called::Called;
@@ -95,16 +95,7 @@ pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<J
 
 /// What a list is limited to besides reference and label; complains about words, names and times that are none.
 fn read_filter(api: &Api, p: &JobParams, errors: &mut Vec<FieldError>) -> JobQuery {
-    let mut states = Vec::new();
-    for word in p.state.iter().flat_map(|text| text.split(',')).map(str::trim) {
-        match JOB_STATES.into_iter().find(|state| *state == word) {
-            Some(state) => states.push(state),
-            None => errors.push(FieldError::new(
-                "state",
-                format!("\"{word}\" is not one of {}", JOB_STATES.join(", ")),
-            )),
-        }
-    }
+    let states = read_words("state", p.state.as_deref(), &JOB_STATES, errors);
     let moment = api.moment();
     let rack = named("rack", p.rack.as_deref(), |name| api.map.rack_named(name), errors);
     let station = named("station", p.station.as_deref(), |name| api.map.station_named(name), errors);
@@ -113,22 +104,6 @@ fn read_filter(api: &Api, p: &JobParams, errors: &mut Vec<FieldError>) -> JobQue
     let updated_since = time("updated_since", &p.updated_since);
     let (from, to) = (time("from", &p.from), time("to", &p.to));
     JobQuery { states, rack, station, robot, updated_since, from, to, ..JobQuery::default() }
-}
-
-/// What has the name in a parameter, if there is one; complains where nothing has.
-fn named<T>(
-    field: &str,
-    name: Option<&str>,
-    find: impl Fn(&str) -> Option<T>,
-    errors: &mut Vec<FieldError>,
-) -> Option<T> {
-    let name = name?;
-    let found = find(name);
-    if found.is_none() {
-        let detail = format!("there is no {field} \"{name}\"; GET /v1/{field}s lists them");
-        errors.push(FieldError::new(field, detail));
-    }
-    found
 }
 
 /// One job.

@@ -2,11 +2,12 @@
 //!
 //! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: pages of more than 500.
 
+use super::new_job::robot_named;
 use crate::api::called::Called;
 use crate::api::dto::{Names, Page, RackDto, RobotDto, StationDto};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::Params;
-use crate::api::words::ActivityDto;
+use crate::api::extract::{Params, read_time};
+use crate::api::words::{ActivityDto, RobotStateDto};
 use crate::fleet::{Activity, RobotView};
 use axum::Json;
 use serde::Deserialize;
@@ -21,9 +22,9 @@ pub const LONGEST_PAGE: u32 = 500;
 #[into_params(parameter_in = Query)]
 pub struct Paging {
     /// How many items at most, 1 to 500; 100 if absent.
-    limit: Option<u32>,
+    pub limit: Option<u32>,
     /// `next` of the previous page.
-    cursor: Option<String>,
+    pub cursor: Option<String>,
 }
 
 /// All racks.
@@ -35,16 +36,43 @@ pub async fn racks(Called(api): Called, Params(p): Params<Paging>) -> Result<Jso
     page(Names { map: &api.map, view: &moment.view }.racks(), &p)
 }
 
-/// All stations.
-#[utoipa::path(get, path = "/v1/stations", tag = "floor", operation_id = "listStations", params(Paging), responses(
+/// Which stations to list.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct StationParams {
+    /// Only stations where picking is paused by hand, or only others.
+    paused: Option<bool>,
+    /// Only stations where a rack stands to be picked from, or only others.
+    picking: Option<bool>,
+    /// Only the station with this robot at its picking place or in its queue.
+    #[param(example = "robot-1")]
+    robot: Option<String>,
+    /// How many items at most, 1 to 500; 100 if absent.
+    limit: Option<u32>,
+    /// `next` of the previous page.
+    cursor: Option<String>,
+}
+
+/// All stations, or some of them.
+#[utoipa::path(get, path = "/v1/stations", tag = "floor", operation_id = "listStations",
+    params(StationParams), responses(
     (status = 200, description = "Stations in the map's order", body = Page<StationDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn stations(
     Called(api): Called,
-    Params(p): Params<Paging>,
+    Params(p): Params<StationParams>,
 ) -> Result<Json<Page<StationDto>>, Problem> {
-    let moment = api.moment();
-    page(Names { map: &api.map, view: &moment.view }.stations(), &p)
+    let (moment, mut errors) = (api.moment(), Vec::new());
+    named("robot", p.robot.as_deref(), |name| robot_named(&moment, name), &mut errors);
+    refuse_wrong(errors)?;
+    let mut stations = Names { map: &api.map, view: &moment.view }.stations();
+    stations.retain(|s| {
+        p.paused.is_none_or(|paused| s.paused.is_some() == paused)
+            && p.picking.is_none_or(|picking| s.picking == picking)
+            && p.robot.as_ref().is_none_or(|robot| s.robot.as_ref() == Some(robot) || s.queue.contains(robot))
+    });
+    page(stations, &Paging { limit: p.limit, cursor: p.cursor })
 }
 
 /// Which robots to list.
@@ -52,16 +80,25 @@ pub async fn stations(
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct RobotParams {
-    /// Only robots that are at this; `gone` finds none.
-    #[param(value_type = Option<ActivityDto>)]
+    /// Only robots that are at this, or at one of several with commas between them; `gone` finds none.
+    #[param(value_type = Option<Vec<ActivityDto>>, style = Form, explode = false)]
     activity: Option<String>,
+    /// Only robots in this state, or in one of several with commas between them; `gone` finds none.
+    #[param(value_type = Option<Vec<RobotStateDto>>, style = Form, explode = false)]
+    state: Option<String>,
+    /// Only robots of this kind.
+    #[param(example = "robot")]
+    kind: Option<String>,
+    /// Only robots that are at what they are at since this time or later, RFC 3339.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    updated_since: Option<String>,
     /// How many items at most, 1 to 500; 100 if absent.
     limit: Option<u32>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// All robots on the floor, or those that are at something.
+/// All robots on the floor, or some of them.
 #[utoipa::path(get, path = "/v1/robots", tag = "floor", operation_id = "listRobots", params(RobotParams), responses(
     (status = 200, description = "Robots in order of joining", body = Page<RobotDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
@@ -69,18 +106,72 @@ pub async fn robots(
     Called(api): Called,
     Params(p): Params<RobotParams>,
 ) -> Result<Json<Page<RobotDto>>, Problem> {
-    let wanted = p.activity.as_deref().map(Activity::of_word);
-    if wanted == Some(None) {
-        let words = Activity::ALL.map(Activity::word).join(", ");
-        return Err(Problem::invalid(vec![FieldError::new("activity", format!("it is not one of {words}"))]));
-    }
+    let mut errors = Vec::new();
+    let activities = Activity::ALL.map(Activity::word);
+    let activities = read_words("activity", p.activity.as_deref(), &activities, &mut errors);
+    let states = RobotStateDto::ALL.map(RobotStateDto::word);
+    let states = read_words("state", p.state.as_deref(), &states, &mut errors);
+    let is_kind = |name: &str| api.kinds.held.iter().any(|kind| kind.name == name).then_some(());
+    named("kind", p.kind.as_deref(), is_kind, &mut errors);
+    let since = read_time("updated_since", p.updated_since.as_deref(), &mut errors);
+    refuse_wrong(errors)?;
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
-    let is_wanted = |r: &&RobotView| {
-        r.activity != Activity::Gone && wanted.flatten().is_none_or(|activity| r.activity == activity)
+    let wanted = |r: &&RobotView| {
+        r.activity != Activity::Gone
+            && is_wanted(&activities, r.activity.word())
+            && is_wanted(&states, RobotStateDto::from(r.state).word())
+            && p.kind.as_ref().is_none_or(|kind| r.kind == *kind)
+            && since.is_none_or(|t| r.since >= t)
     };
-    let robots = moment.view.robots.iter().filter(is_wanted).map(|r| names.one_robot(r)).collect();
+    let robots = moment.view.robots.iter().filter(wanted).map(|r| names.one_robot(r)).collect();
     page(robots, &Paging { limit: p.limit, cursor: p.cursor })
+}
+
+/// The words of a parameter, with commas between them; complains about those that are none.
+pub fn read_words(
+    field: &str,
+    text: Option<&str>,
+    known: &[&'static str],
+    errors: &mut Vec<FieldError>,
+) -> Vec<&'static str> {
+    let mut found = Vec::new();
+    for word in text.into_iter().flat_map(|text| text.split(',')).map(str::trim) {
+        match known.iter().find(|known| **known == word) {
+            Some(known) => found.push(*known),
+            None => {
+                let known = known.join(", ");
+                errors.push(FieldError::new(field, format!("\"{word}\" is not one of {known}")));
+            }
+        }
+    }
+    found
+}
+
+/// Whether a word is one of those that are wanted; if none are, all of them.
+pub fn is_wanted(wanted: &[&'static str], word: &str) -> bool {
+    wanted.is_empty() || wanted.contains(&word)
+}
+
+/// What has the name in a parameter, if there is one; complains where nothing has.
+pub fn named<T>(
+    field: &str,
+    name: Option<&str>,
+    find: impl Fn(&str) -> Option<T>,
+    errors: &mut Vec<FieldError>,
+) -> Option<T> {
+    let name = name?;
+    let found = find(name);
+    if found.is_none() {
+        let detail = format!("there is no {field} \"{name}\"; GET /v1/{field}s lists them");
+        errors.push(FieldError::new(field, detail));
+    }
+    found
+}
+
+/// Refuses a request with wrong fields.
+pub fn refuse_wrong(errors: Vec<FieldError>) -> Result<(), Problem> {
+    if errors.is_empty() { Ok(()) } else { Err(Problem::invalid(errors)) }
 }
 
 /// A limit within bounds.

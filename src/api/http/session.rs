@@ -6,8 +6,8 @@ use crate::api::Api;
 use crate::api::audit::AuditEntry;
 use crate::api::auth::{SESSION_LIFE, fresh_token, hash_of};
 use crate::api::called::Called;
-use crate::api::caller::{Caller, Role, WebSession};
-use crate::api::cookie::{no_session_cookie, session_cookie};
+use crate::api::caller::{Caller, Role, SessionHolder, WebSession};
+use crate::api::cookie::{is_plain, no_session_cookie, session_cookie};
 use crate::api::error::Problem;
 use crate::api::extract::JsonBody;
 use crate::api::port::TokenDesk;
@@ -41,7 +41,8 @@ pub enum SignedInBy {
 /// Who asks.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct SessionDto {
-    /// The name of the token; `configuration` for tokens of the settings, `this machine` where none is needed.
+    /// The name of the token, or of the person who signed in with an identity provider; `configuration` for tokens of
+    /// the settings, `this machine` where none is needed.
     #[schema(example = "night shift")]
     pub name: String,
     /// What it may do.
@@ -85,11 +86,13 @@ pub async fn sign_in(
         ));
     };
     let secret = fresh_token();
-    let session = WebSession { hash: hash_of(&secret), token, created: now, expires: now + SESSION_LIFE };
+    let holder = SessionHolder::Token(token);
+    let hash = hash_of(&secret);
+    let session = WebSession { hash, holder, created: now, expires: now + SESSION_LIFE };
     desk(&api)?.sign_in(session).await.map_err(|why| Problem::unavailable(why, 2))?;
-    let caller = Caller { session: Some(session.hash), ..caller };
+    let caller = Caller { session: Some(hash), ..caller };
     note(&api, &caller, "POST /v1/session", StatusCode::CREATED);
-    let cookie = (header::SET_COOKIE, session_cookie(&headers, &secret));
+    let cookie = (header::SET_COOKIE, session_cookie(&headers, &secret, is_plain(&headers)));
     Ok((StatusCode::CREATED, [cookie], Json(dto(&api, &caller))))
 }
 
@@ -108,12 +111,12 @@ pub async fn sign_out(
 }
 
 /// Writes down who signed in or out.
-fn note(api: &Api, caller: &Caller, what: &str, status: StatusCode) {
+pub(super) fn note(api: &Api, caller: &Caller, what: &str, status: StatusCode) {
     let entry = api.audit.begin(caller, what.into(), None, (api.now)());
     api.audit.end(AuditEntry { status: Some(status.as_u16()), ..entry });
 }
 
-fn desk(api: &Api) -> Result<&dyn TokenDesk, Problem> {
+pub(super) fn desk(api: &Api) -> Result<&dyn TokenDesk, Problem> {
     api.tokens.as_deref().ok_or_else(Problem::of_recording)
 }
 

@@ -2,13 +2,13 @@
 //!
 //! Main types: [`NewWorker`], [`ListedWorkerDto`]. Refuses: to list how fast people are and where they are going.
 
-use super::lists::{Paging, page};
+use super::lists::{Paging, is_wanted, page, read_words, refuse_wrong};
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::caller::Role;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart};
+use crate::api::extract::{JsonBody, Params, PathPart, read_time};
 use crate::api::people::{EpisodeDto, SensesDto, WorkerDetailDto, WorkerDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
@@ -19,7 +19,7 @@ use crate::id::{Dense, WorkerId};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::{IntoParams, ToSchema};
 
 /// The longest name of a worker.
 const LONGEST_NAME: usize = 64;
@@ -75,20 +75,56 @@ impl From<WorkerDto> for ListedWorkerDto {
     }
 }
 
-/// All workers; a device gets its own alone.
-#[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(Paging), responses(
+/// Which workers to list.
+#[derive(Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct WorkerParams {
+    /// Only workers who are on the floor like this, or like one of several with commas between them.
+    #[param(value_type = Option<Vec<PresenceDto>>, style = Form, explode = false)]
+    presence: Option<String>,
+    /// Only workers who are told this, or one of several with commas between them.
+    #[param(value_type = Option<Vec<GuidanceStateDto>>, style = Form, explode = false)]
+    state: Option<String>,
+    /// Only workers who were seen at this time or later, RFC 3339.
+    #[param(example = "2027-01-31T06:00:00Z")]
+    updated_since: Option<String>,
+    /// How many items at most, 1 to 500; 100 if absent.
+    limit: Option<u32>,
+    /// `next` of the previous page.
+    cursor: Option<String>,
+}
+
+/// All workers, or some of them; a device gets its own alone.
+#[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(WorkerParams), responses(
     (status = 200, description = "Workers in order of joining", body = Page<ListedWorkerDto>),
     (status = 422, body = Problem, content_type = "application/problem+json")))]
 pub async fn list(
     Called(api): Called,
-    Params(p): Params<Paging>,
+    Params(p): Params<WorkerParams>,
 ) -> Result<Json<Page<ListedWorkerDto>>, Problem> {
+    let mut errors = Vec::new();
+    let presences = PresenceDto::ALL.map(PresenceDto::word);
+    let presences = read_words("presence", p.presence.as_deref(), &presences, &mut errors);
+    let states = GuidanceStateDto::ALL.map(GuidanceStateDto::word);
+    let states = read_words("state", p.state.as_deref(), &states, &mut errors);
+    let since = read_time("updated_since", p.updated_since.as_deref(), &mut errors);
+    refuse_wrong(errors)?;
+    let moment = api.moment();
+    let is_new = |id: WorkerId| {
+        let seen = moment.view.workers.get(id.ix()).and_then(|w| w.seen);
+        since.is_none_or(|t| seen.is_some_and(|seen| seen >= t))
+    };
     let mut workers: Vec<(WorkerId, String)> =
         api.feeds.names().into_iter().enumerate().map(|(i, name)| (WorkerId::at(i), name)).collect();
     if api.caller.role == Role::Device {
         workers.retain(|(id, _)| api.caller.subject.as_deref() == Some(&worker_name(*id)));
     }
-    page(workers.into_iter().map(|(id, name)| worker(&api, id, name).into()).collect(), &p)
+    workers.retain(|(id, _)| is_new(*id));
+    let mut workers: Vec<ListedWorkerDto> =
+        workers.into_iter().map(|(id, name)| worker(&api, id, name).into()).collect();
+    workers.retain(|w| is_wanted(&presences, w.presence.word()) && is_wanted(&states, w.state.word()));
+    page(workers, &Paging { limit: p.limit, cursor: p.cursor })
 }
 
 /// One worker, with gaze, hands and charge if a headset reports them.

@@ -18,6 +18,8 @@ pub enum EventKind {
     Robot,
     /// The whole fleet.
     Fleet,
+    /// A station.
+    Station,
     /// A worker.
     Worker,
     /// A worker's assignment.
@@ -32,10 +34,11 @@ pub enum EventKind {
 
 impl EventKind {
     /// All of them.
-    pub const ALL: [EventKind; 8] = [
+    pub const ALL: [EventKind; 9] = [
         EventKind::Job,
         EventKind::Robot,
         EventKind::Fleet,
+        EventKind::Station,
         EventKind::Worker,
         EventKind::Assignment,
         EventKind::Closure,
@@ -49,6 +52,7 @@ impl EventKind {
             EventKind::Job => "job",
             EventKind::Robot => "robot",
             EventKind::Fleet => "fleet",
+            EventKind::Station => "station",
             EventKind::Worker => "worker",
             EventKind::Assignment => "assignment",
             EventKind::Closure => "closure",
@@ -92,7 +96,7 @@ impl FloorEvent {
 
 /// What other systems are told of a fact, if anything.
 pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
-    use EventKind::{Assignment, Closure, Encounter, Fleet, Job, Robot, Worker};
+    use EventKind::{Assignment, Closure, Encounter, Fleet, Job, Robot, Station, Worker};
     if let Some((robot, change)) = robot_change(fact) {
         let event = match robot {
             Some(robot) => FloorEvent {
@@ -118,6 +122,8 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         Fact::Prioritised { job, .. } | Fact::JobChanged { job, .. } | Fact::Chosen { job, .. } => {
             FloorEvent::of(Job, Some(job.0), JobState::Waiting.word())
         }
+        Fact::StationPaused { station, .. } => FloorEvent::of(Station, Some(station.0.into()), "paused"),
+        Fact::StationResumed { station, .. } => FloorEvent::of(Station, Some(station.0.into()), "resumed"),
         Fact::Evacuated { .. } => FloorEvent::of(Fleet, None, "evacuation_began"),
         Fact::EvacuationEnded { .. } => FloorEvent::of(Fleet, None, "evacuation_ended"),
         Fact::WorkerRegistered { worker: w, .. } => worker(w, "registered"),
@@ -164,7 +170,7 @@ pub struct EventRow {
     pub robot: Option<RobotId>,
     /// The worker who has to do with it.
     pub worker: Option<WorkerId>,
-    /// Of an alarm, its text.
+    /// Of an alarm, its text; of a station that the map no longer has, its name.
     pub text: Option<String>,
     /// Of a job, the customer's reference.
     pub reference: Option<String>,

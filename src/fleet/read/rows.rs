@@ -5,7 +5,7 @@
 
 use crate::fleet::state::job::{Job, JobState};
 use crate::fleet::state::worker::{Assignment, Encounter};
-use crate::id::{AssignmentId, JobId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use std::collections::BTreeMap;
 
@@ -120,8 +120,16 @@ pub struct AssignmentRow {
 pub struct AssignmentQuery {
     /// Only those of this worker.
     pub worker: Option<WorkerId>,
-    /// Only those in this state, by its word.
-    pub state: Option<&'static str>,
+    /// Only those in one of these states, by their words; in any if there are none.
+    pub states: Vec<&'static str>,
+    /// Only those at this place.
+    pub place: Option<NodeId>,
+    /// Only those whose state changed at this time or later.
+    pub updated_since: Option<Time>,
+    /// Only those that were accepted at this time or later.
+    pub from: Option<Time>,
+    /// Only those that were accepted before this time.
+    pub to: Option<Time>,
     /// Only those older than this one.
     pub before: Option<AssignmentId>,
     /// How many at most.
@@ -157,6 +165,10 @@ pub struct EncounterQuery {
     pub worker: Option<WorkerId>,
     /// Only those of this robot.
     pub robot: Option<RobotId>,
+    /// Only those about which the fleet did one of these things, by their words; any if there are none.
+    pub reactions: Vec<&'static str>,
+    /// Only those that ended at this time or later: encounters are listed when they have ended.
+    pub updated_since: Option<Time>,
     /// Only those recorded before this one.
     pub before: Option<i64>,
     /// How many at most.

@@ -6,8 +6,8 @@ export interface CardFrame {
   readonly kept: 'chosen' | 'hovered';
   /** What happened to the thing, newest first. */
   readonly lines: readonly Line[];
-  /** Since when that is noted. */
-  readonly since: 'this page was opened' | 'this replay was opened';
+  /** Since what was opened that is noted. */
+  readonly since: 'page' | 'replay';
   readonly onCentre: () => void;
   readonly onClose: () => void;
 }

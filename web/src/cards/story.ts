@@ -1,6 +1,6 @@
 // What happened to each thing since the page was opened, in a few lines: what a mirror says now that the
 // one before did not. It remembers only what changed, and no more than the last lines of it.
-import { activityWords, clock, doing, GUIDANCE_WORDS, PRESENCE_WORDS } from '../words';
+import { activityWords, clock, doing, GUIDANCE_WORDS, PRESENCE_WORDS, t, within } from '../words';
 import { activityOf, type MapNode, type Mirror, type Rack, type Robot, row, type Station, type Table, type Worker } from '../wire';
 import type { Picked } from '../floor';
 
@@ -36,8 +36,9 @@ export class Story {
 
   #rackLine(a: Rack, b: Rack): string | null {
     if (a.robot === b.robot) return null;
-    if (b.robot !== null) return `lifted by ${b.robot}`;
-    return `set down at ${b.node === null ? 'an unknown place' : (this.places[b.node]?.id ?? '?')}`;
+    if (b.robot !== null) return t('story.rack.lifted', { robot: b.robot });
+    if (b.node === null) return t('story.rack.down.unknown');
+    return t('story.rack.down', { place: this.places[b.node]?.id ?? '?' });
   }
 
   #add(kind: Picked['kind'], id: string, line: Line): void {
@@ -59,25 +60,26 @@ function changed<T extends { id: string }>(old: Table<T>, now: Table<T>, see: (b
 
 function robotLines(a: Robot, b: Robot): (string | null)[] {
   return [
-    activityOf(a) === activityOf(b) ? null : activityWords(activityOf(b)).toLowerCase(),
+    activityOf(a) === activityOf(b) ? null : within(activityWords(activityOf(b))),
     a.doing === b.doing ? null : doing(b.doing),
-    a.job === b.job || b.job === null ? null : `started job ${b.job}`,
-    a.why === b.why ? null : (b.why ?? 'continues'),
+    a.job === b.job || b.job === null ? null : t('story.job', { job: b.job }),
+    a.why === b.why ? null : (b.why ?? t('story.continues')),
   ];
 }
 
 function workerLines(a: Worker, b: Worker): (string | null)[] {
-  const state = (GUIDANCE_WORDS[b.state] ?? b.state).toLowerCase();
+  const state = within(GUIDANCE_WORDS[b.state] ?? b.state);
   return [
-    a.presence === b.presence ? null : `seen: ${PRESENCE_WORDS[b.presence] ?? b.presence}`,
-    a.state === b.state ? null : b.reason === null ? state : `${state}: ${b.reason}`,
-    a.assignment === b.assignment || b.assignment === null ? null : `started ${b.assignment}`,
+    a.presence === b.presence ? null : t('story.seen', { presence: PRESENCE_WORDS[b.presence] ?? b.presence }),
+    a.state === b.state ? null : b.reason === null ? state : t('story.told', { state, reason: b.reason }),
+    a.assignment === b.assignment || b.assignment === null ? null : t('story.assignment', { assignment: b.assignment }),
   ];
 }
 
 function stationLines(a: Station, b: Station): (string | null)[] {
   return [
-    a.robot === b.robot ? null : b.robot === null ? `${a.robot ?? 'the robot'} left` : `${b.robot} arrived for picking`,
-    a.queue.length === b.queue.length ? null : `${b.queue.length} in the queue`,
+    a.robot === b.robot ? null
+      : b.robot === null ? t('story.station.left', { robot: a.robot ?? '?' }) : t('story.station.arrived', { robot: b.robot }),
+    a.queue.length === b.queue.length ? null : t('story.station.queue', { count: b.queue.length }),
   ];
 }

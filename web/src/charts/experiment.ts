@@ -15,22 +15,24 @@ export interface Comparison {
   /** By pair of arms, "ours-theirs". */
   paired: [pair: string, figures: Record<string, Difference>][];
 }
-export type Read = { kind: 'ok'; comparisons: Comparison[]; figures: string[] } | { kind: 'wrong'; why: string };
+export type Read =
+  | { kind: 'ok'; comparisons: Comparison[]; figures: string[] }
+  | { kind: 'wrong'; why: 'experiment.no-json' | 'experiment.no-scenarios' | 'experiment.no-arms' };
 
 export function readExperiment(text: string): Read {
   let raw: unknown;
   try {
     raw = JSON.parse(text);
   } catch {
-    return { kind: 'wrong', why: 'This is not JSON.' };
+    return { kind: 'wrong', why: 'experiment.no-json' };
   }
   const scenarios = isObject(raw) ? raw['scenarios'] : undefined;
   if (!Array.isArray(scenarios) || scenarios.length === 0) {
-    return { kind: 'wrong', why: 'It contains no scenarios: choose the file that “giveway experiment table-4-1 --json” printed.' };
+    return { kind: 'wrong', why: 'experiment.no-scenarios' };
   }
   const comparisons: Comparison[] = [];
   for (const one of scenarios) {
-    if (!isObject(one) || !isObject(one['arms'])) return { kind: 'wrong', why: 'One of its scenarios has no arms.' };
+    if (!isObject(one) || !isObject(one['arms'])) return { kind: 'wrong', why: 'experiment.no-arms' };
     const paired = isObject(one['paired']) ? one['paired'] : {};
     comparisons.push({
       workers: number(one['workers']) ?? 0,

@@ -1,19 +1,20 @@
 // Figures over time that the server keeps: the last quarter of an hour, hour or day.
 import { untrack } from 'svelte';
 import { poll } from '../parts';
-import { trouble, type Api, type HistoryPage } from '../wire';
+import type { Api, HistoryPage } from '../wire';
+import { longSpan, t, trouble } from '../words';
 import { CHARTS, gridOf, type Grid } from './series';
 import type { ChartsShown } from './shown';
 
 /** How far back, in which steps, and how often it is asked for, seconds. */
 const SPANS = [
-  { word: '15 min', span_s: 900, step_s: 30, every_s: 5 },
-  { word: '1 hour', span_s: 3_600, step_s: 60, every_s: 10 },
-  { word: '1 day', span_s: 86_400, step_s: 600, every_s: 30 },
+  { span_s: 900, step_s: 30, every_s: 5 },
+  { span_s: 3_600, step_s: 60, every_s: 10 },
+  { span_s: 86_400, step_s: 600, every_s: 30 },
 ] as const;
 
 class Spans {
-  readonly words = SPANS.map(({ word }) => word);
+  readonly words = SPANS.map(({ span_s }) => longSpan(span_s));
   chosen = $state(0);
 
   get span(): (typeof SPANS)[number] {
@@ -22,7 +23,7 @@ class Spans {
 }
 
 export class LiveCharts implements ChartsShown {
-  readonly title = 'Over time';
+  readonly title = t('charts.title');
   readonly charts = CHARTS;
   readonly moment = null;
   readonly onGo = undefined;
@@ -48,7 +49,7 @@ export class LiveCharts implements ChartsShown {
   }
 
   get instead(): string {
-    return this.wrong === null ? 'Loading…' : 'Nothing to show yet.';
+    return t(this.wrong === null ? 'loading' : 'charts.nothing');
   }
 
   keep(): () => void {

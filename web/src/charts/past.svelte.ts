@@ -3,7 +3,7 @@ import { untrack } from 'svelte';
 import { poll } from '../parts';
 import type { Replay } from '../replay';
 import type { Mirror, Sum } from '../wire';
-import { span } from '../words';
+import { roundSpan, t } from '../words';
 import type { Grid } from './series';
 import type { ChartsShown } from './shown';
 import { CHARTS_THEN, gridOfSums, stepOf } from './then';
@@ -40,13 +40,12 @@ export class PastCharts implements ChartsShown {
   });
 
   get title(): string {
-    return `The time range, in steps of ${span(this.#step).replace(' 0 s', '').replace(' 0 min', '')}`;
+    return t('charts.title.then', { step: roundSpan(this.#step) });
   }
 
   get instead(): string {
-    if (this.#sums === null) return this.wrong === null ? 'Loading…' : 'Nothing to show yet.';
-    return this.#sums.length === 1 ? 'The time range is too short: figures are kept every ten seconds.'
-      : 'There are no figures for this time: an older version recorded it.';
+    if (this.#sums === null) return t(this.wrong === null ? 'loading' : 'charts.nothing');
+    return t(this.#sums.length === 1 ? 'charts.too-short' : 'charts.older');
   }
 
   onGo = (ms: number): void => this.#replay.seek(ms / 1_000 - (this.#replay.recording.start ?? 0));

@@ -1,9 +1,10 @@
 // What the charts show: rates and averages from the sums in buckets, gaps where nothing is known. Pure.
-import { micros } from '../words';
+import { micros, significant, type MessageKey } from '../words';
 import type { Bucket, HistoryPage } from '../wire';
 
 export interface Line {
-  name: string;
+  id: string;
+  name: MessageKey;
   /** A colour by its custom property. */
   ink: string;
   /** How it is dashed, so that nobody needs the colours. */
@@ -14,8 +15,8 @@ export interface Line {
 export type Figures = Omit<Bucket, 'at'> & { plan_us_p99?: number | null };
 export interface Chart {
   id: string;
-  title: string;
-  unit: string;
+  title: MessageKey;
+  unit: MessageKey;
   scale: 'linear' | 'log';
   /** Who looks at it: those who lead the floor, or those who look after the server. */
   about: 'floor' | 'system';
@@ -32,49 +33,48 @@ const average = (seconds: (b: Figures) => number) => (b: Figures) => (b.covered_
 const ROBOTS = 'var(--chart-1)';
 const PEOPLE = 'var(--chart-2)';
 const ALL = 'var(--text)';
-const short = new Intl.NumberFormat('en', { maximumSignificantDigits: 3 });
-const number = (value: number): string => short.format(value);
+const number = (value: number): string => significant(value, 3);
 
 export const CHARTS: readonly Chart[] = [
   {
-    id: 'deliveries', about: 'floor', title: 'Deliveries', unit: 'per hour', scale: 'linear', format: number,
+    id: 'deliveries', about: 'floor', title: 'deliveries', unit: 'charts.unit.per-hour', scale: 'linear', format: number,
     lines: [
-      { name: 'robots', ink: ROBOTS, dash: null, of: perHour((b) => b.robot_deliveries) },
-      { name: 'people', ink: PEOPLE, dash: '5 3', of: perHour((b) => b.human_deliveries) },
-      { name: 'total', ink: ALL, dash: '1 2', of: perHour((b) => b.robot_deliveries + b.human_deliveries) },
+      { id: 'robots', name: 'charts.line.robots', ink: ROBOTS, dash: null, of: perHour((b) => b.robot_deliveries) },
+      { id: 'people', name: 'charts.line.people', ink: PEOPLE, dash: '5 3', of: perHour((b) => b.human_deliveries) },
+      { id: 'total', name: 'charts.line.total', ink: ALL, dash: '1 2', of: perHour((b) => b.robot_deliveries + b.human_deliveries) },
     ],
   },
   {
-    id: 'encounters', about: 'floor', title: 'Encounters', unit: 'per worker-minute', scale: 'linear', format: number,
+    id: 'encounters', about: 'floor', title: 'encounters', unit: 'charts.unit.per-worker-minute', scale: 'linear', format: number,
     // Without anybody on the floor there is no rate, rather than a rate of zero.
-    lines: [{ name: 'encounters', ink: PEOPLE, dash: null, of: (b) => (b.worker_s < LEAST_S ? null : (60 * b.encounters) / b.worker_s) }],
+    lines: [{ id: 'encounters', name: 'charts.line.encounters', ink: PEOPLE, dash: null, of: (b) => (b.worker_s < LEAST_S ? null : (60 * b.encounters) / b.worker_s) }],
   },
   {
-    id: 'interruptions', about: 'floor', title: 'Interruptions and replans', unit: 'per minute', scale: 'linear', format: number,
+    id: 'interruptions', about: 'floor', title: 'charts.interruptions', unit: 'charts.unit.per-minute', scale: 'linear', format: number,
     lines: [
-      { name: 'interruptions', ink: PEOPLE, dash: null, of: perMinute((b) => b.interruptions) },
-      { name: 'replans', ink: ROBOTS, dash: '5 3', of: perMinute((b) => b.replans) },
+      { id: 'interruptions', name: 'charts.line.interruptions', ink: PEOPLE, dash: null, of: perMinute((b) => b.interruptions) },
+      { id: 'replans', name: 'charts.line.replans', ink: ROBOTS, dash: '5 3', of: perMinute((b) => b.replans) },
     ],
   },
   {
-    id: 'waiting', about: 'floor', title: 'Waiting robots', unit: 'on average', scale: 'linear', format: number,
-    lines: [{ name: 'waiting robots', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) }],
+    id: 'waiting', about: 'floor', title: 'charts.waiting', unit: 'charts.unit.average', scale: 'linear', format: number,
+    lines: [{ id: 'waiting robots', name: 'charts.line.waiting', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) }],
   },
   {
-    id: 'plans', about: 'system', title: 'Search time', unit: 'logarithmic', scale: 'log', format: micros,
+    id: 'plans', about: 'system', title: 'charts.search', unit: 'charts.unit.log', scale: 'log', format: micros,
     lines: [
-      { name: 'median', ink: ROBOTS, dash: null, of: (b) => b.plan_us_p50 },
-      { name: '95 %', ink: ALL, dash: '5 3', of: (b) => b.plan_us_p95 },
-      { name: 'longest', ink: PEOPLE, dash: '1 2', of: (b) => b.plan_us_max },
+      { id: 'median', name: 'charts.line.median', ink: ROBOTS, dash: null, of: (b) => b.plan_us_p50 },
+      { id: '95 %', name: 'charts.line.p95', ink: ALL, dash: '5 3', of: (b) => b.plan_us_p95 },
+      { id: 'longest', name: 'charts.line.longest', ink: PEOPLE, dash: '1 2', of: (b) => b.plan_us_max },
     ],
   },
   {
-    id: 'steps', about: 'system', title: 'Longest step', unit: 'logarithmic', scale: 'log', format: micros,
-    lines: [{ name: 'longest step', ink: ROBOTS, dash: null, of: (b) => b.step_us_max }],
+    id: 'steps', about: 'system', title: 'charts.step', unit: 'charts.unit.log', scale: 'log', format: micros,
+    lines: [{ id: 'longest step', name: 'charts.line.longest-step', ink: ROBOTS, dash: null, of: (b) => b.step_us_max }],
   },
   {
-    id: 'people', about: 'floor', title: 'People on the floor', unit: 'on average', scale: 'linear', format: number,
-    lines: [{ name: 'people on the floor', ink: PEOPLE, dash: null, of: average((b) => b.worker_s) }],
+    id: 'people', about: 'floor', title: 'charts.people', unit: 'charts.unit.average', scale: 'linear', format: number,
+    lines: [{ id: 'people on the floor', name: 'charts.line.people-here', ink: PEOPLE, dash: null, of: average((b) => b.worker_s) }],
   },
 ];
 

@@ -6,7 +6,7 @@ import { CHARTS, type Chart, type Figures, type Grid } from './series';
 export const CHARTS_THEN: readonly Chart[] = CHARTS.filter(({ id }) => id !== 'steps').map((chart) => {
   if (chart.id !== 'plans') return chart;
   const [median, most] = chart.lines;
-  return { ...chart, lines: [median!, { ...most!, name: '99 %', of: (b) => b.plan_us_p99 ?? null }] };
+  return { ...chart, lines: [median!, { ...most!, id: '99 %', name: 'charts.line.p99', of: (b) => b.plan_us_p99 ?? null }] };
 });
 
 /** Up to how many seconds are shown in which steps, about as the present does it: finer ones have too little in them to

@@ -1,9 +1,11 @@
 // The list of encounters: chosen, sorted, and where in the recorded time each can be seen again. Pure.
 import type { Encounter, Reaction } from '../wire';
+import { wordsBy } from '../words';
 
-export const REACTION_WORDS: Record<Reaction, string> = {
-  kept: 'none needed', slowed: 'slowed the robot', held: 'made the robot wait', rerouted: 'rerouted the robot', stopped: 'stopped the robot',
-};
+export const REACTION_WORDS = wordsBy<Reaction>({
+  kept: 'encounter.kept', slowed: 'encounter.slowed', held: 'encounter.held', rerouted: 'encounter.rerouted',
+  stopped: 'encounter.stopped',
+});
 export const SORTS = ['began', 'closest', 'robot_speed', 'worker_speed', 'delay_s'] as const;
 export type Sort = (typeof SORTS)[number];
 

@@ -1,7 +1,7 @@
 // The encounters that the server keeps: the newest, asked again and again, and older ones on demand.
 import { poll } from '../parts';
-import { trouble, type Api, type Encounter } from '../wire';
-import { timeOfDay } from '../words';
+import type { Api, Encounter } from '../wire';
+import { t, timeOfDay, trouble } from '../words';
 import { queryOf, replayOf } from './encounters';
 import type { Again, EncountersShown } from './shown';
 
@@ -10,8 +10,8 @@ const PAGE = 200;
 type Asks = Pick<Api, 'encounters' | 'encountersFile' | 'history'>;
 
 export class LiveEncounters implements EncountersShown {
-  readonly title = 'Encounters: a robot entered region 1 of a person';
-  readonly none = 'No encounters yet.';
+  readonly title = t('encounters.title');
+  readonly none = t('encounters.none');
   readonly note = null;
   worker = $state('');
   robot = $state('');
@@ -44,7 +44,7 @@ export class LiveEncounters implements EncountersShown {
 
   again(e: Encounter): Again {
     const replay = this.#started === null ? null : replayOf(e, this.#started);
-    return replay ? { kind: 'link', href: replay.href } : { kind: 'never', why: 'This encounter happened before the server started.' };
+    return replay ? { kind: 'link', href: replay.href } : { kind: 'never', why: t('encounters.before') };
   }
 
   keep(): () => void {

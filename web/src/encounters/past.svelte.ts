@@ -1,12 +1,12 @@
 // The encounters in sight on the scrubber, from their bookmarks: each leads there.
 import type { Replay } from '../replay';
 import type { Encounter } from '../wire';
-import { count, moment } from '../words';
+import { moment, t } from '../words';
 import { metIn } from './met';
 import type { Again, EncountersShown } from './shown';
 
 export class PastEncounters implements EncountersShown {
-  readonly title = 'Encounters in the time range: a robot entered region 1 of a person';
+  readonly title = t('encounters.title.then');
   readonly wrong = null;
   readonly csv = null;
   readonly older = null;
@@ -27,13 +27,12 @@ export class PastEncounters implements EncountersShown {
   }
 
   get none(): string {
-    return this.#met.bare > 0 ? 'No details are known.' : 'No encounters in this time range.';
+    return t(this.#met.bare > 0 ? 'encounters.none.known' : 'encounters.none.then');
   }
 
   get note(): string | null {
     const { bare } = this.#met;
-    const which = bare === 1 ? 'One encounter was' : `${count(bare)} encounters were`;
-    return bare === 0 ? null : `${which} recorded by an older version, which kept no details; see the bookmarks.`;
+    return bare === 0 ? null : t('encounters.bare', { count: bare });
   }
 
   when(e: Encounter): string {

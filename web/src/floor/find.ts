@@ -1,6 +1,7 @@
 // Finding things on the floor by a part of their name: without case, and with the parts of a name in any order. Pure: it
 // is given all that there is.
-import { onFloor, type FloorMap, type Job, type Mirror } from '../wire';
+import { onFloor, type FloorMap, type Job, type MapNode, type Mirror } from '../wire';
+import { STATE_WORDS, t, wordsBy } from '../words';
 import type { Picked } from './scene/picked';
 
 export type FoundKind = Picked['kind'] | 'job';
@@ -18,25 +19,30 @@ export interface Found {
 const MOST = 12;
 /** Of one kind, while others match as well. */
 const MOST_OF_KIND = 5;
-const NODE_WORDS = {
-  storage: 'Storage', charger: 'Charger', parking: 'Parking', exit: 'Exit', queue: 'Queue', station: 'Station', aisle: 'Aisle',
-} as const;
+const NODE_WORDS = wordsBy<MapNode['kind']>({
+  storage: 'place.storage', charger: 'place.charger', parking: 'place.parking', exit: 'place.exit', queue: 'place.queue',
+  station: 'station', aisle: 'place.aisle',
+});
 
 /** Everything that has a name, what moves first. A job is known if a robot has it; the server knows the others. */
 export function namesOn(mirror: Mirror, map: FloorMap | null): Found[] {
   const all: Found[] = [];
   const robots = onFloor(mirror);
-  for (const r of robots) all.push({ kind: 'robot', id: r.id, name: r.id, word: 'Robot', more: '' });
-  for (const w of mirror.workers.rows) all.push({ kind: 'worker', id: w.id, name: w.name, word: 'Person', more: w.name === w.id ? '' : w.id });
-  for (const s of mirror.stations.rows) all.push({ kind: 'station', id: s.id, name: s.id, word: 'Station', more: '' });
-  for (const r of mirror.racks.rows) all.push({ kind: 'rack', id: r.id, name: r.id, word: 'Rack', more: r.robot === null ? '' : `on ${r.robot}` });
-  for (const r of robots) if (r.job !== null) all.push({ kind: 'job', id: r.job, name: r.job, word: 'Job', more: r.id });
-  for (const c of mirror.closures) all.push({ kind: 'closure', id: c.id, name: c.id, word: 'Closed area', more: c.reason });
+  for (const r of robots) all.push({ kind: 'robot', id: r.id, name: r.id, word: t('robot'), more: '' });
+  for (const { id, name } of mirror.workers.rows) all.push({ kind: 'worker', id, name, word: t('person'), more: name === id ? '' : id });
+  for (const s of mirror.stations.rows) all.push({ kind: 'station', id: s.id, name: s.id, word: t('station'), more: '' });
+  for (const { id, robot } of mirror.racks.rows) {
+    all.push({ kind: 'rack', id, name: id, word: t('job.rack'), more: robot === null ? '' : t('rack.on', { robot }) });
+  }
+  for (const r of robots) if (r.job !== null) all.push({ kind: 'job', id: r.job, name: r.job, word: t('job'), more: r.id });
+  for (const { id, reason } of mirror.closures) all.push({ kind: 'closure', id, name: id, word: t('happened.closure'), more: reason });
   for (const n of map?.nodes ?? []) if (n.kind !== 'station') all.push({ kind: 'place', id: n.id, name: n.id, word: NODE_WORDS[n.kind], more: '' });
   return all;
 }
 
-export const foundJob = (job: Job): Found => ({ kind: 'job', id: job.id, name: job.id, word: 'Job', more: job.reference ?? job.state });
+export function foundJob({ id, reference, state }: Job): Found {
+  return { kind: 'job', id, name: id, word: t('job'), more: reference ?? STATE_WORDS[state] ?? state };
+}
 
 /** The best matches first: the whole name, its beginning, a part of it, its parts. */
 export function matching(all: readonly Found[], text: string): Found[] {

@@ -3,13 +3,15 @@
 import { untrack } from 'svelte';
 import { poll } from '../parts';
 import type { Recording, Source } from '../replay';
-import { trouble, type Api, type HeatKind } from '../wire';
+import type { Api, HeatKind } from '../wire';
+import { trouble } from '../words';
 import { cellsOf, heatOfPlaces, type Cell } from './paint/heatmap';
 
 const EVERY_MS = 10_000;
-export const PERIODS = [{ word: 'last hour', s: 3_600 }, { word: 'last day', s: 86_400 }] as const;
+export const PERIODS = [{ word: 'layers.hour', s: 3_600 }, { word: 'layers.day', s: 86_400 }] as const;
 /** Which moments ahead are drawn: one of them, or all, one over the other. */
-export const AHEADS = ['all', 'none', 1, 2, 4] as const;
+export const LONGEST_S = 4;
+export const AHEADS = ['all', 'none', 1, 2, LONGEST_S] as const;
 
 export class Layers {
   heat = $state<HeatKind | 'none'>('none');

@@ -1,6 +1,6 @@
 // What a worker hears, and when: the task with its place, "you are there", "done", the next one, and warnings. Each is said
 // once; what was said can be said again. It makes sentences and no sound.
-import { joined, taskText, type Shown, type Task } from './guide';
+import { joined, taskText, type Ended, type Shown, type Task } from './guide';
 import { t } from './words';
 
 /** What there is to talk about now. */
@@ -12,6 +12,8 @@ export interface Topic {
   task: Task | null;
   /** The assignment that the wearer reported as done and the fleet accepted. */
   finished: string | null;
+  /** How the assignment ended that guidance was for last, once the server has said so. */
+  ended: Ended | null;
 }
 export interface Utterance {
   text: string;
@@ -23,6 +25,8 @@ export interface Utterance {
 const SAME_MS = 10_000;
 /** Between two tasks there may be a moment without one. */
 const PAUSE_MS = 2_000;
+/** What comes next waits so long for the word how the last task ended. */
+const HOLD_MS = 1_500;
 const WARNINGS: readonly Shown['kind'][] = ['stop', 'lost', 'offline', 'deviating', 'redirected'];
 
 export class Announcer {
@@ -33,6 +37,8 @@ export class Announcer {
   /** The assignment that was told, and whether "you are there" was said for it. */
   #told: { id: string; there: boolean } | null = null;
   #endedAt: number | null = null;
+  /** Since when guidance is no longer for the assignment that was told. */
+  #overSince: number | null = null;
 
   /** What is to be said, if anything is new. */
   next(topic: Topic, now: number): Utterance | null {
@@ -70,14 +76,12 @@ export class Announcer {
     return shown.kind === 'redirected' || shown.kind === 'deviating' ? joined(t('sentence', { text: shown.title }), shown.why) : sentences(shown);
   }
 
-  #work({ shown, assignment, task, finished }: Topic, now: number): string {
+  #work(topic: Topic, now: number): string {
+    const { shown, assignment, task } = topic;
     if (!isGuided(shown)) return '';
-    const told = this.#told;
-    const isOver = told !== null && told.id !== assignment;
-    // Work is over by the wearer's word, or because the worker was there for as long as it takes.
-    const isDone = isOver && (finished === told.id || told.there);
-    let said = isDone ? t('task.done') : '';
-    if (isOver) [this.#told, this.#endedAt] = [null, now];
+    const end = this.#end(topic, now);
+    if (end === null) return '';
+    let said = end;
     if (assignment === null) {
       if (this.#endedAt === null || now - this.#endedAt < PAUSE_MS) return said;
       this.#endedAt = null;
@@ -94,6 +98,21 @@ export class Announcer {
       said = joined(said, t('sentence', { text: t('task.there') }));
     }
     return said;
+  }
+
+  /** What there is to say of an assignment that guidance is no longer for; null while that is not known. */
+  #end({ assignment, finished, ended }: Topic, now: number): string | null {
+    const told = this.#told;
+    if (told === null || told.id === assignment) {
+      this.#overSince = null;
+      return '';
+    }
+    this.#overSince ??= now;
+    const how = finished === told.id ? 'done' : ended?.id === told.id ? ended.how : null;
+    if (how === null && now - this.#overSince < HOLD_MS) return null;
+    [this.#told, this.#endedAt, this.#overSince] = [null, now, null];
+    if (how === null) return '';
+    return t(how === 'done' ? 'task.done' : 'task.cancelled');
   }
 }
 

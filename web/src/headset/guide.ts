@@ -40,6 +40,13 @@ export interface Task {
   /** In the customer's words; may be empty. */
   what: string;
   place: string;
+  /** How far it has come. */
+  state?: 'waiting' | 'walking' | 'working' | 'done' | 'cancelled';
+}
+/** How an assignment ended. */
+export interface Ended {
+  id: string;
+  how: 'done' | 'cancelled';
 }
 
 /** What this page knows about itself. */

@@ -68,8 +68,8 @@ export class Screen {
   }
 
   #topic(shown: Shown): Topic {
-    const { guidance, task, finished } = this.wearer;
-    return { shown, assignment: guidance?.assignment ?? null, task, finished };
+    const { guidance, task, finished, ended } = this.wearer;
+    return { shown, assignment: guidance?.assignment ?? null, task, finished, ended };
   }
 
   #showVoice(): void {

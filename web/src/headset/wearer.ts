@@ -3,7 +3,7 @@
 import { mark, type Mark, type MarkEvent, type Marking } from './align';
 import { Feed, type FeedEvent, type FeedOptions, type FeedState } from './feed';
 import { distance, type Alignment, type Vec2, type Vec3 } from './frame';
-import { lengthOf, show, type Guidance, type Shown, type Standing, type Task } from './guide';
+import { lengthOf, show, type Ended, type Guidance, type Shown, type Standing, type Task } from './guide';
 import { Pump, type Sample } from './pump';
 
 export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clock' | 'random'> {
@@ -28,6 +28,10 @@ const PLACED_ACCURACY_M = 1;
 const KNOWN_MS = 2_500;
 /** After an assignment that could not be read it is asked for again, milliseconds. */
 const ASK_AGAIN_MS = 3_000;
+/** The end of an assignment may reach the server's list a moment after guidance: how often it is asked for, and how
+ *  soon again, milliseconds. */
+const ASK_END = 5;
+const ASK_END_AGAIN_MS = 300;
 
 export class Wearer {
   marking: Marking;
@@ -43,6 +47,8 @@ export class Wearer {
   task: Task | null = null;
   /** The assignment that was done last, by the wearer's word. */
   finished: string | null = null;
+  /** How the assignment ended that guidance was for last, once the server has said so. */
+  ended: Ended | null = null;
   readonly pump = new Pump();
 
   #options: WearerOptions;
@@ -230,7 +236,7 @@ export class Wearer {
         if (!event.aligned) this.alignment = null;
         return this.#mark({ kind: 'refused', text: event.text });
       case 'guidance':
-        if (event.guidance.assignment !== this.guidance?.assignment) this.notTaken = null;
+        if (event.guidance.assignment !== this.guidance?.assignment) this.#leave(this.guidance?.assignment ?? null);
         [this.guidance, this.#heardAt] = [event.guidance, this.#options.clock.now()];
         return this.#askTask(this.#heardAt);
       case 'done':
@@ -243,6 +249,21 @@ export class Wearer {
       case 'clock':
         return;
     }
+  }
+
+  /** Guidance is no longer for an assignment. */
+  #leave(assignment: string | null): void {
+    this.notTaken = null;
+    if (assignment !== null && assignment !== this.finished) this.#askEnd(assignment, ASK_END);
+  }
+
+  #askEnd(assignment: string, times: number): void {
+    void this.#options.task(assignment).then((task) => {
+      if (task?.state === 'done' || task?.state === 'cancelled') {
+        this.ended = { id: assignment, how: task.state };
+        this.#options.onChange();
+      } else if (times > 1) this.#options.clock.after(ASK_END_AGAIN_MS, () => this.#askEnd(assignment, times - 1));
+    });
   }
 
   /** Guidance names the assignment; what it is about is asked for once. */

@@ -1,6 +1,6 @@
 // The job form without its looks: which fields a kind of job needs, and the request made of them.
 import type { JobKind, NewJob, Problem } from '../wire';
-import { t, wordsBy } from '../words';
+import { t, trouble, wordsBy } from '../words';
 
 export type Field = 'rack' | 'station' | 'node' | 'robot';
 export type FormField = Field | 'priority' | 'deadline';
@@ -70,6 +70,6 @@ export function explain(problem: Problem, kind: JobKind): { fields: FieldErrors;
     else rest.push(error.detail);
   }
   const said = Object.keys(fields).length > 0 || rest.length > 0;
-  if (!said) rest.push(problem.detail ?? problem.title);
+  if (!said) rest.push(trouble({ kind: 'refused', problem }) ?? '');
   return { fields, form: rest.length > 0 ? rest.join(' ') : null };
 }

@@ -1,7 +1,7 @@
 // The jobs list: the newest jobs, refreshed when the live counts say that something changed, with the
 // jobs submitted from this page kept on top until they are over and seen.
 import type { Api, Job, JobState } from '../wire';
-import { isOver, t } from '../words';
+import { isOver, t, trouble } from '../words';
 
 const SOONEST_MS = 1_000;
 const AT_LEAST_EVERY_MS = 5_000;
@@ -67,9 +67,7 @@ export class Jobs {
     const answer = await this.#api.cancel(id);
     await this.#refresh();
     if (answer.kind === 'ok') return null;
-    return answer.kind === 'unreachable'
-      ? t('jobs.cancel.unsure')
-      : (answer.problem.detail ?? answer.problem.title);
+    return answer.kind === 'unreachable' ? t('jobs.cancel.unsure') : trouble(answer);
   }
 
   async #refresh(): Promise<void> {
@@ -87,8 +85,7 @@ export class Jobs {
         this.items = unique([...answer.value.items, ...this.#older]);
         await this.#refreshOwn(answer.value.items);
       } else {
-        this.trouble = answer.kind === 'unreachable' ? t('jobs.stale')
-          : (answer.problem.detail ?? answer.problem.title);
+        this.trouble = answer.kind === 'unreachable' ? t('jobs.stale') : trouble(answer);
       }
     }
     if (turn !== this.#asking) return;

@@ -2,4 +2,6 @@
 // Messages are in ICU's format, so plurals follow the rules of each language.
 export { chooseLanguage, LANGUAGES, languageFor, spoken, type Language } from './choice';
 export { messagesOf, sayIn, type Compiled, type PageMessages, type Say, type Values } from './say';
-export { coordinate, duration, metres, number, seconds } from './measure';
+export {
+  atMost, coordinate, duration, listed, metres, number, quantity, seconds, significant, spelt, together, type Unit,
+} from './measure';

@@ -1,7 +1,7 @@
 // A page's messages in one language. They are compiled when the page is built, so that no parser has to be loaded: a
 // message without placeholders is a string, any other the tree that the parser of ICU messages makes of it.
 import { IntlMessageFormat } from 'intl-messageformat';
-import { applyLanguage, chosenLanguage, type Language } from './choice';
+import { applyLanguage, chosenLanguage, spoken, type Language } from './choice';
 
 type Tree = ConstructorParameters<typeof IntlMessageFormat>[0];
 export type Compiled = Readonly<Record<string, Tree>>;
@@ -22,21 +22,35 @@ export function sayIn<Key extends string>(language: Language, messages: Compiled
   };
 }
 
+/** Messages by their file: `…/LANGUAGE.json`. */
+type Files = Readonly<Record<string, () => Promise<Compiled>>>;
+
 export interface PageMessages<Key extends string> {
   /** Loads the messages of a language and puts the page into it. To be awaited before anything is said. */
   learn(wanted?: Language): Promise<void>;
+  /** Loads those that a page needs later, in the same language. */
+  learnMore(): Promise<void>;
   t: Say<Key>;
 }
 
-/** The messages of a page, from its files: `./messages/LANGUAGE.json`. */
-export function messagesOf<Key extends string>(files: Readonly<Record<string, () => Promise<Compiled>>>): PageMessages<Key> {
+function loaded(files: Files, language: Language): Promise<Compiled> {
+  const file = Object.entries(files).find(([path]) => path.endsWith(`/${language}.json`));
+  if (!file) throw new Error(`no messages in ${language}`);
+  return file[1]();
+}
+
+/** The messages of a page, from its files, and those that it needs later. */
+export function messagesOf<Key extends string>(files: Files, later: Files = {}): PageMessages<Key> {
+  let known: Record<string, Tree> = {};
   let say: Say<Key> | null = null;
   return {
     async learn(wanted = chosenLanguage()) {
-      const load = files[`./messages/${wanted}.json`];
-      if (!load) throw new Error(`no messages in ${wanted}`);
-      say = sayIn<Key>(wanted, await load());
+      known = { ...(await loaded(files, wanted)) };
+      say = sayIn<Key>(wanted, known);
       applyLanguage(wanted);
+    },
+    async learnMore() {
+      Object.assign(known, await loaded(later, spoken()));
     },
     t: (key, values) => {
       if (!say) throw new Error('learn() a language first');

@@ -2,11 +2,12 @@
 // the floor, or the view for a screen on the wall. `#robot/robot-17&tab/robots` says two of these. The past has addresses of
 // its own (replay/route.ts).
 import { PICKED_KINDS, type Picked } from '../floor';
-import { BELOW } from '../replay';
+import { BELOW_KEYS } from '../replay';
 import { onFloor, row, type FloorMap, type Mirror } from '../wire';
+import { wordsBy } from '../words';
 
 /** What can be shown below the floor. What the server alone keeps is in no recording. */
-export const TABS = { ...BELOW, report: 'Report', system: 'System', audit: 'Audit' } as const;
+export const TABS = wordsBy({ ...BELOW_KEYS, report: 'report', system: 'system', audit: 'audit' });
 export type Tab = keyof typeof TABS;
 
 export interface Address {

@@ -1,6 +1,7 @@
 // The present: the map and the live link, as long as the server is there.
 import type { Loaded } from '../parts';
 import { Link, type Api, type FloorMap, type LinkState, type Mirror } from '../wire';
+import { t, trouble } from '../words';
 
 const MAP_RETRY_MS = 3_000;
 
@@ -76,8 +77,7 @@ export class Live {
       return;
     }
     const locked = answer.kind === 'refused' && answer.problem.status === 401;
-    const why = answer.kind === 'refused' ? (answer.problem.detail ?? answer.problem.title) : 'The server cannot be reached.';
-    this.map = { kind: 'failed', why: locked ? 'Nobody is signed in.' : why };
+    this.map = { kind: 'failed', why: (locked ? t('session.nobody') : trouble(answer)) ?? '' };
     // The page to sign in comes next.
     if (!locked) this.#retry = setTimeout(() => void this.#loadMap(), MAP_RETRY_MS);
   }

@@ -1,4 +1,5 @@
 // What was just done on this page, or could not be shown, in a sentence; and how to undo it, for some seconds.
+import { t } from '../words';
 
 /** Long enough to be read and reached by keys; the clock stands while the bar is pointed at or has the focus. */
 export const OFFERED_MS = 10_000;
@@ -39,7 +40,7 @@ export class Notices {
     const wrong = await undo();
     this.undoing = false;
     if (wrong === null) this.dismiss();
-    else this.say(`It could not be undone. ${wrong}`);
+    else this.say(t('notices.undo.failed', { why: wrong }));
   }
 
   /** Somebody is about to use it: it stays. */

@@ -1,7 +1,9 @@
 // What somebody has most probably been up to, as lines with a time each. Pure.
 import { placeNear } from '../floor';
 import type { Episode, MapNode } from '../wire';
-import { timeOfDay } from '../words';
+import { t, timeOfDay, wordsBy } from '../words';
+
+const STATES = wordsBy<Exclude<Episode['state'], 'goal'>>({ undecided: 'chances.undecided', elsewhere: 'chances.elsewhere' });
 
 export interface Line {
   readonly since: string;
@@ -10,7 +12,9 @@ export interface Line {
 
 /** The newest first, so many at most. */
 export function sequenceLines(all: readonly Episode[], places: readonly MapNode[], most = 6): Line[] {
-  const text = ({ state, x, y }: Episode): string =>
-    state !== 'goal' ? state : x === null || y === null ? 'to a place that is no longer on the map' : `to ${placeNear(places, x, y) ?? '?'}`;
+  const text = ({ state, x, y }: Episode): string => {
+    if (state !== 'goal') return STATES[state] ?? state;
+    return x === null || y === null ? t('sequence.to.gone') : t('sequence.to', { place: placeNear(places, x, y) ?? '?' });
+  };
   return all.slice(-most).toReversed().map((e) => ({ since: timeOfDay(e.since), text: text(e) }));
 }

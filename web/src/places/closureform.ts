@@ -1,5 +1,6 @@
 // The form for a closed area without its looks: the request made of what somebody typed.
 import type { Binds, Closure, NewClosure, Point } from '../wire';
+import { t, wordsBy } from '../words';
 
 export interface ClosureValues {
   reason: string;
@@ -14,11 +15,7 @@ export interface ClosureValues {
 export type ClosureErrors = Partial<Record<keyof ClosureValues, string>>;
 export type BuiltClosure = { kind: 'ready'; area: NewClosure } | { kind: 'wrong'; errors: ClosureErrors };
 
-export const BINDS: readonly { value: Binds; words: string }[] = [
-  { value: 'both', words: 'Robots and people' },
-  { value: 'robots', words: 'Robots only: people are at work there' },
-  { value: 'people', words: 'People only' },
-];
+export const BINDS_WORDS = wordsBy<Binds>({ both: 'closure.binds.both', robots: 'closure.binds.robots', people: 'closure.binds.people' });
 
 const WEEK = 7 * 24 * 60;
 const DAY = 24 * 60;
@@ -26,18 +23,18 @@ const DAY = 24 * 60;
 export function buildClosure(values: ClosureValues, outline: readonly Point[], now: Date): BuiltClosure {
   const errors: ClosureErrors = {};
   const area: NewClosure = { outline: [...outline], reason: values.reason.trim(), binds: values.binds };
-  if (area.reason === '') errors.reason = 'Say why, so that people who see the area know the reason.';
+  if (area.reason === '') errors.reason = t('closure.reason.wrong');
   const minutes = (field: 'begins' | 'lasts', least: number): number | null => {
     if (values[field].trim() === '') return null;
     const n = Number(values[field]);
     if (Number.isFinite(n) && n >= least && n <= WEEK) return n;
-    errors[field] = 'Enter a number of minutes, at most a week.';
+    errors[field] = t('closure.minutes.wrong');
     return null;
   };
   const begins = minutes('begins', 0);
   const lasts = minutes('lasts', values.daily ? 1 : 0.1);
   if (values.daily && errors.lasts === undefined && (lasts === null || lasts >= DAY)) {
-    errors.lasts = 'Enter how many minutes it lasts each day, less than a day.';
+    errors.lasts = t('closure.daily.wrong');
   }
   const at = (m: number) => new Date(now.getTime() + m * 60_000);
   if (values.daily) {

@@ -1,4 +1,6 @@
 // What can be shown below the floor, of the present and of the past.
+import { wordsBy } from '../words';
 
-export const BELOW = { jobs: 'Jobs', robots: 'Robots', timelines: 'Timelines', charts: 'Charts', encounters: 'Encounters' } as const;
-export type Below = keyof typeof BELOW;
+export const BELOW_KEYS = { jobs: 'jobs', robots: 'robots', timelines: 'timelines', charts: 'charts', encounters: 'encounters' } as const;
+export type Below = keyof typeof BELOW_KEYS;
+export const BELOW = wordsBy<Below>(BELOW_KEYS);

@@ -6,4 +6,4 @@ export { replayRoute } from './route';
 export { Replay } from './replay.svelte';
 export { after, seek, type Shown } from './seek';
 export type { Source } from './source';
-export { BELOW, type Below } from './below';
+export { BELOW_KEYS, type Below } from './below';

@@ -1,6 +1,7 @@
 // Where a replay takes its frames from: a file that is here as a whole, or a server that is asked for a minute at a
 // time. Seconds count from the start of the recording; a server's earlier runs lie before 0.
-import { trouble, type Api, type FloorMap, type HeatKind, type HeatPage, type Mark, type Sum } from '../wire';
+import type { Api, FloorMap, HeatKind, HeatPage, Mark, Sum } from '../wire';
+import { t, trouble } from '../words';
 import { readReel, type Listed, type Reel, type Frame } from './reel';
 import { linesOf } from './unpack';
 
@@ -34,8 +35,6 @@ export interface Recording {
   refresh(): Promise<void>;
 }
 
-const NO_HEAT = 'Only a running server knows where robots waited.';
-
 type Spanned = Pick<Recording, 'spans'>;
 export const begins = (recording: Spanned): number => recording.spans[0]?.from_s ?? 0;
 export const ends = (recording: Spanned): number => recording.spans.at(-1)?.to_s ?? 0;
@@ -57,7 +56,7 @@ export class FileRecording implements Recording {
   #reel: Reel;
 
   constructor(reel: Reel) {
-    if (!reel.map) throw new Error('This recording contains no map, so it cannot be shown.');
+    if (!reel.map) throw new Error(t('reel.no-map'));
     this.name = reel.name;
     this.map = reel.map;
     this.start = reel.start;
@@ -74,7 +73,7 @@ export class FileRecording implements Recording {
   between = (): readonly Frame[] => this.#reel.frames;
   lists = (): readonly Listed[] => this.#reel.lists;
   sums = (): Promise<readonly Sum[]> => Promise.resolve(this.#reel.sums);
-  heat = (): Promise<string> => Promise.resolve(NO_HEAT);
+  heat = (): Promise<string> => Promise.resolve(t('replay.no-heat'));
   refresh = (): Promise<void> => Promise.resolve();
 }
 
@@ -182,7 +181,7 @@ export class ServerRecording implements Recording {
 
   async heat(kind: HeatKind, from: number, to: number): Promise<HeatPage | string> {
     // A recording that a server plays has no figures by place.
-    if (this.source !== 'server' || this.start === null) return NO_HEAT;
+    if (this.source !== 'server' || this.start === null) return t('replay.no-heat');
     const { start } = this;
     const time = (s: number): string => new Date(1_000 * (start + s)).toISOString();
     const answer = await this.#api.heat(kind, { from: time(from), to: time(to) });

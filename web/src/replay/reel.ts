@@ -1,6 +1,7 @@
 // A reel as it is read: lines of JSON to frames, bookmarks, sums and lists of jobs. Frames and lists stay text until
 // they are needed: a minute of a large floor is megabytes, most of it only passed over. What is wrong is said in words.
 import { MARK_KINDS, type FloorMap, type Mark, type Sum } from '../wire';
+import { t } from '../words';
 
 /** The jobs that waited at a moment, in JSON. */
 export interface Listed {
@@ -26,7 +27,9 @@ export interface Reel {
   lists: Listed[];
 }
 
-const NO_REEL = 'This is not a recording for this page. Save one from a replay, or make one with “giveway replay FILE --reel OUT.reel”.';
+/** What makes a reel of what a simulation recorded. */
+const COMMAND = 'giveway replay FILE --reel OUT.reel';
+const noReel = (): Error => new Error(t('reel.none', { command: COMMAND }));
 const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark|sum|waiting)":/;
 
 /** Reads lines; a last one that was cut off is left out. */
@@ -45,7 +48,7 @@ export function readReel(lines: Iterable<string>): Reel {
     else if (kind === 'waiting') reel.lists.push({ at, text });
     else reel.frames.push({ at, kind, text });
   }
-  if (!reel.frames.some((frame) => frame.kind === 'key')) throw new Error('This recording has no key frame: it was cut off too soon.');
+  if (!reel.frames.some((frame) => frame.kind === 'key')) throw new Error(t('reel.no-key'));
   reel.marks.sort((a, b) => a.at_s - b.at_s);
   return reel;
 }
@@ -55,14 +58,14 @@ function headerOf(line: unknown): Pick<Reel, 'name' | 'start' | 'map'> {
   try {
     header = JSON.parse(String(line));
   } catch {
-    throw new Error(NO_REEL);
+    throw noReel();
   }
-  if (typeof header !== 'object' || header === null) throw new Error(NO_REEL);
+  if (typeof header !== 'object' || header === null) throw noReel();
   if ('giveway_recording' in header) {
-    throw new Error('This page cannot play recordings of “giveway sim --record” directly. Type: giveway replay FILE --reel OUT.reel, and open OUT.reel.');
+    throw new Error(t('reel.of-sim', { command: COMMAND }));
   }
-  if (!('reel' in header)) throw new Error(NO_REEL);
-  if (header.reel !== 1) throw new Error(`This recording has format ${String(header.reel)}; this page knows format 1. Use a newer Giveway.`);
+  if (!('reel' in header)) throw noReel();
+  if (header.reel !== 1) throw new Error(t('reel.newer', { format: String(header.reel) }));
   const { name, start, map } = header as { name?: unknown; start?: unknown; map?: FloorMap | null };
   return { name: String(name ?? ''), start: typeof start === 'number' ? start : null, map: map ?? null };
 }

@@ -1,6 +1,10 @@
 // The stretches of time that a report can be of.
+import { wordsBy } from '../words';
 
-export const SPANS = { hour: 'Last hour', eight: 'Last 8 hours', today: 'Today', yesterday: 'Yesterday', week: 'Last 7 days', own: 'From – to' } as const;
+export const SPANS = wordsBy({
+  hour: 'report.span.hour', eight: 'report.span.eight', today: 'report.span.today', yesterday: 'report.span.yesterday',
+  week: 'report.span.week', own: 'report.span.own',
+});
 export type SpanName = keyof typeof SPANS;
 
 const HOUR_MS = 3_600_000;

@@ -1,6 +1,6 @@
 // What a person may tell several robots at once. Each robot is told by a request of its own, a few at a time.
-import { activityOf, newKey, trouble, type Answer, type Api, type Robot } from '../wire';
-import { t } from '../words';
+import { activityOf, newKey, type Answer, type Api, type Robot } from '../wire';
+import { t, trouble } from '../words';
 
 export type ActsApi = Pick<Api, 'pause' | 'resume' | 'maintain' | 'workAgain' | 'submit'>;
 

@@ -1,7 +1,7 @@
 // What the server knows of one robot: asked while its card is open, so that it does not depend on how long this page was.
 import { poll } from '../parts';
-import { trouble, type Api, type RobotDetail, type RobotEvent } from '../wire';
-import { t, wordsBy } from '../words';
+import type { Api, RobotDetail, RobotEvent } from '../wire';
+import { t, wordsBy, trouble } from '../words';
 
 export type LifeApi = Pick<Api, 'robot' | 'robotHistory'>;
 

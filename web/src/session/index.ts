@@ -1,3 +1,4 @@
 // Who is signed in: the page that asks for a token, and what other pages need to sign in and out and to come back. It
 // keeps no token: the browser has a cookie, which scripts cannot read.
-export { adoptToken, signIn, signInAt, whoAmI, type Me } from './session';
+export { signIn } from './english';
+export { adoptToken, signInAt, whoAmI, type Me } from './session';

@@ -33,21 +33,61 @@ export async function whoAmI(): Promise<Who> {
   }
 }
 
-/** Signs in; what is wrong, in words for people, or null. */
-export async function signIn(token: string): Promise<string | null> {
+/** Why somebody is not signed in. */
+export type Refusal =
+  | { kind: 'empty' | 'wrong' | 'no-cookie' | 'unreachable' }
+  | { kind: 'said'; text: string }
+  | { kind: 'status'; status: number };
+
+/** Signs in; what is wrong, or null. */
+export async function tryToken(token: string): Promise<Refusal | null> {
   const given = token.trim();
-  if (given === '') return 'Enter the token.';
+  if (given === '') return { kind: 'empty' };
   try {
     const answer = await ask('POST', { token: given });
-    if (answer.status === 401) return 'This token is wrong, has expired or was revoked.';
+    if (answer.status === 401) return { kind: 'wrong' };
     if (!answer.ok) {
       const problem = (await answer.json().catch(() => ({}))) as { detail?: string };
-      return problem.detail ?? `The server answered ${answer.status}.`;
+      return problem.detail ? { kind: 'said', text: problem.detail } : { kind: 'status', status: answer.status };
     }
   } catch {
-    return 'The server cannot be reached.';
+    return { kind: 'unreachable' };
   }
-  return (await whoAmI()) === 'nobody' ? 'The browser did not keep the cookie. Allow cookies for this page.' : null;
+  return (await whoAmI()) === 'nobody' ? { kind: 'no-cookie' } : null;
+}
+
+/** What the identity provider is called with which people sign in here; null if there is none. */
+export async function providerName(): Promise<string | null> {
+  try {
+    const answer = await fetch('/v1/session/oidc', { signal: AbortSignal.timeout(PATIENCE_MS) });
+    return answer.ok ? ((await answer.json()) as { name: string | null }).name : null;
+  } catch {
+    return null;
+  }
+}
+
+/** Where the browser is to go to sign in with the identity provider, or what is wrong. */
+export async function wayToProvider(back: string): Promise<{ address: string } | { refusal: Refusal }> {
+  try {
+    const answer = await fetch('/v1/session/oidc', {
+      method: 'POST', signal: AbortSignal.timeout(PATIENCE_MS), headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ back }),
+    });
+    const said = (await answer.json().catch(() => ({}))) as { address?: string; detail?: string };
+    if (answer.ok && said.address) return { address: said.address };
+    return { refusal: said.detail ? { kind: 'said', text: said.detail } : { kind: 'status', status: answer.status } };
+  } catch {
+    return { refusal: { kind: 'unreachable' } };
+  }
+}
+
+/** Why the way to the identity provider and back signed nobody in. */
+const SENT_BACK = ['stale', 'denied', 'unreachable', 'untrusted', 'no_role'] as const;
+export type SentBack = (typeof SENT_BACK)[number];
+
+/** Why the server sent somebody back here; null if it sent nobody. What else an address says is never shown. */
+export function sentBackIn(search: string): SentBack | null {
+  const word = new URLSearchParams(search).get('refused');
+  return word === null ? null : SENT_BACK.find((known) => known === word) ?? 'denied';
 }
 
 /** Signs out; whether the server has said so. */
@@ -64,7 +104,7 @@ export async function adoptToken(): Promise<boolean> {
   try {
     const token = sessionStorage.getItem(TOKEN);
     if (token === null) return false;
-    const wrong = await signIn(token);
+    const wrong = await tryToken(token);
     sessionStorage.removeItem(TOKEN);
     return wrong === null;
   } catch {

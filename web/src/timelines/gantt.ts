@@ -1,5 +1,6 @@
 // The picture of what the planner sees, without its looks: bars with places in percent, and what each means in words.
 import type { Condition, Hold, RegionStay, Strip } from '../wire';
+import { listed, quantity, t, wordsBy } from '../words';
 
 /** A moment ago is shown, too, so that the line of now stands a little inside. */
 export const BACK_S = 5;
@@ -23,30 +24,35 @@ export interface Row {
 export const place = (s: number, ahead: number): number =>
   Math.min(100, Math.max(0, ((s + BACK_S) / (ahead + BACK_S)) * 100));
 
-const EFFECT_WORDS: Record<Condition['effect'], string> = {
-  closed: 'closed to robots', still: 'no robot enters or leaves', slow: 'robots drive slowly', price: 'costly for the planner',
-};
+const EFFECT_WORDS = wordsBy<Condition['effect']>({
+  closed: 'timelines.closed', still: 'timelines.still', slow: 'timelines.slow', price: 'timelines.price',
+});
 
 export function when(from: number, to: number | null): string {
-  const start = from <= 0 ? 'now' : `+${from.toFixed(1)} s`;
-  return to === null ? `from ${start} on` : `from ${start} to ${to <= 0 ? 'now' : `+${to.toFixed(1)} s`}`;
+  const said = (s: number): string => (s <= 0 ? t('now') : `+${quantity(s, 's', 1)}`);
+  return to === null ? t('timelines.from', { from: said(from) }) : t('timelines.from-to', { from: said(from), to: said(to) });
 }
 
 export function holdWords(node: string, hold: Hold): string {
-  const how = hold.conflict ? 'holds a place in conflict with it' : hold.granted ? 'holds it and may enter' : 'holds it but may not enter yet';
-  return `${node}: ${hold.by} ${how}, ${when(hold.from_s, hold.to_s)}`;
+  const how = hold.conflict ? 'timelines.hold.conflict' : hold.granted ? 'timelines.hold.granted' : 'timelines.hold.held';
+  return t(how, { node, by: hold.by, when: when(hold.from_s, hold.to_s) });
 }
 
 export function conditionWords(node: string, c: Condition): string {
-  const limit = c.effect === 'slow' && c.limit_mps ? `, ${c.limit_mps[0].toFixed(1)} m/s without a rack and ${c.limit_mps[1].toFixed(1)} m/s with one` : '';
-  const price = c.effect === 'price' && c.price_s !== null ? `, costs as much as ${c.price_s.toFixed(1)} s` : '';
-  const why = c.kind === 'obstruction' ? 'because something stands there' : `because of ${c.by}`;
-  return `${node}: ${EFFECT_WORDS[c.effect] ?? c.effect} ${why}${limit}${price}, ${when(c.from_s, c.to_s)}`;
+  const speed = (mps: number): string => quantity(mps, 'm/s', 1);
+  const effect = EFFECT_WORDS[c.effect] ?? c.effect;
+  const parts = [
+    c.kind === 'obstruction' ? t('timelines.because.obstruction', { effect }) : t('timelines.because', { effect, by: c.by }),
+    c.effect === 'slow' && c.limit_mps ? t('timelines.limit', { bare: speed(c.limit_mps[0]), loaded: speed(c.limit_mps[1]) }) : '',
+    c.effect === 'price' && c.price_s !== null ? t('timelines.costs', { time: quantity(c.price_s, 's', 1) }) : '',
+    when(c.from_s, c.to_s),
+  ];
+  return t('timelines.node', { node, what: listed(parts.filter((part) => part !== '')) });
 }
 
 export function regionWords(node: string, stay: RegionStay): string {
-  const what = stay.region === 2 ? 'nothing is planned into it' : 'robots are slow in it';
-  return `${node}: in region ${stay.region} of ${stay.of} (${what}), ${when(stay.from_s, stay.to_s)}`;
+  const how = stay.region === 2 ? 'timelines.region.out' : 'timelines.region.slow';
+  return t(how, { node, region: stay.region, by: stay.of, when: when(stay.from_s, stay.to_s) });
 }
 
 /** One row for each node, conditions below holds; safety regions, if they are wanted, below all. */
@@ -96,7 +102,7 @@ export function lookAgain(all: readonly Row[], look: Look): Look | null {
   return lookAt(row, theirs.reduce((best, i) => (away(i) < away(best) ? i : best), theirs[0] ?? look.index));
 }
 
-export const lookWords = (look: Look): string => look.bar?.words ?? `${look.row}: free in this time`;
+export const lookWords = (look: Look): string => look.bar?.words ?? t('timelines.free', { node: look.row });
 
 /** Seconds at which the axis has marks: four to eight of them. */
 export function marks(ahead: number): number[] {

@@ -1,6 +1,7 @@
 // What the panel of timelines shows: of the present, asked of the server, or of the past, read from frames.
 import type { Replay, Source } from '../replay';
-import { trouble, type Api, type FloorMap, type Timelines } from '../wire';
+import type { Api, FloorMap, Timelines } from '../wire';
+import { trouble } from '../words';
 import { BACK_S } from './gantt';
 import { HeldThen, type Around } from './held';
 

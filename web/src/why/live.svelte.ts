@@ -1,13 +1,13 @@
 // Why something waits now: asked again every second while it is shown.
 import { poll } from '../parts';
-import { trouble, type Api, type Why, type WhyLink } from '../wire';
-import { span, timeOfDay } from '../words';
+import type { Api, Why, WhyLink } from '../wire';
+import { span, t, timeOfDay, trouble } from '../words';
 import type { WhyShown, WhyStep } from './shown';
 
 const EVERY_MS = 1_000;
 
 export class LiveWhy implements WhyShown {
-  readonly label = 'Why it waits';
+  readonly label = t('robot.waits');
   wrong = $state.raw<string | null>(null);
   #why = $state.raw<Why | null>(null);
   #api: Pick<Api, 'why'>;
@@ -19,7 +19,7 @@ export class LiveWhy implements WhyShown {
   }
 
   get title(): string {
-    return this.#why?.waiting ? 'Why it waits' : 'What its robot does';
+    return t(this.#why?.waiting ? 'robot.waits' : 'why.robot');
   }
 
   get chain(): readonly WhyStep[] {
@@ -41,9 +41,9 @@ export class LiveWhy implements WhyShown {
 function stepOf({ who, kind, text, ahead, by, by_kind, until, until_s }: WhyLink): WhyStep {
   // Robots, jobs and workers that are waited for are links of the chain themselves.
   const beside = by !== null && by_kind !== null && by_kind !== 'robot' && by_kind !== 'job' && by_kind !== 'worker';
-  const soon = until_s !== null && until_s >= 1 ? `until ${timeOfDay(until)}, in ${span(until_s)}` : 'any moment now';
+  const soon = until_s !== null && until_s >= 1 ? t('why.until', { time: timeOfDay(until), span: span(until_s) }) : t('why.soon');
   return {
-    who, kind, text: ahead > 1 ? `${text}, ${ahead} pass first` : text,
+    who, kind, text: ahead > 1 ? t('why.ahead', { text, count: ahead }) : text,
     until: until === null || until_s === null ? null : soon,
     by: beside ? { kind: by_kind, id: by } : null,
   };

@@ -2,6 +2,7 @@
 import type { Picked } from '../floor';
 import type { Source } from '../replay';
 import type { Mirror } from '../wire';
+import { t } from '../words';
 import { LiveWhy } from './live.svelte';
 import { chainOf } from './was';
 
@@ -25,13 +26,11 @@ export interface WhyShown {
   keep(): () => void;
 }
 
-const WORDS = 'Why it waited';
-
 /** `mirror` is asked of the past only: the present asks the server. */
 export function whyOf(source: Source<'why'>, kind: 'robot' | 'job', id: string, mirror: () => Mirror): WhyShown {
   if (source.tense === 'now') return new LiveWhy(source.api, kind, id);
   const links = chainOf(mirror(), id);
   // A chain of one says no more than the words of the robot itself.
   const chain = links.length < 2 ? [] : links.map((link): WhyStep => ({ ...link, kind: 'robot', until: null, by: null }));
-  return { label: WORDS, title: WORDS, chain, wrong: null, keep: () => () => {} };
+  return { label: t('jobs.then.waited'), title: t('jobs.then.waited'), chain, wrong: null, keep: () => () => {} };
 }

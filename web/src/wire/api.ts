@@ -14,7 +14,8 @@ export type Answer<T> =
   | { kind: 'unreachable' };
 
 const PATIENCE_MS = 15_000;
-const PAST: Problem = { title: 'The past cannot be changed', status: 409, detail: 'You are looking at the past, which cannot be changed. Go back to live first.' };
+/** Why nothing is changed while the past is shown. */
+export const PAST: Problem = { title: '', status: 409 };
 
 export class Api {
   /** Called when the server answers 401. */
@@ -179,18 +180,13 @@ async function unpacked(data: ArrayBuffer): Promise<string> {
 }
 
 async function problemOf(response: Response): Promise<Problem> {
-  const plain = { title: `The server answered ${response.status} ${response.statusText}`.trim(), status: response.status };
+  // Without words of its own, its status is all there is to tell.
+  const plain = { title: '', status: response.status };
   try {
     const body: unknown = await response.json();
     return typeof body === 'object' && body !== null ? { ...plain, ...body } : plain;
   } catch {
-    // A proxy in between answers in HTML; its status is all there is to tell.
+    // A proxy in between answers in HTML.
     return plain;
   }
-}
-
-/** What went wrong, in words for people; null where nothing did. */
-export function trouble<T>(answer: Answer<T>): string | null {
-  if (answer.kind === 'ok') return null;
-  return answer.kind === 'unreachable' ? 'The server cannot be reached.' : (answer.problem.detail ?? answer.problem.title);
 }

@@ -3,7 +3,7 @@
 export * from './types';
 export * from './past';
 export * from './report';
-export { Api, trouble, type Answer } from './api';
+export { Api, PAST, type Answer } from './api';
 export { Keys, newKey } from './keys';
 export { Link, retryDelay, type Clock, type LinkState, type Socket, type SocketEvents } from './link';
 export { activityOf, ageOf, EMPTY, onFloor, reduce, row, type Mirror, type Table } from './mirror';

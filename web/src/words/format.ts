@@ -1,35 +1,57 @@
 // Numbers and words for people: one place, so that the same thing reads the same everywhere.
-import { number as numberIn, spoken } from '../language';
+import {
+  atMost, listed as listedIn, number as numberIn, quantity as quantityIn, significant as significantIn, spelt, spoken,
+  together, type Unit,
+} from '../language';
 import { wordsBy } from './say';
 import type { Activity, Doing, GuidanceState, JobKind, JobState, Presence } from '../wire';
 
 /** With so many digits behind the point. */
 export const number = (n: number, decimals: number): string => numberIn(spoken(), n, decimals);
 export const count = (n: number): string => number(n, 0);
+/** How often in some time, or how many on average. */
+export const rate = (n: number): string => atMost(spoken(), n, 1);
+export const significant = (n: number, digits: number): string => significantIn(spoken(), n, digits);
+export const quantity = (n: number, unit: Unit, decimals = 0): string => quantityIn(spoken(), n, unit, decimals);
 
-export const percent = (share: number): string => `${Math.round(share * 100)} %`;
+export const percent = (share: number): string => quantity(Math.round(share * 100), '%');
 
 /** Microseconds, in the unit a person would say. */
 export function micros(us: number): string {
   if (!Number.isFinite(us) || us < 0) return '–';
-  if (us < 1_000) return `${Math.round(us)} µs`;
-  if (us < 1_000_000) return `${trim(us / 1_000)} ms`;
-  return `${trim(us / 1_000_000)} s`;
+  if (us < 1_000) return quantity(us, 'µs');
+  if (us < 1_000_000) return quantity(us / 1_000, 'ms', us < 10_000 ? 1 : 0);
+  return quantity(us / 1_000_000, 's', us < 10_000_000 ? 1 : 0);
 }
+
+/** A time in its two largest units, rounded down. */
+function unitsOf(seconds: number): [n: number, unit: 's' | 'min' | 'h'][] {
+  const s = Math.max(0, Math.floor(seconds));
+  if (s < 60) return [[s, 's']];
+  if (s < 3_600) return [[Math.floor(s / 60), 'min'], [s % 60, 's']];
+  return [[Math.floor(s / 3_600), 'h'], [Math.floor((s % 3_600) / 60), 'min']];
+}
+const said = (units: readonly [n: number, unit: Unit][]): string => together(spoken(), units.map(([n, unit]) => quantity(n, unit)));
 
 /** How long ago or how long for, rounded down: never claims more than has passed. */
-export function span(seconds: number): string {
-  const s = Math.max(0, Math.floor(seconds));
-  if (s < 60) return `${s} s`;
-  if (s < 3_600) return `${Math.floor(s / 60)} min ${s % 60} s`;
-  return `${Math.floor(s / 3_600)} h ${Math.floor((s % 3_600) / 60)} min`;
-}
+export const span = (seconds: number): string => said(unitsOf(seconds));
 
 /** The same in the largest unit alone. */
-export const roughly = (seconds: number): string => span(seconds).split(' ').slice(0, 2).join(' ');
+export const roughly = (seconds: number): string => said(unitsOf(seconds).slice(0, 1));
+
+/** A time that somebody set, mostly a round one: what is 0 of it is not said. */
+export const roundSpan = (seconds: number): string => said(unitsOf(seconds).filter(([n], i) => n > 0 || i === 0));
+
+/** A time that can be chosen: whole hours and days in words. */
+export function longSpan(seconds: number): string {
+  if (seconds % 86_400 === 0) return spelt(spoken(), seconds / 86_400, 'day');
+  return seconds % 3_600 === 0 ? spelt(spoken(), seconds / 3_600, 'hour') : roundSpan(seconds);
+}
+
+export const listed = (parts: readonly string[]): string => listedIn(spoken(), parts);
 
 /** How far, in the unit a person would say. */
-export const metres = (m: number): string => (m < 1_000 ? `${Math.round(m)} m` : `${(m / 1_000).toFixed(1)} km`);
+export const metres = (m: number): string => (m < 1_000 ? quantity(m, 'm') : quantity(m / 1_000, 'km', 1));
 
 /** The floor's own clock, which in a simulation is not the time of day. */
 export function clock(seconds: number): string {
@@ -86,9 +108,11 @@ export const STATE_WORDS = wordsBy<JobState>({
   done: 'job.state.done', cancelled: 'job.state.cancelled', failed: 'job.state.failed',
 });
 
+const ROLE_WORDS: Readonly<Record<string, string>> = wordsBy({
+  viewer: 'role.viewer', operator: 'role.operator', integrator: 'role.integrator', device: 'role.device', admin: 'role.admin',
+});
+/** A newer server may know other roles; then its own word is shown. */
+export const roleWords = (role: string): string => ROLE_WORDS[role] ?? role;
+
 export const isOver = (state: JobState): boolean =>
   state === 'done' || state === 'cancelled' || state === 'failed';
-
-function trim(n: number): string {
-  return n < 10 ? n.toFixed(1) : String(Math.round(n));
-}

@@ -1,6 +1,7 @@
 // Words: numbers, states and times as people read them, so that the same thing reads the same everywhere.
 // It draws nothing and asks no server.
 export * from './format';
-export { learn, t, within, wordsBy, type MessageKey } from './say';
+export { learn, learnMore, t, within, wordsBy, type MessageKey } from './say';
 export * from './linkwords';
 export * from './moments';
+export { trouble } from './trouble';

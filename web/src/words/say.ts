@@ -1,10 +1,15 @@
-// The dashboard's messages, in the language of its reader.
+// The dashboard's messages, in the language of its reader. Those of panels that are fetched when somebody asks for them
+// come with these panels.
 import type english from './messages/en.json';
+import type ofPanels from './panels/messages/en.json';
 import { messagesOf, type Compiled } from '../language';
 
-export type MessageKey = keyof typeof english;
+export type MessageKey = keyof typeof english | keyof typeof ofPanels;
 
-export const { learn, t } = messagesOf<MessageKey>(import.meta.glob<Compiled>('./messages/*.json', { import: 'default' }));
+export const { learn, learnMore, t } = messagesOf<MessageKey>(
+  import.meta.glob<Compiled>('./messages/*.json', { import: 'default' }),
+  import.meta.glob<Compiled>('./panels/messages/*.json', { import: 'default' }),
+);
 
 /** Words by a state, said when they are read: the language is known only then. */
 export function wordsBy<K extends string>(keys: Record<K, MessageKey>): Readonly<Record<K, string>> {

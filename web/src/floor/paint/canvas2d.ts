@@ -1,5 +1,6 @@
 // The canvas 2D painter, for machines without a graphics card: the same sheets, mark by mark; runs of the
 // same mark in the same ink become one path.
+import { t } from '../../words';
 import { label } from './ground';
 import type { Frame, Painter } from './painter';
 import type { Palette } from './palette';
@@ -31,7 +32,7 @@ export class Canvas2dPainter implements Painter {
 
   constructor(palette: Palette) {
     const ink = this.element.getContext('2d', { alpha: false });
-    if (!ink) throw new Error('This browser can draw neither with WebGL nor on a 2D canvas.');
+    if (!ink) throw new Error(t('floor.no-canvas'));
     this.#ink = ink;
     this.#palette = palette;
   }

@@ -1,7 +1,7 @@
 // What the floor looks like: puts the scene onto sheets, layer by layer, and only those that changed.
 // Ways and resting racks change with a patch; robots, people and words with every frame. From afar a robot is one mark in
 // the colour of its state, without its route; names come where there is room for them (labels.ts).
-import { timeOfDay } from '../../words';
+import { t, timeOfDay } from '../../words';
 import type { Cell } from './heatmap';
 import { around } from '../scene/sketch';
 import type { Alarm, Closure } from '../../wire';
@@ -33,7 +33,7 @@ export interface Note {
 export function announced(closures: readonly Closure[]): Note[] {
   return closures.filter((c) => c.state === 'announced').map(({ outline, from }) => {
     const [x0, , x1, y1] = around(outline);
-    return { text: `closed from ${timeOfDay(from ?? null).slice(0, 5)}`, x: (x0 + x1) / 2, y: y1 };
+    return { text: t('floor.closes', { time: timeOfDay(from ?? null).slice(0, 5) }), x: (x0 + x1) / 2, y: y1 };
   });
 }
 

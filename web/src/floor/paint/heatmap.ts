@@ -1,4 +1,5 @@
 // Amounts by place as colours: a few classes with round borders, the same for both painters and the legend. Pure.
+import { count, roundSpan, t } from '../../words';
 import type { HeatKind, HeatPage } from '../../wire';
 
 /** A square of the floor in one of the classes. */
@@ -46,11 +47,8 @@ export function heatOfPlaces(places: readonly (readonly [number, number])[]): He
 /** A class in words: from one border up to the next. */
 export function words(kind: HeatKind, lower: readonly number[], level: number): string {
   const [from, to] = [lower[level]!, lower[level + 1]];
-  if (kind === 'encounters') return to === undefined ? `${from} or more` : to === from + 1 ? `${from}` : `${from} to ${to - 1}`;
-  return to === undefined ? `${long(from)} or more` : `${long(from)} to ${long(to)}`;
-}
-
-function long(seconds: number): string {
-  if (seconds < 60) return `${seconds} s`;
-  return seconds < 3_600 ? `${seconds / 60} min` : `${seconds / 3_600} h`;
+  const said = kind === 'encounters' ? count : roundSpan;
+  if (to === undefined) return t('layers.or-more', { from: said(from) });
+  const last = kind === 'encounters' ? to - 1 : to;
+  return last === from ? said(from) : t('layers.from-to', { from: said(from), to: said(last) });
 }

@@ -1,5 +1,6 @@
 // People as they are drawn: where each is shown now, the regions around and the path ahead. There are few
 // of them, so they are plain objects where robots are typed arrays.
+import { t } from '../../words';
 import type { Worker } from '../../wire';
 import { shortTurn } from './turn';
 
@@ -84,12 +85,5 @@ export function outlinePerson(ink: CanvasPath, r: number): void {
 const isSeen = (w: Worker): w is Worker & { x: number; y: number } =>
   w.presence !== 'absent' && w.x !== null && w.y !== null;
 
-/** What is the matter, in words as well as in colour. */
-const TROUBLE: Partial<Record<Worker['state'], string>> = {
-  deviating: 'off the path', redirected: 'new path', stop: 'told to stop',
-};
-function titleOf(w: Worker): string {
-  const place = w.presence === 'stale' || w.presence === 'lost' ? ` (${w.presence})` : '';
-  const trouble = TROUBLE[w.state];
-  return `${w.name}${place}${trouble === undefined ? '' : `: ${trouble}`}`;
-}
+/** The name, and what is the matter, in words as well as in colour. */
+const titleOf = ({ name, presence, state }: Worker): string => t('person.title', { name, presence, state });

@@ -1,0 +1,338 @@
+//! Signing in with an identity provider: OpenID Connect, by the authorization code flow with PKCE.
+//!
+//! Main types: [`Oidc`], [`SignedOn`], [`OidcRefusal`]. The provider is described anew for each sign-in, but for a few
+//! seconds, so keys that it changes are known at once. What signs a person in is the ID token alone: its signature,
+//! issuer, audience, end and nonce are verified. Refuses: to keep any token of the provider.
+
+mod claims;
+mod pending;
+mod settings;
+
+pub use pending::SIGN_ON_LIFE;
+pub use settings::OidcSettings;
+
+use super::auth::{fresh_token, hash_of};
+use super::caller::Role;
+use super::outgoing::{Outgoing, failure};
+use crate::time::{Span, Time};
+use axum::http::Request;
+use base64::Engine;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use chrono::{DateTime, Utc};
+use openidconnect::core::{
+    CoreAuthenticationFlow, CoreClient, CoreIdToken, CoreJwsSigningAlgorithm, CoreProviderMetadata,
+};
+use openidconnect::{
+    AuthorizationCode, ClientId, CsrfToken, EndpointMaybeSet, EndpointNotSet, EndpointSet, HttpRequest,
+    HttpResponse, IssuerUrl, Nonce, PkceCodeChallenge, RedirectUrl, Scope, TokenResponse,
+};
+use pending::{PendingSignOn, PendingSignOns};
+use serde_json::{Map, Value};
+use std::error::Error;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+use ureq::Agent;
+
+/// How long the provider may take for an answer.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// How long the description of a provider is not asked for again.
+const FRESH: Span = Span::from_secs(10);
+
+/// How far the clocks of the provider and of this server may be apart.
+const LEEWAY: Span = Span::from_secs(60);
+
+/// The longest answer of a provider, bytes.
+const LONGEST_ANSWER: u64 = 1024 * 1024;
+
+/// How an ID token may be signed: with a key of the provider's that nobody else has.
+const SIGNED: [CoreJwsSigningAlgorithm; 9] = [
+    CoreJwsSigningAlgorithm::RsaSsaPkcs1V15Sha256,
+    CoreJwsSigningAlgorithm::RsaSsaPkcs1V15Sha384,
+    CoreJwsSigningAlgorithm::RsaSsaPkcs1V15Sha512,
+    CoreJwsSigningAlgorithm::RsaSsaPssSha256,
+    CoreJwsSigningAlgorithm::RsaSsaPssSha384,
+    CoreJwsSigningAlgorithm::RsaSsaPssSha512,
+    CoreJwsSigningAlgorithm::EcdsaP256Sha256,
+    CoreJwsSigningAlgorithm::EcdsaP384Sha384,
+    CoreJwsSigningAlgorithm::EdDsa,
+];
+
+/// The provider's endpoints as far as its description has to name them.
+type ProviderClient = CoreClient<
+    EndpointSet,
+    EndpointNotSet,
+    EndpointNotSet,
+    EndpointNotSet,
+    EndpointMaybeSet,
+    EndpointMaybeSet,
+>;
+
+/// An identity provider.
+pub struct Oidc {
+    settings: OidcSettings,
+    issuer: IssuerUrl,
+    agent: Agent,
+    pending: Mutex<PendingSignOns>,
+    /// How it described itself, and when. One asks, others wait for the answer.
+    provider: tokio::sync::Mutex<Option<(Time, CoreProviderMetadata)>>,
+}
+
+/// The way to the provider.
+#[derive(Debug)]
+pub struct AuthorizationRequest {
+    /// Where to.
+    pub address: String,
+    /// What the browser's cookie is to say.
+    pub secret: String,
+}
+
+/// What a browser brings back from the provider.
+#[derive(Debug)]
+pub struct AuthorizationResponse {
+    /// Which sign-on it belongs to.
+    pub state: Option<String>,
+    /// What the provider gives an ID token for.
+    pub code: Option<String>,
+    /// Why the provider gives nothing.
+    pub error: Option<String>,
+    /// Who the provider says it is.
+    pub issuer: Option<String>,
+}
+
+/// Somebody who signed in.
+#[derive(Debug, PartialEq, Eq)]
+pub struct SignedOn {
+    /// The name.
+    pub name: String,
+    /// What the groups allow.
+    pub role: Role,
+    /// When the session ends.
+    pub expires: Time,
+    /// Which page comes now.
+    pub back: String,
+    /// Whether the browser came over plain HTTP.
+    pub plain: bool,
+}
+
+/// Why somebody did not sign in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OidcRefusal {
+    /// It took too long, was done before, was begun in another browser or before the server was restarted.
+    Stale,
+    /// The provider says no, or the person did.
+    Denied,
+    /// The provider does not answer, or not as it should.
+    Unreachable,
+    /// The ID token is not what it should be.
+    Untrusted,
+    /// None of the person's groups has a role.
+    NoRole,
+}
+
+impl OidcRefusal {
+    /// The word for it in addresses.
+    pub fn word(self) -> &'static str {
+        match self {
+            OidcRefusal::Stale => "stale",
+            OidcRefusal::Denied => "denied",
+            OidcRefusal::Unreachable => "unreachable",
+            OidcRefusal::Untrusted => "untrusted",
+            OidcRefusal::NoRole => "no_role",
+        }
+    }
+}
+
+impl Oidc {
+    /// The provider of the settings.
+    ///
+    /// # Errors
+    /// Where a setting is wrong; the text names it.
+    pub fn new(settings: OidcSettings, outgoing: &Outgoing) -> Result<Oidc, String> {
+        let settings = settings.complete()?;
+        let issuer = IssuerUrl::new(settings.issuer.clone()).map_err(|e| format!("oidc.issuer: {e}"))?;
+        let (pending, provider) = (Mutex::default(), tokio::sync::Mutex::default());
+        Ok(Oidc { settings, issuer, agent: outgoing.agent(PATIENCE, false), pending, provider })
+    }
+
+    /// What the provider is called.
+    pub fn name(&self) -> String {
+        self.settings.name()
+    }
+
+    /// Where the provider is to send browsers, if the settings say so.
+    pub fn redirect(&self) -> Option<&str> {
+        self.settings.redirect.as_deref()
+    }
+
+    /// Begins a sign-on: the provider is to send the browser to `redirect`, which leads on to the page `back`.
+    ///
+    /// # Errors
+    /// Where the provider does not describe itself, or `redirect` is no address. The reason is in the log.
+    pub async fn begin(
+        &self,
+        redirect: String,
+        back: String,
+        now: Time,
+    ) -> Result<AuthorizationRequest, OidcRefusal> {
+        let provider = self.provider(now).await?;
+        let redirect = RedirectUrl::new(redirect).map_err(|e| refuse(OidcRefusal::Stale, &e))?;
+        let client = self.client(provider, redirect.clone());
+        let (challenge, verifier) = PkceCodeChallenge::new_random_sha256();
+        let flow = CoreAuthenticationFlow::AuthorizationCode;
+        let scopes = self.settings.scopes.iter().cloned().map(Scope::new);
+        let (address, state, nonce) = client
+            .authorize_url(flow, CsrfToken::new_random, Nonce::new_random)
+            .add_scopes(scopes)
+            .set_pkce_challenge(challenge)
+            .url();
+        let secret = fresh_token();
+        let sign_on = PendingSignOn { cookie: hash_of(&secret), nonce, verifier, redirect, back, began: now };
+        self.pending().add(state.into_secret(), sign_on);
+        Ok(AuthorizationRequest { address: address.into(), secret })
+    }
+
+    /// Ends a sign-on in a browser that has come back, with this cookie.
+    ///
+    /// # Errors
+    /// Why that signs nobody in, and which page was to come, if that is known. What exactly is wrong is in the log.
+    pub async fn finish(
+        &self,
+        given: AuthorizationResponse,
+        cookie: Option<&str>,
+        now: Time,
+    ) -> Result<SignedOn, (OidcRefusal, Option<String>)> {
+        let state = given.state.as_deref().zip(cookie);
+        let sign_on = state.and_then(|(state, secret)| self.pending().take(state, &hash_of(secret), now));
+        let Some(sign_on) = sign_on else { return Err((OidcRefusal::Stale, None)) };
+        let (back, plain) = (sign_on.back.clone(), sign_on.redirect.url().scheme() == "http");
+        match self.verified(given, sign_on, now).await {
+            Ok((name, role)) => {
+                let life = Span::from_secs(i64::from(self.settings.session_hours) * 3600);
+                Ok(SignedOn { name, role, expires: now + life, back, plain })
+            }
+            Err(why) => Err((why, Some(back))),
+        }
+    }
+
+    /// Who came back.
+    async fn verified(
+        &self,
+        given: AuthorizationResponse,
+        sign_on: PendingSignOn,
+        now: Time,
+    ) -> Result<(String, Role), OidcRefusal> {
+        if let Some(error) = given.error {
+            tracing::warn!("the identity provider refused somebody: {error:?}");
+            return Err(OidcRefusal::Denied);
+        }
+        let other = given.issuer.filter(|issuer| *issuer != self.settings.issuer);
+        let (Some(code), None) = (given.code, other) else {
+            tracing::warn!("somebody came back without a code, or from another identity provider");
+            return Err(OidcRefusal::Untrusted);
+        };
+        let client = self.client(self.provider(now).await?, sign_on.redirect.clone());
+        let agent = self.agent.clone();
+        let exchange = move || exchange(&client, &agent, code, sign_on, now);
+        let claims = tokio::task::spawn_blocking(exchange).await;
+        let claims = claims.map_err(|e| refuse(OidcRefusal::Unreachable, &e))??;
+        let name = claims::name_of(&claims, &self.settings);
+        match claims::role_of(&claims, &self.settings) {
+            Some(role) => Ok((name, role)),
+            None => {
+                let claim = &self.settings.groups_claim;
+                tracing::warn!("{name} has no group in {claim:?} to which `oidc.roles` gives a role");
+                Err(OidcRefusal::NoRole)
+            }
+        }
+    }
+
+    /// How the provider describes itself, with its keys.
+    async fn provider(&self, now: Time) -> Result<CoreProviderMetadata, OidcRefusal> {
+        let mut known = self.provider.lock().await;
+        if let Some((_, provider)) = known.as_ref().filter(|(at, _)| now - *at < FRESH) {
+            return Ok(provider.clone());
+        }
+        let (issuer, agent) = (self.issuer.clone(), self.agent.clone());
+        let discover = move || CoreProviderMetadata::discover(&issuer, &|request| send(&agent, request));
+        let found = tokio::task::spawn_blocking(discover).await;
+        let found = found.map_err(|e| refuse(OidcRefusal::Unreachable, &e))?;
+        let found = found.map_err(|e| refuse(OidcRefusal::Unreachable, &e))?;
+        *known = Some((now, found.clone()));
+        Ok(found)
+    }
+
+    fn client(&self, provider: CoreProviderMetadata, redirect: RedirectUrl) -> ProviderClient {
+        let (id, secret) =
+            (ClientId::new(self.settings.client_id.clone()), self.settings.client_secret.clone());
+        // Without a token endpoint the exchange fails, and says so.
+        CoreClient::from_provider_metadata(provider, id, secret).set_redirect_uri(redirect)
+    }
+
+    fn pending(&self) -> MutexGuard<'_, PendingSignOns> {
+        self.pending.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Gives the code back for an ID token, and verifies that.
+fn exchange(
+    client: &ProviderClient,
+    agent: &Agent,
+    code: String,
+    sign_on: PendingSignOn,
+    now: Time,
+) -> Result<Map<String, Value>, OidcRefusal> {
+    let request = client.exchange_code(AuthorizationCode::new(code));
+    let request =
+        request.map_err(|e| refuse(OidcRefusal::Unreachable, &e))?.set_pkce_verifier(sign_on.verifier);
+    let answer = request.request(&|request| send(agent, request));
+    let answer = answer.map_err(|e| refuse(OidcRefusal::Unreachable, &e))?;
+    let Some(token) = answer.id_token() else {
+        tracing::warn!("the identity provider gave no ID token: its client must allow the scope `openid`");
+        return Err(OidcRefusal::Untrusted);
+    };
+    let earlier = move || instant(now + Span(-LEEWAY.0));
+    let verifier = client.id_token_verifier().set_allowed_algs(SIGNED).set_time_fn(earlier);
+    token.claims(&verifier, &sign_on.nonce).map_err(|e| refuse(OidcRefusal::Untrusted, &e))?;
+    payload(token).ok_or(OidcRefusal::Untrusted)
+}
+
+/// All claims of a token that was verified, those among them that no specification names.
+fn payload(token: &CoreIdToken) -> Option<Map<String, Value>> {
+    let text = token.to_string();
+    let bytes = URL_SAFE_NO_PAD.decode(text.split('.').nth(1)?).ok()?;
+    serde_json::from_slice(&bytes).ok()
+}
+
+fn instant(t: Time) -> DateTime<Utc> {
+    DateTime::from_timestamp_micros(t.0).unwrap_or_default()
+}
+
+/// A request to the provider failed.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct ProviderHttpError(String);
+
+fn send(agent: &Agent, request: HttpRequest) -> Result<HttpResponse, ProviderHttpError> {
+    let said = |e: ureq::Error| ProviderHttpError(failure(&e));
+    let (parts, body) = request.into_parts();
+    let answer = if body.is_empty() {
+        agent.run(Request::from_parts(parts, ()))
+    } else {
+        agent.run(Request::from_parts(parts, body))
+    };
+    let (parts, mut body) = answer.map_err(said)?.into_parts();
+    let body = body.with_config().limit(LONGEST_ANSWER).read_to_vec().map_err(said)?;
+    Ok(HttpResponse::from_parts(parts, body))
+}
+
+/// Logs what is wrong, with all causes; the person gets a word.
+fn refuse(how: OidcRefusal, e: &(dyn Error + 'static)) -> OidcRefusal {
+    let (mut said, mut cause) = (e.to_string(), e.source());
+    while let Some(e) = cause {
+        said += &format!(": {e}");
+        cause = e.source();
+    }
+    tracing::warn!("signing in with the identity provider: {said}");
+    how
+}
