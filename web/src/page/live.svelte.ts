@@ -2,10 +2,11 @@
 import type { Loaded } from '../parts';
 import { Link, type Api, type FloorMap, type LinkState, type Mirror } from '../wire';
 import { t, trouble } from '../words';
+import { PeopleNames } from './names';
 
 const MAP_RETRY_MS = 3_000;
 
-export type LiveApi = Pick<Api, 'map' | 'kinds' | 'openLive'>;
+export type LiveApi = Pick<Api, 'map' | 'kinds' | 'people' | 'openLive'>;
 
 export class Live {
   map = $state.raw<Loaded<FloorMap>>({ kind: 'loading' });
@@ -15,6 +16,7 @@ export class Live {
   /** Every mirror as it comes. */
   onMirror: (mirror: Mirror, how: 'glide' | 'jump') => void = () => {};
   #api: LiveApi;
+  #names: PeopleNames;
   #retry: ReturnType<typeof setTimeout> | undefined;
   #link = new Link({
     open: (since, events) => this.#api.openLive(since, events),
@@ -27,16 +29,17 @@ export class Live {
     onState: (state) => { this.link = state; },
     onMirror: (mirror, kind) => {
       if (kind === 'snapshot') this.#follow(mirror.map);
-      this.onMirror(mirror, kind === 'snapshot' ? 'jump' : 'glide');
+      this.onMirror(this.#names.shown(mirror), kind === 'snapshot' ? 'jump' : 'glide');
     },
   });
 
   constructor(api: LiveApi) {
     this.#api = api;
+    this.#names = new PeopleNames(api);
   }
 
   get mirror(): Mirror {
-    return this.#link.mirror;
+    return this.#names.shown(this.#link.mirror);
   }
 
   start(): void {

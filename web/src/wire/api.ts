@@ -74,6 +74,9 @@ export class Api {
     return this.#ask<Blob>('GET', `/v1/past/reel?${query}`, { Accept: 'application/gzip' });
   }
   alarms = (query: Record<string, string>) => this.#ask<AlarmPage>('GET', `/v1/alarms?${new URLSearchParams(query)}`);
+  /** People in order of joining, for those who may see names. */
+  people = (cursor: string | null) =>
+    this.#ask<{ items: { id: string; name: string }[]; next: string | null }>('GET', `/v1/people?${new URLSearchParams({ limit: '500', ...(cursor === null ? {} : { cursor }) })}`);
   audit = (query: Record<string, string>) => this.#ask<AuditPage>('GET', `/v1/audit?${new URLSearchParams(query)}`);
   acknowledge = (id: string, by: string) => this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/acknowledge`, {}, { by });
   worker = (id: string) => this.#ask<WorkerDetail>('GET', `/v1/workers/${encodeURIComponent(id)}`);

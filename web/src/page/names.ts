@@ -1,0 +1,53 @@
+// Names of people in place of pseudonyms, for those who may see them: feeds have pseudonyms alone.
+import type { Api, Mirror } from '../wire';
+
+/** A name that was not known may have come since; so may one have been erased. */
+const AGAIN_MS = 5_000;
+const FRESH_MS = 60_000;
+
+export class PeopleNames {
+  #api: Pick<Api, 'people'>;
+  #now: () => number;
+  #names: ReadonlyMap<string, string> = new Map();
+  /** Whether the server has not said that this browser may not see names. */
+  #may = true;
+  #asking = false;
+  #askedAt = -Infinity;
+  /** The last table and what is shown of it, which is the same as long as the table is. */
+  #last: { from: Mirror['workers']; shown: Mirror['workers'] } | null = null;
+
+  constructor(api: Pick<Api, 'people'>, now: () => number = () => performance.now()) {
+    this.#api = api;
+    this.#now = now;
+  }
+
+  /** The floor with the names that are known. Asks for those that are not. */
+  shown(mirror: Mirror): Mirror {
+    const { workers } = mirror;
+    if (workers.rows.length === 0) return mirror;
+    const isKnown = workers.rows.every(({ id }) => this.#names.has(id));
+    const age = this.#now() - this.#askedAt;
+    if (this.#may && !this.#asking && age > (isKnown ? FRESH_MS : AGAIN_MS)) void this.#ask();
+    if (this.#names.size === 0) return mirror;
+    if (this.#last?.from !== workers) {
+      const rows = workers.rows.map((worker) => ({ ...worker, name: this.#names.get(worker.id) ?? worker.name }));
+      this.#last = { from: workers, shown: { ...workers, rows } };
+    }
+    return { ...mirror, workers: this.#last.shown };
+  }
+
+  async #ask(): Promise<void> {
+    this.#asking = true;
+    const names = new Map<string, string>();
+    let cursor: string | null = null;
+    do {
+      const answer: Awaited<ReturnType<Api['people']>> = await this.#api.people(cursor);
+      if (answer.kind === 'refused') this.#may = false;
+      if (answer.kind !== 'ok') break;
+      for (const person of answer.value.items) names.set(person.id, person.name);
+      cursor = answer.value.next;
+      if (cursor === null) [this.#names, this.#last] = [names, null];
+    } while (cursor !== null);
+    [this.#asking, this.#askedAt] = [false, this.#now()];
+  }
+}
