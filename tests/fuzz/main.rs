@@ -57,7 +57,9 @@ fn each(what: &str, texts: &[String], usual: u64, read: impl Fn(&str) -> bool) {
 
 #[test]
 fn broken_maps_are_built_or_refused() {
-    let small: Vec<String> = texts("maps", ".json").into_iter().filter(|t| t.len() < 60_000).collect();
+    let is_small_map = |t: &String| t.len() < 60_000 && t.contains("\"giveway_map\": 1");
+    let small: Vec<String> = texts("maps", ".json").into_iter().filter(is_small_map).collect();
+    assert!(!small.is_empty());
     each("maps", &small, 400, |text| formats::import(text, &Options::default()).is_ok());
 }
 
@@ -113,13 +115,11 @@ fn broken_recordings_are_read_or_refused_line_by_line() {
         lines.all(|line| playback.read(line).is_ok())
     };
     each("recordings", &[lines.join("\n")], 100, play);
-    for line in &lines[1..] {
-        // Each line for itself is JSON, so that more of what is broken is still read.
-        each("lines of recordings", std::slice::from_ref(line), 10, |line| {
-            let (_, mut playback) = recording::Playback::open(&lines[0]).expect("it is in order");
-            playback.read(line).is_ok()
-        });
-    }
+    // Each line for itself is JSON, so that more of what is broken is still read.
+    each("lines of recordings", &lines[1..], 1200, |line| {
+        let (_, mut playback) = recording::Playback::open(&lines[0]).expect("it is in order");
+        playback.read(line).is_ok()
+    });
 }
 
 /// A recording of half a minute with jobs of all kinds, people, cancels and faults.

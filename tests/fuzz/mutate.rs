@@ -101,6 +101,18 @@ impl Mutator {
             json!([[1.0, 2.0], [1.0, 2.0]]),
         ];
         match value {
+            Value::Number(n) if n.as_i64().is_some() && self.below(3) > 0 => {
+                let n = n.as_i64().unwrap_or(0);
+                let others = [
+                    n.wrapping_mul(2),
+                    n / 3,
+                    n.wrapping_neg(),
+                    n.wrapping_add(1),
+                    n.wrapping_sub(1),
+                    n ^ 64,
+                ];
+                json!(*self.choose(&others))
+            }
             Value::Number(n) if self.below(3) > 0 => {
                 let n = n.as_f64().unwrap_or(0.0);
                 json!([n * 2.0, n / 3.0, -n, n + 1.0, n - 1.0, n * 1e6][self.below(6)])
