@@ -229,7 +229,7 @@ impl SwarmReport {
         json!({
             "runs": t.runs,
             "heals_within_s": HEALS_WITHIN.as_secs_f64(),
-            "robot_hours": t.robot_hours,
+            "robot_hours": t.robot_hours(),
             "robot_deliveries": t.deliveries,
             "human_deliveries": t.human_deliveries,
             "maps": t.maps,
@@ -250,7 +250,7 @@ impl SwarmReport {
         }
         println!("after the faults, everything has to end within {} s", HEALS_WITHIN.as_secs_f64());
         println!("{:24} {:>10}", "runs", t.runs);
-        println!("{:24} {:>10.1}", "robot hours", t.robot_hours);
+        println!("{:24} {:>10.1}", "robot hours", t.robot_hours());
         println!("{:24} {:>10}", "robot deliveries", t.deliveries);
         println!("{:24} {:>10}", "human deliveries", t.human_deliveries);
         println!(

@@ -83,7 +83,8 @@ async fn broken_requests_are_answered_in_words_and_break_nothing() {
 
 /// What may stand in a request line.
 fn plain(query: &str) -> String {
-    let escaped = |c: char| if c.is_ascii_graphic() { c.to_string() } else { "%EF%BF%BD".to_owned() };
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-._~&=%+:,;@!$*()/?".contains(c);
+    let escaped = |c: char| if is_plain(c) { c.to_string() } else { "%EF%BF%BD".to_owned() };
     query.chars().map(escaped).collect()
 }
 

@@ -75,7 +75,7 @@ impl SwarmRun {
     pub fn end(self, panic: Option<(String, String)>) -> (SwarmTally, Option<SwarmFailure>) {
         let SwarmRun { sim, mut tally, robots, mut failure } = self;
         let at = sim.now();
-        tally.robot_hours = robots as f64 * at.as_secs_f64() / 3600.0;
+        tally.robot_time = (at - Time::ZERO) * robots as i64;
         for (word, count) in sim.world.injected() {
             *tally.injected.entry(word).or_default() += count;
         }

@@ -3,6 +3,7 @@
 //! Main type: [`SwarmTally`]. Refuses: to judge.
 
 use super::super::tally::JobTally;
+use crate::time::Span;
 use std::collections::BTreeMap;
 
 /// What happened in one run or in many.
@@ -11,7 +12,7 @@ pub struct SwarmTally {
     /// Runs.
     pub runs: u64,
     /// Robots times simulated hours, with the time in which floors heal.
-    pub robot_hours: f64,
+    pub robot_time: Span,
     /// Racks served at stations.
     pub deliveries: u64,
     /// Assignments that people completed.
@@ -27,10 +28,15 @@ pub struct SwarmTally {
 }
 
 impl SwarmTally {
+    /// The same in hours.
+    pub fn robot_hours(&self) -> f64 {
+        self.robot_time.as_secs_f64() / 3600.0
+    }
+
     /// Adds what happened in other runs.
     pub fn add(&mut self, other: &SwarmTally) {
         self.runs += other.runs;
-        self.robot_hours += other.robot_hours;
+        self.robot_time += other.robot_time;
         self.deliveries += other.deliveries;
         self.human_deliveries += other.human_deliveries;
         for (kind, more) in &other.jobs {
