@@ -10,7 +10,7 @@ use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::kind::Charging;
-use crate::id::{JobId, NodeId, RobotId};
+use crate::id::{JobId, NodeId, RackId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
 
@@ -204,15 +204,22 @@ impl Floor<'_> {
         rests.max_by(|a, b| self.battery(*a).total_cmp(&self.battery(*b)).then(b.cmp(a)))
     }
 
-    /// Whether a robot that takes no job, or cannot carry the rack, stands beneath one that waiting jobs ask for: no
-    /// other robot is sent there.
+    /// Whether a robot that takes no job, cannot carry the rack, or is not chosen for it stands beneath one that
+    /// waiting jobs ask for: no other robot is sent there.
     fn is_in_the_way(&self, robot: RobotId, node: NodeId, now: Time) -> bool {
         let turn = (now.0 / self.settings.period.0) % (LOOKS.0 / self.settings.period.0).max(1);
         let looks = turn == i64::from(robot.0) % (LOOKS.0 / self.settings.period.0).max(1);
         let Some(rack) = self.ledger.index().places.rack_on(node).filter(|_| looks) else { return false };
         let is_low = self.battery(robot) < self.charging(robot).low;
         let is_no_use = is_low || !self.warehouse().can_carry(self.body(robot), rack);
-        is_no_use && self.ledger.index().queue.is_wanted(rack)
+        (is_no_use || self.is_for_another(robot, rack, now)) && self.ledger.index().queue.is_wanted(rack)
+    }
+
+    /// Whether a waiting job for a rack is one that a robot may not do, since an operator chose another one.
+    fn is_for_another(&self, robot: RobotId, rack: RackId, now: Time) -> bool {
+        let chosen = self.ledger.index().chosen.iter().map(|id| &self.ledger.jobs[id]);
+        let mut of_rack = chosen.filter(|job| job.request.kind.rack() == Some(rack));
+        of_rack.any(|job| !self.is_allowed(robot, job, now))
     }
 
     fn is_sent_to_a_charger(&self, robot: RobotId) -> bool {

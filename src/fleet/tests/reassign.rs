@@ -59,6 +59,20 @@ fn a_robot_that_is_named_does_it_as_soon_as_it_is_free() {
 }
 
 #[test]
+fn a_robot_that_rests_beneath_the_rack_makes_room_for_the_chosen_one() {
+    let mut floor = TestFloor::thesis(2);
+    let RackAt::Stored(node) = floor.rack(40) else { panic!("it is stored") };
+    let beneath = floor.submit(request(JobKind::Go { robot: RobotId(0), node }));
+    floor.until(300, "a robot rests beneath it", |f| f.state(beneath).is_none());
+    let busy = floor.submit(request(JobKind::Deliver { rack: RackId(7), station: StationId(1), pick: None }));
+    floor.reassign(busy, Some(RobotId(1)));
+    let job = floor.submit(request(deliver(40)));
+    floor.reassign(job, Some(RobotId(1)));
+    floor.until_over(900);
+    floor.assert_done_once(&[job, busy]);
+}
+
+#[test]
 fn a_choice_ends_when_its_robot_goes_out_of_service() {
     let mut floor = TestFloor::thesis(2);
     let busy = floor.submit(request(deliver(7)));

@@ -32,6 +32,8 @@ pub struct Index {
     pub queue: Queue,
     /// Jobs by the jobs that they come after.
     pub waits: SuccessorIndex,
+    /// Waiting jobs for a rack which not every robot may do, since an operator chose.
+    pub chosen: BTreeSet<JobId>,
     /// Waiting jobs for a robot that the customer named, by robot.
     named: BTreeMap<RobotId, BTreeSet<JobId>>,
     /// Robots on the floor, by number. Shared, so that the ledger can change while a loop goes over them.
@@ -57,6 +59,7 @@ impl Index {
             places: Places::new(warehouse),
             queue: Queue::new(warehouse.racks.len()),
             waits: SuccessorIndex::default(),
+            chosen: BTreeSet::new(),
             named: BTreeMap::new(),
             present: Arc::new([]),
             assignments: BTreeMap::new(),

@@ -5,7 +5,7 @@
 use super::{Ledger, RackAt};
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::index::{BAD_END_KNOWN, Index};
-use crate::fleet::state::job::{Job, JobState};
+use crate::fleet::state::job::{Job, JobState, RobotChoice};
 use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
 use crate::timeline::Holder;
@@ -146,6 +146,7 @@ impl Ledger {
 
     fn index_job(&mut self, id: JobId) {
         self.index.queue.remove(id);
+        self.index.chosen.remove(&id);
         self.index.waits.remove(id);
         match self.promises.jobs.get(&id) {
             Some(job) => admit(&mut self.index, &self.promises.jobs, &self.promises.ended_badly, id, job),
@@ -184,6 +185,9 @@ fn admit(
     index.places.relocates(id, Some(job));
     if job.state != JobState::Waiting {
         return;
+    }
+    if job.choice != RobotChoice::Any {
+        index.chosen.insert(id);
     }
     let bad = |a: &JobId| ended_badly.get(a).is_some_and(|t| job.accepted < *t + BAD_END_KNOWN);
     let before = job.request.after.iter().copied().filter(|a| jobs.contains_key(a) || bad(a));
