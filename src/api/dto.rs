@@ -359,8 +359,8 @@ impl Names<'_> {
             pick_s: pick.map(|p| p.as_secs_f64()),
             stops: self.stops(record),
             only: match record.job.choice {
-                RobotChoice::Only(robot) => Some(self.robot(robot)),
-                RobotChoice::Any | RobotChoice::Except(..) => None,
+                RobotChoice::Only(robot, until) if until > self.view.now => Some(self.robot(robot)),
+                _ => None,
             },
             priority: request.priority,
             deadline: request.deadline.map(time_text),

@@ -28,7 +28,7 @@ pub(super) type StationRecord = (u32, Option<i64>);
 pub(super) enum ChoiceRecord {
     Any,
     Except(u32, i64),
-    Only(u32),
+    Only(u32, i64),
 }
 
 /// What happened to a job besides coming to another state.
@@ -179,7 +179,7 @@ impl From<RobotChoice> for ChoiceRecord {
         match choice {
             RobotChoice::Any => ChoiceRecord::Any,
             RobotChoice::Except(robot, until) => ChoiceRecord::Except(robot.0, until.0),
-            RobotChoice::Only(robot) => ChoiceRecord::Only(robot.0),
+            RobotChoice::Only(robot, until) => ChoiceRecord::Only(robot.0, until.0),
         }
     }
 }
@@ -189,7 +189,7 @@ impl From<ChoiceRecord> for RobotChoice {
         match choice {
             ChoiceRecord::Any => RobotChoice::Any,
             ChoiceRecord::Except(robot, until) => RobotChoice::Except(RobotId(robot), Time(until)),
-            ChoiceRecord::Only(robot) => RobotChoice::Only(RobotId(robot)),
+            ChoiceRecord::Only(robot, until) => RobotChoice::Only(RobotId(robot), Time(until)),
         }
     }
 }

@@ -277,7 +277,7 @@ pub struct Reassignment {
 
 /// Take a job from its robot, or give it to another one. The robot that has it puts down the rack if it carries it.
 /// A job without a robot waits for the one that is named; without a name, any robot may take it again.
-/// A choice ends when a robot has the job, or when the robot that was chosen goes out of service.
+/// A choice ends when a robot has the job, after five minutes, or when the robot that was chosen goes out of service.
 #[utoipa::path(post, path = "/v1/jobs/{id}/reassign", tag = "jobs", operation_id = "reassignJob",
     request_body = Reassignment, params(("id" = String, Path, example = "j17")), responses(
     (status = 200, description = "The job as it is now", body = JobDto),

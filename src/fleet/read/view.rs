@@ -215,7 +215,10 @@ impl View {
 
     /// What keeps the robot that an operator chose for a job, if one was chosen and something keeps it.
     fn why_not_chosen(&self, job: &Job) -> Option<JobWhy> {
-        let RobotChoice::Only(chosen) = job.choice else { return None };
+        let RobotChoice::Only(chosen, until) = job.choice else { return None };
+        if until <= self.now {
+            return None;
+        }
         let robot = self.robots.get(chosen.ix())?;
         if robot.maintenance || robot.leaving {
             return None;

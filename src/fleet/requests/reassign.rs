@@ -16,6 +16,10 @@ use crate::time::{Span, Time};
 /// For how long a robot does not get a job that was taken from it. Another one has it by then, or none can.
 pub(in crate::fleet) const STAYS_AWAY: Span = Span::from_secs(120);
 
+/// For how long a job waits for the robot that was chosen for it. A choice that nobody can keep must not hold a job for
+/// ever.
+pub(in crate::fleet) const BINDS: Span = Span::from_secs(300);
+
 impl Intake<'_> {
     /// Takes a job from its robot, and gives it to `chosen`, or to any other robot if none is named.
     pub(in crate::fleet) fn reassign(
@@ -51,7 +55,7 @@ impl Intake<'_> {
             self.heard.left_early.push(robot);
         }
         let choice = match (chosen, has) {
-            (Some(robot), _) => RobotChoice::Only(robot),
+            (Some(robot), _) => RobotChoice::Only(robot, now + BINDS),
             (None, Some(robot)) => RobotChoice::Except(robot, now + STAYS_AWAY),
             (None, None) => RobotChoice::Any,
         };
@@ -65,7 +69,7 @@ impl Floor<'_> {
     /// is out of service binds no more.
     pub(in crate::fleet) fn is_allowed(&self, robot: RobotId, job: &Job, now: Time) -> bool {
         match job.choice {
-            RobotChoice::Only(chosen) if self.ledger.robots[chosen].service != Service::Works => true,
+            RobotChoice::Only(chosen, _) if self.ledger.robots[chosen].service != Service::Works => true,
             choice => choice.allows(robot, now),
         }
     }

@@ -165,8 +165,8 @@ pub enum RobotChoice {
     Any,
     /// Not this one, from which the job was taken, until then.
     Except(RobotId, Time),
-    /// This one, as an operator wants.
-    Only(RobotId),
+    /// This one, as an operator wants, until then: if it cannot, others do it.
+    Only(RobotId, Time),
 }
 
 impl RobotChoice {
@@ -175,7 +175,7 @@ impl RobotChoice {
         match *self {
             RobotChoice::Any => true,
             RobotChoice::Except(other, until) => robot != other || until <= now,
-            RobotChoice::Only(chosen) => robot == chosen,
+            RobotChoice::Only(chosen, until) => robot == chosen || until <= now,
         }
     }
 }

@@ -86,6 +86,17 @@ fn a_choice_ends_when_its_robot_goes_out_of_service() {
 }
 
 #[test]
+fn a_choice_that_cannot_be_kept_binds_for_five_minutes() {
+    let mut floor = TestFloor::thesis(2);
+    floor.answer_to(3, vec![Input::Halt { token: 3, robot: Some(RobotId(0)) }]);
+    let job = floor.submit(request(deliver(40)));
+    floor.reassign(job, Some(RobotId(0)));
+    floor.run(290);
+    assert!(floor.is(job, "waiting"), "{:?}", floor.state(job));
+    floor.until(60, "the other one has it", |f| f.robot_of(job) == Some(RobotId(1)));
+}
+
+#[test]
 fn the_only_robot_gets_its_job_again_after_a_while() {
     let mut floor = TestFloor::thesis(1);
     let job = floor.submit(request(deliver(40)));

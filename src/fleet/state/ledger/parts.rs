@@ -178,7 +178,7 @@ fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
         let fits = fits && visits.all(|v| v.station.ix() < w.stations.len());
         let chosen = match job.choice {
             RobotChoice::Any => true,
-            RobotChoice::Except(r, _) | RobotChoice::Only(r) => robot(r),
+            RobotChoice::Except(r, _) | RobotChoice::Only(r, _) => robot(r),
         };
         let fits = fits && chosen && id.0 < p.next_job && job.state.robot().is_none_or(robot);
         known(fits, format!("job {id:?}"))?;
