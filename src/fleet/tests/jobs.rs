@@ -266,3 +266,17 @@ fn a_robot_that_rests_where_another_is_sent_makes_way() {
     floor.until(300, "the other one was there", |f| f.state(go).is_none());
     floor.assert_done_once(&[there, go]);
 }
+
+#[test]
+fn a_robot_comes_to_where_another_rests_though_more_rest_on_the_straight_way() {
+    let mut floor = TestFloor::thesis(6);
+    let rests: Vec<NodeId> = (1..=6).map(|y| floor.node(&format!("S1-{y}"))).collect();
+    let rest = |robot: usize| request(JobKind::Go { robot: RobotId::at(robot), node: rests[robot] });
+    // The innermost first, so that none is in another's way.
+    let there: Vec<JobId> = [5, 4, 3, 2, 1, 0].map(|robot| floor.submit(rest(robot))).to_vec();
+    floor.until(600, "all rest", |f| there.iter().all(|job| f.state(*job).is_none()));
+    floor.until(60, "all are idle", |f| (0..6).all(|r| f.is_idle(RobotId::at(r))));
+    let go = floor.submit(request(JobKind::Go { robot: RobotId::at(0), node: rests[5] }));
+    floor.until(120, "it was there", |f| f.state(go).is_none());
+    floor.assert_done_once(&[go]);
+}

@@ -5,6 +5,7 @@
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::state::{InsertionCounts, Traffic};
 use crate::fleet::traffic::truncate::robot_of;
 use crate::id::RobotId;
@@ -16,6 +17,15 @@ use std::collections::BTreeMap;
 /// How many others are moved at most.
 const OTHERS: usize = 3;
 
+/// Routes that were found together.
+struct Inserted {
+    /// The sum of all arrivals, microseconds from now.
+    cost: i64,
+    /// The same with the asking robot behind the others, where that is possible.
+    behind: Option<i64>,
+    routes: Vec<Found>,
+}
+
 /// A robot with its new route.
 pub(super) type Found = (RobotId, Route);
 
@@ -26,11 +36,38 @@ impl Traffic {
             return false;
         }
         let start = (core.settings.stopwatch)();
-        let (others, broken) = self.influencers(core, robot, now);
+        self.tally.insertions.tried += 1;
+        let movable = self.movable(core, robot, now);
+        let in_place = core.floor().in_the_places_of(robot, &movable);
+        let first = if in_place.is_empty() { None } else { self.insert_past(core, robot, &in_place, now) };
+        let found = first.or_else(|| self.insert_past(core, robot, &movable, now));
+        self.plan_times.push((core.settings.stopwatch)() - start);
+        let Some(Inserted { cost, behind, routes }) = found else { return false };
+        self.tally.insertions.count(cost, behind);
+        commit_all(core, routes);
+        true
+    }
+
+    /// Robots that can be planned anew, other than this one.
+    fn movable(&self, core: &Core, robot: RobotId, now: Time) -> Vec<RobotId> {
+        let floor = core.floor();
+        let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
+        let busy = |r: &RobotId| floor.next_stop_is_granted(*r) || floor.waits_for_room(*r);
+        core.ledger.present().filter(|r| *r != robot && fit(r) && !busy(r)).collect()
+    }
+
+    /// The best routes for `robot` and the few of `movable` that are most in its way.
+    fn insert_past(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        movable: &[RobotId],
+        now: Time,
+    ) -> Option<Inserted> {
+        let (others, broken) = self.influencers(core, robot, movable, now);
         if let Some(need) = self.needs.waiting.get_mut(&robot) {
             need.behind = others.first().copied().or(broken);
         }
-        self.tally.insertions.tried += 1;
         assert!(others.len() <= OTHERS && !others.contains(&robot), "{robot:?} moves {others:?}");
         let mut best: Option<(i64, Vec<Found>)> = None;
         let mut behind: Option<i64> = None;
@@ -48,20 +85,18 @@ impl Traffic {
                 break;
             }
         }
-        self.plan_times.push((core.settings.stopwatch)() - start);
-        let Some((cost, routes)) = best else { return false };
-        self.tally.insertions.count(cost, behind);
-        commit_all(core, routes);
-        true
+        best.map(|(cost, routes)| Inserted { cost, behind, routes })
     }
 
-    /// Robots whose holds meet the windows of the route that `robot` would have if they all made way, most in the way
-    /// first. If no route is left then, the robot that cannot drive and is in the way of one.
-    fn influencers(&mut self, core: &mut Core, robot: RobotId, now: Time) -> (Vec<RobotId>, Option<RobotId>) {
-        let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
-        let busy = |r: &RobotId| core.floor().next_stop_is_granted(*r);
-        let movable = |r: &RobotId| *r != robot && fit(r) && !busy(r) && !core.floor().waits_for_room(*r);
-        let movable: Vec<RobotId> = core.ledger.present().filter(movable).collect();
+    /// Those of `movable` whose holds meet the windows of the route that `robot` would have if these made way, most in
+    /// the way first. If no route is left then, the robot that cannot drive and is in the way of one.
+    fn influencers(
+        &mut self,
+        core: &mut Core,
+        robot: RobotId,
+        movable: &[RobotId],
+        now: Time,
+    ) -> (Vec<RobotId>, Option<RobotId>) {
         let mut without = core.ledger.timeline().clone();
         for r in movable.iter().chain([&robot]) {
             without.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
@@ -130,6 +165,17 @@ impl InsertionCounts {
             Some(behind) => self.gain += Span(behind - cost_us),
             None => self.only_way += 1,
         }
+    }
+}
+
+impl Floor<'_> {
+    /// Those of `movable` that rest where the task of a robot leads. No route avoids them, while one that passes robots
+    /// on the way may be found without moving these.
+    fn in_the_places_of(&self, robot: RobotId, movable: &[RobotId]) -> Vec<RobotId> {
+        let stages = self.stages_left(robot);
+        let rests = |r: &RobotId| self.ledger.chain(*r).last().map(|v| v.node);
+        let in_place = |r: &&RobotId| stages.iter().any(|s| rests(r) == Some(s.goal));
+        movable.iter().filter(in_place).take(OTHERS).copied().collect()
     }
 }
 
