@@ -6,6 +6,7 @@ use super::people::{ArmArgument, CausesArgument, exit, run_all, violations};
 use super::{read_map, rings};
 use crate::aware::HumanAwarePolicy;
 use crate::experiment::price::{PriceFloor, Shares};
+use crate::experiment::robot_time::{RobotTime, TimeUse};
 use crate::experiment::statistics::Interval;
 use crate::experiment::table::{ENTER_S, RunRow, TableSetup};
 use crate::sim::encounter::EncounterFigures;
@@ -63,6 +64,8 @@ struct PriceRow<'a> {
     policy: HumanAwarePolicy,
     shares: Shares,
     both: &'a [RunRow],
+    /// The same seeds without workers.
+    alone: &'a [RunRow],
 }
 
 impl PriceArgs {
@@ -141,6 +144,7 @@ impl PriceArgs {
             .collect();
         let curves: Vec<_> = curves.iter().map(|(name, met)| (name.as_str(), met.clone())).collect();
         rings::print(&curves);
+        print_times(rows);
         println!();
     }
 }
@@ -159,6 +163,7 @@ fn price_rows<'a>(
             policy: *policy,
             shares: Shares::of(both, robots, &rows[0]),
             both,
+            alone: robots,
         })
     });
     of_policy.collect()
@@ -180,9 +185,36 @@ impl PriceRow<'_> {
             "robot_share": rings::interval(self.shares.robot_share),
             "human_share": rings::interval(self.shares.human_share),
             "standstills": self.standstills(),
+            "robot_time": {"beside": time_report(self.both), "alone": time_report(self.alone)},
             "encounters": rings::of_runs(&self.met()),
         })
     }
+}
+
+/// What share of their time robots spent on what, in all runs of a row.
+fn time_report(rows: &[RunRow]) -> Value {
+    let time = RobotTime::of_runs(rows.iter().map(|row| &row.robot_time));
+    let shares: Value = TimeUse::ALL.into_iter().map(|u| (u.word().to_owned(), json!(time.share(u)))).collect();
+    json!({"shares": shares, "mean_mps": time.mean_mps()})
+}
+
+/// The same as a table, with a column for the robots alone.
+fn print_times(rows: &[PriceRow<'_>]) {
+    let Some(first) = rows.first() else { return };
+    let of = |rows: &[RunRow]| RobotTime::of_runs(rows.iter().map(|row| &row.robot_time));
+    let mut columns = vec![("robots alone".to_owned(), of(first.alone))];
+    columns.extend(rows.iter().map(|r| (format!("{} {}", r.workers, r.policy.word()), of(r.both))));
+    print!("{:<28}", "share of the robots' time");
+    columns.iter().for_each(|(name, _)| print!("{name:>14}"));
+    println!();
+    for time_use in TimeUse::ALL {
+        print!("{:<28}", time_use.word());
+        columns.iter().for_each(|(_, t)| print!("{:>14.3}", t.share(time_use).unwrap_or(f64::NAN)));
+        println!();
+    }
+    print!("{:<28}", "metres a second, driving");
+    columns.iter().for_each(|(_, t)| print!("{:>14.3}", t.mean_mps().unwrap_or(f64::NAN)));
+    println!();
 }
 
 fn cell(share: Interval) -> String {

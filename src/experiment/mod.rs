@@ -3,7 +3,7 @@
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
 //! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
-//! of giving way), [`price`] (what people cost robots, and robots people), [`alarms`] (which alarms follow
+//! of giving way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for), [`alarms`] (which alarms follow
 //! from faults), [`steps`] (what a step costs), [`month`] (what it keeps), [`statistics`].
 //! Refuses: to read files or clocks; the caller passes texts in and takes figures out.
 
@@ -19,6 +19,7 @@ pub mod plot;
 pub mod price;
 pub mod recorded;
 pub mod rings;
+pub mod robot_time;
 pub mod safe_space;
 pub mod statistics;
 pub mod steps;

@@ -4,6 +4,7 @@
 //! does not depend on the arm. Refuses: threads and files; the caller runs [`TableSetup::run`] as often, and on as
 //! many cores, as it likes.
 
+use super::robot_time::RobotTime;
 use super::statistics::{Interval, Summary};
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::Charging;
@@ -19,6 +20,8 @@ use std::sync::Arc;
 
 /// When workers come in, seconds (Petković 2021, figure 4.8).
 pub const ENTER_S: f64 = 250.0;
+/// So often the robots' time is looked at.
+const LOOK_EVERY: Span = Span::from_secs(1);
 /// When they deviate, seconds (the same).
 const DEVIATE_S: [f64; 6] = [300.0, 320.0, 420.0, 450.0, 500.0, 625.0];
 
@@ -44,6 +47,8 @@ pub struct TableSetup {
 pub struct RunRow {
     /// Racks served at stations.
     pub robot_deliveries: f64,
+    /// What robots spent their time on after the workers came in.
+    pub robot_time: RobotTime,
     /// Those of them that were served after the workers came in.
     pub deliveries_beside_workers: f64,
     /// Assignments that workers truly completed.
@@ -174,25 +179,30 @@ impl TableSetup {
         let scenario = self.scenario(arm, seed);
         let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
         let enter = Time::from_secs_f64(ENTER_S);
-        let mut before = 0;
+        let (mut before, mut robot_time, mut next_look) = (0, RobotTime::default(), enter);
         while !sim.is_over() {
             if sim.now() <= enter {
                 before = sim.robot_deliveries();
             }
             sim.step();
+            if sim.now() > next_look {
+                robot_time.look(&sim.fleet, sim.now());
+                next_look = sim.now() + LOOK_EVERY;
+            }
         }
-        RunRow::of(&sim.outcome(), before)
+        RunRow::of(&sim.outcome(), before, robot_time)
     }
 }
 
 impl RunRow {
-    /// Of a run in which so many racks had been served when the workers came in.
-    fn of(outcome: &Outcome, before: u64) -> RunRow {
+    /// Of a run in which so many racks had been served when the workers came in, and robots spent their time so.
+    fn of(outcome: &Outcome, before: u64, robot_time: RobotTime) -> RunRow {
         let Outcome { counts, people, .. } = outcome;
         let minutes = people.figures.worker_time.as_secs_f64() / 60.0;
         let per = |n: u64, of: f64| if of > 0.0 { n as f64 / of } else { 0.0 };
         RunRow {
             robot_deliveries: counts.robot_deliveries as f64,
+            robot_time,
             deliveries_beside_workers: (counts.robot_deliveries - before) as f64,
             human_deliveries: people.completed as f64,
             encounters_per_worker_minute: per(people.figures.encounters, minutes),

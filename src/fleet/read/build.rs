@@ -127,7 +127,7 @@ impl Fleet {
     }
 
     /// What a robot is at, and since when. What a person ordered is durable: it has lasted since the order.
-    fn activity(&self, robot: RobotId, now: Time) -> (Activity, Time) {
+    pub fn activity(&self, robot: RobotId, now: Time) -> (Activity, Time) {
         let noted = self.core.activities.of(robot);
         let (activity, since) = noted.unwrap_or_else(|| (self.floor().activity(robot, self.why(robot)), now));
         let ordered = match activity {
