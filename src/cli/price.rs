@@ -194,7 +194,8 @@ impl PriceRow<'_> {
 /// What share of their time robots spent on what, in all runs of a row.
 fn time_report(rows: &[RunRow]) -> Value {
     let time = RobotTime::of_runs(rows.iter().map(|row| &row.robot_time));
-    let shares: Value = TimeUse::ALL.into_iter().map(|u| (u.word().to_owned(), json!(time.share(u)))).collect();
+    let shares: Value =
+        TimeUse::ALL.into_iter().map(|u| (u.word().to_owned(), json!(time.share(u)))).collect();
     json!({"shares": shares, "mean_mps": time.mean_mps()})
 }
 
