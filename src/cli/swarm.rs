@@ -45,8 +45,8 @@ pub struct SwarmArgs {
     #[arg(long)]
     workers: Option<usize>,
     /// What to switch off: loss, delay, jitter, skew, failures, estops, obstacles, manual, unplugged, chargers,
-    /// stations, pushes, closures, returns, relocations, charges, parks, goes, wishes, cancels, picks, holds,
-    /// departures, sensors, causes, fleet.
+    /// stations, pushes, closures, returns, relocations, charges, parks, goes, wishes, cancels, picks, stops,
+    /// reassigned, holds, departures, sensors, causes, fleet.
     #[arg(long, value_delimiter = ',', value_parser = part)]
     without: Vec<SwarmPart>,
     /// Threads; as many as the machine has cores if absent.
