@@ -196,6 +196,10 @@ describe('visible texts', () => {
     expect(own.length).toBeGreaterThan(0);
     expect(found).toEqual([]);
   });
+  test('a number of things is no number before a plural', () => {
+    const counts = Object.entries(sources).flatMap(([path, source]) => [...source.matchAll(/\{[^{}]*\.length\}\s+[a-z]+s\b/g)].map(([text]) => `${path}: ${text}`));
+    expect(counts).toEqual([]);
+  });
   test('a text in a component is found, wherever a visitor meets it', () => {
     expect(hardCodedInSvelte('<p class="dim text">Robots <b>wait</b></p>')).toEqual(['Robots', 'wait']);
     expect(hardCodedInSvelte('<button title="Stop all" aria-label={t("x")}>{t("stop")} · Giveway</button>')).toEqual(['Stop all']);
@@ -217,6 +221,19 @@ describe('visible texts', () => {
     expect(differences({ a: 'x {n}', b: 'y' }, { a: 'x {m}', c: 'z' })).toEqual(['a has {m} instead of {n}', 'b is missing', 'c is not in English']);
     expect(pluralsMissing('de', parseMessage('{n, plural, other {#}}'))).toEqual(['one']);
     expect(callsIn("t(a ? 'x' : 'y', { n: 1 })")).toEqual([{ key: 'x', values: ['n'] }, { key: 'y', values: ['n'] }]);
+  });
+});
+
+describe('a count of one', () => {
+  const one = (language: keyof typeof LANGUAGES, key: string, values: Record<string, number>): string =>
+    sayIn<string>(language, { m: parseMessage(rooms.get('words')?.get(language)?.[key] ?? '') })('m', values);
+  test('has its own verb, and its own noun', () => {
+    const jobs = { waiting: 1, done: 1, cancelled: 1, failed: 1 };
+    expect(one('en', 'jobs.then.counts', jobs)).toBe('1 waited for a robot, 1 was done, 1 cancelled, 1 failed');
+    expect(one('de', 'jobs.then.counts', jobs)).toBe('1 wartete auf einen Roboter, 1 war erledigt, 1 abgebrochen, 1 gescheitert');
+    expect(one('es', 'jobs.then.counts', jobs)).toBe('1 esperaba un robot, 1 estaba hecho, 1 cancelado, 1 fallido');
+    expect(one('en', 'csv.cells', { cells: 2, columns: 1 })).toBe('2 cells, but 1 column.');
+    expect(one('de', 'robots.more', { count: 1 })).toBe('1 weiteren zeigen');
   });
 });
 
