@@ -5,7 +5,7 @@ import { mkdir, mkdtemp, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, assertAccessible, check, finish, isLostLink, isRefusal, listen, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, assertOneLine, check, finish, isLostLink, isRefusal, listen, openBrowser } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -93,6 +93,20 @@ for (const [width, colorScheme] of [[1400, 'light'], [1400, 'dark'], [820, 'ligh
     await page.screenshot({ path: `${SHOTS}audit-${width}-${colorScheme}.png` });
   });
 }
+await check('The bar on top is one line for who is signed in, in every language, now and in a replay', async () => {
+  for (const locale of ['en-GB', 'de-DE', 'es-ES', 'zh-CN']) {
+    for (const [hash, is] of [['', '[data-link="live"]'], ['#replay', '.past']]) {
+      const one = await browser.newContext({ locale, storageState: await context.storageState(), viewport: { width: 1440, height: 900 } });
+      const other = await one.newPage();
+      await other.goto(`${server.url}/${hash}`);
+      await other.locator(`header ${is}`).waitFor({ timeout: PATIENCE });
+      await other.locator('.who').waitFor({ timeout: PATIENCE });
+      await assertOneLine(other, `${locale} ${hash}`);
+      await other.screenshot({ path: `${SHOTS}sign-in-bar-${locale.slice(0, 2)}${hash.replace('#', '-')}.png`, clip: { x: 0, y: 0, width: 1440, height: 60 } });
+      await one.close();
+    }
+  }
+});
 await check('Signing out leads to the page that asks for a token, and the session is over', async () => {
   await page.setViewportSize({ width: 1400, height: 900 });
   await page.getByRole('button', { name: 'Sign out' }).click();
