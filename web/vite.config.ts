@@ -71,6 +71,14 @@ const single = {
   },
 };
 
+/** What the same pages load is one file: half a kilobyte of each answer are its headers. */
+const TOGETHER = [
+  { name: 'base', test: /src\/parts\/theme\.ts|vite\/preload-helper|rolldown\/runtime/ },
+  { name: 'words', test: /src\/(words\/[a-z]+|wire\/api)\.ts/ },
+  { name: 'early', test: /src\/(replay\/spans|alarms\/shown)\.ts/ },
+  { name: 'session', test: /node_modules\/(svelte|esm-env|clsx)\/|src\/session\/(session|english)\.ts/ },
+];
+
 export default defineConfig(({ mode }) => ({
   plugins: [messages(), svelte(), mockServer(), ...(mode === 'single' ? [] : [compressed()])],
   // Tests run components as a browser would, not as a server-side render, and parse messages. Pages get them compiled:
@@ -85,7 +93,10 @@ export default defineConfig(({ mode }) => ({
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
     // Pages that share no script: neither a headset nor the page of the API need load the dashboard.
-    rolldownOptions: { input: ['index.html', 'headset.html', 'docs.html', 'editor.html', 'signin.html'] },
+    rolldownOptions: {
+      input: ['index.html', 'headset.html', 'docs.html', 'editor.html', 'signin.html'],
+      output: { codeSplitting: { includeDependenciesRecursively: false, groups: TOGETHER } },
+    },
     ...(mode === 'single' ? single : {}),
   },
   server: { proxy: { '/v1': { target: server, ws: true }, '/openapi.json': server, '/asyncapi.json': server } },

@@ -64,6 +64,17 @@ export async function assertAccessible(page, look) {
   assert(violations.length === 0, `${look}: ${violations.map((v) => `${v.id}: ${where(v.nodes)}`).join(' | ')}`);
 }
 
+/** That the bar on top is one line, and that nothing in it is cut off but the name of who is signed in. */
+export async function assertOneLine(page, look) {
+  const bar = await page.locator('header').first().evaluate((header) => {
+    const parts = [...header.children].filter((e) => getComputedStyle(e).position !== 'absolute' && e.getClientRects().length > 0 && e.tagName !== 'DIALOG');
+    const middles = parts.map((e) => e.getBoundingClientRect()).filter(({ height }) => height > 0).map(({ top, bottom }) => (top + bottom) / 2);
+    const cut = parts.filter((e) => e.scrollWidth > e.clientWidth + 1 && !e.classList.contains('who') && getComputedStyle(e).display !== 'inline');
+    return { spread: Math.max(...middles) - Math.min(...middles), over: header.scrollWidth - header.clientWidth, cut: cut.map((e) => e.innerText) };
+  });
+  assert(bar.spread < 12 && bar.over <= 0 && bar.cut.length === 0, `${look}: the bar on top is ${JSON.stringify(bar)}`);
+}
+
 /** Asks twice a second until it is so. */
 export async function until(what, so, seconds = 240) {
   for (let i = 0; i < 2 * seconds; i++) {

@@ -55,7 +55,9 @@ await check('A floor with two stations is drawn with the mouse and has no errors
   for (const [a, b] of aisles) await draw('Aisle', a, b);
   await draw('Racks', [1, 1], [5, 2]);
   await draw('Station', [2, -1]);
+  await page.getByText(/, 1 station\.$/).waitFor({ timeout: PATIENCE });
   await draw('Station', [3, 4], [4, 4]);
+  await page.getByText(/, 2 stations\.$/).waitFor({ timeout: PATIENCE });
   await draw('Charger', [-1, 0]);
   await draw('Charger', [7, 0]);
   await draw('Parking place', [7, 3]);

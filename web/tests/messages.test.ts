@@ -181,11 +181,26 @@ describe.each([...rooms])('the messages of %s', (room, languages) => {
   });
 });
 
-test('messages that are loaded with panels are said by no other room', () => {
+/** The sources that a page loads at first: what its script imports, and what that imports; but no types, and nothing
+ *  that is fetched when it is needed. */
+function loadedWith(path: string, found = new Set<string>()): ReadonlySet<string> {
+  const source = sources[path];
+  if (source === undefined || found.has(path)) return found;
+  found.add(path);
+  for (const [, names, from] of source.matchAll(/^\s*(?:import|export) (?!type\b)([^;]*?)from '(\.[^']*)';/gm)) {
+    if (/^\{[^}]*\} $/.test(names!) && names!.replace(/[{}]/g, '').split(',').every((name) => /^\s*type\b|^\s*$/.test(name))) continue;
+    const at = new URL(from!, `http://h/${path.replace('../', '')}`).pathname.replace(/^\//, '../');
+    for (const one of [at, `${at}.ts`, `${at}/index.ts`]) loadedWith(one, found);
+  }
+  return found;
+}
+test('messages that are fetched later are said by nothing that the dashboard loads at first', () => {
   const ofPanels = Object.keys(JSON.parse(files['../src/words/panels/messages/en.json'] ?? '{}') as Texts);
-  const early = Object.entries(sources).filter(([path]) => !['report', 'audit', 'charts', 'encounters', 'timelines'].includes(roomOf(path)));
+  const early = loadedWith('../src/main.ts');
+  expect(early.has('../src/jobs/JobsTable.svelte') && early.has('../src/floor/Floor.svelte')).toBe(true);
+  expect(early.has('../src/page/PickedCard.svelte')).toBe(false);
   expect(ofPanels.length).toBeGreaterThan(0);
-  expect(ofPanels.filter((key) => early.some(([, source]) => source.includes(`'${key}'`)))).toEqual([]);
+  expect(ofPanels.flatMap((key) => [...early].filter((path) => sources[path]!.includes(`'${key}'`)).map((path) => `${key}: ${path}`))).toEqual([]);
 });
 
 describe('visible texts', () => {
@@ -195,6 +210,10 @@ describe('visible texts', () => {
     const found = own.flatMap(([path, source]) => (path.endsWith('.svelte') ? hardCodedInSvelte(source) : hardCodedInScript(source)).map((text) => `${path}: ${text}`));
     expect(own.length).toBeGreaterThan(0);
     expect(found).toEqual([]);
+  });
+  test('a number of things is no number before a plural', () => {
+    const counts = Object.entries(sources).flatMap(([path, source]) => [...source.matchAll(/\{[^{}]*\.length\}\s+[a-z]+s\b/g)].map(([text]) => `${path}: ${text}`));
+    expect(counts).toEqual([]);
   });
   test('a text in a component is found, wherever a visitor meets it', () => {
     expect(hardCodedInSvelte('<p class="dim text">Robots <b>wait</b></p>')).toEqual(['Robots', 'wait']);
@@ -217,6 +236,19 @@ describe('visible texts', () => {
     expect(differences({ a: 'x {n}', b: 'y' }, { a: 'x {m}', c: 'z' })).toEqual(['a has {m} instead of {n}', 'b is missing', 'c is not in English']);
     expect(pluralsMissing('de', parseMessage('{n, plural, other {#}}'))).toEqual(['one']);
     expect(callsIn("t(a ? 'x' : 'y', { n: 1 })")).toEqual([{ key: 'x', values: ['n'] }, { key: 'y', values: ['n'] }]);
+  });
+});
+
+describe('a count of one', () => {
+  const one = (language: keyof typeof LANGUAGES, key: string, values: Record<string, number>): string =>
+    sayIn<string>(language, { m: parseMessage(rooms.get('words')?.get(language)?.[key] ?? '') })('m', values);
+  test('has its own verb, and its own noun', () => {
+    const jobs = { waiting: 1, done: 1, cancelled: 1, failed: 1 };
+    expect(one('en', 'jobs.then.counts', jobs)).toBe('1 waited for a robot, 1 was done, 1 cancelled, 1 failed');
+    expect(one('de', 'jobs.then.counts', jobs)).toBe('1 wartete auf einen Roboter, 1 war erledigt, 1 abgebrochen, 1 gescheitert');
+    expect(one('es', 'jobs.then.counts', jobs)).toBe('1 esperaba un robot, 1 estaba hecho, 1 cancelado, 1 fallido');
+    expect(one('en', 'csv.cells', { cells: 2, columns: 1 })).toBe('2 cells, but 1 column.');
+    expect(one('de', 'robots.more', { count: 1 })).toBe('1 weiteren zeigen');
   });
 });
 

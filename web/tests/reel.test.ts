@@ -1,6 +1,7 @@
 // Reels: what is read of a file, whether seeking and playing come to the same, and what is said of what cannot be read.
 import { describe, expect, test } from 'vitest';
-import { FileRecording, ServerRecording, snap } from '../src/replay/recording';
+import { FileRecording, ServerRecording } from '../src/replay/recording';
+import { snap } from '../src/replay/spans';
 import type { Api } from '../src/wire/api';
 import { readReel } from '../src/replay/reel';
 import { replayRoute } from '../src/replay/route';

@@ -5,7 +5,7 @@ import { mkdir, mkdtemp, rm } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, assertAccessible, check, finish, isLostLink, isRefusal, listen, openBrowser } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, assertOneLine, check, finish, isLostLink, isRefusal, listen, openBrowser } from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -93,6 +93,41 @@ for (const [width, colorScheme] of [[1400, 'light'], [1400, 'dark'], [820, 'ligh
     await page.screenshot({ path: `${SHOTS}audit-${width}-${colorScheme}.png` });
   });
 }
+await check('The bar on top is one line for who is signed in, in every language, now and in a replay', async () => {
+  for (const locale of ['en-GB', 'de-DE', 'es-ES', 'zh-CN']) {
+    for (const [hash, is] of [['', '[data-link="live"]'], ['#replay', '.past']]) {
+      const one = await browser.newContext({ locale, storageState: await context.storageState(), viewport: { width: 1440, height: 900 } });
+      const other = await one.newPage();
+      await other.goto(`${server.url}/${hash}`);
+      await other.locator(`header ${is}`).waitFor({ timeout: PATIENCE });
+      await other.locator('.who').waitFor({ timeout: PATIENCE });
+      await assertOneLine(other, `${locale} ${hash}`);
+      await other.screenshot({ path: `${SHOTS}sign-in-bar-${locale.slice(0, 2)}${hash.replace('#', '-')}.png`, clip: { x: 0, y: 0, width: 1440, height: 60 } });
+      await one.close();
+    }
+  }
+});
+await check('Names of people are asked for by those who may see them; a viewer, who may not, asks and logs nothing', async () => {
+  assert((await ask('POST', '/v1/workers', { name: 'Anna' })).ok, 'not registered');
+  const viewer = await (await ask('POST', '/v1/tokens', { name: 'the wall', role: 'viewer' })).json();
+  for (const [who, token, may] of [['configuration', ADMIN, true], ['the wall', viewer.token, false]]) {
+    const one = await browser.newContext({ viewport: { width: 1440, height: 900 } });
+    const other = await one.newPage();
+    const [asked, logged] = [[], []];
+    await other.goto(server.url);
+    await other.getByLabel('Access token').fill(token);
+    other.on('request', (request) => { if (/\/v1\/people/.test(request.url())) asked.push(request.url()); });
+    await other.getByRole('button', { name: 'Sign in' }).click();
+    await other.locator('.who', { hasText: who }).waitFor({ timeout: PATIENCE });
+    listen(other, logged);
+    await other.reload();
+    await other.getByRole('heading', { name: '1 person' }).waitFor({ timeout: PATIENCE });
+    await other.waitForTimeout(2_000);
+    assert(may ? asked.length > 0 : asked.length === 0, `${who} asked ${asked.length} times`);
+    assert(logged.length === 0, `${who}: ${logged.join(' | ')}`);
+    await one.close();
+  }
+});
 await check('Signing out leads to the page that asks for a token, and the session is over', async () => {
   await page.setViewportSize({ width: 1400, height: 900 });
   await page.getByRole('button', { name: 'Sign out' }).click();

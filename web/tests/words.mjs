@@ -4,7 +4,7 @@ import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, assertAccessible, check, finish, listen, openBrowser, until } from './chromium.mjs';
+import { PATIENCE, assert, assertAccessible, assertOneLine, check, finish, listen, openBrowser, until } from './chromium.mjs';
 import { serve } from './serve.mjs';
 
 const program = process.argv[2];
@@ -240,6 +240,18 @@ await check('The dashboard has no English left in Chinese, whichever panel is sh
   }
   assert(left.size === 0, [...left].join(' | '));
   await shots(desk, 'dashboard-zh');
+});
+await check('The bar on top is one line in every language, now and in a replay', async () => {
+  for (const locale of ['en-GB', 'de-DE', 'es-ES', 'zh-CN']) {
+    for (const [when, hash, is] of [['now', '', '[data-link="live"]'], ['then', '#replay', '.past']]) {
+      const one = await open(locale, DESK);
+      await one.goto(`${url}/${hash}`);
+      await one.locator(`header ${is}`).waitFor({ timeout: PATIENCE });
+      await assertOneLine(one, `${locale}, ${when}`);
+      await one.screenshot({ path: `${SHOTS}words-bar-${locale.slice(0, 2)}-${when}.png`, clip: { x: 0, y: 0, width: 1440, height: 60 } });
+      await one.context().close();
+    }
+  }
 });
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
 

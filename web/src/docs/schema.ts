@@ -8,8 +8,8 @@ function bounds(schema: Schema): string {
   if (schema.minimum !== undefined && schema.maximum !== undefined) parts.push(`${schema.minimum} to ${schema.maximum}`);
   else if (schema.minimum !== undefined) parts.push(`${schema.minimum} or more`);
   else if (schema.maximum !== undefined) parts.push(`up to ${schema.maximum}`);
-  if (schema.maxLength !== undefined) parts.push(`up to ${schema.maxLength} characters`);
-  if (schema.maxItems !== undefined && schema.maxItems !== schema.minItems) parts.push(`up to ${schema.maxItems} items`);
+  if (schema.maxLength !== undefined) parts.push(`up to ${schema.maxLength} ${schema.maxLength === 1 ? 'character' : 'characters'}`);
+  if (schema.maxItems !== undefined && schema.maxItems !== schema.minItems) parts.push(`up to ${schema.maxItems} ${schema.maxItems === 1 ? 'item' : 'items'}`);
   if (schema.example !== undefined) parts.push(`such as ${JSON.stringify(schema.example)}`);
   return parts.join('; ');
 }

@@ -1,5 +1,6 @@
 // The present: the map and the live link, as long as the server is there.
 import type { Loaded } from '../parts';
+import { whoIsHere } from '../session';
 import { Link, type Api, type FloorMap, type LinkState, type Mirror } from '../wire';
 import { t, trouble } from '../words';
 import { PeopleNames } from './names';
@@ -35,7 +36,7 @@ export class Live {
 
   constructor(api: LiveApi) {
     this.#api = api;
-    this.#names = new PeopleNames(api);
+    this.#names = new PeopleNames(api, whoIsHere);
   }
 
   get mirror(): Mirror {

@@ -1,4 +1,5 @@
 // Names of people in place of pseudonyms, for those who may see them: feeds have pseudonyms alone.
+import { mayName, type Who } from '../session';
 import type { Api, Mirror } from '../wire';
 
 /** A name that was not known may have come since; so may one have been erased. */
@@ -7,17 +8,19 @@ const FRESH_MS = 60_000;
 
 export class PeopleNames {
   #api: Pick<Api, 'people'>;
+  #who: () => Promise<Who>;
   #now: () => number;
   #names: ReadonlyMap<string, string> = new Map();
-  /** Whether the server has not said that this browser may not see names. */
+  /** Whether nothing says yet that this browser may not see names. */
   #may = true;
   #asking = false;
   #askedAt = -Infinity;
   /** The last table and what is shown of it, which is the same as long as the table is. */
   #last: { from: Mirror['workers']; shown: Mirror['workers'] } | null = null;
 
-  constructor(api: Pick<Api, 'people'>, now: () => number = () => performance.now()) {
+  constructor(api: Pick<Api, 'people'>, who: () => Promise<Who>, now: () => number = () => performance.now()) {
     this.#api = api;
+    this.#who = who;
     this.#now = now;
   }
 
@@ -38,6 +41,14 @@ export class PeopleNames {
 
   async #ask(): Promise<void> {
     this.#asking = true;
+    // A request that is sure to be refused would only fill the browser's log.
+    const may = mayName(await this.#who());
+    if (may === false) this.#may = false;
+    if (may === true) await this.#learn();
+    [this.#asking, this.#askedAt] = [false, this.#now()];
+  }
+
+  async #learn(): Promise<void> {
     const names = new Map<string, string>();
     let cursor: string | null = null;
     do {
@@ -48,6 +59,5 @@ export class PeopleNames {
       cursor = answer.value.next;
       if (cursor === null) [this.#names, this.#last] = [names, null];
     } while (cursor !== null);
-    [this.#asking, this.#askedAt] = [false, this.#now()];
   }
 }

@@ -3,12 +3,9 @@
 import type { Api, FloorMap, HeatKind, HeatPage, Mark, Sum } from '../wire';
 import { t, trouble } from '../words';
 import { readReel, type Listed, type Reel, type Frame } from './reel';
+import { ends, type Span } from './spans';
 import { linesOf } from './unpack';
 
-export interface Span {
-  from_s: number;
-  to_s: number;
-}
 export interface Recording {
   readonly source: 'file' | 'server' | 'recording';
   readonly name: string;
@@ -33,16 +30,6 @@ export interface Recording {
   heat(kind: HeatKind, from: number, to: number): Promise<HeatPage | string>;
   /** Looks whether there is more by now. */
   refresh(): Promise<void>;
-}
-
-type Spanned = Pick<Recording, 'spans'>;
-export const begins = (recording: Spanned): number => recording.spans[0]?.from_s ?? 0;
-export const ends = (recording: Spanned): number => recording.spans.at(-1)?.to_s ?? 0;
-
-/** The moment itself, or the next one of which there is a frame. */
-export function snap(recording: Spanned, t: number): number {
-  for (const span of recording.spans) if (t <= span.to_s) return Math.max(t, span.from_s);
-  return ends(recording);
 }
 
 export class FileRecording implements Recording {

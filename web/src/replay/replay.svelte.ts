@@ -1,7 +1,8 @@
 // The past being played: which moment, how fast, and what of it is in sight on the scrubber. It gives mirrors as the
 // live link does, whichever shows them.
 import { EMPTY, type Mark, type Mirror } from '../wire';
-import { begins, ends, snap, type Recording, type Span } from './recording';
+import type { Recording } from './recording';
+import { begins, ends, snap, type Span } from './spans';
 import { seek, type Shown } from './seek';
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16, 32, 64] as const;

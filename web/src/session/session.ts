@@ -13,6 +13,11 @@ export interface Me {
 /** Who is signed in, `nobody`, or why that is not known. */
 export type Who = Me | 'nobody' | 'unreachable';
 
+/** Those who run the floor, and so may know who its people are. */
+const TOLD_NAMES: readonly Me['role'][] = ['operator', 'admin'];
+/** Whether this browser may see the names of people; null if that is not known. */
+export const mayName = (who: Who): boolean | null => (typeof who === 'object' ? TOLD_NAMES.includes(who.role) : null);
+
 const PATIENCE_MS = 15_000;
 /** Where pages kept a token before there were sessions. */
 const TOKEN = 'giveway.token';
@@ -31,6 +36,16 @@ export async function whoAmI(): Promise<Who> {
   } catch {
     return 'unreachable';
   }
+}
+
+let asked: Promise<Who> | null = null;
+/** The same, asked once for all parts of a page: whoever signs in or out gets another page. */
+export function whoIsHere(): Promise<Who> {
+  asked ??= whoAmI().then((who) => {
+    if (typeof who === 'string') asked = null;
+    return who;
+  });
+  return asked;
 }
 
 /** Why somebody is not signed in. */

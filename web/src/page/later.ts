@@ -1,0 +1,21 @@
+// Parts of the page that its first sight does not need: they are fetched, with their messages, when they are needed, or
+// else a little after the page is there, so that they come at once and also when the server cannot be reached by then.
+import { learnMore } from '../words';
+
+/** A part and its messages. */
+export const fetched = async <T>(part: Promise<{ default: T }>): Promise<T> => (await Promise.all([part, learnMore()]))[0].default;
+
+export const later = {
+  card: () => fetched(import('./PickedCard.svelte')),
+  job: () => fetched(import('../jobs/JobPanel.svelte')),
+  csv: () => fetched(import('../jobs/CsvJobs.svelte')),
+  robots: () => fetched(import('../robots/RobotsTable.svelte')),
+  bar: () => fetched(import('../replay/ReplayBar.svelte')),
+  bookmarks: () => fetched(import('../replay/Bookmarks.svelte')),
+  wall: () => fetched(import('./Wall.svelte')),
+} as const;
+
+/** Fetches them all. What cannot be fetched now is asked for again when it is needed. */
+export function fetchLater(): void {
+  for (const part of Object.values(later)) part().catch(() => {});
+}
