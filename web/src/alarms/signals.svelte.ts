@@ -1,6 +1,7 @@
 // How the page calls a person who looks elsewhere: by a sound and by a notification of the browser. Both are off until
 // somebody asks for them, and the choice is kept in this browser.
 import type { Alarm, Severity } from '../wire';
+import { said } from '../words';
 import { fresh, severityOf } from './shown';
 
 const [SOUND, NOTIFY, NAME] = ['giveway.alarm-sound', 'giveway.alarm-notifications', 'giveway.name'];
@@ -66,7 +67,7 @@ export class Signals {
       this.#means.beep(rings || news.some((a) => severityOf(a) === 'critical') ? 'critical' : 'warning');
     }
     if (this.notifications) {
-      for (const alarm of news) this.#means.notify(alarm.text, alarm.remedy ?? '', alarm.id);
+      for (const alarm of news) this.#means.notify(said(alarm.text), said(alarm.remedy ?? ''), alarm.id);
     }
   }
 }

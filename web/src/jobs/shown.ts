@@ -2,7 +2,7 @@
 import { untrack } from 'svelte';
 import type { Replay } from '../replay';
 import type { Job, JobKind, Mirror, Robot } from '../wire';
-import { doing, moment, SHORT_KIND_WORDS, STATE_WORDS, t, timeOfDay } from '../words';
+import { doing, moment, said, SHORT_KIND_WORDS, STATE_WORDS, t, timeOfDay } from '../words';
 import type { Jobs } from './jobs.svelte';
 import { jobsUnderWay, waitedAt, type Waited, type Waiter } from './waited';
 
@@ -51,7 +51,7 @@ export function latestJobs({ own, items, state }: Pick<Jobs, 'own' | 'items' | '
     id: job.id, job, mine: i < own.length,
     cells: [
       extra(SHORT_KIND_WORDS[job.kind] ?? job.kind), { text: [job.rack, job.station ?? job.node].filter(Boolean).join(' → ') || '–' }, robotCell(job.robot),
-      { text: STATE_WORDS[job.state] ?? job.state, more: job.why }, extra(String(job.priority)), extra(timeOfDay(job.deadline)), extra(timeOfDay(job.created)),
+      { text: STATE_WORDS[job.state] ?? job.state, more: job.why === null ? null : said(job.why) }, extra(String(job.priority)), extra(timeOfDay(job.deadline)), extra(timeOfDay(job.created)),
     ],
   }));
   const columns: JobTable['columns'] = [
@@ -87,7 +87,7 @@ export function jobsThen(replay: Pick<Replay, 'recording' | 't' | 'waiting'>, mi
 function underWay(robots: readonly Robot[]): JobTable {
   const lines = robots.map((robot): JobLine => ({
     id: robot.job ?? '', job: null, mine: false,
-    cells: [robotCell(robot.id), { text: robot.rack ?? '–' }, { text: doing(robot.doing) }, { text: robot.why ?? '–' }],
+    cells: [robotCell(robot.id), { text: robot.rack ?? '–' }, { text: doing(robot.doing) }, { text: robot.why === null ? '–' : said(robot.why) }],
   }));
   const columns = [t('robot'), t('jobs.then.rack'), t('jobs.then.did'), t('jobs.then.waited')].map((name) => ({ name }));
   return { kind: 'under way', label: t('jobs.then.robots'), heading: null, columns, lines, none: t('jobs.then.none') };

@@ -1,6 +1,6 @@
 // The table of robots: its lines, which of them are wanted, and in which order. Pure.
 import { activityOf, ageOf, onFloor, type Activity, type Alarm, type MapNode, type Mirror, type Robot } from '../wire';
-import { activityWords } from '../words';
+import { activityWords, said } from '../words';
 
 export interface RobotLine {
   readonly id: string;
@@ -38,7 +38,7 @@ export function linesOf(mirror: Mirror, places: readonly MapNode[]): RobotLine[]
     id: robot.id, kind: robot.kind, activity: activityOf(robot), age_s: ageOf(mirror, robot), job: robot.job,
     // What is granted begins where the robot is.
     place: places[robot.granted[0] ?? robot.held[0] ?? -1]?.id ?? null,
-    battery: robot.battery, alarms: alarms.get(robot.id) ?? [], why: robot.why, robot,
+    battery: robot.battery, alarms: alarms.get(robot.id) ?? [], why: robot.why === null ? null : said(robot.why), robot,
   }));
 }
 
@@ -47,7 +47,7 @@ export function wantedOf(lines: readonly RobotLine[], only: Activity | null, sea
   const words = search.toLowerCase().split(/\s+/).filter((word) => word !== '');
   return lines.filter((line) => {
     if (only !== null && line.activity !== only) return false;
-    const cells = [line.id, line.kind, activityWords(line.activity), line.job, line.place, line.why, ...line.alarms.map((a) => a.text)];
+    const cells = [line.id, line.kind, activityWords(line.activity), line.job, line.place, line.why, ...line.alarms.map((a) => said(a.text))];
     const text = cells.filter(Boolean).join(' ').toLowerCase();
     return words.every((word) => text.includes(word));
   });

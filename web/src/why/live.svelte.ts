@@ -1,7 +1,7 @@
 // Why something waits now: asked again every second while it is shown.
 import { poll } from '../parts';
 import type { Api, Why, WhyLink } from '../wire';
-import { span, t, timeOfDay, trouble } from '../words';
+import { said, span, t, timeOfDay, trouble } from '../words';
 import type { WhyShown, WhyStep } from './shown';
 
 const EVERY_MS = 1_000;
@@ -38,7 +38,8 @@ export class LiveWhy implements WhyShown {
   }
 }
 
-function stepOf({ who, kind, text, ahead, by, by_kind, until, until_s }: WhyLink): WhyStep {
+function stepOf({ who, kind, text: english, ahead, by, by_kind, until, until_s }: WhyLink): WhyStep {
+  const text = said(english);
   // Robots, jobs and workers that are waited for are links of the chain themselves.
   const beside = by !== null && by_kind !== null && by_kind !== 'robot' && by_kind !== 'job' && by_kind !== 'worker';
   const soon = until_s !== null && until_s >= 1 ? t('why.until', { time: timeOfDay(until), span: span(until_s) }) : t('why.soon');

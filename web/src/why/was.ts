@@ -1,5 +1,5 @@
 // Why a robot waited in the past, from the words of the frames alone: so it works for a file without a server, too.
-import { doing, t } from '../words';
+import { doing, said, t } from '../words';
 import { row, type Mirror, type Robot } from '../wire';
 
 /** One link of a chain: a robot, and what it waits for or does, in words. */
@@ -15,7 +15,7 @@ export function chainOf(mirror: Mirror, id: string): Link[] {
   for (let robot = row(mirror.robots, id); robot && !met.has(robot.id); robot = namedIn(robot.why, mirror)) {
     met.add(robot.id);
     if (chain.length === 0 && robot.why === null) return [];
-    chain.push({ who: robot.id, text: robot.why ?? (robot.speed > 0.01 ? t('why.was.drives') : doing(robot.doing)) });
+    chain.push({ who: robot.id, text: robot.why !== null ? said(robot.why) : (robot.speed > 0.01 ? t('why.was.drives') : doing(robot.doing)) });
   }
   return chain;
 }
