@@ -1,10 +1,10 @@
 // The server's sentences in the languages of the dashboard.
 import { describe, expect, test } from 'vitest';
-import { patternsOf, translated } from '../src/words/said';
-import de from '../src/words/said/de.json';
-import en from '../src/words/said/en.json';
-import es from '../src/words/said/es.json';
-import zh from '../src/words/said/zh.json';
+import { patternsOf, translated } from '../src/language';
+import de from '../src/language/said/de.json';
+import en from '../src/language/said/en.json';
+import es from '../src/language/said/es.json';
+import zh from '../src/language/said/zh.json';
 
 const places = (text: string): string => [...new Set(text.match(/\{\d\}/g) ?? [])].sort().join();
 

@@ -15,6 +15,7 @@ import { board, refusal, Screen, write } from './screen';
 import { Server } from './server';
 import { lockedForm, placesOf, refusalWords, signInForm, type SignedIn } from './signin';
 import { Wearer, PLACED_MS } from './wearer';
+import { learnSaid } from '../language';
 import { learn, metres, seconds, t } from './words';
 import { offers, RoomView } from './xr';
 
@@ -252,4 +253,4 @@ async function sheets(): Promise<void> {
   host.replaceChildren(markSheets(map.value, () => void sheets()));
 }
 
-void learn().then(() => (location.pathname.endsWith('/marks') ? sheets() : signIn()));
+void learn().then(learnSaid).then(() => (location.pathname.endsWith('/marks') ? sheets() : signIn()));

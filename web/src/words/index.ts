@@ -4,5 +4,5 @@ export * from './format';
 export { learn, learnMore, t, within, wordsBy, type MessageKey } from './say';
 export * from './linkwords';
 export * from './moments';
-export { learnSaid, said } from './said';
+export { learnSaid, said } from '../language';
 export { trouble } from './trouble';

@@ -1,5 +1,5 @@
 // What went wrong with a request, in words.
-import { said } from './said';
+import { said } from '../language';
 import { t } from './say';
 import { PAST, type Answer } from '../wire';
 

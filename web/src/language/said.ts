@@ -1,7 +1,7 @@
 // What the server says in English sentences (why something waits, what is wrong and what to do, why something is refused) in
 // the language of the reader. The sentences are the keys, as in gettext: `said/en.json` has their patterns, and the file of
 // each other language the translations in the same order. What has no pattern stays English.
-import { spoken } from '../language';
+import { spoken } from './choice';
 
 type Texts = readonly string[];
 const files = import.meta.glob<Texts>('./said/*.json', { import: 'default' });
