@@ -34,6 +34,8 @@ pub mod publish;
 pub mod recording;
 mod refusal;
 mod roles;
+#[cfg(test)]
+mod said;
 mod shift;
 pub mod text;
 pub mod trial;

@@ -190,7 +190,7 @@ fn at_stop(act: Act) -> &'static str {
 }
 
 /// The reason as a predicate: "waiting for …" becomes "waits for …".
-fn active(text: &str) -> String {
+pub(super) fn active(text: &str) -> String {
     for (from, to) in [
         ("waiting for ", "waits for "),
         ("giving way to ", "gives way to "),
