@@ -241,7 +241,7 @@ export class Wearer {
         [this.guidance, this.#heardAt] = [event.guidance, this.#options.clock.now()];
         return this.#askTask(this.#heardAt);
       case 'done':
-        if (event.refused !== null) [this.#reported, this.notTaken] = [null, event.refused];
+        if (event.refused !== null) [this.#reported, this.notTaken] = [null, said(event.refused)];
         else this.finished = event.assignment;
         return;
       case 'warning':
