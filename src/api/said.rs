@@ -1,5 +1,5 @@
 //! Whether dashboards can say the server's sentences in other languages: each has a pattern in
-//! `web/src/language/said/en.json`, beside which the translations are.
+//! `web/src/language/said/patterns.json`, beside which the translations are.
 //!
 //! Tests alone. Refuses: to judge a translation.
 
@@ -16,7 +16,8 @@ use crate::warehouse::{NodeKind, lab};
 use std::sync::Arc;
 
 fn patterns() -> Vec<String> {
-    serde_json::from_str(include_str!("../../web/src/language/said/en.json")).expect("a list of sentences")
+    serde_json::from_str(include_str!("../../web/src/language/said/patterns.json"))
+        .expect("a list of sentences")
 }
 
 /// What stands in the places of a pattern, if a text is of its shape: as few characters in each as can be.

@@ -1,8 +1,8 @@
 // The server's sentences in the languages of the dashboard.
 import { describe, expect, test } from 'vitest';
-import { patternsOf, translated } from '../src/language';
+import { patternsOf, translated } from '../src/language/sentences';
 import de from '../src/language/said/de.json';
-import en from '../src/language/said/en.json';
+import en from '../src/language/said/patterns.json';
 import es from '../src/language/said/es.json';
 import zh from '../src/language/said/zh.json';
 
