@@ -20,10 +20,10 @@ use std::sync::Arc;
 
 /// When workers come in, seconds (Petković 2021, figure 4.8).
 pub const ENTER_S: f64 = 250.0;
-/// So often the robots' time is looked at.
-const LOOK_EVERY: Span = Span::from_secs(1);
 /// When they deviate, seconds (the same).
 const DEVIATE_S: [f64; 6] = [300.0, 320.0, 420.0, 450.0, 500.0, 625.0];
+/// So often the robots' time is looked at.
+const LOOK_EVERY: Span = Span::from_secs(1);
 
 /// One experiment, to be run with many seeds.
 #[derive(Clone, Debug)]

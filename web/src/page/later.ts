@@ -1,5 +1,5 @@
 // Parts of the page that its first sight does not need: they are fetched, with their messages, when they are needed, or
-// else a little after the page is there, so that they come at once and also when the server cannot be reached by then.
+// else a little after the page is there, so that they open at once, also while the server cannot be reached.
 import { learnMore } from '../words';
 
 /** A part and its messages. */
