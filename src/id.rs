@@ -55,6 +55,8 @@ dense! {
     RobotId "r";
     /// A rack.
     RackId "k";
+    /// An arrangement of the bins of racks.
+    RackTypeId "y";
     /// A picking station.
     StationId "s";
     /// A worker.

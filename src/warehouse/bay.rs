@@ -47,6 +47,6 @@ impl Bay {
             draft.lanes.push(DraftLane::one_way(&pair[0], &pair[1], Users::ROBOTS));
         }
         let (name, node) = (self.name.clone(), self.name);
-        draft.stations.push(DraftStation { name, node, queue, pick: self.pick });
+        draft.stations.push(DraftStation { name, node, queue, pick: self.pick, cell: None });
     }
 }

@@ -3,12 +3,13 @@
 //! Main types: [`Draft`] and its parts. Refuses: to build anything on which [`super::check`] finds a problem.
 
 use super::body::Bodies;
+use super::cell::{Cell, RackType};
 use super::check::{self, Findings};
 use super::conflict;
 use super::near::PointIndex;
 use super::{Arc, FloorMark, Lane, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
 use crate::geometry::{Point, Segment, turn_between};
-use crate::id::{Dense, IdVec, NodeId, StationId};
+use crate::id::{Dense, IdVec, NodeId, RackTypeId, StationId};
 use crate::time::Span;
 use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,6 +32,8 @@ pub struct Draft {
     pub stations: Vec<DraftStation>,
     /// Racks.
     pub racks: Vec<DraftRack>,
+    /// How bins are arranged in racks.
+    pub rack_types: Vec<RackType>,
     /// Names of nodes for racks.
     pub storage: Vec<String>,
     /// Names of charging nodes.
@@ -99,12 +102,14 @@ pub struct DraftRack {
     pub load: Option<String>,
     /// Its weight, kilograms.
     pub weight_kg: f64,
+    /// Name of its type, which says how its bins are arranged.
+    pub rack_type: Option<String>,
 }
 
 impl DraftRack {
     /// A rack without type and weight: every robot carries it.
     pub fn plain(name: impl Into<String>, node: impl Into<String>) -> DraftRack {
-        DraftRack { name: name.into(), node: node.into(), load: None, weight_kg: 0.0 }
+        DraftRack { name: name.into(), node: node.into(), load: None, weight_kg: 0.0, rack_type: None }
     }
 }
 
@@ -119,6 +124,8 @@ pub struct DraftStation {
     pub queue: Vec<String>,
     /// Usual length of a pick.
     pub pick: Span,
+    /// Its work cell.
+    pub cell: Option<Cell>,
 }
 
 impl Draft {
@@ -168,6 +175,7 @@ impl Draft {
                 node: id(&s.node),
                 queue: s.queue.iter().map(id).collect(),
                 pick: s.pick,
+                cell: s.cell.clone(),
             })
             .collect();
         let kinds = self.kinds(&ids, &stations);
@@ -192,6 +200,7 @@ impl Draft {
                 home: id(&r.node),
                 load: r.load.clone(),
                 weight_kg: r.weight_kg,
+                rack_type: r.rack_type.as_ref().and_then(|t| self.rack_type_named(t)),
             })
             .collect();
         let mut warehouse = Warehouse {
@@ -206,6 +215,7 @@ impl Draft {
             arcs: IdVec::new(),
             stations,
             racks,
+            rack_types: self.rack_types.into(),
             walkable: self.walkable,
             obstacles: self.obstacles,
             marks: self.marks,
@@ -217,6 +227,10 @@ impl Draft {
         warehouse.index_lines();
         warehouse.index_arcs();
         warehouse
+    }
+
+    fn rack_type_named(&self, name: &str) -> Option<RackTypeId> {
+        self.rack_types.iter().position(|t| t.name == name).map(RackTypeId::at)
     }
 
     fn kinds(

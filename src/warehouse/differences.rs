@@ -90,13 +90,16 @@ fn nodes(w: &Warehouse, kind: Option<NodeKind>) -> Things {
 fn stations(w: &Warehouse) -> Things {
     let rest = |s: &super::Station| {
         let queue: Vec<&str> = s.queue.iter().map(|n| w.nodes[*n].name.as_str()).collect();
-        format!("{} {queue:?} {:?}", w.nodes[s.node].name, s.pick)
+        format!("{} {queue:?} {:?} {:?}", w.nodes[s.node].name, s.pick, s.cell)
     };
     w.stations.iter().map(|s| named(&s.name, w.nodes[s.node].at, rest(s))).collect()
 }
 
 fn racks(w: &Warehouse) -> Things {
-    let rest = |r: &super::Rack| format!("{} {:?} {}", w.nodes[r.home].name, r.load, r.weight_kg);
+    let rest = |r: &super::Rack| {
+        let rack_type = r.rack_type.map(|t| &w.rack_types[t]);
+        format!("{} {:?} {} {rack_type:?}", w.nodes[r.home].name, r.load, r.weight_kg)
+    };
     w.racks.iter().map(|r| named(&r.name, w.nodes[r.home].at, rest(r))).collect()
 }
 

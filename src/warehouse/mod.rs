@@ -6,6 +6,7 @@
 mod bay;
 mod body;
 mod build;
+pub mod cell;
 mod check;
 mod conflict;
 mod differences;
@@ -20,6 +21,7 @@ pub mod walkway;
 
 pub use body::{Body, MOST_BODIES};
 pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
+pub use cell::{Cell, RackType, SlotName};
 pub use check::{
     Finding, Findings, Remark, Review, Severity, ShutIn, review, room_for, shut_in, shut_in_text,
 };
@@ -31,7 +33,7 @@ pub use summary::{MapSummary, summary};
 pub use svg::{review_to_svg, to_svg};
 
 use crate::geometry::Point;
-use crate::id::{ArcId, BodyId, Dense, IdVec, LaneId, NodeId, RackId, ResourceId, StationId};
+use crate::id::{ArcId, BodyId, Dense, IdVec, LaneId, NodeId, RackId, RackTypeId, ResourceId, StationId};
 use crate::time::Span;
 use smallvec::SmallVec;
 
@@ -183,6 +185,8 @@ pub struct Station {
     pub queue: Vec<NodeId>,
     /// How long a pick takes unless the job says otherwise.
     pub pick: Span,
+    /// Its work cell; without one, picks are spans of time.
+    pub cell: Option<Cell>,
 }
 
 /// A rack as the map knows it.
@@ -196,6 +200,8 @@ pub struct Rack {
     pub load: Option<String>,
     /// Its weight, kilograms.
     pub weight_kg: f64,
+    /// How its bins are arranged; without a type it has no slots.
+    pub rack_type: Option<RackTypeId>,
 }
 
 /// A mark on the floor: a place that can be touched or seen, by which a headset finds where it is.
@@ -224,6 +230,8 @@ pub struct Warehouse {
     pub stations: IdVec<StationId, Station>,
     /// All racks.
     pub racks: IdVec<RackId, Rack>,
+    /// How bins are arranged in racks.
+    pub rack_types: IdVec<RackTypeId, RackType>,
     /// Outlines of the floor on which people may walk.
     pub walkable: Vec<Vec<Point>>,
     /// Outlines of obstacles.

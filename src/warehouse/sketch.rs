@@ -57,7 +57,13 @@ fn role(draft: &mut Draft, letter: char, node: String) {
         }
         '1'..='9' => {
             let name = format!("station {letter}");
-            draft.stations.push(DraftStation { name, node, queue: Vec::new(), pick: Span::from_secs(8) });
+            draft.stations.push(DraftStation {
+                name,
+                node,
+                queue: Vec::new(),
+                pick: Span::from_secs(8),
+                cell: None,
+            });
         }
         _ => {}
     }

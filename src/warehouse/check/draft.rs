@@ -4,7 +4,7 @@
 //! need ids.
 
 use super::place::FindingPlace;
-use super::{Doubts, Findings};
+use super::{Doubts, Findings, cell};
 use crate::geometry::Point;
 use crate::warehouse::build::{Draft, DraftLane, DraftRack};
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,6 +46,8 @@ pub(in crate::warehouse) fn names_and_numbers(draft: &Draft) -> Result<(), Findi
     let at = nodes(draft, &mut found);
     lanes(draft, &at, &mut found);
     stations(draft, &mut found);
+    cell::cells(draft, &at, &mut found);
+    cell::rack_types(draft, &mut found);
     racks(draft, &mut found);
     roles(draft, &at, &mut found);
     outlines(draft, &mut found);
@@ -74,11 +76,11 @@ fn is_footprint(f: f64) -> bool {
     f.is_finite() && f > 0.0 && f <= FOOTPRINT_MAX_M
 }
 
-fn is_far(p: Point) -> bool {
+pub(super) fn is_far(p: Point) -> bool {
     [p.x, p.y].iter().any(|v| !v.is_finite() || v.abs() > FAR_M)
 }
 
-fn good_name(name: &str, place: &FindingPlace, found: &mut Findings) {
+pub(super) fn good_name(name: &str, place: &FindingPlace, found: &mut Findings) {
     if name.is_empty() || name.chars().count() > NAME_MAX || name.chars().any(char::is_control) {
         let remedy = format!("use 1 to {NAME_MAX} visible characters");
         found.add(place, "the name is empty, too long or has control characters", remedy);

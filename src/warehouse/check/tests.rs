@@ -300,7 +300,7 @@ fn with_queue() -> Draft {
     draft.lanes.extend(ways.map(|(from, to)| DraftLane::one_way(from, to, Users::ROBOTS)));
     let queue = vec!["q1".to_string(), "q2".to_string()];
     let (name, node) = ("W".to_string(), "pick".to_string());
-    draft.stations.push(DraftStation { name, node, queue, pick: Span::from_secs(8) });
+    draft.stations.push(DraftStation { name, node, queue, pick: Span::from_secs(8), cell: None });
     draft
 }
 

@@ -4,6 +4,7 @@
 //! Refuses: unknown keys, other versions, and buildings with findings.
 
 use super::MapError;
+use super::cell_record::{CellRecord, RackTypeRecord};
 use crate::geometry::Point;
 use crate::id::NodeId;
 use crate::time::Span;
@@ -47,6 +48,7 @@ pub fn write(w: &Warehouse) -> String {
     rows(&mut text, "nodes", &record.nodes, 1);
     rows(&mut text, "lanes", &record.lanes, 1);
     rows(&mut text, "storage", &record.storage, 16);
+    rows(&mut text, "rack_types", &record.rack_types, 1);
     rows(&mut text, "racks", &record.racks, 1);
     rows(&mut text, "stations", &record.stations, 1);
     rows(&mut text, "chargers", &record.chargers, 16);
@@ -89,6 +91,8 @@ struct MapRecord {
     lanes: Vec<LaneRecord>,
     #[serde(default)]
     storage: Vec<String>,
+    #[serde(default)]
+    rack_types: Vec<RackTypeRecord>,
     #[serde(default)]
     racks: Vec<RackRecord>,
     #[serde(default)]
@@ -157,6 +161,8 @@ struct RackRecord {
     load: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     weight_kg: Option<Number>,
+    #[serde(default, rename = "type", skip_serializing_if = "Option::is_none")]
+    rack_type: Option<String>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -167,16 +173,30 @@ struct StationRecord {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     queue: Vec<String>,
     pick_s: Number,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cell: Option<CellRecord>,
 }
 
 /// A corner of an outline: `[x, y]`.
 #[derive(Serialize, Deserialize, Clone, Copy)]
-struct Corner(Number, Number);
+pub(super) struct Corner(pub Number, pub Number);
 
 /// A number that is written without a fraction where it has none.
 #[derive(Deserialize, Clone, Copy)]
 #[serde(transparent)]
-struct Number(f64);
+pub(super) struct Number(pub f64);
+
+impl Corner {
+    /// The corners of an outline.
+    pub fn outline(corners: &[Corner]) -> Vec<Point> {
+        corners.iter().map(|c| Point::new(c.0.0, c.1.0)).collect()
+    }
+
+    /// The same, as it is written.
+    pub fn of_outline(outline: &[Point]) -> Vec<Corner> {
+        outline.iter().map(|p| Corner(Number(p.x), Number(p.y))).collect()
+    }
+}
 
 impl Serialize for Number {
     fn serialize<S: Serializer>(&self, s: S) -> Result<S::Ok, S::Error> {
@@ -200,7 +220,6 @@ impl<'de> Deserialize<'de> for Draft {
 
 impl From<MapRecord> for Draft {
     fn from(r: MapRecord) -> Draft {
-        let outline = |corners: Vec<Corner>| corners.into_iter().map(|c| Point::new(c.0.0, c.1.0)).collect();
         let node = |n: NodeRecord| DraftNode { name: n.id, at: Point::new(n.x.0, n.y.0) };
         Draft {
             name: r.name,
@@ -209,12 +228,13 @@ impl From<MapRecord> for Draft {
             lanes: r.lanes.into_iter().map(DraftLane::from).collect(),
             stations: r.stations.into_iter().map(DraftStation::from).collect(),
             racks: r.racks.into_iter().map(DraftRack::from).collect(),
+            rack_types: r.rack_types.into_iter().map(|t| t.rack_type(r.footprint_m)).collect(),
             storage: r.storage,
             chargers: r.chargers,
             parking: r.parking,
             exits: r.exits,
-            walkable: r.walkable.into_iter().map(outline).collect(),
-            obstacles: r.obstacles.into_iter().map(outline).collect(),
+            walkable: r.walkable.iter().map(|o| Corner::outline(o)).collect(),
+            obstacles: r.obstacles.iter().map(|o| Corner::outline(o)).collect(),
             marks: (r.marks.into_iter())
                 .map(|m| FloorMark { name: m.id, at: Point::new(m.x.0, m.y.0) })
                 .collect(),
@@ -235,14 +255,15 @@ impl From<LaneRecord> for DraftLane {
 }
 
 impl From<RackRecord> for DraftRack {
-    fn from(RackRecord { id, node, load, weight_kg }: RackRecord) -> DraftRack {
-        DraftRack { name: id, node, load, weight_kg: weight_kg.map_or(0.0, |n| n.0) }
+    fn from(RackRecord { id, node, load, weight_kg, rack_type }: RackRecord) -> DraftRack {
+        DraftRack { name: id, node, load, weight_kg: weight_kg.map_or(0.0, |n| n.0), rack_type }
     }
 }
 
 impl From<StationRecord> for DraftStation {
     fn from(s: StationRecord) -> DraftStation {
-        DraftStation { name: s.id, node: s.node, queue: s.queue, pick: Span::from_secs_f64(s.pick_s.0) }
+        let (pick, cell) = (Span::from_secs_f64(s.pick_s.0), s.cell.map(CellRecord::cell));
+        DraftStation { name: s.id, node: s.node, queue: s.queue, pick, cell }
     }
 }
 
@@ -250,7 +271,6 @@ impl From<&Warehouse> for MapRecord {
     fn from(w: &Warehouse) -> MapRecord {
         let name = |n: NodeId| w.nodes[n].name.clone();
         let of = |kind: NodeKind| w.nodes_where(|k| k == kind).into_iter().map(name).collect();
-        let outline = |o: &Vec<Point>| o.iter().map(|p| Corner(Number(p.x), Number(p.y))).collect();
         let node = |n: &crate::warehouse::Node| NodeRecord {
             id: n.name.clone(),
             x: Number(n.at.x),
@@ -263,12 +283,14 @@ impl From<&Warehouse> for MapRecord {
             nodes: w.nodes.iter().map(node).collect(),
             lanes: w.lanes.iter().map(|l| lane_record(w, l)).collect(),
             storage: of(NodeKind::Storage),
+            rack_types: w.rack_types.iter().map(RackTypeRecord::of).collect(),
             racks: (w.racks.iter())
                 .map(|r| RackRecord {
                     id: r.name.clone(),
                     node: name(r.home),
                     load: r.load.clone(),
                     weight_kg: (r.weight_kg != 0.0).then_some(Number(r.weight_kg)),
+                    rack_type: r.rack_type.map(|t| w.rack_types[t].name.clone()),
                 })
                 .collect(),
             stations: (w.stations.iter())
@@ -277,13 +299,14 @@ impl From<&Warehouse> for MapRecord {
                     node: name(s.node),
                     queue: s.queue.iter().map(|&q| name(q)).collect(),
                     pick_s: Number(s.pick.as_secs_f64()),
+                    cell: s.cell.as_ref().map(CellRecord::of),
                 })
                 .collect(),
             chargers: of(NodeKind::Charger),
             parking: of(NodeKind::Parking),
             exits: of(NodeKind::Exit),
-            walkable: w.walkable.iter().map(outline).collect(),
-            obstacles: w.obstacles.iter().map(outline).collect(),
+            walkable: w.walkable.iter().map(|o| Corner::of_outline(o)).collect(),
+            obstacles: w.obstacles.iter().map(|o| Corner::of_outline(o)).collect(),
             marks: (w.marks.iter())
                 .map(|m| MarkRecord { id: m.name.clone(), x: Number(m.at.x), y: Number(m.at.y) })
                 .collect(),

@@ -3,6 +3,7 @@
 //! Main types: [`MapError`], [`Options`], [`ImportNotes`]; [`import`] finds out which format a text is in.
 //! Refuses: reading files, and maps that are not well-formed.
 
+mod cell_record;
 mod grid;
 pub mod json;
 pub mod kiva;

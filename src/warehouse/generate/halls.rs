@@ -136,5 +136,6 @@ fn station(pen: &mut Pen, name: &str, way: &[(&str, Cell)], ends: (Cell, Cell), 
         node: way[queue].0.into(),
         queue: way[..queue].iter().rev().map(|(name, _)| name.to_string()).collect(),
         pick: Span::from_secs(8),
+        cell: None,
     });
 }
