@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!   time  id  geometry  →  warehouse  →  timeline  →  route  ┐
-//!                                           human            ├→  aware            →  fleet
+//!                                           human            ├→  aware    cell    →  fleet
 //!   pure: no clock, no I/O, no chance, no hash order ────────┘                         │
 //!  ════════════════════════════════════════════════════════════════════════════════════╪══ the line
 //!   pure too:   sim (a floor in memory)  →  experiment (tables that others can repeat) │
@@ -35,6 +35,8 @@
 //!   were learned from recorded people (`human/forecast.rs`, `human/model.rs`) and are judged while the system runs.
 //! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
+//! - [`cell`]: the picking station as a work cell: order lines, and how far each is. It knows neither routes nor
+//!   timelines.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`history`]: what happened over time, as figures in buckets of bounded number. It decides nothing.
 //! - [`alarm`]: what is wrong, causes only, and the life of an alarm: raised, acknowledged, cleared. It decides nothing
@@ -360,6 +362,7 @@ pub mod alarm;
 #[cfg(feature = "edge")]
 pub mod api;
 pub mod aware;
+pub mod cell;
 #[cfg(feature = "edge")]
 pub mod cli;
 pub mod experiment;
