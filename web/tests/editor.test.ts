@@ -3,7 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { changes } from '../src/editor/diff';
 import { readDxf } from '../src/editor/dxf';
 import { along, drawBlock, drawLane, drawOutline, drawPlace, drawStation, erase, eraseArea, moveNode, nodeAt, renameNode, setKind, snapped } from '../src/editor/edit';
-import { EMPTY, kindsOf, readFile, writeFile, type MapFile } from '../src/editor/file';
+import { EMPTY, kindsOf, readFile, writeFile, type FileCell, type MapFile } from '../src/editor/file';
 import { begin, put, redo, undo } from '../src/editor/history';
 import { whole, zoomed } from '../src/editor/view';
 import files from '../fixtures/map.json';
@@ -119,6 +119,20 @@ describe('map files', () => {
   test('are read as they are written, with what the editor does not draw', () => {
     const map = { ...drawPlace(EMPTY, spot(0, 0.5), 'charger', 1), lanes: [{ from: 'n1', to: 'n1', length_m: 2, kinds: ['lifter'] }] };
     expect(readFile(writeFile(map))).toEqual(map);
+  });
+  test('keep the work cells of stations, which move with them, and the types of racks', () => {
+    const map = drawPlace(drawLane(EMPTY, spot(0, 0), spot(4, 0), true, 1), spot(2, 1), 'station', 1);
+    const cell: FileCell = {
+      workplace: [[1.5, 2], [2.5, 2], [2, 3]], opening: { outline: [[1.5, 1.6], [2.5, 1.6], [2, 1.7]], from_m: 0.2, to_m: 2 },
+      totes: [{ id: 'A', at: [1.5, 3, 0.9] }], arm: { base: [3, 2, 0.8], kind: 'ur5' },
+    };
+    const types = [{ id: 'shelf', columns: 4, heights_m: [0.4], width_m: 0.8 }];
+    const whole: MapFile = { ...map, rack_types: types, stations: [{ ...map.stations[0]!, cell }] };
+    expect(readFile(writeFile(whole))).toEqual(whole);
+    const moved = moveNode(whole, map.stations[0]!.node, spot(2.5, 1)).stations[0]!.cell!;
+    expect([moved.workplace, moved.opening.outline[0], moved.totes[0]!.at, moved.arm!.base]).toEqual([
+      [[2, 2], [3, 2], [2.5, 3]], [2, 1.6], [2, 3, 0.9], [3.5, 2, 0.8],
+    ]);
   });
   test('that are none are refused with a sentence', () => {
     const wrong = ['{', '[]', '{"giveway_map":2}', '{"giveway_map":1,"nodes":3}', '{"giveway_map":1,"nodes":[{"id":1}]}', '{"giveway_map":1,"obstacles":[[1]]}'];

@@ -22,6 +22,7 @@ export function changes(old: MapFile, fresh: MapFile): Change[] {
     compared('nodes', old.nodes, fresh.nodes, id),
     compared('lanes', old.lanes, fresh.lanes, lane),
     compared('stations', old.stations, fresh.stations, id),
+    compared('types of racks', old.rack_types, fresh.rack_types, id),
     compared('racks', old.racks, fresh.racks, id),
     compared('storage places', old.storage, fresh.storage, self),
     compared('chargers', old.chargers, fresh.chargers, self),

@@ -1,5 +1,5 @@
 // What the tools do to a map file: each takes one and gives another, so that undoing is going back to the one before.
-import { kindsOf, type Corner, type FileLane, type FileNode, type Kind, type MapFile, type User } from './file';
+import { kindsOf, type Corner, type FileCell, type FileLane, type FileNode, type Kind, type MapFile, type Place, type User } from './file';
 
 export interface Spot { readonly x: number; readonly y: number }
 
@@ -264,12 +264,28 @@ export function eraseArea(map: MapFile, a: Spot, b: Spot): MapFile {
   return { ...rest, obstacles: rest.obstacles.filter(keep), walkable: rest.walkable.filter(keep) };
 }
 
-/** A node elsewhere, if no other is there; lanes that had a length of their own become straight again. */
+/** A cell so much farther to the right and up. */
+function movedCell(cell: FileCell, dx: number, dy: number): FileCell {
+  const outline = (corners: readonly Corner[]): Corner[] => corners.map(([x, y]) => [round(x + dx), round(y + dy)]);
+  const place = ([x, y, z]: Place): Place => [round(x + dx), round(y + dy), z];
+  return {
+    ...cell,
+    workplace: outline(cell.workplace),
+    opening: { ...cell.opening, outline: outline(cell.opening.outline) },
+    totes: cell.totes.map((tote) => ({ ...tote, at: place(tote.at) })),
+    ...(cell.arm ? { arm: { ...cell.arm, base: place(cell.arm.base) } } : {}),
+  };
+}
+
+/** A node elsewhere, if no other is there, and with a station its cell; lanes that had a length of their own become straight
+ *  again. */
 export function moveNode(map: MapFile, id: string, to: Spot): MapFile {
-  const there = nodeAt(map, to);
-  if (there !== null) return map;
+  const [there, from] = [nodeAt(map, to), map.nodes.find((n) => n.id === id)];
+  if (there !== null || !from) return map;
+  const along = (cell: FileCell): FileCell => movedCell(cell, to.x - from.x, to.y - from.y);
   return {
     ...map,
+    stations: map.stations.map((s) => (s.node === id && s.cell ? { ...s, cell: along(s.cell) } : s)),
     nodes: map.nodes.map((n) => (n.id === id ? { ...n, x: to.x, y: to.y } : n)),
     lanes: map.lanes.map((l) => {
       if (l.length_m === undefined || (l.from !== id && l.to !== id)) return l;

@@ -11,8 +11,17 @@ export interface FileLane {
   readonly for?: readonly User[];
   readonly kinds?: readonly string[];
 }
-export interface FileRack { readonly id: string; readonly node: string; readonly load?: string; readonly weight_kg?: number }
-export interface FileStation { readonly id: string; readonly node: string; readonly queue?: readonly string[]; readonly pick_s: number }
+export interface FileRack { readonly id: string; readonly node: string; readonly load?: string; readonly weight_kg?: number; readonly type?: string }
+/** `[x, y, z]`, z above the floor. */
+export type Place = readonly [number, number, number];
+export interface FileCell {
+  readonly workplace: readonly Corner[];
+  readonly opening: { readonly outline: readonly Corner[]; readonly from_m: number; readonly to_m: number };
+  readonly totes: readonly { readonly id: string; readonly at: Place }[];
+  readonly arm?: { readonly base: Place; readonly heading_deg?: number; readonly kind: string };
+}
+export interface FileStation { readonly id: string; readonly node: string; readonly queue?: readonly string[]; readonly pick_s: number; readonly cell?: FileCell }
+export interface FileRackType { readonly id: string }
 export interface MapFile {
   readonly giveway_map: 1;
   readonly name: string;
@@ -20,6 +29,7 @@ export interface MapFile {
   readonly nodes: readonly FileNode[];
   readonly lanes: readonly FileLane[];
   readonly storage: readonly string[];
+  readonly rack_types: readonly FileRackType[];
   readonly racks: readonly FileRack[];
   readonly stations: readonly FileStation[];
   readonly chargers: readonly string[];
@@ -35,10 +45,10 @@ export const KIND_WORDS: Record<Kind, string> = {
   parking: 'parking place', exit: 'door for people',
 };
 
-const LISTS = ['nodes', 'lanes', 'storage', 'racks', 'stations', 'chargers', 'parking', 'exits', 'walkable', 'obstacles', 'marks'] as const;
+const LISTS = ['nodes', 'lanes', 'storage', 'rack_types', 'racks', 'stations', 'chargers', 'parking', 'exits', 'walkable', 'obstacles', 'marks'] as const;
 
 export const EMPTY: MapFile = {
-  giveway_map: 1, name: 'new floor', footprint_m: 0.9, nodes: [], lanes: [], storage: [], racks: [], stations: [],
+  giveway_map: 1, name: 'new floor', footprint_m: 0.9, nodes: [], lanes: [], storage: [], rack_types: [], racks: [], stations: [],
   chargers: [], parking: [], exits: [], walkable: [], obstacles: [], marks: [],
 };
 
