@@ -2,7 +2,9 @@
 //!
 //! `UPDATE_MAPS=1 cargo test --test maps` writes the maps anew after a generator has changed.
 
-use giveway::warehouse::{ShutIn, Warehouse, formats, kiva, lab, mixed, shut_in, shut_in_text, thesis};
+use giveway::warehouse::{
+    ShutIn, Warehouse, formats, kiva, lab, mixed, shut_in, shut_in_text, stations, thesis,
+};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -10,8 +12,8 @@ fn path(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("maps").join(name)
 }
 
-fn shipped() -> [Warehouse; 4] {
-    [lab(), thesis(), kiva(), mixed()]
+fn shipped() -> [Warehouse; 5] {
+    [lab(), thesis(), kiva(), mixed(), stations()]
 }
 
 fn schema() -> Value {

@@ -3,12 +3,13 @@
 //! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
+use super::cell::{LineDto, lines_dto};
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::alarm::displacement_words;
 use crate::fleet::{
-    Counts, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotChoice, RobotState, RobotView, View,
-    Visiting, Why,
+    Counts, Job, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotChoice, RobotState, RobotView,
+    View, Visiting, Why,
 };
 use crate::id::{Dense, NodeId, RobotId, StationId};
 use crate::time::Time;
@@ -162,6 +163,8 @@ pub struct StopDto {
     pub pick_s: Option<f64>,
     /// When the pick there had ended, RFC 3339; null until then.
     pub served: Option<String>,
+    /// What is picked there.
+    pub lines: Vec<LineDto>,
 }
 
 /// One job.
@@ -178,6 +181,8 @@ pub struct JobDto {
     pub station: Option<String>,
     /// The stations of a delivery to several of them, in their order; empty for one.
     pub stops: Vec<StopDto>,
+    /// What is picked at its station; of several, see `stops`.
+    pub lines: Vec<LineDto>,
     /// The node to bring it, or the robot, to.
     pub node: Option<String>,
     /// The robot that works on it, the last one that did, or the one that the job names.
@@ -229,6 +234,12 @@ pub struct JobTimesDto {
 
 fn as_text<S: Serializer>(t: &Time, to: S) -> Result<S::Ok, S::Error> {
     to.serialize_str(&time_text(*t))
+}
+
+/// The lines at one of a job's stations; nothing where it has none.
+fn visit_lines(job: &Job, visit: usize) -> Vec<LineDto> {
+    let is_on = matches!(job.state, JobState::Picking { .. }) && visit == job.served.len();
+    job.lines.get(visit).map_or_else(Vec::new, |lines| lines_dto(lines, is_on))
 }
 
 /// Gives names to ids.
@@ -317,20 +328,21 @@ impl Names<'_> {
 
     /// All stations.
     pub fn stations(&self) -> Vec<StationDto> {
+        self.map.stations.ids().map(|id| self.station(id)).collect()
+    }
+
+    /// One station.
+    pub fn station(&self, id: StationId) -> StationDto {
         let nobody = crate::fleet::StationView::default();
-        let stations = self.map.stations.iter().enumerate();
-        let station = |(i, s): (usize, &crate::warehouse::Station)| {
-            let seen = self.view.stations.get(i).unwrap_or(&nobody);
-            StationDto {
-                id: s.name.clone(),
-                robot: seen.robot.map(|r| self.robot(r)),
-                queue: seen.queue.iter().map(|r| self.robot(*r)).collect(),
-                served: seen.served,
-                picking: seen.picking,
-                paused: seen.paused.map(time_text),
-            }
-        };
-        stations.map(station).collect()
+        let seen = self.view.stations.get(id.ix()).unwrap_or(&nobody);
+        StationDto {
+            id: self.map.stations[id].name.clone(),
+            robot: seen.robot.map(|r| self.robot(r)),
+            queue: seen.queue.iter().map(|r| self.robot(*r)).collect(),
+            served: seen.served,
+            picking: seen.picking,
+            paused: seen.paused.map(time_text),
+        }
     }
 
     /// A job.
@@ -358,6 +370,7 @@ impl Names<'_> {
             robot: record.robot.or(request.kind.robot()).map(|r| self.robot(r)),
             pick_s: pick.map(|p| p.as_secs_f64()),
             stops: self.stops(record),
+            lines: if record.job.lines.len() == 1 { visit_lines(&record.job, 0) } else { Vec::new() },
             only: match record.job.choice {
                 RobotChoice::Only(robot, until) if until > self.view.now => Some(self.robot(robot)),
                 _ => None,
@@ -392,14 +405,16 @@ impl Names<'_> {
             gone.or_else(|| self.map.stations.get(s).map(|s| s.name.clone()))
                 .unwrap_or_else(|| format!("{s:?}"))
         };
-        let stop = |v: Visiting, served: Option<Time>| StopDto {
+        let stop = |(i, (v, served)): (usize, (Visiting, Option<Time>))| StopDto {
             station: name(v.station),
             pick_s: v.pick.map(|p| p.as_secs_f64()),
             served: served.map(time_text),
+            lines: visit_lines(job, i),
         };
         let last = (job.state == JobState::Done).then_some(record.times.ended).flatten();
-        let to_come = job.request.stations().map(|v| stop(v, last));
-        job.served.iter().map(|(v, at)| stop(*v, Some(*at))).chain(to_come).collect()
+        let to_come = job.request.stations().map(|v| (v, last));
+        let all = job.served.iter().map(|(v, at)| (*v, Some(*at))).chain(to_come);
+        all.enumerate().map(stop).collect()
     }
 
     fn why_of_job(&self, record: &JobRow) -> Option<String> {

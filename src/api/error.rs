@@ -92,6 +92,13 @@ impl Problem {
         Problem { errors, ..Problem::new(status, "invalid", "Some fields are wrong", detail.join("; ")) }
     }
 
+    /// 400: order lines that nobody can pick.
+    pub fn bad_lines(errors: Vec<FieldError>) -> Problem {
+        let title = "Lines that cannot be picked";
+        let status = StatusCode::BAD_REQUEST.as_u16();
+        Problem { status, kind: "/problems/bad-lines".into(), title, ..Problem::invalid(errors) }
+    }
+
     /// 409: nothing in a recording can be changed.
     pub fn of_recording() -> Problem {
         let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";

@@ -104,6 +104,18 @@ impl<S: Send + Sync> FromRequestParts<S> for PathPart {
     }
 }
 
+/// Both variable parts of a path with two.
+pub struct PathPair(pub String, pub String);
+
+impl<S: Send + Sync> FromRequestParts<S> for PathPair {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
+        let path = Path::<(String, String)>::from_request_parts(parts, state).await;
+        path.map(|Path((a, b))| PathPair(a, b)).map_err(|e: PathRejection| Problem::malformed(e.body_text()))
+    }
+}
+
 /// The `Idempotency-Key` header.
 pub struct IdempotencyKey(pub Option<String>);
 

@@ -13,6 +13,7 @@ pub mod auth;
 mod building;
 mod called;
 pub mod caller;
+pub mod cell;
 mod cookie;
 pub mod dto;
 pub mod error;

@@ -2,8 +2,10 @@
 //!
 //! Main function: [`refused`]. Refuses: to refuse without a word of what to do.
 
+use super::cell::new_lines::{describe, field_of};
 use super::error::{FieldError, Problem};
 use super::text::{assignment_name, closure_name, job_name, series_name, worker_name};
+use crate::cell::LineRefusal;
 use crate::fleet::{Bounded, Refusal};
 use crate::id::{NodeId, RackId};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -13,6 +15,7 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
     let field = |field: &str, detail: String| Problem::invalid(vec![FieldError::new(field, detail)]);
     let node = |n: NodeId| map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone());
     match why {
+        Refusal::CannotPick(..) | Refusal::LinesPerStation | Refusal::Line(_) => about_lines(why),
         Refusal::UnknownJob(_)
         | Refusal::JobIsOver(_)
         | Refusal::JobHasBegun(_)
@@ -71,6 +74,39 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::EmptyArea => {
             field("outline", "an area needs at least three corners, and `until` must be after `from`".into())
         }
+    }
+}
+
+/// What is picked at stations.
+fn about_lines(why: Refusal) -> Problem {
+    match why {
+        Refusal::CannotPick(visit, line, problem) => {
+            let field = if visit == 0 { "lines".to_owned() } else { format!("stops[{visit}].lines") };
+            Problem::bad_lines(vec![FieldError::new(
+                field_of(&field, line, problem),
+                describe(problem, None),
+            )])
+        }
+        Refusal::LinesPerStation => {
+            let detail = "a job has lines for each of its stations, or for none";
+            Problem::bad_lines(vec![FieldError::new("stops", detail)])
+        }
+        Refusal::Line(LineRefusal::NoLine(0)) => {
+            let detail =
+                "the job that is picked for has no lines: end the pick with POST /v1/stations/{id}/done";
+            Problem::conflict("no-lines", "There are no lines", detail)
+        }
+        Refusal::Line(LineRefusal::NoLine(n)) => {
+            Problem::unknown("line", format!("the visit has {n} lines, counted from 1"))
+        }
+        Refusal::Line(LineRefusal::NoPieces) => {
+            Problem::invalid(vec![FieldError::new("done", "at least one piece")])
+        }
+        Refusal::Line(LineRefusal::TooMany(left)) => {
+            let detail = format!("only {left} pieces are left to pick: confirm as many at most");
+            Problem::invalid(vec![FieldError::new("done", detail)])
+        }
+        other => unreachable!("{other:?} is about no lines"),
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::alarm::{AlarmKind, AlarmSeverity, SubjectKind};
 use crate::aware::HumanAwarePolicy;
+use crate::cell::{LineState, PickedBy};
 use crate::fleet::{
     Activity, AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceReason, GuidanceState, JobKind,
     JobState, Presence, Reaction, RobotState,
@@ -95,6 +96,26 @@ words! {
         Waiting "waiting", Assigned "assigned", Carrying "carrying", Picking "picking", Done "done",
         Cancelled "cancelled", Failed "failed",
     }
+}
+
+words! {
+    /// Who may pick a line.
+    PickedByDto of PickedBy { Hand "hand", Arm "arm", Either "either", }
+}
+
+impl From<PickedByDto> for PickedBy {
+    fn from(dto: PickedByDto) -> PickedBy {
+        match dto {
+            PickedByDto::Hand => PickedBy::Hand,
+            PickedByDto::Arm => PickedBy::Arm,
+            PickedByDto::Either => PickedBy::Either,
+        }
+    }
+}
+
+words! {
+    /// How far a line is. `lit`: picked now; `short`: pieces are missing; `undone`: confirmed before, and taken back.
+    LineStateDto of LineState { Open "open", Lit "lit", Done "done", Short "short", Undone "undone", }
 }
 
 words! {

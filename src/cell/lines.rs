@@ -103,6 +103,17 @@ impl Lines {
         lines
     }
 
+    /// Lines as they were kept; nothing if they contradict themselves: more pieces than ordered, a line that is done
+    /// with pieces left, or none or several lit.
+    pub fn restore(all: Vec<Progress>) -> Option<Lines> {
+        let sound = |p: &Progress| {
+            p.pieces <= p.line.quantity && (p.state == LineState::Done) == (p.pieces == p.line.quantity)
+        };
+        let lines = Lines { all };
+        let lit = lines.all.iter().filter(|p| p.state == LineState::Lit).count();
+        (lines.all.iter().all(sound) && lit == usize::from(!lines.are_over())).then_some(lines)
+    }
+
     /// All of them, in their order.
     pub fn all(&self) -> &[Progress] {
         &self.all

@@ -2,9 +2,14 @@
 //!
 //! Main types: [`OrderLine`], [`Lines`], [`LineState`]. Refuses: to know where robots drive, and to confirm by guessing.
 
+mod check;
 mod lines;
+mod pace;
 
+pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};
 pub use lines::{LineChange, LineRefusal, LineState, Lines, Outcome, Progress};
+
+pub use pace::{Pace, Remaining};
 
 use crate::warehouse::SlotName;
 
@@ -18,6 +23,25 @@ pub enum PickedBy {
     /// Either.
     #[default]
     Either,
+}
+
+impl PickedBy {
+    /// All of them.
+    pub const ALL: [PickedBy; 3] = [PickedBy::Hand, PickedBy::Arm, PickedBy::Either];
+
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            PickedBy::Hand => "hand",
+            PickedBy::Arm => "arm",
+            PickedBy::Either => "either",
+        }
+    }
+
+    /// The one of this word.
+    pub fn named(word: &str) -> Option<PickedBy> {
+        PickedBy::ALL.into_iter().find(|by| by.word() == word)
+    }
 }
 
 /// So many pieces from a slot into a tote.

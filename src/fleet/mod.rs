@@ -141,6 +141,7 @@ impl Fleet {
         self.traffic.needs.left_early(heard.left_early);
         let taken_up = self.traffic.note_progress(&mut self.core, now);
         self.yielding.state.forget_standing(&taken_up);
+        traffic::visits::retime_visits(&mut self.core, now);
         self.dispatch(&heard.picked, now);
         self.plan(now);
         let interrupted = |robot| self.yielding.procedure.holds(robot);

@@ -20,6 +20,7 @@ mod kinds;
 mod lets_pass;
 mod life;
 mod limits;
+mod lines;
 mod lost;
 mod messages;
 mod nearest;

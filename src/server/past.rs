@@ -87,6 +87,11 @@ impl Lists {
                     record.serve(*robot, *at);
                 }
             }
+            Fact::LineChanged { job, line, change, at } => {
+                if let Some(record) = self.jobs.get_mut(job) {
+                    record.change_line(*line, *change, *at);
+                }
+            }
             Fact::Chosen { job, choice, at } => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     (record.job.choice, record.updated) = (*choice, *at);

@@ -3,6 +3,7 @@
 //! Main types: [`JobLine`], [`ChangeLine`]. Fields that came later are left out where they say nothing, so that older
 //! recordings are read. Refuses: versions; [`super::recording`] has them.
 
+use crate::cell::{OrderLine, PickedBy};
 use crate::fleet::{JobChange, JobKind, JobRequest, Visiting};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -26,6 +27,9 @@ pub struct JobLine {
     reference: Option<String>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     labels: BTreeMap<String, String>,
+    /// What is picked at each station: slot, pieces, tote, item, by whom.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    lines: Vec<Vec<OrderRow>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -72,8 +76,21 @@ impl JobLine {
             then: request.then.iter().map(|v| (v.station.0, v.pick.map(|p| p.0))).collect(),
             reference: request.reference.clone(),
             labels: request.labels.clone(),
+            lines: request.lines.iter().map(|visit| visit.iter().map(order_row).collect()).collect(),
         }
     }
+}
+
+type OrderRow = (String, u32, String, Option<String>, String);
+
+fn order_row(line: &OrderLine) -> OrderRow {
+    let OrderLine { slot, quantity, tote, item, by } = line;
+    (slot.to_string(), *quantity, tote.clone(), item.clone(), by.word().to_owned())
+}
+
+/// A line as it was written; nothing for one that no program has written.
+fn order_line((slot, quantity, tote, item, by): OrderRow) -> Option<OrderLine> {
+    Some(OrderLine { slot: slot.parse().ok()?, quantity, tote, item, by: PickedBy::named(&by)? })
 }
 
 impl From<JobLine> for JobRequest {
@@ -97,6 +114,7 @@ impl From<JobLine> for JobRequest {
             then: line.then.into_iter().map(visiting).collect(),
             reference: line.reference,
             labels: line.labels,
+            lines: line.lines.into_iter().map(|v| v.into_iter().filter_map(order_line).collect()).collect(),
         }
     }
 }
@@ -135,7 +153,15 @@ mod tests {
     fn jobs_and_changes_are_read_as_they_were_written_and_older_lines_too() {
         let kind = JobKind::Deliver { rack: RackId(1), station: StationId(2), pick: Some(Span(3)) };
         let (reference, labels) = (Some("order 4711".into()), [("wave".to_owned(), "7".to_owned())].into());
-        let request = JobRequest { reference, labels, key: Some("k".into()), ..JobRequest::new(kind) };
+        let line = |slot: &str, item: Option<&str>| OrderLine {
+            slot: slot.parse().unwrap(),
+            quantity: 2,
+            tote: "B".into(),
+            item: item.map(str::to_owned),
+            by: PickedBy::Hand,
+        };
+        let lines = vec![vec![line("C3", None), line("A1", Some("screw"))], Vec::new()];
+        let request = JobRequest { reference, labels, key: Some("k".into()), lines, ..JobRequest::new(kind) };
         let text = serde_json::to_string(&JobLine::new(9, &request)).unwrap();
         assert_eq!(JobRequest::from(serde_json::from_str::<JobLine>(&text).unwrap()), request);
         let older = r#"{"token":1,"kind":{"park":4},"priority":2,"deadline":null,"after":[],"key":null}"#;

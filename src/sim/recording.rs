@@ -5,6 +5,7 @@
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
 use super::job_line::{ChangeLine, JobLine};
+use crate::cell::LineChange;
 use crate::fleet::{
     AssignmentRequest, Binds, Closure, Fault, Input, JobChange, JobRequest, Recurrence, RecurringClosure,
     StationOrder, Telemetry, USUAL_KIND, Weekdays,
@@ -51,6 +52,13 @@ enum Says {
     Short,
     Pause,
     Resume,
+    Release,
+    /// So many more pieces of this line.
+    Picked(usize, u32),
+    /// This line is short.
+    Missing(usize),
+    /// What was said of this line is taken back.
+    Undo(usize),
 }
 
 impl From<StationOrder> for Says {
@@ -60,6 +68,10 @@ impl From<StationOrder> for Says {
             StationOrder::Short => Says::Short,
             StationOrder::Pause => Says::Pause,
             StationOrder::Resume => Says::Resume,
+            StationOrder::Release => Says::Release,
+            StationOrder::Line(line, LineChange::Done(pieces)) => Says::Picked(line, pieces),
+            StationOrder::Line(line, LineChange::Short) => Says::Missing(line),
+            StationOrder::Line(line, LineChange::Undo) => Says::Undo(line),
         }
     }
 }
@@ -71,6 +83,10 @@ impl From<Says> for StationOrder {
             Says::Short => StationOrder::Short,
             Says::Pause => StationOrder::Pause,
             Says::Resume => StationOrder::Resume,
+            Says::Release => StationOrder::Release,
+            Says::Picked(line, pieces) => StationOrder::Line(line, LineChange::Done(pieces)),
+            Says::Missing(line) => StationOrder::Line(line, LineChange::Short),
+            Says::Undo(line) => StationOrder::Line(line, LineChange::Undo),
         }
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! Main types: [`RequestRecord`], [`StateRecord`], [`TaskRecord`]. Refuses: to know of steps.
 
+use super::line_record::{LineChangeRecord, OrderRecord};
+use crate::cell::{LineChange, OrderLine};
 use crate::fleet::{Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -37,9 +39,14 @@ pub(super) enum ChoiceRecord {
 pub(super) enum JobFactRecord {
     Served { job: u64, tasked: (u32, TaskRecord), at: i64 },
     Chosen { job: u64, choice: ChoiceRecord, at: i64 },
+    Line { job: u64, line: usize, change: LineChangeRecord, at: i64 },
 }
 
 impl JobFactRecord {
+    pub fn line(job: JobId, line: usize, change: LineChange, at: Time) -> JobFactRecord {
+        JobFactRecord::Line { job: job.0, line, change: change.into(), at: at.0 }
+    }
+
     pub fn served(job: JobId, (robot, task): (RobotId, Task), at: Time) -> JobFactRecord {
         JobFactRecord::Served { job: job.0, tasked: (robot.0, task.into()), at: at.0 }
     }
@@ -58,6 +65,9 @@ impl From<JobFactRecord> for Fact {
             JobFactRecord::Chosen { job, choice, at } => {
                 Fact::Chosen { job: JobId(job), choice: choice.into(), at: Time(at) }
             }
+            JobFactRecord::Line { job, line, change, at } => {
+                Fact::LineChanged { job: JobId(job), line, change: change.into(), at: Time(at) }
+            }
         }
     }
 }
@@ -75,6 +85,8 @@ pub(super) struct RequestRecord {
     reference: Option<String>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     labels: BTreeMap<String, String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    lines: Vec<Vec<OrderRecord>>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -162,6 +174,7 @@ impl From<&JobRequest> for RequestRecord {
             then: r.then.iter().map(visit_record).collect(),
             reference: r.reference.clone(),
             labels: r.labels.clone(),
+            lines: r.lines.iter().map(|visit| visit.iter().map(OrderRecord::from).collect()).collect(),
         }
     }
 }
@@ -205,6 +218,7 @@ impl From<RequestRecord> for JobRequest {
             then: r.then.into_iter().map(visiting).collect(),
             reference: r.reference,
             labels: r.labels,
+            lines: r.lines.into_iter().map(|v| v.into_iter().map(OrderLine::from).collect()).collect(),
         }
     }
 }

@@ -4,8 +4,10 @@
 
 use super::gone::Gone;
 use super::job_record::{ChoiceRecord, StationRecord, visiting};
+use super::line_record::LinesRecord;
 use super::people::{narrow, one_of};
 use super::{Store, StoreError, job_record};
+use crate::cell::{LineChange, Lines, Outcome};
 use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, RobotChoice};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -34,14 +36,14 @@ impl StopsRecord {
 macro_rules! columns {
     () => {
         "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, worker, \
-         created, updated, reference, stops, choice, assigned_at, lifted_at, arrived_at, ended_at, changed, \
+         created, updated, reference, stops, lines, choice, assigned_at, lifted_at, arrived_at, ended_at, changed, \
          (SELECT json_group_object(key, value) FROM job_labels WHERE job = jobs.id) AS labels FROM jobs"
     };
 }
 
 const ACCEPT: &str = "INSERT INTO jobs \
     (id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, created, updated, reference, \
-    stops) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12, $13, $14)";
+    stops, lines) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, 'waiting', $12, $12, $13, $14, $15)";
 const LABEL: &str = "INSERT INTO job_labels (job, key, value) VALUES ($1, $2, $3)";
 const PROGRESS: &str = "UPDATE jobs SET state = $2, why = $3, worker = $4, updated = $5, \
     choice = CASE $2 WHEN 'waiting' THEN choice ELSE NULL END, \
@@ -52,6 +54,8 @@ const FINISH: &str = "UPDATE jobs SET state = $2, why = $3, updated = $4, ended_
 const STOPS: &str = "SELECT station, pick, stops FROM jobs WHERE id = $1";
 const SERVE: &str = "UPDATE jobs SET state = 'carrying', station = $2, pick = $3, stops = $4, updated = $5, \
     arrived_at = NULL WHERE id = $1";
+const LINES: &str = "SELECT lines, stops FROM jobs WHERE id = $1";
+const SET_LINES: &str = "UPDATE jobs SET lines = $2, updated = $3 WHERE id = $1";
 const CHOOSE: &str = "UPDATE jobs SET choice = $2, updated = $3 WHERE id = $1";
 const PRIORITISE: &str = "UPDATE jobs SET priority = $2, updated = $3, changed = 1 WHERE id = $1";
 const CHANGE: &str = "UPDATE jobs SET station = $2, robot = $3, priority = $4, deadline = $5, updated = $6, \
@@ -123,6 +127,7 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
         Fact::Accepted { job, request, at } => accept(db, *job, request, *at).await,
         Fact::Progressed { job, state, at, .. } => progress(db, *job, *state, *at).await,
         Fact::Served { job, at, .. } => serve(db, *job, *at).await,
+        Fact::LineChanged { job, line, change, at } => change_line(db, *job, (*line, *change), *at).await,
         Fact::Chosen { job, choice, at } => {
             let choice = serde_json::to_string(&ChoiceRecord::from(*choice)).expect("a choice is JSON");
             let query = sqlx::query(CHOOSE).bind(job.0.cast_signed()).bind(choice).bind(at.0);
@@ -169,6 +174,7 @@ async fn accept(
         .bind(at.0)
         .bind(&request.reference)
         .bind(stops_text(&StopsRecord { served: Vec::new(), then: then_of(request) }))
+        .bind(lines_text(&Job::new(request.clone(), at).lines))
         .execute(&mut *db)
         .await?;
     for (key, value) in &request.labels {
@@ -189,6 +195,36 @@ async fn serve(db: &mut SqliteConnection, id: JobId, at: Time) -> Result<(), sql
     let (next, pick) = stops.then.remove(0);
     let query = sqlx::query(SERVE).bind(id.0.cast_signed()).bind(next).bind(pick).bind(stops_text(&stops));
     query.bind(at.0).execute(db).await.map(|_| ())
+}
+
+/// Something was said about a line of the visit that is on.
+async fn change_line(
+    db: &mut SqliteConnection,
+    id: JobId,
+    (line, change): (usize, LineChange),
+    at: Time,
+) -> Result<(), sqlx::Error> {
+    let row = sqlx::query(LINES).bind(id.0.cast_signed()).fetch_one(&mut *db).await?;
+    let (mut lines, visit) = (lines_of(&row)?, stops_of(&row)?.served.len());
+    let changed = lines.get_mut(visit).map(|lines| lines.change(line, change));
+    if changed != Some(Ok(Outcome::Changed)) {
+        return Err(sqlx::Error::Decode(format!("job {} has no line {line} to change there", id.0).into()));
+    }
+    let query = sqlx::query(SET_LINES).bind(id.0.cast_signed()).bind(lines_text(&lines)).bind(at.0);
+    query.execute(db).await.map(|_| ())
+}
+
+/// Nothing for jobs without lines, as most are.
+fn lines_text(lines: &[Lines]) -> Option<String> {
+    let records: Vec<LinesRecord> = lines.iter().cloned().map(LinesRecord).collect();
+    (!records.is_empty())
+        .then(|| serde_json::to_string(&records).expect("lists of numbers and texts are JSON"))
+}
+
+fn lines_of(row: &SqliteRow) -> Result<Vec<Lines>, sqlx::Error> {
+    let Some(text) = row.try_get::<Option<&str>, _>("lines")? else { return Ok(Vec::new()) };
+    let records: Vec<LinesRecord> = serde_json::from_str(text).map_err(|e| sqlx::Error::Decode(e.into()))?;
+    Ok(records.into_iter().map(|LinesRecord(lines)| lines).collect())
 }
 
 fn then_of(request: &JobRequest) -> Vec<StationRecord> {
@@ -246,6 +282,8 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
         Some(text) => serde_json::from_str::<ChoiceRecord>(text).map_err(|e| broken(&e.to_string()))?.into(),
         None => RobotChoice::Any,
     };
+    let lines = lines_of(row)?;
+    let ordered = |lines: &Lines| lines.all().iter().map(|p| p.line.clone()).collect();
     let request = JobRequest {
         kind: decode_kind(row)?.ok_or_else(|| broken("its kind and its columns do not go together"))?,
         priority: row.try_get("priority")?,
@@ -255,6 +293,7 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
         key: row.try_get("key")?,
         reference: row.try_get("reference")?,
         labels: serde_json::from_str(row.try_get("labels")?).map_err(|e| broken(&e.to_string()))?,
+        lines: lines.iter().map(ordered).collect(),
     };
     let why: Option<&str> = row.try_get("why")?;
     let state = match (row.try_get("state")?, worker, why) {
@@ -275,6 +314,7 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
         accepted: Time(row.try_get("created")?),
         served: stops.served.into_iter().map(|(v, at)| (visiting(v), Time(at))).collect(),
         choice,
+        lines,
     };
     let time = |column| Ok::<_, sqlx::Error>(row.try_get::<Option<i64>, _>(column)?.map(Time));
     Ok(JobRow {

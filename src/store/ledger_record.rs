@@ -7,6 +7,7 @@
 use super::job_record::{
     ChoiceRecord, RequestRecord, StateRecord, StationRecord, TaskRecord, visit_record, visiting,
 };
+use super::line_record::LinesRecord;
 use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, LastPlaceRecord, RecurringRecord,
 };
@@ -59,6 +60,9 @@ struct JobRecord {
     served: Vec<(StationRecord, i64)>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     choice: Option<ChoiceRecord>,
+    /// How far the lines of each station are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    lines: Vec<LinesRecord>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -256,6 +260,7 @@ impl From<&Job> for JobRecord {
             accepted: j.accepted.0,
             served: j.served.iter().map(|(v, at)| (visit_record(v), at.0)).collect(),
             choice: (j.choice != RobotChoice::Any).then(|| j.choice.into()),
+            lines: j.lines.iter().cloned().map(LinesRecord).collect(),
         }
     }
 }
@@ -268,6 +273,7 @@ impl From<JobRecord> for Job {
             accepted: Time(r.accepted),
             served: r.served.into_iter().map(|(v, at)| (visiting(v), Time(at))).collect(),
             choice: r.choice.map_or(RobotChoice::Any, RobotChoice::from),
+            lines: r.lines.into_iter().map(|LinesRecord(lines)| lines).collect(),
         }
     }
 }

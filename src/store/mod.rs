@@ -27,6 +27,7 @@ mod job_record;
 mod jobs;
 mod kinds;
 pub mod ledger_record;
+mod line_record;
 mod lock;
 mod names;
 mod opening;

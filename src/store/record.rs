@@ -372,6 +372,9 @@ impl From<&Fact> for Record {
             Fact::StationPaused { station, at } => Record::StationPaused { station: station.0, at: at.0 },
             Fact::StationResumed { station, at } => Record::StationResumed { station: station.0, at: at.0 },
             Fact::Served { job, tasked, at } => Record::OfJob(JobFactRecord::served(*job, *tasked, *at)),
+            Fact::LineChanged { job, line, change, at } => {
+                Record::OfJob(JobFactRecord::line(*job, *line, *change, *at))
+            }
             Fact::Chosen { job, choice, at } => Record::OfJob(JobFactRecord::chosen(*job, *choice, *at)),
             Fact::Prioritised { job, priority, at } => {
                 Record::Prioritised { job: job.0, priority: *priority, at: at.0 }

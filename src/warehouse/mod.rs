@@ -21,13 +21,13 @@ pub mod walkway;
 
 pub use body::{Body, MOST_BODIES};
 pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
-pub use cell::{Cell, RackType, SlotName};
+pub use cell::{Cell, RackType, SlotName, SlotNameError};
 pub use check::{
     Finding, Findings, Remark, Review, Severity, ShutIn, review, room_for, shut_in, shut_in_text,
 };
 pub use differences::{Difference, HowDifferent, differences};
 pub use footprint::{Footprint, Hull};
-pub use generate::{Blocks, kiva, lab, mixed, thesis};
+pub use generate::{Blocks, kiva, lab, mixed, stations, thesis};
 pub use sketch::sketch;
 pub use summary::{MapSummary, summary};
 pub use svg::{review_to_svg, to_svg};

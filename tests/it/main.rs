@@ -25,6 +25,7 @@ mod helper;
 mod history;
 mod jobs;
 mod journal;
+mod lines;
 mod live;
 mod load;
 mod maps;

@@ -24,7 +24,7 @@ impl Program {
         Program::with(folder, SCENARIO)
     }
 
-    fn with(folder: &Folder, scenario: &str) -> Program {
+    pub fn with(folder: &Folder, scenario: &str) -> Program {
         let mut child = Command::new(env!("CARGO_BIN_EXE_giveway"))
             .args(["serve", "--listen", "127.0.0.1:0", "--scenario", scenario, "--database"])
             .arg(folder.database())

@@ -3,11 +3,13 @@
 //! Main type: [`NewJob`]. Refuses: fields that the kind of job does not have, names that the map does not have, and all
 //! of them at once rather than one by one.
 
+use crate::api::cell::new_lines::{NewLine, check_lines, read_lines};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::read_time;
 use crate::api::port::Moment;
 use crate::api::text::parse_job_name;
 use crate::api::words::JobKindDto;
+use crate::cell::OrderLine;
 use crate::fleet::{JobKind, JobRequest, Visiting};
 use crate::id::{Dense, NodeId, RackId, RobotId, StationId};
 use crate::time::Span;
@@ -45,10 +47,13 @@ pub struct NewStop {
     /// How long the pick takes, seconds; the station's usual time if absent.
     #[schema(minimum = 0, maximum = 3600)]
     pick_s: Option<f64>,
+    /// What is to be picked there, in this order, at most 200 lines; for stations with a work cell.
+    #[schema(max_items = 200)]
+    lines: Option<Vec<NewLine>>,
 }
 
-/// A job as a customer submits it. Which fields it has depends on its kind: `deliver` rack, and station and
-/// pick_s? or stops; `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
+/// A job as a customer submits it. Which fields it has depends on its kind: `deliver` rack, and station,
+/// pick_s? and lines? or stops; `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewJob {
@@ -69,6 +74,9 @@ pub struct NewJob {
     /// How long the pick takes, seconds; the station's usual time if absent.
     #[schema(minimum = 0, maximum = 3600)]
     pick_s: Option<f64>,
+    /// What is to be picked, in this order, at most 200 lines; for stations with a work cell.
+    #[schema(max_items = 200)]
+    lines: Option<Vec<NewLine>>,
     /// 0 (whenever) to 9 (before all others); 0 if absent.
     #[schema(minimum = 0, maximum = 9)]
     priority: Option<i64>,
@@ -98,6 +106,8 @@ struct Reader<'a> {
     moment: &'a Moment,
     kind: JobKindDto,
     errors: Vec<FieldError>,
+    /// What is wrong with lines.
+    line_errors: Vec<FieldError>,
 }
 
 impl Reader<'_> {
@@ -158,10 +168,12 @@ impl Reader<'_> {
             self.wrong("stops", format!("{} stops; 1 to {MOST_STOPS} are allowed", stops.len()));
             return Vec::new();
         }
-        for (field, _) in [("station", new.station.is_some()), ("pick_s", new.pick_s.is_some())]
-            .into_iter()
-            .filter(|(_, given)| *given)
-        {
+        let own = [
+            ("station", new.station.is_some()),
+            ("pick_s", new.pick_s.is_some()),
+            ("lines", new.lines.is_some()),
+        ];
+        for (field, _) in own.into_iter().filter(|(_, given)| *given) {
             self.wrong(field, "leave it out where there are stops: each of them has its own");
         }
         for (i, pair) in stops.windows(2).enumerate() {
@@ -186,6 +198,28 @@ impl Reader<'_> {
         Some(Visiting { station: station?, pick })
     }
 
+    /// The lines of each station; nothing where no station has any.
+    fn lines(&mut self, new: &NewJob, request: &JobRequest) -> Vec<Vec<OrderLine>> {
+        let given: Vec<(String, &[NewLine])> = match new.stops.as_deref() {
+            Some(stops) => {
+                let fields = (0..stops.len()).map(|i| format!("stops[{i}].lines"));
+                fields.zip(stops.iter().map(|stop| stop.lines.as_deref().unwrap_or(&[]))).collect()
+            }
+            None => vec![("lines".into(), new.lines.as_deref().unwrap_or(&[]))],
+        };
+        if given.iter().all(|(_, lines)| lines.is_empty()) {
+            return Vec::new();
+        }
+        let Some(rack) = request.kind.rack() else { return Vec::new() };
+        let mut all = Vec::new();
+        for ((field, lines), visit) in given.into_iter().zip(request.stations()) {
+            let Some(lines) = read_lines(&field, lines, &mut self.line_errors) else { continue };
+            self.line_errors.extend(check_lines(&field, self.map, (rack, visit.station), &lines));
+            all.push(lines);
+        }
+        all
+    }
+
     fn pick(&mut self, field: &str, seconds: Option<f64>) -> Option<Span> {
         let seconds = seconds?;
         if !(0.0..=LONGEST_PICK_S).contains(&seconds) {
@@ -198,7 +232,7 @@ impl Reader<'_> {
     /// Complains about fields that this kind of job does not have.
     fn superfluous(&mut self, new: &NewJob) {
         let fields: &[&str] = match self.kind {
-            JobKindDto::Deliver => &["rack", "station", "stops", "pick_s"],
+            JobKindDto::Deliver => &["rack", "station", "stops", "pick_s", "lines"],
             JobKindDto::Return => &["rack"],
             JobKindDto::Relocate => &["rack", "node"],
             JobKindDto::Charge | JobKindDto::Park => &["robot"],
@@ -211,6 +245,7 @@ impl Reader<'_> {
             ("node", new.node.is_some()),
             ("robot", new.robot.is_some()),
             ("pick_s", new.pick_s.is_some()),
+            ("lines", new.lines.is_some()),
         ];
         for (field, _) in given.into_iter().filter(|(f, given)| *given && !fields.contains(f)) {
             self.wrong(field, format!("no such field; a {} job has {}", self.kind.word(), fields.join(", ")));
@@ -266,7 +301,7 @@ impl Reader<'_> {
 impl NewJob {
     /// As the fleet takes it, without a key.
     pub(super) fn read(&self, map: &Warehouse, moment: &Moment) -> Result<JobRequest, Problem> {
-        let mut r = Reader { map, moment, kind: self.kind, errors: Vec::new() };
+        let mut r = Reader { map, moment, kind: self.kind, errors: Vec::new(), line_errors: Vec::new() };
         r.superfluous(self);
         let priority = self.priority.unwrap_or(0);
         if !(0..=9).contains(&priority) {
@@ -292,7 +327,13 @@ impl NewJob {
             (Some(kind), true) => {
                 let priority = u8::try_from(priority).unwrap_or(0);
                 let (reference, labels) = (self.reference.clone(), self.labels.clone().unwrap_or_default());
-                Ok(JobRequest { then, priority, deadline, after, reference, labels, ..JobRequest::new(kind) })
+                let request = JobRequest::new(kind);
+                let request = JobRequest { then, priority, deadline, after, reference, labels, ..request };
+                let lines = r.lines(self, &request);
+                match r.line_errors.is_empty() {
+                    true => Ok(JobRequest { lines, ..request }),
+                    false => Err(Problem::bad_lines(r.line_errors)),
+                }
             }
             _ => Err(Problem::invalid(r.errors)),
         }

@@ -1,19 +1,153 @@
-//! `/v1/stations/{id}/…`: the person at a station says when a pick has ended, and whether anybody picks at all.
+//! `/v1/stations/{id}` and below: what is picked there; the person at a station says how far that is, and whether anybody
+//! picks at all.
 //!
-//! Main functions: [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick that has not begun.
+//! Main functions: [`one`], [`line`], [`release`], [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick that
+//! has not begun, and to count a piece twice.
 
+use super::jobs::read;
 use crate::api::Api;
 use crate::api::called::Called;
-use crate::api::error::Problem;
-use crate::api::extract::PathPart;
+use crate::api::cell::{LineChangedDto, StationDetailDto, VisitDto, lines_dto};
+use crate::api::dto::Names;
+use crate::api::error::{FieldError, Problem};
+use crate::api::extract::{JsonBody, PathPair, PathPart};
 use crate::api::port::What;
 use crate::api::refusal::refused;
-use crate::fleet::{Reply, StationOrder};
-use crate::id::StationId;
+use crate::api::text::{job_name, time_text};
+use crate::cell::{LineChange, Lines, Outcome, Remaining};
+use crate::fleet::{JobRow, Reply, StationOrder};
+use crate::id::{Dense, RobotId, StationId};
+use axum::Json;
 use axum::http::StatusCode;
+use serde::Deserialize;
+use utoipa::ToSchema;
 
-/// End a pick: the job ends as done, and the robot takes its rack away. A pick lasts until this call; `pick_s` of a job
-/// is only how long it is planned to take.
+/// One station with the rack that stands there and what is picked from it.
+#[utoipa::path(get, path = "/v1/stations/{id}", tag = "floor", operation_id = "getStation",
+    params(("id" = String, Path, example = "W")), responses(
+    (status = 200, description = "The station", body = StationDetailDto),
+    (status = 404, description = "There is no such station", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "The database does not answer", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn one(Called(api): Called, PathPart(id): PathPart) -> Result<Json<StationDetailDto>, Problem> {
+    let station = parse_station(&api, &id)?;
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    let seen = moment.view.stations.get(station.ix());
+    let visit = match seen.and_then(|s| Some((s.robot?, s.job?, s.left))) {
+        Some((robot, job, left)) => Some(visit(names, robot, &read(&api, job).await?, left)),
+        None => None,
+    };
+    let cell = api.map.stations[station].cell.as_ref();
+    Ok(Json(StationDetailDto {
+        station: names.station(station),
+        has_cell: cell.is_some(),
+        totes: cell.iter().flat_map(|c| &c.totes).map(|t| t.name.clone()).collect(),
+        visit,
+    }))
+}
+
+fn visit(names: Names<'_>, robot: RobotId, row: &JobRow, left: Option<Remaining>) -> VisitDto {
+    let lines = row.job.lines_now();
+    VisitDto {
+        job: job_name(row.id),
+        rack: row.job.request.kind.rack().map(|k| names.map.racks[k].name.clone()),
+        robot: names.robot(robot),
+        since: row.times.arrived.map(time_text),
+        lines: lines.map_or_else(Vec::new, |lines| lines_dto(lines, true)),
+        pieces_left: lines.map_or(0, Lines::pieces_left),
+        expected_end: left.map(Into::into),
+    }
+}
+
+/// What is said about a line; exactly one of the three.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LineChangeDto {
+    /// So many more pieces are in the tote.
+    #[schema(minimum = 1, maximum = 10000)]
+    done: Option<i64>,
+    /// True: the slot has no more pieces.
+    short: Option<bool>,
+    /// True: what was said before is taken back, and no piece counts.
+    undo: Option<bool>,
+}
+
+impl LineChangeDto {
+    fn read(&self) -> Result<LineChange, Problem> {
+        match (self.done, self.short, self.undo) {
+            (Some(done), None, None) => u32::try_from(done).map(LineChange::Done).map_err(|_| {
+                Problem::invalid(vec![FieldError::new("done", "how many more pieces, at least one")])
+            }),
+            (None, Some(true), None) => Ok(LineChange::Short),
+            (None, None, Some(true)) => Ok(LineChange::Undo),
+            _ => {
+                let detail = "give one of {\"done\": pieces}, {\"short\": true} and {\"undo\": true}";
+                Err(Problem::invalid(vec![FieldError::new("done", detail)]))
+            }
+        }
+    }
+}
+
+/// Say how far a line is: a button, a scanner or a scale confirms pieces, reports that the slot is empty, or takes back
+/// what was said before. Lines count from 1. The visit ends with its last line, and then the rack leaves. What was
+/// confirmed already is counted once: `changed` is false then.
+#[utoipa::path(post, path = "/v1/stations/{id}/lines/{n}", tag = "floor", operation_id = "changeLine",
+    params(("id" = String, Path, example = "W"), ("n" = usize, Path, minimum = 1, example = 1)),
+    request_body = LineChangeDto, responses(
+    (status = 200, description = "It is noted, and that is durable", body = LineChangedDto),
+    (status = 400, description = "The request cannot be read", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 404, description = "There is no such station or line", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "No rack stands there, or its job has no lines", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 413, description = "The request is too long", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 415, description = "The request is no JSON", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, description = "That cannot be said about a line, or not about this one", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "It cannot be made durable now", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn line(
+    Called(api): Called,
+    PathPair(id, n): PathPair,
+    JsonBody(change): JsonBody<LineChangeDto>,
+) -> Result<Json<LineChangedDto>, Problem> {
+    let station = parse_station(&api, &id)?;
+    let no_line = || Problem::unknown("line", format!("there is no line \"{n}\"; lines count from 1"));
+    let n: usize = n.parse().ok().filter(|n| *n > 0).ok_or_else(no_line)?;
+    let order = StationOrder::Line(n - 1, change.read()?);
+    match api.ask(What::Station(station, order)).await? {
+        Reply::LineNoted { job, outcome, state, pieces, .. } => Ok(Json(LineChangedDto {
+            job: job_name(job),
+            n,
+            state: state.into(),
+            done: pieces,
+            changed: outcome == Outcome::Changed,
+        })),
+        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
+        _ => Err(Problem::internal()),
+    }
+}
+
+/// Let the rack leave though lines are left: what is left is short, and the job ends as done.
+#[utoipa::path(post, path = "/v1/stations/{id}/release", tag = "floor", operation_id = "releaseRack",
+    params(("id" = String, Path, example = "W")), responses(
+    (status = 204, description = "The visit has ended, and that is durable"),
+    (status = 404, description = "There is no such station", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "No rack stands there", body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "It cannot be made durable now", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn release(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+    say(&api, &id, StationOrder::Release).await
+}
+
+/// End a pick: the job ends as done, and the robot takes its rack away; lines that are left are confirmed. A pick lasts
+/// until this call or until its last line is over; `pick_s` of a job is only how long it is planned to take.
 #[utoipa::path(post, path = "/v1/stations/{id}/done", tag = "floor", operation_id = "finishPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),
@@ -26,7 +160,8 @@ pub async fn done(Called(api): Called, PathPart(id): PathPart) -> Result<StatusC
     say(&api, &id, StationOrder::Done).await
 }
 
-/// End a pick because goods were missing: the job ends as failed, with that reason, and the rack is taken away.
+/// End a pick because goods were missing: the job ends as failed, with that reason, and the rack is taken away. Lines that
+/// are left are short.
 #[utoipa::path(post, path = "/v1/stations/{id}/short", tag = "floor", operation_id = "reportShortPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),

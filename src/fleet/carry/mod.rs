@@ -14,6 +14,7 @@ pub use clock::set_back;
 pub use matching::Matching;
 pub use report::{Report, ReportEntry};
 
+use crate::cell;
 use crate::fleet::state::worker::{Assignment, Closure};
 use crate::fleet::{
     Job, JobKind, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Visiting, Wishes,
@@ -128,7 +129,26 @@ impl Move<'_> {
     /// A job as it was submitted, by the new map's ids; or what the new map does not have.
     fn request(&self, request: &JobRequest) -> Result<JobRequest, String> {
         let then: Result<Vec<Visiting>, String> = request.then.iter().map(|v| self.visiting(*v)).collect();
-        Ok(JobRequest { kind: self.kind(request.kind)?, then: then?, ..request.clone() })
+        let request = JobRequest { kind: self.kind(request.kind)?, then: then?, ..request.clone() };
+        self.lines(&request)?;
+        Ok(request)
+    }
+
+    /// What is to be picked at the stations that are left must be there on the new map.
+    fn lines(&self, request: &JobRequest) -> Result<(), String> {
+        let Some(rack) = request.kind.rack() else { return Ok(()) };
+        let visits: Vec<StationId> = request.stations().map(|v| v.station).collect();
+        let served = request.lines.len().saturating_sub(visits.len());
+        for (station, lines) in visits.into_iter().zip(request.lines.iter().skip(served)) {
+            if let Some((line, _)) = cell::problem(self.new, rack, station, lines) {
+                let (line, name) = (&lines[line.min(lines.len() - 1)], &self.new.stations[station].name);
+                return Err(format!(
+                    "slot {} of rack {} and tote {} at station {name}, which are no longer there",
+                    line.slot, self.new.racks[rack].name, line.tote
+                ));
+            }
+        }
+        Ok(())
     }
 
     fn visiting(&self, visiting: Visiting) -> Result<Visiting, String> {

@@ -24,7 +24,7 @@ impl Fleet {
     /// Everything that outsiders may see.
     pub fn view(&self, now: Time) -> View {
         let robots: Vec<RobotView> = self.core.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
-        let stations = self.core.warehouse().stations.ids().map(|s| self.station_view(s)).collect();
+        let stations = self.core.warehouse().stations.ids().map(|s| self.station_view(s, now)).collect();
         let waiting = self.core.ledger.index().queue.len() as u64;
         let active = self.core.ledger.jobs.len() as u64 - waiting;
         let counts = self.counts(waiting, active);
@@ -198,12 +198,17 @@ impl Fleet {
         goals
     }
 
-    fn station_view(&self, s: StationId) -> StationView {
+    fn station_view(&self, s: StationId, now: Time) -> StationView {
         let station = &self.core.warehouse().stations[s];
         let stands = |n: NodeId| self.core.ledger.present().find(|r| self.core.ledger.node_of(*r) == n);
+        let job_of = |r: RobotId| self.core.ledger.robots[r].task.job();
+        let picked = stands(station.node).filter(|r| self.floor().is_picked_from(*r));
+        let job = picked.and_then(job_of);
         StationView {
             robot: stands(station.node),
-            picking: stands(station.node).is_some_and(|r| self.floor().is_picked_from(r)),
+            picking: picked.is_some(),
+            job,
+            left: job.and_then(|id| self.core.visits.remaining(id, self.core.ledger.jobs.get(&id)?, now)),
             paused: self.core.ledger.paused_stations.get(&s).copied(),
             queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
             served: self.core.ledger.served[s],

@@ -119,6 +119,7 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
             let state = JobState::Carrying { robot: *robot };
             FloorEvent { robot: Some(*robot), ..FloorEvent::of(Job, Some(job.0), state.word()) }
         }
+        Fact::LineChanged { job, .. } => FloorEvent::of(Job, Some(job.0), "line"),
         Fact::Prioritised { job, .. } | Fact::JobChanged { job, .. } | Fact::Chosen { job, .. } => {
             FloorEvent::of(Job, Some(job.0), JobState::Waiting.word())
         }

@@ -3,6 +3,7 @@
 //! Main types: [`JobRow`], [`JobTimes`], [`AssignmentRow`], [`EncounterRow`], and a query for each. The store reads
 //! them, a recording makes them from facts, and the API gives their names. Refuses: to know where they are kept.
 
+use crate::cell::LineChange;
 use crate::fleet::state::job::{Job, JobState};
 use crate::fleet::state::worker::{Assignment, Encounter};
 use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -29,6 +30,15 @@ pub struct JobRow {
 }
 
 impl JobRow {
+    /// Something was said about a line of the visit that is on.
+    pub fn change_line(&mut self, line: usize, change: LineChange, at: Time) {
+        if let Some(lines) = self.job.lines_now_mut() {
+            // The ledger has checked it.
+            _ = lines.change(line, change);
+        }
+        self.updated = at;
+    }
+
     /// Its rack was served at a station that is not its last.
     pub fn serve(&mut self, robot: RobotId, at: Time) {
         self.job.go_on(robot, at);

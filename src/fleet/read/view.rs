@@ -4,6 +4,7 @@
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
 use crate::aware::zone_answers::ZoneCounts;
+use crate::cell::Remaining;
 use crate::fleet::state::activity::{Activity, Doing};
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
@@ -132,12 +133,16 @@ pub enum RobotState {
 }
 
 /// One station.
-#[derive(Clone, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Debug, PartialEq, Default)]
 pub struct StationView {
     /// The robot at the picking place.
     pub robot: Option<RobotId>,
     /// Whether a rack stands there to be picked from.
     pub picking: bool,
+    /// The job for which it is picked, unless that was cancelled.
+    pub job: Option<JobId>,
+    /// How long the visit goes on from `now`, if its job has lines.
+    pub left: Option<Remaining>,
     /// Since when nobody picks, by hand.
     pub paused: Option<Time>,
     /// Robots in its queue places, first in line first.

@@ -2,6 +2,7 @@
 //!
 //! Refuses: to decide anything about robots.
 
+use crate::cell;
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
@@ -140,7 +141,25 @@ impl Floor<'_> {
             return Err(Refusal::SameStationTwice);
         }
         self.check_places(&request.kind)?;
+        self.check_lines(request, visits)?;
         self.check_kinds(request)
+    }
+
+    /// Each line must be one that can be picked at its station.
+    fn check_lines(&self, request: &JobRequest, visits: Vec<StationId>) -> Result<(), Refusal> {
+        if request.lines.is_empty() {
+            return Ok(());
+        }
+        if request.lines.len() != visits.len() {
+            return Err(Refusal::LinesPerStation);
+        }
+        let Some(rack) = request.kind.rack() else { return Ok(()) };
+        for (visit, (station, lines)) in visits.into_iter().zip(&request.lines).enumerate() {
+            if let Some((line, problem)) = cell::problem(self.warehouse(), rack, station, lines) {
+                return Err(Refusal::CannotPick(visit, line, problem));
+            }
+        }
+        Ok(())
     }
 
     fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {

@@ -2,15 +2,16 @@
 //!
 //! Main function: `hear_station`. A pick lasts until the person at the station says that it is done, or that goods were
 //! missing; how long it was planned to take only decides when others come. A paused station gets no more racks; those
-//! in its queue wait. Refuses: to end a pick by the clock, and one that has not begun.
+//! in its queue wait. A visit with order lines ends with the last of them. Refuses: to end a pick by the clock, and one that has not begun.
 
+use crate::cell::{LineChange, LineRefusal, Lines, Outcome, Progress};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::StationOrder;
 use crate::fleet::state::io::{Refusal, Reply};
 use crate::fleet::state::job::{JobFailure, JobState};
-use crate::id::{Dense, RobotId, StationId};
+use crate::id::{Dense, JobId, RobotId, StationId};
 use crate::time::Time;
 
 impl Intake<'_> {
@@ -30,16 +31,62 @@ impl Intake<'_> {
             StationOrder::Pause if !paused => self.core.record(Fact::StationPaused { station, at: now }),
             StationOrder::Resume if paused => self.core.record(Fact::StationResumed { station, at: now }),
             StationOrder::Pause | StationOrder::Resume => {}
-            StationOrder::Done | StationOrder::Short => {
+            StationOrder::Done | StationOrder::Short | StationOrder::Release => {
                 let robot = self.core.floor().picked_from(station).ok_or(Refusal::NothingToPick(station))?;
+                self.settle_lines(robot, order == StationOrder::Done, now);
                 let state = match order {
-                    StationOrder::Done => JobState::Done,
-                    _ => JobState::Failed(JobFailure::Short),
+                    StationOrder::Short => JobState::Failed(JobFailure::Short),
+                    _ => JobState::Done,
                 };
                 self.end_pick(robot, state, now);
             }
+            StationOrder::Line(line, change) => {
+                return self.hear_of_line(token, station, (line, change), now);
+            }
         }
         Ok(Reply::Done { token })
+    }
+
+    /// Takes in what is said about a line. The visit ends with its last one.
+    fn hear_of_line(
+        &mut self,
+        token: u64,
+        station: StationId,
+        (line, change): (usize, LineChange),
+        now: Time,
+    ) -> Result<Reply, Refusal> {
+        let robot = self.core.floor().picked_from(station).ok_or(Refusal::NothingToPick(station))?;
+        let Some((job, lines)) = self.lines_under(robot) else {
+            return Err(Refusal::Line(LineRefusal::NoLine(0)));
+        };
+        let mut lines = lines.clone();
+        let outcome = lines.change(line, change).map_err(Refusal::Line)?;
+        if outcome == Outcome::Changed {
+            self.core.record(Fact::LineChanged { job, line, change, at: now });
+        }
+        if lines.are_over() {
+            self.end_pick(robot, JobState::Done, now);
+        }
+        let Progress { state, pieces, .. } = lines.all()[line];
+        Ok(Reply::LineNoted { token, job, outcome, state, pieces })
+    }
+
+    /// What is left of the visit is picked, as a person says, or short.
+    fn settle_lines(&mut self, robot: RobotId, done: bool, now: Time) {
+        let Some((job, lines)) = self.lines_under(robot) else { return };
+        let left: Vec<_> =
+            lines.all().iter().map(Progress::left).enumerate().filter(|(_, n)| *n > 0).collect();
+        for (line, pieces) in left {
+            let change = if done { LineChange::Done(pieces) } else { LineChange::Short };
+            self.core.record(Fact::LineChanged { job, line, change, at: now });
+        }
+    }
+
+    /// The job for which a robot is picked from, with the lines of this visit, if it has lines.
+    fn lines_under(&self, robot: RobotId) -> Option<(JobId, &Lines)> {
+        let ledger = &self.core.ledger;
+        let job = ledger.robots[robot].task.job()?;
+        Some((job, ledger.jobs.get(&job)?.lines_now()?))
     }
 
     /// Ends the pick at which a robot stands: its job ends so, if it is not over already, and the robot may leave.

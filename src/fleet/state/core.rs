@@ -14,6 +14,7 @@ use crate::fleet::state::restrictions::Restrictions;
 use crate::fleet::state::scene::Scene;
 use crate::fleet::state::settings::Settings;
 use crate::fleet::state::storage::Storage;
+use crate::fleet::state::visits::Visits;
 use crate::fleet::state::wait_graph::WaitGraph;
 use crate::id::{JobId, RobotId};
 use crate::time::Time;
@@ -39,6 +40,8 @@ pub(in crate::fleet) struct Core {
     pub regions: KindRegions,
     /// What the map says about storage.
     pub storage: Storage,
+    /// What is kept in mind about visits at work cells.
+    pub visits: Visits,
     /// What the step gives out so far.
     pub out: Step,
     /// The robot that is being dealt with: named where a contradiction ends the step.
@@ -57,6 +60,7 @@ impl Core {
             regions,
             storage: Storage::new(warehouse),
             scene: Scene::default(),
+            visits: Visits::default(),
             out: Step::default(),
             at_hand: None,
             ledger,
@@ -66,8 +70,8 @@ impl Core {
 
     /// The floor as it is now, for questions.
     pub fn floor(&self) -> Floor<'_> {
-        let Core { settings, ledger, scene, restrictions, waits, regions, storage, .. } = self;
-        Floor { ledger, scene, settings, restrictions, waits, regions, storage }
+        let Core { settings, ledger, scene, restrictions, waits, regions, storage, visits, .. } = self;
+        Floor { ledger, scene, settings, restrictions, waits, regions, storage, visits }
     }
 
     /// The building.
@@ -78,6 +82,7 @@ impl Core {
     /// Takes a fact into the ledger and into the step's result.
     pub fn record(&mut self, fact: Fact) {
         self.at_hand = fact.robot().or(self.at_hand);
+        self.visits.note(&self.ledger, &fact);
         self.ledger.evolve(&fact);
         self.out.facts.push(fact);
     }

@@ -3,6 +3,7 @@
 //! Main type: [`Fact`]. Facts carry results (the chosen route, the time), never recipes: a better planner cannot
 //! rewrite history. Refuses: observations (poses, battery), which are seen again after a restart.
 
+use crate::cell::LineChange;
 use crate::fleet::state::job::{JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{
@@ -64,6 +65,17 @@ pub enum Fact {
         job: JobId,
         /// The robots.
         choice: RobotChoice,
+        /// When.
+        at: Time,
+    },
+    /// A line of the visit at which the job's rack stands has changed.
+    LineChanged {
+        /// The job.
+        job: JobId,
+        /// Which line of this visit, counted from 0.
+        line: usize,
+        /// What is said about it.
+        change: LineChange,
         /// When.
         at: Time,
     },

@@ -9,6 +9,7 @@ use super::regions::KindRegions;
 use super::restrictions::Restrictions;
 use super::scene::Scene;
 use super::storage::Storage;
+use super::visits::Visits;
 use super::wait_graph::WaitGraph;
 use crate::aware::Regions;
 use crate::fleet::state::settings::Settings;
@@ -39,6 +40,8 @@ pub(in crate::fleet) struct Floor<'a> {
     pub regions: &'a KindRegions,
     /// What the map says about storage.
     pub storage: &'a Storage,
+    /// What is kept in mind about visits at work cells.
+    pub visits: &'a Visits,
 }
 
 impl<'a> Floor<'a> {

@@ -2,6 +2,7 @@
 //!
 //! Main types: [`Input`], [`Command`], [`Reply`], [`Step`]. Refuses: to say how any of it travels.
 
+use crate::cell::{LineChange, LineProblem, LineRefusal, LineState, Outcome};
 use crate::fleet::state::fact::{Act, Fact};
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::{JobChange, JobRequest};
@@ -270,6 +271,10 @@ pub enum StationOrder {
     Pause,
     /// Picking goes on.
     Resume,
+    /// The rack may leave: lines that are left are short.
+    Release,
+    /// About a line of the visit, counted from 0.
+    Line(usize, LineChange),
 }
 
 /// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.
@@ -420,6 +425,19 @@ pub enum Reply {
         /// Its number.
         series: SeriesId,
     },
+    /// What was said about a line is noted.
+    LineNoted {
+        /// Of the request.
+        token: u64,
+        /// The job.
+        job: JobId,
+        /// Whether that changed anything: what was confirmed before is counted once.
+        outcome: Outcome,
+        /// How far the line is.
+        state: LineState,
+        /// Pieces in the tote.
+        pieces: u32,
+    },
     /// It is so: a worker is cleared, an assignment cancelled, an area open again, a robot halted or released, a job
     /// changed.
     Done {
@@ -447,6 +465,7 @@ impl Reply {
             | Reply::Assigned { token, .. }
             | Reply::Closed { token, .. }
             | Reply::Recurs { token, .. }
+            | Reply::LineNoted { token, .. }
             | Reply::Done { token }
             | Reply::Refused { token, .. } => token,
         }
@@ -499,6 +518,12 @@ pub enum Refusal {
     NoSuchPlace(NodeKind),
     /// No robot stands at the station with a rack to pick from.
     NothingToPick(StationId),
+    /// A line, counted from 0, of a station of the job, counted likewise, cannot be picked.
+    CannotPick(usize, usize, LineProblem),
+    /// A job has lines for each of its stations, or for none.
+    LinesPerStation,
+    /// What is said about a line cannot be.
+    Line(LineRefusal),
     /// A priority is a number from 0 to 9.
     Priority(u8),
     /// A job cannot be done before now.

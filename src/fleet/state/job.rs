@@ -3,10 +3,12 @@
 //! Main types: [`JobKind`], [`JobRequest`], [`JobChange`], [`Job`], [`JobState`]. Refuses: to know how a job is carried
 //! out.
 
+use crate::cell::{Lines, OrderLine};
 use crate::id::{BodyId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
+use std::hash::{Hash, Hasher};
 
 /// What is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -114,7 +116,7 @@ pub struct Visiting {
 }
 
 /// A job as a customer hands it in.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JobRequest {
     /// What. Of a delivery to several stations: to the next one.
     pub kind: JobKind,
@@ -132,13 +134,37 @@ pub struct JobRequest {
     pub reference: Option<String>,
     /// The customer's own labels by key. Nothing is decided by them.
     pub labels: BTreeMap<String, String>,
+    /// What is to be picked at each station of a delivery, in the order in which it was submitted; nothing at all where
+    /// no station has lines.
+    pub lines: Vec<Vec<OrderLine>>,
+}
+
+impl Hash for JobRequest {
+    fn hash<H: Hasher>(&self, to: &mut H) {
+        let JobRequest { kind, then, priority, deadline, after, key, reference, labels, lines } = self;
+        (kind, then, priority, deadline, after, key, reference, labels).hash(to);
+        // Digests of recordings in which nothing has lines stay what they were.
+        if !lines.is_empty() {
+            lines.hash(to);
+        }
+    }
 }
 
 impl JobRequest {
     /// This, whenever there is time for it.
     pub fn new(kind: JobKind) -> JobRequest {
-        let (then, after, labels) = (Vec::new(), Vec::new(), BTreeMap::new());
-        JobRequest { kind, then, priority: 0, deadline: None, after, key: None, reference: None, labels }
+        let (then, after, labels, lines) = (Vec::new(), Vec::new(), BTreeMap::new(), Vec::new());
+        JobRequest {
+            kind,
+            then,
+            priority: 0,
+            deadline: None,
+            after,
+            key: None,
+            reference: None,
+            labels,
+            lines,
+        }
     }
 
     /// Whether robots of a kind can do it with its rack on a node, at all of its stations.
@@ -281,13 +307,26 @@ pub struct Job {
     pub served: Vec<(Visiting, Time)>,
     /// Which robots may do it, if it is for a rack.
     pub choice: RobotChoice,
+    /// How far the lines of each station are, in the order of [`JobRequest::lines`].
+    pub lines: Vec<Lines>,
 }
 
 impl Job {
     /// A job that was just accepted.
     pub fn new(request: JobRequest, accepted: Time) -> Job {
         let (state, choice) = (JobState::Waiting, RobotChoice::Any);
-        Job { request, state, accepted, served: Vec::new(), choice }
+        let lines = request.lines.iter().map(|lines| Lines::new(lines.iter().cloned())).collect();
+        Job { request, state, accepted, served: Vec::new(), choice, lines }
+    }
+
+    /// The lines at the station where its rack is wanted now, if there are any.
+    pub fn lines_now(&self) -> Option<&Lines> {
+        self.lines.get(self.served.len()).filter(|lines| !lines.all().is_empty())
+    }
+
+    /// The same, to be changed.
+    pub fn lines_now_mut(&mut self) -> Option<&mut Lines> {
+        self.lines.get_mut(self.served.len()).filter(|lines| !lines.all().is_empty())
     }
 
     /// The pick at the station has ended, and the rack goes on to the next one. Gives the station that was served;

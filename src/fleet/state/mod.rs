@@ -31,6 +31,7 @@ mod stays;
 pub(in crate::fleet) mod storage;
 mod tasks;
 pub(in crate::fleet) mod tickets;
+pub(in crate::fleet) mod visits;
 pub(in crate::fleet) mod wait_graph;
 pub mod why;
 pub(in crate::fleet) mod wishes;

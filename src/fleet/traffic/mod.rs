@@ -21,3 +21,4 @@ mod step_out;
 mod tentative;
 pub(in crate::fleet) mod truncate;
 mod turns;
+pub(in crate::fleet) mod visits;

@@ -35,8 +35,12 @@ impl Floor<'_> {
 
     fn pick_span(&self, station: NodeId, job: JobId) -> Span {
         let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return Span::ZERO };
-        let usual = self.warehouse().stations[id].pick;
-        match self.ledger.jobs.get(&job).map(|j| j.request.kind) {
+        let (usual, record) = (self.warehouse().stations[id].pick, self.ledger.jobs.get(&job));
+        // At a work cell the lines say how long it takes.
+        if let Some(stay) = record.and_then(|record| self.visits.stay(record)) {
+            return stay;
+        }
+        match record.map(|j| j.request.kind) {
             Some(JobKind::Deliver { pick: Some(pick), .. }) => pick,
             _ => usual,
         }

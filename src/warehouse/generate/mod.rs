@@ -1,6 +1,6 @@
 //! Maps made by rule: the ones that ship in `maps/`, and [`Blocks`] for others like them.
 //!
-//! Main type: [`Blocks`]; [`lab`], [`thesis`], [`mixed()`] and [`kiva`] are the shipped halls. Refuses: chance; the
+//! Main type: [`Blocks`]; [`lab`], [`thesis`], [`mixed()`], [`stations()`] and [`kiva`] are the shipped halls. Refuses: chance; the
 //! same parameters give the same map.
 
 mod blocks;
@@ -8,10 +8,12 @@ mod halls;
 mod mixed;
 mod pen;
 mod side;
+mod stations;
 
 pub use blocks::Blocks;
 pub use halls::{lab, thesis};
 pub use mixed::mixed;
+pub use stations::stations;
 
 use super::Warehouse;
 use crate::time::Span;

@@ -4,6 +4,7 @@
 //! does not load. Refuses: to decide anything.
 
 use super::{Ledger, RackAt, Robot, Service, stand};
+use crate::cell::{LineChange, Outcome};
 use crate::fleet::state::fact::{Act, Booking, Fact, KeptRoute, Task};
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::life::{self, JobStage, Work};
@@ -28,6 +29,7 @@ impl Ledger {
             Fact::Accepted { job, request, at } => self.accept(*job, request, *at),
             Fact::Progressed { job, state, tasked, .. } => self.progress(*job, *state, *tasked),
             Fact::Served { job, tasked, at } => self.serve(*job, *tasked, *at),
+            Fact::LineChanged { job, line, change, .. } => self.change_line(*job, *line, *change),
             Fact::Chosen { job, choice, .. } => {
                 let job = self.promises.jobs.get_mut(job).expect("only live jobs change");
                 assert_eq!(job.state, JobState::Waiting, "a robot works on the job that is given to another");
@@ -171,6 +173,22 @@ impl Ledger {
         }
         self.promises.jobs.insert(id, Job::new(request.clone(), at));
         self.index.note_named(id, &request.kind, JobState::Waiting);
+    }
+
+    /// What is said about a line of the visit that is on.
+    fn change_line(&mut self, id: JobId, line: usize, change: LineChange) {
+        let job = self.promises.jobs.get_mut(&id).expect("only live jobs have lines");
+        assert!(
+            matches!(job.state, JobState::Picking { .. }),
+            "{id:?} is picked for while its rack is elsewhere"
+        );
+        let lines = job.lines_now_mut().expect("only visits with lines have changes of lines");
+        let outcome = lines.change(line, change);
+        assert_eq!(
+            outcome,
+            Ok(Outcome::Changed),
+            "only what changes a line is a fact: {id:?}, {line}, {change:?}"
+        );
     }
 
     /// A job that waits becomes another one.

@@ -1,0 +1,244 @@
+//! How long the rest of a visit takes, from how long lines took before.
+//!
+//! Main types: [`Pace`] (what was learned), [`Remaining`] (a distribution). A line takes a time for the first piece and
+//! one for each further piece, times a factor that is spread lognormally; the factor's middle is learned for each
+//! station and drawn towards that of all stations while little is known of it. Kept in memory only, and of stations, not
+//! of people. Refuses: to know why a line takes long.
+
+use super::{LineState, Lines};
+use crate::id::StationId;
+use std::collections::BTreeMap;
+
+/// What a line takes before anything is learned: its first piece and each further one, seconds.
+const FIRST_S: f64 = 3.5;
+const FURTHER_S: f64 = 2.4;
+/// The spread of the factor before anything is learned, and how many lines that counts for.
+const SPREAD: f64 = 0.45;
+const SPREAD_LINES: f64 = 10.0;
+/// How many lines the starting value counts for, and how many that of all stations counts for at one of them.
+const START_LINES: f64 = 5.0;
+const CREW_LINES: f64 = 8.0;
+/// Older lines count less: each one by so much less than the one after it.
+const KEPT: f64 = 0.99;
+/// A factor beyond this is a break, not a pick.
+const SLOWEST: f64 = 12.0;
+/// A line that has taken longer than any is expected to take this share of that once more.
+const OVERDUE: f64 = 0.25;
+/// Nothing ends sooner than this, seconds.
+const AT_LEAST_S: f64 = 0.3;
+/// Quantiles of the standard normal distribution in the middle of each sixteenth.
+const NORMALS: [f64; 16] = [
+    -1.8627, -1.3180, -1.0100, -0.7764, -0.5791, -0.4023, -0.2372, -0.0784, 0.0784, 0.2372, 0.4023, 0.5791,
+    0.7764, 1.0100, 1.3180, 1.8627,
+];
+/// The one that nine in ten are below.
+const NINETIETH: f64 = 1.2816;
+
+/// Sums over lines, the newest counting most.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Sums {
+    lines: f64,
+    logs: f64,
+    squares: f64,
+}
+
+/// What is known of how long lines take.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pace {
+    crew: Sums,
+    stations: BTreeMap<StationId, Sums>,
+}
+
+/// How long a visit will last from now on, seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Remaining {
+    /// The mean.
+    pub mean_s: f64,
+    /// One in ten ends sooner.
+    pub p10_s: f64,
+    /// Half of them do.
+    pub p50_s: f64,
+    /// Nine in ten do.
+    pub p90_s: f64,
+}
+
+impl Sums {
+    fn note(&mut self, log: f64) {
+        self.lines = self.lines * KEPT + 1.0;
+        self.logs = self.logs * KEPT + log;
+        self.squares = self.squares * KEPT + log * log;
+    }
+}
+
+/// What `pieces` pieces of one slot take on average before anything is learned, seconds; of a line that has begun,
+/// its next pieces.
+fn usual_s(pieces: u32, begun: bool) -> f64 {
+    let first = if begun { FURTHER_S } else { FIRST_S };
+    first + FURTHER_S * f64::from(pieces.saturating_sub(1))
+}
+
+impl Pace {
+    /// A line of so many pieces took so long.
+    pub fn learn(&mut self, station: StationId, pieces: u32, seconds: f64) {
+        let factor = seconds / usual_s(pieces, false);
+        if factor > 0.0 && factor <= SLOWEST {
+            let log = factor.ln();
+            self.crew.note(log);
+            self.stations.entry(station).or_default().note(log);
+        }
+    }
+
+    /// The middle of the factor at a station, as a logarithm.
+    fn middle(&self, station: StationId) -> f64 {
+        let crew = self.crew.logs / (START_LINES + self.crew.lines);
+        let own = self.stations.get(&station).copied().unwrap_or_default();
+        (CREW_LINES * crew + own.logs) / (CREW_LINES + own.lines)
+    }
+
+    /// The spread of the factor's logarithm.
+    fn spread(&self) -> f64 {
+        let Sums { lines, logs, squares } = self.crew;
+        let about_mean = if lines > 0.0 { (squares - logs * logs / lines).max(0.0) } else { 0.0 };
+        ((SPREAD * SPREAD * SPREAD_LINES + about_mean) / (SPREAD_LINES + lines)).sqrt()
+    }
+
+    /// What a line of so many pieces takes at a station on average, seconds.
+    pub fn line_s(&self, station: StationId, pieces: u32) -> f64 {
+        usual_s(pieces, false) * self.mean_factor(station)
+    }
+
+    fn mean_factor(&self, station: StationId) -> f64 {
+        (self.middle(station) + self.spread().powi(2) / 2.0).exp()
+    }
+
+    /// How long the rest of a visit takes, whose lit line has been at it for `lit_s` since its last piece. `said_s` is
+    /// what the customer said that the whole visit takes.
+    pub fn remaining(&self, station: StationId, lines: &Lines, lit_s: f64, said_s: Option<f64>) -> Remaining {
+        let (spread, mean_factor) = (self.spread(), self.mean_factor(station));
+        let whole_s: f64 = lines.all().iter().map(|p| usual_s(p.line.quantity, false)).sum();
+        let factor = said_s.map_or(mean_factor, |said_s| said_s / whole_s.max(AT_LEAST_S));
+        let (mut mean, mut variance) = (0.0, 0.0);
+        for p in lines.all().iter().filter(|p| p.left() > 0) {
+            let line_s = factor * usual_s(p.left(), p.pieces > 0);
+            let (m, v) = if p.state == LineState::Lit {
+                rest_of(line_s, spread, lit_s)
+            } else {
+                (line_s, line_s * line_s * ((spread * spread).exp() - 1.0))
+            };
+            (mean, variance) = (mean + m, variance + v);
+        }
+        Remaining::of(mean, variance)
+    }
+}
+
+/// Mean and variance of what is left of a line that takes `line_s` on average and has been at it for `spent_s`.
+fn rest_of(line_s: f64, spread: f64, spent_s: f64) -> (f64, f64) {
+    let middle_s = line_s * (-spread * spread / 2.0).exp();
+    let left = NORMALS.iter().map(|z| middle_s * (spread * z).exp() - spent_s).filter(|s| *s > 0.0);
+    let (n, sum, squares) = left.fold((0.0, 0.0, 0.0), |(n, a, b), s| (n + 1.0, a + s, b + s * s));
+    if n == 0.0 {
+        let mean = (spent_s * OVERDUE).max(AT_LEAST_S);
+        return (mean, mean * mean);
+    }
+    let mean: f64 = sum / n;
+    (mean.max(AT_LEAST_S), (squares / n - mean * mean).max(0.0))
+}
+
+impl Remaining {
+    /// The lognormal distribution of this mean and variance.
+    fn of(mean_s: f64, variance: f64) -> Remaining {
+        if mean_s <= 0.0 {
+            return Remaining { mean_s: 0.0, p10_s: 0.0, p50_s: 0.0, p90_s: 0.0 };
+        }
+        let square = (variance / (mean_s * mean_s)).ln_1p();
+        let p50_s = mean_s * (-square / 2.0).exp();
+        let off = (NINETIETH * square.sqrt()).exp();
+        Remaining { mean_s, p10_s: p50_s / off, p50_s, p90_s: p50_s * off }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LineChange, OrderLine, PickedBy};
+    use super::*;
+
+    const S: StationId = StationId(0);
+
+    fn lines(quantities: &[u32]) -> Lines {
+        let slot = |i: usize| crate::warehouse::SlotName::new(i as u8, 0);
+        let line = |(i, quantity): (usize, &u32)| OrderLine {
+            slot: slot(i),
+            quantity: *quantity,
+            tote: "A".into(),
+            item: None,
+            by: PickedBy::Hand,
+        };
+        Lines::new(quantities.iter().enumerate().map(line))
+    }
+
+    #[test]
+    fn more_lines_and_more_pieces_take_longer_and_what_is_done_takes_no_more() {
+        let pace = Pace::default();
+        let mean = |quantities: &[u32]| pace.remaining(S, &lines(quantities), 0.0, None).mean_s;
+        assert!(mean(&[1]) < mean(&[2]) && mean(&[2]) < mean(&[1, 1]) && mean(&[1, 1]) < mean(&[1, 3, 1]));
+        let mut visit = lines(&[1, 3]);
+        let whole = pace.remaining(S, &visit, 0.0, None).mean_s;
+        visit.change(0, LineChange::Done(1)).unwrap();
+        let half = pace.remaining(S, &visit, 0.0, None).mean_s;
+        visit.change(1, LineChange::Done(2)).unwrap();
+        let last = pace.remaining(S, &visit, 0.0, None).mean_s;
+        assert!(whole > half && half > last && last > 1.0, "{whole} {half} {last}");
+        visit.change(1, LineChange::Done(1)).unwrap();
+        assert_eq!(pace.remaining(S, &visit, 0.0, None).p90_s, 0.0);
+    }
+
+    #[test]
+    fn a_slow_station_is_learned_and_a_new_one_is_taken_for_one_of_the_crew() {
+        let mut pace = Pace::default();
+        (0..60).for_each(|_| pace.learn(S, 1, 2.0 * FIRST_S));
+        (0..60).for_each(|_| pace.learn(StationId(1), 1, FIRST_S));
+        let line_s = |s: u32| pace.line_s(StationId(s), 1);
+        assert!(line_s(0) > 1.6 * line_s(1), "{} and {}", line_s(0), line_s(1));
+        assert!(line_s(1) < line_s(2) && line_s(2) < line_s(0), "in between: {}", line_s(2));
+        let before = pace.clone();
+        pace.learn(S, 1, 600.0);
+        assert_eq!(pace, before, "somebody had a break");
+    }
+
+    #[test]
+    fn a_line_that_is_overdue_takes_some_time_more_and_never_less_than_a_moment() {
+        let pace = Pace::default();
+        let left = |lit_s: f64| pace.remaining(S, &lines(&[1]), lit_s, None);
+        let mean_s = left(0.0).mean_s;
+        assert!(left(1.0).mean_s < mean_s && left(1.0).mean_s > mean_s - 1.0, "what ends soon has ended");
+        for lit_s in [5.0, 10.0, 60.0, 600.0] {
+            assert!(
+                left(lit_s).mean_s >= AT_LEAST_S && left(lit_s).mean_s < lit_s,
+                "{lit_s}: {:?}",
+                left(lit_s)
+            );
+        }
+        assert!(left(600.0).mean_s > left(60.0).mean_s, "who has been away for long stays away for longer");
+    }
+
+    #[test]
+    fn quantiles_hold_as_many_visits_as_they_say_once_the_pace_is_learned() {
+        let mut pace = Pace::default();
+        // Factors spread like the sixteenths themselves, in a mixed order.
+        let factor = |i: usize| (0.3 * NORMALS[i * 7 % 16]).exp();
+        (0..400).for_each(|i| pace.learn(S, 1, FIRST_S * factor(i)));
+        let r = pace.remaining(S, &lines(&[1]), 0.0, None);
+        let share = |below: f64| (0..16).filter(|i| FIRST_S * factor(*i) < below).count();
+        assert!((1..=2).contains(&share(r.p10_s)) && (7..=9).contains(&share(r.p50_s)), "{r:?}");
+        assert!((14..=15).contains(&share(r.p90_s)), "{r:?}");
+    }
+
+    #[test]
+    fn what_the_customer_said_of_the_whole_visit_holds_for_what_is_left_of_it_in_proportion() {
+        let pace = Pace::default();
+        let mut visit = lines(&[1, 1]);
+        assert!((pace.remaining(S, &visit, 0.0, Some(900.0)).mean_s - 900.0).abs() < 20.0);
+        visit.change(0, LineChange::Done(1)).unwrap();
+        assert!((pace.remaining(S, &visit, 0.0, Some(900.0)).mean_s - 450.0).abs() < 10.0);
+    }
+}

@@ -1,0 +1,57 @@
+//! When visits at work cells are expected to end, kept true on the timelines: robots behind are planned with it.
+//!
+//! Main function: `retime_visits`. An expectation that has moved a little moves nothing, so a long visit is a few changes
+//! and no stream of them. Refuses: to end a visit.
+
+use crate::cell::Remaining;
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::{Fact, Moved, Task};
+use crate::fleet::traffic::truncate::robot_of;
+use crate::id::RobotId;
+use crate::time::{Span, Time};
+use crate::timeline::Holder;
+
+/// An expected end that is off by less than this, or by less than this share of what is left, stays as it is.
+const OFF: Span = Span::from_millis(1000);
+const OFF_SHARE: f64 = 0.25;
+
+/// Moves the planned end of each visit to where it is expected, later or earlier.
+pub(in crate::fleet) fn retime_visits(core: &mut Core, now: Time) {
+    for robot in core.ledger.present() {
+        if let Some(remaining) = left_of_visit(core, robot, now) {
+            core.at_hand = Some(robot);
+            retime(core, robot, remaining, now);
+        }
+    }
+    core.at_hand = None;
+}
+
+/// How long the visit at which a robot stands goes on, if it has lines.
+fn left_of_visit(core: &Core, robot: RobotId, now: Time) -> Option<Remaining> {
+    let Task::Deliver { job, .. } = core.ledger.robots[robot].task else { return None };
+    if !core.floor().is_picked_from(robot) {
+        return None;
+    }
+    core.visits.remaining(job, core.ledger.jobs.get(&job)?, now)
+}
+
+fn retime(core: &mut Core, robot: RobotId, remaining: Remaining, now: Time) {
+    let (holder, chain) = (Holder::Robot(robot), core.ledger.chain(robot));
+    let serial = chain.first();
+    let Some(here) = chain.get(serial).filter(|v| !v.depart.is_forever()) else { return };
+    let left = Span::from_secs_f64(remaining.mean_s);
+    let off = now + left - here.depart;
+    let bearable = OFF.max(Span::from_secs_f64(OFF_SHARE * remaining.mean_s));
+    let moved = if off > bearable {
+        let slip = core.ledger.timeline().delay(holder, serial, now + left);
+        slip.into_iter().map(|(h, shifts)| Moved { robot: robot_of(h), shifts }).collect()
+    } else if -off > bearable && chain.granted() == serial + 1 {
+        let shifts = core.ledger.timeline().advance(holder, now + left);
+        if shifts.is_empty() { Vec::new() } else { vec![Moved { robot, shifts }] }
+    } else {
+        Vec::new()
+    };
+    if !moved.is_empty() {
+        core.record(Fact::Retimed { moved });
+    }
+}
