@@ -65,6 +65,7 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("POST", "/v1/racks/{id}/taken", Operate),
     ("GET", "/v1/stations", Read),
     ("GET", "/v1/stations/{id}", Read),
+    ("GET", "/v1/stations/{id}/live", Read),
     ("POST", "/v1/stations/{id}/lines/{n}", Operate),
     ("POST", "/v1/stations/{id}/release", Operate),
     ("POST", "/v1/stations/{id}/done", Operate),

@@ -18,9 +18,10 @@ use axum::http::StatusCode;
 use axum::response::Response;
 use serde::Deserialize;
 use serde_json::json;
-use std::pin::pin;
+use std::pin::Pin;
 use std::time::Duration;
-use tokio::time::{MissedTickBehavior, interval, timeout};
+use tokio::sync::watch;
+use tokio::time::{Interval, MissedTickBehavior, interval, timeout};
 use utoipa::IntoParams;
 
 /// How many readers there may be.
@@ -68,6 +69,19 @@ pub async fn live(
     Params(p): Params<LiveParams>,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
 ) -> Result<Response, Problem> {
+    let upgrade = reader_upgrade(&api, upgrade)?;
+    Ok(upgrade.on_upgrade(move |socket| async move {
+        api.metrics.live_clients.inc();
+        serve(&api, socket, &p).await;
+        api.metrics.live_clients.dec();
+    }))
+}
+
+/// The way to a WebSocket for one more reader.
+pub(super) fn reader_upgrade(
+    api: &Api,
+    upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
+) -> Result<WebSocketUpgrade, Problem> {
     let upgrade = upgrade.map_err(|e| {
         let detail = format!("this is a WebSocket: connect with ws:// or wss:// ({})", e.body_text());
         Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
@@ -78,64 +92,86 @@ pub async fn live(
             10,
         ));
     }
-    let upgrade = upgrade.protocols(["giveway"]).max_message_size(4096).max_write_buffer_size(64 << 20);
-    Ok(upgrade.on_upgrade(move |socket| async move {
-        api.metrics.live_clients.inc();
-        serve(&api, socket, &p).await;
-        api.metrics.live_clients.dec();
-    }))
+    Ok(upgrade.protocols(["giveway"]).max_message_size(4096).max_write_buffer_size(64 << 20))
+}
+
+/// The connection of somebody who only reads: pinged, and closed when the server goes down or the reader may no longer
+/// read.
+pub(super) struct ReadOnly<'a> {
+    socket: WebSocket,
+    closing: watch::Receiver<bool>,
+    ended: Pin<Box<dyn Future<Output = ()> + Send + 'a>>,
+    ping: Interval,
+    silent: u32,
+}
+
+impl<'a> ReadOnly<'a> {
+    pub fn new(api: &'a Api, socket: WebSocket) -> ReadOnly<'a> {
+        let (closing, ended) = (api.closing.clone(), Box::pin(api.gate.ended(&api.caller, &api.now)));
+        let mut ping = interval(PING);
+        ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        ReadOnly { socket, closing, ended, ping, silent: 0 }
+    }
+
+    /// Waits until there is news. False where the connection is over.
+    pub async fn wait<T>(&mut self, news: &mut watch::Receiver<T>) -> bool {
+        loop {
+            tokio::select! {
+                changed = news.changed() => {
+                    news.mark_unchanged();
+                    return changed.is_ok();
+                }
+                message = self.socket.recv() => match message {
+                    Some(Ok(Message::Close(_)) | Err(_)) | None => return false,
+                    Some(Ok(_)) => self.silent = 0,
+                },
+                _ = self.ping.tick() => {
+                    self.silent += 1;
+                    if self.silent > SILENT_PINGS || !self.send(Message::Ping(Default::default())).await {
+                        return false;
+                    }
+                }
+                () = &mut self.ended => {
+                    let frame = CloseFrame { code: close_code::POLICY, reason: TOKEN_ENDED.into() };
+                    self.send(Message::Close(Some(frame))).await;
+                    return false;
+                }
+                () = async { _ = self.closing.wait_for(|closing| *closing).await.is_ok() } => {
+                    let frame = CloseFrame { code: close_code::AWAY, reason: "server shutting down".into() };
+                    self.send(Message::Close(Some(frame))).await;
+                    return false;
+                }
+            }
+        }
+    }
+
+    /// Whether the message left in time.
+    pub async fn send(&mut self, message: Message) -> bool {
+        matches!(timeout(SEND, self.socket.send(message)).await, Ok(Ok(())))
+    }
 }
 
 /// Serves one reader until it leaves, stalls, or the server goes down.
-async fn serve(api: &Api, mut socket: WebSocket, p: &LiveParams) {
+async fn serve(api: &Api, socket: WebSocket, p: &LiveParams) {
     let mut newest = api.live.subscribe();
-    let mut closing = api.closing.clone();
-    let mut ping = interval(PING);
-    ping.set_missed_tick_behavior(MissedTickBehavior::Delay);
-    let mut silent = 0;
     let reader = FeedReader {
         patches: if p.thin == Some(true) { PatchFormat::Thin } else { PatchFormat::Plain },
         snapshots: if p.packed == Some(true) { SnapshotFormat::Gzip } else { SnapshotFormat::Text },
     };
     let (mut messages, mut version) = api.live.after(reader, p.since, api.live.kept());
-    let mut ended = pin!(api.gate.ended(&api.caller, &api.now));
+    let mut connection = ReadOnly::new(api, socket);
     loop {
         let news = !messages.is_empty();
         let senses = (news && p.senses == Some(true)).then(|| Message::Text(senses(api)));
         for message in messages.drain(..).chain(senses) {
-            if !send(&mut socket, message).await {
+            if !connection.send(message).await {
                 return;
             }
         }
-        tokio::select! {
-            changed = newest.changed() => {
-                if changed.is_err() {
-                    return;
-                }
-                newest.mark_unchanged();
-                (messages, version) = api.live.after(reader, Some(version), LAGGING);
-            }
-            message = socket.recv() => match message {
-                Some(Ok(Message::Close(_)) | Err(_)) | None => return,
-                Some(Ok(_)) => silent = 0,
-            },
-            _ = ping.tick() => {
-                silent += 1;
-                if silent > SILENT_PINGS || !send(&mut socket, Message::Ping(Default::default())).await {
-                    return;
-                }
-            }
-            () = &mut ended => {
-                let frame = CloseFrame { code: close_code::POLICY, reason: TOKEN_ENDED.into() };
-                send(&mut socket, Message::Close(Some(frame))).await;
-                return;
-            }
-            () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
-                let frame = CloseFrame { code: close_code::AWAY, reason: "server shutting down".into() };
-                send(&mut socket, Message::Close(Some(frame))).await;
-                return;
-            }
+        if !connection.wait(&mut newest).await {
+            return;
         }
+        (messages, version) = api.live.after(reader, Some(version), LAGGING);
     }
 }
 
@@ -149,9 +185,4 @@ fn senses(api: &Api) -> Utf8Bytes {
     };
     let workers: Vec<_> = carried.iter().enumerate().map(worker).collect();
     json!({"type": "senses", "workers": workers}).to_string().into()
-}
-
-/// Whether the message left in time.
-async fn send(socket: &mut WebSocket, message: Message) -> bool {
-    matches!(timeout(SEND, socket.send(message)).await, Ok(Ok(())))
 }

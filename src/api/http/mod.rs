@@ -36,7 +36,7 @@ mod robot_life;
 mod robots;
 mod session;
 mod shift;
-mod stations;
+pub(in crate::api) mod stations;
 mod timelines;
 mod tokens;
 mod webhooks;
@@ -47,6 +47,7 @@ pub use health::alive;
 
 use super::audit::AuditEntry;
 use super::caller::Caller;
+use super::cell::socket;
 use super::error::Problem;
 use super::feed::session as feed_session;
 use super::metrics::HttpLabels;
@@ -165,6 +166,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(halt::pause))
         .routes(routes!(halt::go_on))
         .routes(routes!(stations::one))
+        .routes(routes!(socket::live_station))
         .routes(routes!(stations::line))
         .routes(routes!(stations::release))
         .routes(routes!(stations::done))

@@ -4,19 +4,18 @@
 //! Main functions: [`one`], [`line`], [`release`], [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick that
 //! has not begun, and to count a piece twice.
 
-use super::jobs::read;
 use crate::api::Api;
 use crate::api::called::Called;
-use crate::api::cell::{LineChangedDto, StationDetailDto, VisitDto, lines_dto};
+use crate::api::cell::{LineChangedDto, StationDetailDto};
 use crate::api::dto::Names;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPair, PathPart};
 use crate::api::port::What;
 use crate::api::refusal::refused;
-use crate::api::text::{job_name, time_text};
-use crate::cell::{LineChange, Lines, Outcome, Remaining};
-use crate::fleet::{JobRow, Reply, StationOrder};
-use crate::id::{Dense, RobotId, StationId};
+use crate::api::text::job_name;
+use crate::cell::{LineChange, Outcome};
+use crate::fleet::{Reply, StationOrder};
+use crate::id::StationId;
 use axum::Json;
 use axum::http::StatusCode;
 use serde::Deserialize;
@@ -27,38 +26,11 @@ use utoipa::ToSchema;
     params(("id" = String, Path, example = "W")), responses(
     (status = 200, description = "The station", body = StationDetailDto),
     (status = 404, description = "There is no such station", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn one(Called(api): Called, PathPart(id): PathPart) -> Result<Json<StationDetailDto>, Problem> {
     let station = parse_station(&api, &id)?;
     let moment = api.moment();
-    let names = Names { map: &api.map, view: &moment.view };
-    let seen = moment.view.stations.get(station.ix());
-    let visit = match seen.and_then(|s| Some((s.robot?, s.job?, s.left))) {
-        Some((robot, job, left)) => Some(visit(names, robot, &read(&api, job).await?, left)),
-        None => None,
-    };
-    let cell = api.map.stations[station].cell.as_ref();
-    Ok(Json(StationDetailDto {
-        station: names.station(station),
-        has_cell: cell.is_some(),
-        totes: cell.iter().flat_map(|c| &c.totes).map(|t| t.name.clone()).collect(),
-        visit,
-    }))
-}
-
-fn visit(names: Names<'_>, robot: RobotId, row: &JobRow, left: Option<Remaining>) -> VisitDto {
-    let lines = row.job.lines_now();
-    VisitDto {
-        job: job_name(row.id),
-        rack: row.job.request.kind.rack().map(|k| names.map.racks[k].name.clone()),
-        robot: names.robot(robot),
-        since: row.times.arrived.map(time_text),
-        lines: lines.map_or_else(Vec::new, |lines| lines_dto(lines, true)),
-        pieces_left: lines.map_or(0, Lines::pieces_left),
-        expected_end: left.map(Into::into),
-    }
+    Ok(Json(Names { map: &api.map, view: &moment.view }.station_detail(station)))
 }
 
 /// What is said about a line; exactly one of the three.
@@ -206,7 +178,8 @@ async fn say(api: &Api, name: &str, order: StationOrder) -> Result<StatusCode, P
     }
 }
 
-fn parse_station(api: &Api, name: &str) -> Result<StationId, Problem> {
+/// The station of this name.
+pub(in crate::api) fn parse_station(api: &Api, name: &str) -> Result<StationId, Problem> {
     let found = api.map.stations.pairs().find(|(_, s)| s.name == name).map(|(id, _)| id);
     found.ok_or_else(|| {
         Problem::unknown("station", format!("there is no station \"{name}\"; GET /v1/stations lists all"))

@@ -7,7 +7,7 @@ use crate::fleet::dispatch::jobs::stations_with_enough;
 use crate::fleet::people::intents::task_place;
 use crate::fleet::read::view::{Counts, RobotState, RobotView, StationView, View};
 use crate::fleet::state::activity::Activity;
-use crate::fleet::state::fact::Task;
+use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
@@ -199,20 +199,39 @@ impl Fleet {
     }
 
     fn station_view(&self, s: StationId, now: Time) -> StationView {
+        let (ledger, visits) = (&self.core.ledger, &self.core.visits);
         let station = &self.core.warehouse().stations[s];
-        let stands = |n: NodeId| self.core.ledger.present().find(|r| self.core.ledger.node_of(*r) == n);
-        let job_of = |r: RobotId| self.core.ledger.robots[r].task.job();
-        let picked = stands(station.node).filter(|r| self.floor().is_picked_from(*r));
-        let job = picked.and_then(job_of);
+        let stands = |n: NodeId| ledger.present().find(|r| ledger.node_of(*r) == n);
+        let here = stands(station.node);
+        let picked = here.filter(|r| self.floor().is_picked_from(*r));
+        let job = picked.and_then(|r| ledger.robots[r].task.job());
+        let record = job.and_then(|id| Some((id, ledger.jobs.get(&id)?)));
         StationView {
-            robot: stands(station.node),
+            robot: here,
             picking: picked.is_some(),
             job,
-            left: job.and_then(|id| self.core.visits.remaining(id, self.core.ledger.jobs.get(&id)?, now)),
-            paused: self.core.ledger.paused_stations.get(&s).copied(),
+            since: job.and_then(|id| visits.since(id)),
+            lines: record.and_then(|(_, job)| job.lines_now().cloned()),
+            left: record.and_then(|(id, job)| visits.remaining(id, job, now)),
+            next: self.next_rack(station.node, picked),
+            paused: ledger.paused_stations.get(&s).copied(),
             queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
-            served: self.core.ledger.served[s],
+            served: ledger.served[s],
         }
+    }
+
+    /// Which robot brings the next rack to a station, and when it is planned to be there.
+    fn next_rack(&self, station: NodeId, picked: Option<RobotId>) -> Option<(RobotId, Time)> {
+        let ledger = &self.core.ledger;
+        let comes = |robot: RobotId| {
+            let record = &ledger.robots[robot];
+            let is_for_it = matches!(record.task, Task::Deliver { station: s, .. } if s == station);
+            let stop = record.stops.iter().find(|s| matches!(s.act, Act::Pick(_)))?;
+            let visit = ledger.chain(robot).get(stop.serial).filter(|v| is_for_it && v.node == station)?;
+            Some((robot, visit.arrive))
+        };
+        let others = ledger.present().filter(|r| Some(*r) != picked);
+        others.filter_map(comes).min_by_key(|(robot, at)| (*at, *robot))
     }
 }
 

@@ -4,7 +4,7 @@
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
 use crate::aware::zone_answers::ZoneCounts;
-use crate::cell::Remaining;
+use crate::cell::{Lines, Remaining};
 use crate::fleet::state::activity::{Activity, Doing};
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
@@ -141,8 +141,14 @@ pub struct StationView {
     pub picking: bool,
     /// The job for which it is picked, unless that was cancelled.
     pub job: Option<JobId>,
+    /// When its rack came, unless that was before the program started.
+    pub since: Option<Time>,
+    /// Its lines, if it has any.
+    pub lines: Option<Lines>,
     /// How long the visit goes on from `now`, if its job has lines.
     pub left: Option<Remaining>,
+    /// The robot that brings the next rack, and when it is planned to be there.
+    pub next: Option<(RobotId, Time)>,
     /// Since when nobody picks, by hand.
     pub paused: Option<Time>,
     /// Robots in its queue places, first in line first.

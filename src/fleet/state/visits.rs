@@ -14,6 +14,8 @@ use std::collections::BTreeMap;
 /// A visit that is on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Clock {
+    /// When the rack came, unless that was before the program started.
+    since: Option<Time>,
     /// When the line that is lit was lit.
     lit: Time,
     /// When it had its last piece, or was lit.
@@ -42,7 +44,7 @@ impl Visits {
     pub fn note(&mut self, ledger: &Ledger, fact: &Fact) {
         match fact {
             Fact::Progressed { job, state: JobState::Picking { .. }, at, .. } => {
-                self.clocks.insert(*job, Clock { lit: *at, last: *at, whole: true });
+                self.clocks.insert(*job, Clock { since: Some(*at), lit: *at, last: *at, whole: true });
             }
             Fact::Progressed { job, .. } | Fact::Served { job, .. } => _ = self.clocks.remove(job),
             Fact::LineChanged { job, line, change, at } => {
@@ -60,7 +62,7 @@ impl Visits {
         if after.change(n, change) != Ok(Outcome::Changed) {
             return;
         }
-        let clock = self.clocks.entry(id).or_insert(Clock { lit: at, last: at, whole: false });
+        let clock = self.clocks.entry(id).or_insert(Clock { since: None, lit: at, last: at, whole: false });
         let (before, now) = (&lines.all()[n], &after.all()[n]);
         if before.state == LineState::Lit && now.state == LineState::Done && clock.whole {
             self.pace.learn(station, before.line.quantity, (at - clock.lit).as_secs_f64());
@@ -69,6 +71,11 @@ impl Visits {
         if lines.lit() != after.lit() {
             (clock.lit, clock.whole) = (at, true);
         }
+    }
+
+    /// When the rack of a job came to the station where it is, unless that was before the program started.
+    pub fn since(&self, id: JobId) -> Option<Time> {
+        self.clocks.get(&id)?.since
     }
 
     /// How long a robot with a job's rack is planned to stay at the station where it is wanted now; nothing for a job

@@ -110,6 +110,14 @@ impl Cell {
         Some(Place::new(at.x, at.y, rack.heights_m[usize::from(slot.row())]))
     }
 
+    /// How far a place is to the right of where the rack stands, as the picker sees it who looks at the rack, and how
+    /// far from it towards the picker; metres.
+    pub fn beside(&self, stands: Point, place: Place) -> [f64; 2] {
+        let to_picker = (self.opening.middle() - stands).normalize();
+        let off = Point::new(place.x, place.y) - stands;
+        [off.dot(&Vector::new(-to_picker.y, to_picker.x)), off.dot(&to_picker)]
+    }
+
     /// The tote of this name.
     pub fn tote_named(&self, name: &str) -> Option<&Tote> {
         self.totes.iter().find(|t| t.name == name)
@@ -149,6 +157,15 @@ mod tests {
         let at = |name| east.place_of(Point::new(0.0, 0.0), &rack(), slot(name)).unwrap();
         assert!(near(at("A1"), [0.4, -0.3, 0.4]), "{}", at("A1"));
         assert!(near(at("D2"), [0.4, 0.3, 0.8]), "{}", at("D2"));
+    }
+
+    #[test]
+    fn what_is_beside_the_picker_is_on_the_side_that_the_picker_sees() {
+        let south = cell([[-0.5, -0.6], [0.5, -0.6], [0.5, -0.5], [-0.5, -0.5]]);
+        let near = |a: [f64; 2], b: [f64; 2]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
+        assert!(near(south.beside(Point::origin(), Place::new(0.8, -1.2, 0.9)), [0.8, 1.2]), "east is right");
+        let east = cell([[0.5, -0.5], [0.6, -0.5], [0.6, 0.5], [0.5, 0.5]]);
+        assert!(near(east.beside(Point::origin(), Place::new(1.2, 0.8, 0.9)), [0.8, 1.2]), "north is right");
     }
 
     #[test]

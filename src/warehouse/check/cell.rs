@@ -203,8 +203,11 @@ mod tests {
         let workplace = square(at + off, 0.5, 0.4);
         let opening = Opening { outline: square(at + off / 2.0, 0.5, 0.02), from_m: 0.2, to_m: 2.0 };
         let tote = |name: &str, x: f64| Tote { name: name.into(), at: Place::new(at.x + x, at.y - 1.8, 0.9) };
-        let arm =
-            ArmMount { base: Place::new(at.x + 0.8, at.y - 1.0, 0.8), heading: 1.0, kind: "ur5".into() };
+        let arm = ArmMount {
+            base: Place::new(at.x + 0.8, at.y - 1.0, 0.8),
+            heading: 90_f64.to_radians(),
+            kind: "ur5".into(),
+        };
         let cell = Cell { workplace, opening, totes: vec![tote("A", -0.3), tote("B", 0.3)], arm: Some(arm) };
         draft.stations[0].cell = Some(cell);
         let heights_m = vec![0.4, 0.8, 1.2];
