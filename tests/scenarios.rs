@@ -6,7 +6,7 @@ use giveway::aware::nodes_in;
 use giveway::fleet::Command;
 use giveway::geometry::Point;
 use giveway::sim::swarm::{SwarmCase, SwarmPart, SwarmRun, SwarmTally};
-use giveway::sim::{Demand, JobTally, OrderLine, Outcome, Scenario, Simulation};
+use giveway::sim::{Demand, JobTally, OrderFileLine, Outcome, Scenario, Simulation};
 use giveway::time::{Span, Time};
 use giveway::warehouse::{Warehouse, formats, room_for};
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ fn read(path: &Path) -> String {
 struct Setup {
     scenario: Scenario,
     warehouse: Arc<Warehouse>,
-    lines: Vec<OrderLine>,
+    lines: Vec<OrderFileLine>,
 }
 
 impl Setup {
@@ -62,7 +62,7 @@ impl Setup {
         room_for(&warehouse, scenario.robots).unwrap_or_else(|e| panic!("{name}: {e}"));
         let lines = match &scenario.demand {
             Demand::File { path, .. } => {
-                OrderLine::parse_csv(&read(&folder().join(path))).expect("order lines")
+                OrderFileLine::parse_csv(&read(&folder().join(path))).expect("order lines")
             }
             _ => Vec::new(),
         };

@@ -52,7 +52,7 @@ pub enum LineChange {
 
 /// What a change came to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Outcome {
+pub enum LineOutcome {
     /// The line has changed.
     Changed,
     /// It was so already, and nothing was counted again.
@@ -72,7 +72,7 @@ pub enum LineRefusal {
 
 /// One line and how far it is.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Progress {
+pub struct LineProgress {
     /// What was ordered.
     pub line: OrderLine,
     /// How far it is.
@@ -81,7 +81,7 @@ pub struct Progress {
     pub pieces: u32,
 }
 
-impl Progress {
+impl LineProgress {
     /// Pieces that are still to be picked: none of a line that is over.
     pub fn left(&self) -> u32 {
         if self.state.is_over() { 0 } else { self.line.quantity - self.pieces }
@@ -91,13 +91,13 @@ impl Progress {
 /// The lines of a visit, in the order in which they are lit.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Lines {
-    all: Vec<Progress>,
+    all: Vec<LineProgress>,
 }
 
 impl Lines {
     /// The lines of a visit that begins: the first one is lit.
     pub fn new(lines: impl IntoIterator<Item = OrderLine>) -> Lines {
-        let open = |line| Progress { line, state: LineState::Open, pieces: 0 };
+        let open = |line| LineProgress { line, state: LineState::Open, pieces: 0 };
         let mut lines = Lines { all: lines.into_iter().map(open).collect() };
         lines.light();
         lines
@@ -105,8 +105,8 @@ impl Lines {
 
     /// Lines as they were kept; nothing if they contradict themselves: more pieces than ordered, a line that is done
     /// with pieces left, or none or several lit.
-    pub fn restore(all: Vec<Progress>) -> Option<Lines> {
-        let sound = |p: &Progress| {
+    pub fn restore(all: Vec<LineProgress>) -> Option<Lines> {
+        let sound = |p: &LineProgress| {
             p.pieces <= p.line.quantity && (p.state == LineState::Done) == (p.pieces == p.line.quantity)
         };
         let lines = Lines { all };
@@ -115,7 +115,7 @@ impl Lines {
     }
 
     /// All of them, in their order.
-    pub fn all(&self) -> &[Progress] {
+    pub fn all(&self) -> &[LineProgress] {
         &self.all
     }
 
@@ -131,26 +131,26 @@ impl Lines {
 
     /// Pieces that are still to be picked.
     pub fn pieces_left(&self) -> u32 {
-        self.all.iter().map(Progress::left).sum()
+        self.all.iter().map(LineProgress::left).sum()
     }
 
     /// What a change of the line `n`, counted from 0, would come to; [`Lines::change`] makes it.
     ///
     /// # Errors
     /// Why it is refused.
-    pub fn outcome(&self, n: usize, change: LineChange) -> Result<Outcome, LineRefusal> {
+    pub fn outcome(&self, n: usize, change: LineChange) -> Result<LineOutcome, LineRefusal> {
         let progress = self.all.get(n).ok_or(LineRefusal::NoLine(self.all.len()))?;
         let is_over = progress.state.is_over();
         match change {
             LineChange::Done(0) => Err(LineRefusal::NoPieces),
             // What the hand has confirmed, a button confirms once more.
-            LineChange::Done(_) | LineChange::Short if is_over => Ok(Outcome::Already),
+            LineChange::Done(_) | LineChange::Short if is_over => Ok(LineOutcome::Already),
             LineChange::Done(pieces) if pieces > progress.left() => {
                 Err(LineRefusal::TooMany(progress.left()))
             }
-            LineChange::Done(_) | LineChange::Short => Ok(Outcome::Changed),
-            LineChange::Undo if progress.pieces == 0 && !is_over => Ok(Outcome::Already),
-            LineChange::Undo => Ok(Outcome::Changed),
+            LineChange::Done(_) | LineChange::Short => Ok(LineOutcome::Changed),
+            LineChange::Undo if progress.pieces == 0 && !is_over => Ok(LineOutcome::Already),
+            LineChange::Undo => Ok(LineOutcome::Changed),
         }
     }
 
@@ -158,9 +158,9 @@ impl Lines {
     ///
     /// # Errors
     /// Why it is refused; nothing has changed then.
-    pub fn change(&mut self, n: usize, change: LineChange) -> Result<Outcome, LineRefusal> {
+    pub fn change(&mut self, n: usize, change: LineChange) -> Result<LineOutcome, LineRefusal> {
         let outcome = self.outcome(n, change)?;
-        if outcome == Outcome::Already {
+        if outcome == LineOutcome::Already {
             return Ok(outcome);
         }
         let progress = &mut self.all[n];
@@ -222,7 +222,7 @@ mod tests {
     fn lines_are_lit_one_after_the_other_until_all_are_over() {
         let mut visit = lines(&[2, 1, 3]);
         assert_eq!((states(&visit), visit.pieces_left()), (vec!["lit", "open", "open"], 6));
-        assert_eq!(visit.change(0, Done(1)), Ok(Outcome::Changed));
+        assert_eq!(visit.change(0, Done(1)), Ok(LineOutcome::Changed));
         assert_eq!((states(&visit), visit.pieces_left()), (vec!["lit", "open", "open"], 5));
         visit.change(0, Done(1)).unwrap();
         assert_eq!(states(&visit), ["done", "lit", "open"]);
@@ -238,7 +238,7 @@ mod tests {
         visit.change(0, Done(1)).unwrap();
         let before = visit.clone();
         for again in [Done(1), Short] {
-            assert_eq!(visit.change(0, again), Ok(Outcome::Already));
+            assert_eq!(visit.change(0, again), Ok(LineOutcome::Already));
         }
         assert_eq!(visit, before);
     }
@@ -248,11 +248,11 @@ mod tests {
         let mut visit = lines(&[2, 2]);
         visit.change(0, Done(2)).unwrap();
         visit.change(1, Done(1)).unwrap();
-        assert_eq!(visit.change(0, Undo), Ok(Outcome::Changed));
+        assert_eq!(visit.change(0, Undo), Ok(LineOutcome::Changed));
         assert_eq!(states(&visit), ["undone", "lit"], "what has begun goes on first");
         visit.change(1, Done(1)).unwrap();
         assert_eq!((states(&visit), visit.pieces_left()), (vec!["lit", "done"], 2));
-        assert_eq!(visit.change(0, Undo), Ok(Outcome::Already), "there is nothing to take back");
+        assert_eq!(visit.change(0, Undo), Ok(LineOutcome::Already), "there is nothing to take back");
     }
 
     #[test]
@@ -276,7 +276,7 @@ mod tests {
                 let change = match what { 0 => Short, 1 => Undo, pieces => Done(pieces - 1) };
                 let (before, expected) = (visit.clone(), visit.outcome(n, change));
                 prop_assert_eq!(visit.change(n, change), expected);
-                if expected != Ok(Outcome::Changed) {
+                if expected != Ok(LineOutcome::Changed) {
                     prop_assert_eq!(&visit, &before);
                 }
                 let lit = visit.all().iter().filter(|p| p.state == LineState::Lit).count();

@@ -1,15 +1,16 @@
 //! The picking station as a work cell: what is to be picked from the rack that stands there, and how far that has come.
 //!
-//! Main types: [`OrderLine`], [`Lines`], [`LineState`]. Refuses: to know where robots drive, and to confirm by guessing.
+//! Main types: [`OrderLine`], [`Lines`], [`LineState`], [`PickPace`]. Refuses: to know where robots drive, and to
+//! confirm by guessing.
 
 mod check;
 mod lines;
 mod pace;
 
 pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};
-pub use lines::{LineChange, LineRefusal, LineState, Lines, Outcome, Progress};
+pub use lines::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines};
 
-pub use pace::{Pace, Remaining};
+pub use pace::{PickPace, Remaining};
 
 use crate::warehouse::SlotName;
 

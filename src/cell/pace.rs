@@ -1,9 +1,9 @@
 //! How long the rest of a visit takes, from how long lines took before.
 //!
-//! Main types: [`Pace`] (what was learned), [`Remaining`] (a distribution). A line takes a time for the first piece and
-//! one for each further piece, times a factor that is spread lognormally; the factor's middle is learned for each
-//! station and drawn towards that of all stations while little is known of it. Kept in memory only, and of stations, not
-//! of people. Refuses: to know why a line takes long.
+//! Main types: [`PickPace`] (what was learned), [`Remaining`] (a distribution). A line takes a time for the first piece
+//! and one for each further piece, times a factor that is spread lognormally; the factor's middle is learned for each
+//! station and drawn towards that of all stations while little is known of it. Kept in memory only, and of stations,
+//! not of people. Refuses: to know why a line takes long.
 
 use super::{LineState, Lines};
 use crate::id::StationId;
@@ -34,9 +34,9 @@ const NORMALS: [f64; 16] = [
 /// The one that nine in ten are below.
 const NINETIETH: f64 = 1.2816;
 
-/// Sums over lines, the newest counting most.
+/// PickSums over lines, the newest counting most.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Sums {
+struct PickSums {
     lines: f64,
     logs: f64,
     squares: f64,
@@ -44,9 +44,9 @@ struct Sums {
 
 /// What is known of how long lines take.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Pace {
-    crew: Sums,
-    stations: BTreeMap<StationId, Sums>,
+pub struct PickPace {
+    crew: PickSums,
+    stations: BTreeMap<StationId, PickSums>,
 }
 
 /// How long a visit will last from now on, seconds.
@@ -62,7 +62,7 @@ pub struct Remaining {
     pub p90_s: f64,
 }
 
-impl Sums {
+impl PickSums {
     fn note(&mut self, log: f64) {
         self.lines = self.lines * KEPT + 1.0;
         self.logs = self.logs * KEPT + log;
@@ -77,7 +77,7 @@ fn usual_s(pieces: u32, begun: bool) -> f64 {
     first + FURTHER_S * f64::from(pieces.saturating_sub(1))
 }
 
-impl Pace {
+impl PickPace {
     /// A line of so many pieces took so long.
     pub fn learn(&mut self, station: StationId, pieces: u32, seconds: f64) {
         let factor = seconds / usual_s(pieces, false);
@@ -97,7 +97,7 @@ impl Pace {
 
     /// The spread of the factor's logarithm.
     fn spread(&self) -> f64 {
-        let Sums { lines, logs, squares } = self.crew;
+        let PickSums { lines, logs, squares } = self.crew;
         let about_mean = if lines > 0.0 { (squares - logs * logs / lines).max(0.0) } else { 0.0 };
         ((SPREAD * SPREAD * SPREAD_LINES + about_mean) / (SPREAD_LINES + lines)).sqrt()
     }
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn more_lines_and_more_pieces_take_longer_and_what_is_done_takes_no_more() {
-        let pace = Pace::default();
+        let pace = PickPace::default();
         let mean = |quantities: &[u32]| pace.remaining(S, &lines(quantities), 0.0, None).mean_s;
         assert!(mean(&[1]) < mean(&[2]) && mean(&[2]) < mean(&[1, 1]) && mean(&[1, 1]) < mean(&[1, 3, 1]));
         let mut visit = lines(&[1, 3]);
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_slow_station_is_learned_and_a_new_one_is_taken_for_one_of_the_crew() {
-        let mut pace = Pace::default();
+        let mut pace = PickPace::default();
         (0..60).for_each(|_| pace.learn(S, 1, 2.0 * FIRST_S));
         (0..60).for_each(|_| pace.learn(StationId(1), 1, FIRST_S));
         let line_s = |s: u32| pace.line_s(StationId(s), 1);
@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_line_that_is_overdue_takes_some_time_more_and_never_less_than_a_moment() {
-        let pace = Pace::default();
+        let pace = PickPace::default();
         let left = |lit_s: f64| pace.remaining(S, &lines(&[1]), lit_s, None);
         let mean_s = left(0.0).mean_s;
         assert!(left(4.0).mean_s < mean_s && left(4.0).mean_s > mean_s - 4.0, "what ends soon has ended");
@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn quantiles_hold_as_many_visits_as_they_say_once_the_pace_is_learned() {
-        let mut pace = Pace::default();
+        let mut pace = PickPace::default();
         // Factors spread like the sixteenths themselves, in a mixed order.
         let factor = |i: usize| (0.3 * NORMALS[i * 7 % 16]).exp();
         (0..400).for_each(|i| pace.learn(S, 1, FIRST_S * factor(i)));
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn what_the_customer_said_of_the_whole_visit_holds_for_what_is_left_of_it_in_proportion() {
-        let pace = Pace::default();
+        let pace = PickPace::default();
         let mut visit = lines(&[1, 1]);
         assert!((pace.remaining(S, &visit, 0.0, Some(900.0)).mean_s - 900.0).abs() < 20.0);
         visit.change(0, LineChange::Done(1)).unwrap();

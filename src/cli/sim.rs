@@ -8,7 +8,7 @@ use super::{progress, read, read_map, rings, stopwatch};
 use crate::fleet::InsertionCounts;
 use crate::human::Model;
 use crate::sim::recording::{Header, Recorder};
-use crate::sim::{Consistency, Demand, JobTally, NeesFigures, OrderLine, Outcome, Scenario, Simulation};
+use crate::sim::{Consistency, Demand, JobTally, NeesFigures, OrderFileLine, Outcome, Scenario, Simulation};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use anyhow::Context;
@@ -63,7 +63,7 @@ pub struct Setup {
     /// Its map.
     pub warehouse: Arc<Warehouse>,
     /// Its order lines.
-    pub lines: Vec<OrderLine>,
+    pub lines: Vec<OrderFileLine>,
     /// The scenario file as it was read.
     pub text: String,
 }
@@ -86,7 +86,7 @@ impl Setup {
             _ => None,
         };
         let lines = lines.map_or(Ok(Vec::new()), |file| {
-            OrderLine::parse_csv(&read(&file)?).map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))
+            OrderFileLine::parse_csv(&read(&file)?).map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))
         })?;
         crate::warehouse::room_for(&warehouse, scenario.robots)
             .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", scenario.robots))?;

@@ -4,7 +4,7 @@
 //! and a map was published.
 
 use super::{SimulatedFloor, kinds};
-use crate::sim::{OrderLine, Scenario};
+use crate::sim::{OrderFileLine, Scenario};
 use crate::store::{KindText, PublishedMap, Store, map_digest};
 use crate::time::Time;
 use crate::warehouse::{Warehouse, room_for};
@@ -18,7 +18,7 @@ pub struct FloorBasis {
     /// The scenario as its file has it, without kinds that were added.
     pub scenario: Scenario,
     /// What the customers order, where the scenario names a file.
-    pub lines: Vec<OrderLine>,
+    pub lines: Vec<OrderFileLine>,
     /// The digest of the map with which the server was started.
     pub file: String,
     /// Where the map in operation comes from, if it was published.

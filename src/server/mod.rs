@@ -51,7 +51,7 @@ pub use show::Show;
 use crate::api::auth::Gate;
 use crate::api::oidc::Oidc;
 use crate::api::outgoing::Outgoing;
-use crate::sim::{OrderLine, Scenario};
+use crate::sim::{OrderFileLine, Scenario};
 use crate::store::{MapNote, PublishedMap, Store};
 use crate::warehouse::Warehouse;
 use anyhow::{Context, ensure};
@@ -81,7 +81,7 @@ pub struct SimulatedFloor {
     /// The building.
     pub map: Arc<Warehouse>,
     /// What the customers order, where the scenario names a file.
-    pub lines: Vec<OrderLine>,
+    pub lines: Vec<OrderFileLine>,
 }
 
 impl SimulatedFloor {

@@ -37,7 +37,7 @@ pub mod walker;
 mod world;
 
 pub use consistency::{Consistency, NeesFigures};
-pub use customers::{FIRST_TOKEN, OrderLine};
+pub use customers::{FIRST_TOKEN, OrderFileLine};
 pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};

@@ -4,7 +4,7 @@
 //! the caller passes in, and decide nothing.
 
 use super::consistency::Consistency;
-use super::customers::OrderLine;
+use super::customers::OrderFileLine;
 use super::detection::{Score, Watch};
 use super::digest::Digest;
 use super::encounter::EncounterFigures;
@@ -88,7 +88,7 @@ impl Simulation {
     pub fn new(
         warehouse: Arc<Warehouse>,
         scenario: &Scenario,
-        lines: &[OrderLine],
+        lines: &[OrderFileLine],
         seed: u64,
         without_conflicts: bool,
         stopwatch: fn() -> u64,

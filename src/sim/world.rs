@@ -7,7 +7,7 @@ mod incidents;
 
 use super::announce::Announcements;
 use super::crew::{Crew, TrueWorker};
-use super::customers::{Customers, FIRST_TOKEN, OrderLine};
+use super::customers::{Customers, FIRST_TOKEN, OrderFileLine};
 use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
 use super::leavers::{Leavers, may_be_taken};
 use super::link::{Link, LinkCounts, LinkFaults};
@@ -98,7 +98,7 @@ impl World {
     pub fn new(
         warehouse: Arc<Warehouse>,
         scenario: &Scenario,
-        lines: &[OrderLine],
+        lines: &[OrderFileLine],
         seed: u64,
         fleet: &Fleet,
         now: Time,

@@ -42,17 +42,20 @@ pub(super) enum JobFactRecord {
     Line { job: u64, line: usize, change: LineChangeRecord, at: i64 },
 }
 
-impl JobFactRecord {
-    pub fn line(job: JobId, line: usize, change: LineChange, at: Time) -> JobFactRecord {
-        JobFactRecord::Line { job: job.0, line, change: change.into(), at: at.0 }
-    }
-
-    pub fn served(job: JobId, (robot, task): (RobotId, Task), at: Time) -> JobFactRecord {
-        JobFactRecord::Served { job: job.0, tasked: (robot.0, task.into()), at: at.0 }
-    }
-
-    pub fn chosen(job: JobId, choice: RobotChoice, at: Time) -> JobFactRecord {
-        JobFactRecord::Chosen { job: job.0, choice: choice.into(), at: at.0 }
+impl From<&Fact> for JobFactRecord {
+    fn from(fact: &Fact) -> JobFactRecord {
+        match fact {
+            Fact::Served { job, tasked: (robot, task), at } => {
+                JobFactRecord::Served { job: job.0, tasked: (robot.0, (*task).into()), at: at.0 }
+            }
+            Fact::Chosen { job, choice, at } => {
+                JobFactRecord::Chosen { job: job.0, choice: (*choice).into(), at: at.0 }
+            }
+            Fact::LineChanged { job, line, change, at } => {
+                JobFactRecord::Line { job: job.0, line: *line, change: (*change).into(), at: at.0 }
+            }
+            other => unreachable!("{other:?} is written down in another form"),
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use super::job_record::{ChoiceRecord, StationRecord, visiting};
 use super::line_record::LinesRecord;
 use super::people::{narrow, one_of};
 use super::{Store, StoreError, job_record};
-use crate::cell::{LineChange, Lines, Outcome};
+use crate::cell::{LineChange, LineOutcome, Lines};
 use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, RobotChoice};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -207,7 +207,7 @@ async fn change_line(
     let row = sqlx::query(LINES).bind(id.0.cast_signed()).fetch_one(&mut *db).await?;
     let (mut lines, visit) = (lines_of(&row)?, stops_of(&row)?.served.len());
     let changed = lines.get_mut(visit).map(|lines| lines.change(line, change));
-    if changed != Some(Ok(Outcome::Changed)) {
+    if changed != Some(Ok(LineOutcome::Changed)) {
         return Err(sqlx::Error::Decode(format!("job {} has no line {line} to change there", id.0).into()));
     }
     let query = sqlx::query(SET_LINES).bind(id.0.cast_signed()).bind(lines_text(&lines)).bind(at.0);

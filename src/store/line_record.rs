@@ -2,7 +2,7 @@
 //!
 //! Main types: [`OrderRecord`], [`LineChangeRecord`], [`LinesRecord`]. Refuses: to know of jobs.
 
-use crate::cell::{LineChange, LineState, Lines, OrderLine, PickedBy, Progress};
+use crate::cell::{LineChange, LineProgress, LineState, Lines, OrderLine, PickedBy};
 use crate::warehouse::{SlotName, SlotNameError};
 use serde::{Deserialize, Serialize};
 
@@ -80,7 +80,7 @@ impl TryFrom<Vec<ProgressRecord>> for LinesRecord {
     type Error = &'static str;
 
     fn try_from(rows: Vec<ProgressRecord>) -> Result<LinesRecord, &'static str> {
-        let progress = |(line, state, pieces): ProgressRecord| Progress {
+        let progress = |(line, state, pieces): ProgressRecord| LineProgress {
             line: line.into(),
             state: state.into(),
             pieces,

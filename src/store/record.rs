@@ -371,14 +371,10 @@ impl From<&Fact> for Record {
             Fact::Released { robot, at } => Record::Released { robot: robot.map(|r| r.0), at: at.0 },
             Fact::StationPaused { station, at } => Record::StationPaused { station: station.0, at: at.0 },
             Fact::StationResumed { station, at } => Record::StationResumed { station: station.0, at: at.0 },
-            Fact::Served { job, tasked, at } => Record::OfJob(JobFactRecord::served(*job, *tasked, *at)),
-            Fact::LineChanged { job, line, change, at } => {
-                Record::OfJob(JobFactRecord::line(*job, *line, *change, *at))
+            Fact::Served { .. } | Fact::LineChanged { .. } | Fact::Chosen { .. } => {
+                Record::OfJob(fact.into())
             }
-            Fact::Chosen { job, choice, at } => Record::OfJob(JobFactRecord::chosen(*job, *choice, *at)),
-            Fact::Prioritised { job, priority, at } => {
-                Record::Prioritised { job: job.0, priority: *priority, at: at.0 }
-            }
+            Fact::Prioritised { job, priority, at } => record_prioritised(*job, *priority, *at),
             Fact::JobChanged { job, kind, priority, deadline, at } => {
                 record_job_changed(*job, *kind, (*priority, *deadline), *at)
             }
@@ -546,6 +542,10 @@ fn about_places(record: Record) -> Fact {
 fn job_changed(job: u64, kind: KindRecord, (priority, deadline): (u8, Option<i64>), at: i64) -> Fact {
     let (kind, deadline) = (kind.into(), deadline.map(Time));
     Fact::JobChanged { job: JobId(job), kind, priority, deadline, at: Time(at) }
+}
+
+fn record_prioritised(job: JobId, priority: u8, at: Time) -> Record {
+    Record::Prioritised { job: job.0, priority, at: at.0 }
 }
 
 fn record_job_changed(

@@ -6,7 +6,7 @@
 mod mutate;
 
 use giveway::human::Model;
-use giveway::sim::{OrderLine, Scenario, recording};
+use giveway::sim::{OrderFileLine, Scenario, recording};
 use giveway::warehouse::formats::{self, Options};
 use mutate::Mutator;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -95,7 +95,7 @@ fn broken_scenarios_are_read_or_refused_and_fit_a_map_or_do_not() {
 #[test]
 fn broken_order_lines_are_read_or_refused() {
     let lines = "OrderNumber,AlleyCell,Quantity\n1,A.01.02,3\n1,B.04.05,1\n2,\"A, 01\",7\n".to_owned();
-    each("order lines", &[lines], 2000, |text| OrderLine::parse_csv(text).is_ok());
+    each("order lines", &[lines], 2000, |text| OrderFileLine::parse_csv(text).is_ok());
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! A map is published to a running server: every job ends, what is refused changes nothing, two editors do not overwrite
-//! one another, and a kill leaves the old map or the new one.
+//! A map is published to a running server: every job ends, what is refused changes nothing, two editors do not
+//! overwrite one another, and a kill leaves the old map or the new one.
 
 use crate::carry::{
     backups, changed, database, grown, is_over, moved, orders, start, submit, until, wish, without_rack,

@@ -1,7 +1,8 @@
-//! A JSON Schema checker, as much of it as the API's descriptions use; and the check of every answer that any test gets.
+//! A JSON Schema checker, as much of it as the API's descriptions use; and the check of every answer that any test
+//! gets.
 //!
-//! Main functions: [`faults`], [`check_answer`]. A key that no schema names is a fault, too: descriptions that leave out
-//! what is sent are wrong, whatever JSON Schema says. Refuses: keywords that it does not know.
+//! Main functions: [`faults`], [`check_answer`]. A key that no schema names is a fault, too: descriptions that leave
+//! out what is sent are wrong, whatever JSON Schema says. Refuses: keywords that it does not know.
 
 use crate::helper::Answer;
 use serde_json::{Map, Value};

@@ -25,7 +25,8 @@ const BENEATH: [(&str, &[&str]); 9] = [
     ("read", &["state", "people", "dispatch", "traffic", "yielding", "requests"]),
 ];
 
-/// What yielding may name and call of two others: beliefs about people, and the routes and revocations that it asks for.
+/// What yielding may name and call of two others: beliefs about people, and the routes and revocations that it asks
+/// for.
 const DOORS: [(&str, &str, &[&str]); 2] = [
     (
         "yielding",

@@ -1,19 +1,14 @@
 //! What is picked at a station, on the wire.
 //!
-//! Main types: [`LineDto`], [`StationDetailDto`]; [`new_lines`] reads lines that customers submit, [`socket`] is the
-//! feed of one station. Refuses: to know who picks.
+//! Main type: [`LineDto`]; [`new_lines`] reads lines that customers submit, [`station`] has what happens at one
+//! station, [`socket`] is the feed of that. Refuses: to know who picks.
 
 pub mod new_lines;
 pub mod socket;
+pub mod station;
 
-use super::dto::{Names, StationDto};
-use super::text::{job_name, round3, time_text};
 use super::words::{LineStateDto, PickedByDto};
-use crate::cell::{LineState, Lines, OrderLine, Progress, Remaining};
-use crate::fleet::StationView;
-use crate::id::{Dense, JobId, RackId, RobotId, StationId};
-use crate::time::Span;
-use crate::warehouse::{Cell, Tote};
+use crate::cell::{LineProgress, LineState, Lines, OrderLine};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -40,107 +35,6 @@ pub struct LineDto {
     pub done: u32,
 }
 
-/// What happens at a station, now.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct StationDetailDto {
-    /// When this was so, RFC 3339.
-    pub now: String,
-    /// The station as lists have it.
-    #[serde(flatten)]
-    pub station: StationDto,
-    /// Whether it has a work cell, at which order lines are picked.
-    pub has_cell: bool,
-    /// Where picked pieces are put.
-    pub totes: Vec<ToteDto>,
-    /// The robot arm beside the picker.
-    pub arm: Option<ArmDto>,
-    /// The rack that stands there to be picked from; null if none does.
-    pub visit: Option<VisitDto>,
-    /// The rack that comes next; null if none is on its way.
-    pub next: Option<NextRackDto>,
-}
-
-/// A place for picked pieces, as the picker sees it who looks at the rack.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct ToteDto {
-    /// Its name.
-    #[schema(example = "B")]
-    pub id: String,
-    /// How far to the right of where the rack stands, metres.
-    pub right_m: f64,
-    /// How far from where the rack stands, towards the picker, metres.
-    pub out_m: f64,
-}
-
-/// A robot arm.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct ArmDto {
-    /// What arm it is.
-    #[schema(example = "ur5")]
-    pub kind: String,
-}
-
-/// A rack on its way.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct NextRackDto {
-    /// Which.
-    pub rack: Option<String>,
-    /// The robot that brings it.
-    pub robot: String,
-    /// In how many seconds it is planned to be there.
-    pub in_s: f64,
-}
-
-/// The side of a rack at which it is picked from.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct RackFaceDto {
-    /// How many columns of slots it has.
-    pub columns: u8,
-    /// For each row, the lowest first: the middle of its slots above the floor, metres.
-    pub heights_m: Vec<f64>,
-    /// Width over all columns, metres.
-    pub width_m: f64,
-}
-
-/// A rack's time at a station.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct VisitDto {
-    /// The job.
-    #[schema(example = "j17")]
-    pub job: String,
-    /// The rack.
-    pub rack: Option<String>,
-    /// The robot under it.
-    pub robot: String,
-    /// When the rack came, RFC 3339; null if that was before the server started.
-    pub since: Option<String>,
-    /// Where its slots are; null where the map does not say.
-    pub face: Option<RackFaceDto>,
-    /// What is to be picked, in the order in which it is lit; nothing for a job without lines.
-    pub lines: Vec<LineDto>,
-    /// Pieces that are still to be picked.
-    pub pieces_left: u32,
-    /// How long it goes on from now, where the job has lines.
-    pub expected_end: Option<ExpectedEndDto>,
-}
-
-/// How long a visit goes on from now, by how long lines took before; seconds.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct ExpectedEndDto {
-    /// One visit in ten ends sooner.
-    pub p10: f64,
-    /// Half of them do.
-    pub p50: f64,
-    /// Nine in ten do.
-    pub p90: f64,
-}
-
-impl From<Remaining> for ExpectedEndDto {
-    fn from(r: Remaining) -> ExpectedEndDto {
-        ExpectedEndDto { p10: round3(r.p10_s), p50: round3(r.p50_s), p90: round3(r.p90_s) }
-    }
-}
-
 /// What a change of a line came to.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct LineChangedDto {
@@ -157,59 +51,9 @@ pub struct LineChangedDto {
     pub changed: bool,
 }
 
-impl Names<'_> {
-    /// What happens at a station.
-    pub fn station_detail(&self, id: StationId) -> StationDetailDto {
-        let nobody = StationView::default();
-        let seen = self.view.stations.get(id.ix()).unwrap_or(&nobody);
-        let cell = self.map.stations[id].cell.as_ref();
-        let stands = self.map.nodes[self.map.stations[id].node].at;
-        let tote = |cell: &Cell, tote: &Tote| {
-            let [right_m, out_m] = cell.beside(stands, tote.at).map(round3);
-            ToteDto { id: tote.name.clone(), right_m, out_m }
-        };
-        StationDetailDto {
-            now: time_text(self.view.now),
-            station: self.station(id),
-            has_cell: cell.is_some(),
-            totes: cell.map_or_else(Vec::new, |cell| cell.totes.iter().map(|t| tote(cell, t)).collect()),
-            arm: cell.and_then(|c| c.arm.as_ref()).map(|a| ArmDto { kind: a.kind.clone() }),
-            visit: seen.robot.zip(seen.job).map(|(robot, job)| self.visit(robot, job, seen)),
-            next: seen.next.map(|(robot, at)| NextRackDto {
-                rack: self.rack_on(robot).map(|k| self.map.racks[k].name.clone()),
-                robot: self.robot(robot),
-                in_s: round3((at - self.view.now).max(Span::ZERO).as_secs_f64()),
-            }),
-        }
-    }
-
-    fn rack_on(&self, robot: RobotId) -> Option<RackId> {
-        self.view.robots.get(robot.ix())?.rack
-    }
-
-    fn visit(&self, robot: RobotId, job: JobId, seen: &StationView) -> VisitDto {
-        let rack = self.rack_on(robot);
-        let rack_type = rack.and_then(|k| self.map.racks[k].rack_type).map(|t| &self.map.rack_types[t]);
-        VisitDto {
-            job: job_name(job),
-            rack: rack.map(|k| self.map.racks[k].name.clone()),
-            robot: self.robot(robot),
-            since: seen.since.map(time_text),
-            face: rack_type.map(|t| RackFaceDto {
-                columns: t.columns,
-                heights_m: t.heights_m.clone(),
-                width_m: t.width_m,
-            }),
-            lines: seen.lines.as_ref().map_or_else(Vec::new, |lines| lines_dto(lines, true)),
-            pieces_left: seen.lines.as_ref().map_or(0, Lines::pieces_left),
-            expected_end: seen.left.map(Into::into),
-        }
-    }
-}
-
 /// The lines of one visit. `is_on` says whether the rack stands at the station; else no line is lit.
 pub fn lines_dto(lines: &Lines, is_on: bool) -> Vec<LineDto> {
-    let dto = |(i, p): (usize, &Progress)| {
+    let dto = |(i, p): (usize, &LineProgress)| {
         let OrderLine { slot, quantity, tote, item, by } = &p.line;
         let state = if p.state == LineState::Lit && !is_on { LineState::Open } else { p.state };
         LineDto {

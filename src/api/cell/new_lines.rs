@@ -72,7 +72,7 @@ pub fn check_lines(
     lines: &[OrderLine],
 ) -> Option<FieldError> {
     let (n, problem) = problem(map, rack, station, lines)?;
-    let names = Names { map, rack, station, line: lines.get(n) };
+    let names = LineNames { map, rack, station, line: lines.get(n) };
     Some(FieldError::new(field_of(field, n, problem), describe(problem, Some(names))))
 }
 
@@ -89,7 +89,7 @@ pub fn field_of(field: &str, n: usize, problem: LineProblem) -> String {
 
 /// What is spoken of.
 #[derive(Clone, Copy)]
-pub struct Names<'a> {
+pub struct LineNames<'a> {
     /// Where names are.
     pub map: &'a Warehouse,
     /// The rack.
@@ -101,7 +101,7 @@ pub struct Names<'a> {
 }
 
 /// A problem in words, with names where they are known.
-pub fn describe(problem: LineProblem, names: Option<Names<'_>>) -> String {
+pub fn describe(problem: LineProblem, names: Option<LineNames<'_>>) -> String {
     let rack = names.map_or("this rack", |n| &n.map.racks[n.rack].name);
     let station = names.map_or("this station", |n| &n.map.stations[n.station].name);
     let line = names.and_then(|n| n.line);

@@ -20,7 +20,8 @@ use tokio::time::Instant;
 const AT_LEAST: Duration = Duration::from_secs(1);
 
 /// What happens at one station: JSON texts, each the whole state as `GET /v1/stations/{id}` has it, as soon as anything
-/// but the time has changed and once a second. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
+/// but the time has changed and once a second. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is
+/// needed.
 #[utoipa::path(get, path = "/v1/stations/{id}/live", tag = "floor", operation_id = "openStationFeed",
     params(("id" = String, Path, example = "W")), responses(
     (status = 101, description = "The feed begins"),

@@ -131,6 +131,19 @@ fn worth_compressing() -> impl Predicate {
         .and(NotForContentType::IMAGES)
 }
 
+/// What is said of and at stations.
+fn station_routes() -> OpenApiRouter<Api> {
+    OpenApiRouter::new()
+        .routes(routes!(stations::one))
+        .routes(routes!(socket::live_station))
+        .routes(routes!(stations::line))
+        .routes(routes!(stations::release))
+        .routes(routes!(stations::done))
+        .routes(routes!(stations::short))
+        .routes(routes!(stations::pause))
+        .routes(routes!(stations::resume))
+}
+
 /// The routes that are described, each beside what it says of itself.
 fn routes() -> OpenApiRouter<Api> {
     OpenApiRouter::with_openapi(openapi::Description::openapi())
@@ -165,14 +178,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(halt::resume))
         .routes(routes!(halt::pause))
         .routes(routes!(halt::go_on))
-        .routes(routes!(stations::one))
-        .routes(routes!(socket::live_station))
-        .routes(routes!(stations::line))
-        .routes(routes!(stations::release))
-        .routes(routes!(stations::done))
-        .routes(routes!(stations::short))
-        .routes(routes!(stations::pause))
-        .routes(routes!(stations::resume))
+        .merge(station_routes())
         .routes(routes!(workers::list, workers::hire))
         .routes(routes!(workers::get))
         .routes(routes!(people::list))

@@ -1,19 +1,20 @@
-//! `/v1/stations/{id}` and below: what is picked there; the person at a station says how far that is, and whether anybody
-//! picks at all.
+//! `/v1/stations/{id}` and below: what is picked there; the person at a station says how far that is, and whether
+//! anybody picks at all.
 //!
-//! Main functions: [`one`], [`line`], [`release`], [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick that
-//! has not begun, and to count a piece twice.
+//! Main functions: [`one`], [`line`], [`release`], [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick
+//! that has not begun, and to count a piece twice.
 
 use crate::api::Api;
 use crate::api::called::Called;
-use crate::api::cell::{LineChangedDto, StationDetailDto};
+use crate::api::cell::LineChangedDto;
+use crate::api::cell::station::StationDetailDto;
 use crate::api::dto::Names;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPair, PathPart};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::job_name;
-use crate::cell::{LineChange, Outcome};
+use crate::cell::{LineChange, LineOutcome};
 use crate::fleet::{Reply, StationOrder};
 use crate::id::StationId;
 use axum::Json;
@@ -98,7 +99,7 @@ pub async fn line(
             n,
             state: state.into(),
             done: pieces,
-            changed: outcome == Outcome::Changed,
+            changed: outcome == LineOutcome::Changed,
         })),
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
@@ -132,8 +133,8 @@ pub async fn done(Called(api): Called, PathPart(id): PathPart) -> Result<StatusC
     say(&api, &id, StationOrder::Done).await
 }
 
-/// End a pick because goods were missing: the job ends as failed, with that reason, and the rack is taken away. Lines that
-/// are left are short.
+/// End a pick because goods were missing: the job ends as failed, with that reason, and the rack is taken away. Lines
+/// that are left are short.
 #[utoipa::path(post, path = "/v1/stations/{id}/short", tag = "floor", operation_id = "reportShortPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),

@@ -4,8 +4,9 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::state::io::{Refusal, Reply};
+use crate::fleet::state::io::Reply;
 use crate::fleet::state::job::{JobChange, JobKind, JobRequest, JobState};
+use crate::fleet::state::refusal::Refusal;
 use crate::id::JobId;
 use crate::time::Time;
 

@@ -8,8 +8,9 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::state::io::{Bounded, Refusal, Reply};
+use crate::fleet::state::io::Reply;
 use crate::fleet::state::ledger::Service;
+use crate::fleet::state::refusal::{Bounded, Refusal};
 use crate::id::{Dense, NodeId, RobotId};
 use crate::time::{Time, Window};
 use crate::timeline::Holder;

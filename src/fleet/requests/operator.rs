@@ -8,7 +8,8 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::{Refusal, Reply};
+use crate::fleet::state::io::Reply;
+use crate::fleet::state::refusal::Refusal;
 use crate::id::{Dense, RobotId};
 use crate::time::Time;
 

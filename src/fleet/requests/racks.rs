@@ -6,9 +6,10 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Fact, Task};
-use crate::fleet::state::io::{Refusal, Reply};
+use crate::fleet::state::io::Reply;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
+use crate::fleet::state::refusal::Refusal;
 use crate::id::{Dense, NodeId, RackId, RobotId};
 use crate::time::{Time, Window};
 use crate::timeline::Holder;

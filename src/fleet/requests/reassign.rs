@@ -7,9 +7,10 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::{Refusal, Reply};
+use crate::fleet::state::io::Reply;
 use crate::fleet::state::job::{Job, JobState, RobotChoice};
 use crate::fleet::state::ledger::{RackAt, Service};
+use crate::fleet::state::refusal::Refusal;
 use crate::id::{Dense, JobId, RackId, RobotId};
 use crate::time::{Span, Time};
 

@@ -2,15 +2,17 @@
 //!
 //! Main function: `hear_station`. A pick lasts until the person at the station says that it is done, or that goods were
 //! missing; how long it was planned to take only decides when others come. A paused station gets no more racks; those
-//! in its queue wait. A visit with order lines ends with the last of them. Refuses: to end a pick by the clock, and one that has not begun.
+//! in its queue wait. A visit with order lines ends with the last of them. Refuses: to end a pick by the clock, and one
+//! that has not begun.
 
-use crate::cell::{LineChange, LineRefusal, Lines, Outcome, Progress};
+use crate::cell::{LineChange, LineOutcome, LineProgress, LineRefusal, Lines};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::io::Reply;
 use crate::fleet::state::io::StationOrder;
-use crate::fleet::state::io::{Refusal, Reply};
 use crate::fleet::state::job::{JobFailure, JobState};
+use crate::fleet::state::refusal::Refusal;
 use crate::id::{Dense, JobId, RobotId, StationId};
 use crate::time::Time;
 
@@ -61,13 +63,13 @@ impl Intake<'_> {
         };
         let mut lines = lines.clone();
         let outcome = lines.change(line, change).map_err(Refusal::Line)?;
-        if outcome == Outcome::Changed {
+        if outcome == LineOutcome::Changed {
             self.core.record(Fact::LineChanged { job, line, change, at: now });
         }
         if lines.are_over() {
             self.end_pick(robot, JobState::Done, now);
         }
-        let Progress { state, pieces, .. } = lines.all()[line];
+        let LineProgress { state, pieces, .. } = lines.all()[line];
         Ok(Reply::LineNoted { token, job, outcome, state, pieces })
     }
 
@@ -75,7 +77,7 @@ impl Intake<'_> {
     fn settle_lines(&mut self, robot: RobotId, done: bool, now: Time) {
         let Some((job, lines)) = self.lines_under(robot) else { return };
         let left: Vec<_> =
-            lines.all().iter().map(Progress::left).enumerate().filter(|(_, n)| *n > 0).collect();
+            lines.all().iter().map(LineProgress::left).enumerate().filter(|(_, n)| *n > 0).collect();
         for (line, pieces) in left {
             let change = if done { LineChange::Done(pieces) } else { LineChange::Short };
             self.core.record(Fact::LineChanged { job, line, change, at: now });

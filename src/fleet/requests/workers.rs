@@ -5,8 +5,9 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::heard::WorkerInput;
-use crate::fleet::state::io::{Bounded, Input, Refusal, Reply};
+use crate::fleet::state::io::{Input, Reply};
 use crate::fleet::state::recurring::RecurringClosure;
+use crate::fleet::state::refusal::{Bounded, Refusal};
 use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Closure, LastPlace};
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, ClosureId, Dense, NodeId, SeriesId, WorkerId};

@@ -23,6 +23,7 @@ pub mod life;
 pub(in crate::fleet) mod needs;
 pub(in crate::fleet) mod planners;
 pub mod recurring;
+pub mod refusal;
 pub(in crate::fleet) mod regions;
 pub(in crate::fleet) mod restrictions;
 pub mod scene;

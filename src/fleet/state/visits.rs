@@ -3,7 +3,7 @@
 //! Main type: [`Visits`]. Lost at a restart: the lit line begins anew then, and the pace is learned again. Refuses: to
 //! promise anything.
 
-use crate::cell::{LineChange, LineState, Outcome, Pace, Remaining};
+use crate::cell::{LineChange, LineOutcome, LineState, PickPace, Remaining};
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::Ledger;
@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 /// A visit that is on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Clock {
+struct VisitClock {
     /// When the rack came, unless that was before the program started.
     since: Option<Time>,
     /// When the line that is lit was lit.
@@ -27,8 +27,8 @@ struct Clock {
 /// What is kept in mind about visits.
 #[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct Visits {
-    pace: Pace,
-    clocks: BTreeMap<JobId, Clock>,
+    pace: PickPace,
+    clocks: BTreeMap<JobId, VisitClock>,
 }
 
 /// The station at which a job's rack is wanted, with how long the customer said that it stays.
@@ -44,7 +44,7 @@ impl Visits {
     pub fn note(&mut self, ledger: &Ledger, fact: &Fact) {
         match fact {
             Fact::Progressed { job, state: JobState::Picking { .. }, at, .. } => {
-                self.clocks.insert(*job, Clock { since: Some(*at), lit: *at, last: *at, whole: true });
+                self.clocks.insert(*job, VisitClock { since: Some(*at), lit: *at, last: *at, whole: true });
             }
             Fact::Progressed { job, .. } | Fact::Served { job, .. } => _ = self.clocks.remove(job),
             Fact::LineChanged { job, line, change, at } => {
@@ -59,10 +59,11 @@ impl Visits {
         let Some(job) = ledger.jobs.get(&id) else { return };
         let (Some((station, _)), Some(lines)) = (station_of(job), job.lines_now()) else { return };
         let mut after = lines.clone();
-        if after.change(n, change) != Ok(Outcome::Changed) {
+        if after.change(n, change) != Ok(LineOutcome::Changed) {
             return;
         }
-        let clock = self.clocks.entry(id).or_insert(Clock { since: None, lit: at, last: at, whole: false });
+        let clock =
+            self.clocks.entry(id).or_insert(VisitClock { since: None, lit: at, last: at, whole: false });
         let (before, now) = (&lines.all()[n], &after.all()[n]);
         if before.state == LineState::Lit && now.state == LineState::Done && clock.whole {
             self.pace.learn(station, before.line.quantity, (at - clock.lit).as_secs_f64());

@@ -1,7 +1,7 @@
 //! Order lines at a work cell: a visit ends with its last line, and nothing of it is lost or counted twice.
 
 use super::*;
-use crate::cell::{LineChange, LineProblem, LineRefusal, LineState, OrderLine, Outcome, PickedBy};
+use crate::cell::{LineChange, LineOutcome, LineProblem, LineRefusal, LineState, OrderLine, PickedBy};
 use crate::warehouse::stations;
 
 fn line(slot: &str, quantity: u32, tote: &str) -> OrderLine {
@@ -31,7 +31,7 @@ impl TestFloor {
         self.answer_to(5, vec![Input::Station { token: 5, station: StationId(station), order }])
     }
 
-    fn line_said(&mut self, n: usize, change: LineChange) -> Result<(Outcome, LineState, u32), Refusal> {
+    fn line_said(&mut self, n: usize, change: LineChange) -> Result<(LineOutcome, LineState, u32), Refusal> {
         match self.say(0, StationOrder::Line(n, change)) {
             Reply::LineNoted { outcome, state, pieces, .. } => Ok((outcome, state, pieces)),
             Reply::Refused { why, .. } => Err(why),
@@ -53,10 +53,10 @@ impl TestFloor {
 fn a_visit_ends_with_its_last_line_and_the_rack_leaves_without_another_word() {
     let (mut floor, job) = TestFloor::at_cell(picked(&[&[line("C3", 2, "B"), line("A1", 1, "A")]]));
     assert_eq!(floor.lines(job), [(LineState::Lit, 0), (LineState::Open, 0)]);
-    assert_eq!(floor.line_said(0, LineChange::Done(1)), Ok((Outcome::Changed, LineState::Lit, 1)));
-    assert_eq!(floor.line_said(0, LineChange::Done(1)), Ok((Outcome::Changed, LineState::Done, 2)));
+    assert_eq!(floor.line_said(0, LineChange::Done(1)), Ok((LineOutcome::Changed, LineState::Lit, 1)));
+    assert_eq!(floor.line_said(0, LineChange::Done(1)), Ok((LineOutcome::Changed, LineState::Done, 2)));
     assert!(floor.is(job, "picking"));
-    assert_eq!(floor.line_said(1, LineChange::Done(1)), Ok((Outcome::Changed, LineState::Done, 1)));
+    assert_eq!(floor.line_said(1, LineChange::Done(1)), Ok((LineOutcome::Changed, LineState::Done, 1)));
     assert_eq!(floor.story(job).last(), Some(&"done"));
     let node = floor.fleet.warehouse().stations[StationId(0)].node;
     floor.until(5, "the robot has left", |f| {
@@ -71,7 +71,7 @@ fn a_visit_ends_with_its_last_line_and_the_rack_leaves_without_another_word() {
 fn a_line_that_is_short_or_taken_back_is_picked_no_more_or_anew() {
     let (mut floor, job) = TestFloor::at_cell(picked(&[&[line("C3", 2, "B"), line("A1", 1, "A")]]));
     floor.line_said(0, LineChange::Done(2)).unwrap();
-    assert_eq!(floor.line_said(0, LineChange::Undo), Ok((Outcome::Changed, LineState::Lit, 0)));
+    assert_eq!(floor.line_said(0, LineChange::Undo), Ok((LineOutcome::Changed, LineState::Lit, 0)));
     floor.line_said(1, LineChange::Short).unwrap();
     assert_eq!(floor.lines(job), [(LineState::Lit, 0), (LineState::Short, 0)]);
     floor.line_said(0, LineChange::Done(2)).unwrap();
@@ -82,7 +82,7 @@ fn a_line_that_is_short_or_taken_back_is_picked_no_more_or_anew() {
 fn what_was_confirmed_is_confirmed_once_and_what_cannot_be_is_refused() {
     let (mut floor, _) = TestFloor::at_cell(picked(&[&[line("C3", 1, "B"), line("A1", 2, "A")]]));
     floor.line_said(0, LineChange::Done(1)).unwrap();
-    assert_eq!(floor.line_said(0, LineChange::Done(1)), Ok((Outcome::Already, LineState::Done, 1)));
+    assert_eq!(floor.line_said(0, LineChange::Done(1)), Ok((LineOutcome::Already, LineState::Done, 1)));
     let refused = |why| Err(Refusal::Line(why));
     assert_eq!(floor.line_said(2, LineChange::Short), refused(LineRefusal::NoLine(2)));
     assert_eq!(floor.line_said(1, LineChange::Done(3)), refused(LineRefusal::TooMany(2)));
@@ -133,8 +133,8 @@ fn a_restart_in_mid_visit_loses_no_confirmed_line_and_confirms_none_twice() {
     floor.restart(&scenario);
     floor.assert_fold();
     assert_eq!(floor.lines(job), before);
-    assert_eq!(floor.line_said(0, LineChange::Done(2)), Ok((Outcome::Already, LineState::Done, 2)));
-    assert_eq!(floor.line_said(1, LineChange::Done(1)), Ok((Outcome::Changed, LineState::Done, 2)));
+    assert_eq!(floor.line_said(0, LineChange::Done(2)), Ok((LineOutcome::Already, LineState::Done, 2)));
+    assert_eq!(floor.line_said(1, LineChange::Done(1)), Ok((LineOutcome::Changed, LineState::Done, 2)));
     assert_eq!(floor.story(job).last(), Some(&"done"));
 }
 

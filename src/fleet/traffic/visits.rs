@@ -1,7 +1,7 @@
 //! When visits at work cells are expected to end, kept true on the timelines: robots behind are planned with it.
 //!
-//! Main function: `retime_visits`. An expectation that has moved a little moves nothing, so a long visit is a few changes
-//! and no stream of them. Refuses: to end a visit.
+//! Main function: `retime_visits`. An expectation that has moved a little moves nothing, so a long visit is a few
+//! changes and no stream of them. Refuses: to end a visit.
 
 use crate::cell::Remaining;
 use crate::fleet::state::core::Core;

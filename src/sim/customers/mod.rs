@@ -19,19 +19,19 @@ pub const FIRST_TOKEN: u64 = 1 << 63;
 
 /// One line of an order.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct OrderLine {
+pub struct OrderFileLine {
     /// The order it belongs to; lines of one order go to one station.
     pub order: String,
     /// Where its goods lie; one rack holds the goods of one location.
     pub location: String,
 }
 
-impl OrderLine {
+impl OrderFileLine {
     /// Reads a CSV file with a header line that names `OrderNumber` and `AlleyCell` (or `Location`, or `SKU`).
     ///
     /// # Errors
     /// What is wrong, with its line.
-    pub fn parse_csv(text: &str) -> Result<Vec<OrderLine>, String> {
+    pub fn parse_csv(text: &str) -> Result<Vec<OrderFileLine>, String> {
         let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty());
         let header: Vec<&str> = split(lines.next().ok_or("the file is empty")?.1);
         let column = |name: &str| header.iter().position(|h| *h == name);
@@ -43,7 +43,7 @@ impl OrderLine {
                 let cells = split(line);
                 let cell = |c: usize| cells.get(c).map(|s| s.to_string()).filter(|s| !s.is_empty());
                 let missing = || format!("line {}: it has no order number or no place", i + 1);
-                Ok(OrderLine {
+                Ok(OrderFileLine {
                     order: cell(order).ok_or_else(missing)?,
                     location: cell(place).ok_or_else(missing)?,
                 })
@@ -87,7 +87,7 @@ pub(super) struct Customers {
 }
 
 impl Customers {
-    pub fn new(scenario: &Scenario, lines: &[OrderLine], warehouse: &Warehouse, seed: u64) -> Customers {
+    pub fn new(scenario: &Scenario, lines: &[OrderFileLine], warehouse: &Warehouse, seed: u64) -> Customers {
         let demand = scenario.demand.clone();
         let (racks, stations) = (warehouse.racks.len(), warehouse.stations.len());
         Customers {
@@ -185,7 +185,7 @@ impl Customers {
 }
 
 /// Locations become racks in order of first appearance, orders become stations in turn.
-fn assign_lines(lines: &[OrderLine], racks: usize, stations: usize) -> Vec<(RackId, StationId)> {
+fn assign_lines(lines: &[OrderFileLine], racks: usize, stations: usize) -> Vec<(RackId, StationId)> {
     let mut places: BTreeMap<&str, usize> = BTreeMap::new();
     let mut orders: BTreeMap<&str, usize> = BTreeMap::new();
     let mut jobs = Vec::new();
@@ -211,13 +211,13 @@ mod tests {
     fn order_lines_are_found_by_their_header() {
         let text =
             ",DATE,OrderNumber,SKU,Coord,AlleyCell\n0,1/1,77,5,\"[1, 2]\",A1\n1,1/1,78,6,\"[1, 3]\",A2\n";
-        let lines = OrderLine::parse_csv(text).unwrap();
-        assert_eq!(lines[1], OrderLine { order: "78".into(), location: "A2".into() });
+        let lines = OrderFileLine::parse_csv(text).unwrap();
+        assert_eq!(lines[1], OrderFileLine { order: "78".into(), location: "A2".into() });
     }
 
     #[test]
     fn a_line_without_its_place_is_named() {
-        let e = OrderLine::parse_csv("OrderNumber,SKU\n1,2\n3,\n").unwrap_err();
+        let e = OrderFileLine::parse_csv("OrderNumber,SKU\n1,2\n3,\n").unwrap_err();
         assert!(e.starts_with("line 3"), "{e}");
     }
 }

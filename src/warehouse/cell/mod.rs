@@ -18,7 +18,7 @@ pub struct Cell {
     /// Where the picker stands: corners of an outline on the floor, metres. No robot drives there.
     pub workplace: Vec<Point>,
     /// Between workplace and rack.
-    pub opening: Opening,
+    pub opening: CellOpening,
     /// Where picked pieces are put.
     pub totes: Vec<Tote>,
     /// A robot arm beside the picker.
@@ -27,7 +27,7 @@ pub struct Cell {
 
 /// What hands reach through to a rack.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Opening {
+pub struct CellOpening {
     /// Corners of its outline on the floor, metres.
     pub outline: Vec<Point>,
     /// Its lower edge above the floor, metres.
@@ -84,7 +84,7 @@ impl RackType {
     }
 }
 
-impl Opening {
+impl CellOpening {
     /// The middle of its outline.
     pub(super) fn middle(&self) -> Point {
         let sum: Vector = self.outline.iter().map(|p| p.coords).sum();
@@ -94,8 +94,8 @@ impl Opening {
 
 impl Cell {
     /// Where a slot is while its rack stands at the station, whose robot stands at `stands`: the middle of the bin's
-    /// front. The rack's face is turned to the opening, and columns count from the picker's left. `None` if the type has
-    /// no such slot.
+    /// front. The rack's face is turned to the opening, and columns count from the picker's left. `None` if the type
+    /// has no such slot.
     pub fn place_of(&self, stands: Point, rack: &RackType, slot: SlotName) -> Option<Place> {
         if !rack.has(slot) {
             return None;
@@ -130,7 +130,7 @@ mod tests {
 
     fn cell(opening: [[f64; 2]; 4]) -> Cell {
         let outline = opening.map(|[x, y]| Point::new(x, y)).to_vec();
-        let opening = Opening { outline, from_m: 0.2, to_m: 2.0 };
+        let opening = CellOpening { outline, from_m: 0.2, to_m: 2.0 };
         Cell { workplace: Vec::new(), opening, totes: Vec::new(), arm: None }
     }
 

@@ -8,7 +8,7 @@ use super::draft::{good_name, is_far};
 use super::place::FindingPlace;
 use crate::geometry::{Point, Segment, inside};
 use crate::warehouse::build::{Draft, DraftStation};
-use crate::warehouse::cell::{COLUMNS_MAX, Cell, Opening, Place, ROWS_MAX, RackType};
+use crate::warehouse::cell::{COLUMNS_MAX, Cell, CellOpening, Place, ROWS_MAX, RackType};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Nothing that a picker reaches is higher, metres.
@@ -144,7 +144,7 @@ fn one_cell(
     }
 }
 
-fn opening(opening: &Opening, stands: Option<Point>, place: &FindingPlace, found: &mut Findings) {
+fn opening(opening: &CellOpening, stands: Option<Point>, place: &FindingPlace, found: &mut Findings) {
     let (from_m, to_m) = (opening.from_m, opening.to_m);
     if !(from_m >= 0.0 && from_m < to_m && to_m <= HIGH_M) {
         let remedy = format!("give metres above the floor, from_m below to_m, up to {HIGH_M}");
@@ -201,7 +201,7 @@ mod tests {
             [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| Point::new(middle.x + x, middle.y + y)).to_vec()
         };
         let workplace = square(at + off, 0.5, 0.4);
-        let opening = Opening { outline: square(at + off / 2.0, 0.5, 0.02), from_m: 0.2, to_m: 2.0 };
+        let opening = CellOpening { outline: square(at + off / 2.0, 0.5, 0.02), from_m: 0.2, to_m: 2.0 };
         let tote = |name: &str, x: f64| Tote { name: name.into(), at: Place::new(at.x + x, at.y - 1.8, 0.9) };
         let arm = ArmMount {
             base: Place::new(at.x + 0.8, at.y - 1.0, 0.8),

@@ -1,10 +1,9 @@
 //! What is wrong with a map: every problem at once, each with its place and its remedy.
 //!
-//! Main types: [`Finding`], [`Findings`]. `draft` looks at names and numbers before ids exist, `cell` at work cells; `floor` looks
-//! at the finished graph and asks whether robots can always get on (DESIGN §5, invariant a); `shut_in` warns of places
-//! from which robots cannot leave past one that broke down, `improbable` of sizes that look like a slip; `review` puts
-//! all of it together. Refuses: to stop at the first problem, and to mend anything
-//! itself.
+//! Main types: [`Finding`], [`Findings`]. `draft` looks at names and numbers before ids exist, `cell` at work cells;
+//! `floor` looks at the finished graph and asks whether robots can always get on (DESIGN §5, invariant a); `shut_in`
+//! warns of places from which robots cannot leave past one that broke down, `improbable` of sizes that look like a
+//! slip; `review` puts all of it together. Refuses: to stop at the first problem, and to mend anything itself.
 
 mod cell;
 mod draft;

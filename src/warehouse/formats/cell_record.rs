@@ -3,7 +3,7 @@
 //! Main types: [`CellRecord`], [`RackTypeRecord`]. Refuses: to check them.
 
 use super::json::{Corner, Number};
-use crate::warehouse::cell::{ArmMount, Cell, Opening, Place, RackType, Tote};
+use crate::warehouse::cell::{ArmMount, Cell, CellOpening, Place, RackType, Tote};
 use serde::{Deserialize, Serialize};
 
 /// A place in space: `[x, y, z]`.
@@ -82,7 +82,7 @@ impl CellRecord {
         };
         Cell {
             workplace: Corner::outline(&self.workplace),
-            opening: Opening { outline: Corner::outline(&outline), from_m: from_m.0, to_m: to_m.0 },
+            opening: CellOpening { outline: Corner::outline(&outline), from_m: from_m.0, to_m: to_m.0 },
             totes: self.totes.into_iter().map(|t| Tote { name: t.id, at: t.at.into() }).collect(),
             arm: self.arm.map(arm),
         }
@@ -90,7 +90,7 @@ impl CellRecord {
 
     /// A cell as it is written.
     pub fn of(cell: &Cell) -> CellRecord {
-        let Opening { outline, from_m, to_m } = &cell.opening;
+        let CellOpening { outline, from_m, to_m } = &cell.opening;
         let outline = Corner::of_outline(outline);
         // Degrees that were read come out as they were: to a thousand-millionth.
         let degrees = |radians: f64| Number((radians.to_degrees() * 1e9).round() / 1e9);

@@ -5,7 +5,7 @@
 use super::Blocks;
 use crate::geometry::{Point, Vector};
 use crate::time::Span;
-use crate::warehouse::cell::{ArmMount, Cell, Opening, Place, RackType, Tote};
+use crate::warehouse::cell::{ArmMount, Cell, CellOpening, Place, RackType, Tote};
 use crate::warehouse::{Draft, Warehouse};
 
 /// From where the rack stands to the middle of the opening, metres.
@@ -97,7 +97,11 @@ fn cell(stands: Point, outward: Vector, has_arm: bool) -> Cell {
     let base = place(WORKPLACE_M[0], HALF_M + 0.3);
     Cell {
         workplace: rectangle(WORKPLACE_M[0], WORKPLACE_M[1]),
-        opening: Opening { outline: rectangle(OPENING_M - 0.02, OPENING_M + 0.02), from_m: 0.2, to_m: 2.0 },
+        opening: CellOpening {
+            outline: rectangle(OPENING_M - 0.02, OPENING_M + 0.02),
+            from_m: 0.2,
+            to_m: 2.0,
+        },
         totes: vec![tote("A", 1.3, -0.8), tote("B", 1.7, -0.8), tote("C", 1.7, 0.8)],
         arm: has_arm.then(|| ArmMount { base, heading: (-outward.y).atan2(-outward.x), kind: "ur5".into() }),
     }

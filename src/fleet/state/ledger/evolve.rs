@@ -4,7 +4,7 @@
 //! does not load. Refuses: to decide anything.
 
 use super::{Ledger, RackAt, Robot, Service, stand};
-use crate::cell::{LineChange, Outcome};
+use crate::cell::{LineChange, LineOutcome};
 use crate::fleet::state::fact::{Act, Booking, Fact, KeptRoute, Task};
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::life::{self, JobStage, Work};
@@ -186,7 +186,7 @@ impl Ledger {
         let outcome = lines.change(line, change);
         assert_eq!(
             outcome,
-            Ok(Outcome::Changed),
+            Ok(LineOutcome::Changed),
             "only what changes a line is a fact: {id:?}, {line}, {change:?}"
         );
     }

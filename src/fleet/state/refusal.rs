@@ -1,0 +1,109 @@
+//! Why the fleet refuses a request.
+//!
+//! Main type: [`Refusal`]. Refuses: words for it; the API has them.
+
+use crate::cell::{LineProblem, LineRefusal};
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
+use crate::warehouse::NodeKind;
+
+/// Things of which the fleet takes so many at once and no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Bounded {
+    /// Jobs that are not over.
+    Jobs,
+    /// Assignments that are not over.
+    Assignments,
+    /// Robots that have joined.
+    Robots,
+    /// Workers who are known.
+    Workers,
+    /// Closures that are announced, closed, or over since less than a day.
+    Closures,
+    /// Recurring closures.
+    Series,
+}
+
+/// Why a request is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Refusal {
+    /// No job has this number.
+    UnknownJob(JobId),
+    /// The job was over already.
+    JobIsOver(JobId),
+    /// A robot works on the job already.
+    JobHasBegun(JobId),
+    /// The job's rack stands at its station, or is on its way to where it is to stay.
+    CannotBeTaken(JobId),
+    /// This kind of job names its robot.
+    NamesItsRobot(&'static str),
+    /// The robot can never do the job.
+    NotForRobot(RobotId),
+    /// A rack cannot go on from a station to the same one, and only deliveries go to stations.
+    SameStationTwice,
+    /// A job cannot come after one that does not exist.
+    UnknownPredecessor(JobId),
+    /// There is no such rack, station, node or robot.
+    UnknownPlace,
+    /// Racks go onto storage nodes only.
+    NotStorage(NodeId),
+    /// The storage node has a rack, or is promised to one.
+    StorageTaken(NodeId),
+    /// The map has no charger, or no parking place.
+    NoSuchPlace(NodeKind),
+    /// No robot stands at the station with a rack to pick from.
+    NothingToPick(StationId),
+    /// A line, counted from 0, of a station of the job, counted likewise, cannot be picked.
+    CannotPick(usize, usize, LineProblem),
+    /// A job has lines for each of its stations, or for none.
+    LinesPerStation,
+    /// What is said about a line cannot be.
+    Line(LineRefusal),
+    /// A priority is a number from 0 to 9.
+    Priority(u8),
+    /// A job cannot be done before now.
+    DeadlineIsOver,
+    /// Jobs of this kind have no station that could be changed.
+    HasNoStation(&'static str),
+    /// Jobs of this kind name no robot.
+    HasNoRobot(&'static str),
+    /// There are as many of a kind as the fleet takes.
+    TooMany(Bounded, usize),
+    /// A job comes after more others than it may.
+    TooManyBefore(usize),
+    /// An area has more corners than it may.
+    TooManyCorners(usize),
+    /// No worker has this number.
+    UnknownWorker(WorkerId),
+    /// The worker is seen, or not on the floor: nobody has to vouch for the place.
+    NotLost(WorkerId),
+    /// Nobody can stand there, or so near to it that it would narrow anything.
+    NoPlaceForPeople,
+    /// No assignment has this number, or it is over.
+    UnknownAssignment(AssignmentId),
+    /// No area is closed under this number.
+    UnknownClosure(ClosureId),
+    /// No recurring closure has this number.
+    UnknownSeries(SeriesId),
+    /// A closure recurs too often, before an occurrence is over, or never.
+    Recurrence,
+    /// The map has no doors.
+    NoExits,
+    /// People cannot walk to this node.
+    OutOfReach(NodeId),
+    /// An area needs three corners and some time.
+    EmptyArea,
+    /// There is no such kind of robots.
+    UnknownKind,
+    /// No kind of robots can carry the rack, and drive to it and to where it is wanted.
+    NoKindFor(RackId),
+    /// No lanes for robots of that kind lead to the node and from it.
+    NotForKind(NodeId),
+    /// The robot has left the floor.
+    RobotIsGone(RobotId),
+    /// Another robot holds the node, or is promised it.
+    PlaceTaken(NodeId),
+    /// The rack is on no robot.
+    RackIsStored(RackId),
+    /// The robot with the rack can drive: it sets it down itself.
+    RobotCanDrive(RobotId),
+}
