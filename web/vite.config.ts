@@ -92,9 +92,9 @@ export default defineConfig(({ mode }) => ({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
-    // Pages that share no script: neither a headset nor the page of the API need load the dashboard.
+    // Pages that share no script: neither a headset, nor a station's display, nor the page of the API need load the dashboard.
     rolldownOptions: {
-      input: ['index.html', 'headset.html', 'docs.html', 'editor.html', 'signin.html'],
+      input: ['index.html', 'headset.html', 'station.html', 'docs.html', 'editor.html', 'signin.html'],
       output: { codeSplitting: { includeDependenciesRecursively: false, groups: TOGETHER } },
     },
     ...(mode === 'single' ? single : {}),
