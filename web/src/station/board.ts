@@ -15,6 +15,7 @@ export class Board {
   readonly bar = make('header', { className: 'bar' });
   readonly rack = make('div', { className: 'rack' });
   readonly big = make('section', { className: 'big' });
+  readonly counts = make('div', { className: 'counts' });
   readonly lines = make('ol', { className: 'lines', tabIndex: 0, ariaLabel: t('lines') });
   readonly note = make('p', { className: 'note', role: 'status' });
   readonly paused = make('p', { className: 'paused', role: 'status', hidden: true });
@@ -23,11 +24,12 @@ export class Board {
   readonly alert = make('p', { className: 'hidden', role: 'alert' });
   readonly old = make('div', { className: 'old', role: 'alert', hidden: true });
   #drawn = new Map<HTMLElement, string>();
-  #counts = { left: words('left', ''), end: words('end', ''), next: words('next', '') };
+  #left = { left: words('left', ''), end: words('end', ''), next: words('next', '') };
   #soon = words('soon', '');
   #oldTitle = make('strong', {});
 
   constructor() {
+    this.counts.append(this.#left.left, this.#left.end);
     this.old.append(make('div', {}, this.#oldTitle, make('span', { textContent: t('old.text') })));
   }
 
@@ -39,8 +41,7 @@ export class Board {
       make('h1', { textContent: t('bar.station', { id }) }),
       ...(rack === null ? [] : [words('', t('bar.rack', { rack }))]),
       ...(robot === null ? [] : [words('', t('bar.robot', { robot }))]),
-      words('grow', t('bar.served', { count: served })),
-      this.#counts.left, this.#counts.end, this.#counts.next,
+      words('grow', t('bar.served', { count: served })), this.#left.next,
     ]);
     this.#countDown(station, age_ms);
     this.#once(this.rack, [visit, totes, reach, mistake], () => [drawRack(station, mistake)]);
@@ -59,14 +60,15 @@ export class Board {
   }
 
   #countDown({ visit, next }: Station, age_ms: number): void {
-    const { left, end, next: coming } = this.#counts;
+    const { left, end, next: coming } = this.#left;
     const now = (s: number): string => time(countdown(s, age_ms));
     const lines = visit ? linesLeft(visit) : 0;
     write(left, visit && lines > 0 ? t('left', { lines, pieces: visit.pieces_left }) : '');
     const ends = visit?.expected_end ?? null;
     write(end, ends ? t('end', { time: now(ends.p50), most: now(ends.p90) }) : '');
     write(coming, next ? t('bar.next', { rack: next.rack, time: now(next.in_s) }) : t('bar.next.none'));
-    write(this.#soon, next ? t('none.soon', { rack: next.rack, time: now(next.in_s), robot: next.robot }) : t('none.later'));
+    const soon = next ? t('none.soon', { rack: next.rack, time: now(next.in_s), robot: next.robot }) : t('none.later');
+    write(this.#soon, soon);
   }
 
   #bigWords({ visit }: Station, mistake: Mistake | null): Node[] {
@@ -78,10 +80,11 @@ export class Board {
       return [words('title', t(`${kind}.heading`)), words('wide', t(`${kind}.text`))];
     }
     const then = next ? t('big.then', { count: leftOf(next), slot: next.slot, tote: next.tote }) : t('big.last');
+    const arrow = make('span', { ariaHidden: 'true', textContent: '→' });
     const take = make('p', { className: 'take' },
       make('span', { className: 'count', textContent: t('big.count', { count: leftOf(lit) }) }), ' ',
       make('span', { className: 'slot', textContent: lit.slot }), ' ',
-      make('span', { className: 'tote' }, make('span', { className: 'arrow', ariaHidden: 'true', textContent: '→' }), ' ', t('big.tote', { tote: lit.tote })));
+      make('span', { className: 'tote' }, arrow, ' ', t('big.tote', { tote: lit.tote })));
     return [
       take,
       ...(lit.item === null ? [] : [words('item', lit.item)]),

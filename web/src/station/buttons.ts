@@ -7,7 +7,9 @@ import { t, type Key } from './words';
 export type Act = 'done' | 'plus' | 'short' | 'undo' | 'pause' | 'release';
 
 /** What keys do; letters are those of the English words on every keyboard. */
-const KEYS: Readonly<Record<string, Act>> = { Enter: 'done', ' ': 'done', '+': 'plus', M: 'short', U: 'undo', P: 'pause' };
+const KEYS: Readonly<Record<string, Act>> = {
+  Enter: 'done', ' ': 'done', '+': 'plus', M: 'short', U: 'undo', P: 'pause',
+};
 export const actOf = (key: string): Act | null => KEYS[key.toUpperCase()] ?? KEYS[key] ?? null;
 
 /** What can be done now. */
@@ -16,8 +18,8 @@ export function possible(station: Station, undo: Line | null): Readonly<Record<A
   const lit = litOf(visit);
   const isFree = visit !== null && visit.lines.length === 0;
   return {
-    done: lit !== null || isFree, plus: lit !== null && leftOf(lit) > 1, short: lit !== null, undo: undo !== null, pause: true,
-    release: visit !== null && !isFree,
+    done: lit !== null || isFree, plus: lit !== null && leftOf(lit) > 1, short: lit !== null, undo: undo !== null,
+    pause: true, release: visit !== null && !isFree,
   };
 }
 
@@ -27,7 +29,8 @@ export class Buttons {
 
   constructor(onAct: (act: Act) => void) {
     const keys: readonly (readonly [Act, Key | null])[] = [
-      ['done', 'key.done'], ['plus', 'key.plus'], ['short', 'key.short'], ['undo', 'key.undo'], ['pause', 'key.pause'], ['release', null],
+      ['done', 'key.done'], ['plus', 'key.plus'], ['short', 'key.short'], ['undo', 'key.undo'], ['pause', 'key.pause'],
+      ['release', null],
     ];
     for (const [act, key] of keys) {
       const words = make('span', { textContent: t(`act.${act}`) });
@@ -62,9 +65,11 @@ export class Buttons {
 
 /** Asks once before a rack with lines is let go; whether it shall be. */
 export function askRelease(host: HTMLElement, rack: string, lines: number): Promise<boolean> {
-  const [yes, no] = [make('button', { textContent: t('release.yes') }), make('button', { className: 'main', textContent: t('release.no') })];
+  const yes = make('button', { textContent: t('release.yes') });
+  const no = make('button', { className: 'main', textContent: t('release.no') });
   const heading = make('h2', { id: 'release', textContent: t('release.heading', { rack }) });
-  const dialog = make('dialog', {}, heading, make('p', { textContent: t('release.text', { lines }) }), make('div', { className: 'row' }, yes, no));
+  const text = make('p', { textContent: t('release.text', { lines }) });
+  const dialog = make('dialog', {}, heading, text, make('div', { className: 'row' }, yes, no));
   dialog.setAttribute('aria-labelledby', heading.id);
   host.append(dialog);
   return new Promise((answer) => {

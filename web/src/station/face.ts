@@ -9,6 +9,8 @@ export interface Box {
   height: number;
 }
 export interface Drawing {
+  /** The outline of the whole face. */
+  body: Box;
   slots: readonly Box[];
   totes: readonly Box[];
   /** The part that is to be seen: x, y, width, height. */
@@ -51,8 +53,8 @@ function totesOf(totes: readonly Tote[], top: number): Box[] {
   });
 }
 
-/** A rack without slots is drawn as this face, empty. */
-const PLAIN: Face = { columns: 1, heights_m: [1], width_m: 0.9 };
+/** A rack of which no slots are known is as large as a usual one. */
+const PLAIN: Face = { columns: 1, heights_m: [0.4, 0.8, 1.2, 1.6], width_m: 0.9 };
 
 export function draw(face: Face | null, totes: readonly Tote[]): Drawing {
   const slots = slotsOf(face ?? PLAIN);
@@ -61,11 +63,13 @@ export function draw(face: Face | null, totes: readonly Tote[]): Drawing {
   const all = [...slots, ...below];
   const [left, right] = [Math.min(...all.map(({ x }) => x)), Math.max(...all.map(({ x, width }) => x + width))];
   const [top, end] = [Math.min(...slots.map(({ y }) => y)), Math.max(...all.map(({ y, height }) => y + height))];
+  const body = { name: '', x: slots[0]!.x, y: top, width: (face ?? PLAIN).width_m, height: bottom - top };
   return {
-    slots: face ? slots : [], totes: below,
+    body, slots: face ? slots : [], totes: below,
     view: [left - GAP_M, top - GAP_M, right - left + 2 * GAP_M, end - top + 2 * GAP_M],
   };
 }
 
-/** How wide the outline of a slot is to which the hand goes with this probability, metres; nothing where it hardly does. */
-export const reachWidth = (probability: number): number => (probability < 0.05 ? 0 : 0.006 + 0.03 * Math.min(1, probability));
+/** How wide the outline of a slot is to which the hand goes with this probability, metres; none if it hardly does. */
+export const reachWidth = (probability: number): number =>
+  (probability < 0.05 ? 0 : 0.006 + 0.016 * Math.min(1, probability));

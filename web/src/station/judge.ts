@@ -1,5 +1,5 @@
-// What a scan means. The lit slot confirms one piece; a tote is compared with where that piece belongs; any other slot or
-// tote is a mistake. Pure.
+// What a scan means. The lit slot confirms one piece; a tote is compared with where that piece belongs; any other slot
+// or tote is a mistake. Pure.
 import { litOf } from './lines';
 import type { Line, Station, Warning } from './state';
 
@@ -25,11 +25,11 @@ const SLOT = /^[A-Z][1-9]\d?$/;
  * Judges a scan. `expected` is the tote of the piece that was scanned last, since its line may be over by now; null
  * where none was. Null for a single character that names nothing: that was a key, and Enter soon after it.
  */
-export function judge(scanned: string, station: Station, expected: string | null): Verdict | null {
+export function judge(scanned: string, { totes, visit }: Station, expected: string | null): Verdict | null {
   const text = scanned.trim();
   const upper = text.toUpperCase();
-  const tote = station.totes.find(({ id }) => id === text) ?? station.totes.find(({ id }) => id.toUpperCase() === upper);
-  const lit = litOf(station.visit);
+  const tote = totes.find(({ id }) => id === text) ?? totes.find(({ id }) => id.toUpperCase() === upper);
+  const lit = litOf(visit);
   if (tote === undefined && text.length < 2) return null;
   if (lit?.slot === upper) return { kind: 'piece', line: lit };
   if (tote && expected === null && lit === null) return { kind: 'nothing' };

@@ -43,7 +43,8 @@ export class Changes {
   hear(visit: Visit | null): void {
     if (visit?.job !== this.#job) [this.#job, this.#known, this.#order] = [visit?.job ?? null, new Map(), []];
     // What happened before this page was opened is taken in the order of the lines, the lit one last.
-    const lines = [...(visit?.lines ?? [])].sort((a, b) => Number(a.state === 'lit') - Number(b.state === 'lit') || a.n - b.n);
+    const isLit = ({ state }: Line): number => Number(state === 'lit');
+    const lines = [...(visit?.lines ?? [])].sort((a, b) => isLit(a) - isLit(b) || a.n - b.n);
     for (const line of lines) {
       const now = `${line.done} ${isOver(line) ? line.state : ''}`;
       if (this.#known.get(line.n) === now) continue;

@@ -1,5 +1,5 @@
-// The link of a station's display: one socket, of which each message is the whole state. It notices silence, and a clock
-// that stands, and comes back by itself. Socket, clock and chance come from outside, so that tests own them.
+// The link of a station's display: one socket, of which each message is the whole state. It notices silence, and a
+// clock that stands, and comes back by itself. Socket, clock and chance come from outside, so that tests own them.
 import { retryDelay, type Clock, type Socket, type SocketEvents } from '../wire';
 
 export interface LinkOptions {

@@ -44,7 +44,8 @@ async function choose(root: HTMLElement): Promise<void> {
   document.title = t('page.title.all');
   const links = answer.value.items.map((one) =>
     make('li', {}, make('a', { href: `/station/${encodeURIComponent(one.id)}`, textContent: one.id })));
-  const list = links.length === 0 ? make('p', { textContent: t('unknown.none') }) : make('ul', { ariaLabel: t('unknown.list') }, ...links);
+  const none = make('p', { textContent: t('unknown.none') });
+  const list = links.length === 0 ? none : make('ul', { ariaLabel: t('unknown.list') }, ...links);
   const heading = id === '' ? t('unknown.choose') : t('unknown.heading', { id });
   const help = id === '' ? [] : [make('p', { className: 'dim', textContent: t('unknown.choose') })];
   root.dataset['link'] = 'none';

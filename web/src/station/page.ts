@@ -53,7 +53,8 @@ export class StationPage {
     this.#link = new StationLink({
       open: (events) => openLive(options.id, events),
       clock: {
-        now: () => performance.now(), after: (ms, run) => setTimeout(run, ms), cancel: (timer) => clearTimeout(timer as number),
+        now: () => performance.now(), after: (ms, run) => setTimeout(run, ms),
+        cancel: (timer) => clearTimeout(timer as number),
       },
       random: Math.random, hear: (text) => this.#hear(text),
       onLost: () => {
@@ -69,9 +70,9 @@ export class StationPage {
     on.addEventListener('click', () => on.blur());
     this.#soundOff.append(on);
     this.#sound.onReady = () => { this.#soundOff.hidden = true; };
-    const { bar, rack, big, lines, note, paused, spoken, alert, old } = this.#board;
+    const { bar, rack, big, counts, lines, note, paused, spoken, alert, old } = this.#board;
     const help = make('footer', { className: 'help' }, make('span', { textContent: t('help') }), this.#soundOff);
-    const side = make('div', { className: 'side' }, paused, big, note, lines);
+    const side = make('div', { className: 'side' }, paused, big, note, counts, lines);
     host.replaceChildren(make('main', {}, bar, rack, side, this.#buttons.row, help), spoken, alert, old);
     addEventListener('keydown', this.#keyDown);
     addEventListener('keyup', this.#keyUp);
@@ -118,6 +119,7 @@ export class StationPage {
     this.#buttons.show(station, this.#undo, link.isOld);
     const { dataset } = this.#options.host;
     dataset['link'] = link.isOld ? 'old' : 'live';
+    dataset['visit'] = !station?.visit ? 'none' : station.visit.lines.length > 0 ? 'lines' : 'free';
     dataset['mistake'] = mistake?.kind ?? '';
     dataset['lit'] = litOf(station?.visit ?? null)?.slot ?? '';
     if (station) this.#board.show(station, mistake, now - this.#heardAt);

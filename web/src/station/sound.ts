@@ -29,7 +29,8 @@ export class Sound {
     const context = this.#context;
     if (!context || context.state !== 'running') return;
     TONES_HZ.forEach((hz, i) => {
-      const [tone, volume] = [new OscillatorNode(context, { type: 'square', frequency: hz }), new GainNode(context, { gain: 0.25 })];
+      const tone = new OscillatorNode(context, { type: 'square', frequency: hz });
+      const volume = new GainNode(context, { gain: 0.25 });
       const from = context.currentTime + i * TONE_S;
       tone.connect(volume).connect(context.destination);
       tone.start(from);

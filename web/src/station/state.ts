@@ -65,9 +65,10 @@ export function readStation(text: string): Station | null {
     return null;
   }
   const given = read as Partial<Station> | null;
-  if (typeof given !== 'object' || given === null || typeof given.now !== 'string' || typeof given.id !== 'string') return null;
+  if (typeof given !== 'object' || given === null) return null;
+  if (typeof given.now !== 'string' || typeof given.id !== 'string') return null;
   return {
-    robot: null, queue: [], served: 0, picking: false, paused: null, has_cell: false, totes: [], visit: null, next: null,
-    arm: null, reach: [], warnings: [], ...given, now: given.now, id: given.id,
+    robot: null, queue: [], served: 0, picking: false, paused: null, has_cell: false, totes: [], visit: null,
+    next: null, arm: null, reach: [], warnings: [], ...given, now: given.now, id: given.id,
   };
 }

@@ -10,7 +10,7 @@ export const { learn, t } = messages;
 /** From so many seconds on, minutes are easier to read. */
 const LONG_S = 90;
 /** How long something takes or took. */
-export const time = (s: number): string => (s < LONG_S ? secondsIn(spoken(), s) : duration(s));
+export const time = (s: number): string => (s < LONG_S ? secondsIn(spoken(), s).replace(' ', '\u00a0') : duration(s));
 /** A moment, as clocks on the wall show it. */
 export const clockTime = (moment: string): string =>
   new Intl.DateTimeFormat(spoken(), { hour: '2-digit', minute: '2-digit' }).format(new Date(moment));
