@@ -73,7 +73,7 @@ const single = {
 
 /** What the same pages load is one file: half a kilobyte of each answer are its headers. */
 const TOGETHER = [
-  { name: 'base', test: /src\/parts\/theme\.ts|vite\/preload-helper|rolldown\/runtime/ },
+  { name: 'base', test: /src\/parts\/(theme|dom)\.ts|vite\/preload-helper|rolldown\/runtime/ },
   { name: 'words', test: /src\/(words\/[a-z]+|wire\/api)\.ts/ },
   { name: 'early', test: /src\/(replay\/spans|alarms\/shown)\.ts/ },
   { name: 'session', test: /node_modules\/(svelte|esm-env|clsx)\/|src\/session\/(session|english)\.ts/ },

@@ -15,13 +15,14 @@ const visit = (...lines: Line[]): Visit =>
   ({ job: 'j1', rack: 'K1', robot: 'r1', since: null, face: null, lines, pieces_left: 0, expected_end: null });
 const station = (more: Partial<Station> = {}): Station => ({
   ...readStation('{"now":"2026-01-01T00:00:00Z","id":"S1"}')!,
-  totes: [{ id: 'A', right_m: -0.5, out_m: 1 }, { id: 'B', right_m: 0.5, out_m: 1 }, { id: 'tub-7', right_m: 0, out_m: 1 }],
+  totes: ['A', 'tub-7', 'B'].map((id, i) => ({ id, right_m: (i - 1) / 2, out_m: 1 })),
   visit: visit(line(1, 'C3', 'lit', { tote: 'B' }), line(2, 'B2', 'open')), ...more,
 });
 
 describe('lines', () => {
   const now = visit(
-    line(1, 'A1', 'done', { done: 2 }), line(2, 'B1', 'lit', { done: 1 }), line(3, 'A1', 'open'), line(4, 'C1', 'short'),
+    line(1, 'A1', 'done', { done: 2 }), line(2, 'B1', 'lit', { done: 1 }), line(3, 'A1', 'open'),
+    line(4, 'C1', 'short'),
   );
   test('the lit line, the one after it and what is left are told apart', () => {
     expect([litOf(now)?.n, nextOf(now)?.n, linesLeft(now)]).toEqual([2, 3, 2]);
@@ -144,7 +145,8 @@ describe('what a scan means', () => {
     for (const text of ['C3', 'A']) expect(judge(text, station({ visit: null }), null)).toEqual({ kind: 'nothing' });
   });
   test('a warning of the server says what would be right', () => {
-    const [slot, tote] = [{ kind: 'wrong_slot', slot: 'B2', tote: null }, { kind: 'wrong_tote', slot: null, tote: 'A' }] as const;
+    const slot = { kind: 'wrong_slot', slot: 'B2', tote: null } as const;
+    const tote = { kind: 'wrong_tote', slot: null, tote: 'A' } as const;
     expect(warned(station({ warnings: [slot] }))).toEqual({ kind: 'wrong_slot', is: 'B2', right: 'C3' });
     expect(warned(station({ warnings: [tote] }))).toEqual({ kind: 'wrong_tote', is: 'A', right: 'B' });
     expect(warned(station())).toBeNull();

@@ -95,8 +95,9 @@ export class Board {
   }
 
   #showLines(lines: readonly Line[]): void {
-    const isNew = this.#once(this.lines, [lines], () => lines.map(lineOf));
     this.lines.hidden = lines.length === 0;
+    // Where the list has another height, such as after a tablet was turned, another part of it is to be seen.
+    const isNew = this.#once(this.lines, [lines, this.lines.clientHeight], () => lines.map(lineOf));
     const lit = this.lines.querySelector<HTMLElement>('[data-state="lit"]');
     // A long list shows the lit line with the one before it. Only the list itself moves, never the page.
     if (isNew && lit) this.lines.scrollTop = lit.offsetTop - this.lines.offsetTop - lit.offsetHeight;
