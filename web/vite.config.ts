@@ -23,6 +23,20 @@ function mockServer(): Plugin {
   };
 }
 
+/** All stations have the same page, as the server has it. */
+function stationPage(): Plugin {
+  return {
+    name: 'giveway-station',
+    apply: 'serve',
+    configureServer({ middlewares }) {
+      middlewares.use((request, _, next) => {
+        if (request.url?.startsWith('/station/')) request.url = '/station.html';
+        next();
+      });
+    },
+  };
+}
+
 /** Below this many bytes a file is sent as it is. */
 const SMALL = 1024;
 
@@ -80,7 +94,7 @@ const TOGETHER = [
 ];
 
 export default defineConfig(({ mode }) => ({
-  plugins: [messages(), svelte(), mockServer(), ...(mode === 'single' ? [] : [compressed()])],
+  plugins: [messages(), svelte(), mockServer(), stationPage(), ...(mode === 'single' ? [] : [compressed()])],
   // Tests run components as a browser would, not as a server-side render, and parse messages. Pages get them compiled:
   // the formatter's own parser would be 30 kB for nothing.
   resolve: process.env['VITEST']

@@ -22,7 +22,7 @@ export class Board {
   /** For those who hear the page. */
   readonly spoken = make('p', { className: 'hidden', role: 'status' });
   readonly alert = make('p', { className: 'hidden', role: 'alert' });
-  readonly old = make('div', { className: 'old', role: 'alert', hidden: true });
+  readonly old = make('div', { className: 'old', hidden: true });
   #drawn = new Map<HTMLElement, string>();
   #left = { left: words('left', ''), end: words('end', ''), next: words('next', '') };
   #soon = words('soon', '');
@@ -30,7 +30,8 @@ export class Board {
 
   constructor() {
     this.counts.append(this.#left.left, this.#left.end);
-    this.old.append(make('div', {}, this.#oldTitle, make('span', { textContent: t('old.text') })));
+    // The seconds are not said again and again.
+    this.old.append(make('div', {}, this.#oldTitle, make('span', { role: 'alert', textContent: t('old.text') })));
   }
 
   /** Shows a state; `age_ms` is how long ago the server said it. */

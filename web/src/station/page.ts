@@ -73,7 +73,7 @@ export class StationPage {
     const { bar, rack, big, counts, lines, note, paused, spoken, alert, old } = this.#board;
     const help = make('footer', { className: 'help' }, make('span', { textContent: t('help') }), this.#soundOff);
     const side = make('div', { className: 'side' }, paused, big, note, counts, lines);
-    host.replaceChildren(make('main', {}, bar, rack, side, this.#buttons.row, help), spoken, alert, old);
+    host.replaceChildren(make('main', {}, bar, rack, side, this.#buttons.row, help, spoken, alert, old));
     addEventListener('keydown', this.#keyDown);
     addEventListener('keyup', this.#keyUp);
     addEventListener('pointerdown', this.#touched);
