@@ -23,6 +23,20 @@ function mockServer(): Plugin {
   };
 }
 
+/** All stations have the same page, as the server has it. */
+function stationPage(): Plugin {
+  return {
+    name: 'giveway-station',
+    apply: 'serve',
+    configureServer({ middlewares }) {
+      middlewares.use((request, _, next) => {
+        if (request.url?.startsWith('/station/')) request.url = '/station.html';
+        next();
+      });
+    },
+  };
+}
+
 /** Below this many bytes a file is sent as it is. */
 const SMALL = 1024;
 
@@ -73,14 +87,14 @@ const single = {
 
 /** What the same pages load is one file: half a kilobyte of each answer are its headers. */
 const TOGETHER = [
-  { name: 'base', test: /src\/parts\/theme\.ts|vite\/preload-helper|rolldown\/runtime/ },
+  { name: 'base', test: /src\/parts\/(theme|dom)\.ts|vite\/preload-helper|rolldown\/runtime/ },
   { name: 'words', test: /src\/(words\/[a-z]+|wire\/api)\.ts/ },
   { name: 'early', test: /src\/(replay\/spans|alarms\/shown)\.ts/ },
   { name: 'session', test: /node_modules\/(svelte|esm-env|clsx)\/|src\/session\/(session|english)\.ts/ },
 ];
 
 export default defineConfig(({ mode }) => ({
-  plugins: [messages(), svelte(), mockServer(), ...(mode === 'single' ? [] : [compressed()])],
+  plugins: [messages(), svelte(), mockServer(), stationPage(), ...(mode === 'single' ? [] : [compressed()])],
   // Tests run components as a browser would, not as a server-side render, and parse messages. Pages get them compiled:
   // the formatter's own parser would be 30 kB for nothing.
   resolve: process.env['VITEST']
@@ -92,9 +106,9 @@ export default defineConfig(({ mode }) => ({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
-    // Pages that share no script: neither a headset nor the page of the API need load the dashboard.
+    // Pages that share no script: neither a headset, nor a station's display, nor the page of the API need load the dashboard.
     rolldownOptions: {
-      input: ['index.html', 'headset.html', 'docs.html', 'editor.html', 'signin.html'],
+      input: ['index.html', 'headset.html', 'station.html', 'docs.html', 'editor.html', 'signin.html'],
       output: { codeSplitting: { includeDependenciesRecursively: false, groups: TOGETHER } },
     },
     ...(mode === 'single' ? single : {}),

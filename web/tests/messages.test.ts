@@ -10,7 +10,7 @@ import { LANGUAGES, languageFor, metres, sayIn, seconds } from '../src/language'
 const ENGLISH = ['editor', 'docs'];
 /** Messages stand in one room and are said in others, too: the dashboard's in all but those that load nothing of it. */
 const isSaidIn = (messages: string, room: string): boolean =>
-  messages === room || (messages === 'words' && !['headset', 'docs', 'editor', 'language'].includes(room));
+  messages === room || (messages === 'words' && !['headset', 'station', 'docs', 'editor', 'language'].includes(room));
 /** What is the same in every language: names, examples, and signs. */
 const NAMES = ['picker-7', 'Giveway', 'VDA 5050', 'CSV', 'JSON'];
 

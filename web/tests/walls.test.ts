@@ -4,10 +4,11 @@ import { describe, expect, test } from 'vitest';
 /** In reading order: a room names only rooms above it. */
 const ROOMS = [
   'wire', 'language', 'words', 'parts', 'session', 'replay', 'floor', 'cards', 'why', 'robots', 'people', 'places', 'jobs', 'encounters',
-  'timelines', 'charts', 'report', 'alarms', 'audit', 'page', 'headset', 'docs', 'editor',
+  'timelines', 'charts', 'report', 'alarms', 'audit', 'page', 'headset', 'station', 'docs', 'editor',
 ];
-/** The page of a wearer, that of the API and the map editor load nothing of the dashboard. */
+/** The pages of a wearer, of a station and of the API, and the map editor load nothing of the dashboard. */
 const HEADSET_KNOWS = ['wire', 'language', 'parts'];
+const STATION_KNOWS = ['wire', 'language', 'parts'];
 const DOCS_KNOWS = ['parts'];
 const EDITOR_KNOWS = ['parts', 'session'];
 
@@ -46,6 +47,7 @@ function wrongs(sources: Sources): string[] {
       if (room !== '' && there > here) wrong.push(`${path} imports ${other}: ${to} comes after ${room}`);
       if (room !== '' && there < 0) wrong.push(`${path} imports ${other}, which is in no room`);
       if (room === 'headset' && !HEADSET_KNOWS.includes(to)) wrong.push(`${path} imports ${other}: the page of a wearer loads nothing of ${to}`);
+      if (room === 'station' && !STATION_KNOWS.includes(to)) wrong.push(`${path} imports ${other}: the page of a station loads nothing of ${to}`);
       if (room === 'docs' && !DOCS_KNOWS.includes(to)) wrong.push(`${path} imports ${other}: the page of the API loads nothing of ${to}`);
       if (room === 'editor' && !EDITOR_KNOWS.includes(to)) wrong.push(`${path} imports ${other}: the map editor loads nothing of ${to}`);
       const isDoor = other === `${to}/index.ts` || (other.endsWith('.svelte') && other.split('/').length === 2);
@@ -101,5 +103,9 @@ describe('the rooms of the page', () => {
   test('a part of the dashboard in the page of a wearer is found', () => {
     expect(planted('headset/planted.ts', "import { count } from '../words';\n"))
       .toEqual(['headset/planted.ts imports words/index.ts: the page of a wearer loads nothing of words']);
+  });
+  test('a part of another page in the page of a station is found', () => {
+    expect(planted('station/planted.ts', "import { signInAt } from '../session';\n"))
+      .toEqual(['station/planted.ts imports session/index.ts: the page of a station loads nothing of session']);
   });
 });

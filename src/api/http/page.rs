@@ -26,6 +26,8 @@ pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
     let name = match path {
         "" => "index.html",
         "headset" | "headset/marks" => "headset.html",
+        "station" => "station.html",
+        one if one.starts_with("station/") => "station.html",
         "docs" => "docs.html",
         "sign-in" => "signin.html",
         "editor" => "editor.html",

@@ -1,12 +1,7 @@
 // Elements without a framework: this page must be small.
-type Props<K extends keyof HTMLElementTagNameMap> = Partial<Omit<HTMLElementTagNameMap[K], 'dataset' | 'style'>>;
+import { make } from '../parts';
 
-export function make<K extends keyof HTMLElementTagNameMap>(tag: K, props: Props<K>, ...children: (Node | string)[]): HTMLElementTagNameMap[K] {
-  const element = document.createElement(tag);
-  Object.assign(element, props);
-  element.append(...children);
-  return element;
-}
+export { make };
 
 /** A control with its label, and words of help. */
 export function field(label: string, control: HTMLElement, help = ''): HTMLElement {
