@@ -5,6 +5,7 @@
 //! costs, in proportion to the probability. Refuses: to look at robots.
 
 use super::afoot::Afoot;
+use super::occupancy::Occupancy;
 use super::regions::Regions;
 use crate::geometry::{Point, Segment};
 use crate::human::{Band, Hypothesis, WALK_MPS, Whereabouts, passages};
@@ -32,8 +33,17 @@ const NOW: Span = Span::from_millis(900);
 const STOOD: Span = Span::from_secs(120);
 /// Room between region 1 and a robot that passes a person who stands to let it, metres.
 const ASIDE_M: f64 = 0.3;
-/// Room between a person on a path and a robot, metres.
-const GAP_M: f64 = 0.1;
+
+/// How the fleet finds out when a worker takes a node. The first delivers more, and people wait less, in the halls that were
+/// measured (docs/experiments.md).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum NodeWindows {
+    /// From when a fast walker comes until a slow one has gone, for each way; a worker who keeps to the path keeps to it.
+    #[default]
+    Speeds,
+    /// By the calibrated forecast by which robots brake, node by node.
+    Mixture,
+}
 
 /// What conditions are made with.
 #[derive(Debug)]
@@ -49,11 +59,6 @@ pub struct Effects<'a> {
 }
 
 impl Effects<'_> {
-    /// Half of a robot and a person side by side, metres.
-    fn beside_m(&self) -> f64 {
-        self.regions.bodies_m(true) + GAP_M
-    }
-
     /// Regions 2 and 3 around a worker where the worker is. A person who has stood for long is expected to stand as
     /// long again, so that robots look for other ways; conditions are made anew every step.
     pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts, stood: Span) {
@@ -87,12 +92,13 @@ impl Effects<'_> {
         }
     }
 
-    /// Places that a worker will take, by probability: ours.
+    /// Nodes on the ways that a worker may take, each from when a fast walker comes until a slow one has gone, by the
+    /// probability of the way: ours ([`NodeWindows::Speeds`]).
     pub fn forecast(&self, conditions: &mut Conditions, worker: WorkerId, paths: &[Hypothesis], band: Band) {
         let mut found: BTreeMap<NodeId, (f64, usize, Window)> = BTreeMap::new();
         for (i, h) in paths.iter().enumerate().filter(|(_, h)| h.probability >= NEGLIGIBLE / 4.0) {
             passages(i, h, band, self.now, SOFT, |p| {
-                for node in self.warehouse.nodes_within(p.at, self.beside_m()) {
+                for node in self.warehouse.nodes_within(p.at, self.regions.beside_m()) {
                     let entry = found.entry(node).or_insert((0.0, usize::MAX, p.window));
                     if entry.1 != i {
                         (entry.0, entry.1) = (entry.0 + h.probability, i);
@@ -109,6 +115,20 @@ impl Effects<'_> {
                 _ => continue,
             };
             conditions.add(node, Condition { window, effect, cause });
+        }
+    }
+
+    /// Nodes that a worker will take by the calibrated forecast ([`NodeWindows::Mixture`]).
+    pub fn occupied(&self, conditions: &mut Conditions, worker: WorkerId, occupied: &[Occupancy]) {
+        let cause = Cause::Worker(worker);
+        for o in occupied.iter().filter(|o| o.window.end() > self.now) {
+            let sure = o.likely.filter(|_| o.probability >= SURE);
+            let closed = sure.filter(|w| w.start() <= self.now + HARD && w.end() > self.now);
+            let (window, effect) = match closed {
+                Some(window) => (window, Effect::Closed),
+                None => (o.window, Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S * o.probability))),
+            };
+            conditions.add(o.node, Condition { window, effect, cause });
         }
     }
 
@@ -135,7 +155,7 @@ impl Effects<'_> {
         passages(0, path, band, self.now, Span::from_secs(120), |p| {
             for (node, distance) in self.afoot.nodes_within(self.warehouse, p.at, slow) {
                 let effect = match distance {
-                    d if d <= self.beside_m() => Effect::Closed,
+                    d if d <= self.regions.beside_m() => Effect::Closed,
                     d if d <= keep_out => Effect::NoEntryOrExit,
                     d => Effect::Slow(self.regions.limits_mps(d, 0.0)),
                 };
@@ -234,6 +254,28 @@ mod tests {
         effects.forecast(&mut conditions, WorkerId(0), &[h(1), h(1)], Band::ANY);
         let first = warehouse.nodes.ids().next().unwrap();
         assert!(matches!(conditions.of(first)[0].effect, Effect::Closed), "0.4 and 0.4 make sure");
+    }
+
+    #[test]
+    fn the_surer_a_node_is_taken_and_the_sooner_the_harder_its_condition() {
+        let (warehouse, regions, afoot) = hall();
+        let now = Time(20_000_000);
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now };
+        let node = warehouse.nodes.ids().next().unwrap();
+        let window =
+            |from_s: i64, to_s: i64| Window::new(now + Span::from_secs(from_s), now + Span::from_secs(to_s));
+        let effect = |probability: f64, from_s: i64| {
+            let likely = Some(window(from_s + 1, from_s + 2));
+            let taken = Occupancy { node, probability, window: window(from_s, from_s + 4), likely };
+            let mut conditions = Conditions::none(&warehouse);
+            effects.occupied(&mut conditions, WorkerId(0), &[taken]);
+            conditions.of(node).first().map(|c| (c.effect, c.window))
+        };
+        assert_eq!(effect(0.9, 0), Some((Effect::Closed, window(1, 2))));
+        let soft = |s: f64| Effect::SoftCost(Span::from_secs_f64(s));
+        assert_eq!(effect(0.25, 0), Some((soft(2.0), window(0, 4))));
+        assert_eq!(effect(0.75, 8), Some((soft(6.0), window(8, 12))), "there is time to see");
+        assert_eq!(effect(0.9, -4), None, "over");
     }
 
     #[test]

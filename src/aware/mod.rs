@@ -8,6 +8,7 @@ mod afoot;
 mod collision;
 mod effects;
 mod encounter;
+mod occupancy;
 mod passing;
 mod regions;
 pub mod safe_space;
@@ -15,9 +16,10 @@ pub mod zone_answers;
 
 pub use afoot::Afoot;
 pub use collision::{BEYOND, Swept, THRESHOLD, collision};
-pub use effects::{Effects, nodes_in};
+pub use effects::{Effects, NodeWindows, nodes_in};
 pub use encounter::{MOVES_MPS, Meeting, Meter, Near};
-pub use passing::{Drive, Walk, moves_within};
+pub use occupancy::{Occupancy, Stay, occupancies};
+pub use passing::{Drive, Walk, leaves_after, moves_within};
 pub use regions::{BODY_M, Regions, SLOW_MPS, quantised};
 pub use safe_space::{Answer, Zone};
 

@@ -1,7 +1,7 @@
 //! Whether a robot would still move when a person comes near.
 //!
 //! Main types: [`Drive`] (a robot on what it was granted), [`Walk`] (a person on the way that is expected), main
-//! function: [`moves_within`]. A robot that stands when a person comes is no trouble; one that is overtaken, or
+//! functions: [`moves_within`], [`leaves_after`]. A robot that stands when a person comes is no trouble; one that is overtaken, or
 //! has not yet stopped, meets them. Refuses: to take caution away; the caller may use it only to brake.
 
 use crate::geometry::{Point, turn_between};
@@ -10,6 +10,10 @@ use crate::geometry::{Point, turn_between};
 const STEP_S: f64 = 0.1;
 /// … and so many of them.
 const STEPS: usize = 50;
+/// Whether a person leaves a place is looked at in steps of so many seconds …
+const LEAVE_STEP_S: f64 = 0.25;
+/// … and so many of them.
+const LEAVE_STEPS: usize = 60;
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.05;
 /// Bends of more than this are turned on the spot, radians.
@@ -100,6 +104,22 @@ impl Along<'_> {
     }
 }
 
+/// After how many seconds a person has left a place behind: from then on the person stays farther from it than
+/// `radius_m`, as far as the next 15 seconds tell. Nothing for a person who is that near at their end.
+pub fn leaves_after(walk: &Walk, place: Point, radius_m: f64) -> Option<f64> {
+    let mut person = Along::on(&walk.way);
+    let mut left_s = Some(0.0);
+    for step in 0..=LEAVE_STEPS {
+        let now_s = step as f64 * LEAVE_STEP_S;
+        let is_near = (person.at - place).norm() <= radius_m;
+        left_s = if is_near { None } else { left_s.or(Some(now_s)) };
+        if now_s + LEAVE_STEP_S > walk.waits_s {
+            person.go(walk.speed_mps * LEAVE_STEP_S);
+        }
+    }
+    left_s
+}
+
 /// Whether the robot still moves while it is nearer to the person than `radius_m`, centre to centre, within the
 /// next seconds.
 pub fn moves_within(drive: &Drive, walk: &Walk, radius_m: f64) -> bool {
@@ -160,6 +180,21 @@ mod tests {
         let later = walk(&[(6.0, 0.0), (0.0, 0.0)], 1.4, 4.0);
         assert!(!moves_within(&drive(&[(0.0, 0.0), (2.0, 0.0)], 0.5), &later, 1.15));
         assert!(!moves_within(&drive(&[(0.0, 0.0)], 0.0), &towards, 9.0), "it goes nowhere");
+    }
+
+    #[test]
+    fn a_place_is_left_when_the_person_is_beyond_it_for_good() {
+        let after = |w: &Walk, radius_m| leaves_after(w, Point::new(3.0, 0.0), radius_m);
+        let past = walk(&[(0.0, 0.0), (9.0, 0.0)], 1.0, 0.0);
+        let close =
+            |s: Option<f64>, wanted: f64| (s.expect("it is left") - wanted).abs() <= LEAVE_STEP_S + 1e-9;
+        assert!(close(after(&past, 2.0), 5.0));
+        assert!(close(after(&Walk { waits_s: 4.0, ..past.clone() }, 2.0), 9.0));
+        // There and back: the second time counts.
+        assert!(close(after(&walk(&[(0.0, 0.0), (6.0, 0.0), (0.0, 0.0)], 1.0, 0.0), 2.0), 11.0));
+        assert_eq!(after(&walk(&[(0.0, 0.0), (3.0, 0.0)], 1.0, 0.0), 2.0), None, "the person stays there");
+        assert_eq!(after(&Walk { speed_mps: 0.1, ..past }, 2.0), None, "too slow to tell");
+        assert_eq!(after(&walk(&[(0.0, 9.0)], 0.0, 0.0), 2.0), Some(0.0), "never there");
     }
 
     #[test]

@@ -12,6 +12,8 @@ use crate::route::Kinematics;
 
 /// Radius of a standing person, metres.
 pub const BODY_M: f64 = 0.25;
+/// Room between a person on a path and a robot, metres.
+const GAP_M: f64 = 0.1;
 /// Uncertainty of a robot's place, metres.
 const ROBOT_M: f64 = 0.1;
 /// Speed of robots near people, metres per second.
@@ -57,6 +59,11 @@ impl Regions {
     /// Half of a person and half of a robot: what distances between centres have more than separations, metres.
     pub fn bodies_m(&self, loaded: bool) -> f64 {
         BODY_M + self.half_m[usize::from(loaded)]
+    }
+
+    /// What a person on a path and a robot beside it need between their centres, metres.
+    pub fn beside_m(&self) -> f64 {
+        self.bodies_m(true) + GAP_M
     }
 
     /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard

@@ -8,7 +8,7 @@ use crate::experiment::statistics::{Interval, Summary};
 use crate::experiment::table::{Column, RunRow, TableSetup};
 use crate::sim::detection::{Score, TO_GOAL_S};
 use crate::sim::encounter::EncounterFigures;
-use crate::sim::{Causes, Sensor, Source};
+use crate::sim::{Causes, NodeWindowsWord, Sensor, Source};
 use crate::warehouse::{Warehouse, room_for, thesis};
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
@@ -182,6 +182,7 @@ impl TableArgs {
             seconds: self.runs.seconds,
             sensor: Sensor::default(),
             causes: self.causes.causes(),
+            node_windows: NodeWindowsWord::default(),
         };
         let cases: Vec<(TableSetup, HumanAwarePolicy)> =
             self.workers.iter().flat_map(|w| arms.iter().map(|a| (setup(*w), *a))).collect();
@@ -279,6 +280,7 @@ impl DetectionArgs {
             seconds: self.runs.seconds,
             sensor,
             causes: Causes::All,
+            node_windows: NodeWindowsWord::default(),
         };
         let cases: Vec<(TableSetup, HumanAwarePolicy)> =
             sensors.iter().map(|(_, sensor)| (setup(*sensor), self.arm.arm())).collect();

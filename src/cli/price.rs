@@ -9,6 +9,7 @@ use crate::experiment::price::{PriceFloor, Shares};
 use crate::experiment::robot_time::{RobotTime, TimeUse};
 use crate::experiment::statistics::Interval;
 use crate::experiment::table::{ENTER_S, RunRow, TableSetup};
+use crate::sim::NodeWindowsWord;
 use crate::sim::encounter::EncounterFigures;
 use crate::warehouse::{room_for, thesis};
 use clap::{Args, ValueEnum};
@@ -50,12 +51,33 @@ pub struct PriceArgs {
     /// Why workers leave their paths besides the six departures of the published experiment.
     #[arg(long, value_enum, default_value = "all")]
     causes: CausesArgument,
+    /// How the fleet finds out when workers take a node.
+    #[arg(long, value_enum, default_value = "speeds")]
+    node_windows: NodeWindowsArgument,
     /// Runs at a time; as many as there are cores if absent.
     #[arg(long)]
     jobs: Option<usize>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// Windows of nodes, on the command line.
+#[derive(Clone, Copy, ValueEnum)]
+enum NodeWindowsArgument {
+    /// From a fast walker's coming to a slow one's going.
+    Speeds,
+    /// By the calibrated forecast.
+    Mixture,
+}
+
+impl From<NodeWindowsArgument> for NodeWindowsWord {
+    fn from(argument: NodeWindowsArgument) -> NodeWindowsWord {
+        match argument {
+            NodeWindowsArgument::Speeds => NodeWindowsWord::Speeds,
+            NodeWindowsArgument::Mixture => NodeWindowsWord::Mixture,
+        }
+    }
 }
 
 /// One number of workers on a floor, by one policy.
@@ -115,7 +137,10 @@ impl PriceArgs {
         floor: &PriceFloor,
         policies: &[HumanAwarePolicy],
     ) -> Vec<(TableSetup, HumanAwarePolicy)> {
-        let setup = |robots, workers| floor.setup(robots, workers, self.seconds, self.causes.causes());
+        let setup = |robots, workers| TableSetup {
+            node_windows: self.node_windows.into(),
+            ..floor.setup(robots, workers, self.seconds, self.causes.causes())
+        };
         let mut cases = vec![(setup(floor.robots, 0), HumanAwarePolicy::Giveway)];
         for workers in &floor.workers {
             cases.push((setup(0, *workers), HumanAwarePolicy::Giveway));

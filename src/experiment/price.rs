@@ -5,7 +5,7 @@
 
 use super::statistics::Interval;
 use super::table::{RunRow, TableSetup};
-use crate::sim::{Causes, Sensor};
+use crate::sim::{Causes, NodeWindowsWord, Sensor};
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
@@ -35,7 +35,8 @@ impl PriceFloor {
     /// A run with so many robots and workers.
     pub fn setup(&self, robots: usize, workers: usize, seconds: f64, causes: Causes) -> TableSetup {
         let warehouse = self.warehouse.clone();
-        TableSetup { warehouse, robots, workers, seconds, sensor: Sensor::default(), causes }
+        let (sensor, node_windows) = (Sensor::default(), NodeWindowsWord::default());
+        TableSetup { warehouse, robots, workers, seconds, sensor, causes, node_windows }
     }
 }
 

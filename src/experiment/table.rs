@@ -12,7 +12,8 @@ use crate::route::Kinematics;
 use crate::sim::detection::Score;
 use crate::sim::encounter::EncounterFigures;
 use crate::sim::{
-    Causes, Demand, Deviations, Faults, Habits, KindShare, Outcome, Scenario, Sensor, Simulation, Workers,
+    Causes, Demand, Deviations, Faults, Habits, KindShare, NodeWindowsWord, Outcome, Scenario, Sensor,
+    Simulation, Workers,
 };
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -40,6 +41,8 @@ pub struct TableSetup {
     pub sensor: Sensor,
     /// Why people leave their paths besides the six departures of the published experiment.
     pub causes: Causes,
+    /// How the fleet finds out when people take a node.
+    pub node_windows: NodeWindowsWord,
 }
 
 /// What one run came to.
@@ -151,6 +154,7 @@ impl TableSetup {
             enter_s: ENTER_S,
             deviations,
             sensor: self.sensor,
+            node_windows: self.node_windows,
             ..Workers::default()
         };
         Scenario {
@@ -232,6 +236,7 @@ mod tests {
             seconds: 340.0,
             sensor: Sensor::default(),
             causes: Causes::All,
+            node_windows: NodeWindowsWord::default(),
         }
     }
 

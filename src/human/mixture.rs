@@ -57,6 +57,16 @@ impl Part {
 }
 
 impl Part {
+    /// [`FEW_PLACES`] of the places that are spread like this part, with their numbers. The same number of a later
+    /// forecast's part is the same person, a little later.
+    pub fn few_places(&self) -> impl Iterator<Item = (usize, Point)> {
+        let ([a, b, c], mean) = (self.root(), self.mean);
+        let some = NORMALS.iter().step_by(PLACES / FEW_PLACES).enumerate();
+        some.map(move |(k, (u, v))| (k, Point::new(mean.x + a * u, mean.y + b * u + c * v)))
+    }
+}
+
+impl Part {
     /// Both in one: same mean and covariance.
     fn with(&self, other: &Part) -> Part {
         let weight = self.weight + other.weight;
@@ -89,6 +99,9 @@ pub struct Mixture {
 
 /// Places per part by which probabilities are counted.
 pub const PLACES: usize = 64;
+
+/// Places per part where there are many nodes to look at.
+pub const FEW_PLACES: usize = 16;
 
 /// These places for a round Gaussian.
 static NORMALS: LazyLock<[(f64, f64); PLACES]> = LazyLock::new(|| std::array::from_fn(normal));

@@ -28,7 +28,7 @@ pub use distance::{Distances, Vantage};
 pub use field::{Field, Graph};
 pub use forecast::Forecast;
 pub use intention::{Belief, IntentEpisode, IntentState, Intention, Method};
-pub use mixture::{Mixture, PLACES, Part};
+pub use mixture::{FEW_PLACES, Mixture, PLACES, Part};
 pub use model::{Model, ModelError};
 pub use passage::{Band, Hypothesis, Passage, passages};
 pub use sighting::{Quality, Sighting, SourceId};

@@ -27,9 +27,25 @@ pub struct Band {
     pub fast_mps: f64,
 }
 
+impl Hypothesis {
+    /// From the arrival of a fast walker at the end of the path until a slow one has left; nothing for somebody who
+    /// stays for ever.
+    pub fn stays(&self, band: Band, now: Time) -> Option<Window> {
+        let length_m: f64 = self.path.windows(2).map(|p| (p[1] - p[0]).norm()).sum();
+        let arrival = band.passes(length_m, now);
+        Some(Window::new(arrival.start(), arrival.end() + self.stay?))
+    }
+}
+
 impl Band {
     /// What is assumed of everybody whose speed is not known (safety figures of walking: 0.5 to 1.8 m/s).
     pub const ANY: Band = Band { slow_mps: 0.5, fast_mps: 1.8 };
+
+    /// From when a fast walker comes to a place so far ahead until a slow one is gone from it.
+    fn passes(self, ahead_m: f64, now: Time) -> Window {
+        let fast = now + Span::from_secs_f64(ahead_m / self.fast_mps);
+        Window::new(fast, now + Span::from_secs_f64(ahead_m / self.slow_mps) + GONE)
+    }
 
     /// Around a measured speed, metres per second. Whoever stands may start at any time.
     pub fn around(speed_mps: f64) -> Band {
@@ -51,11 +67,12 @@ pub struct Passage {
     pub ahead_m: f64,
 }
 
+/// How long it takes to be gone from a place, beyond the time of passing it.
+const GONE: Span = Span::from_millis(600);
 /// Points of a path are this far apart, metres.
 const STEP_M: f64 = 0.4;
 
-/// The passages of one hypothesis within the next `horizon`, from `now` on. `body` is how long it takes to be
-/// gone from a place, beyond the time of passing it.
+/// The passages of one hypothesis within the next `horizon`, from `now` on.
 pub fn passages(
     index: usize,
     h: &Hypothesis,
@@ -64,11 +81,6 @@ pub fn passages(
     horizon: Span,
     mut each: impl FnMut(Passage),
 ) {
-    let margin = Span::from_millis(600);
-    let window = |ahead_m: f64| {
-        let fast = now + Span::from_secs_f64(ahead_m / band.fast_mps);
-        Window::new(fast, now + Span::from_secs_f64(ahead_m / band.slow_mps) + margin)
-    };
     let mut ahead_m = 0.0;
     for pair in h.path.windows(2) {
         let length = (pair[1] - pair[0]).norm();
@@ -76,7 +88,7 @@ pub fn passages(
         for k in 0..steps {
             let share = k as f64 / steps as f64;
             let ahead = ahead_m + share * length;
-            let w = window(ahead);
+            let w = band.passes(ahead, now);
             if w.start() > now + horizon {
                 return;
             }
@@ -90,7 +102,7 @@ pub fn passages(
         ahead_m += length;
     }
     let Some(end) = h.path.last() else { return };
-    let arrival = window(ahead_m);
+    let arrival = band.passes(ahead_m, now);
     if arrival.start() <= now + horizon {
         let until = h.stay.map_or(now + horizon, |s| arrival.end() + s).max(arrival.end());
         each(Passage { hypothesis: index, at: *end, window: Window::new(arrival.start(), until), ahead_m });
@@ -116,6 +128,15 @@ mod tests {
         assert_eq!(end.window.start(), Time::ZERO + Span::from_secs(5));
         assert_eq!(end.window.end(), Time::ZERO + Span::from_millis(18_000 + 600 + 2_000));
         assert!(found.windows(2).all(|p| p[0].window.start() <= p[1].window.start()));
+    }
+
+    #[test]
+    fn who_stays_at_the_end_of_a_way_is_there_until_a_slow_walker_has_stayed_as_long() {
+        let path = vec![Point::new(0.0, 0.0), Point::new(9.0, 0.0)];
+        let h = Hypothesis { probability: 1.0, path, stay: Some(Span::from_secs(2)) };
+        let all = all(&[(0.0, 0.0), (9.0, 0.0)], 60);
+        assert_eq!(h.stays(Band::ANY, Time::ZERO), all.last().map(|p| p.window));
+        assert_eq!(Hypothesis { stay: None, ..h }.stays(Band::ANY, Time::ZERO), None);
     }
 
     #[test]

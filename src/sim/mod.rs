@@ -42,7 +42,7 @@ pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
-    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, MethodWord, Personas, Rates,
-    Scenario, ScenarioError, SecondTag, Sensor, Source, TaskSharing, Workers,
+    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, MethodWord, NodeWindowsWord,
+    Personas, Rates, Scenario, ScenarioError, SecondTag, Sensor, Source, TaskSharing, Workers,
 };
 pub use world::{World, starting_places};

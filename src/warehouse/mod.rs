@@ -350,6 +350,11 @@ impl Warehouse {
         self.near.within(at, radius).into_iter().map(|(i, _)| NodeId::at(i)).collect()
     }
 
+    /// Calls `each` with the nodes no farther than `radius` (metres) from a point, in no stated order.
+    pub fn each_node_within(&self, at: Point, radius: f64, mut each: impl FnMut(NodeId)) {
+        self.near.each_within(at, radius, |i, _| each(NodeId::at(i)));
+    }
+
     /// The smallest rectangle around all nodes, as `(low corner, high corner)`.
     pub fn bounds(&self) -> (Point, Point) {
         let mut low = Point::new(f64::INFINITY, f64::INFINITY);

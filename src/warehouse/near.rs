@@ -53,6 +53,13 @@ impl PointIndex {
     /// The points no farther than `radius` (metres) from `at`, ascending, with their distances in metres.
     pub fn within(&self, at: Point, radius: f64) -> Vec<(usize, f64)> {
         let mut found = Vec::new();
+        self.each_within(at, radius, |i, distance| found.push((i, distance)));
+        found.sort_unstable_by_key(|(i, _)| *i);
+        found
+    }
+
+    /// Calls `each` with the points no farther than `radius` (metres), in no stated order, and with their distances.
+    pub fn each_within(&self, at: Point, radius: f64, mut each: impl FnMut(usize, f64)) {
         let span = |from: f64, count: usize| {
             let first = ((from - radius) / SIDE).floor().max(0.0) as usize;
             let last = ((from + radius) / SIDE).floor();
@@ -65,13 +72,11 @@ impl PointIndex {
                 for &i in &self.members[self.start[b] as usize..self.start[b + 1] as usize] {
                     let distance = (self.points[i as usize] - at).norm();
                     if distance <= radius {
-                        found.push((i as usize, distance));
+                        each(i as usize, distance);
                     }
                 }
             }
         }
-        found.sort_unstable_by_key(|(i, _)| *i);
-        found
     }
 
     /// The nearest point, the first of equals; nothing where there are no points.

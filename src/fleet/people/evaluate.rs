@@ -134,10 +134,10 @@ impl HumanState {
         let others = if ours { self.others(now) } else { Vec::new() };
         let mut all = std::mem::take(&mut self.conditions);
         all.all_mut().for_each(Conditions::clear);
-        for (conditions, regions) in all.with_regions(floor.regions) {
+        for (set, (conditions, regions)) in all.with_regions(floor.regions).enumerate() {
             let effects = Effects { warehouse: floor.warehouse(), regions, afoot: &self.afoot, now };
             for (worker, place) in &present {
-                self.restrict_around(&effects, conditions, (*worker, place), ours);
+                self.restrict_around(&effects, (set, conditions), (*worker, place), ours);
             }
             for (worker, place) in &others {
                 effects.presence(conditions, *worker, place, Span::ZERO);
@@ -146,11 +146,11 @@ impl HumanState {
         self.conditions = all;
     }
 
-    /// Notes what one person means for robots of one kind.
+    /// Notes what one person means for robots of one set of regions.
     fn restrict_around(
         &self,
         effects: &Effects<'_>,
-        conditions: &mut Conditions,
+        (set, conditions): (usize, &mut Conditions),
         (worker, place): (WorkerId, &Whereabouts),
         ours: bool,
     ) {
@@ -160,8 +160,13 @@ impl HumanState {
         } else if ours || place.presence == Presence::Lost {
             let stood = person.stands_since.filter(|_| ours).map_or(Span::ZERO, |t| now - t);
             effects.presence(conditions, worker, place, stood);
-            let band = Band::around(place.velocity.norm());
-            effects.forecast(conditions, worker, &person.ways, band);
+            match person.occupied.nodes.get(set) {
+                Some(nodes) => effects.occupied(conditions, worker, nodes),
+                None => {
+                    let band = Band::around(place.velocity.norm());
+                    effects.forecast(conditions, worker, &person.ways, band);
+                }
+            }
             if !self.coverage.is_trusted() {
                 effects.reachable(conditions, worker, place.at);
             }

@@ -4,16 +4,26 @@
 //! Main type: [`Expected`], for readers. Refuses: to let a robot drive because a forecast says that nobody will be
 //! there: forecasts only make robots brake.
 
-use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::state::HumanState;
+use crate::aware::{HumanAwarePolicy, NodeWindows, Regions, Stay, occupancies};
+use crate::fleet::people::state::{HumanState, Occupied};
 use crate::fleet::state::floor::Floor;
 use crate::human::motion::{Fix, Motion};
-use crate::human::{Forecast, Mixture, Model, Presence, Quality, Sighting, SightingOutcome, WATCHED_S};
+use crate::human::{
+    Band, Forecast, Hypothesis, Mixture, Model, Presence, Quality, Sighting, SightingOutcome, WATCHED_S,
+    Whereabouts,
+};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
 
 /// How far ahead readers are told, seconds.
 pub const AHEAD_S: [f64; 3] = [1.0, 2.0, 4.0];
+
+/// Which nodes a worker will take is worked out again after so long …
+const LOOK_AGAIN: Span = Span::from_millis(400);
+/// … and this much or twice as much later for two thirds of the workers, so that not all are due in one step.
+const LATER: Span = Span::from_millis(100);
+/// Nodes farther away are out of reach within the time that is looked ahead, metres.
+const FORESEEN_M: f64 = 35.0;
 
 /// So many bell curves for each moment are enough to be looked at.
 const CURVES: usize = 4;
@@ -70,6 +80,9 @@ impl HumanState {
         }
         for (worker, place) in self.present(now) {
             self.people[worker].ways = self.hypotheses(worker, &place);
+            if floor.settings.node_windows == NodeWindows::Mixture {
+                self.update_occupied(floor, worker, &place, now);
+            }
             if place.presence == Presence::Tracked && self.coverage.wants(worker, now) {
                 let seen = self.people[worker].motion.as_ref().and_then(Motion::seen);
                 let Some(seen) = seen else { continue };
@@ -79,6 +92,33 @@ impl HumanState {
                 }
             }
         }
+    }
+
+    /// Notes which nodes a worker will take: anew every now and then, and at once when the worker does something else.
+    fn update_occupied(&mut self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts, now: Time) {
+        let person = &self.people[worker];
+        let kept = LOOK_AGAIN + LATER * i64::from(worker.0 % 3);
+        let is_due = person.occupied.made.is_none_or(|(at, mode, version)| {
+            now - at >= kept || (mode, version) != (person.mode, person.version) || person.relocated
+        });
+        if !is_due {
+            return;
+        }
+        let band = Band::around(place.velocity.norm());
+        let stay = |h: &Hypothesis| {
+            let (at, window) = (*h.path.last()?, h.stays(band, now)?);
+            Some(Stay { at, window, probability: h.probability })
+        };
+        let stays: Vec<Stay> = person.ways.iter().filter_map(stay).collect();
+        let warehouse = floor.warehouse();
+        let on_foot = self.afoot.nodes_within(warehouse, place.at, FORESEEN_M);
+        let nodes = |regions: &Regions| {
+            let at = |t| self.forecast(floor, worker, t);
+            occupancies(warehouse, regions.beside_m(), &on_foot, &stays, now, at)
+        };
+        let nodes = floor.regions.all().iter().map(nodes).collect();
+        let made = Some((now, person.mode, person.version));
+        self.people[worker].occupied = Occupied { nodes, made };
     }
 
     /// What is to be expected of a worker; nothing before it was seen.

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`HumanState`], [`Person`], [`WalkMode`]. Refuses: to decide.
 
-use crate::aware::Afoot;
+use crate::aware::{Afoot, Occupancy};
 use crate::fleet::people::barred::Barred;
 use crate::fleet::people::intents::Intents;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
@@ -63,6 +63,15 @@ pub(in crate::fleet) struct Plan {
     pub is_shown: bool,
 }
 
+/// Which nodes a worker will take.
+#[derive(Clone, Debug, Default)]
+pub(in crate::fleet) struct Occupied {
+    /// For each set of regions, in the order of [`KindRegions::all`].
+    pub nodes: Vec<Vec<Occupancy>>,
+    /// When that was worked out, and what for.
+    pub made: Option<(Time, WalkMode, u64)>,
+}
+
 /// One worker.
 #[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct Person {
@@ -71,6 +80,8 @@ pub(in crate::fleet) struct Person {
     pub motion: Option<Motion>,
     /// Where the worker may be going, in this step.
     pub ways: Vec<Hypothesis>,
+    /// Which nodes the worker will take by the calibrated forecast, where that is what counts.
+    pub occupied: Occupied,
     /// Whether something was seen of the worker in this step.
     pub fresh: bool,
     /// Whether the worker was put somewhere else without a walk.

@@ -37,6 +37,11 @@ impl KindRegions {
         all
     }
 
+    /// All that differ, in the order of [`KindConditions::with_regions`].
+    pub fn all(&self) -> &[Regions] {
+        &self.sets
+    }
+
     /// Those of a kind.
     pub fn of(&self, body: BodyId) -> &Regions {
         &self.sets[self.of[body]]

@@ -4,7 +4,7 @@
 
 use super::kind::{RobotKind, most_dangerous};
 use super::ledger::Ledger;
-use crate::aware::HumanAwarePolicy;
+use crate::aware::{HumanAwarePolicy, NodeWindows};
 use crate::human::{Method, Model};
 use crate::time::Span;
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub struct Settings {
     pub policy: HumanAwarePolicy,
     /// How our own policy recognises intentions; [`Method::Chapter3Tiles`] on floors that fit it only.
     pub method: Method,
+    /// How our own policy finds out when a worker takes a node.
+    pub node_windows: NodeWindows,
     /// What a second of a worker is worth, in seconds of a robot: a robot that waits for a worker goes first where that
     /// costs less ([`HumanAwarePolicy::Giveway`] only).
     pub worker_price: f64,
@@ -68,6 +70,7 @@ impl Default for Settings {
             corners_max: 100,
             policy: HumanAwarePolicy::default(),
             method: Method::Detour,
+            node_windows: NodeWindows::default(),
             worker_price: 3.0,
             model: Model::builtin(),
             without_conflicts: false,

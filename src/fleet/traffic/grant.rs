@@ -222,7 +222,7 @@ impl Floor<'_> {
     }
 
     /// How far the robot can drive already, metres.
-    fn granted_ahead_m(&self, robot: RobotId) -> f64 {
+    pub(in crate::fleet) fn granted_ahead_m(&self, robot: RobotId) -> f64 {
         let chain = self.ledger.chain(robot);
         let whole: f64 = (chain.first() + 1..chain.granted()).map(|s| self.step_m(robot, s)).sum();
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;

@@ -4,6 +4,7 @@
 //! Main type: [`state::Yielding`]; main functions: `limit_robots`, `give_way`, `revoke_grants`. Refuses: to be a safety
 //! function.
 
+mod arrive;
 pub(in crate::fleet) mod encounters;
 pub(in crate::fleet) mod evade;
 pub(in crate::fleet) mod halfway;

@@ -195,7 +195,10 @@ impl SpeedLimits<'_> {
                 slowest = (limit, Some(*worker));
             }
         }
-        slowest
+        match self.arrival_limit(robot, now) {
+            Some(limit) if slowest.0.is_none_or(|s| limit < s) => (Some(limit), None),
+            _ => slowest,
+        }
     }
 
     /// How fast a robot may be so that it does not come towards a person too fast: its speed along its way counts as

@@ -18,8 +18,8 @@ pub use faults::Faults;
 pub use habits::Habits;
 pub use kinds::KindShare;
 pub use workforce::{
-    Assignments, Causes, Deviations, MethodWord, Personas, Rates, SecondTag, Sensor, Source, TaskSharing,
-    Workers,
+    Assignments, Causes, Deviations, MethodWord, NodeWindowsWord, Personas, Rates, SecondTag, Sensor, Source,
+    TaskSharing, Workers,
 };
 
 use crate::aware::HumanAwarePolicy;
@@ -285,9 +285,19 @@ impl Scenario {
     /// The settings of the core for this scenario.
     pub fn settings(&self) -> crate::fleet::Settings {
         let Scenario { period, policy, .. } = *self;
-        let (method, worker_price) = (self.workers.method.into(), self.workers.price);
+        let (method, node_windows) = (self.workers.method.into(), self.workers.node_windows.into());
+        let worker_price = self.workers.price;
         let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
-        crate::fleet::Settings { kinds, period, policy, method, worker_price, model, ..Default::default() }
+        crate::fleet::Settings {
+            kinds,
+            period,
+            policy,
+            method,
+            node_windows,
+            worker_price,
+            model,
+            ..Default::default()
+        }
     }
 
     /// The kind of robot number `i`, from 0: the robots are of the kinds in turn.

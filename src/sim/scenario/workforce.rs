@@ -4,6 +4,7 @@
 //! that cannot be, and to simulate anybody.
 
 use super::check::{ScenarioError, check};
+use crate::aware::NodeWindows;
 use crate::fleet::Settings;
 use crate::human::Method;
 use serde::{Deserialize, Serialize};
@@ -40,6 +41,8 @@ pub struct Workers {
     pub encounter_m: f64,
     /// How the fleet recognises where they are going.
     pub method: MethodWord,
+    /// How the fleet finds out when they take a node.
+    pub node_windows: NodeWindowsWord,
     /// What a second of theirs is worth to the fleet, in seconds of a robot.
     pub price: f64,
 }
@@ -63,6 +66,26 @@ impl From<MethodWord> for Method {
             MethodWord::Detour => Method::Detour,
             MethodWord::Chapter3 => Method::Chapter3,
             MethodWord::Chapter3Tiles => Method::Chapter3Tiles,
+        }
+    }
+}
+
+/// [`NodeWindows`] as files name it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NodeWindowsWord {
+    /// From a fast walker's coming to a slow one's going.
+    #[default]
+    Speeds,
+    /// By the calibrated forecast.
+    Mixture,
+}
+
+impl From<NodeWindowsWord> for NodeWindows {
+    fn from(word: NodeWindowsWord) -> NodeWindows {
+        match word {
+            NodeWindowsWord::Speeds => NodeWindows::Speeds,
+            NodeWindowsWord::Mixture => NodeWindows::Mixture,
         }
     }
 }
@@ -335,6 +358,7 @@ impl Default for Workers {
             pairs: 0.0,
             encounter_m: 1.5,
             method: MethodWord::default(),
+            node_windows: NodeWindowsWord::default(),
             price: Settings::default().worker_price,
         }
     }

@@ -137,3 +137,13 @@ fn workers_wait_a_moment_for_robots_and_the_more_they_are_worth_the_more_seldom(
     let (dear, _) = waits(1000.0);
     assert!(cheap > dear, "{cheap} times where workers cost nothing, {dear} times where they cost a lot");
 }
+
+#[test]
+fn node_windows_by_the_calibrated_forecast_keep_the_laws_and_plan_otherwise() {
+    let with = |word: &str| {
+        let said = format!(r#", "count": 2, "deviations": {{"causes": "all"}}, "node_windows": "{word}""#);
+        run(&hall(240, 8, &said)).0
+    };
+    let (speeds, mixture) = (with("speeds"), with("mixture"));
+    assert!(mixture.counts.robot_deliveries > 0 && speeds.trace_hash != mixture.trace_hash);
+}

@@ -1,0 +1,49 @@
+//! Robots that would only stand at the end of what they were granted, until a worker has gone: they drive more slowly, to
+//! arrive when the way is free.
+//!
+//! A slow robot brakes gently, and its separation distance is shorter, so it stops for fewer people. Main function:
+//! `arrival_limit`. Refuses: to make anybody later, the robot itself or one that waits for what it leaves.
+
+use crate::aware::{HumanAwarePolicy, SLOW_MPS, leaves_after, quantised};
+use crate::fleet::traffic::state::Withheld;
+use crate::fleet::yielding::speed_limit::SpeedLimits;
+use crate::human::Presence;
+use crate::id::RobotId;
+use crate::route::Cause;
+use crate::time::Time;
+
+/// Robots arrive this much before the way is expected to be free, since people are sometimes faster, seconds.
+const BEFORE_S: f64 = 1.0;
+/// A robot this near to the end of what it was granted drives there as it does, metres.
+const NEAR_M: f64 = 0.5;
+
+impl SpeedLimits<'_> {
+    /// How fast a robot should drive at most so that it arrives at the end of what it was granted just before the
+    /// worker who keeps it there is expected to have left; metres per second, in steps of 0.25, and never below the
+    /// speed of robots near people. Nothing for a robot that is kept by nobody, whose worker stays or is not seen, for
+    /// which another robot waits, or which has no more time than it needs.
+    pub(in crate::fleet) fn arrival_limit(&self, robot: RobotId, now: Time) -> Option<f64> {
+        if self.floor.settings.policy != HumanAwarePolicy::Giveway || self.direction.is_some() {
+            return None;
+        }
+        let Some(Withheld::Condition(Cause::Worker(worker), _)) = self.traffic.withheld(robot) else {
+            return None;
+        };
+        let way_m = self.floor.granted_ahead_m(robot);
+        let place = self.people.whereabouts(worker, now).filter(|w| w.presence == Presence::Tracked)?;
+        if way_m < NEAR_M || self.traffic.keeps_a_robot_waiting(robot) {
+            return None;
+        }
+        let chain = self.floor.ledger.chain(robot);
+        let next = self.floor.warehouse().nodes[chain.get(chain.granted())?.node].at;
+        let loaded = self.floor.ledger.rack_on(robot).is_some();
+        let walk = self.walk_of(worker, &place, (robot, self.floor.place_of(robot)), now);
+        let radius_m = self.floor.regions(robot).keep_out_radius_m(loaded, place.sigma_m);
+        let free_s = leaves_after(&walk, next, radius_m)? - BEFORE_S;
+        if free_s <= 0.0 {
+            return None;
+        }
+        let limit = quantised(way_m / free_s).max(SLOW_MPS);
+        (limit < self.floor.kinematics(robot).top_mps(loaded)).then_some(limit)
+    }
+}
