@@ -119,6 +119,7 @@ await check('When the rack is there, the first slot and its tote are lit, and th
   assert(marks.join() === 'lit,next,lit', `the marks are ${marks.join()}`);
   assert((await slot('C3').innerHTML()).includes('>1<'), 'the slot does not say how many');
   await page.getByText('M6 bolts').first().waitFor();
+  await page.screenshot({ path: `${SHOTS}station.png` });
   return (await page.locator('.big').innerText()).replaceAll(/\s+/g, ' ');
 });
 await check('The face is to scale', async () => {

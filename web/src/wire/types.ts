@@ -342,6 +342,18 @@ export const JOB_STATES = [
 ] as const;
 export type JobState = (typeof JOB_STATES)[number];
 
+/** A line of a delivery: so many pieces from a slot of the rack into a tote. */
+export interface OrderLine {
+  n: number;
+  slot: string;
+  quantity: number;
+  tote: string;
+  item: string | null;
+  state: 'open' | 'lit' | 'done' | 'short' | 'undone';
+  /** Pieces in the tote. */
+  done: number;
+}
+
 export interface Job {
   id: string;
   /** What the customer calls it. */
@@ -350,7 +362,9 @@ export interface Job {
   rack: string | null;
   station: string | null;
   /** The stations of a delivery to several of them, in their order; empty for one. */
-  stops?: { station: string; served: string | null }[];
+  stops?: { station: string; served: string | null; lines?: OrderLine[] }[];
+  /** What is picked at its station; of several, `stops` have it. */
+  lines?: OrderLine[];
   node: string | null;
   robot: string | null;
   /** The robot that an operator has chosen for it, until a robot has it. */
