@@ -59,6 +59,7 @@ impl Shares {
 mod tests {
     use super::*;
     use crate::aware::HumanAwarePolicy;
+    use crate::experiment::robot_time::TimeUse;
     use crate::warehouse::thesis;
 
     #[test]
@@ -78,6 +79,14 @@ mod tests {
         let expected = both[0].deliveries_beside_workers / robots[0].deliveries_beside_workers;
         assert_eq!(shares.robot_share.mean, Some(expected));
         assert_eq!(shares.human_share.mean, Some(both[0].human_deliveries / people[0].human_deliveries));
+        for (rows, beside) in [(&both, true), (&robots, false)] {
+            let time = &rows[0].robot_time;
+            let share = |of| time.share(of).expect("there are robots");
+            assert!((TimeUse::ALL.map(share).iter().sum::<f64>() - 1.0).abs() < 1e-9);
+            assert_eq!(share(TimeUse::GivesWay) > 0.0, beside, "{time:?}");
+            assert!(share(TimeUse::Drives) > 0.2 && time.mean_mps().is_some_and(|v| (0.3..1.5).contains(&v)));
+        }
+        assert_eq!(people[0].robot_time.share(TimeUse::Drives), None, "there are no robots");
         assert_eq!(
             Shares::of(&both, &people, &robots).robot_share.mean,
             None,

@@ -40,6 +40,7 @@ mod stops;
 mod stuck;
 mod turns;
 mod why;
+mod workplace;
 
 use super::*;
 use crate::aware::HumanAwarePolicy;

@@ -130,7 +130,7 @@ impl HumanState {
     /// Works out what people mean for the search and for grants, for each kind of robots.
     pub(super) fn restrict(&mut self, floor: Floor<'_>, now: Time) {
         let ours = floor.settings.policy == HumanAwarePolicy::Giveway;
-        let present = self.present(now);
+        let present = self.among_robots(now);
         let others = if ours { self.others(now) } else { Vec::new() };
         let mut all = std::mem::take(&mut self.conditions);
         all.all_mut().for_each(Conditions::clear);

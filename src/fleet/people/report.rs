@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 /// People, as the rest of the step sees them.
 #[derive(Debug)]
 pub(in crate::fleet) struct PeopleReport<'a> {
-    /// Where each worker is, if on the floor.
+    /// Where each worker is, if on the floor and among robots.
     pub places: IdVec<WorkerId, Option<Whereabouts>>,
     /// Where else they may be.
     pub others: Vec<(WorkerId, Whereabouts)>,
@@ -41,7 +41,8 @@ impl HumanState {
         self.follow(core, yielding, now);
         self.restrict(core.floor(), now);
         let guidance = self.guide(core.floor(), now);
-        let places = self.people.iter().map(|p| p.track.whereabouts(now)).collect();
+        let among = |place: &Whereabouts| !self.is_at_workplace(place);
+        let places = self.people.iter().map(|p| p.track.whereabouts(now).filter(among)).collect();
         PeopleReport {
             places,
             others: self.others(now),

@@ -7,9 +7,9 @@ use crate::fleet::people::barred::Barred;
 use crate::fleet::people::intents::Intents;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::fleet::state::worker::{Guidance, GuidanceReason};
-use crate::geometry::Point;
+use crate::geometry::{Point, inside};
 use crate::human::motion::Motion;
-use crate::human::{Coverage, Follower, Hypothesis, Method, Track, Whereabouts};
+use crate::human::{Coverage, Follower, Hypothesis, Method, Presence, Track, Whereabouts};
 use crate::id::{AssignmentId, IdVec, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -176,6 +176,8 @@ pub(in crate::fleet) struct HumanState {
     pub barred: Barred,
     /// Robots for which people have stood aside lately, with when they were asked last.
     pub passed: BTreeMap<RobotId, Time>,
+    /// Outlines of the workplaces of stations, which guards keep apart from robots.
+    workplaces: Arc<[Vec<Point>]>,
     /// What people mean for robots of each kind, in this step.
     pub(super) conditions: KindConditions,
 }
@@ -184,7 +186,9 @@ impl HumanState {
     /// Nothing is known of any worker.
     pub fn new(warehouse: &Warehouse, regions: &KindRegions, method: Method) -> HumanState {
         let walkways = Arc::new(Walkways::of(warehouse));
+        let cells = warehouse.stations.iter().filter_map(|s| s.cell.as_ref());
         HumanState {
+            workplaces: cells.map(|cell| cell.workplace.clone()).collect(),
             intents: Intents::new(warehouse, walkways.clone(), method),
             afoot: Afoot::new(warehouse, walkways.clone()),
             walkways,
@@ -215,9 +219,22 @@ impl HumanState {
         people.flat_map(|(w, p)| p.track.others(now).into_iter().map(move |place| (w, place))).collect()
     }
 
-    /// All places where workers may be: robots are slow near each of them.
+    /// All places where workers may be among robots: robots are slow near each of them.
     pub fn places(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
-        self.present(now).into_iter().chain(self.others(now)).collect()
+        self.among_robots(now).into_iter().chain(self.others(now)).collect()
+    }
+
+    /// Every worker on the floor who is not seen in the workplace of a station: there a guard is between people and
+    /// robots, so people mean nothing for robots until they step out of it or are no longer seen.
+    pub fn among_robots(&self, now: Time) -> Vec<(WorkerId, Whereabouts)> {
+        let mut present = self.present(now);
+        present.retain(|(_, place)| !self.is_at_workplace(place));
+        present
+    }
+
+    /// Whether a worker is seen in the workplace of a station.
+    pub fn is_at_workplace(&self, place: &Whereabouts) -> bool {
+        place.presence == Presence::Tracked && self.workplaces.iter().any(|w| inside(w, place.at))
     }
 
     /// Every worker on the floor, where the worker most probably is.

@@ -57,7 +57,7 @@ impl Fleet {
     ) -> BTreeMap<NodeId, Vec<RegionStay>> {
         let mut found = Stays::new();
         self.robots_regions(area, window, &mut found);
-        for (worker, place) in self.people.present(now) {
+        for (worker, place) in self.people.among_robots(now) {
             self.workers_regions((Holder::Worker(worker), &place), now, window, &mut found);
         }
         let mut by_node: BTreeMap<NodeId, Vec<RegionStay>> = BTreeMap::new();

@@ -39,7 +39,7 @@ impl Yielding {
     /// Encounters, as far as they are seen.
     pub(in crate::fleet) fn meet(&mut self, core: &mut Core, people: &HumanState, now: Time) {
         let mut near = Vec::new();
-        for (worker, w) in people.present(now) {
+        for (worker, w) in people.among_robots(now) {
             for robot in core.ledger.present() {
                 let Some(seen) = core.scene.robot(robot) else { continue };
                 let distance_m = (seen.pose.at - w.at).norm();
