@@ -3,7 +3,7 @@
 //! Main types: [`RequestRecord`], [`StateRecord`], [`TaskRecord`]. Refuses: to know of steps.
 
 use super::line_record::{LineChangeRecord, OrderRecord};
-use crate::cell::{LineChange, OrderLine};
+use crate::cell::OrderLine;
 use crate::fleet::{Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
