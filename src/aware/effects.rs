@@ -34,11 +34,12 @@ const STOOD: Span = Span::from_secs(120);
 /// Room between region 1 and a robot that passes a person who stands to let it, metres.
 const ASIDE_M: f64 = 0.3;
 
-/// How the fleet finds out when a worker takes a node. The first delivers more, and people wait less, in the halls that were
-/// measured (docs/experiments.md).
+/// How the fleet finds out when a worker takes a node. The first delivers more, and people wait less, in the halls that
+/// were measured (docs/experiments.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum NodeWindows {
-    /// From when a fast walker comes until a slow one has gone, for each way; a worker who keeps to the path keeps to it.
+    /// From when a fast walker comes until a slow one has gone, for each way; a worker who keeps to the path keeps to
+    /// it.
     #[default]
     Speeds,
     /// By the calibrated forecast by which robots brake, node by node.

@@ -1,8 +1,8 @@
 //! Whether a robot would still move when a person comes near.
 //!
 //! Main types: [`Drive`] (a robot on what it was granted), [`Walk`] (a person on the way that is expected), main
-//! functions: [`moves_within`], [`leaves_after`]. A robot that stands when a person comes is no trouble; one that is overtaken, or
-//! has not yet stopped, meets them. Refuses: to take caution away; the caller may use it only to brake.
+//! functions: [`moves_within`], [`leaves_after`]. A robot that stands when a person comes is no trouble; one that is
+//! overtaken, or has not yet stopped, meets them. Refuses: to take caution away; the caller may use it only to brake.
 
 use crate::geometry::{Point, turn_between};
 

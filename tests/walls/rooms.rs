@@ -31,7 +31,17 @@ const DOORS: [(&str, &str, &[&str]); 2] = [
     (
         "yielding",
         "people",
-        &["HumanState", "Led", "STROLL_MPS", "WalkMode", "drives_up", "forecast", "goal_of", "rest_of_path"],
+        &[
+            "HumanState",
+            "Led",
+            "STROLL_MPS",
+            "WalkMode",
+            "among_robots",
+            "drives_up",
+            "forecast",
+            "goal_of",
+            "rest_of_path",
+        ],
     ),
     (
         "yielding",
@@ -55,6 +65,7 @@ const DOORS: [(&str, &str, &[&str]); 2] = [
             "insert",
             "is_revoked",
             "is_spent",
+            "kept_by_a_worker",
             "last_reached",
             "plan_again",
             "reroute",

@@ -5,7 +5,7 @@
 //! there: forecasts only make robots brake.
 
 use crate::aware::{HumanAwarePolicy, NodeWindows, Regions, Stay, occupancies};
-use crate::fleet::people::state::{HumanState, Occupied};
+use crate::fleet::people::state::{HumanState, NodesTaken};
 use crate::fleet::state::floor::Floor;
 use crate::human::motion::{Fix, Motion};
 use crate::human::{
@@ -118,7 +118,7 @@ impl HumanState {
         };
         let nodes = floor.regions.all().iter().map(nodes).collect();
         let made = Some((now, person.mode, person.version));
-        self.people[worker].occupied = Occupied { nodes, made };
+        self.people[worker].occupied = NodesTaken { nodes, made };
     }
 
     /// What is to be expected of a worker; nothing before it was seen.

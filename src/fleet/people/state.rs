@@ -65,7 +65,7 @@ pub(in crate::fleet) struct Plan {
 
 /// Which nodes a worker will take.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Occupied {
+pub(in crate::fleet) struct NodesTaken {
     /// For each set of regions, in the order of [`KindRegions::all`].
     pub nodes: Vec<Vec<Occupancy>>,
     /// When that was worked out, and what for.
@@ -81,7 +81,7 @@ pub(in crate::fleet) struct Person {
     /// Where the worker may be going, in this step.
     pub ways: Vec<Hypothesis>,
     /// Which nodes the worker will take by the calibrated forecast, where that is what counts.
-    pub occupied: Occupied,
+    pub occupied: NodesTaken,
     /// Whether something was seen of the worker in this step.
     pub fresh: bool,
     /// Whether the worker was put somewhere else without a walk.

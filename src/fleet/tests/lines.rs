@@ -171,3 +171,36 @@ fn a_job_whose_lines_cannot_be_picked_is_not_taken_and_each_reason_is_named() {
     let why = Refusal::CannotPick(0, 0, LineProblem::NoCell);
     assert_eq!(plain.ask(picked(&[&[good]])), Reply::Refused { token: 7, why });
 }
+
+#[test]
+fn the_planned_end_of_a_visit_follows_its_lines_in_few_changes_and_robots_behind_with_it() {
+    let (mut floor, first) = TestFloor::at_cell(picked(&[&[line("C3", 1, "B"), line("A1", 1, "A")]]));
+    let kind = JobKind::Deliver { rack: RackId(5), station: StationId(0), pick: None };
+    floor.submit(request(kind));
+    let robot = floor.state(first).and_then(|s| s.robot()).expect("it is picked from");
+    let end = |f: &TestFloor| {
+        let chain = f.fleet.ledger().chain(robot);
+        chain.get(chain.first()).expect("it stands there").depart - f.now
+    };
+    let near = |span: Span, seconds: f64| (span.as_secs_f64() - seconds).abs() < 0.3 * seconds;
+    floor.run(60);
+    assert!(near(end(&floor), 840.0), "what the customer said: {:?}", end(&floor));
+    let retimed = |f: &TestFloor| {
+        let of_it = |m: &Moved| m.robot == robot;
+        let facts = f.facts.iter();
+        facts.filter(|f| matches!(f, Fact::Retimed { moved } if moved.iter().any(of_it))).count()
+    };
+    let before = retimed(&floor);
+    let next = floor.fleet.view(floor.now).stations[0].next.expect("another rack is on its way").1;
+    floor.line_said(0, LineChange::Done(1)).unwrap();
+    floor.run(2);
+    assert!(near(end(&floor), 450.0), "half of the lines are left: {:?}", end(&floor));
+    let sooner = floor.fleet.view(floor.now).stations[0].next.expect("it still comes").1;
+    assert!(sooner <= next, "{sooner:?} and {next:?}");
+    floor.line_said(0, LineChange::Undo).unwrap();
+    floor.run(2);
+    assert!(near(end(&floor), 900.0), "all of it again: {:?}", end(&floor));
+    floor.run(120);
+    let changes = retimed(&floor) - before;
+    assert!((2..=8).contains(&changes), "{changes} changes in two minutes");
+}

@@ -11,7 +11,7 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Waypoint};
 use crate::fleet::state::yielding::YieldingState;
 use crate::fleet::traffic::state::{Direction, Traffic, Withheld};
-use crate::id::RobotId;
+use crate::id::{RobotId, WorkerId};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
 use crate::timeline::{Holder, Visit};
@@ -135,6 +135,22 @@ fn send(core: &mut Core, robot: RobotId, goes_back: bool, now: Time) {
     core.scene.robot_mut(robot).told = Some(now);
 }
 
+impl Traffic {
+    /// The worker who alone keeps a robot from being granted more, and how far it can drive already, metres. Nothing if
+    /// it is another reason, or if another robot waits for what this one leaves. Linear in robots.
+    pub(in crate::fleet) fn kept_by_a_worker(
+        &self,
+        floor: Floor<'_>,
+        robot: RobotId,
+    ) -> Option<(WorkerId, f64)> {
+        let Some(Withheld::Condition(Cause::Worker(worker), _)) = self.withheld(robot) else { return None };
+        let turn_after =
+            |w: &Option<Withheld>| matches!(w, Some(Withheld::Turn(_, Holder::Robot(r))) if *r == robot);
+        let is_waited_for = self.withheld.iter().any(turn_after);
+        (!is_waited_for).then(|| (worker, floor.granted_ahead_m(robot)))
+    }
+}
+
 impl Floor<'_> {
     /// Why a visit cannot be granted now, if it cannot. Where a robot waits for its turn and for a person, and is due,
     /// the person is named.
@@ -222,7 +238,7 @@ impl Floor<'_> {
     }
 
     /// How far the robot can drive already, metres.
-    pub(in crate::fleet) fn granted_ahead_m(&self, robot: RobotId) -> f64 {
+    fn granted_ahead_m(&self, robot: RobotId) -> f64 {
         let chain = self.ledger.chain(robot);
         let whole: f64 = (chain.first() + 1..chain.granted()).map(|s| self.step_m(robot, s)).sum();
         let here = self.warehouse().nodes[self.ledger.node_of(robot)].at;

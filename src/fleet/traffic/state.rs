@@ -152,13 +152,6 @@ impl Traffic {
         self.withheld.get(robot).copied().flatten()
     }
 
-    /// Whether another robot was granted no more because this one comes first. Linear in robots.
-    pub fn keeps_a_robot_waiting(&self, robot: RobotId) -> bool {
-        self.withheld
-            .iter()
-            .any(|w| matches!(w, Some(Withheld::Turn(_, Holder::Robot(first))) if *first == robot))
-    }
-
     /// Whether a robot's grant was revoked and it has not left yet.
     pub fn is_revoked(&self, robot: RobotId) -> bool {
         self.revoked.contains_key(&robot)

@@ -1,15 +1,13 @@
-//! Robots that would only stand at the end of what they were granted, until a worker has gone: they drive more slowly, to
-//! arrive when the way is free.
+//! Robots that would only stand at the end of what they were granted, until a worker has gone: they drive more slowly,
+//! to arrive when the way is free.
 //!
 //! A slow robot brakes gently, and its separation distance is shorter, so it stops for fewer people. Main function:
 //! `arrival_limit`. Refuses: to make anybody later, the robot itself or one that waits for what it leaves.
 
 use crate::aware::{HumanAwarePolicy, SLOW_MPS, leaves_after, quantised};
-use crate::fleet::traffic::state::Withheld;
 use crate::fleet::yielding::speed_limit::SpeedLimits;
 use crate::human::Presence;
 use crate::id::RobotId;
-use crate::route::Cause;
 use crate::time::Time;
 
 /// Robots arrive this much before the way is expected to be free, since people are sometimes faster, seconds.
@@ -26,12 +24,9 @@ impl SpeedLimits<'_> {
         if self.floor.settings.policy != HumanAwarePolicy::Giveway || self.direction.is_some() {
             return None;
         }
-        let Some(Withheld::Condition(Cause::Worker(worker), _)) = self.traffic.withheld(robot) else {
-            return None;
-        };
-        let way_m = self.floor.granted_ahead_m(robot);
+        let (worker, way_m) = self.traffic.kept_by_a_worker(self.floor, robot)?;
         let place = self.people.whereabouts(worker, now).filter(|w| w.presence == Presence::Tracked)?;
-        if way_m < NEAR_M || self.traffic.keeps_a_robot_waiting(robot) {
+        if way_m < NEAR_M {
             return None;
         }
         let chain = self.floor.ledger.chain(robot);
