@@ -346,3 +346,36 @@ impl From<TaskRecord> for Task {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::record;
+    use super::*;
+    use crate::cell::{LineChange, PickedBy};
+
+    #[test]
+    fn facts_of_jobs_and_order_lines_come_back_from_their_records() {
+        let (job, robot, at) = (JobId(7), RobotId(2), Time(5));
+        let task = Task::Deliver { job, rack: RackId(3), station: NodeId(4), store: NodeId(9) };
+        let line = |slot: &str| OrderLine {
+            slot: slot.parse().unwrap(),
+            quantity: 2,
+            tote: "B".into(),
+            item: Some("screw \"ü\"".into()),
+            by: PickedBy::Arm,
+        };
+        let kind = JobKind::Deliver { rack: RackId(3), station: StationId(1), pick: None };
+        let then = vec![Visiting { station: StationId(0), pick: Some(Span(4)) }];
+        let lines = vec![vec![line("C3"), line("A1")], Vec::new()];
+        let request = JobRequest { then, lines, ..JobRequest::new(kind) };
+        let changes = [LineChange::Done(2), LineChange::Short, LineChange::Undo];
+        let mut facts = vec![
+            Fact::Accepted { job, request, at },
+            Fact::Served { job, tasked: (robot, task), at },
+            Fact::Chosen { job, choice: RobotChoice::Only(robot, Time(9)), at },
+        ];
+        facts.extend(changes.map(|change| Fact::LineChanged { job, line: 1, change, at }));
+        let text = record::encode(&facts);
+        assert_eq!(record::decode(record::VERSION, &text).unwrap(), facts, "{text}");
+    }
+}
