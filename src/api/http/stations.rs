@@ -1,7 +1,7 @@
 //! `/v1/stations/{id}` and below: what is picked there; the person at a station says how far that is, and whether
 //! anybody picks at all.
 //!
-//! Main functions: [`one`], [`line`], [`release`], [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick
+//! Main functions: [`one`], [`line()`], [`release`], [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick
 //! that has not begun, and to count a piece twice.
 
 use crate::api::Api;
