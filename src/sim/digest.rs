@@ -41,3 +41,52 @@ impl Hasher for Fnv {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::{JobKind, JobRequest, Visiting};
+    use crate::id::{JobId, NodeId, RackId, RobotId};
+    use crate::time::Time;
+    use std::collections::BTreeMap;
+
+    fn digest(of: &impl Hash) -> u64 {
+        let mut fnv = Fnv::default();
+        of.hash(&mut fnv);
+        fnv.finish()
+    }
+
+    #[test]
+    fn kinds_of_facts_that_came_later_leave_the_digests_of_older_ones_as_they_were() {
+        let fact = Fact::RackTaken { robot: RobotId(2), rack: RackId(3), node: NodeId(4), at: Time(5) };
+        let mut all = Digest::default();
+        all.add(&[fact]);
+        // Its number among the kinds of facts, as eight bytes, then what it holds.
+        assert_eq!(all.value(), 0xf37f_c843_8d0d_2408);
+    }
+
+    /// A job as it was before there were order lines.
+    #[derive(Hash)]
+    struct OlderRequest {
+        kind: JobKind,
+        then: Vec<Visiting>,
+        priority: u8,
+        deadline: Option<Time>,
+        after: Vec<JobId>,
+        key: Option<String>,
+        reference: Option<String>,
+        labels: BTreeMap<String, String>,
+    }
+
+    #[test]
+    fn a_job_without_order_lines_has_the_digest_that_it_had_before_there_were_any() {
+        let kind = JobKind::Return { rack: RackId(3) };
+        let (key, after) = (Some("k".to_owned()), vec![JobId(4)]);
+        let request = JobRequest { key, after, deadline: Some(Time(9)), ..JobRequest::new(kind) };
+        let JobRequest { then, priority, deadline, after, key, reference, labels, .. } = request.clone();
+        let older = OlderRequest { kind, then, priority, deadline, after, key, reference, labels };
+        assert_eq!(digest(&request), digest(&older));
+        let with_lines = JobRequest { lines: vec![Vec::new()], ..request.clone() };
+        assert_ne!(digest(&with_lines), digest(&request));
+    }
+}

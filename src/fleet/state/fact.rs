@@ -68,17 +68,6 @@ pub enum Fact {
         /// When.
         at: Time,
     },
-    /// A line of the visit at which the job's rack stands has changed.
-    LineChanged {
-        /// The job.
-        job: JobId,
-        /// Which line of this visit, counted from 0.
-        line: usize,
-        /// What is said about it.
-        change: LineChange,
-        /// When.
-        at: Time,
-    },
     /// A robot has something else to do, on which no job's state depends.
     Tasked {
         /// Which.
@@ -400,6 +389,18 @@ pub enum Fact {
         rack: RackId,
         /// Where it stands now.
         node: NodeId,
+        /// When.
+        at: Time,
+    },
+    /// A line of the visit at which the job's rack stands has changed. It stays behind the others, as all that come later
+    /// do: digests of recordings count them.
+    LineChanged {
+        /// The job.
+        job: JobId,
+        /// Which line of this visit, counted from 0.
+        line: usize,
+        /// What is said about it.
+        change: LineChange,
         /// When.
         at: Time,
     },
