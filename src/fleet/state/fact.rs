@@ -392,8 +392,8 @@ pub enum Fact {
         /// When.
         at: Time,
     },
-    /// A line of the visit at which the job's rack stands has changed. It stays behind the others, as all that come later
-    /// do: digests of recordings count them.
+    /// A line of the visit at which the job's rack stands has changed. It stays behind the others, as all that come
+    /// later do: digests of recordings count them.
     LineChanged {
         /// The job.
         job: JobId,
