@@ -110,9 +110,7 @@ impl Move<'_> {
                     if job.state != JobState::Waiting {
                         waiting.push(*id);
                     }
-                    let served = job.served.iter().filter_map(|(v, at)| Some((self.visiting(*v).ok()?, *at)));
-                    let served = served.collect();
-                    open.insert(*id, Job { request, state: JobState::Waiting, served, ..job.clone() });
+                    open.insert(*id, self.job(job, request));
                 }
                 Err(missing) => {
                     let what = format!("job {id:?} ({}) asks for {missing}", job.request.kind.word());
@@ -124,6 +122,22 @@ impl Move<'_> {
             }
         }
         (open, waiting, failed)
+    }
+
+    /// A job that waits again. Stations that were served and are gone are forgotten, with their lines.
+    fn job(&self, job: &Job, mut request: JobRequest) -> Job {
+        let (mut served, mut lines) = (Vec::new(), job.lines.clone());
+        for (visit, at) in &job.served {
+            match self.visiting(*visit) {
+                Ok(visit) => served.push((visit, *at)),
+                Err(_) if lines.is_empty() => {}
+                Err(_) => {
+                    lines.remove(served.len());
+                    request.lines.remove(served.len());
+                }
+            }
+        }
+        Job { request, state: JobState::Waiting, served, lines, ..job.clone() }
     }
 
     /// A job as it was submitted, by the new map's ids; or what the new map does not have.

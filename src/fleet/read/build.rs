@@ -225,9 +225,11 @@ impl Fleet {
         let ledger = &self.core.ledger;
         let comes = |robot: RobotId| {
             let record = &ledger.robots[robot];
-            let is_for_it = matches!(record.task, Task::Deliver { station: s, .. } if s == station);
+            if !matches!(record.task, Task::Deliver { station: s, .. } if s == station) {
+                return None;
+            }
             let stop = record.stops.iter().find(|s| matches!(s.act, Act::Pick(_)))?;
-            let visit = ledger.chain(robot).get(stop.serial).filter(|v| is_for_it && v.node == station)?;
+            let visit = ledger.chain(robot).get(stop.serial).filter(|v| v.node == station)?;
             Some((robot, visit.arrive))
         };
         let others = ledger.present().filter(|r| Some(*r) != picked);

@@ -22,6 +22,23 @@ struct VisitClock {
     last: Time,
     /// Whether the program has seen the line from its beginning.
     whole: bool,
+    /// The line that was done last, which nothing has been learned from yet.
+    done: Option<DoneLine>,
+}
+
+/// A line that is done, and how long it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct DoneLine {
+    station: StationId,
+    pieces: u32,
+    seconds: f64,
+    at: Time,
+}
+
+impl VisitClock {
+    fn of(since: Option<Time>, now: Time) -> VisitClock {
+        VisitClock { since, lit: now, last: now, whole: since.is_some(), done: None }
+    }
 }
 
 /// What is kept in mind about visits.
@@ -44,9 +61,12 @@ impl Visits {
     pub fn note(&mut self, ledger: &Ledger, fact: &Fact) {
         match fact {
             Fact::Progressed { job, state: JobState::Picking { .. }, at, .. } => {
-                self.clocks.insert(*job, VisitClock { since: Some(*at), lit: *at, last: *at, whole: true });
+                self.clocks.insert(*job, VisitClock::of(Some(*at), *at));
             }
-            Fact::Progressed { job, .. } | Fact::Served { job, .. } => _ = self.clocks.remove(job),
+            Fact::Progressed { job, .. } | Fact::Served { job, .. } => {
+                let done = self.clocks.remove(job).and_then(|clock| clock.done);
+                self.learn(done);
+            }
             Fact::LineChanged { job, line, change, at } => {
                 self.note_line(ledger, *job, (*line, *change), *at)
             }
@@ -54,7 +74,19 @@ impl Visits {
         }
     }
 
-    /// A line that was lit all the time teaches how long lines take, once it is done.
+    /// A visit that was on when the program started.
+    pub fn begin(&mut self, id: JobId, now: Time) {
+        self.clocks.entry(id).or_insert(VisitClock::of(None, now));
+    }
+
+    fn learn(&mut self, done: Option<DoneLine>) {
+        if let Some(DoneLine { station, pieces, seconds, .. }) = done {
+            self.pace.learn(station, pieces, seconds);
+        }
+    }
+
+    /// A line that was lit all the time teaches how long lines take, once it is done by itself: where several are
+    /// confirmed at once, nobody knows what each has taken.
     fn note_line(&mut self, ledger: &Ledger, id: JobId, (n, change): (usize, LineChange), at: Time) {
         let Some(job) = ledger.jobs.get(&id) else { return };
         let (Some((station, _)), Some(lines)) = (station_of(job), job.lines_now()) else { return };
@@ -62,16 +94,18 @@ impl Visits {
         if after.change(n, change) != Ok(LineOutcome::Changed) {
             return;
         }
-        let clock =
-            self.clocks.entry(id).or_insert(VisitClock { since: None, lit: at, last: at, whole: false });
+        let clock = self.clocks.entry(id).or_insert(VisitClock::of(None, at));
         let (before, now) = (&lines.all()[n], &after.all()[n]);
-        if before.state == LineState::Lit && now.state == LineState::Done && clock.whole {
-            self.pace.learn(station, before.line.quantity, (at - clock.lit).as_secs_f64());
-        }
+        let is_alone = clock.done.is_none_or(|d| d.at != at);
+        let is_done = before.state == LineState::Lit && now.state == LineState::Done;
+        let (pieces, seconds) = (before.line.quantity, (at - clock.lit).as_secs_f64());
+        let done = (is_alone && is_done && clock.whole).then_some(DoneLine { station, pieces, seconds, at });
+        let earlier = std::mem::replace(&mut clock.done, done).filter(|_| is_alone);
         clock.last = at;
         if lines.lit() != after.lit() {
-            (clock.lit, clock.whole) = (at, true);
+            (clock.lit, clock.whole) = (at, is_alone);
         }
+        self.learn(earlier);
     }
 
     /// When the rack of a job came to the station where it is, unless that was before the program started.

@@ -204,3 +204,30 @@ fn the_planned_end_of_a_visit_follows_its_lines_in_few_changes_and_robots_behind
     let changes = retimed(&floor) - before;
     assert!((2..=8).contains(&changes), "{changes} changes in two minutes");
 }
+
+#[test]
+fn lines_that_are_done_one_by_one_teach_the_pace_and_lines_confirmed_at_once_do_not() {
+    let taught = |order: Option<StationOrder>| {
+        let lines = [line("C3", 1, "B"), line("A1", 1, "A"), line("B2", 1, "A")];
+        let (mut floor, _) = TestFloor::at_cell(picked(&[&lines]));
+        let kind = JobKind::Deliver { rack: RackId(5), station: StationId(0), pick: None };
+        let other = Job::new(JobRequest { lines: vec![lines.to_vec()], ..request(kind) }, floor.now);
+        let stay = |f: &TestFloor| f.fleet.core.visits.stay(&other).expect("it has lines");
+        let before = stay(&floor);
+        match order {
+            Some(order) => {
+                floor.run(15);
+                floor.say(0, order);
+            }
+            None => (0..3).for_each(|n| {
+                floor.run(15);
+                floor.line_said(n, LineChange::Done(1)).unwrap();
+            }),
+        }
+        floor.run(1);
+        stay(&floor) - before
+    };
+    assert!(taught(None) > Span::from_secs(1), "fifteen seconds a line are slow");
+    assert_eq!(taught(Some(StationOrder::Done)), Span::ZERO);
+    assert_eq!(taught(Some(StationOrder::Release)), Span::ZERO);
+}

@@ -7,7 +7,7 @@ use crate::cell::Remaining;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Moved, Task};
 use crate::fleet::traffic::truncate::robot_of;
-use crate::id::RobotId;
+use crate::id::{JobId, RobotId};
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
 
@@ -18,7 +18,9 @@ const OFF_SHARE: f64 = 0.25;
 /// Moves the planned end of each visit to where it is expected, later or earlier.
 pub(in crate::fleet) fn retime_visits(core: &mut Core, now: Time) {
     for robot in core.ledger.present() {
-        if let Some(remaining) = left_of_visit(core, robot, now) {
+        let Some(job) = visit_of(core, robot) else { continue };
+        core.visits.begin(job, now);
+        if let Some(remaining) = core.visits.remaining(job, &core.ledger.jobs[&job], now) {
             core.at_hand = Some(robot);
             retime(core, robot, remaining, now);
         }
@@ -26,13 +28,11 @@ pub(in crate::fleet) fn retime_visits(core: &mut Core, now: Time) {
     core.at_hand = None;
 }
 
-/// How long the visit at which a robot stands goes on, if it has lines.
-fn left_of_visit(core: &Core, robot: RobotId, now: Time) -> Option<Remaining> {
+/// The job with lines for which a robot is picked from.
+fn visit_of(core: &Core, robot: RobotId) -> Option<JobId> {
     let Task::Deliver { job, .. } = core.ledger.robots[robot].task else { return None };
-    if !core.floor().is_picked_from(robot) {
-        return None;
-    }
-    core.visits.remaining(job, core.ledger.jobs.get(&job)?, now)
+    let has_lines = core.ledger.jobs.get(&job)?.lines_now().is_some();
+    (has_lines && core.floor().is_picked_from(robot)).then_some(job)
 }
 
 fn retime(core: &mut Core, robot: RobotId, remaining: Remaining, now: Time) {
