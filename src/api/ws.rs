@@ -95,8 +95,7 @@ pub(super) fn reader_upgrade(
     Ok(upgrade.protocols(["giveway"]).max_message_size(4096).max_write_buffer_size(64 << 20))
 }
 
-/// The connection of somebody who only reads: pinged, and closed when the server goes down or the reader may no longer
-/// read.
+/// A connection that only carries messages out: it is pinged, and closed when the server goes down or its token ends.
 pub(super) struct ReadOnly<'a> {
     socket: WebSocket,
     closing: watch::Receiver<bool>,

@@ -21,7 +21,7 @@ const LIKELY: f64 = 0.25;
 const SMALL: f64 = 0.01;
 /// The time ahead is looked at in so many slices of so many milliseconds each: finer where more is known.
 const SLICES: [(i64, i64); 2] = [(10, 500), (10, 1000)];
-/// Nobody walks faster, metres per second.
+/// People walk no faster, metres per second.
 const FASTEST_MPS: f64 = 2.2;
 
 /// When a person will be at a node.

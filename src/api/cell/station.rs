@@ -117,8 +117,8 @@ impl From<Remaining> for ExpectedEndDto {
 impl Names<'_> {
     /// What happens at a station.
     pub fn station_detail(&self, id: StationId) -> StationDetailDto {
-        let nobody = StationView::default();
-        let seen = self.view.stations.get(id.ix()).unwrap_or(&nobody);
+        let empty = StationView::default();
+        let seen = self.view.stations.get(id.ix()).unwrap_or(&empty);
         let cell = self.map.stations[id].cell.as_ref();
         let stands = self.map.nodes[self.map.stations[id].node].at;
         let tote = |cell: &Cell, tote: &Tote| {
