@@ -106,8 +106,12 @@ await check('The tab of robots lists them all, sorted by a click on a heading an
   const all = await robots();
   await until('a line for every robot', async () => (await lines().count()) === all.length, 20);
   await panel.getByRole('button', { name: 'Battery' }).click();
-  const charges = (await lines().evaluateAll((rows) => rows.map((row) => row.innerText))).map((text) => Number(/(\d+) %/.exec(text)[1]));
-  assert(charges.every((c, i) => i === 0 || c >= charges[i - 1] - 1), charges.join());
+  // The fleet drives on, so a line may be on its way to its new place.
+  let charges = [];
+  await until('lines in the order of their charge', async () => {
+    charges = (await lines().evaluateAll((rows) => rows.map((row) => row.innerText))).map((text) => Number(/(\d+) %/.exec(text)[1]));
+    return charges.every((c, i) => i === 0 || c >= charges[i - 1] - 1);
+  }, 20).catch((error) => { throw new Error(`${error.message} (${charges.join()})`); });
   await panel.getByRole('button', { name: 'Robot', exact: true }).click();
   await panel.getByRole('searchbox', { name: 'Search robots' }).fill('shuttle');
   const shuttles = all.filter((r) => r.kind === 'shuttle').length;
