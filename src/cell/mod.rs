@@ -1,13 +1,23 @@
 //! The picking station as a work cell: what is to be picked from the rack that stands there, and how far that has come.
 //!
-//! Main types: [`OrderLine`], [`Lines`], [`LineState`], [`PickPace`]. Refuses: to know where robots drive, and to
-//! confirm by guessing.
+//! Main types: [`OrderLine`], [`Lines`], [`LineState`], [`PickPace`], [`Desk`] (hands, from slot to tote). Refuses: to
+//! know where robots drive, and to confirm by guessing.
 
+mod aim;
 mod check;
+mod desk;
+mod face;
+mod flow;
+mod follow;
+mod hands;
 mod lines;
 mod pace;
 
 pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};
+pub use desk::{Desk, DeskEvent};
+pub use face::{FacePlace, PickFace};
+pub use flow::Flow;
+pub use hands::{HandPoints, HandsSeen};
 pub use lines::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines};
 
 pub use pace::{PickPace, Remaining};

@@ -145,6 +145,12 @@ fn rest_of(line_s: f64, spread: f64, spent_s: f64) -> (f64, f64) {
 }
 
 impl Remaining {
+    /// What is known exactly; not less than nothing.
+    pub fn exactly(seconds: f64) -> Remaining {
+        let s = seconds.max(0.0);
+        Remaining { mean_s: s, p10_s: s, p50_s: s, p90_s: s }
+    }
+
     /// The lognormal distribution of this mean and variance.
     fn of(mean_s: f64, variance: f64) -> Remaining {
         if mean_s <= 0.0 {

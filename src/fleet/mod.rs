@@ -36,11 +36,13 @@ pub use state::activity::{Activity, Doing};
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;
-pub use state::io::{CausedFacts, Command, Input, Reply, StationOrder, Step, Telemetry, Waypoint};
+pub use state::io::{
+    CausedFacts, CellWarning, Command, Input, Reply, StationOrder, Step, Telemetry, Waypoint, WrongReach,
+};
 pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, RobotChoice, Visiting};
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
-pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums};
+pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::refusal::{Bounded, Refusal};
 pub use state::settings::Settings;

@@ -14,6 +14,7 @@ mod digest;
 pub mod encounter;
 mod entrance;
 mod guard;
+mod hand_row;
 mod job_line;
 pub mod laws;
 mod leavers;

@@ -4,6 +4,7 @@
 //! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
+use super::hand_row::HandsRow;
 use super::job_line::{ChangeLine, JobLine};
 use crate::cell::LineChange;
 use crate::fleet::{
@@ -57,6 +58,10 @@ enum Says {
     Picked(usize, u32),
     /// This line is short.
     Missing(usize),
+    /// The same of the line that was not confirmed when its rack left.
+    LastPicked(u32),
+    LastMissing,
+    LastUndo,
     /// What was said of this line is taken back.
     Undo(usize),
 }
@@ -72,6 +77,9 @@ impl From<StationOrder> for Says {
             StationOrder::Line(line, LineChange::Done(pieces)) => Says::Picked(line, pieces),
             StationOrder::Line(line, LineChange::Short) => Says::Missing(line),
             StationOrder::Line(line, LineChange::Undo) => Says::Undo(line),
+            StationOrder::Last(LineChange::Done(pieces)) => Says::LastPicked(pieces),
+            StationOrder::Last(LineChange::Short) => Says::LastMissing,
+            StationOrder::Last(LineChange::Undo) => Says::LastUndo,
         }
     }
 }
@@ -87,6 +95,9 @@ impl From<Says> for StationOrder {
             Says::Picked(line, pieces) => StationOrder::Line(line, LineChange::Done(pieces)),
             Says::Missing(line) => StationOrder::Line(line, LineChange::Short),
             Says::Undo(line) => StationOrder::Line(line, LineChange::Undo),
+            Says::LastPicked(pieces) => StationOrder::Last(LineChange::Done(pieces)),
+            Says::LastMissing => StationOrder::Last(LineChange::Short),
+            Says::LastUndo => StationOrder::Last(LineChange::Undo),
         }
     }
 }
@@ -205,6 +216,9 @@ enum Other {
     Reassign(u64, u64, Option<u32>),
     /// Token, station, what it says.
     Station(u64, u32, Says),
+    Hands(HandsRow),
+    /// Station, true end of the visit that is on.
+    VisitEnds(u32, i64),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -356,6 +370,8 @@ fn asked(input: &Input) -> Other {
         Input::Change { token, job, change } => Other::Change(*token, job.0, change.into()),
         Input::Reassign { token, job, robot } => Other::Reassign(*token, job.0, robot.map(|r| r.0)),
         Input::Station { token, station, order } => Other::Station(*token, station.0, (*order).into()),
+        Input::Hands(seen) => Other::Hands(seen.into()),
+        Input::VisitEnds { station, at } => Other::VisitEnds(station.0, at.0),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
     }
 }
@@ -523,6 +539,8 @@ fn other(o: Other) -> Input {
         Other::Station(token, station, order) => {
             Input::Station { token, station: StationId(station), order: order.into() }
         }
+        Other::Hands(row) => Input::Hands(row.into()),
+        Other::VisitEnds(station, at) => Input::VisitEnds { station: StationId(station), at: Time(at) },
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
         Other::RegisterWorker(token, name) => Input::RegisterWorker { token, name },
         Other::Clear(token, worker) => {

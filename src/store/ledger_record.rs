@@ -15,7 +15,7 @@ use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
     Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, RobotChoice,
-    Service, Stop, Sums, Wishes,
+    Service, Stop, Sums, Unconfirmed, Wishes,
 };
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
@@ -147,6 +147,9 @@ struct LedgerRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     evacuation: Option<i64>,
     paused_stations: Vec<(u32, i64)>,
+    /// Station, job, its lines there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    unconfirmed: Vec<(u32, u64, LinesRecord)>,
     stopped: Option<i64>,
     ended_badly: Vec<(u64, i64)>,
     sums: SumsRecord,
@@ -202,12 +205,21 @@ impl From<&Parts> for LedgerRecord {
             next_series: p.next_series,
             evacuation: p.evacuation.map(|t| t.0),
             paused_stations: p.paused_stations.iter().map(|(s, at)| (s.0, at.0)).collect(),
+            unconfirmed: p.unconfirmed.iter().map(unconfirmed_record).collect(),
             stopped: p.stopped.map(|t| t.0),
             ended_badly: p.ended_badly.iter().map(|(id, at)| (id.0, at.0)).collect(),
             sums: p.counts.into(),
             wishes: p.wishes.counts().iter().copied().collect(),
         }
     }
+}
+
+fn unconfirmed_record((station, left): (&StationId, &Unconfirmed)) -> (u32, u64, LinesRecord) {
+    (station.0, left.job.0, LinesRecord(left.lines.clone()))
+}
+
+fn unconfirmed((station, job, LinesRecord(lines)): (u32, u64, LinesRecord)) -> (StationId, Unconfirmed) {
+    (StationId(station), Unconfirmed { job: JobId(job), lines })
 }
 
 impl From<LedgerRecord> for Parts {
@@ -231,6 +243,7 @@ impl From<LedgerRecord> for Parts {
             next_series: r.next_series,
             evacuation: r.evacuation.map(Time),
             paused_stations: r.paused_stations.into_iter().map(|(s, at)| (StationId(s), Time(at))).collect(),
+            unconfirmed: r.unconfirmed.into_iter().map(unconfirmed).collect(),
             stopped: r.stopped.map(Time),
             ended_badly: r.ended_badly.into_iter().map(|(id, at)| (JobId(id), Time(at))).collect(),
             counts: r.sums.into(),

@@ -17,7 +17,8 @@ pub use report::{Report, ReportEntry};
 use crate::cell;
 use crate::fleet::state::worker::{Assignment, Closure};
 use crate::fleet::{
-    Job, JobKind, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Visiting, Wishes,
+    Job, JobKind, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Unconfirmed, Visiting,
+    Wishes,
 };
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, SeriesId, StationId};
@@ -71,6 +72,7 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
         closures,
         recurring,
         paused_stations: m.paused_stations(),
+        unconfirmed: m.unconfirmed(),
         wishes: m.wishes(),
         ..ledger.to_parts().promises
     };
@@ -292,6 +294,12 @@ impl Move<'_> {
     fn paused_stations(&self) -> BTreeMap<StationId, Time> {
         let paused = self.ledger.paused_stations.iter();
         paused.filter_map(|(old, since)| Some((self.ids.stations[*old]?, *since))).collect()
+    }
+
+    /// Lines that are not confirmed yet go with their station.
+    fn unconfirmed(&self) -> BTreeMap<StationId, Unconfirmed> {
+        let all = self.ledger.unconfirmed.iter();
+        all.filter_map(|(old, lines)| Some((self.ids.stations[*old]?, lines.clone()))).collect()
     }
 
     fn wishes(&self) -> Wishes {

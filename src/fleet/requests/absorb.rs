@@ -43,6 +43,7 @@ impl Intake<'_> {
                 self.core.out.caused.push(CausedFacts { token, facts });
             }
         }
+        self.let_kept_go(now);
     }
 
     /// Takes one input in.
@@ -74,6 +75,8 @@ impl Intake<'_> {
                 self.heard.people.push(WorkerInput::Seen(s));
             }
             Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
+            Input::Hands(seen) => self.hear_hands(&seen, now),
+            Input::VisitEnds { station, at } => self.core.visits.tell(station, at),
             request => self.absorb_request(request, now),
         }
     }

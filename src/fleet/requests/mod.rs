@@ -7,6 +7,7 @@
 mod absorb;
 mod change;
 mod enrolment;
+mod hands;
 mod intake;
 mod operator;
 mod racks;

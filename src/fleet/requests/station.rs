@@ -5,7 +5,7 @@
 //! in its queue wait. A visit with order lines ends with the last of them. Refuses: to end a pick by the clock, and one
 //! that has not begun.
 
-use crate::cell::{LineChange, LineOutcome, LineProgress, LineRefusal, Lines};
+use crate::cell::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::floor::Floor;
@@ -15,6 +15,21 @@ use crate::fleet::state::job::{JobFailure, JobState};
 use crate::fleet::state::refusal::Refusal;
 use crate::id::{Dense, JobId, RobotId, StationId};
 use crate::time::Time;
+
+/// What a change of a line came to.
+pub(super) struct NotedLine {
+    job: JobId,
+    outcome: LineOutcome,
+    state: LineState,
+    pieces: u32,
+}
+
+impl NotedLine {
+    fn reply(self, token: u64) -> Reply {
+        let NotedLine { job, outcome, state, pieces } = self;
+        Reply::LineNoted { token, job, outcome, state, pieces }
+    }
+}
 
 impl Intake<'_> {
     /// Takes in what a station says.
@@ -45,11 +60,16 @@ impl Intake<'_> {
             StationOrder::Line(line, change) => {
                 return self.hear_of_line(token, station, (line, change), now);
             }
+            StationOrder::Last(change) => {
+                let noted = self.hear_of_last(station, (None, change), now);
+                return Ok(noted.ok_or(Refusal::NothingToPick(station))??.reply(token));
+            }
         }
         Ok(Reply::Done { token })
     }
 
-    /// Takes in what is said about a line. The visit ends with its last one.
+    /// Takes in what is said about a line. The visit ends with its last one. What the hand has just confirmed, a button
+    /// confirms once more.
     fn hear_of_line(
         &mut self,
         token: u64,
@@ -57,7 +77,29 @@ impl Intake<'_> {
         (line, change): (usize, LineChange),
         now: Time,
     ) -> Result<Reply, Refusal> {
-        let robot = self.core.floor().picked_from(station).ok_or(Refusal::NothingToPick(station))?;
+        let noted = if let Some(robot) = self.core.floor().picked_from(station) {
+            self.change_line(robot, (line, change), now)
+        } else if let Some(noted) = self.hear_of_last(station, (Some(line), change), now) {
+            noted
+        } else {
+            let (job, lines) = self.core.visits.ended(station, now).ok_or(Refusal::NothingToPick(station))?;
+            let is_so =
+                |p: &LineProgress| p.state == LineState::Done && matches!(change, LineChange::Done(_));
+            let noted = lines.all().get(line).filter(|p| is_so(p)).ok_or(Refusal::NothingToPick(station))?;
+            let LineProgress { state, pieces, .. } = *noted;
+            return Ok(Reply::LineNoted { token, job, outcome: LineOutcome::Already, state, pieces });
+        };
+        Ok(noted?.reply(token))
+    }
+
+    /// Changes a line of the visit for which a robot is picked from. The visit ends with its last line, unless a hand is
+    /// inside: then when it is out.
+    pub(super) fn change_line(
+        &mut self,
+        robot: RobotId,
+        (line, change): (usize, LineChange),
+        now: Time,
+    ) -> Result<NotedLine, Refusal> {
         let Some((job, lines)) = self.lines_under(robot) else {
             return Err(Refusal::Line(LineRefusal::NoLine(0)));
         };
@@ -67,10 +109,33 @@ impl Intake<'_> {
             self.core.record(Fact::LineChanged { job, line, change, at: now });
         }
         if lines.are_over() {
-            self.end_pick(robot, JobState::Done, now);
+            let station = self.core.floor().station_of(robot);
+            match station.filter(|station| self.is_hand_inside(*station, now)) {
+                Some(station) => self.core.visits.keep(station, true),
+                None => self.end_pick(robot, JobState::Done, now),
+            }
         }
         let LineProgress { state, pieces, .. } = lines.all()[line];
-        Ok(Reply::LineNoted { token, job, outcome, state, pieces })
+        Ok(NotedLine { job, outcome, state, pieces })
+    }
+
+    /// What is said about the line that was not confirmed when its rack left, if there is one: about that with this
+    /// number, or the one that is lit.
+    fn hear_of_last(
+        &mut self,
+        station: StationId,
+        (line, change): (Option<usize>, LineChange),
+        now: Time,
+    ) -> Option<Result<NotedLine, Refusal>> {
+        let left = self.core.ledger.unconfirmed.get(&station)?;
+        let (job, line, mut lines) = (left.job, line.or(left.lines.lit())?, left.lines.clone());
+        Some(lines.change(line, change).map_err(Refusal::Line).map(|outcome| {
+            if outcome == LineOutcome::Changed {
+                self.core.record(Fact::LineChanged { job, line, change, at: now });
+            }
+            let LineProgress { state, pieces, .. } = lines.all()[line];
+            NotedLine { job, outcome, state, pieces }
+        }))
     }
 
     /// What is left of the visit is picked, as a person says, or short.
@@ -85,14 +150,14 @@ impl Intake<'_> {
     }
 
     /// The job for which a robot is picked from, with the lines of this visit, if it has lines.
-    fn lines_under(&self, robot: RobotId) -> Option<(JobId, &Lines)> {
+    pub(super) fn lines_under(&self, robot: RobotId) -> Option<(JobId, &Lines)> {
         let ledger = &self.core.ledger;
         let job = ledger.robots[robot].task.job()?;
         Some((job, ledger.jobs.get(&job)?.lines_now()?))
     }
 
     /// Ends the pick at which a robot stands: its job ends so, if it is not over already, and the robot may leave.
-    fn end_pick(&mut self, robot: RobotId, state: JobState, now: Time) {
+    pub(super) fn end_pick(&mut self, robot: RobotId, state: JobState, now: Time) {
         self.core.record(Fact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
         self.heard.left_early.push(robot);
         if let Task::Deliver { job, rack, store, .. } = self.core.ledger.robots[robot].task {

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`Input`], [`Command`], [`Reply`], [`Step`]. Refuses: to say how any of it travels.
 
-use crate::cell::{LineChange, LineOutcome, LineState};
+use crate::cell::{HandsSeen, LineChange, LineOutcome, LineState};
 use crate::fleet::state::fact::{Act, Fact};
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::{JobChange, JobRequest};
@@ -14,6 +14,7 @@ use crate::human::Sighting;
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::Time;
 use crate::timeline::Reserved;
+use crate::warehouse::SlotName;
 use std::ops::Range;
 
 /// A robot slower than this stands, metres per second.
@@ -84,6 +85,16 @@ pub enum Input {
     },
     /// A worker was seen.
     Sighted(Sighting),
+    /// The hands of a person in a workplace were seen.
+    Hands(HandsSeen),
+    /// The true end of the visit that is on at a station: when the hand will be out for the last time. Only
+    /// experiments know it ([`crate::cell::Flow::Known`]).
+    VisitEnds {
+        /// Where.
+        station: StationId,
+        /// When.
+        at: Time,
+    },
     /// A worker is to be known.
     RegisterWorker {
         /// Comes back with the reply.
@@ -230,7 +241,7 @@ impl Input {
     /// The token under which a request is answered; observations have none.
     pub fn token(&self) -> Option<u64> {
         match self {
-            Input::Telemetry(_) | Input::Sighted(_) => None,
+            Input::Telemetry(_) | Input::Sighted(_) | Input::Hands(_) | Input::VisitEnds { .. } => None,
             Input::Register { token, .. }
             | Input::Maintain { token, .. }
             | Input::Retire { token, .. }
@@ -273,8 +284,11 @@ pub enum StationOrder {
     Resume,
     /// The rack may leave: lines that are left are short.
     Release,
-    /// About a line of the visit, counted from 0.
+    /// About a line of the visit, counted from 0; of the one before, if its last line is not confirmed yet and no other
+    /// rack is there.
     Line(usize, LineChange),
+    /// About the line that was not confirmed when its rack left at the last grasp.
+    Last(LineChange),
 }
 
 /// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.
@@ -485,8 +499,30 @@ pub struct Step {
     pub urgent: Vec<(RobotId, Command)>,
     /// What workers are told, where it changed. It leaves at once.
     pub guidance: Vec<(WorkerId, Guidance)>,
+    /// Warnings for people at work cells. They leave at once.
+    pub warnings: Vec<CellWarning>,
     /// Which facts requests caused themselves, in order. What the fleet decided because of them is not among these.
     pub caused: Vec<CausedFacts>,
+}
+
+/// A person at a work cell is about to pick or put a piece where it does not belong, or has done so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CellWarning {
+    /// Where.
+    pub station: StationId,
+    /// What is wrong.
+    pub wrong: WrongReach,
+    /// When the hand was seen that was judged.
+    pub seen: Time,
+}
+
+/// Where a hand is wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WrongReach {
+    /// It goes to this slot, which is not the lit one.
+    Slot(SlotName),
+    /// It put a piece into this tote, by its number at the station, which is not that of its line.
+    Tote(usize),
 }
 
 /// Facts that one request caused.

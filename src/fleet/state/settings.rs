@@ -5,6 +5,7 @@
 use super::kind::{RobotKind, most_dangerous};
 use super::ledger::Ledger;
 use crate::aware::{HumanAwarePolicy, NodeWindows};
+use crate::cell::Flow;
 use crate::human::{Method, Model};
 use crate::time::Span;
 use std::sync::Arc;
@@ -42,6 +43,8 @@ pub struct Settings {
     pub method: Method,
     /// How our own policy finds out when a worker takes a node.
     pub node_windows: NodeWindows,
+    /// What is made of order lines and hands at work cells.
+    pub flow: Flow,
     /// What a second of a worker is worth, in seconds of a robot: a robot that waits for a worker goes first where that
     /// costs less ([`HumanAwarePolicy::Giveway`] only).
     pub worker_price: f64,
@@ -71,6 +74,7 @@ impl Default for Settings {
             policy: HumanAwarePolicy::default(),
             method: Method::Detour,
             node_windows: NodeWindows::default(),
+            flow: Flow::default(),
             worker_price: 3.0,
             model: Model::builtin(),
             without_conflicts: false,

@@ -1,15 +1,21 @@
-//! What is kept in mind about visits at work cells: how long lines take, and since when the one that is lit has been.
+//! What is kept in mind about visits at work cells: how long lines take, since when the one that is lit has been, and
+//! what the hands do.
 //!
 //! Main type: [`Visits`]. Lost at a restart: the lit line begins anew then, and the pace is learned again. Refuses: to
 //! promise anything.
 
-use crate::cell::{LineChange, LineOutcome, LineState, PickPace, Remaining};
+use crate::cell::{Desk, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace, Remaining};
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::Ledger;
-use crate::id::{JobId, StationId};
+use crate::id::{JobId, RackId, RackTypeId, RobotId, StationId};
 use crate::time::{Span, Time};
-use std::collections::BTreeMap;
+use crate::warehouse::Warehouse;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// For so long after a visit a button for one of its lines is known to be for that.
+const ENDED: Span = Span::from_secs(3);
 
 /// A visit that is on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,6 +52,18 @@ impl VisitClock {
 pub(in crate::fleet) struct Visits {
     pace: PickPace,
     clocks: BTreeMap<JobId, VisitClock>,
+    /// The hands at each station.
+    desks: BTreeMap<StationId, Desk>,
+    /// The face of the rack that stands at each station, or stood there last.
+    faces: BTreeMap<StationId, (RackTypeId, PickFace)>,
+    /// Which robots were picked from, as looked up in this step.
+    looked_up: (Time, BTreeMap<StationId, Option<RobotId>>),
+    /// Stations whose visit is over but for a hand inside.
+    kept: BTreeSet<StationId>,
+    /// The visit that ended last at each station.
+    ended: BTreeMap<StationId, (JobId, Lines, Time)>,
+    /// True ends of visits, told by an experiment.
+    told: BTreeMap<StationId, Time>,
 }
 
 /// The station at which a job's rack is wanted, with how long the customer said that it stays.
@@ -62,11 +80,12 @@ impl Visits {
         match fact {
             Fact::Progressed { job, state: JobState::Picking { .. }, at, .. } => {
                 self.clocks.insert(*job, VisitClock::of(Some(*at), *at));
+                if let Some((station, _)) = ledger.jobs.get(job).and_then(station_of) {
+                    self.told.remove(&station);
+                    self.desks.entry(station).or_default().begin();
+                }
             }
-            Fact::Progressed { job, .. } | Fact::Served { job, .. } => {
-                let done = self.clocks.remove(job).and_then(|clock| clock.done);
-                self.learn(done);
-            }
+            Fact::Progressed { job, at, .. } | Fact::Served { job, at, .. } => self.end(ledger, *job, *at),
             Fact::LineChanged { job, line, change, at } => {
                 self.note_line(ledger, *job, (*line, *change), *at)
             }
@@ -77,6 +96,20 @@ impl Visits {
     /// A visit that was on when the program started.
     pub fn begin(&mut self, id: JobId, now: Time) {
         self.clocks.entry(id).or_insert(VisitClock::of(None, now));
+    }
+
+    /// A job comes to another state, which ends its visit if one was on.
+    fn end(&mut self, ledger: &Ledger, id: JobId, at: Time) {
+        let Some(clock) = self.clocks.remove(&id) else { return };
+        self.learn(clock.done);
+        let Some(job) = ledger.jobs.get(&id) else { return };
+        let (Some((station, _)), Some(lines)) = (station_of(job), job.lines_now()) else { return };
+        // The rack leaves at the last grasp: it was wanted for so long.
+        if let Some(lit) = lines.lit().filter(|_| clock.whole && clock.done.is_none_or(|d| d.at != at)) {
+            let (pieces, seconds) = (lines.all()[lit].line.quantity, (at - clock.lit).as_secs_f64());
+            self.learn(Some(DoneLine { station, pieces, seconds, at }));
+        }
+        self.ended.insert(station, (id, lines.clone(), at));
     }
 
     fn learn(&mut self, done: Option<DoneLine>) {
@@ -124,7 +157,73 @@ impl Visits {
     /// without lines.
     pub fn remaining(&self, id: JobId, job: &Job, now: Time) -> Option<Remaining> {
         let ((station, said_s), lines) = (station_of(job)?, job.lines_now()?);
+        if let Some(end) = self.told.get(&station).filter(|_| self.clocks.contains_key(&id)) {
+            return Some(Remaining::exactly((*end - now).as_secs_f64()));
+        }
         let lit_s = self.clocks.get(&id).map_or(0.0, |clock| (now - clock.last).as_secs_f64());
         Some(self.pace.remaining(station, lines, lit_s.max(0.0), said_s))
+    }
+
+    /// The hands at a station.
+    pub fn desk(&mut self, station: StationId) -> &mut Desk {
+        self.desks.entry(station).or_default()
+    }
+
+    /// The face of a rack at a station, or without one of the rack before; nothing where there was none, or it has no
+    /// slots, or the station no cell.
+    pub fn face(
+        &mut self,
+        warehouse: &Arc<Warehouse>,
+        station: StationId,
+        rack: Option<RackId>,
+    ) -> Option<&PickFace> {
+        let rack_type = rack.and_then(|rack| warehouse.racks[rack].rack_type);
+        if let Some(id) = rack_type.filter(|id| self.faces.get(&station).is_none_or(|(known, _)| known != id))
+        {
+            let place = &warehouse.stations[station];
+            let stands = warehouse.nodes[place.node].at;
+            let face = PickFace::new(place.cell.as_ref()?, stands, &warehouse.rack_types[id]);
+            self.faces.insert(station, (id, face));
+        }
+        self.faces.get(&station).map(|(_, face)| face)
+    }
+
+    /// The robot that is picked from at a station, as it was looked up in this step; nothing if it was not.
+    pub fn looked_up(&self, station: StationId, now: Time) -> Option<Option<RobotId>> {
+        let (at, robots) = &self.looked_up;
+        robots.get(&station).filter(|_| *at == now).copied()
+    }
+
+    /// Notes it for the rest of the step.
+    pub fn note_robot(&mut self, station: StationId, robot: Option<RobotId>, now: Time) {
+        if self.looked_up.0 != now {
+            self.looked_up = (now, BTreeMap::new());
+        }
+        self.looked_up.1.insert(station, robot);
+    }
+
+    /// Whether the rack of a visit that is over is kept at a station, because a hand is inside.
+    pub fn keep(&mut self, station: StationId, is_kept: bool) {
+        if is_kept {
+            self.kept.insert(station);
+        } else {
+            self.kept.remove(&station);
+        }
+    }
+
+    /// Stations where racks are kept.
+    pub fn kept(&self) -> Vec<StationId> {
+        self.kept.iter().copied().collect()
+    }
+
+    /// The visit that ended at a station a moment ago.
+    pub fn ended(&self, station: StationId, now: Time) -> Option<(JobId, &Lines)> {
+        let (job, lines, at) = self.ended.get(&station)?;
+        (now - *at <= ENDED).then_some((*job, lines))
+    }
+
+    /// The true end of the visit that is on at a station.
+    pub fn tell(&mut self, station: StationId, at: Time) {
+        self.told.insert(station, at);
     }
 }

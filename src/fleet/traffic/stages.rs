@@ -37,7 +37,8 @@ impl Floor<'_> {
         let NodeKind::Station(id) = self.warehouse().nodes[station].kind else { return Span::ZERO };
         let (usual, record) = (self.warehouse().stations[id].pick, self.ledger.jobs.get(&job));
         // At a work cell the lines say how long it takes.
-        if let Some(stay) = record.and_then(|record| self.visits.stay(record)) {
+        let counts = self.settings.flow.counts_lines();
+        if let Some(stay) = record.filter(|_| counts).and_then(|record| self.visits.stay(record)) {
             return stay;
         }
         match record.map(|j| j.request.kind) {

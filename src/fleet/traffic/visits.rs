@@ -17,6 +17,9 @@ const OFF_SHARE: f64 = 0.25;
 
 /// Moves the planned end of each visit to where it is expected, later or earlier.
 pub(in crate::fleet) fn retime_visits(core: &mut Core, now: Time) {
+    if !core.settings.flow.counts_lines() {
+        return;
+    }
     for robot in core.ledger.present() {
         let Some(job) = visit_of(core, robot) else { continue };
         core.visits.begin(job, now);

@@ -100,22 +100,27 @@ impl Cell {
         if !rack.has(slot) {
             return None;
         }
+        let [right, to_picker] = self.axes(stands);
+        let column_m = rack.width_m / f64::from(rack.columns);
+        let left_m = rack.width_m / 2.0 - (f64::from(slot.column()) + 0.5) * column_m;
+        let at = stands + to_picker * rack.face_m - right * left_m;
+        Some(Place::new(at.x, at.y, rack.heights_m[usize::from(slot.row())]))
+    }
+
+    /// Unit vectors to the right of who looks at the rack that stands at `stands`, and from the rack to that person.
+    pub fn axes(&self, stands: Point) -> [Vector; 2] {
         // A validated cell's opening is not where the robot stands.
         let to_picker = (self.opening.middle() - stands).normalize();
         // The picker looks the other way, and has the left hand a quarter turn counter-clockwise from there.
-        let left = Vector::new(to_picker.y, -to_picker.x);
-        let column_m = rack.width_m / f64::from(rack.columns);
-        let left_m = rack.width_m / 2.0 - (f64::from(slot.column()) + 0.5) * column_m;
-        let at = stands + to_picker * rack.face_m + left * left_m;
-        Some(Place::new(at.x, at.y, rack.heights_m[usize::from(slot.row())]))
+        [Vector::new(-to_picker.y, to_picker.x), to_picker]
     }
 
     /// How far a place is to the right of where the rack stands, as the picker sees it who looks at the rack, and how
     /// far from it towards the picker; metres.
     pub fn beside(&self, stands: Point, place: Place) -> [f64; 2] {
-        let to_picker = (self.opening.middle() - stands).normalize();
+        let [right, to_picker] = self.axes(stands);
         let off = Point::new(place.x, place.y) - stands;
-        [off.dot(&Vector::new(-to_picker.y, to_picker.x)), off.dot(&to_picker)]
+        [off.dot(&right), off.dot(&to_picker)]
     }
 
     /// The tote of this name.

@@ -3,7 +3,7 @@
 //! Main function: [`Ledger::evolve`]. It asserts that what it is told is possible: a journal that books a lane twice
 //! does not load. Refuses: to decide anything.
 
-use super::{Ledger, RackAt, Robot, Service, stand};
+use super::{Ledger, RackAt, Robot, Service, Unconfirmed, stand};
 use crate::cell::{LineChange, LineOutcome};
 use crate::fleet::state::fact::{Act, Booking, Fact, KeptRoute, Task};
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
@@ -177,18 +177,22 @@ impl Ledger {
 
     /// What is said about a line of the visit that is on.
     fn change_line(&mut self, id: JobId, line: usize, change: LineChange) {
-        let job = self.promises.jobs.get_mut(&id).expect("only live jobs have lines");
-        assert!(
-            matches!(job.state, JobState::Picking { .. }),
-            "{id:?} is picked for while its rack is elsewhere"
-        );
-        let lines = job.lines_now_mut().expect("only visits with lines have changes of lines");
+        let left = self.promises.unconfirmed.iter_mut().find(|(_, u)| u.job == id);
+        let lines = if let Some((_, unconfirmed)) = left {
+            &mut unconfirmed.lines
+        } else {
+            let job = self.promises.jobs.get_mut(&id).expect("only live jobs have lines");
+            let is_here = matches!(job.state, JobState::Picking { .. });
+            assert!(is_here, "{id:?} is picked for while its rack is elsewhere");
+            job.lines_now_mut().expect("only visits with lines have changes of lines")
+        };
         let outcome = lines.change(line, change);
         assert_eq!(
             outcome,
             Ok(LineOutcome::Changed),
             "only what changes a line is a fact: {id:?}, {line}, {change:?}"
         );
+        self.promises.unconfirmed.retain(|_, u| !u.lines.are_over());
     }
 
     /// A job that waits becomes another one.
@@ -295,6 +299,10 @@ impl Ledger {
         }
         if let (JobKind::Deliver { station, .. }, JobState::Done) = (job.request.kind, state) {
             self.count_delivery(station);
+            if let Some(lines) = job.lines_now().filter(|lines| !lines.are_over()) {
+                let unconfirmed = Unconfirmed { job: id, lines: lines.clone() };
+                self.promises.unconfirmed.insert(station, unconfirmed);
+            }
         }
         if let Some(key) = job.request.key {
             self.promises.keys.end(id, key, job.accepted);

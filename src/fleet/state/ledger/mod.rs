@@ -9,6 +9,7 @@ mod upkeep;
 
 pub use parts::{Contradiction, Parts};
 
+use crate::cell::Lines;
 use crate::fleet::state::fact::{Stop, Task};
 use crate::fleet::state::index::Index;
 use crate::fleet::state::job::Job;
@@ -33,6 +34,15 @@ pub enum RackAt {
     Stored(NodeId),
     /// On a robot.
     On(RobotId),
+}
+
+/// A visit whose rack has left while its last line was not confirmed: the piece is on its way to the tote.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unconfirmed {
+    /// The job, which is done but for this.
+    pub job: JobId,
+    /// Its lines at this station.
+    pub lines: Lines,
 }
 
 /// Whether a robot works on this floor: by registration, maintenance and leaving.
@@ -129,6 +139,8 @@ pub struct Promises {
     pub evacuation: Option<Time>,
     /// Stations at which nobody picks, since when.
     pub paused_stations: BTreeMap<StationId, Time>,
+    /// For each station the visit whose rack left at the last grasp, until its last line is confirmed.
+    pub unconfirmed: BTreeMap<StationId, Unconfirmed>,
     /// Since when the whole fleet is to stand, by hand.
     pub stopped: Option<Time>,
     /// Jobs that were cancelled or failed lately, with when: jobs that are to come after them fail as well.

@@ -91,6 +91,7 @@ impl Ledger {
             next_series: 1,
             evacuation: None,
             paused_stations: BTreeMap::new(),
+            unconfirmed: BTreeMap::new(),
             stopped: None,
             ended_badly: BTreeMap::new(),
             counts: Sums::default(),
@@ -197,7 +198,7 @@ fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
         });
         known(task && stops, format!("robot {id:?}"))?;
     }
-    for id in p.paused_stations.keys() {
+    for id in p.paused_stations.keys().chain(p.unconfirmed.keys()) {
         known(id.ix() < w.stations.len(), format!("paused station {id:?}"))?;
     }
     for (id, a) in &p.assignments {

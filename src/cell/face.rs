@@ -1,0 +1,162 @@
+//! The face of the rack at a station and the totes beside it, in the frame of who picks there.
+//!
+//! Main type: [`PickFace`]. In its frame the first coordinate is to the picker's right of the rack's middle, the second
+//! from there towards the picker, the third above the floor; metres. Refuses: to know who picks.
+
+use crate::geometry::{Point, Vector};
+use crate::warehouse::{Cell, Place, RackType, SlotName};
+
+/// A place in the frame of the face.
+pub type FacePlace = nalgebra::Vector3<f64>;
+
+/// A hand is in a slot from so far behind the face on, metres.
+const IN_SLOT_M: f64 = 0.02;
+/// A hand is in a tote when it is so near to the middle of its rim, metres on the floor …
+const TOTE_M: f64 = 0.19;
+/// … and so far below it or above it.
+const TOTE_BELOW_M: f64 = 0.35;
+const TOTE_ABOVE_M: f64 = 0.12;
+/// A hand is inside while it is not farther than this on the picker's side of the opening, metres.
+const OUTSIDE_M: f64 = 0.02;
+/// A row without another one above or below it is so high, metres.
+const ROW_M: f64 = 0.35;
+
+/// A rack's face with the totes beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PickFace {
+    stands: Point,
+    right: Vector,
+    out: Vector,
+    columns: u8,
+    heights_m: Vec<f64>,
+    width_m: f64,
+    face_m: f64,
+    /// Where the opening ends on the picker's side.
+    opening_m: f64,
+    totes: Vec<FacePlace>,
+}
+
+impl PickFace {
+    /// The face of a rack of this type at a station whose robot stands at `stands`.
+    pub fn new(cell: &Cell, stands: Point, rack: &RackType) -> PickFace {
+        let [right, out] = cell.axes(stands);
+        let mut face = PickFace {
+            stands,
+            right,
+            out,
+            columns: rack.columns,
+            heights_m: rack.heights_m.clone(),
+            width_m: rack.width_m,
+            face_m: rack.face_m,
+            opening_m: 0.0,
+            totes: Vec::new(),
+        };
+        let farthest = cell.opening.outline.iter().map(|p| out.dot(&(p - stands)));
+        face.opening_m = farthest.fold(rack.face_m, f64::max);
+        face.totes = cell.totes.iter().map(|t| face.of(t.at)).collect();
+        face
+    }
+
+    /// A place on the map in the frame of the face.
+    pub fn of(&self, place: Place) -> FacePlace {
+        let off = Point::new(place.x, place.y) - self.stands;
+        FacePlace::new(off.dot(&self.right), off.dot(&self.out), place.z)
+    }
+
+    /// The middle of a slot's front.
+    pub fn slot(&self, slot: SlotName) -> FacePlace {
+        let column_m = self.width_m / f64::from(self.columns);
+        let right_m = (f64::from(slot.column()) + 0.5) * column_m - self.width_m / 2.0;
+        FacePlace::new(right_m, self.face_m, self.heights_m[usize::from(slot.row())])
+    }
+
+    /// All slots with the middles of their fronts, row by row.
+    pub fn slots(&self) -> impl Iterator<Item = (SlotName, FacePlace)> {
+        let rows = 0..self.heights_m.len() as u8;
+        let names = rows.flat_map(move |row| (0..self.columns).map(move |c| SlotName::new(c, row)));
+        names.map(|slot| (slot, self.slot(slot)))
+    }
+
+    /// The middle of a tote's rim, by its number at the station.
+    pub fn tote(&self, tote: usize) -> Option<FacePlace> {
+        self.totes.get(tote).copied()
+    }
+
+    /// How far behind the face a place is, metres; less than 0 in front of it.
+    pub fn depth_m(&self, at: FacePlace) -> f64 {
+        self.face_m - at.y
+    }
+
+    /// The slot in which a hand is that is at this place.
+    pub fn slot_at(&self, at: FacePlace) -> Option<SlotName> {
+        (self.depth_m(at) > IN_SLOT_M).then(|| self.slot_before(at)).flatten()
+    }
+
+    /// The slot behind or before which a place is, however far away it is from the face.
+    pub fn slot_before(&self, at: FacePlace) -> Option<SlotName> {
+        let column = ((at.x + self.width_m / 2.0) / self.width_m * f64::from(self.columns)).floor();
+        if !(0.0..f64::from(self.columns)).contains(&column) {
+            return None;
+        }
+        let off = |h: &f64| (at.z - h).abs();
+        let (row, height) = self.heights_m.iter().enumerate().min_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
+        (off(height) <= ROW_M / 2.0 + IN_SLOT_M).then(|| SlotName::new(column as u8, row as u8))
+    }
+
+    /// The tote in which or just above which a hand is that is at this place.
+    pub fn tote_at(&self, at: FacePlace) -> Option<usize> {
+        let off = |t: &FacePlace| (at - t).xy().norm();
+        let (tote, rim) = self.totes.iter().enumerate().min_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
+        let above = at.z - rim.z;
+        (off(rim) <= TOTE_M && (-TOTE_BELOW_M..=TOTE_ABOVE_M).contains(&above)).then_some(tote)
+    }
+
+    /// Whether a hand at this place is in the opening or beyond it, where the rack may not move.
+    pub fn is_inside(&self, at: FacePlace) -> bool {
+        at.y < self.opening_m + OUTSIDE_M && at.x.abs() < self.width_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::warehouse::stations;
+
+    fn faces() -> Vec<PickFace> {
+        let w = stations();
+        let rack = w.rack_types.iter().next().expect("racks have a type");
+        let of = |s: &crate::warehouse::Station| {
+            PickFace::new(s.cell.as_ref().expect("it has a cell"), w.nodes[s.node].at, rack)
+        };
+        w.stations.iter().map(of).collect()
+    }
+
+    #[test]
+    fn the_middle_of_a_slot_is_where_the_map_has_it_and_a_hand_there_is_in_that_slot() {
+        let w = stations();
+        let rack = w.rack_types.iter().next().unwrap();
+        for (station, face) in w.stations.iter().zip(faces()) {
+            let cell = station.cell.as_ref().unwrap();
+            for (slot, at) in face.slots() {
+                let place = cell.place_of(w.nodes[station.node].at, rack, slot).unwrap();
+                assert!((face.of(place) - at).norm() < 1e-9, "{slot}");
+                let behind = at - FacePlace::new(0.0, 0.1, 0.0);
+                assert_eq!((face.slot_at(behind), face.slot_at(at)), (Some(slot), None), "{slot}");
+                assert!(face.is_inside(behind) && face.is_inside(at));
+            }
+        }
+    }
+
+    #[test]
+    fn a_hand_over_a_tote_is_in_it_and_outside_of_the_opening() {
+        for face in faces() {
+            for tote in 0..3 {
+                let rim = face.tote(tote).unwrap();
+                assert_eq!(face.tote_at(rim + FacePlace::new(0.05, 0.05, -0.1)), Some(tote));
+                assert_eq!(face.tote_at(rim + FacePlace::new(0.0, 0.0, 0.3)), None, "high above it");
+                assert!(!face.is_inside(rim));
+            }
+            assert_eq!(face.tote(3), None);
+        }
+    }
+}

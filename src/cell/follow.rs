@@ -1,0 +1,150 @@
+//! One hand at a work cell: in which slot or tote it is, and from which slot it holds a piece.
+//!
+//! Main types: [`HandFollower`], [`HandEvent`]. A hand that dwells in a slot and comes out has grasped a piece; one that
+//! stops in a tote has put it down. A place that no hand can have come to is not believed until it has been seen for a
+//! while. Refuses: to be sure of what happened while the hand was not seen.
+
+use super::face::{FacePlace, PickFace};
+use crate::time::{Span, Time};
+use crate::warehouse::SlotName;
+
+/// No hand is faster than this, metres per second; and measurement errs by so much, metres.
+const FASTEST_MPS: f64 = 5.0;
+const ERR_M: f64 = 0.05;
+/// After a gap of this length nobody knows what the hand did meanwhile.
+const GAP: Span = Span::from_millis(250);
+/// A hand that has been in a slot for less than this has passed through and grasped nothing.
+const GRASP: Span = Span::from_millis(150);
+/// A hand this slow in a tote puts down what it holds, metres per second.
+const STOPS_MPS: f64 = 0.45;
+/// Velocities are averaged over about this long, seconds.
+const SMOOTH_S: f64 = 0.04;
+
+/// What a hand has done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HandEvent {
+    /// It came out of a slot with a piece.
+    Grasped(SlotName),
+    /// It put a piece from a slot into a tote, by its number at the station.
+    Placed {
+        /// The slot.
+        from: SlotName,
+        /// The tote.
+        tote: usize,
+        /// Whether the hand was seen all the time in between.
+        sure: bool,
+    },
+    /// It has stopped in a tote without holding anything.
+    Searched(usize),
+}
+
+/// A piece in a hand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Held {
+    /// The slot that it is from.
+    pub from: SlotName,
+    /// Whether the hand was seen all the time since.
+    pub sure: bool,
+}
+
+/// A stay in a slot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SlotStay {
+    since: Time,
+    /// Where it was deepest inside.
+    slot: SlotName,
+    depth_m: f64,
+}
+
+/// What is believed of one hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct HandFollower {
+    last: Option<(Time, FacePlace)>,
+    velocity: FacePlace,
+    stay: Option<SlotStay>,
+    tote: Option<usize>,
+    held: Option<Held>,
+}
+
+impl HandFollower {
+    /// Where it was seen last.
+    pub fn last(&self) -> Option<(Time, FacePlace)> {
+        self.last
+    }
+
+    /// How fast it moves, metres per second.
+    pub fn velocity(&self) -> FacePlace {
+        self.velocity
+    }
+
+    /// The piece that it holds.
+    pub fn held(&self) -> Option<Held> {
+        self.held
+    }
+
+    /// Whether it is in a slot.
+    pub fn is_in_slot(&self) -> bool {
+        self.stay.is_some()
+    }
+
+    /// It holds a piece again that it had put down.
+    pub fn take_up(&mut self, from: SlotName) {
+        self.held = Some(Held { from, sure: true });
+    }
+
+    /// Whether a hand can have come to a place by now.
+    pub fn can_be_at(&self, at: FacePlace, seen: Time) -> bool {
+        self.last.is_none_or(|(then, before)| {
+            let bound_m = FASTEST_MPS * (seen - then).as_secs_f64() + ERR_M;
+            seen - then > GAP || (at - before).norm() <= bound_m
+        })
+    }
+
+    /// Takes in where it is. Observations must come in order.
+    pub fn see(&mut self, face: &PickFace, at: FacePlace, seen: Time) -> Option<HandEvent> {
+        if !self.can_be_at(at, seen) {
+            return None;
+        }
+        let gap = self.last.map_or(GAP, |(then, _)| seen - then);
+        let seconds = gap.as_secs_f64().max(1e-3);
+        if let Some((_, before)) = self.last.filter(|_| gap < GAP) {
+            let share = (seconds / (seconds + SMOOTH_S)).min(1.0);
+            self.velocity += ((at - before) / seconds - self.velocity) * share;
+        } else {
+            self.velocity = FacePlace::zeros();
+            self.stay = None;
+            self.held = self.held.map(|held| Held { sure: false, ..held });
+        }
+        self.last = Some((seen, at));
+        self.slots(face, at, seen).or_else(|| self.totes(face, at))
+    }
+
+    fn slots(&mut self, face: &PickFace, at: FacePlace, seen: Time) -> Option<HandEvent> {
+        let depth_m = face.depth_m(at);
+        match (face.slot_at(at), self.stay.as_mut()) {
+            (Some(slot), None) => self.stay = Some(SlotStay { since: seen, slot, depth_m }),
+            (Some(slot), Some(stay)) if depth_m > stay.depth_m => (stay.slot, stay.depth_m) = (slot, depth_m),
+            (None, Some(stay)) if depth_m < 0.0 => {
+                let (slot, dwelt) = (stay.slot, seen - stay.since);
+                self.stay = None;
+                if dwelt >= GRASP {
+                    self.held = Some(Held { from: slot, sure: true });
+                    return Some(HandEvent::Grasped(slot));
+                }
+            }
+            _ => {}
+        }
+        None
+    }
+
+    fn totes(&mut self, face: &PickFace, at: FacePlace) -> Option<HandEvent> {
+        let tote = face.tote_at(at);
+        if tote.is_none() {
+            self.tote = None;
+        }
+        let tote = tote.filter(|_| self.velocity.norm() < STOPS_MPS && self.tote.is_none())?;
+        self.tote = Some(tote);
+        let placed = |held: Held| HandEvent::Placed { from: held.from, tote, sure: held.sure };
+        Some(self.held.take().map_or(HandEvent::Searched(tote), placed))
+    }
+}

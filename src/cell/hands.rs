@@ -1,0 +1,51 @@
+//! Hands of a person at a work cell, as a headset saw them at one instant.
+//!
+//! Main types: [`HandsSeen`], [`HandPoints`]. Places are in the map's frame, metres. Refuses: frames of devices and
+//! their clocks; the program that receives hands aligns them first.
+
+use crate::id::StationId;
+use crate::time::Time;
+use crate::warehouse::Place;
+
+/// What is known of one hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandPoints {
+    /// The wrist.
+    pub wrist: Place,
+    /// The middle of the palm.
+    pub palm: Place,
+    /// The tips of thumb and index finger.
+    pub tips: [Place; 2],
+}
+
+impl HandPoints {
+    /// Between the two finger tips: where the hand grasps.
+    pub fn grip(&self) -> Place {
+        nalgebra::center(&self.tips[0], &self.tips[1])
+    }
+
+    /// Whether its points belong to one hand: all are numbers, and none is farther from the palm than a hand is long.
+    pub fn is_sound(&self) -> bool {
+        let all = [self.wrist, self.palm, self.tips[0], self.tips[1]];
+        let near = |p: &Place| (p - self.palm).norm() <= HAND_M;
+        all.iter().all(|p| p.coords.iter().all(|x| x.is_finite()) && near(p))
+    }
+}
+
+/// Longest distance between the palm and any other point of a hand, metres.
+const HAND_M: f64 = 0.25;
+
+/// The hands of one person at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandsSeen {
+    /// In whose workplace the person is.
+    pub station: StationId,
+    /// Who, as long as the observations go on: another number is another person.
+    pub person: u32,
+    /// When this was so, in the server's time.
+    pub seen: Time,
+    /// The middle of the head.
+    pub head: Place,
+    /// Left and right hand; nothing of one that is not seen.
+    pub hands: [Option<HandPoints>; 2],
+}

@@ -1,0 +1,151 @@
+//! Hands at work cells confirm lines, let a rack go at the last grasp, and are warned.
+//!
+//! Main function: `hear_hands`. A line is confirmed by a grasp in its slot and a stop in its tote, by a hand that was
+//! seen all the way; what was not seen so, a button decides. No rack leaves while a hand is seen inside. Refuses: to
+//! confirm by guessing.
+
+use crate::cell::{DeskEvent, HandsSeen, LineChange, OrderLine, PickFace};
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::io::{CellWarning, WrongReach};
+use crate::fleet::state::job::JobState;
+use crate::id::{Dense, JobId, RobotId, StationId};
+use crate::time::Time;
+use crate::warehouse::SlotName;
+
+/// The visit that is on at a station.
+#[derive(Clone, Copy)]
+struct OnVisit {
+    robot: RobotId,
+    job: JobId,
+}
+
+impl Intake<'_> {
+    /// Takes in hands of a person in a workplace.
+    pub(super) fn hear_hands(&mut self, seen: &HandsSeen, now: Time) {
+        let station = seen.station;
+        let known = station.ix() < self.core.warehouse().stations.len();
+        if !known || !self.core.settings.flow.hears_hands() || seen.seen > now {
+            return;
+        }
+        let visit = self.visit_at(station, now);
+        let lit = visit.and_then(|v| self.lit(v)).map(|(_, line)| line.slot);
+        let Some(face) = self.face(station, visit) else { return };
+        let events = self.core.visits.desk(station).see(&face, lit, seen);
+        for event in events {
+            match event {
+                DeskEvent::Grasped(_) => {}
+                DeskEvent::Placed(slot, tote) => {
+                    self.hear_of_piece(station, visit, (slot, tote), seen.seen, now)
+                }
+                DeskEvent::AimsAt(slot) => self.warn(station, WrongReach::Slot(slot), seen.seen),
+            }
+        }
+        self.let_go(station, &face, now);
+    }
+
+    /// The visit at a station, with lines. It is looked up once for all observations of a step.
+    fn visit_at(&mut self, station: StationId, now: Time) -> Option<OnVisit> {
+        let robot = match self.core.visits.looked_up(station, now) {
+            Some(robot) => robot,
+            None => {
+                let robot = self.core.floor().picked_from(station);
+                self.core.visits.note_robot(station, robot, now);
+                robot
+            }
+        };
+        let robot = robot.filter(|robot| self.core.floor().is_picked_from(*robot))?;
+        let (job, _) = self.lines_under(robot)?;
+        Some(OnVisit { robot, job })
+    }
+
+    /// The line that is lit in a visit, and its number.
+    fn lit(&self, visit: OnVisit) -> Option<(usize, &OrderLine)> {
+        let lines = self.core.ledger.jobs[&visit.job].lines_now()?;
+        lines.lit().map(|n| (n, &lines.all()[n].line))
+    }
+
+    /// The rack's face at a station: of the rack that stands there, or of the one before.
+    fn face(&mut self, station: StationId, visit: Option<OnVisit>) -> Option<PickFace> {
+        let rack = visit.and_then(|v| self.core.ledger.jobs[&v.job].request.kind.rack());
+        let warehouse = self.core.ledger.warehouse();
+        self.core.visits.face(warehouse, station, rack).cloned()
+    }
+
+    /// A piece from a slot was put into a tote: it confirms the line that wants it, of the rack that has left before
+    /// that of the one that is here.
+    fn hear_of_piece(
+        &mut self,
+        station: StationId,
+        visit: Option<OnVisit>,
+        (slot, tote): (SlotName, usize),
+        seen: Time,
+        now: Time,
+    ) {
+        let name = self.core.warehouse().stations[station].cell.as_ref().map(|c| c.totes[tote].name.clone());
+        let left = self.core.ledger.unconfirmed.get(&station).and_then(|u| {
+            let n = u.lines.lit()?;
+            Some((u.job, n, u.lines.all()[n].line.clone()))
+        });
+        let here = visit.and_then(|v| self.lit(v).map(|(n, line)| (v.job, n, line.clone())));
+        let wanted = [left, here].into_iter().flatten().find(|(_, _, line)| line.slot == slot);
+        let Some((job, line, order)) = wanted else { return };
+        if name.as_ref() != Some(&order.tote) {
+            return self.warn(station, WrongReach::Tote(tote), seen);
+        }
+        if let Some(visit) = visit.filter(|v| v.job == job) {
+            let _ = self.change_line(visit.robot, (line, LineChange::Done(1)), now);
+        } else {
+            self.core.record(Fact::LineChanged { job, line, change: LineChange::Done(1), at: now });
+        }
+    }
+
+    /// Ends the visit whose last line is confirmed and whose rack was kept because of a hand; or whose last pieces are
+    /// in hands that are out of the opening.
+    fn let_go(&mut self, station: StationId, face: &PickFace, now: Time) {
+        let Some(visit) = self.visit_at(station, now) else { return };
+        if self.core.visits.desk(station).is_inside(face, now) {
+            return;
+        }
+        let job = &self.core.ledger.jobs[&visit.job];
+        let Some(lines) = job.lines_now() else { return };
+        if lines.are_over() {
+            return self.end_pick(visit.robot, JobState::Done, now);
+        }
+        let leaves = self.core.settings.flow.leaves_at_last_grasp()
+            && job.request.then.is_empty()
+            && !self.core.ledger.unconfirmed.contains_key(&station);
+        let Some(lit) = lines.lit().filter(|_| leaves) else { return };
+        let lit = &lines.all()[lit];
+        if lines.pieces_left() == lit.left()
+            && self.core.visits.desk(station).in_hand(lit.line.slot) >= lit.left()
+        {
+            self.end_pick(visit.robot, JobState::Done, now);
+        }
+    }
+
+    /// Lets racks go that were kept because of hands which are seen no more.
+    pub(super) fn let_kept_go(&mut self, now: Time) {
+        for station in self.core.visits.kept() {
+            if self.is_hand_inside(station, now) {
+                continue;
+            }
+            self.core.visits.keep(station, false);
+            let Some(visit) = self.visit_at(station, now) else { continue };
+            if self.lines_under(visit.robot).is_some_and(|(_, lines)| lines.are_over()) {
+                self.end_pick(visit.robot, JobState::Done, now);
+            }
+        }
+    }
+
+    /// Whether a hand is seen inside while the rack at a station is to leave: it waits until the hand is out.
+    pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
+        let visit = self.visit_at(station, now);
+        let Some(face) = self.face(station, visit) else { return false };
+        self.core.visits.desk(station).is_inside(&face, now)
+    }
+
+    fn warn(&mut self, station: StationId, wrong: WrongReach, seen: Time) {
+        self.core.out.warnings.push(CellWarning { station, wrong, seen });
+    }
+}
