@@ -63,6 +63,17 @@ impl PickFace {
         FacePlace::new(off.dot(&self.right), off.dot(&self.out), place.z)
     }
 
+    /// A place in the frame of the face on the map.
+    pub fn on_map(&self, at: FacePlace) -> Place {
+        let floor = self.stands + self.right * at.x + self.out * at.y;
+        Place::new(floor.x, floor.y, at.z)
+    }
+
+    /// Where the opening ends on the picker's side, metres from the rack's middle.
+    pub fn opening_m(&self) -> f64 {
+        self.opening_m
+    }
+
     /// The middle of a slot's front.
     pub fn slot(&self, slot: SlotName) -> FacePlace {
         let column_m = self.width_m / f64::from(self.columns);
@@ -75,6 +86,11 @@ impl PickFace {
         let rows = 0..self.heights_m.len() as u8;
         let names = rows.flat_map(move |row| (0..self.columns).map(move |c| SlotName::new(c, row)));
         names.map(|slot| (slot, self.slot(slot)))
+    }
+
+    /// How many totes there are.
+    pub fn totes(&self) -> usize {
+        self.totes.len()
     }
 
     /// The middle of a tote's rim, by its number at the station.

@@ -7,6 +7,7 @@ use super::people::{DetectionArgs, TableArgs};
 use super::price::PriceArgs;
 use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
 use super::safe_space::SafeSpaceArgs;
+use super::stations::StationsArgs;
 use super::write;
 use crate::experiment::stories::{self, Tale};
 use crate::human::Method;
@@ -37,6 +38,8 @@ pub enum Experiment {
     Alarms(AlarmsArgs),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpaceArgs),
+    /// What picking stations gain by knowing lines and hands: lines per hour with each flow.
+    Stations(StationsArgs),
 }
 
 /// The stories.
@@ -94,6 +97,7 @@ impl Experiment {
             Experiment::Meetings(encounters) => encounters.run(),
             Experiment::Alarms(alarms) => alarms.run(),
             Experiment::SafeSpace(spaces) => spaces.run(),
+            Experiment::Stations(stations) => stations.run(),
         }
     }
 }

@@ -25,6 +25,7 @@ mod rings;
 mod safe_space;
 mod serve;
 mod sim;
+mod stations;
 mod swarm;
 mod token;
 

@@ -288,6 +288,7 @@ impl HealthyFloor {
 
 fn scenario(name: &str, (robots, workers): (usize, usize), duration: Span, seed: u64) -> Scenario {
     Scenario {
+        cells: None,
         name: name.into(),
         map: String::new(),
         robots,

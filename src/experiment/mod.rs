@@ -4,7 +4,7 @@
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
 //! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
 //! of giving way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for),
-//! [`alarms`] (which alarms follow from faults), [`steps`] (what a step costs), [`month`] (what it keeps),
+//! [`stations`] (what picking stations gain by lines and hands), [`alarms`] (which alarms follow from faults), [`steps`] (what a step costs), [`month`] (what it keeps),
 //! [`statistics`].
 //! Refuses: to read files or clocks; the caller passes texts in and takes figures out.
 
@@ -22,6 +22,7 @@ pub mod recorded;
 pub mod rings;
 pub mod robot_time;
 pub mod safe_space;
+pub mod stations;
 pub mod statistics;
 pub mod steps;
 pub mod stories;

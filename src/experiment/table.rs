@@ -158,6 +158,7 @@ impl TableSetup {
             ..Workers::default()
         };
         Scenario {
+            cells: None,
             name: format!("table-4-1 {} {}", arm.word(), self.workers),
             map: String::new(),
             robots: self.robots,

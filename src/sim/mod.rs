@@ -21,6 +21,7 @@ mod leavers;
 mod link;
 mod outages;
 mod pairs;
+pub mod picker;
 mod pushes;
 mod random;
 pub mod recording;
@@ -43,7 +44,8 @@ pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
-    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, KindShare, MethodWord, NodeWindowsWord,
-    Personas, Rates, Scenario, ScenarioError, SecondTag, Sensor, Source, TaskSharing, Workers,
+    Assignments, Causes, Cells, Closing, Demand, Deviations, Faults, FlowWord, GazeKind, Habits, HandSensor,
+    KindShare, LineDemand, MethodWord, NodeWindowsWord, Personas, PickerHabits, Rates, Scenario,
+    ScenarioError, SecondTag, Sensor, Side, Source, TaskSharing, Workers,
 };
 pub use world::{World, starting_places};

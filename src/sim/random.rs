@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::{Rng, SeedableRng};
 
 /// A stream of random numbers.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Stream(Pcg64Mcg);
 
 impl Stream {

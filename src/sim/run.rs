@@ -158,6 +158,7 @@ impl Simulation {
         self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.world.tell(self.now, step.guidance.clone());
+        self.world.warn(self.now, &step.warnings);
         self.now += self.period;
         (inputs, step)
     }

@@ -2,6 +2,7 @@
 //!
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
+mod cells;
 mod handover;
 mod incidents;
 
@@ -12,6 +13,7 @@ use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
 use super::leavers::{Leavers, may_be_taken};
 use super::link::{Link, LinkCounts, LinkFaults};
 use super::outages::Outages;
+use super::picker::Pickers;
 use super::pushes::{NEARBY_M, PushSurroundings};
 use super::random::Stream;
 use super::robot::RobotBody;
@@ -21,10 +23,11 @@ use crate::fleet::{
     Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Service, Telemetry, most_dangerous,
 };
 use crate::geometry::Point;
-use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, WorkerId};
+use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
+use cells::has_lines;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -85,6 +88,10 @@ pub struct World {
     /// Racks that were lifted where they did not stand, or set down onto another one.
     misplaced: Vec<(RobotId, RackId)>,
     announcements: Announcements,
+    /// Who picks at work cells; nothing where whole visits are picked at once.
+    pickers: Option<Pickers>,
+    /// Robots that moved while a hand was inside.
+    moved_at_hands: Vec<(RobotId, StationId)>,
     /// How often robots were pushed elsewhere.
     pushed: u64,
     now: Time,
@@ -120,6 +127,7 @@ impl World {
         };
         let meter = EncounterMeter::new(scenario.workers.encounter_m);
         let outages = Outages::new(&faults, &warehouse, seed);
+        let pickers = scenario.cells.as_ref().map(|cells| Pickers::new(&warehouse, cells, seed, now));
         let robots = vec![];
         let announcements = Announcements::new(scenario, &warehouse, fleet, now);
         let mut world = World {
@@ -141,6 +149,8 @@ impl World {
             meter,
             joining,
             announcements,
+            pickers,
+            moved_at_hands: Vec::new(),
             pushed: 0,
             now,
         };
@@ -178,6 +188,7 @@ impl World {
         self.live(from, now);
         self.note_racks();
         inputs.extend(self.picks(fleet));
+        inputs.extend(self.pick_lines(from, now, fleet));
         for robot in self.robots.iter_mut().filter(|r| !r.off) {
             let report = robot.body.report(now);
             robot.mute_until = robot.mute_until.filter(|until| now < *until);
@@ -346,7 +357,8 @@ impl World {
             let id = robot.body.id;
             let serial = fleet.ledger().chain(id).first();
             let works = !fleet.ledger().paused_stations.contains_key(&station);
-            if works && robot.body.is_picked(serial) && fleet.is_picked_from(id) {
+            let by_line = self.pickers.is_some() && has_lines(fleet, id);
+            if works && !by_line && robot.body.is_picked(serial) && fleet.is_picked_from(id) {
                 said.push(self.customers.pick(station, id, serial));
             }
         }

@@ -2,6 +2,7 @@
 //!
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
+use crate::cell::Remaining;
 use crate::fleet::Fleet;
 use crate::fleet::dispatch::jobs::stations_with_enough;
 use crate::fleet::people::intents::task_place;
@@ -212,12 +213,24 @@ impl Fleet {
             job,
             since: job.and_then(|id| visits.since(id)),
             lines: record.and_then(|(_, job)| job.lines_now().cloned()),
-            left: record.and_then(|(id, job)| visits.remaining(id, job, now)),
+            left: self.visit_left(s, now),
+            unconfirmed: ledger.unconfirmed.get(&s).cloned(),
             next: self.next_rack(station.node, picked),
             paused: ledger.paused_stations.get(&s).copied(),
             queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
             served: ledger.served[s],
         }
+    }
+
+    /// How long the visit that is on at a station will last from now on; nothing where none is on, or nobody counts
+    /// lines.
+    pub fn visit_left(&self, station: StationId, now: Time) -> Option<Remaining> {
+        if !self.core.settings.flow.counts_lines() {
+            return None;
+        }
+        let robot = self.floor().picked_from(station)?;
+        let job = self.core.ledger.robots[robot].task.job()?;
+        self.core.visits.remaining(job, self.core.ledger.jobs.get(&job)?, now)
     }
 
     /// Which robot brings the next rack to a station, and when it is planned to be there.

@@ -10,7 +10,7 @@ use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
-use crate::fleet::state::ledger::RackAt;
+use crate::fleet::state::ledger::{RackAt, Unconfirmed};
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::why::Why;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
@@ -147,6 +147,8 @@ pub struct StationView {
     pub lines: Option<Lines>,
     /// How long the visit goes on from `now`, if its job has lines.
     pub left: Option<Remaining>,
+    /// The visit whose rack left at the last grasp, until its last line is confirmed.
+    pub unconfirmed: Option<Unconfirmed>,
     /// The robot that brings the next rack, and when it is planned to be there.
     pub next: Option<(RobotId, Time)>,
     /// Since when nobody picks, by hand.

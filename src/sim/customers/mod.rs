@@ -6,13 +6,16 @@ mod choices;
 
 use self::choices::Choices;
 use super::random::Stream;
-use super::scenario::{Demand, Scenario};
+use super::scenario::{Demand, LineDemand, Scenario};
+use crate::cell::{OrderLine, PickedBy};
 use crate::fleet::{Fleet, Input, JobKind, JobState, Reply};
 use crate::id::{Dense, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
+/// The purpose of the stream of random numbers for order lines.
+const LINES: u64 = 60;
 /// Every request of the simulated floor carries a token from here on. A driver that takes requests from elsewhere, too,
 /// numbers those below.
 pub const FIRST_TOKEN: u64 = 1 << 63;
@@ -82,6 +85,8 @@ pub(super) struct Customers {
     random: Stream,
     sent: u64,
     choices: Choices,
+    /// What they order of racks at work cells, if they do.
+    order_lines: Option<(LineDemand, Stream)>,
     /// Whether they want nothing new.
     stopped: bool,
 }
@@ -100,6 +105,7 @@ impl Customers {
             random: Stream::new(seed, 3, 0),
             sent: 0,
             choices: Choices::new(scenario.customers, warehouse, seed),
+            order_lines: scenario.cells.as_ref().map(|c| (c.lines, Stream::new(seed, LINES, 0))),
             stopped: false,
         }
     }
@@ -180,8 +186,43 @@ impl Customers {
         };
         let token = self.token();
         let plain = JobKind::Deliver { rack, station, pick: None };
-        Input::Submit { token, request: self.choices.request(plain, token, now, fleet) }
+        let mut request = self.choices.request(plain, token, now, fleet);
+        if let Some((demand, random)) = &mut self.order_lines
+            && let JobKind::Deliver { rack, .. } = request.kind
+            && request.lines.is_empty()
+        {
+            let visits = request.stations().map(|v| v.station);
+            request.lines =
+                visits.map(|station| lines_of(fleet.warehouse(), (rack, station), demand, random)).collect();
+            if request.lines.iter().all(Vec::is_empty) {
+                request.lines.clear();
+            }
+        }
+        Input::Submit { token, request }
     }
+}
+
+/// What is ordered of a rack at a station; nothing where that is no cell, or the rack has no slots.
+fn lines_of(
+    w: &Warehouse,
+    (rack, station): (RackId, StationId),
+    demand: &LineDemand,
+    random: &mut Stream,
+) -> Vec<OrderLine> {
+    let (Some(cell), Some(rack_type)) = (&w.stations[station].cell, w.racks[rack].rack_type) else {
+        return Vec::new();
+    };
+    let mut slots: Vec<_> = w.rack_types[rack_type].slots().collect();
+    let mut between = |[low, high]: [u32; 2]| low + random.below((high - low + 1) as usize) as u32;
+    let (count, quantity) = (between(demand.per_visit), demand.quantity);
+    let quantities: Vec<u32> = (0..count).map(|_| between(quantity)).collect();
+    let line = |quantity| {
+        let slot = slots.swap_remove(random.below(slots.len()));
+        let tote = cell.totes[random.below(cell.totes.len())].name.clone();
+        OrderLine { slot, quantity, tote, item: None, by: PickedBy::Either }
+    };
+    let most = w.rack_types[rack_type].slots().count();
+    quantities.into_iter().take(most).map(line).collect()
 }
 
 /// Locations become racks in order of first appearance, orders become stations in turn.

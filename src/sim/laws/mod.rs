@@ -19,7 +19,7 @@ pub use waits::untrue;
 use super::world::World;
 use crate::fleet::{Fact, Fleet, JobState, Ledger};
 use crate::geometry::{Point, axis_distance};
-use crate::id::{JobId, RackId, RobotId};
+use crate::id::{JobId, RackId, RobotId, StationId};
 use crate::time::Time;
 use jobs::{JobLaws, why_undrained};
 use std::collections::BTreeSet;
@@ -41,6 +41,7 @@ pub struct Laws {
     progress: ProgressLaws,
     run_over: usize,
     misplaced: usize,
+    moved_at_hands: usize,
     jobs: JobLaws,
     places: PlaceLaws,
     waits: WaitLaws,
@@ -63,6 +64,7 @@ impl Laws {
             progress: ProgressLaws::default(),
             run_over: 0,
             misplaced: 0,
+            moved_at_hands: 0,
             jobs: JobLaws::new(fleet),
             places: PlaceLaws::default(),
             waits: WaitLaws::default(),
@@ -94,6 +96,7 @@ impl Laws {
         self.check_grants(now, world, fleet);
         self.check_jobs(now, facts, fleet);
         self.check_racks(now, world);
+        self.check_hands(now, world);
         let broken = self.jobs.check(now, world, fleet, facts);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.places.check(now, world, fleet);
@@ -157,6 +160,14 @@ impl Laws {
         let new: Vec<(RobotId, RackId)> = all[self.misplaced..].to_vec();
         self.misplaced = all.len();
         new.into_iter().for_each(|(r, k)| self.break_law(now, Violation::Misplaced(r, k)));
+    }
+
+    /// No rack enters or leaves an opening while a hand is inside.
+    fn check_hands(&mut self, now: Time, world: &World) {
+        let all = world.moved_at_hands();
+        let new: Vec<(RobotId, StationId)> = all[self.moved_at_hands..].to_vec();
+        self.moved_at_hands = all.len();
+        new.into_iter().for_each(|(r, s)| self.break_law(now, Violation::MovedAtHand(r, s)));
     }
 
     /// The time is up in which everything was to end after the customers stopped. Whether it has.

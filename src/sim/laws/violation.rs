@@ -3,7 +3,7 @@
 //! Main type: [`Violation`]. Refuses: to judge.
 
 use crate::fleet::{Edge, JobKind, JobState, JobWhy, Party, Task, Why};
-use crate::id::{JobId, NodeId, RackId, RobotId, WorkerId};
+use crate::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Span;
 use std::fmt;
 
@@ -34,6 +34,8 @@ pub enum Violation {
     DoneTwice(JobId),
     /// A rack was lifted where it did not stand, or set down onto another one.
     Misplaced(RobotId, RackId),
+    /// A robot moved at a station while somebody's hand was in the opening or in its rack.
+    MovedAtHand(RobotId, StationId),
     /// A job ended as what did not happen.
     UntrueEnd(JobId, JobKind),
     /// A job has been in one state for too long without a reason that is true.
@@ -70,6 +72,9 @@ impl fmt::Display for Violation {
             Violation::DoneTwice(j) => write!(f, "job {j:?} was done twice"),
             Violation::Misplaced(r, k) => {
                 write!(f, "robot {} lifted rack {k:?} where it was not, or set it onto another one", r.0 + 1)
+            }
+            Violation::MovedAtHand(r, s) => {
+                write!(f, "robot {} moved at station {} while a hand was inside", r.0 + 1, s.0 + 1)
             }
             Violation::UntrueEnd(j, kind) => {
                 write!(f, "job {j:?} ({kind:?}) is done, but that did not happen")

@@ -3,6 +3,7 @@
 //! Main type: [`Scenario`]. Takes text; the caller reads the file and resolves the paths in it. Refuses: unknown
 //! keys and numbers that cannot be.
 
+mod cells;
 mod check;
 mod closures;
 mod evacuations;
@@ -11,6 +12,7 @@ mod habits;
 mod kinds;
 mod workforce;
 
+pub use cells::{Cells, FlowWord, GazeKind, HandSensor, LineDemand, PickerHabits, Side};
 pub use check::ScenarioError;
 pub use closures::Closing;
 pub use evacuations::Evacuation;
@@ -61,6 +63,8 @@ pub struct Scenario {
     pub kinds: Vec<KindShare>,
     /// The people on the floor.
     pub workers: Workers,
+    /// Picking stations with people at them; nothing where customers' jobs have no lines.
+    pub cells: Option<Cells>,
     /// Areas closed for a time.
     pub closures: Vec<Closing>,
     /// When the building is evacuated, in order.
@@ -120,6 +124,8 @@ struct File {
     kinds: Vec<KindFile>,
     #[serde(default)]
     workers: Workers,
+    #[serde(default)]
+    cells: Option<Cells>,
     #[serde(default)]
     closures: Vec<Closing>,
     #[serde(default)]
@@ -188,6 +194,7 @@ impl Scenario {
         check("drain_s", file.drain_s, 0.0..=1e6, "from 0 to 1000000")?;
         file.customers.check()?;
         file.workers.check()?;
+        file.cells.iter().try_for_each(Cells::check)?;
         file.closures.iter().try_for_each(Closing::check)?;
         Evacuation::check_all(&file.evacuations)?;
         Ok(Scenario {
@@ -203,6 +210,7 @@ impl Scenario {
             faults: file.faults,
             kinds: kinds::read(file.fleet, file.kinds)?,
             workers: file.workers,
+            cells: file.cells,
             closures: file.closures,
             evacuations: file.evacuations,
             policy: file.arm.into(),
@@ -287,6 +295,7 @@ impl Scenario {
         let Scenario { period, policy, .. } = *self;
         let (method, node_windows) = (self.workers.method.into(), self.workers.node_windows.into());
         let worker_price = self.workers.price;
+        let flow = self.cells.as_ref().map(|cells| cells.flow.into()).unwrap_or_default();
         let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
         crate::fleet::Settings {
             kinds,
@@ -294,6 +303,7 @@ impl Scenario {
             policy,
             method,
             node_windows,
+            flow,
             worker_price,
             model,
             ..Default::default()

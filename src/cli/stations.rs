@@ -1,0 +1,202 @@
+//! `giveway experiment stations`: what picking stations gain by knowing lines and hands.
+//!
+//! Main type: [`StationsArgs`]. Refuses: to measure; it runs `experiment::stations` and prints.
+
+use super::in_parallel;
+use super::people::exit;
+use super::sim::Setup;
+use crate::experiment::stations::{StationsRow, StationsSetup};
+use crate::experiment::statistics::{Interval, Summary};
+use crate::sim::{FlowWord, Scenario};
+use crate::time::Span;
+use crate::warehouse::room_for;
+use clap::Args;
+use serde_json::{Map, Value, json};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+/// The shipped scenario, for whoever names none.
+const SHIPPED: &str = include_str!("../../scenarios/stations.json");
+/// Numbers of robots where no scenario is named.
+const ROBOTS: [usize; 3] = [14, 18, 24];
+/// The flows in their order, and which are compared with which.
+const FLOWS: [(FlowWord, &str); 5] = [
+    (FlowWord::Usual, "usual"),
+    (FlowWord::Counted, "counted"),
+    (FlowWord::Hand, "hand"),
+    (FlowWord::Seen, "seen"),
+    (FlowWord::Known, "known"),
+];
+const PAIRS: [(&str, &str); 5] =
+    [("seen", "usual"), ("counted", "usual"), ("hand", "counted"), ("seen", "hand"), ("known", "seen")];
+
+/// Arguments of `experiment stations`.
+#[derive(Args)]
+pub struct StationsArgs {
+    /// Scenario file with `cells`; the shipped one, with 14, 18 and 24 robots, if absent.
+    #[arg(long)]
+    scenario: Option<PathBuf>,
+    /// Seeds.
+    #[arg(long, default_value_t = 20)]
+    runs: u64,
+    /// The first seed.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// How long each run is, seconds; as long as the scenario says if absent.
+    #[arg(long)]
+    seconds: Option<f64>,
+    /// Numbers of robots, instead of the scenario's.
+    #[arg(long, value_delimiter = ',')]
+    robots: Vec<usize>,
+    /// Runs at a time; as many as there are cores if absent.
+    #[arg(long)]
+    jobs: Option<usize>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl StationsArgs {
+    /// Runs all and prints the figures.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        anyhow::ensure!(self.runs > 0, "--runs must be at least 1");
+        let setup = self.setup()?;
+        let robots = match (self.robots.is_empty(), &self.scenario) {
+            (false, _) => self.robots.clone(),
+            (true, Some(_)) => vec![setup.scenario.robots],
+            (true, None) => ROBOTS.to_vec(),
+        };
+        for n in &robots {
+            room_for(&setup.warehouse, *n)
+                .map_err(|e| anyhow::anyhow!("the map has no room for {n} robots:\n{e}"))?;
+        }
+        let (runs, flows) = (self.runs as usize, FLOWS.len());
+        let rows = in_parallel(robots.len() * flows * runs, self.jobs, |i| {
+            let (robots, flow) = (robots[i / (flows * runs)], FLOWS[i / runs % flows].0);
+            setup.run(robots, flow, self.seed + (i % runs) as u64)
+        });
+        let broken: u64 = rows.iter().map(|r| r.law_violations).sum();
+        rows.iter().flat_map(|r| &r.broken).for_each(|b| eprintln!("broken law at {b}"));
+        let scenarios: Vec<Value> = (robots.iter().zip(rows.chunks(flows * runs)))
+            .map(|(robots, rows)| scenario(*robots, &rows.chunks(runs).collect::<Vec<_>>()))
+            .collect();
+        if self.json {
+            let report = json!({"scenarios": scenarios, "law_violations": broken});
+            println!("{}", serde_json::to_string_pretty(&report)?);
+        } else {
+            scenarios.iter().for_each(print);
+            println!("broken laws: {broken}");
+        }
+        Ok(exit(broken))
+    }
+
+    fn setup(&self) -> anyhow::Result<StationsSetup> {
+        let mut setup = match &self.scenario {
+            Some(path) => {
+                let Setup { scenario, warehouse, .. } = Setup::read(path, None, None)?;
+                anyhow::ensure!(scenario.cells.is_some(), "{} has no `cells`", path.display());
+                StationsSetup { warehouse, scenario }
+            }
+            None => {
+                let warehouse = Arc::new(crate::warehouse::stations());
+                StationsSetup { warehouse, scenario: Scenario::parse(SHIPPED)? }
+            }
+        };
+        if let Some(seconds) = self.seconds {
+            anyhow::ensure!((60.0..=1e6).contains(&seconds), "--seconds must be from 60 to 1000000");
+            setup.scenario.duration = Span::from_secs_f64(seconds);
+        }
+        Ok(setup)
+    }
+}
+
+fn scenario(robots: usize, flows: &[&[StationsRow]]) -> Value {
+    let of = |name: &str| flows[FLOWS.iter().position(|f| f.1 == name).expect("it is a flow")];
+    let arms: Map<String, Value> =
+        FLOWS.iter().zip(flows).map(|((_, name), rows)| ((*name).to_owned(), arm(rows))).collect();
+    let paired: Map<String, Value> = (PAIRS.iter())
+        .map(|(one, other)| {
+            let relative = of(one).iter().zip(of(other)).map(|(a, b)| rate(a) / rate(b).max(1e-9) - 1.0);
+            let interval = Interval::of(&relative.collect::<Vec<_>>());
+            let ci95 = interval.ci95.map(|(low, high)| [low, high]);
+            (format!("{one}-{other}"), json!({"relative": {"mean": interval.mean, "ci95": ci95}}))
+        })
+        .collect();
+    json!({"robots": robots, "arms": arms, "paired": paired})
+}
+
+/// Lines an hour.
+fn rate(row: &StationsRow) -> f64 {
+    row.lines as f64 / row.hours
+}
+
+fn arm(rows: &[StationsRow]) -> Value {
+    let sum = |of: fn(&StationsRow) -> u64| rows.iter().map(of).sum::<u64>();
+    let mean = |of: fn(&StationsRow) -> f64| rows.iter().map(of).sum::<f64>() / rows.len() as f64;
+    let share = |n: u64, of: u64| (of > 0).then(|| n as f64 / of as f64);
+    let lines = Summary::of(&rows.iter().map(rate).collect::<Vec<_>>());
+    let (all, visits) = (sum(|r| r.lines), sum(|r| r.visits));
+    let per_1000 = |n: u64, of: u64| 1000.0 * n as f64 / of.max(1) as f64;
+    let mut leads: Vec<f64> = rows.iter().flat_map(|r| r.warned_lead_s.iter().copied()).collect();
+    leads.sort_by(f64::total_cmp);
+    json!({
+        "lines_per_hour": {"mean": lines.mean, "sd": lines.sd},
+        "visits": visits,
+        "picker_idle": mean(|r| r.picker_idle),
+        "robot_wait_s": mean(|r| r.robot_wait_s),
+        "wrong": sum(|r| r.wrong),
+        "wrong_warned": share(sum(|r| r.wrong_warned), sum(|r| r.wrong)),
+        "warned_lead_s": {"p50": leads.get(leads.len() / 2)},
+        "wrong_totes": sum(|r| r.wrong_totes),
+        "wrong_totes_warned": share(sum(|r| r.wrong_totes_warned), sum(|r| r.wrong_totes)),
+        "wrong_confirmed_per_1000": per_1000(sum(|r| r.wrong_confirmed), all),
+        "false_warnings_per_1000": per_1000(sum(|r| r.false_warnings), all),
+        "dismissed_early_per_1000": per_1000(sum(|r| r.dismissed_early), visits),
+        "presses_per_1000": per_1000(sum(|r| r.presses), all),
+        "end_cov80": share(sum(|r| r.ends_held), sum(|r| r.ends)),
+    })
+}
+
+fn print(scenario: &Value) {
+    println!("{} robots", scenario["robots"]);
+    println!(
+        "{:8} {:>9} {:>6} {:>8} {:>6} {:>7} {:>6} {:>10} {:>9} {:>9} {:>8} {:>6}",
+        "flow",
+        "lines/h",
+        "idle",
+        "wait, s",
+        "wrong",
+        "warned",
+        "lead",
+        "confirmed",
+        "false",
+        "early",
+        "presses",
+        "cov80"
+    );
+    let n = |v: &Value, digits: usize| v.as_f64().map_or("–".to_owned(), |x| format!("{x:.digits$}"));
+    for (_, name) in FLOWS {
+        let a = &scenario["arms"][name];
+        println!(
+            "{:8} {:>9} {:>6} {:>8} {:>6} {:>7} {:>6} {:>10} {:>9} {:>9} {:>8} {:>6}",
+            name,
+            n(&a["lines_per_hour"]["mean"], 1),
+            n(&a["picker_idle"], 3),
+            n(&a["robot_wait_s"], 1),
+            n(&a["wrong"], 0),
+            n(&a["wrong_warned"], 2),
+            n(&a["warned_lead_s"]["p50"], 2),
+            n(&a["wrong_confirmed_per_1000"], 2),
+            n(&a["false_warnings_per_1000"], 2),
+            n(&a["dismissed_early_per_1000"], 2),
+            n(&a["presses_per_1000"], 0),
+            n(&a["end_cov80"], 3),
+        );
+    }
+    for (one, other) in PAIRS {
+        let relative = &scenario["paired"][format!("{one}-{other}")]["relative"];
+        let (low, high) = (&relative["ci95"][0], &relative["ci95"][1]);
+        println!("{one} - {other}: {} ({} to {})", n(&relative["mean"], 4), n(low, 4), n(high, 4));
+    }
+}

@@ -1,0 +1,255 @@
+//! What picking stations gain by knowing lines, hands and ends of visits: the same hour with each flow.
+//!
+//! Main types: [`StationsSetup`], [`StationsRow`]. Refuses: to compare runs of different seeds or seconds.
+
+use crate::cell::{Flow, LineOutcome, Lines};
+use crate::fleet::{Fact, Fleet, JobKind, JobState, Task};
+use crate::id::{Dense, JobId, StationId};
+use crate::sim::{FlowWord, Scenario, Simulation};
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+/// Lines that were confirmed so shortly before the end are not judged: pieces may be on their way.
+const UNSETTLED: Span = Span::from_secs(10);
+
+/// A scenario with picking stations, and its building.
+#[derive(Clone, Debug)]
+pub struct StationsSetup {
+    /// The building.
+    pub warehouse: Arc<Warehouse>,
+    /// What is simulated.
+    pub scenario: Scenario,
+}
+
+/// What came out of one run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StationsRow {
+    /// Simulated hours.
+    pub hours: f64,
+    /// Lines that were done or short.
+    pub lines: u64,
+    /// Visits that ended.
+    pub visits: u64,
+    /// Share of the time at stations in which people had nothing to pick.
+    pub picker_idle: f64,
+    /// How long robots with racks for stations stood per visit before somebody picked from them, seconds.
+    pub robot_wait_s: f64,
+    /// Reaches to wrong slots, and those of them that were warned of before the piece was out.
+    pub wrong: u64,
+    /// Those.
+    pub wrong_warned: u64,
+    /// How long before the hand was in, seconds.
+    pub warned_lead_s: Vec<f64>,
+    /// Pieces put into wrong totes, and those of them that were warned of.
+    pub wrong_totes: u64,
+    /// Those.
+    pub wrong_totes_warned: u64,
+    /// Lines that were confirmed though they were not so in the end.
+    pub wrong_confirmed: u64,
+    /// Warnings of what was right.
+    pub false_warnings: u64,
+    /// Racks that left while pieces were still to be taken.
+    pub dismissed_early: u64,
+    /// How often buttons were pressed.
+    pub presses: u64,
+    /// How often an expected end was compared with the true one, and how often that was between its 10 % and 90 %
+    /// quantiles.
+    pub ends: u64,
+    /// That often.
+    pub ends_held: u64,
+    /// Broken laws, and the first ones in words.
+    pub law_violations: u64,
+    /// The first ones.
+    pub broken: Vec<String>,
+}
+
+/// Lines and visits as facts tell of them.
+#[derive(Default)]
+struct Ledgered {
+    /// Lines of jobs that were accepted, at the station where the rack is wanted next.
+    lines: BTreeMap<JobId, (StationId, Vec<Lines>)>,
+    over: u64,
+    visits: u64,
+    /// Lines that were done, with how many pieces, and when.
+    done: BTreeMap<(JobId, usize), (u32, Time)>,
+    /// Expectations of the visit that is on: when the 10 % and 90 % quantiles are.
+    expected: BTreeMap<JobId, Vec<[Time; 2]>>,
+    ends: [u64; 2],
+    picking: BTreeSet<JobId>,
+}
+
+impl StationsSetup {
+    /// The scenario with so many robots and a flow.
+    ///
+    /// # Panics
+    /// If it has no stations to pick at.
+    pub fn scenario(&self, robots: usize, flow: FlowWord) -> Scenario {
+        let mut scenario = Scenario { robots, drain: Span::ZERO, ..self.scenario.clone() };
+        scenario.cells.as_mut().expect("a scenario of picking stations has cells").flow = flow;
+        scenario
+    }
+
+    /// One run.
+    pub fn run(&self, robots: usize, flow: FlowWord, seed: u64) -> StationsRow {
+        let scenario = self.scenario(robots, flow);
+        let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
+        let (mut seen, mut waits) = (Ledgered::default(), Span::ZERO);
+        while !sim.is_over() {
+            let now = sim.now();
+            let (_, step) = sim.step();
+            for fact in &step.facts {
+                seen.note(&sim.fleet, fact, now);
+            }
+            seen.expect(&sim.fleet, now);
+            waits += waiting(&sim.fleet, now, scenario.period);
+        }
+        let flow = Flow::from(flow);
+        seen.row(sim, flow, waits)
+    }
+}
+
+/// How long robots with racks for stations stood in this step, all together.
+fn waiting(fleet: &Fleet, now: Time, period: Span) -> Span {
+    let ledger = fleet.ledger();
+    let stands = |r: &crate::id::RobotId| {
+        matches!(ledger.robots[*r].task, Task::Deliver { .. })
+            && !fleet.is_picked_from(*r)
+            && fleet.telemetry(*r).is_some_and(|t| t.stands() && t.seen <= now)
+    };
+    let robots = (0..ledger.robots.len()).map(crate::id::RobotId::at);
+    Span(period.0 * robots.filter(stands).count() as i64)
+}
+
+impl Ledgered {
+    fn note(&mut self, fleet: &Fleet, fact: &Fact, now: Time) {
+        match fact {
+            Fact::Accepted { job, request, .. } => {
+                if let JobKind::Deliver { station, .. } = request.kind
+                    && !request.lines.is_empty()
+                {
+                    let lines = request.lines.iter().map(|l| Lines::new(l.iter().cloned())).collect();
+                    self.lines.insert(*job, (station, lines));
+                }
+            }
+            Fact::LineChanged { job, line, change, at } => {
+                let Some(lines) = self.lines.get_mut(job).and_then(|(_, all)| all.first_mut()) else {
+                    return;
+                };
+                if lines.change(*line, *change) != Ok(LineOutcome::Changed) {
+                    return;
+                }
+                let p = &lines.all()[*line];
+                self.over += u64::from(p.state.is_over());
+                if p.left() == 0 && p.pieces == p.line.quantity {
+                    self.done.insert((*job, *line), (p.pieces, *at));
+                } else {
+                    self.done.remove(&(*job, *line));
+                }
+                self.picking.insert(*job);
+            }
+            Fact::Progressed { job, state: JobState::Picking { .. }, .. } => {
+                self.picking.insert(*job);
+            }
+            Fact::Progressed { job, .. } | Fact::Served { job, .. } => {
+                self.end(*job, now);
+                if let (Fact::Served { .. }, Some((station, all))) = (fact, self.lines.get_mut(job)) {
+                    all.remove(0);
+                    let then = fleet.ledger().jobs.get(job).and_then(|j| j.request.kind.station());
+                    *station = then.unwrap_or(*station);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn end(&mut self, job: JobId, now: Time) {
+        let Some(expected) = self.expected.remove(&job) else { return };
+        self.visits += 1;
+        for [p10, p90] in expected {
+            self.ends[0] += 1;
+            self.ends[1] += u64::from((p10..=p90).contains(&now));
+        }
+        self.picking.remove(&job);
+    }
+
+    /// Notes what is expected of visits that have just begun, or one of whose lines has just changed.
+    fn expect(&mut self, fleet: &Fleet, now: Time) {
+        for job in std::mem::take(&mut self.picking) {
+            let Some((station, _)) = self.lines.get(&job) else { continue };
+            let is_on =
+                fleet.ledger().jobs.get(&job).is_some_and(|j| matches!(j.state, JobState::Picking { .. }));
+            if !is_on {
+                continue;
+            }
+            let all = self.expected.entry(job).or_default();
+            if let Some(left) = fleet.visit_left(*station, now) {
+                all.push([left.p10_s, left.p90_s].map(|s| now + Span::from_secs_f64(s)));
+            }
+        }
+    }
+
+    fn row(self, sim: Simulation, flow: Flow, waits: Span) -> StationsRow {
+        let now = sim.now();
+        let mut row = StationsRow {
+            hours: now.0 as f64 / 3.6e9,
+            lines: self.over,
+            visits: self.visits,
+            robot_wait_s: waits.as_secs_f64() / self.visits.max(1) as f64,
+            // Whoever is told the true end is not judged by it.
+            ends: if flow == Flow::Known { 0 } else { self.ends[0] },
+            ends_held: self.ends[1],
+            ..StationsRow::default()
+        };
+        let (mut there, mut idle) = (Span::ZERO, Span::ZERO);
+        let mut truth = BTreeMap::new();
+        for (_, figures, time) in sim.world.pickers().into_iter().flat_map(|p| p.figures()) {
+            (there, idle) = (there + time.there, idle + time.idle);
+            row.wrong += figures.wrong;
+            row.wrong_warned += figures.wrong_warned;
+            row.warned_lead_s.extend(&figures.warned_lead_s);
+            row.wrong_totes += figures.wrong_totes;
+            row.wrong_totes_warned += figures.wrong_totes_warned;
+            row.false_warnings += figures.false_warnings;
+            row.dismissed_early += figures.dismissed_early;
+            row.presses += figures.presses;
+            truth.extend(figures.lines.iter().map(|(line, true_line)| (*line, *true_line)));
+        }
+        row.picker_idle = idle.as_secs_f64() / there.as_secs_f64().max(1e-9);
+        let settled = self.done.iter().filter(|(_, (_, at))| now - *at > UNSETTLED);
+        let is_wrong = |(line, (pieces, _)): &(&(JobId, usize), &(u32, Time))| {
+            truth.get(*line).is_none_or(|t| t.right != *pieces || t.wrong > 0)
+        };
+        row.wrong_confirmed = settled.filter(is_wrong).count() as u64;
+        let outcome = sim.outcome();
+        (row.law_violations, row.broken) = (outcome.law_violations, outcome.broken);
+        row
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::warehouse::stations;
+
+    fn setup() -> StationsSetup {
+        let text = include_str!("../../scenarios/stations.json");
+        let mut scenario = Scenario::parse(text).unwrap();
+        scenario.duration = Span::from_secs(900);
+        StationsSetup { warehouse: Arc::new(stations()), scenario }
+    }
+
+    #[test]
+    fn every_flow_picks_lines_without_a_broken_law_and_one_seed_gives_one_row() {
+        for flow in [FlowWord::Usual, FlowWord::Counted, FlowWord::Hand, FlowWord::Seen, FlowWord::Known] {
+            let row = setup().run(14, flow, 3);
+            assert!(row.lines > 100, "{flow:?}: {row:?}");
+            assert_eq!(row.law_violations, 0, "{flow:?}: {:?}", row.broken);
+            if flow == FlowWord::Seen {
+                assert_eq!(row, setup().run(14, flow, 3));
+                assert!((row.presses as f64) < 0.3 * row.lines as f64, "hands confirm most lines: {row:?}");
+            }
+        }
+    }
+}

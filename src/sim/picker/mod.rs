@@ -1,0 +1,218 @@
+//! People who pick at work cells, as ground truth: arms, eyes and mistakes, and headsets that see some of it.
+//!
+//! Main types: [`Pickers`], [`SimPicker`], [`PickFigures`]. Refuses: to read anything of the fleet that is not on the
+//! screen of the station.
+
+pub mod path;
+pub mod person;
+pub mod watch;
+pub mod work;
+
+pub use person::{Screen, ShownLine, SimPicker};
+pub use work::{PickFigures, TrueLine};
+
+use super::customers::FIRST_TOKEN;
+use super::random::Stream;
+use super::scenario::Cells;
+use crate::cell::{Flow, LineChange, Lines, PickFace};
+use crate::fleet::{CellWarning, Fleet, Input, StationOrder};
+use crate::id::{JobId, RackId, RobotId, StationId};
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use std::collections::BTreeMap;
+use watch::HandWatch;
+
+/// Purposes of streams of random numbers.
+const PERSON: u64 = 61;
+const WATCH: u64 = 62;
+/// What pickers say carries a token of its own.
+const TOKEN: u64 = FIRST_TOKEN | 1 << 58;
+/// Steps in which the rest of a visit is foreseen, and how far at most.
+const FORESEEN: Span = Span::from_millis(20);
+const FARTHEST: Span = Span::from_secs(1200);
+
+/// A robot that truly stands at a station with a rack.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing {
+    /// The robot.
+    pub robot: RobotId,
+    /// The rack on it.
+    pub rack: RackId,
+}
+
+/// A person at a station.
+#[derive(Debug)]
+struct Stand {
+    station: StationId,
+    picker: SimPicker,
+    watch: HandWatch,
+    /// The visit that was on when it was looked at last.
+    visit: Option<JobId>,
+    idle: Span,
+    there: Span,
+}
+
+/// Everybody who picks.
+#[derive(Debug)]
+pub struct Pickers {
+    all: Vec<Stand>,
+    flow: Flow,
+}
+
+/// How long somebody was at a station, and how long with nothing to pick.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PickerTime {
+    /// At the station.
+    pub there: Span,
+    /// Of that, with nothing to pick.
+    pub idle: Span,
+}
+
+impl Pickers {
+    /// The people of a scenario. Stations whose racks have no types get none.
+    pub(super) fn new(warehouse: &Warehouse, cells: &Cells, seed: u64, now: Time) -> Pickers {
+        let flow = Flow::from(cells.flow);
+        let stand = |(i, habits): (usize, super::PickerHabits)| {
+            let (station, place) = warehouse.stations.pairs().find(|(_, s)| s.name == habits.station)?;
+            let rack_type = warehouse.rack_types.iter().next()?;
+            let face = PickFace::new(place.cell.as_ref()?, warehouse.nodes[place.node].at, rack_type);
+            let random = Stream::new(seed, PERSON, i as u64);
+            let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
+            let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
+            Some(Stand { station, picker, watch, visit: None, idle: Span::ZERO, there: Span::ZERO })
+        };
+        let all = cells.pickers_in(warehouse).into_iter().enumerate().filter_map(stand).collect();
+        Pickers { all, flow }
+    }
+
+    /// Everybody lives from `from` to `to`. `standing` says which robot truly stands at a station with its rack.
+    pub(super) fn advance(
+        &mut self,
+        (from, to): (Time, Time),
+        standing: &BTreeMap<StationId, Standing>,
+        fleet: &Fleet,
+    ) -> Vec<Input> {
+        let mut inputs = Vec::new();
+        for (i, stand) in self.all.iter_mut().enumerate() {
+            let here = standing.get(&stand.station).filter(|s| fleet.is_picked_from(s.robot));
+            let screen = screen(fleet, stand.station, here);
+            let visit = screen.lit.map(|line| line.job);
+            if visit.is_some() && visit != stand.visit {
+                stand.visit = visit;
+                if let Some(face) = here.and_then(|h| face_of(fleet.warehouse(), stand.station, h.rack)) {
+                    stand.picker.turn_to(face);
+                }
+                if self.flow == Flow::Known {
+                    inputs.extend(stand.foresee(to, fleet));
+                }
+            }
+            let said = stand.live((from, to), &screen, (i as u32, self.flow.hears_hands()));
+            let station = stand.station;
+            inputs.extend(said.into_iter().map(|order| Input::Station { token: TOKEN, station, order }));
+            inputs.extend(stand.watch.come(to).into_iter().map(Input::Hands));
+        }
+        inputs
+    }
+
+    /// Somebody is warned.
+    pub(super) fn warn(&mut self, now: Time, warning: &CellWarning) {
+        if let Some(stand) = self.all.iter_mut().find(|s| s.station == warning.station) {
+            stand.picker.warn(now, warning.wrong);
+        }
+    }
+
+    /// Stations in whose opening or rack somebody's hand is.
+    pub(super) fn hands_inside(&self, now: Time) -> impl Iterator<Item = StationId> {
+        self.all.iter().filter(move |s| s.picker.is_inside(now)).map(|s| s.station)
+    }
+
+    /// What truly happened at each station, with how long somebody was there.
+    pub fn figures(&self) -> impl Iterator<Item = (StationId, &PickFigures, PickerTime)> {
+        let time = |s: &Stand| PickerTime { there: s.there, idle: s.idle };
+        self.all.iter().map(move |s| (s.station, &s.picker.figures, time(s)))
+    }
+}
+
+impl Stand {
+    /// Gives what the person says.
+    fn live(
+        &mut self,
+        (from, to): (Time, Time),
+        screen: &Screen,
+        (person, is_watched): (u32, bool),
+    ) -> Vec<StationOrder> {
+        if !self.picker.is_away() {
+            self.there += to - from;
+            if self.picker.is_idle() && screen.lit.is_none() {
+                self.idle += to - from;
+            }
+        }
+        let mut said = Vec::new();
+        while is_watched && self.watch.next() <= to {
+            let at = self.watch.next();
+            said.extend(self.picker.advance(at, screen));
+            if self.picker.is_away() {
+                self.watch.pass();
+                continue;
+            }
+            let (face, truth) = (self.picker.face().clone(), self.picker.truth(at));
+            self.watch.look((self.station, person), &face, &truth);
+        }
+        said.extend(self.picker.advance(to, screen));
+        said.into_iter().map(|(_, order)| order).collect()
+    }
+
+    /// When the hand will be out for the last time, if everything that the person does is confirmed at once.
+    fn foresee(&self, now: Time, fleet: &Fleet) -> Option<Input> {
+        let job = self.visit?;
+        let lines = fleet.ledger().jobs.get(&job)?.lines_now()?.clone();
+        let totes = fleet.warehouse().stations[self.station].cell.as_ref()?;
+        let tote = |name: &str| totes.totes.iter().position(|t| t.name == name);
+        let (mut picker, mut lines, mut at) = (self.picker.clone(), lines, now);
+        let mut out = now;
+        while at < now + FARTHEST && !lines.are_over() {
+            at += FORESEEN;
+            let lit = shown(job, &lines, &tote);
+            let said = picker.advance(at, &Screen { lit, last: None, is_here: true });
+            for (_, order) in said {
+                if let StationOrder::Line(n, change) = order {
+                    let _ = lines.change(n, change);
+                }
+            }
+            out = if picker.is_inside(at) { at } else { out };
+            let (Some(lit), Some(done)) = (lit, picker.pieces_put()) else { continue };
+            if done.0 == (job, lit.n) && done.1 > lines.all()[lit.n].pieces {
+                let _ = lines.change(lit.n, LineChange::Done(done.1 - lines.all()[lit.n].pieces));
+            }
+        }
+        Some(Input::VisitEnds { station: self.station, at: out })
+    }
+}
+
+/// What the screen of a station shows.
+fn screen(fleet: &Fleet, station: StationId, here: Option<&Standing>) -> Screen {
+    let ledger = fleet.ledger();
+    let cell = fleet.warehouse().stations[station].cell.as_ref();
+    let tote = |name: &str| cell?.totes.iter().position(|t| t.name == name);
+    let is_paused = ledger.paused_stations.contains_key(&station);
+    let job = here.filter(|_| !is_paused).and_then(|h| ledger.robots[h.robot].task.job());
+    let visit = job.and_then(|id| Some((id, ledger.jobs.get(&id)?.lines_now()?)));
+    Screen {
+        lit: visit.and_then(|(id, lines)| shown(id, lines, &tote)),
+        last: ledger.unconfirmed.get(&station).and_then(|u| shown(u.job, &u.lines, &tote)),
+        is_here: here.is_some(),
+    }
+}
+
+/// The lit line of a visit.
+fn shown(job: JobId, lines: &Lines, tote: &impl Fn(&str) -> Option<usize>) -> Option<ShownLine> {
+    let n = lines.lit()?;
+    let p = &lines.all()[n];
+    Some(ShownLine { job, n, slot: p.line.slot, tote: tote(&p.line.tote)?, left: p.left() })
+}
+
+fn face_of(warehouse: &Warehouse, station: StationId, rack: RackId) -> Option<PickFace> {
+    let place = &warehouse.stations[station];
+    let rack_type = &warehouse.rack_types[warehouse.racks[rack].rack_type?];
+    Some(PickFace::new(place.cell.as_ref()?, warehouse.nodes[place.node].at, rack_type))
+}

@@ -1,0 +1,176 @@
+//! What truly becomes of a line that a simulated person picks.
+//!
+//! Main types: [`Work`] (the line in hand), [`PickFigures`] (the truth about all of them). Refuses: to ask the fleet.
+
+use super::person::ShownLine;
+use crate::fleet::WrongReach;
+use crate::id::JobId;
+use crate::time::Time;
+use crate::warehouse::SlotName;
+use std::collections::BTreeMap;
+
+/// A line that is picked.
+#[derive(Clone, Debug)]
+pub struct Work {
+    /// As it was on the screen when it began.
+    pub line: ShownLine,
+    /// Whether both hands pick.
+    pub both_hands: bool,
+    /// Where the hand goes.
+    pub aims_at: SlotName,
+    /// When it was in a slot.
+    pub hand_in: Option<Time>,
+    /// The tote where a piece was put last that belongs elsewhere.
+    pub misplaced: Option<usize>,
+    /// When a warning about the present reach came.
+    warned: Option<Time>,
+    is_missing: bool,
+    in_hand: u32,
+    /// Whether these are of a wrong slot.
+    is_wrong: bool,
+    put: u32,
+}
+
+/// What is truly in totes for a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TrueLine {
+    /// Right pieces in the right tote.
+    pub right: u32,
+    /// Wrong pieces, or pieces in a wrong tote.
+    pub wrong: u32,
+}
+
+/// What truly happened at one station.
+#[derive(Clone, Debug, Default)]
+pub struct PickFigures {
+    /// Lines that were picked, with what is in the totes.
+    pub lines: BTreeMap<(JobId, usize), TrueLine>,
+    /// The line whose pieces were all put down last, as long as nothing else was begun.
+    pub finished: Option<Work>,
+    /// Reaches to a wrong slot, and those of them that were warned of before the piece was out.
+    pub wrong: u64,
+    /// Those of them.
+    pub wrong_warned: u64,
+    /// How long before the hand was in a wrong slot the warning came, seconds; less than 0 after it.
+    pub warned_lead_s: Vec<f64>,
+    /// Pieces put into a wrong tote, and those of them that were warned of.
+    pub wrong_totes: u64,
+    /// Those of them.
+    pub wrong_totes_warned: u64,
+    /// Warnings of what was right.
+    pub false_warnings: u64,
+    /// Racks that left while pieces were still to be taken from them.
+    pub dismissed_early: u64,
+    /// How often a button was pressed.
+    pub presses: u64,
+}
+
+impl Work {
+    /// A line that is begun. `is_missing` says whether its slot has one piece too few.
+    pub fn new(line: ShownLine, is_missing: bool, both_hands: bool) -> Work {
+        Work {
+            aims_at: line.slot,
+            line,
+            both_hands,
+            hand_in: None,
+            misplaced: None,
+            warned: None,
+            is_missing,
+            in_hand: 0,
+            is_wrong: false,
+            put: 0,
+        }
+    }
+
+    /// Whether the slot has no more pieces.
+    pub fn finds_nothing(&self) -> bool {
+        self.is_missing && self.aims_at == self.line.slot && self.put + 1 == self.line.left
+    }
+
+    /// Takes what the hands can hold.
+    pub fn grasp(&mut self) {
+        let left = self.line.left - self.put - u32::from(self.is_missing);
+        self.in_hand = if self.both_hands { left.clamp(1, 2) } else { 1 };
+        self.is_wrong = self.aims_at != self.line.slot;
+    }
+
+    /// What is in the hands goes back.
+    pub fn drop_pieces(&mut self) {
+        (self.in_hand, self.is_wrong) = (0, false);
+    }
+
+    /// How many pieces are put down.
+    pub fn put(&self) -> u32 {
+        self.put
+    }
+
+    /// Whether all pieces are put down, as far as the person knows.
+    pub fn is_filled(&self) -> bool {
+        self.put >= self.line.left
+    }
+}
+
+impl PickFigures {
+    /// A reach to a wrong slot begins.
+    pub fn begin_wrong(&mut self, work: &mut Work) {
+        (work.warned, work.hand_in) = (None, None);
+        self.wrong += 1;
+    }
+
+    /// A warning came.
+    pub fn note_warning(&mut self, wrong: WrongReach, is_right: bool, work: Option<&mut Work>, now: Time) {
+        match (wrong, work) {
+            _ if !is_right => self.false_warnings += 1,
+            (WrongReach::Slot(_), Some(work)) if work.aims_at != work.line.slot && work.in_hand == 0 => {
+                if work.warned.is_none() {
+                    self.wrong_warned += 1;
+                }
+                work.warned = work.warned.or(Some(now));
+            }
+            (WrongReach::Slot(_), _) => {}
+            (WrongReach::Tote(_), _) => self.wrong_totes_warned += 1,
+        }
+    }
+
+    /// Whether the piece put down last for a line went into a wrong tote.
+    pub fn is_wrong_tote(&self, work: Option<&Work>, claim: Option<(JobId, usize)>) -> bool {
+        let of = |w: &Work| w.misplaced.is_some();
+        let done = self.finished.as_ref().filter(|w| claim == Some((w.line.job, w.line.n)));
+        work.is_some_and(of) || done.is_some_and(of)
+    }
+
+    /// Pieces are out of the rack.
+    pub fn came_out(&mut self, work: &mut Work, at: Time) {
+        if work.aims_at != work.line.slot {
+            self.note_lead_of(work, work.hand_in.unwrap_or(at));
+        }
+        work.hand_in = None;
+    }
+
+    /// How long before a hand was, or would have been, in a wrong slot a warning came, if one came.
+    pub fn note_lead_of(&mut self, work: &mut Work, hand_in: Time) {
+        self.warned_lead_s.extend(work.warned.take().map(|warned| (hand_in - warned).as_secs_f64()));
+    }
+
+    /// Pieces are put into a tote.
+    pub fn put(&mut self, work: &mut Work, tote: usize) {
+        let line = self.lines.entry((work.line.job, work.line.n)).or_default();
+        let is_right = !work.is_wrong && tote == work.line.tote;
+        *(if is_right { &mut line.right } else { &mut line.wrong }) += work.in_hand;
+        work.put += work.in_hand;
+        work.both_hands &= work.put + 1 < work.line.left;
+        work.misplaced = (tote != work.line.tote).then_some(tote);
+        self.wrong_totes += u64::from(work.misplaced.is_some());
+        work.in_hand = 0;
+        self.finished = None;
+    }
+
+    /// A piece is taken out of a wrong tote again.
+    pub fn take_up(&mut self, work: &mut Work, from: usize) {
+        if work.misplaced == Some(from) {
+            let line = self.lines.entry((work.line.job, work.line.n)).or_default();
+            line.wrong = line.wrong.saturating_sub(1);
+            (work.in_hand, work.put, work.misplaced) = (1, work.put - 1, None);
+        }
+    }
+}

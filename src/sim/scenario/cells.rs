@@ -1,0 +1,338 @@
+//! The part of a scenario that is about picking stations: what is ordered there, who picks, and how hands are seen.
+//!
+//! Main types: [`Cells`], [`PickerHabits`], [`HandSensor`]. Refuses: shares, rates and stations that cannot be.
+
+use super::check::{ScenarioError, check};
+use crate::cell::Flow;
+use crate::warehouse::Warehouse;
+use serde::Deserialize;
+
+/// Picking stations.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Cells {
+    /// What the fleet makes of lines and hands.
+    pub flow: FlowWord,
+    /// Order lines of customers' deliveries to stations with a cell.
+    pub lines: LineDemand,
+    /// Stations whose arm works.
+    pub arms: Vec<String>,
+    /// Who picks; one usual person at each station with a cell where absent, nobody where empty.
+    pub pickers: Option<Vec<PickerHabits>>,
+    /// How hands are seen.
+    pub sensor: HandSensor,
+}
+
+/// [`Flow`] as files name it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FlowWord {
+    /// The station's time, and a button for each line.
+    Usual,
+    /// Lines at the learned pace, and a button.
+    Counted,
+    /// Confirmed by the hand.
+    Hand,
+    /// The rack leaves at the last grasp.
+    #[default]
+    Seen,
+    /// Told every true end.
+    Known,
+}
+
+impl From<FlowWord> for Flow {
+    fn from(word: FlowWord) -> Flow {
+        match word {
+            FlowWord::Usual => Flow::Usual,
+            FlowWord::Counted => Flow::Counted,
+            FlowWord::Hand => Flow::Hand,
+            FlowWord::Seen => Flow::Seen,
+            FlowWord::Known => Flow::Known,
+        }
+    }
+}
+
+/// What is ordered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LineDemand {
+    /// Fewest and most lines of a visit, all numbers equally often.
+    pub per_visit: [u32; 2],
+    /// Fewest and most pieces of a line.
+    pub quantity: [u32; 2],
+}
+
+/// A person who picks.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct PickerHabits {
+    /// Where.
+    pub station: String,
+    /// How long movements take, relative to usual people.
+    pub pace: f64,
+    /// The hand that picks.
+    pub hand: Side,
+    /// Body height, metres.
+    pub height_m: f64,
+    /// How long the eyes search before the first reach of a line, seconds.
+    pub looks_first_s: f64,
+    /// Share of reaches before which the eyes wander first, for as long again.
+    pub wanders: f64,
+    /// Share of reaches to a wrong slot.
+    pub mispick: f64,
+    /// Share of pieces that go to a wrong tote.
+    pub mistote: f64,
+    /// Share of reaches that begin towards another slot.
+    pub changes_mind: f64,
+    /// How long the hand is in a slot before it has a piece, seconds, in the median.
+    pub rummage_s: f64,
+    /// Share of lines of several pieces that both hands pick.
+    pub both_hands: f64,
+    /// How much hands shake, metres.
+    pub tremor_m: f64,
+    /// Share of lines of which a piece is missing.
+    pub missing: f64,
+    /// How often an hour the person goes away.
+    pub away_per_hour: f64,
+    /// For how long in the mean, seconds.
+    pub away_s: f64,
+}
+
+/// A hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Side {
+    /// The left one.
+    Left,
+    /// The right one.
+    #[default]
+    Right,
+}
+
+/// How a headset sees hands. Faults act on the measurement only.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HandSensor {
+    /// Observations a second.
+    pub rate_hz: f64,
+    /// One standard deviation of each coordinate, metres.
+    pub sigma_m: f64,
+    /// How late they come, milliseconds.
+    pub delay_ms: f64,
+    /// One standard deviation of that, milliseconds.
+    pub jitter_ms: f64,
+    /// Width and height of the field of view, degrees.
+    pub view_deg: [f64; 2],
+    /// Share of observations that do not come.
+    pub loss: f64,
+    /// How often an hour left and right are taken for one another, for half a second.
+    pub swaps_per_hour: f64,
+    /// How often an hour a hand is seen elsewhere, for a tenth of a second.
+    pub jumps_per_hour: f64,
+    /// What is known of where the eyes look.
+    pub gaze: GazeKind,
+}
+
+/// What a headset knows of where the eyes look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GazeKind {
+    /// Nothing.
+    None,
+    /// Where the head faces.
+    #[default]
+    Head,
+    /// Where the eyes look.
+    Eyes,
+}
+
+impl Default for Cells {
+    fn default() -> Cells {
+        Cells {
+            flow: FlowWord::default(),
+            lines: LineDemand::default(),
+            arms: Vec::new(),
+            pickers: None,
+            sensor: HandSensor::default(),
+        }
+    }
+}
+
+impl Default for LineDemand {
+    fn default() -> LineDemand {
+        LineDemand { per_visit: [1, 5], quantity: [1, 3] }
+    }
+}
+
+impl Default for PickerHabits {
+    fn default() -> PickerHabits {
+        PickerHabits {
+            station: String::new(),
+            pace: 1.0,
+            hand: Side::Right,
+            height_m: 1.75,
+            looks_first_s: 0.3,
+            wanders: 0.2,
+            mispick: 0.01,
+            mistote: 0.005,
+            changes_mind: 0.03,
+            rummage_s: 0.8,
+            both_hands: 0.1,
+            tremor_m: 0.003,
+            missing: 0.02,
+            away_per_hour: 4.0,
+            away_s: 60.0,
+        }
+    }
+}
+
+impl Default for HandSensor {
+    fn default() -> HandSensor {
+        HandSensor {
+            rate_hz: 60.0,
+            sigma_m: 0.006,
+            delay_ms: 40.0,
+            jitter_ms: 10.0,
+            view_deg: [86.0, 70.0],
+            loss: 0.02,
+            swaps_per_hour: 4.0,
+            jumps_per_hour: 10.0,
+            gaze: GazeKind::Head,
+        }
+    }
+}
+
+impl Cells {
+    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+        for (key, [low, high], most) in [
+            ("cells.lines.per_visit", self.lines.per_visit, 20),
+            ("cells.lines.quantity", self.lines.quantity, 100),
+        ] {
+            if low == 0 || low > high || high > most {
+                let message = format!("[{low}, {high}]: give the fewest and the most, from 1 to {most}");
+                return Err(ScenarioError::Wrong { key, message });
+            }
+        }
+        let pickers = self.pickers.iter().flatten();
+        pickers.enumerate().try_for_each(|(i, picker)| picker.check(&format!("cells.pickers[{i}]")))?;
+        self.sensor.check()
+    }
+
+    /// Whether the stations that are named are in the building, have what is said of them, and are named once.
+    ///
+    /// # Errors
+    /// Which is not so.
+    pub fn check_stations(&self, warehouse: &Warehouse) -> Result<(), ScenarioError> {
+        let station = |name: &str| warehouse.stations.iter().find(|s| s.name == name);
+        let wrong = |key, message| Err(ScenarioError::Wrong { key, message });
+        let mut seen: Vec<&str> = Vec::new();
+        for PickerHabits { station: name, .. } in self.pickers.iter().flatten() {
+            if station(name).is_none_or(|s| s.cell.is_none()) {
+                return wrong("cells.pickers", format!("the map has no station {name:?} with a cell"));
+            }
+            if seen.contains(&name.as_str()) {
+                return wrong("cells.pickers", format!("two people pick at {name}: name one"));
+            }
+            seen.push(name);
+        }
+        for name in &self.arms {
+            if station(name).and_then(|s| s.cell.as_ref()).is_none_or(|c| c.arm.is_none()) {
+                return wrong("cells.arms", format!("the map has no station {name:?} with an arm"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Who picks in a building.
+    pub fn pickers_in(&self, warehouse: &Warehouse) -> Vec<PickerHabits> {
+        let usual = |name: &String| PickerHabits { station: name.clone(), ..PickerHabits::default() };
+        let cells = || warehouse.stations.iter().filter(|s| s.cell.is_some()).map(|s| usual(&s.name));
+        self.pickers.clone().unwrap_or_else(|| cells().collect())
+    }
+}
+
+impl PickerHabits {
+    fn check(&self, of: &str) -> Result<(), ScenarioError> {
+        for (key, share) in [
+            ("wanders", self.wanders),
+            ("mispick", self.mispick),
+            ("mistote", self.mistote),
+            ("changes_mind", self.changes_mind),
+            ("both_hands", self.both_hands),
+            ("missing", self.missing),
+        ] {
+            check(&format!("{of}.{key}"), share, 0.0..=1.0, "from 0 to 1")?;
+        }
+        check(&format!("{of}.pace"), self.pace, 0.3..=4.0, "from 0.3 to 4")?;
+        check(&format!("{of}.height_m"), self.height_m, 1.2..=2.2, "from 1.2 to 2.2")?;
+        check(&format!("{of}.looks_first_s"), self.looks_first_s, 0.0..=10.0, "from 0 to 10")?;
+        check(&format!("{of}.rummage_s"), self.rummage_s, 0.2..=30.0, "from 0.2 to 30")?;
+        check(&format!("{of}.tremor_m"), self.tremor_m, 0.0..=0.05, "from 0 to 0.05")?;
+        check(&format!("{of}.away_per_hour"), self.away_per_hour, 0.0..=60.0, "from 0 to 60")?;
+        check(&format!("{of}.away_s"), self.away_s, 1.0..=3600.0, "from 1 to 3600")
+    }
+}
+
+impl HandSensor {
+    fn check(&self) -> Result<(), ScenarioError> {
+        check("cells.sensor.rate_hz", self.rate_hz, 1.0..=240.0, "from 1 to 240")?;
+        check("cells.sensor.sigma_m", self.sigma_m, 0.0..=0.2, "from 0 to 0.2")?;
+        check("cells.sensor.delay_ms", self.delay_ms, 0.0..=2000.0, "from 0 to 2000")?;
+        check("cells.sensor.jitter_ms", self.jitter_ms, 0.0..=1000.0, "from 0 to 1000")?;
+        for view in self.view_deg {
+            check("cells.sensor.view_deg", view, 1.0..=360.0, "from 1 to 360")?;
+        }
+        check("cells.sensor.loss", self.loss, 0.0..=1.0, "from 0 to 1")?;
+        check("cells.sensor.swaps_per_hour", self.swaps_per_hour, 0.0..=3600.0, "from 0 to 3600")?;
+        check("cells.sensor.jumps_per_hour", self.jumps_per_hour, 0.0..=3600.0, "from 0 to 3600")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Scenario;
+    use super::*;
+    use crate::warehouse::{lab, stations};
+
+    fn scenario(cells: &str) -> Result<Scenario, String> {
+        let text = format!(
+            r#"{{"giveway_scenario": 1, "name": "x", "map": "m.json", "robots": 2, "cells": {cells}}}"#
+        );
+        Scenario::parse(&text).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn every_part_may_be_left_out_and_then_usual_people_pick_at_every_cell() {
+        let cells = scenario("{}").unwrap().cells.unwrap();
+        assert_eq!((cells.flow, cells.lines.per_visit), (FlowWord::Seen, [1, 5]));
+        let at = |w: &Warehouse| cells.pickers_in(w).into_iter().map(|p| p.station).collect::<Vec<_>>();
+        assert_eq!(at(&stations()), ["S1", "S2", "S3", "S4"]);
+        assert!(at(&lab()).is_empty(), "its stations are no cells");
+        let nobody = scenario(r#"{"pickers": []}"#).unwrap().cells.unwrap();
+        assert!(nobody.pickers_in(&stations()).is_empty());
+    }
+
+    #[test]
+    fn what_cannot_be_is_refused_with_its_key() {
+        let refused = |cells: &str| scenario(cells).unwrap_err();
+        assert_eq!(
+            refused(r#"{"pickers": [{"station": "S1"}, {"station": "S2", "mispick": 2}]}"#),
+            "`cells.pickers[1].mispick` is 2, but must be from 0 to 1"
+        );
+        assert!(refused(r#"{"lines": {"per_visit": [3, 1]}}"#).contains("cells.lines.per_visit"));
+        assert!(refused(r#"{"sensor": {"rate_hz": 0}}"#).contains("cells.sensor.rate_hz"));
+        assert!(refused(r#"{"flow": "guess"}"#).contains("guess"));
+        assert!(refused(r#"{"picker": []}"#).contains("picker"));
+    }
+
+    #[test]
+    fn stations_that_are_no_cells_have_no_arm_or_are_named_twice_are_refused() {
+        let wrong = |cells: &str| {
+            let cells = scenario(cells).unwrap().cells.unwrap();
+            cells.check_stations(&stations()).unwrap_err().to_string()
+        };
+        assert!(wrong(r#"{"pickers": [{"station": "S9"}]}"#).contains("S9"));
+        assert!(wrong(r#"{"pickers": [{"station": "S1"}, {"station": "S1"}]}"#).contains("two people"));
+        assert!(wrong(r#"{"arms": ["S3"]}"#).contains("S3"));
+    }
+}
