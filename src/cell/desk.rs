@@ -3,7 +3,7 @@
 //! Main types: [`Desk`], [`DeskEvent`]. Refuses: hands of two persons at once, and to confirm anything by guessing.
 
 use super::aim::aims_wrong;
-use super::face::PickFace;
+use super::face::{FacePlace, PickFace};
 use super::follow::{HandEvent, HandFollower, Held};
 use super::hands::HandsSeen;
 use crate::time::{Span, Time};
@@ -12,6 +12,8 @@ use smallvec::SmallVec;
 
 /// Hands that were not seen for so long are not known of.
 const STALE: Span = Span::from_secs(1);
+/// A hand is expected where it will be after so long if it goes on as it does, seconds.
+const SOON_S: f64 = 0.3;
 /// For so long after two persons' hands were seen nothing is confirmed by hand.
 const ALONE: Span = Span::from_secs(2);
 
@@ -36,6 +38,8 @@ pub struct Desk {
     crowded_until: Option<Time>,
     /// Pieces that were put into totes, with their slots, since the rack came: they may be taken out again.
     placed: SmallVec<[(usize, SlotName); 8]>,
+    /// For each hand the tote and the slot of the piece that it put where it does not belong, until it grasps again.
+    strayed: [Option<(usize, SlotName)>; 2],
     /// For each hand the slot that was warned of while it goes there.
     warned: [Option<SlotName>; 2],
 }
@@ -46,12 +50,12 @@ impl Desk {
         self.placed.clear();
     }
 
-    /// Takes in hands, with the slot that is lit. Gives what happened, in order. Observations that come out of order
+    /// Takes in hands, with the slot and the tote that are lit. Gives what happened, in order. Observations that come out of order
     /// are dropped.
     pub fn see(
         &mut self,
         face: &PickFace,
-        lit: Option<SlotName>,
+        lit: Option<(SlotName, usize)>,
         seen: &HandsSeen,
     ) -> SmallVec<[DeskEvent; 4]> {
         let mut events = SmallVec::new();
@@ -71,25 +75,39 @@ impl Desk {
         }
         for (i, grip) in grips.into_iter().enumerate() {
             let Some(at) = grip else { continue };
-            if let Some(event) = self.hands[i].see(face, at, seen.seen).and_then(|e| self.took(i, e)) {
+            if let Some(event) = self.hands[i].see(face, at, seen.seen).and_then(|e| self.took(i, e, lit)) {
                 events.extend(Some(event).filter(|_| is_alone));
             }
-            let aims = lit.filter(|_| is_alone).and_then(|lit| self.aims(face, i, lit));
+            let aims = lit.filter(|_| is_alone).and_then(|(slot, _)| self.aims(face, i, slot));
             events.extend(aims.map(DeskEvent::AimsAt));
         }
         events
     }
 
-    /// What a hand's deed means. A hand that stops in a tote where pieces were put may have taken one out again.
-    fn took(&mut self, hand: usize, event: HandEvent) -> Option<DeskEvent> {
+    /// What a hand's deed means. A hand that stops in a tote where pieces were put may have taken one out again; one that
+    /// comes from a wrong tote to the lit one brings what it had there.
+    fn took(&mut self, hand: usize, event: HandEvent, lit: Option<(SlotName, usize)>) -> Option<DeskEvent> {
         match event {
-            HandEvent::Grasped(slot) => Some(DeskEvent::Grasped(slot)),
+            HandEvent::Grasped(slot) => {
+                self.strayed[hand] = None;
+                Some(DeskEvent::Grasped(slot))
+            }
             HandEvent::Placed { from, tote, sure } => {
                 self.placed.push((tote, from));
+                let is_wrong = lit.is_none_or(|(_, wanted)| wanted != tote);
+                self.strayed[hand] = is_wrong.then_some((tote, from));
                 sure.then_some(DeskEvent::Placed(from, tote))
             }
             HandEvent::Searched(tote) => {
-                let last = self.placed.iter().rposition(|(t, _)| *t == tote)?;
+                let of = |tote: usize| move |(t, _): &(usize, SlotName)| *t == tote;
+                if let Some((there, from)) = self.strayed[hand].filter(|(there, _)| *there != tote) {
+                    let last = self.placed.iter().rposition(of(there))?;
+                    self.placed.remove(last);
+                    self.placed.push((tote, from));
+                    self.strayed[hand] = None;
+                    return Some(DeskEvent::Placed(from, tote));
+                }
+                let last = self.placed.iter().rposition(of(tote))?;
                 let (_, from) = self.placed.remove(last);
                 self.hands[hand].take_up(from);
                 None
@@ -98,10 +116,10 @@ impl Desk {
     }
 
     /// Whether left and right have changed places since they were seen last.
-    fn are_swapped(&self, grips: &[Option<super::face::FacePlace>; 2], seen: Time) -> bool {
-        let (&[Some(a), Some(b)], [one, other]) = (grips, &self.hands) else { return false };
-        let straight = one.can_be_at(a, seen) && other.can_be_at(b, seen);
-        !straight && one.can_be_at(b, seen) && other.can_be_at(a, seen)
+    fn are_swapped(&self, grips: &[Option<FacePlace>; 2], seen: Time) -> bool {
+        let can = |hand: usize, at: Option<FacePlace>| at.is_none_or(|at| self.hands[hand].can_be_at(at, seen));
+        let [a, b] = *grips;
+        !(can(0, a) && can(1, b)) && can(0, b) && can(1, a)
     }
 
     /// The wrong slot to which a hand goes, once for each reach.
@@ -121,6 +139,11 @@ impl Desk {
         Some(slot)
     }
 
+    /// The tote in which a piece lies that belongs elsewhere, as long as the hand that put it there has not grasped again.
+    pub fn strayed(&self) -> Option<usize> {
+        self.strayed.iter().flatten().map(|(tote, _)| *tote).next()
+    }
+
     /// How many pieces from a slot are in hands that were seen all the time since.
     pub fn in_hand(&self, slot: SlotName) -> u32 {
         let of = |held: Held| held.sure && held.from == slot;
@@ -130,6 +153,17 @@ impl Desk {
     /// Whether hands were seen within the last second.
     pub fn sees(&self, now: Time) -> bool {
         self.person.is_some_and(|(_, at)| now - at < STALE)
+    }
+
+    /// Whether a hand is in the opening or beyond it, or will be there in a moment, as far as hands are seen.
+    pub fn comes_inside(&self, face: &PickFace, now: Time) -> bool {
+        let comes = |h: &HandFollower| {
+            h.last().is_some_and(|(seen, at)| {
+                let soon = at + h.velocity() * SOON_S;
+                now - seen < STALE && (face.is_inside(at) || face.is_inside(soon))
+            })
+        };
+        self.hands.iter().any(comes)
     }
 
     /// Whether a hand is in the opening or beyond it, as far as hands are seen.

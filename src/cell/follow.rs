@@ -9,10 +9,13 @@ use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
 
 /// No hand is faster than this, metres per second; and measurement errs by so much, metres.
-const FASTEST_MPS: f64 = 5.0;
+const FASTEST_MPS: f64 = 3.5;
 const ERR_M: f64 = 0.05;
-/// After a gap of this length nobody knows what the hand did meanwhile.
-const GAP: Span = Span::from_millis(250);
+/// After a gap of this length nobody knows what the hand did meanwhile; in a shorter one it cannot have been in another
+/// slot or tote and back.
+const GAP: Span = Span::from_millis(450);
+/// After a gap of this length its velocity is not known.
+const STEADY: Span = Span::from_millis(120);
 /// A hand that has been in a slot for less than this has passed through and grasped nothing.
 const GRASP: Span = Span::from_millis(150);
 /// A hand this slow in a tote puts down what it holds, metres per second.
@@ -108,8 +111,9 @@ impl HandFollower {
         let gap = self.last.map_or(GAP, |(then, _)| seen - then);
         let seconds = gap.as_secs_f64().max(1e-3);
         if let Some((_, before)) = self.last.filter(|_| gap < GAP) {
-            let share = (seconds / (seconds + SMOOTH_S)).min(1.0);
-            self.velocity += ((at - before) / seconds - self.velocity) * share;
+            let moved = (at - before) / seconds;
+            let share = if gap < STEADY { seconds / (seconds + SMOOTH_S) } else { 1.0 };
+            self.velocity += (moved - self.velocity) * share;
         } else {
             self.velocity = FacePlace::zeros();
             self.stay = None;

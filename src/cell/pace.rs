@@ -46,6 +46,8 @@ struct PickSums {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PickPace {
     crew: PickSums,
+    /// How far lines were off what was expected of their station.
+    residuals: PickSums,
     stations: BTreeMap<StationId, PickSums>,
 }
 
@@ -83,6 +85,7 @@ impl PickPace {
         let factor = seconds / usual_s(pieces, false);
         if factor > 0.0 && factor <= SLOWEST {
             let log = factor.ln();
+            self.residuals.note(log - self.middle(station));
             self.crew.note(log);
             self.stations.entry(station).or_default().note(log);
         }
@@ -97,9 +100,8 @@ impl PickPace {
 
     /// The spread of the factor's logarithm.
     fn spread(&self) -> f64 {
-        let PickSums { lines, logs, squares } = self.crew;
-        let about_mean = if lines > 0.0 { (squares - logs * logs / lines).max(0.0) } else { 0.0 };
-        ((SPREAD * SPREAD * SPREAD_LINES + about_mean) / (SPREAD_LINES + lines)).sqrt()
+        let PickSums { lines, squares, .. } = self.residuals;
+        ((SPREAD * SPREAD * SPREAD_LINES + squares) / (SPREAD_LINES + lines)).sqrt()
     }
 
     /// What a line of so many pieces takes at a station on average, seconds.

@@ -153,6 +153,7 @@ fn arm(rows: &[StationsRow]) -> Value {
         "wrong_confirmed_per_1000": per_1000(sum(|r| r.wrong_confirmed), all),
         "false_warnings_per_1000": per_1000(sum(|r| r.false_warnings), all),
         "dismissed_early_per_1000": per_1000(sum(|r| r.dismissed_early), visits),
+        "guard_stops_per_1000": per_1000(sum(|r| r.guard_stops), visits),
         "presses_per_1000": per_1000(sum(|r| r.presses), all),
         "end_cov80": share(sum(|r| r.ends_held), sum(|r| r.ends)),
     })

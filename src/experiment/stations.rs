@@ -52,6 +52,8 @@ pub struct StationsRow {
     pub false_warnings: u64,
     /// Racks that left while pieces were still to be taken.
     pub dismissed_early: u64,
+    /// How often a station's guard stopped a moving robot because of a hand.
+    pub guard_stops: u64,
     /// How often buttons were pressed.
     pub presses: u64,
     /// How often an expected end was compared with the true one, and how often that was between its 10 % and 90 %
@@ -222,6 +224,7 @@ impl Ledgered {
             truth.get(*line).is_none_or(|t| t.right != *pieces || t.wrong > 0)
         };
         row.wrong_confirmed = settled.filter(is_wrong).count() as u64;
+        row.guard_stops = sim.world.guard_stops();
         let outcome = sim.outcome();
         (row.law_violations, row.broken) = (outcome.law_violations, outcome.broken);
         row

@@ -73,6 +73,8 @@ pub(super) struct RobotBody {
     footprints: [Footprint; 2],
     /// Its own scanner stopped it; see `guard`.
     guard: Guard,
+    /// The guard of the station where it is stops it: a hand is inside.
+    pub hand_guard: bool,
 }
 
 impl RobotBody {
@@ -106,6 +108,7 @@ impl RobotBody {
             kinematics: kind.kinematics,
             footprints,
             guard: Guard::default(),
+            hand_guard: false,
         }
     }
 
@@ -368,7 +371,7 @@ impl RobotBody {
             return;
         }
         match self.limit_mps {
-            _ if self.guard.stops() => self.coast(dt),
+            _ if self.guard.stops() || self.hand_guard => self.coast(dt),
             Some(0.0) => self.coast(dt),
             limit => self.drive(dt, next.limit_mps.min(limit.unwrap_or(f64::INFINITY))),
         }

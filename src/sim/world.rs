@@ -53,6 +53,8 @@ struct SimRobot {
     tries: u32,
     /// Whether it was switched off and taken away.
     off: bool,
+    /// How fast it was at the beginning of the step.
+    speed_before: f64,
     /// How far its clock is ahead.
     clock: Span,
     /// Whether it says that it gets no current because its charger gives none to any robot.
@@ -90,8 +92,12 @@ pub struct World {
     announcements: Announcements,
     /// Who picks at work cells; nothing where whole visits are picked at once.
     pickers: Option<Pickers>,
-    /// Robots that moved while a hand was inside.
+    /// Robots that began to move while a hand was inside.
     moved_at_hands: Vec<(RobotId, StationId)>,
+    /// Stations where hands were inside at the end of the last step.
+    hands_inside: Vec<StationId>,
+    /// How often a station's guard stopped a robot.
+    guard_stops: u64,
     /// How often robots were pushed elsewhere.
     pushed: u64,
     now: Time,
@@ -151,6 +157,8 @@ impl World {
             announcements,
             pickers,
             moved_at_hands: Vec::new(),
+            hands_inside: Vec::new(),
+            guard_stops: 0,
             pushed: 0,
             now,
         };
@@ -185,6 +193,7 @@ impl World {
             robot.mind_charger(self.outages.at(robot.body.node));
         }
         self.push_robots(from, now);
+        self.guard_hands(from);
         self.live(from, now);
         self.note_racks();
         inputs.extend(self.picks(fleet));
@@ -496,6 +505,7 @@ impl World {
             push_on: None,
             tries: 0,
             off: record.is_gone(),
+            speed_before: 0.0,
         }
     }
 

@@ -29,11 +29,17 @@ impl Intake<'_> {
             return;
         }
         let visit = self.visit_at(station, now);
-        let lit = visit.and_then(|v| self.lit(v)).map(|(_, line)| line.slot);
+        let lit = visit.and_then(|v| self.lit(v)).and_then(|(_, line)| {
+            let cell = self.core.warehouse().stations[station].cell.as_ref()?;
+            Some((line.slot, cell.totes.iter().position(|t| t.name == line.tote)?))
+        });
         let Some(face) = self.face(station, visit) else { return };
         let events = self.core.visits.desk(station).see(&face, lit, seen);
         for event in events {
             match event {
+                DeskEvent::Grasped(slot) if lit.is_some_and(|(wanted, _)| wanted != slot) => {
+                    self.warn(station, WrongReach::Slot(slot), seen.seen);
+                }
                 DeskEvent::Grasped(_) => {}
                 DeskEvent::Placed(slot, tote) => {
                     self.hear_of_piece(station, visit, (slot, tote), seen.seen, now)
@@ -104,7 +110,7 @@ impl Intake<'_> {
     /// in hands that are out of the opening.
     fn let_go(&mut self, station: StationId, face: &PickFace, now: Time) {
         let Some(visit) = self.visit_at(station, now) else { return };
-        if self.core.visits.desk(station).is_inside(face, now) {
+        if self.core.visits.desk(station).comes_inside(face, now) {
             return;
         }
         let job = &self.core.ledger.jobs[&visit.job];
@@ -124,8 +130,22 @@ impl Intake<'_> {
         }
     }
 
-    /// Lets racks go that were kept because of hands which are seen no more.
+    /// Lets racks go that were kept because of hands which are seen no more, and notes which robots must not move because
+    /// of others.
     pub(super) fn let_kept_go(&mut self, now: Time) {
+        self.core.visits.begin_hands();
+        for station in self.core.visits.watched(now) {
+            if self.core.visits.comes_inside(station, now) {
+                let node = self.core.warehouse().stations[station].node;
+                let ledger = &self.core.ledger;
+                let moves = |r: &RobotId| {
+                    ledger.chain(*r).visits().take(2).any(|v| v.node == node)
+                        && !self.core.floor().is_picked_from(*r)
+                };
+                let robots: Vec<RobotId> = ledger.present().filter(moves).collect();
+                self.core.visits.stop_at_hands(robots);
+            }
+        }
         for station in self.core.visits.kept() {
             if self.is_hand_inside(station, now) {
                 continue;

@@ -62,6 +62,8 @@ pub(in crate::fleet) struct Visits {
     kept: BTreeSet<StationId>,
     /// The visit that ended last at each station.
     ended: BTreeMap<StationId, (JobId, Lines, Time)>,
+    /// Robots that must not move because of a hand.
+    at_hands: BTreeSet<RobotId>,
     /// True ends of visits, told by an experiment.
     told: BTreeMap<StationId, Time>,
 }
@@ -225,5 +227,31 @@ impl Visits {
     /// The true end of the visit that is on at a station.
     pub fn tell(&mut self, station: StationId, at: Time) {
         self.told.insert(station, at);
+    }
+
+    /// Stations where hands were seen a moment ago.
+    pub fn watched(&self, now: Time) -> Vec<StationId> {
+        self.desks.iter().filter(|(_, desk)| desk.sees(now)).map(|(station, _)| *station).collect()
+    }
+
+    /// Whether a hand is in the opening of a station or beyond it, or will be in a moment.
+    pub fn comes_inside(&self, station: StationId, now: Time) -> bool {
+        let known = self.desks.get(&station).zip(self.faces.get(&station));
+        known.is_some_and(|(desk, (_, face))| desk.comes_inside(face, now))
+    }
+
+    /// Forgets which robots must not move because of hands.
+    pub fn begin_hands(&mut self) {
+        self.at_hands.clear();
+    }
+
+    /// These must not.
+    pub fn stop_at_hands(&mut self, robots: impl IntoIterator<Item = RobotId>) {
+        self.at_hands.extend(robots);
+    }
+
+    /// Whether a robot must not move because of a hand.
+    pub fn is_at_hands(&self, robot: RobotId) -> bool {
+        self.at_hands.contains(&robot)
     }
 }

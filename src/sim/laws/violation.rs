@@ -34,7 +34,7 @@ pub enum Violation {
     DoneTwice(JobId),
     /// A rack was lifted where it did not stand, or set down onto another one.
     Misplaced(RobotId, RackId),
-    /// A robot moved at a station while somebody's hand was in the opening or in its rack.
+    /// A robot began to move at a station while somebody's hand was in the opening or in its rack.
     MovedAtHand(RobotId, StationId),
     /// A job ended as what did not happen.
     UntrueEnd(JobId, JobKind),
@@ -74,7 +74,7 @@ impl fmt::Display for Violation {
                 write!(f, "robot {} lifted rack {k:?} where it was not, or set it onto another one", r.0 + 1)
             }
             Violation::MovedAtHand(r, s) => {
-                write!(f, "robot {} moved at station {} while a hand was inside", r.0 + 1, s.0 + 1)
+                write!(f, "robot {} began to move at station {} while a hand was inside", r.0 + 1, s.0 + 1)
             }
             Violation::UntrueEnd(j, kind) => {
                 write!(f, "job {j:?} ({kind:?}) is done, but that did not happen")

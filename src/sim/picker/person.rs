@@ -32,6 +32,9 @@ const RUMMAGE_SPREAD: f64 = 0.35;
 /// How far the eyes are ahead of the hand, seconds; and what the head does of it, in yaw and in pitch.
 const LEAD_S: f64 = 0.2;
 const TURNS: [f64; 2] = [0.7, 0.4];
+/// Who reaches lower than this bends, by so much of it; metres.
+const BENDS_BELOW_M: f64 = 1.0;
+const BENDS: f64 = 0.45;
 /// Warnings so soon after a hand was astray are about that, seconds.
 const ASTRAY_S: f64 = 0.5;
 
@@ -170,8 +173,10 @@ impl SimPicker {
 
     /// Where the person is.
     pub fn truth(&mut self, now: Time) -> TruePicker {
-        let head = FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m);
         let hand = &self.hands[self.main()];
+        // Who reaches low bends down.
+        let low_m = (BENDS_BELOW_M - hand.at(now).z).max(0.0);
+        let head = FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m - BENDS * low_m);
         let (yaw, pitch) = angles_of(hand.at(now + Span::from_secs_f64(LEAD_S)) - head);
         let shakes = |at: FacePlace, random: &mut Stream, m: f64| {
             at + FacePlace::new(random.normal(), random.normal(), random.normal()) * m
@@ -192,13 +197,19 @@ impl SimPicker {
     pub fn warn(&mut self, now: Time, wrong: WrongReach) {
         let is_wrong = match wrong {
             WrongReach::Slot(_) => self.is_astray(now),
-            WrongReach::Tote(_) => {
-                self.figures.is_wrong_tote(self.work.as_ref(), self.claim.map(|c| (c.job, c.n)))
-            }
+            WrongReach::Tote(_) => self.is_wrong_tote(),
         };
         self.figures.note_warning(wrong, is_wrong, self.work.as_mut(), now);
         if is_wrong && self.react.is_none() && self.random.happens_of(REACTS) {
             self.react = Some((now + Span::from_secs_f64(REACTS_S), wrong));
+        }
+    }
+
+    /// Whether a piece is in a wrong tote, or about to be.
+    fn is_wrong_tote(&self) -> bool {
+        match (self.next, &self.work) {
+            (Next::Over(tote) | Next::Put(tote), Some(work)) => tote != work.line.tote,
+            _ => self.figures.is_wrong_tote(self.work.as_ref(), self.claim.map(|c| (c.job, c.n))),
         }
     }
 
@@ -484,6 +495,12 @@ impl SimPicker {
                 self.astray = at;
                 let to = self.piece_in(slot);
                 self.reach(at, to, Next::PutBack);
+            }
+            (WrongReach::Tote(_), Next::Over(tote) | Next::Put(tote)) => {
+                let right = self.work.as_ref().expect("a piece is in hand").line.tote;
+                if tote != right {
+                    self.carry(at, right);
+                }
             }
             (WrongReach::Tote(tote), Next::Look | Next::Enter | Next::Redirect | Next::Press(_)) => {
                 let work = self.work.take().or_else(|| self.figures.finished.take());

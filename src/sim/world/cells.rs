@@ -1,6 +1,6 @@
 //! People at work cells beside the robots that stand there.
 //!
-//! Refuses: to let a robot know of them; its brakes and the station's guard are not simulated.
+//! Refuses: to let the fleet know of the guard: it stops robots whatever the fleet says.
 
 use super::World;
 use crate::fleet::{CellWarning, Fleet, Input};
@@ -24,15 +24,37 @@ impl World {
         let standing = self.standing();
         let pickers = self.pickers.as_mut().expect("just seen");
         let inputs = pickers.advance((from, to), &standing, fleet);
-        let inside: Vec<StationId> = pickers.hands_inside(to).collect();
-        for station in inside {
-            let at = self.warehouse.nodes[self.warehouse.stations[station].node].at;
-            let moves = |r: &&super::SimRobot| {
-                !r.off && r.body.speed_mps > STANDS_MPS && (r.body.pose.at - at).norm() < AT_STATION_M
-            };
-            self.moved_at_hands.extend(self.robots.iter().find(moves).map(|r| (r.body.id, station)));
+        let before = std::mem::take(&mut self.hands_inside);
+        self.hands_inside = pickers.hands_inside(to).collect();
+        for station in before.into_iter().filter(|s| self.hands_inside.contains(s)) {
+            let started = |r: &&super::SimRobot| r.body.speed_mps > STANDS_MPS && r.speed_before <= STANDS_MPS;
+            let robot = self.robots.iter().filter(|r| self.is_at(r, station)).find(started);
+            self.moved_at_hands.extend(robot.map(|r| (r.body.id, station)));
         }
         inputs
+    }
+
+    /// The guard of each station stops robots there while a hand is inside.
+    pub(super) fn guard_hands(&mut self, now: Time) {
+        let Some(pickers) = &self.pickers else { return };
+        let inside: Vec<StationId> = pickers.hands_inside(now).collect();
+        for i in 0..self.robots.len() {
+            let robot = &self.robots[i];
+            let is_guarded = inside.iter().any(|s| self.is_at(robot, *s));
+            let robot = &mut self.robots[i];
+            self.guard_stops += u64::from(is_guarded && !robot.body.hand_guard && robot.body.speed_mps > 0.0);
+            (robot.body.hand_guard, robot.speed_before) = (is_guarded, robot.body.speed_mps);
+        }
+    }
+
+    fn is_at(&self, robot: &super::SimRobot, station: StationId) -> bool {
+        let at = self.warehouse.nodes[self.warehouse.stations[station].node].at;
+        !robot.off && (robot.body.pose.at - at).norm() < AT_STATION_M
+    }
+
+    /// How often a station's guard stopped a robot that moved.
+    pub fn guard_stops(&self) -> u64 {
+        self.guard_stops
     }
 
     /// The robots that truly stand at stations with racks.
