@@ -18,6 +18,8 @@ const SPREAD_LINES: f64 = 10.0;
 /// How many lines the starting value counts for, and how many that of all stations counts for at one of them.
 const START_LINES: f64 = 5.0;
 const CREW_LINES: f64 = 8.0;
+/// A line that is farther off than so many spreads counts as one that is so far off.
+const FARTHEST: f64 = 1.8;
 /// Older lines count less: each one by so much less than the one after it.
 const KEPT: f64 = 0.99;
 /// A factor beyond this is a break, not a pick.
@@ -85,7 +87,9 @@ impl PickPace {
         let factor = seconds / usual_s(pieces, false);
         if factor > 0.0 && factor <= SLOWEST {
             let log = factor.ln();
-            self.residuals.note(log - self.middle(station));
+            // Who goes away in the middle of a line says nothing of how long lines take.
+            let most = FARTHEST * self.spread();
+            self.residuals.note((log - self.middle(station)).clamp(-most, most));
             self.crew.note(log);
             self.stations.entry(station).or_default().note(log);
         }

@@ -116,8 +116,13 @@ fn assign_racks(core: &mut Core, needs: &Needs, robots: Vec<RobotId>, now: Time)
     }
     let (few, mut left) = nearest(core.floor().ways(&robots, &jobs, now));
     let under_way = core.floor().under_way();
-    let congestion = |id: &JobId| core.floor().congestion(*id, &under_way);
-    let worth: Vec<i64> = jobs.iter().map(|(id, _, _, urgency_ms)| congestion(id) - urgency_ms).collect();
+    let work = core.floor().work_ahead(now);
+    let congestion = |id: &JobId, rack: &NodeId| {
+        let floor = core.floor();
+        floor.lack_of_work(*id, *rack, &work).unwrap_or_else(|| floor.congestion(*id, &under_way))
+    };
+    let worth: Vec<i64> =
+        jobs.iter().map(|(id, _, node, urgency_ms)| congestion(id, node) - urgency_ms).collect();
     let cost: Vec<Vec<i64>> = (few.iter())
         .map(|(_, ways)| {
             let known = ways.iter().zip(&worth).map(|(way, w)| way.map_or(NEVER, |way| way + w));

@@ -10,3 +10,4 @@ pub(in crate::fleet) mod idle;
 pub(in crate::fleet) mod jobs;
 pub(in crate::fleet) mod leaving;
 pub(in crate::fleet) mod maintenance;
+mod work_ahead;

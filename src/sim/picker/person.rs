@@ -19,8 +19,11 @@ const PIECE_M: f64 = 0.12;
 const AHEAD_M: f64 = 0.22;
 /// Where the picker stands, metres from the rack's middle.
 const STANDS_M: f64 = 1.05;
-/// How long a hand is in a tote and at a button, seconds.
-const PUT_S: f64 = 0.18;
+/// A hand that carries a piece takes so much longer than one that reaches, as moves to a place do beside reaches in
+/// MTM-1 (Maynard, Stegemerten and Schwab 1948).
+const CARRIES: f64 = 1.15;
+/// How long a hand is in a tote (a light position and a release in MTM-1) and at a button, seconds.
+const PUT_S: f64 = 0.25;
 const PRESS_S: f64 = 0.12;
 /// A person who was warned acts so much later, seconds; and so many do.
 const REACTS_S: f64 = 0.25;
@@ -253,7 +256,8 @@ impl SimPicker {
             let aside = if other { FacePlace::new(0.05, 0.0, 0.0) } else { FacePlace::zeros() };
             let (from, to) = (self.hands[i].at(at), to + aside);
             let ways = [self.straight_out(from), self.straight_out(to)];
-            self.hands[i] = HandPath::new([from, to], ways, at, self.habits.pace, &mut self.random);
+            let pace = self.habits.pace * if matches!(next, Next::Over(_)) { CARRIES } else { 1.0 };
+            self.hands[i] = HandPath::new([from, to], ways, at, pace, &mut self.random);
             ends = ends.max(self.hands[i].end());
         }
         (self.until, self.next) = (ends, next);
@@ -432,6 +436,7 @@ impl SimPicker {
         let (right, totes) = (work.line.tote, self.face.totes());
         let wrong = totes > 1 && self.random.happens_of(self.habits.mistote);
         let tote = if wrong { (right + 1 + self.random.below(totes - 1)) % totes } else { right };
+        self.figures.carry(wrong);
         self.carry(at, tote);
         None
     }

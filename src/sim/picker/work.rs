@@ -57,6 +57,8 @@ pub struct PickFigures {
     pub wrong_totes: u64,
     /// Those of them.
     pub wrong_totes_warned: u64,
+    /// Whether the tote of the last piece was warned of.
+    tote_is_warned: bool,
     /// Warnings of what was right.
     pub false_warnings: u64,
     /// Racks that left while pieces were still to be taken from them.
@@ -128,7 +130,10 @@ impl PickFigures {
                 work.warned = work.warned.or(Some(now));
             }
             (WrongReach::Slot(_), _) => {}
-            (WrongReach::Tote(_), _) => self.wrong_totes_warned += 1,
+            (WrongReach::Tote(_), _) if !std::mem::replace(&mut self.tote_is_warned, true) => {
+                self.wrong_totes_warned += 1;
+            }
+            (WrongReach::Tote(_), _) => {}
         }
     }
 
@@ -152,6 +157,12 @@ impl PickFigures {
         self.warned_lead_s.extend(work.warned.take().map(|warned| (hand_in - warned).as_secs_f64()));
     }
 
+    /// Pieces are carried to a tote, which may be a wrong one.
+    pub fn carry(&mut self, is_wrong: bool) {
+        self.wrong_totes += u64::from(is_wrong);
+        self.tote_is_warned = false;
+    }
+
     /// Pieces are put into a tote.
     pub fn put(&mut self, work: &mut Work, tote: usize) {
         let line = self.lines.entry((work.line.job, work.line.n)).or_default();
@@ -160,7 +171,6 @@ impl PickFigures {
         work.put += work.in_hand;
         work.both_hands &= work.put + 1 < work.line.left;
         work.misplaced = (tote != work.line.tote).then_some(tote);
-        self.wrong_totes += u64::from(work.misplaced.is_some());
         work.in_hand = 0;
         self.finished = None;
     }

@@ -30,7 +30,8 @@ pub fn stations() -> Warehouse {
         stations_west: 2,
         stations_east: 2,
         queue: 3,
-        pick: Span::from_secs(12),
+        // What the simulated pickers of the shipped scenario take on average, with a button for each line.
+        pick: Span::from_secs(22),
         chargers: 12,
         parking: 24,
         fill: 0.85,

@@ -1,0 +1,63 @@
+//! How much work is on its way to each work cell, in seconds: which station is in want of the next rack?
+//!
+//! Main function: `lack_of_work`. A rack with one screw and one with five boxes are not the same to a station. Refuses:
+//! to count racks where lines say how long each takes.
+
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::storage::along_axes;
+use crate::id::{IdVec, JobId, NodeId, StationId};
+use crate::time::{Span, Time};
+
+/// From the end of a visit until the next rack stands there, seconds.
+const TURNOVER_S: f64 = 6.5;
+/// From the assignment of a job until its rack is lifted, seconds.
+const FETCH_S: f64 = 20.0;
+/// What a second costs by which the work ahead is more than so many usual visits take, and what one is worth by which it
+/// ends before the rack could be there.
+const MORE: f64 = 0.3;
+const MORE_VISITS: f64 = 2.0;
+const LACK: f64 = 1.0;
+
+impl Floor<'_> {
+    /// For each work cell how many seconds of work are there or on their way; nothing where lines are not counted.
+    pub(super) fn work_ahead(&self, now: Time) -> Option<IdVec<StationId, f64>> {
+        let has_cell = self.warehouse().stations.iter().any(|s| s.cell.is_some());
+        if !has_cell || !self.settings.flow.counts_lines() {
+            return None;
+        }
+        let mut work = IdVec::filled(0.0, self.warehouse().stations.len());
+        for id in self.ledger.robots.iter().filter_map(|r| r.task.job()) {
+            let Some(job) = self.ledger.jobs.get(&id) else { continue };
+            let JobKind::Deliver { station, .. } = job.request.kind else { continue };
+            let left = match job.state {
+                JobState::Picking { .. } => self.visits.remaining(id, job, now).map(|left| left.mean_s),
+                _ => self.visits.stay(job).map(Span::as_secs_f64),
+            };
+            work[station] += left.unwrap_or(self.warehouse().stations[station].pick.as_secs_f64()) + TURNOVER_S;
+        }
+        Some(work)
+    }
+
+    /// What it costs, milliseconds, that the work cell of a job has much work ahead; less than nothing where it will
+    /// have none when the rack, which stands on `rack`, could be there. Nothing for jobs to other places.
+    pub(super) fn lack_of_work(
+        &self,
+        job: JobId,
+        rack: NodeId,
+        work: &Option<IdVec<StationId, f64>>,
+    ) -> Option<i64> {
+        let work = work.as_ref()?;
+        let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return None };
+        let place = &self.warehouse().stations[station];
+        place.cell.as_ref()?;
+        let at = |n: NodeId| self.warehouse().nodes[n].at;
+        let kind = self.settings.kinds.first().expect("there is a kind of robots");
+        let carry_s = along_axes(at(rack), at(place.node)) / kind.kinematics.speed_loaded_mps;
+        let (more_s, lack_s) = (
+            work[station] - MORE_VISITS * (place.pick.as_secs_f64() + TURNOVER_S),
+            FETCH_S + carry_s - work[station],
+        );
+        Some((1000.0 * (MORE * more_s.max(0.0) - LACK * lack_s.max(0.0))) as i64)
+    }
+}
