@@ -13,12 +13,6 @@ use crate::time::{Span, Time};
 const TURNOVER_S: f64 = 6.5;
 /// From the assignment of a job until its rack is lifted, seconds.
 const FETCH_S: f64 = 20.0;
-/// What a second costs by which the work ahead is more than so many usual visits take, and what one is worth by which it
-/// ends before the rack could be there.
-const MORE: f64 = 0.3;
-const MORE_VISITS: f64 = 2.0;
-const LACK: f64 = 1.0;
-
 impl Floor<'_> {
     /// For each work cell how many seconds of work are there or on their way; nothing where lines are not counted.
     pub(super) fn work_ahead(&self, now: Time) -> Option<IdVec<StationId, f64>> {
@@ -39,8 +33,9 @@ impl Floor<'_> {
         Some(work)
     }
 
-    /// What it costs, milliseconds, that the work cell of a job has much work ahead; less than nothing where it will
-    /// have none when the rack, which stands on `rack`, could be there. Nothing for jobs to other places.
+    /// What it costs, milliseconds: how long the rack of a job, which stands on `rack`, would wait at its work cell for
+    /// what is ahead of it; less than nothing where the picker would wait for it, whose time is worth more. Nothing for
+    /// jobs to other places.
     pub(super) fn lack_of_work(
         &self,
         job: JobId,
@@ -54,10 +49,8 @@ impl Floor<'_> {
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let kind = self.settings.kinds.first().expect("there is a kind of robots");
         let carry_s = along_axes(at(rack), at(place.node)) / kind.kinematics.speed_loaded_mps;
-        let (more_s, lack_s) = (
-            work[station] - MORE_VISITS * (place.pick.as_secs_f64() + TURNOVER_S),
-            FETCH_S + carry_s - work[station],
-        );
-        Some((1000.0 * (MORE * more_s.max(0.0) - LACK * lack_s.max(0.0))) as i64)
+        let waits_s = work[station] - FETCH_S - carry_s;
+        let price = if waits_s < 0.0 { self.settings.worker_price } else { 1.0 };
+        Some((1000.0 * price * waits_s) as i64)
     }
 }

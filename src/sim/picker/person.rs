@@ -218,7 +218,7 @@ impl SimPicker {
 
     fn is_astray(&self, now: Time) -> bool {
         let aims = self.work.as_ref().is_some_and(|w| w.aims_at != w.line.slot);
-        aims || now - self.astray < Span::from_secs_f64(ASTRAY_S)
+        aims || self.next == Next::PutBack || now - self.astray < Span::from_secs_f64(ASTRAY_S)
     }
 
     /// Lives until `now`. Gives what the person says, with when.
@@ -286,6 +286,7 @@ impl SimPicker {
             Next::Enter => self.enter(at, screen),
             Next::Out => self.come_out(at),
             Next::PutBack => {
+                self.astray = at;
                 self.aim_anew(at);
                 None
             }

@@ -73,7 +73,8 @@ impl Work {
         Work {
             aims_at: line.slot,
             line,
-            both_hands,
+            // An empty hand does not go to the tote.
+            both_hands: both_hands && line.left >= 2 + u32::from(is_missing),
             hand_in: None,
             misplaced: None,
             warned: None,
