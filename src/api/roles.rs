@@ -67,6 +67,7 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/stations/{id}", Read),
     ("GET", "/v1/stations/{id}/live", Read),
     ("POST", "/v1/stations/{id}/lines/{n}", Operate),
+    ("POST", "/v1/stations/{id}/last", Operate),
     ("POST", "/v1/stations/{id}/release", Operate),
     ("POST", "/v1/stations/{id}/done", Operate),
     ("POST", "/v1/stations/{id}/short", Operate),

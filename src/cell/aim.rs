@@ -9,7 +9,7 @@ use crate::warehouse::SlotName;
 const LIT: f64 = 0.985;
 /// What a warning for nothing costs, relative to one that does not come: warned is where the odds of a wrong slot
 /// against the lit one are above it.
-const COST: f64 = 20.0;
+const COST: f64 = 60.0;
 /// Where a hand is in front of its slot is known this well at the face, metres, and so much less for each metre
 /// before it.
 const NEAR_M: f64 = 0.045;

@@ -12,6 +12,8 @@ use smallvec::SmallVec;
 
 /// Hands that were not seen for so long are not known of.
 const STALE: Span = Span::from_secs(1);
+/// A hand that is so deep in a slot is in that one, metres.
+const DEEP_M: f64 = 0.05;
 /// A hand is expected where it will be after so long if it goes on as it does, seconds.
 const SOON_S: f64 = 0.3;
 /// For so long after two persons' hands were seen nothing is confirmed by hand.
@@ -117,7 +119,8 @@ impl Desk {
 
     /// Whether left and right have changed places since they were seen last.
     fn are_swapped(&self, grips: &[Option<FacePlace>; 2], seen: Time) -> bool {
-        let can = |hand: usize, at: Option<FacePlace>| at.is_none_or(|at| self.hands[hand].can_be_at(at, seen));
+        let can =
+            |hand: usize, at: Option<FacePlace>| at.is_none_or(|at| self.hands[hand].can_be_at(at, seen));
         let [a, b] = *grips;
         !(can(0, a) && can(1, b)) && can(0, b) && can(1, a)
     }
@@ -127,7 +130,8 @@ impl Desk {
         let follower = &self.hands[hand];
         let (_, at) = follower.last()?;
         let slot = if follower.is_in_slot() {
-            face.slot_at(at).filter(|slot| *slot != lit)
+            // At its edge it may still come to the slot beside.
+            face.slot_at(at).filter(|slot| *slot != lit && face.depth_m(at) > DEEP_M)
         } else if follower.velocity().y < 0.0 {
             aims_wrong(face, lit, at, follower.velocity())
         } else {
@@ -171,5 +175,193 @@ impl Desk {
         let inside =
             |h: &HandFollower| h.last().is_some_and(|(seen, at)| now - seen < STALE && face.is_inside(at));
         self.hands.iter().any(inside)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::HandPoints;
+    use crate::id::StationId;
+    use crate::warehouse::stations;
+
+    /// Observations of a right hand that goes from place to place, 60 a second; the left one rests.
+    struct Film {
+        face: PickFace,
+        desk: Desk,
+        now: Time,
+        at: FacePlace,
+        person: u32,
+        events: Vec<DeskEvent>,
+    }
+
+    const LIT: Option<(SlotName, usize)> = None;
+
+    impl Film {
+        fn new() -> Film {
+            let w = stations();
+            let (station, rack) = (&w.stations[StationId(0)], w.rack_types.iter().next().unwrap());
+            let face = PickFace::new(station.cell.as_ref().unwrap(), w.nodes[station.node].at, rack);
+            let (desk, at, now) =
+                (Desk::default(), FacePlace::new(0.22, 0.95, 0.95), Time::from_secs_f64(10.0));
+            Film { face, desk, now, at, person: 0, events: Vec::new() }
+        }
+
+        fn hand(&self, at: FacePlace) -> HandPoints {
+            let place = |back: f64| self.face.on_map(at + FacePlace::new(0.0, back, 0.0));
+            HandPoints { wrist: place(0.17), palm: place(0.09), tips: [place(0.0); 2] }
+        }
+
+        fn look(&mut self, lit: Option<(SlotName, usize)>, hands: [Option<FacePlace>; 2]) {
+            let hands = hands.map(|at| at.map(|at| self.hand(at)));
+            let (station, person, seen) = (StationId(0), self.person, self.now);
+            let head = self.face.on_map(FacePlace::new(0.0, 1.05, 1.6));
+            let seen = HandsSeen { station, person, seen, head, hands };
+            self.events.extend(self.desk.see(&self.face, lit, &seen));
+            self.now += Span::from_millis(16);
+        }
+
+        /// The hand moves by a smooth step, and is seen or not.
+        fn moves(&mut self, lit: Option<(SlotName, usize)>, to: FacePlace, seconds: f64, is_seen: bool) {
+            let (from, n) = (self.at, (seconds / 0.016) as usize);
+            for i in 1..=n {
+                let t = i as f64 / n as f64;
+                self.at = from + (to - from) * (t * t * (3.0 - 2.0 * t));
+                let left = FacePlace::new(-0.22, 0.95, 0.95);
+                if is_seen {
+                    self.look(lit, [Some(left), Some(self.at)]);
+                } else {
+                    self.now += Span::from_millis(16);
+                }
+            }
+        }
+
+        /// A hand picks from a slot and comes out again.
+        fn picks(&mut self, lit: Option<(SlotName, usize)>, slot: SlotName) {
+            let front = self.face.slot(slot) + FacePlace::new(0.0, 0.3, 0.0);
+            let inside = self.face.slot(slot) - FacePlace::new(0.0, 0.12, 0.0);
+            self.moves(lit, front, 0.5, true);
+            self.moves(lit, inside, 0.4, true);
+            self.moves(lit, inside, 0.4, true);
+            self.moves(lit, front, 0.4, true);
+        }
+
+        fn puts(&mut self, lit: Option<(SlotName, usize)>, tote: usize, is_seen: bool) {
+            let rim = self.face.tote(tote).unwrap();
+            self.moves(lit, rim, 0.7, is_seen);
+            self.moves(lit, rim, 0.2, true);
+        }
+    }
+
+    fn slot(name: &str) -> SlotName {
+        name.parse().unwrap()
+    }
+
+    #[test]
+    fn a_piece_is_followed_from_its_slot_to_its_tote() {
+        let mut film = Film::new();
+        for (name, tote) in [("C3", 1), ("A1", 0), ("D5", 2)] {
+            film.events.clear();
+            film.picks(LIT, slot(name));
+            assert_eq!(film.desk.in_hand(slot(name)), 1, "{name}");
+            film.puts(LIT, tote, true);
+            let placed = DeskEvent::Placed(slot(name), tote);
+            assert_eq!(film.events, [DeskEvent::Grasped(slot(name)), placed], "{name}");
+            assert_eq!(film.desk.in_hand(slot(name)), 0);
+        }
+    }
+
+    #[test]
+    fn a_hand_that_was_not_seen_on_its_way_confirms_nothing() {
+        let mut film = Film::new();
+        film.picks(LIT, slot("C3"));
+        film.puts(LIT, 1, false);
+        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))]);
+    }
+
+    #[test]
+    fn a_hand_on_its_way_to_a_wrong_slot_is_warned_of_once_and_before_it_is_in() {
+        let lit = Some((slot("B2"), 0));
+        for name in ["C2", "B3", "A4"] {
+            let mut film = Film::new();
+            let front = film.face.slot(slot(name)) + FacePlace::new(0.0, 0.3, 0.0);
+            film.moves(lit, front, 0.5, true);
+            film.moves(lit, film.face.slot(slot(name)), 0.4, true);
+            assert_eq!(film.events, [DeskEvent::AimsAt(slot(name))], "{name}");
+        }
+        let mut film = Film::new();
+        film.picks(lit, slot("B2"));
+        assert_eq!(
+            film.events,
+            [DeskEvent::Grasped(slot("B2"))],
+            "the right slot is no reason for a warning"
+        );
+    }
+
+    #[test]
+    fn a_piece_that_goes_from_a_wrong_tote_to_the_right_one_counts_there() {
+        let lit = Some((slot("C3"), 2));
+        let mut film = Film::new();
+        film.picks(lit, slot("C3"));
+        film.puts(lit, 0, true);
+        assert_eq!(film.desk.strayed(), Some(0));
+        film.puts(lit, 2, true);
+        let placed = |tote| DeskEvent::Placed(slot("C3"), tote);
+        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed(0), placed(2)]);
+    }
+
+    #[test]
+    fn hands_of_two_persons_confirm_nothing_until_one_has_been_alone_for_a_while() {
+        let mut film = Film::new();
+        film.picks(LIT, slot("C3"));
+        film.person = 1;
+        film.puts(LIT, 1, true);
+        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))], "whose piece is it?");
+        film.now += Span::from_secs(3);
+        film.events.clear();
+        film.picks(LIT, slot("A1"));
+        film.puts(LIT, 0, true);
+        assert_eq!(film.events.len(), 2, "{:?}", film.events);
+    }
+
+    #[test]
+    fn jumps_swaps_and_points_that_are_none_are_not_believed() {
+        let mut film = Film::new();
+        film.picks(LIT, slot("C3"));
+        let (left, elsewhere) = (FacePlace::new(-0.22, 0.95, 0.95), film.face.tote(1).unwrap());
+        for _ in 0..6 {
+            film.look(LIT, [Some(left), Some(elsewhere)]);
+        }
+        assert_eq!(film.desk.in_hand(slot("C3")), 1, "a jump puts nothing down");
+        let at = film.at;
+        for _ in 0..20 {
+            film.look(LIT, [Some(at), Some(left)]);
+        }
+        film.puts(LIT, 2, true);
+        let placed = DeskEvent::Placed(slot("C3"), 2);
+        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed], "left was taken for right");
+        let before = film.desk.clone();
+        let mut bad = film.hand(left);
+        bad.palm.x = f64::NAN;
+        let seen = HandsSeen {
+            station: StationId(0),
+            person: 0,
+            seen: film.now,
+            head: bad.wrist,
+            hands: [Some(bad), None],
+        };
+        assert!(film.desk.see(&film.face, LIT, &seen).is_empty());
+        assert_eq!(film.desk.hands, before.hands);
+    }
+
+    #[test]
+    fn what_is_seen_late_or_twice_changes_nothing() {
+        let mut film = Film::new();
+        film.picks(LIT, slot("C3"));
+        let before = film.desk.clone();
+        film.now -= Span::from_millis(200);
+        let inside = film.face.slot(slot("A1")) - FacePlace::new(0.0, 0.1, 0.0);
+        film.look(LIT, [None, Some(inside)]);
+        assert_eq!(film.desk, before);
     }
 }

@@ -13,6 +13,7 @@ mod evacuation;
 mod failure;
 mod faults;
 mod hand;
+mod hands;
 mod interleavings;
 mod jobs;
 mod keep_out;
@@ -75,6 +76,7 @@ fn scenario(robots: usize) -> Scenario {
         faults: Faults::default(),
         kinds: KindShare::one(Kinematics::default(), Charging::default()),
         workers: Workers::default(),
+        cells: None,
         closures: Vec::new(),
         evacuations: Vec::new(),
         policy: HumanAwarePolicy::default(),

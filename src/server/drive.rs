@@ -162,6 +162,7 @@ impl DriveLoop {
             self.resume();
             let Some(step) = self.step(now, inputs) else { return };
             self.note(self.clock.now() - looked, step.facts.len());
+            self.world.warn(self.clock.now(), &step.warnings);
             self.send_urgent((looked, called), step.urgent, step.guidance);
             self.tap.note(&step.facts);
             let causes = self.inbox.causes(&step.caused);

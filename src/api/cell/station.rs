@@ -6,7 +6,7 @@ use super::{LineDto, lines_dto};
 use crate::api::dto::{Names, StationDto};
 use crate::api::text::{job_name, round3, time_text};
 use crate::cell::{Lines, Remaining};
-use crate::fleet::StationView;
+use crate::fleet::{StationView, WrongReach};
 use crate::id::{Dense, JobId, RackId, RobotId, StationId};
 use crate::time::Span;
 use crate::warehouse::{Cell, Tote};
@@ -29,8 +29,45 @@ pub struct StationDetailDto {
     pub arm: Option<ArmDto>,
     /// The rack that stands there to be picked from; null if none does.
     pub visit: Option<VisitDto>,
+    /// The line that was not confirmed when its rack left at the last grasp; null if there is none.
+    pub unconfirmed: Option<UnconfirmedDto>,
+    /// What the person there was warned of a moment ago.
+    pub warnings: Vec<CellWarningDto>,
     /// The rack that comes next; null if none is on its way.
     pub next: Option<NextRackDto>,
+}
+
+/// A line whose rack has left while a piece was on its way to the tote.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct UnconfirmedDto {
+    /// The job.
+    #[schema(example = "j17")]
+    pub job: String,
+    /// The line. `POST /v1/stations/{id}/last` says what became of it.
+    pub line: LineDto,
+}
+
+/// How a hand is wrong.
+#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WrongReachDto {
+    /// It goes to a slot that is not lit.
+    WrongSlot,
+    /// It put a piece into a tote that is not lit.
+    WrongTote,
+}
+
+/// A hand is wrong, or about to be.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct CellWarningDto {
+    /// How.
+    pub kind: WrongReachDto,
+    /// The slot to which it goes, if that is wrong.
+    #[schema(example = "C3")]
+    pub slot: Option<String>,
+    /// The tote into which it put a piece, if that is wrong.
+    #[schema(example = "B")]
+    pub tote: Option<String>,
 }
 
 /// A place for picked pieces, as the picker sees it who looks at the rack.
@@ -114,6 +151,18 @@ impl From<Remaining> for ExpectedEndDto {
     }
 }
 
+fn warning_dto(wrong: WrongReach, cell: Option<&Cell>) -> CellWarningDto {
+    let tote_name = |tote: usize| Some(cell?.totes.get(tote)?.name.clone());
+    match wrong {
+        WrongReach::Slot(slot) => {
+            CellWarningDto { kind: WrongReachDto::WrongSlot, slot: Some(slot.to_string()), tote: None }
+        }
+        WrongReach::Tote(tote) => {
+            CellWarningDto { kind: WrongReachDto::WrongTote, slot: None, tote: tote_name(tote) }
+        }
+    }
+}
+
 impl Names<'_> {
     /// What happens at a station.
     pub fn station_detail(&self, id: StationId) -> StationDetailDto {
@@ -132,6 +181,11 @@ impl Names<'_> {
             totes: cell.map_or_else(Vec::new, |cell| cell.totes.iter().map(|t| tote(cell, t)).collect()),
             arm: cell.and_then(|c| c.arm.as_ref()).map(|a| ArmDto { kind: a.kind.clone() }),
             visit: seen.robot.zip(seen.job).map(|(robot, job)| self.visit(robot, job, seen)),
+            unconfirmed: seen.unconfirmed.as_ref().and_then(|left| {
+                let line = lines_dto(&left.lines, true).swap_remove(left.lines.lit()?);
+                Some(UnconfirmedDto { job: job_name(left.job), line })
+            }),
+            warnings: seen.warning.iter().map(|wrong| warning_dto(*wrong, cell)).collect(),
             next: seen.next.map(|(robot, at)| NextRackDto {
                 rack: self.rack_on(robot).map(|k| self.map.racks[k].name.clone()),
                 robot: self.robot(robot),

@@ -137,6 +137,7 @@ fn station_routes() -> OpenApiRouter<Api> {
         .routes(routes!(stations::one))
         .routes(routes!(socket::live_station))
         .routes(routes!(stations::line))
+        .routes(routes!(stations::last))
         .routes(routes!(stations::release))
         .routes(routes!(stations::done))
         .routes(routes!(stations::short))

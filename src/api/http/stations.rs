@@ -92,11 +92,46 @@ pub async fn line(
     let station = parse_station(&api, &id)?;
     let no_line = || Problem::unknown("line", format!("there is no line \"{n}\"; lines count from 1"));
     let n: usize = n.parse().ok().filter(|n| *n > 0).ok_or_else(no_line)?;
-    let order = StationOrder::Line(n - 1, change.read()?);
+    change_line(&api, station, StationOrder::Line(n - 1, change.read()?)).await
+}
+
+/// Say what became of the line that was not confirmed when its rack left at the last grasp, while another rack may be
+/// there already: as for a line of the visit.
+#[utoipa::path(post, path = "/v1/stations/{id}/last", tag = "floor", operation_id = "changeLastLine",
+    params(("id" = String, Path, example = "W")), request_body = LineChangeDto, responses(
+    (status = 200, description = "It is noted, and that is durable", body = LineChangedDto),
+    (status = 400, description = "The request cannot be read", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 404, description = "There is no such station", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "Every line was confirmed before its rack left", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 413, description = "The request is too long", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 415, description = "The request is no JSON", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, description = "That cannot be said about this line", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "It cannot be made durable now", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn last(
+    Called(api): Called,
+    PathPart(id): PathPart,
+    JsonBody(change): JsonBody<LineChangeDto>,
+) -> Result<Json<LineChangedDto>, Problem> {
+    let station = parse_station(&api, &id)?;
+    change_line(&api, station, StationOrder::Last(change.read()?)).await
+}
+
+async fn change_line(
+    api: &Api,
+    station: StationId,
+    order: StationOrder,
+) -> Result<Json<LineChangedDto>, Problem> {
     match api.ask(What::Station(station, order)).await? {
-        Reply::LineNoted { job, outcome, state, pieces, .. } => Ok(Json(LineChangedDto {
+        Reply::LineNoted { job, line, outcome, state, pieces, .. } => Ok(Json(LineChangedDto {
             job: job_name(job),
-            n,
+            n: line + 1,
             state: state.into(),
             done: pieces,
             changed: outcome == LineOutcome::Changed,

@@ -28,7 +28,8 @@ impl Floor<'_> {
                 JobState::Picking { .. } => self.visits.remaining(id, job, now).map(|left| left.mean_s),
                 _ => self.visits.stay(job).map(Span::as_secs_f64),
             };
-            work[station] += left.unwrap_or(self.warehouse().stations[station].pick.as_secs_f64()) + TURNOVER_S;
+            work[station] +=
+                left.unwrap_or(self.warehouse().stations[station].pick.as_secs_f64()) + TURNOVER_S;
         }
         Some(work)
     }

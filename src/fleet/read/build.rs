@@ -214,6 +214,7 @@ impl Fleet {
             since: job.and_then(|id| visits.since(id)),
             lines: record.and_then(|(_, job)| job.lines_now().cloned()),
             left: self.visit_left(s, now),
+            warning: visits.warning(s, now),
             unconfirmed: ledger.unconfirmed.get(&s).cloned(),
             next: self.next_rack(station.node, picked),
             paused: ledger.paused_stations.get(&s).copied(),

@@ -9,6 +9,7 @@ use crate::fleet::state::activity::{Activity, Doing};
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
+use crate::fleet::state::io::WrongReach;
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::ledger::{RackAt, Unconfirmed};
 use crate::fleet::state::recurring::RecurringClosure;
@@ -149,6 +150,8 @@ pub struct StationView {
     pub left: Option<Remaining>,
     /// The visit whose rack left at the last grasp, until its last line is confirmed.
     pub unconfirmed: Option<Unconfirmed>,
+    /// What the person there was warned of a moment ago.
+    pub warning: Option<WrongReach>,
     /// The robot that brings the next rack, and when it is planned to be there.
     pub next: Option<(RobotId, Time)>,
     /// Since when nobody picks, by hand.

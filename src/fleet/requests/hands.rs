@@ -38,13 +38,13 @@ impl Intake<'_> {
         for event in events {
             match event {
                 DeskEvent::Grasped(slot) if lit.is_some_and(|(wanted, _)| wanted != slot) => {
-                    self.warn(station, WrongReach::Slot(slot), seen.seen);
+                    self.warn(station, WrongReach::Slot(slot), (seen.seen, now));
                 }
                 DeskEvent::Grasped(_) => {}
                 DeskEvent::Placed(slot, tote) => {
                     self.hear_of_piece(station, visit, (slot, tote), seen.seen, now)
                 }
-                DeskEvent::AimsAt(slot) => self.warn(station, WrongReach::Slot(slot), seen.seen),
+                DeskEvent::AimsAt(slot) => self.warn(station, WrongReach::Slot(slot), (seen.seen, now)),
             }
         }
         self.let_go(station, &face, now);
@@ -97,7 +97,7 @@ impl Intake<'_> {
         let wanted = [left, here].into_iter().flatten().find(|(_, _, line)| line.slot == slot);
         let Some((job, line, order)) = wanted else { return };
         if name.as_ref() != Some(&order.tote) {
-            return self.warn(station, WrongReach::Tote(tote), seen);
+            return self.warn(station, WrongReach::Tote(tote), (seen, now));
         }
         if let Some(visit) = visit.filter(|v| v.job == job) {
             let _ = self.change_line(visit.robot, (line, LineChange::Done(1)), now);
@@ -165,7 +165,8 @@ impl Intake<'_> {
         self.core.visits.desk(station).is_inside(&face, now)
     }
 
-    fn warn(&mut self, station: StationId, wrong: WrongReach, seen: Time) {
+    fn warn(&mut self, station: StationId, wrong: WrongReach, (seen, now): (Time, Time)) {
+        self.core.visits.note_warning(station, wrong, now);
         self.core.out.warnings.push(CellWarning { station, wrong, seen });
     }
 }

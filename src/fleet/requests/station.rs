@@ -19,6 +19,7 @@ use crate::time::Time;
 /// What a change of a line came to.
 pub(super) struct NotedLine {
     job: JobId,
+    line: usize,
     outcome: LineOutcome,
     state: LineState,
     pieces: u32,
@@ -26,8 +27,8 @@ pub(super) struct NotedLine {
 
 impl NotedLine {
     fn reply(self, token: u64) -> Reply {
-        let NotedLine { job, outcome, state, pieces } = self;
-        Reply::LineNoted { token, job, outcome, state, pieces }
+        let NotedLine { job, line, outcome, state, pieces } = self;
+        Reply::LineNoted { token, job, line, outcome, state, pieces }
     }
 }
 
@@ -87,7 +88,8 @@ impl Intake<'_> {
                 |p: &LineProgress| p.state == LineState::Done && matches!(change, LineChange::Done(_));
             let noted = lines.all().get(line).filter(|p| is_so(p)).ok_or(Refusal::NothingToPick(station))?;
             let LineProgress { state, pieces, .. } = *noted;
-            return Ok(Reply::LineNoted { token, job, outcome: LineOutcome::Already, state, pieces });
+            let outcome = LineOutcome::Already;
+            return Ok(Reply::LineNoted { token, job, line, outcome, state, pieces });
         };
         Ok(noted?.reply(token))
     }
@@ -116,7 +118,7 @@ impl Intake<'_> {
             }
         }
         let LineProgress { state, pieces, .. } = lines.all()[line];
-        Ok(NotedLine { job, outcome, state, pieces })
+        Ok(NotedLine { job, line, outcome, state, pieces })
     }
 
     /// What is said about the line that was not confirmed when its rack left, if there is one: about that with this
@@ -134,7 +136,7 @@ impl Intake<'_> {
                 self.core.record(Fact::LineChanged { job, line, change, at: now });
             }
             let LineProgress { state, pieces, .. } = lines.all()[line];
-            NotedLine { job, outcome, state, pieces }
+            NotedLine { job, line, outcome, state, pieces }
         }))
     }
 

@@ -445,6 +445,8 @@ pub enum Reply {
         token: u64,
         /// The job.
         job: JobId,
+        /// The line's number in the visit, from 0.
+        line: usize,
         /// Whether that changed anything: what was confirmed before is counted once.
         outcome: LineOutcome,
         /// How far the line is.

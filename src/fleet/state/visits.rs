@@ -6,6 +6,7 @@
 
 use crate::cell::{Desk, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace, Remaining};
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::io::WrongReach;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::Ledger;
 use crate::id::{JobId, RackId, RackTypeId, RobotId, StationId};
@@ -14,6 +15,8 @@ use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+/// A warning is shown for so long.
+const WARNED: Span = Span::from_secs(2);
 /// For so long after a visit a button for one of its lines is known to be for that.
 const ENDED: Span = Span::from_secs(3);
 
@@ -64,6 +67,8 @@ pub(in crate::fleet) struct Visits {
     ended: BTreeMap<StationId, (JobId, Lines, Time)>,
     /// Robots that must not move because of a hand.
     at_hands: BTreeSet<RobotId>,
+    /// What was warned of last at each station, and when.
+    warned: BTreeMap<StationId, (WrongReach, Time)>,
     /// True ends of visits, told by an experiment.
     told: BTreeMap<StationId, Time>,
 }
@@ -253,5 +258,15 @@ impl Visits {
     /// Whether a robot must not move because of a hand.
     pub fn is_at_hands(&self, robot: RobotId) -> bool {
         self.at_hands.contains(&robot)
+    }
+
+    /// Somebody at a station is warned.
+    pub fn note_warning(&mut self, station: StationId, wrong: WrongReach, now: Time) {
+        self.warned.insert(station, (wrong, now));
+    }
+
+    /// What was warned of at a station a moment ago.
+    pub fn warning(&self, station: StationId, now: Time) -> Option<WrongReach> {
+        self.warned.get(&station).filter(|(_, at)| now - *at < WARNED).map(|(wrong, _)| *wrong)
     }
 }

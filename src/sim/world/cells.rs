@@ -27,7 +27,8 @@ impl World {
         let before = std::mem::take(&mut self.hands_inside);
         self.hands_inside = pickers.hands_inside(to).collect();
         for station in before.into_iter().filter(|s| self.hands_inside.contains(s)) {
-            let started = |r: &&super::SimRobot| r.body.speed_mps > STANDS_MPS && r.speed_before <= STANDS_MPS;
+            let started =
+                |r: &&super::SimRobot| r.body.speed_mps > STANDS_MPS && r.speed_before <= STANDS_MPS;
             let robot = self.robots.iter().filter(|r| self.is_at(r, station)).find(started);
             self.moved_at_hands.extend(robot.map(|r| (r.body.id, station)));
         }
