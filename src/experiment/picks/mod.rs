@@ -1,0 +1,7 @@
+//! Recorded people who reach for places.
+//!
+//! Refuses: to read files.
+mod data;
+mod score;
+pub use data::*;
+pub use score::*;

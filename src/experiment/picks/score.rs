@@ -1,0 +1,79 @@
+//! How well the place a hand goes to is told on the way.
+//!
+//! Main types: [`SlotScore`], [`SlotTally`]. Looked at are 10, 20, …, 100 % of the time from onset to arrival, with nothing
+//! later known. Refuses: movements that are no candidate's.
+
+/// Parts of the way, percent.
+pub const PARTS: [usize; 10] = [10, 20, 30, 40, 50, 60, 70, 80, 90, 100];
+/// No place counts as less probable.
+const FLOOR: f64 = 1e-6;
+/// Places less probable than this are missed.
+const MISS: f64 = 0.05;
+/// Bins of the calibration error.
+const BINS: usize = 10;
+
+/// The figures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SlotScore {
+    /// Share of movements whose right place was the most probable, per part of the way.
+    pub top1: [f64; PARTS.len()],
+    /// Their mean.
+    pub top1_mean: f64,
+    /// Expected distance from the right place, in mean distances of the others (Petković, equation 5.1).
+    pub location_error: f64,
+    /// Negative logarithm of the right place's probability, nats.
+    pub nll: f64,
+    /// Expected calibration error of the most probable place.
+    pub ece: f64,
+    /// Share with less than 5 % for the right place.
+    pub miss5: f64,
+}
+
+/// Counts while movements are looked at.
+#[derive(Clone, Debug, Default)]
+pub struct SlotTally {
+    hits: [usize; PARTS.len()],
+    seen: [usize; PARTS.len()],
+    location: f64,
+    nll: f64,
+    missed: usize,
+    bins: [(usize, usize, f64); BINS],
+}
+
+impl SlotTally {
+    /// One movement at one part of the way: `distances[i]` is how far place `i` is from the right one, `expected` how
+    /// far the mean place is.
+    pub fn add(&mut self, part: usize, probabilities: &[f64], right: usize, distances: &[f64], expected: f64) {
+        let top = (0..probabilities.len()).max_by(|a, b| probabilities[*a].total_cmp(&probabilities[*b]));
+        let top = top.unwrap_or(0);
+        let p = probabilities[right];
+        self.seen[part] += 1;
+        self.hits[part] += usize::from(top == right);
+        self.nll -= libm::log(p.max(FLOOR));
+        self.missed += usize::from(p < MISS);
+        let bin = &mut self.bins[((probabilities[top] * BINS as f64) as usize).min(BINS - 1)];
+        *bin = (bin.0 + 1, bin.1 + usize::from(top == right), bin.2 + probabilities[top]);
+        let sum: f64 = distances.iter().sum();
+        self.location += expected * distances.len() as f64 / sum.max(1e-9);
+    }
+
+    /// The figures; nothing where no movement was seen at some part of the way.
+    pub fn score(&self) -> Option<SlotScore> {
+        let all: usize = self.seen.iter().sum();
+        if self.seen.contains(&0) {
+            return None;
+        }
+        let n = all as f64;
+        let top1: [f64; PARTS.len()] =
+            std::array::from_fn(|i| self.hits[i] as f64 / self.seen[i] as f64);
+        let gap = |b: &(usize, usize, f64)| (b.1 as f64 - b.2).abs();
+        Some(SlotScore {
+            top1,
+            top1_mean: top1.iter().sum::<f64>() / PARTS.len() as f64,
+            location_error: self.location / n,
+            nll: self.nll / n,
+            ece: self.bins.iter().map(gap).sum::<f64>() / n,
+            miss5: self.missed as f64 / n,
+        })
+    }
+}
