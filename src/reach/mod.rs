@@ -6,6 +6,9 @@
 pub mod arm;
 pub mod ends;
 pub mod features;
+pub mod gaze;
+pub mod mixtures;
+pub mod model;
 pub mod net;
 pub mod places;
 pub mod sample;

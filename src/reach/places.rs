@@ -71,6 +71,20 @@ impl PlaceNet {
         self.front.as_ref().map_or(self.figures * self.group, |f| f.wide.outputs)
     }
 
+    /// Rounds all weights to what a file holds.
+    pub fn round(&mut self) {
+        let core = match &mut self.core {
+            Core::Lstm(lstm) => &mut lstm.gates,
+            Core::Elman(elman) => &mut elman.map,
+        };
+        core.round();
+        self.out.round();
+        if let Some(front) = &mut self.front {
+            front.narrow.round();
+            front.wide.round();
+        }
+    }
+
     /// What is wrong with its shape or figures.
     pub fn fault(&self) -> Option<String> {
         if !(1..=JOINTS).contains(&self.figures) || !(1..=1000).contains(&self.group) {

@@ -3,6 +3,10 @@
 //! Main types: [`SlotScore`], [`SlotTally`]. Looked at are 10, 20, …, 100 % of the time from onset to arrival, with nothing
 //! later known. Refuses: movements that are no candidate's.
 
+use crate::experiment::learning::picks::ReachItem;
+use crate::reach::ArmVector;
+use crate::reach::net::squash::softmax;
+
 /// Parts of the way, percent.
 pub const PARTS: [usize; 10] = [10, 20, 30, 40, 50, 60, 70, 80, 90, 100];
 /// No place counts as less probable.
@@ -57,6 +61,20 @@ impl SlotTally {
         self.location += expected * distances.len() as f64 / sum.max(1e-9);
     }
 
+    /// Adds what another one counted.
+    pub fn merge(&mut self, other: &SlotTally) {
+        for i in 0..PARTS.len() {
+            self.hits[i] += other.hits[i];
+            self.seen[i] += other.seen[i];
+        }
+        for (a, b) in self.bins.iter_mut().zip(other.bins) {
+            *a = (a.0 + b.0, a.1 + b.1, a.2 + b.2);
+        }
+        self.location += other.location;
+        self.nll += other.nll;
+        self.missed += other.missed;
+    }
+
     /// The figures; nothing where no movement was seen at some part of the way.
     pub fn score(&self) -> Option<SlotScore> {
         let all: usize = self.seen.iter().sum();
@@ -76,4 +94,27 @@ impl SlotTally {
             miss5: self.missed as f64 / n,
         })
     }
+}
+
+/// Counts a movement, of whose candidates there are scores at the ten parts of the way.
+pub fn tally_item(tally: &mut SlotTally, item: &ReachItem, scores: &[Vec<f64>], sharpness: f64) {
+    let right = item.targets[item.right].hand;
+    let distances: Vec<f64> = item.targets.iter().map(|t| (t.hand - right).norm()).collect();
+    for (part, scores) in scores.iter().enumerate() {
+        let mut p: Vec<f64> = scores.iter().map(|s| s * sharpness).collect();
+        softmax(&mut p);
+        let mean: ArmVector = item.targets.iter().zip(&p).map(|(t, p)| t.hand.coords * *p).sum();
+        tally.add(part, &p, item.right, &distances, (mean - right.coords).norm());
+    }
+}
+
+/// Indices of the samples that are nearest to the ten parts of a movement's way from onset to arrival.
+pub fn way_samples(item: &ReachItem) -> [usize; PARTS.len()] {
+    let at_s = |i: usize| item.samples[i].at_s;
+    let (from, to) = (at_s(item.onset), at_s(item.arrival));
+    PARTS.map(|part| {
+        let wanted = from + (to - from) * part as f64 / 100.0;
+        let far = |i: &usize| (at_s(*i) - wanted).abs();
+        (item.onset..=item.arrival).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(item.onset)
+    })
 }

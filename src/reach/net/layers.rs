@@ -15,10 +15,25 @@ pub struct Affine {
     pub inputs: usize,
     /// Length of `y`.
     pub outputs: usize,
-    /// `W`: `inputs` rows of `outputs` numbers.
+    /// `W`: `inputs` rows of `outputs` numbers; in files as whole ten-thousandths.
+    #[serde(with = "ten_thousandths")]
     pub weights: Vec<f32>,
-    /// `b`.
+    /// `b`; in files as whole ten-thousandths.
+    #[serde(with = "ten_thousandths")]
     pub bias: Vec<f32>,
+}
+
+/// Weights in files: whole numbers of 0.0001, which are short, and never NaN.
+mod ten_thousandths {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(weights: &[f32], to: S) -> Result<S::Ok, S::Error> {
+        weights.iter().map(|w| (f64::from(*w) * 1e4).round() as i64).collect::<Vec<i64>>().serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f32>, D::Error> {
+        Ok(Vec::<i64>::deserialize(from)?.into_iter().map(|w| (w as f64 / 1e4) as f32).collect())
+    }
 }
 
 /// A long short-term memory. Of its four gates, each `hidden` wide, the order is: input, forget, cell, output.
@@ -74,6 +89,12 @@ impl Affine {
     pub fn apply(&self, x: &[f32], y: &mut [f32]) {
         y.chunks_exact_mut(self.outputs).for_each(|y| y.copy_from_slice(&self.bias));
         add_product(x, &self.weights, self.outputs, y);
+    }
+
+    /// Rounds all weights to what a file holds.
+    pub fn round(&mut self) {
+        let all = self.weights.iter_mut().chain(&mut self.bias);
+        all.for_each(|w| *w = ((f64::from(*w) * 1e4).round() / 1e4) as f32);
     }
 
     /// What is wrong with its shape or figures; nothing if it maps so many numbers to so many.

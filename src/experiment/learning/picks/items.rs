@@ -22,6 +22,8 @@ pub struct ReachItem {
     pub targets: Vec<ReachTarget>,
     /// The right one.
     pub right: usize,
+    /// The candidates' numbers among all places; empty where places have none.
+    pub places: Vec<usize>,
 }
 
 impl ReachItem {
@@ -34,6 +36,7 @@ impl ReachItem {
             arrival: reach.arrival,
             targets: recording.targets(reach, places),
             right: places.iter().position(|p| *p == reach.place)?,
+            places: places.to_vec(),
         })
     }
 }
@@ -109,7 +112,7 @@ impl Variety {
         };
         let (onset, arrival) = (nearest(onset_s), nearest(arrival_s));
         let targets = item.targets.iter().map(target).collect();
-        ReachItem { person: item.person, samples, onset, arrival, targets, right: item.right }
+        ReachItem { samples, onset, arrival, targets, places: item.places.clone(), ..*item }
     }
 }
 

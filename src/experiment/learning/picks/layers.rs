@@ -108,7 +108,13 @@ impl LstmTape {
         &self.states[rows * hidden..]
     }
 
-    /// Gradient of the state and cell before the first step, after [`LstmTape::back`].
+    /// State and cell after the last step.
+    pub fn end(&self, rows: usize, hidden: usize) -> (&[f32], &[f32]) {
+        let size = rows * hidden;
+        (&self.states[self.states.len() - size..], &self.cells[self.cells.len() - size..])
+    }
+
+    /// Runs a batch, from states and cells of zero or from given ones.
     pub fn run(&mut self, layer: &Lstm, x: &[f32], shape: Sequence, start: Option<(&[f32], &[f32])>) {
         let Sequence { steps, rows } = shape;
         let (n, width) = (layer.hidden, 4 * layer.hidden);
