@@ -14,8 +14,8 @@ use crate::sim::random::Stream;
 /// Groups of people that are left out, and nets that are learned.
 pub(super) const ARM_GROUPS: usize = 3;
 /// Size of the state.
-const HIDDEN: usize = 24;
-const EPOCHS: usize = 5;
+const HIDDEN: usize = 28;
+const EPOCHS: usize = 6;
 /// Variations of a movement that are learned beside it.
 const VARIED: usize = 2;
 /// A class of speed with fewer windows takes the radius of all.

@@ -206,12 +206,21 @@ fn learn_published(
 ) -> PublishedPicks {
     let mut nets = Vec::new();
     for (v, variant) in PlaceVariant::ALL.into_iter().enumerate() {
-        // Those for all places together: for the nearest ones, and for all.
-        let last = lessons.lists.len() - 1;
-        let lists: &[usize] = if !variant.is_whole() || last == 0 { &[0] } else { &[0, last] };
-        for list in lists {
-            tell(&format!("{} of {} places", variant.word(), lessons.lists[*list][0].targets.len()));
-            nets.push(published_net(lessons, &lessons.lists[*list], variant, seed, v as u64));
+        // Those for all places together: once for the nearest ones, and once for all. Shared weights learn from all
+        // movements among places of one distance.
+        let (all, layers) = lessons.lists.split_last().expect("there is a list of all places");
+        let nearest = layers.first().unwrap_or(all);
+        let count = |list: &[ReachItem]| list.first().map_or(0, |i| i.targets.len());
+        let alike = layers.iter().filter(|l| count(l) == count(nearest)).flatten().cloned();
+        let lists: Vec<Vec<ReachItem>> = match variant.is_whole() {
+            true if layers.is_empty() => vec![all.clone()],
+            true => vec![nearest.clone(), all.clone()],
+            false if layers.is_empty() => vec![all.clone()],
+            false => vec![alike.collect()],
+        };
+        for list in lists.iter().filter(|l| !l.is_empty()) {
+            tell(&format!("{} of {} places", variant.word(), count(list)));
+            nets.push(published_net(lessons, list, variant, seed, v as u64));
         }
     }
     tell("palm mixtures");

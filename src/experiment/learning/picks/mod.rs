@@ -22,6 +22,7 @@ mod places;
 mod published;
 mod rules;
 mod seq2seq;
+mod simulated;
 mod slots;
 
 pub use arm::{ArmWindow, windows};
@@ -34,4 +35,5 @@ pub use lessons::PickLessons;
 pub use places::{PlaceVariant, place_scores};
 pub use published::{LearnedPicks, PublishedNet, PublishedPicks};
 pub use rules::{hand_scores, head_scores};
+pub use simulated::{SIMULATED_COURSE, simulated_lessons, simulated_reach};
 pub use slots::{END_COURSE, at_parts, end_scores, mean_scores};

@@ -80,7 +80,7 @@ pub struct PlaceCourse {
 
 impl PlaceCourse {
     /// For two slow cores: a smaller state than the published 128 and fewer epochs than 100.
-    pub const SHORT: PlaceCourse = PlaceCourse { hidden: 16, epochs: 12, batch: 16, rate: 0.01 };
+    pub const SHORT: PlaceCourse = PlaceCourse { hidden: 16, epochs: 10, batch: 16, rate: 0.01 };
 }
 
 /// What a net did with a batch.
