@@ -4,6 +4,7 @@
 
 use super::alarms::AlarmsArgs;
 use super::people::{DetectionArgs, TableArgs};
+use super::picks::PicksArgs;
 use super::price::PriceArgs;
 use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
 use super::safe_space::SafeSpaceArgs;
@@ -37,6 +38,8 @@ pub enum Experiment {
     Alarms(AlarmsArgs),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpaceArgs),
+    /// Recorded people who reach for places: which place, where the arm will be, where they look.
+    Picks(PicksArgs),
 }
 
 /// The stories.
@@ -94,6 +97,7 @@ impl Experiment {
             Experiment::Meetings(encounters) => encounters.run(),
             Experiment::Alarms(alarms) => alarms.run(),
             Experiment::SafeSpace(spaces) => spaces.run(),
+            Experiment::Picks(picks) => picks.run(),
         }
     }
 }

@@ -17,6 +17,7 @@ mod frames;
 mod learn;
 mod map;
 mod people;
+mod picks;
 mod price;
 mod recorded;
 mod recording;

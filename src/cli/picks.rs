@@ -7,7 +7,7 @@ use crate::experiment::learning::picks::{
     END_COURSE, LearnedPicks, PickCourse, PickLessons, SIMULATED_COURSE, learn_picks, simulated_lessons,
 };
 use crate::experiment::picks::{
-    ARM_LOOK_WORDS, ARM_WORDS, ArmScore, PARTS, PickReport, PickRecording, PickTexts, SlotChoice, SlotScore,
+    ARM_LOOK_WORDS, ARM_WORDS, ArmScore, PARTS, PickRecording, PickReport, PickTexts, SlotChoice, SlotScore,
     fold, folds, report, with_model,
 };
 use crate::reach::model::PickModel;
@@ -98,7 +98,10 @@ impl PicksArgs {
             SlotsArgument::All => SlotChoice::All,
         };
         let candidates = recording.candidates(slots).len();
-        anyhow::ensure!(candidates > 1, "targets.csv has {candidates} places of that kind; at least two are needed");
+        anyhow::ensure!(
+            candidates > 1,
+            "targets.csv has {candidates} places of that kind; at least two are needed"
+        );
         let parts = match &self.model {
             Some(path) => {
                 let learned = read_learned(path)?;
@@ -143,7 +146,8 @@ impl PicksArgs {
             report.models.iter().map(|(word, score)| ((*word).to_owned(), slot_value(score))).collect();
         let arm: Map<String, Value> =
             report.arm.iter().map(|(word, score)| ((*word).to_owned(), arm_value(score))).collect();
-        let angles = |(median, p90): &(f64, f64)| json!({"median_deg": round(*median), "p90_deg": round(*p90)});
+        let angles =
+            |(median, p90): &(f64, f64)| json!({"median_deg": round(*median), "p90_deg": round(*p90)});
         let gaze: Map<String, Value> =
             report.gaze.iter().map(|(word, of)| ((*word).to_owned(), angles(of))).collect();
         json!({

@@ -1,10 +1,10 @@
 //! Where the arm will be within 0.4 seconds, with how sure that is.
 //!
-//! Main types: [`ArmNet`], [`ArmForecast`]. From ten samples, 0.04 s apart, one memory tells ten further places of shoulder,
-//! forearm, hand and finger tip, and a width each. Widths become regions by figures that were fitted on people left out,
-//! per horizon and speed. Refuses: to look farther than it was shown.
+//! Main types: [`ArmNet`], [`ArmForecast`]. From ten samples, 0.04 s apart, one memory tells ten further places of
+//! shoulder, forearm, hand and finger tip, and a width each. Widths become regions by figures that were fitted on
+//! people left out, per horizon and speed. Refuses: to look farther than it was shown.
 
-use super::features::{BODY, Motion};
+use super::features::{ArmMotion, BODY};
 use super::net::squash::exp;
 use super::net::{Affine, Lstm};
 use super::sample::{ARM_PARTS, ArmPoint, ArmSample, ArmVector};
@@ -68,7 +68,7 @@ impl ArmNet {
         let before = observed.get(observed.len().checked_sub(2)?)?;
         let n = self.memory.hidden;
         let (mut h, mut c, mut z) = (vec![0.0; n], vec![0.0; n], vec![0.0; 4 * n]);
-        let (mut motion, mut body) = (Motion::new(*first), [0.0; BODY]);
+        let (mut motion, mut body) = (ArmMotion::new(*first), [0.0; BODY]);
         for sample in observed {
             motion = motion.then(*sample);
             motion.body(&mut body);
@@ -94,8 +94,7 @@ pub fn read(said: &[f32], base: &[[ArmPoint; ARM_PARTS]; ARM_STEPS], class: usiz
             base[k][p] + ArmVector::new(f[0].into(), f[1].into(), f[2].into()) / ARM_SCALE
         })
     });
-    let width_m = std::array::from_fn(|k| {
-        std::array::from_fn(|p| f64::from(exp(figure(k, p)[3])) / ARM_SCALE)
-    });
+    let width_m =
+        std::array::from_fn(|k| std::array::from_fn(|p| f64::from(exp(figure(k, p)[3])) / ARM_SCALE));
     ArmForecast { middle, width_m, class }
 }

@@ -1,11 +1,11 @@
 //! Where a hand will end, told from the movement of the body alone: one memory for all places.
 //!
-//! Main types: [`EndNet`], [`EndState`]. After every step the net says where, as seen from the shoulder, the finger tip will
-//! end and in which direction its place will be seen from the head, with a spread each; a place is as probable as its
-//! distance from both allows. So its cost does not grow with the number of places, and a new place needs no history.
-//! Refuses: to know places.
+//! Main types: [`EndNet`], [`EndState`]. After every step the net says where, as seen from the shoulder, the finger
+//! tip will end and in which direction its place will be seen from the head, with a spread each; a place is as
+//! probable as its distance from both allows. So its cost does not grow with the number of places, and a new place
+//! needs no history. Refuses: to know places.
 
-use super::features::{BODY, Motion};
+use super::features::{ArmMotion, BODY};
 use super::net::squash::exp;
 use super::net::{Affine, Lstm};
 use super::sample::{ReachTarget, angles};
@@ -35,7 +35,7 @@ pub struct EndState {
 }
 
 /// Coordinates of a place as the net compares them: relative to the shoulder and to the head.
-pub fn end_coordinates(motion: &Motion, target: &ReachTarget) -> [f32; ENDS] {
+pub fn end_coordinates(motion: &ArmMotion, target: &ReachTarget) -> [f32; ENDS] {
     let now = motion.now();
     let hand = target.hand - now.shoulder;
     let (yaw, pitch) = angles(target.look - now.head);
@@ -56,6 +56,18 @@ impl EndNet {
     pub fn state(&self) -> EndState {
         let n = self.memory.hidden;
         EndState { h: vec![0.0; n], c: vec![0.0; n], z: vec![0.0; 4 * n] }
+    }
+
+    /// Takes over what another state has seen.
+    pub fn copy(&self, from: &EndState, to: &mut EndState) {
+        to.h.copy_from_slice(&from.h);
+        to.c.copy_from_slice(&from.c);
+    }
+
+    /// Forgets everything.
+    pub fn clear(&self, state: &mut EndState) {
+        state.h.fill(0.0);
+        state.c.fill(0.0);
     }
 
     /// One step: the state takes the figures in, `said` is what the net says then.

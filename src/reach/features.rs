@@ -1,6 +1,6 @@
 //! What nets are shown of a sample: figures of the body, and of the body beside each place it may reach for.
 //!
-//! Main types: [`Motion`] (what is remembered of earlier samples: speeds and the last rest), [`BODY`], [`BESIDE`].
+//! Main types: [`ArmMotion`] (what is remembered of earlier samples: speeds and the last rest), [`BODY`], [`BESIDE`].
 //! Everything is relative to the person or to a place, so that a place has no name and a rack no position. Refuses: to
 //! count samples; all rates are per second.
 
@@ -34,7 +34,7 @@ struct Rest {
 
 /// How a person moves: speeds between samples and the last rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
+pub struct ArmMotion {
     now: ArmSample,
     finger: ArmVector,
     change: ArmVector,
@@ -45,9 +45,9 @@ pub struct Motion {
     rest: Rest,
 }
 
-impl Motion {
+impl ArmMotion {
     /// Of a person of whom nothing was seen before: at rest.
-    pub fn new(first: ArmSample) -> Motion {
+    pub fn new(first: ArmSample) -> ArmMotion {
         let zero = ArmVector::zeros();
         let rest = Rest {
             finger: first.finger,
@@ -57,11 +57,11 @@ impl Motion {
             until_s: first.at_s,
         };
         let (finger, change, hand, shoulder) = (zero, zero, zero, zero);
-        Motion { now: first, finger, change, hand, shoulder, yaw: 0.0, pitch: 0.0, rest }
+        ArmMotion { now: first, finger, change, hand, shoulder, yaw: 0.0, pitch: 0.0, rest }
     }
 
     /// With one more sample, which is later.
-    pub fn then(&self, next: ArmSample) -> Motion {
+    pub fn then(&self, next: ArmSample) -> ArmMotion {
         let dt = (next.at_s - self.now.at_s).max(1e-3);
         let finger = (next.finger - self.now.finger) / dt;
         let mut rest = self.rest;
@@ -73,7 +73,7 @@ impl Motion {
             rest.pitch += (next.pitch - rest.pitch) * share;
             rest.until_s = next.at_s;
         }
-        Motion {
+        ArmMotion {
             now: next,
             finger,
             change: (finger - self.finger) / dt,
@@ -82,6 +82,20 @@ impl Motion {
             yaw: (next.yaw - self.now.yaw) / dt,
             pitch: (next.pitch - self.now.pitch) / dt,
             rest,
+        }
+    }
+
+    /// As it would be with a sample that comes before the next step is due; `earlier` is what was seen one step of
+    /// `step_s` before that sample. Speeds are those of a whole step, so that a fast sensor does not make them noisy.
+    pub fn glimpse(&self, earlier: &ArmSample, now: ArmSample, step_s: f64) -> ArmMotion {
+        ArmMotion {
+            now,
+            finger: (now.finger - earlier.finger) / step_s,
+            hand: (now.hand - earlier.hand) / step_s,
+            shoulder: (now.shoulder - earlier.shoulder) / step_s,
+            yaw: (now.yaw - earlier.yaw) / step_s,
+            pitch: (now.pitch - earlier.pitch) / step_s,
+            ..*self
         }
     }
 
@@ -118,7 +132,8 @@ impl Motion {
         }
         let (yaw, pitch) = (now.yaw - self.rest.yaw, now.pitch - self.rest.pitch);
         let leant = now.shoulder.x - self.rest.shoulder.x;
-        let angles = [leant * 15.0, yaw * 4.0, pitch * 6.0, now.yaw * 2.0, now.pitch * 3.0, self.moving_s() * 2.0];
+        let angles =
+            [leant * 15.0, yaw * 4.0, pitch * 6.0, now.yaw * 2.0, now.pitch * 3.0, self.moving_s() * 2.0];
         out[BODY - angles.len()..].iter_mut().zip(angles).for_each(|(o, v)| *o = v as f32);
     }
 
@@ -167,9 +182,9 @@ impl Motion {
         out.iter_mut().zip(figures).for_each(|(o, f)| *o = f as f32);
     }
 
-    /// Figures as published, of every joint and direction that is seen: distances from hand, head, forearm and shoulder to
-    /// the place; distances between unit vectors of head, upper arm and forearm and of the way from there to the place.
-    /// The first two are those that were selected: hand and head.
+    /// Figures as published, of every joint and direction that is seen: distances from hand, head, forearm and
+    /// shoulder to the place; distances between unit vectors of head, upper arm and forearm and of the way from there
+    /// to the place. The first two are those that were selected: hand and head.
     pub fn joints(&self, target: &ReachTarget, out: &mut [f32]) {
         let now = &self.now;
         let far = |p: ArmPoint| (target.hand - p).norm();

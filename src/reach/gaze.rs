@@ -1,8 +1,8 @@
 //! Where the eyes look when only the head is seen.
 //!
-//! Main type: [`GazeModel`]. Eyes go farther than heads: the head's angles are stretched, by figures learned from a wearer
-//! whose eyes were recorded. If places and their probabilities are known, the estimate is drawn towards them. What comes
-//! out is an estimate and must never be passed off as eyes. Refuses: to say which eye.
+//! Main type: [`GazeModel`]. Eyes go farther than heads: the head's angles are stretched, by figures learned from a
+//! wearer whose eyes were recorded. If places and their probabilities are known, the estimate is drawn towards them.
+//! What comes out is an estimate and must never be passed off as eyes. Refuses: to say which eye.
 
 use super::sample::{ArmPoint, ReachTarget, angles};
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,8 @@
 //! Where palms pass on their way to a place: a sum of Gaussians per place (seed 002, equations 2 to 5).
 //!
-//! Main types: [`PalmMixture`], [`PalmGaussian`]. Points are relative to the shoulder. Corrected: the density has |Σ|^½,
-//! and sums over points that lie close in time are tempered by their number, since they are anything but independent.
-//! Refuses: to say anything of a place nobody was seen to reach for.
+//! Main types: [`PalmMixture`], [`PalmGaussian`]. Points are relative to the shoulder. Corrected: the density has
+//! |Σ|^½, and sums over points that lie close in time are tempered by their number, since they are anything but
+//! independent. Refuses: to say anything of a place nobody was seen to reach for.
 
 use super::sample::ArmVector;
 use nalgebra::Matrix3;
@@ -37,8 +37,7 @@ impl PalmGaussian {
     /// With a mean and a covariance; nothing if that is none.
     pub fn new(share: f64, mean: ArmVector, cov: Matrix3<f64>) -> Option<PalmGaussian> {
         let root = cov.cholesky()?.l().try_inverse()?;
-        let whitening =
-            [root[(0, 0)], root[(1, 0)], root[(1, 1)], root[(2, 0)], root[(2, 1)], root[(2, 2)]];
+        let whitening = [root[(0, 0)], root[(1, 0)], root[(1, 1)], root[(2, 0)], root[(2, 1)], root[(2, 2)]];
         Some(PalmGaussian { share, mean: mean.into(), whitening })
     }
 

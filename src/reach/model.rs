@@ -1,8 +1,8 @@
 //! All learned figures about people at arm's length in one file.
 //!
-//! Main types: [`PickModel`], [`PickModelError`]. `giveway learn picks` writes it, the server and simulations load it;
-//! without one the built-in figures hold, which were learned from simulated people. Refuses: other versions, wrong shapes
-//! and figures that cannot be, by name.
+//! Main types: [`PickModel`], [`PickModelError`]. `giveway learn picks` writes it, the server and simulations load
+//! it; without one the built-in figures hold, which were learned from simulated people. Refuses: other versions,
+//! wrong shapes and figures that cannot be, by name.
 
 use super::arm::{ARM_STEPS, ArmForecast, ArmNet, SPEED_CLASSES};
 use super::ends::EndNet;
@@ -224,4 +224,41 @@ pub fn average(all: Vec<ArmForecast>) -> Option<ArmForecast> {
         }
     }
     Some(mean)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_built_in_file_is_small_and_learned_from_simulated_people_only() {
+        let model = PickModel::builtin();
+        assert!(PickModel::BUILTIN.len() < 300_000, "{} bytes", PickModel::BUILTIN.len());
+        assert!(model.command.contains("--simulated"), "{}", model.command);
+        assert!(model.people.iter().all(|p| p.starts_with("simulated")));
+        assert!(model.left_out.top1_mean > 0.5 && model.left_out.ece < 0.05, "{:?}", model.left_out);
+    }
+
+    #[test]
+    fn other_versions_wrong_shapes_and_impossible_figures_are_refused_by_name() {
+        let file: serde_json::Value = serde_json::from_str(PickModel::BUILTIN).unwrap();
+        let refused = |change: &dyn Fn(&mut serde_json::Value)| {
+            let mut changed = file.clone();
+            change(&mut changed);
+            PickModel::parse(&changed.to_string()).unwrap_err().to_string()
+        };
+        let wrong: [(&str, &dyn Fn(&mut serde_json::Value)); 5] = [
+            ("version 2", &|v| v["model"]["version"] = 2.into()),
+            ("slots: a memory of 7 inputs", &|v| {
+                v["model"]["slots"]["nets"][0]["memory"]["inputs"] = 7.into()
+            }),
+            ("invalid type: null", &|v| v["model"]["slots"]["sharpness"] = serde_json::Value::Null),
+            ("slots: sharpness", &|v| v["model"]["slots"]["sharpness"] = (-1.0).into()),
+            ("arm: regions", &|v| v["model"]["arm"]["regions"][0][0][0] = 0.0.into()),
+        ];
+        for (what, change) in wrong {
+            let error = refused(change);
+            assert!(error.contains(what) && error.contains("giveway learn picks"), "{what}: {error}");
+        }
+    }
 }

@@ -1,11 +1,11 @@
 //! The published predictor and its variants: a net that looks at the person beside each place.
 //!
-//! Main types: [`PlaceNet`], [`PlaceBank`]. One net with the same weights for every place (Petković, section 5.2.1), its
-//! inputs selected, or pressed through a narrow layer, or one net for all places together (FULL, ALL). Corrected: it
-//! keeps a state instead of a buffer of frames; a place that is new replays its own last frames instead of taking the
-//! state of a neighbour. Refuses: to know more of a place than distances.
+//! Main types: [`PlaceNet`], [`PlaceBank`]. One net with the same weights for every place (Petković, section 5.2.1),
+//! its inputs selected, or pressed through a narrow layer, or one net for all places together (FULL, ALL). Corrected:
+//! it keeps a state instead of a buffer of frames; a place that is new replays its own last frames instead of taking
+//! the state of a neighbour. Refuses: to know more of a place than distances.
 
-use super::features::{JOINTS, Motion};
+use super::features::{ArmMotion, JOINTS};
 use super::net::squash::{sigmoid, softmax};
 use super::net::{Affine, Elman, Lstm};
 use super::sample::ReachTarget;
@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 /// What remembers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Core {
+pub enum PlaceCore {
     /// A long short-term memory.
     Lstm(Lstm),
     /// A plain recurrent layer.
@@ -36,31 +36,31 @@ pub struct Bottleneck {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceNet {
-    /// Figures per place: the first so many of [`Motion::joints`].
+    /// Figures per place: the first so many of [`ArmMotion::joints`].
     pub figures: usize,
     /// Places it looks at together; 1 where weights are shared.
     pub group: usize,
     /// The narrow layer, if it has one.
     pub front: Option<Bottleneck>,
     /// The memory.
-    pub core: Core,
+    pub core: PlaceCore,
     /// From the state to one score per place.
     pub out: Affine,
 }
 
-impl Core {
+impl PlaceCore {
     /// Length of its state.
     pub fn hidden(&self) -> usize {
         match self {
-            Core::Lstm(lstm) => lstm.hidden,
-            Core::Elman(elman) => elman.map.outputs,
+            PlaceCore::Lstm(lstm) => lstm.hidden,
+            PlaceCore::Elman(elman) => elman.map.outputs,
         }
     }
 
     fn fault(&self, inputs: usize) -> Option<String> {
         match self {
-            Core::Lstm(lstm) => lstm.fault(inputs),
-            Core::Elman(elman) => elman.fault(inputs),
+            PlaceCore::Lstm(lstm) => lstm.fault(inputs),
+            PlaceCore::Elman(elman) => elman.fault(inputs),
         }
     }
 }
@@ -74,8 +74,8 @@ impl PlaceNet {
     /// Rounds all weights to what a file holds.
     pub fn round(&mut self) {
         let core = match &mut self.core {
-            Core::Lstm(lstm) => &mut lstm.gates,
-            Core::Elman(elman) => &mut elman.map,
+            PlaceCore::Lstm(lstm) => &mut lstm.gates,
+            PlaceCore::Elman(elman) => &mut elman.map,
         };
         core.round();
         self.out.round();
@@ -119,7 +119,7 @@ struct Watched {
 pub struct PlaceBank<'a> {
     net: &'a PlaceNet,
     watched: Vec<Watched>,
-    frames: VecDeque<Motion>,
+    frames: VecDeque<ArmMotion>,
     x: Vec<f32>,
     narrow: Vec<f32>,
     wide: Vec<f32>,
@@ -160,7 +160,7 @@ impl<'a> PlaceBank<'a> {
     }
 
     /// One step.
-    pub fn observe(&mut self, motion: &Motion) {
+    pub fn observe(&mut self, motion: &ArmMotion) {
         if self.frames.len() == REPLAYED {
             self.frames.pop_front();
         }
@@ -177,7 +177,7 @@ impl<'a> PlaceBank<'a> {
         softmax(out);
     }
 
-    fn look(&mut self, motion: &Motion, watched: &mut Watched) {
+    fn look(&mut self, motion: &ArmMotion, watched: &mut Watched) {
         motion.joints(&watched.target, &mut self.x);
         let figures = &self.x[..self.net.figures];
         let input = match &self.net.front {
@@ -190,8 +190,8 @@ impl<'a> PlaceBank<'a> {
             None => figures,
         };
         match &self.net.core {
-            Core::Lstm(lstm) => lstm.step(input, &mut watched.h, &mut watched.c, &mut self.z),
-            Core::Elman(elman) => {
+            PlaceCore::Lstm(lstm) => lstm.step(input, &mut watched.h, &mut watched.c, &mut self.z),
+            PlaceCore::Elman(elman) => {
                 let n = elman.map.outputs;
                 elman.step(input, &mut watched.h, &mut self.z[..n]);
             }

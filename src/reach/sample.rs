@@ -1,7 +1,7 @@
 //! What is seen of a person at arm's length at one instant.
 //!
-//! Main types: [`ArmSample`], [`ReachTarget`]. Metres and radians in the frame of the opening: x into it, y to the left
-//! of the person who stands before it, z up. Refuses: to know where the frame is in the hall.
+//! Main types: [`ArmSample`], [`ReachTarget`]. Metres and radians in the frame of the opening: x into it, y to the
+//! left of the person who stands before it, z up. Refuses: to know where the frame is in the hall.
 
 use nalgebra::{Point3, Vector3};
 

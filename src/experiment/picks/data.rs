@@ -1,8 +1,8 @@
 //! Recorded reaches: five tables as text, checked line by line.
 //!
-//! Main types: [`PickTexts`], [`PickRecording`], [`RecordedReach`], [`GazeTrial`]. Millimetres and degrees become metres
-//! and radians. Refuses: a table with a missing column, a figure that is none or cannot be, a sample of an unknown
-//! movement, and times that go back; the error names the table and the line.
+//! Main types: [`PickTexts`], [`PickRecording`], [`RecordedReach`], [`GazeTrial`]. Millimetres and degrees become
+//! metres and radians. Refuses: a table with a missing column, a figure that is none or cannot be, a sample of an
+//! unknown movement, and times that go back; the error names the table and the line.
 
 use crate::reach::{ArmPoint, ArmSample, ReachTarget};
 use std::collections::BTreeMap;
@@ -103,36 +103,36 @@ pub enum SlotChoice {
 }
 
 /// A table while it is read.
-struct Reader<'a> {
+struct TableReader<'a> {
     file: &'static str,
     columns: &'static [&'static str],
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
 }
 
 /// One line of it.
-struct Row<'a> {
+struct TableRow<'a> {
     file: &'static str,
     line: usize,
     columns: &'static [&'static str],
     cells: Vec<&'a str>,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> TableReader<'a> {
     fn new(
         file: &'static str,
         text: &'a str,
         columns: &'static [&'static str],
-    ) -> Result<Reader<'a>, PickDataError> {
+    ) -> Result<TableReader<'a>, PickDataError> {
         let mut lines = text.lines().enumerate();
         let head = lines.next().map_or("", |l| l.1.trim_end());
         if head != columns.join(",") {
             let what = format!("the columns must be {}", columns.join(","));
             return Err(PickDataError { file, line: 1, what });
         }
-        Ok(Reader { file, columns, lines })
+        Ok(TableReader { file, columns, lines })
     }
 
-    fn next(&mut self) -> Option<Result<Row<'a>, PickDataError>> {
+    fn next(&mut self) -> Option<Result<TableRow<'a>, PickDataError>> {
         let (i, text) = self.lines.find(|l| !l.1.trim().is_empty())?;
         let (file, line, columns) = (self.file, i + 1, self.columns);
         let cells: Vec<&str> = text.trim_end().split(',').collect();
@@ -140,11 +140,11 @@ impl<'a> Reader<'a> {
             let what = format!("{} figures for {} columns", cells.len(), columns.len());
             return Some(Err(PickDataError { file, line, what }));
         }
-        Some(Ok(Row { file, line, columns, cells }))
+        Some(Ok(TableRow { file, line, columns, cells }))
     }
 }
 
-impl Row<'_> {
+impl TableRow<'_> {
     fn error(&self, what: String) -> PickDataError {
         PickDataError { file: self.file, line: self.line, what }
     }
@@ -230,13 +230,13 @@ impl PickRecording {
 
 fn places(texts: &PickTexts) -> Result<Vec<RecordedPlace>, PickDataError> {
     let mut hands = BTreeMap::new();
-    let mut reader = Reader::new("slots.csv", &texts.slots, &PLACES)?;
+    let mut reader = TableReader::new("slots.csv", &texts.slots, &PLACES)?;
     while let Some(row) = reader.next() {
         let row = row?;
         hands.insert(row.cells[0], row.place(1, 1.0)?);
     }
     let mut places: Vec<RecordedPlace> = Vec::new();
-    let mut reader = Reader::new("targets.csv", &texts.targets, &PLACES)?;
+    let mut reader = TableReader::new("targets.csv", &texts.targets, &PLACES)?;
     while let Some(row) = reader.next() {
         let row = row?;
         let name = row.cells[0].to_owned();
@@ -258,7 +258,7 @@ fn moves(
 ) -> Result<(Vec<String>, Vec<RecordedReach>, Times), PickDataError> {
     let (mut people, mut reaches, mut times): (Vec<String>, Vec<RecordedReach>, Times) = Default::default();
     let mut names = std::collections::BTreeSet::new();
-    let mut reader = Reader::new("moves.csv", &texts.moves, &MOVES)?;
+    let mut reader = TableReader::new("moves.csv", &texts.moves, &MOVES)?;
     while let Some(row) = reader.next() {
         let row = row?;
         let (name, person) = (row.cells[0].to_owned(), row.cells[1]);
@@ -288,7 +288,7 @@ fn moves(
 fn samples(texts: &PickTexts, reaches: &mut [RecordedReach]) -> Result<(), PickDataError> {
     let index: BTreeMap<String, usize> =
         reaches.iter().enumerate().map(|(i, r)| (r.name.clone(), i)).collect();
-    let mut reader = Reader::new("samples.csv", &texts.samples, &SAMPLES)?;
+    let mut reader = TableReader::new("samples.csv", &texts.samples, &SAMPLES)?;
     while let Some(row) = reader.next() {
         let row = row?;
         let reach = index.get(row.cells[0]);
@@ -314,7 +314,7 @@ fn samples(texts: &PickTexts, reaches: &mut [RecordedReach]) -> Result<(), PickD
 
 fn gaze(texts: &PickTexts) -> Result<Vec<GazeTrial>, PickDataError> {
     let mut trials: Vec<(String, GazeTrial)> = Vec::new();
-    let mut reader = Reader::new("gaze.csv", &texts.gaze, &GAZE)?;
+    let mut reader = TableReader::new("gaze.csv", &texts.gaze, &GAZE)?;
     while let Some(row) = reader.next() {
         let row = row?;
         let angle = |column: usize| Ok(row.figure(column, 360.0)?.to_radians());

@@ -1,7 +1,7 @@
 //! Predictions for recorded people, and their figures.
 //!
-//! Main types: [`PickReport`], [`ArmScore`], [`PickPart`]; main functions: [`fold`], [`with_model`]. Refuses: to average over
-//! folds; all movements count alike.
+//! Main types: [`PickReport`], [`ArmScore`], [`PickPart`]; main functions: [`fold`], [`with_model`]. Refuses: to
+//! average over folds; all movements count alike.
 
 use super::data::{PickRecording, SlotChoice};
 use super::score::{SlotScore, SlotTally, tally_item};
@@ -215,7 +215,7 @@ fn ask_slots(part: &mut PickPart, item: &ReachItem, names: &[String], learned: &
             let ahead = mixture_scores(item, &mixtures, Some(&learned.model.arm));
             add("mixtures_ahead", &ahead, published.ahead);
             let share = slots.mixture_share;
-            for (ours, ahead) in ours.iter_mut().zip(mean_scores(&[ahead])) {
+            for (ours, ahead) in ours.iter_mut().zip(ahead) {
                 ours.iter_mut().zip(ahead).for_each(|(o, a)| *o = *o * (1.0 - share) + a * share);
             }
         }

@@ -1,7 +1,7 @@
 //! How well the place a hand goes to is told on the way.
 //!
-//! Main types: [`SlotScore`], [`SlotTally`]. Looked at are 10, 20, …, 100 % of the time from onset to arrival, with nothing
-//! later known. Refuses: movements that are no candidate's.
+//! Main types: [`SlotScore`], [`SlotTally`]. Looked at are 10, 20, …, 100 % of the time from onset to arrival, with
+//! nothing later known. Refuses: movements that are no candidate's.
 
 use crate::experiment::learning::picks::ReachItem;
 use crate::reach::ArmVector;
@@ -47,7 +47,14 @@ pub struct SlotTally {
 impl SlotTally {
     /// One movement at one part of the way: `distances[i]` is how far place `i` is from the right one, `expected` how
     /// far the mean place is.
-    pub fn add(&mut self, part: usize, probabilities: &[f64], right: usize, distances: &[f64], expected: f64) {
+    pub fn add(
+        &mut self,
+        part: usize,
+        probabilities: &[f64],
+        right: usize,
+        distances: &[f64],
+        expected: f64,
+    ) {
         let top = (0..probabilities.len()).max_by(|a, b| probabilities[*a].total_cmp(&probabilities[*b]));
         let top = top.unwrap_or(0);
         let p = probabilities[right];
@@ -82,8 +89,7 @@ impl SlotTally {
             return None;
         }
         let n = all as f64;
-        let top1: [f64; PARTS.len()] =
-            std::array::from_fn(|i| self.hits[i] as f64 / self.seen[i] as f64);
+        let top1: [f64; PARTS.len()] = std::array::from_fn(|i| self.hits[i] as f64 / self.seen[i] as f64);
         let gap = |b: &(usize, usize, f64)| (b.1 as f64 - b.2).abs();
         Some(SlotScore {
             top1,

@@ -6,5 +6,5 @@
 mod layers;
 pub mod squash;
 
-pub use layers::{Affine, Elman, Lstm};
 pub(crate) use layers::add_product;
+pub use layers::{Affine, Elman, Lstm};

@@ -1,7 +1,7 @@
 //! Adam (Kingma and Ba 2015): steps along gradients, with an own step length for every weight.
 //!
-//! Main type: [`Adam`]. Weights shrink a little at every step (decoupled, Loshchilov and Hutter 2019), and a gradient that
-//! is too long is cut. Refuses: gradients of another shape than the weights.
+//! Main type: [`Adam`]. Weights shrink a little at every step (decoupled, Loshchilov and Hutter 2019), and a gradient
+//! that is too long is cut. Refuses: gradients of another shape than the weights.
 
 /// Decay of the mean gradient.
 const BETA_1: f32 = 0.9;

@@ -1,7 +1,7 @@
 //! Learning of nets that say where the arm will be.
 //!
-//! Main types: [`ArmWindow`], main functions: [`windows`], [`learn_arm`]. Lengths of errors count, not their squares, and
-//! widths are learned with them (a Laplace distribution in space). Refuses: windows with gaps.
+//! Main types: [`ArmWindow`], main functions: [`windows`], [`learn_arm`]. Lengths of errors count, not their squares,
+//! and widths are learned with them (a Laplace distribution in space). Refuses: windows with gaps.
 
 use super::adam::Adam;
 use super::course::{rate_at, shuffle};
@@ -9,7 +9,7 @@ use super::items::ReachItem;
 use super::layers::{LstmTape, Sequence, affine, affine_back, lstm};
 use crate::reach::ArmSample;
 use crate::reach::arm::{ARM_FIGURES, ARM_SCALE, ARM_STEPS, ArmNet, fading, read};
-use crate::reach::features::{BODY, Motion};
+use crate::reach::features::{ArmMotion, BODY};
 use crate::reach::net::squash::exp;
 use crate::reach::net::{Affine, Lstm};
 use crate::reach::sample::ARM_PARTS;
@@ -56,7 +56,11 @@ pub fn learn_arm(windows: &[ArmWindow], hidden: usize, epochs: usize, chance: &m
             let mut weights = [&mut m.weights[..], &mut m.bias, &mut o.weights, &mut o.bias];
             let (m, o) = (&mut gradient.memory.gates, &mut gradient.out);
             let rate = rate_at(0.004, f64::from(done) / batches as f64);
-            adam.step(rate, &mut weights, &mut [&mut m.weights[..], &mut m.bias, &mut o.weights, &mut o.bias]);
+            adam.step(
+                rate,
+                &mut weights,
+                &mut [&mut m.weights[..], &mut m.bias, &mut o.weights, &mut o.bias],
+            );
             done += 1;
         }
     }
@@ -68,7 +72,7 @@ fn batch_gradient(net: &ArmNet, windows: &[&ArmWindow], tape: &mut LstmTape, gra
     let shape = Sequence { steps: ARM_STEPS, rows };
     let mut x = vec![0.0f32; ARM_STEPS * rows * BODY];
     for (row, window) in windows.iter().enumerate() {
-        let mut motion = Motion::new(window.observed[0]);
+        let mut motion = ArmMotion::new(window.observed[0]);
         for (t, sample) in window.observed.iter().enumerate() {
             motion = motion.then(*sample);
             motion.body(&mut x[(t * rows + row) * BODY..][..BODY]);

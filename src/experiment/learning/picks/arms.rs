@@ -1,7 +1,7 @@
 //! Learning of where the arm will be, with people left out.
 //!
-//! Main functions: [`learn_arms`], [`regions_of`]. Regions hold 95 % of people left out, per horizon, part and speed (a
-//! conformal quantile). Refuses: widths of a net as regions.
+//! Main functions: [`learn_arms`], [`regions_of`]. Regions hold 95 % of people left out, per horizon, part and speed
+//! (a conformal quantile). Refuses: widths of a net as regions.
 
 use super::arm::{ArmWindow, learn_arm, windows};
 use super::items::Variety;
@@ -18,6 +18,8 @@ const HIDDEN: usize = 28;
 const EPOCHS: usize = 6;
 /// Variations of a movement that are learned beside it.
 const VARIED: usize = 2;
+/// Windows that are learned at most.
+const MOST: usize = 36_000;
 /// A class of speed with fewer windows takes the radius of all.
 const FEW: usize = 100;
 /// Share that regions hold.
@@ -35,6 +37,7 @@ pub struct ForecastWindow {
 /// The nets, and what each says about the people it never saw.
 pub(super) fn learn_arms(
     lessons: &PickLessons,
+    strangers: Option<Variety>,
     seed: u64,
     tell: &mut impl FnMut(&str),
 ) -> (Vec<ArmNet>, Vec<ForecastWindow>) {
@@ -50,11 +53,14 @@ pub(super) fn learn_arms(
                 learned.extend(windows(&Variety::PEOPLE.vary(item, &mut chance)));
             }
         }
+        let every = learned.len().div_ceil(MOST).max(1);
+        let learned: Vec<_> = learned.into_iter().step_by(every).collect();
         let mut net = learn_arm(&learned, HIDDEN, EPOCHS, &mut chance);
         net.memory.gates.round();
         net.out.round();
         for item in lessons.items.iter().filter(|i| lessons.group(i.person, groups) == group) {
-            let forecasts = windows(item).into_iter().filter_map(|window| {
+            let varied = strangers.map(|v| v.vary(item, &mut chance));
+            let forecasts = windows(varied.as_ref().unwrap_or(item)).into_iter().filter_map(|window| {
                 Some(ForecastWindow { forecast: net.forecast(&window.observed)?, window })
             });
             left_out.extend(forecasts);

@@ -154,7 +154,13 @@ impl BoneNet {
         }
         let last = (ARM_STEPS - 1) * rows * HIDDEN;
         let mut d = vec![0.0f32; ARM_STEPS * rows * HIDDEN];
-        affine_back(&self.out, &tape.inputs[LAYERS][last..], &slopes, &mut gradient.out, Some(&mut d[last..]));
+        affine_back(
+            &self.out,
+            &tape.inputs[LAYERS][last..],
+            &slopes,
+            &mut gradient.out,
+            Some(&mut d[last..]),
+        );
         for l in (0..LAYERS).rev() {
             times(&mut d, &tape.masks[l]);
             let mut below = vec![0.0f32; tape.inputs[l].len()];
@@ -185,7 +191,9 @@ impl BoneNet {
             (0..DRAWS).map(|draw| std::array::from_fn(|k| place(draw, k))).collect();
         let count = DRAWS as f64;
         let mean: [[ArmPoint; ARM_PARTS]; ARM_STEPS] = std::array::from_fn(|k| {
-            std::array::from_fn(|p| ArmPoint::from(all.iter().map(|a| a[k][p].coords).sum::<ArmVector>() / count))
+            std::array::from_fn(|p| {
+                ArmPoint::from(all.iter().map(|a| a[k][p].coords).sum::<ArmVector>() / count)
+            })
         });
         let spread = |k: usize, p: usize, mean: ArmPoint| {
             let square = |a: &[[ArmPoint; ARM_PARTS]; ARM_STEPS]| (a[k][p] - mean).map(|d| d * d);

@@ -3,7 +3,7 @@
 //! Main functions: [`motions`], [`step_weights`], [`rate_at`], [`shuffle`]. Refuses: nothing.
 
 use super::items::ReachItem;
-use crate::reach::features::Motion;
+use crate::reach::features::ArmMotion;
 use crate::sim::random::Stream;
 
 /// Weights of the steps of one movement: those on the way sum to one, those beside it count less.
@@ -15,8 +15,8 @@ pub(super) fn step_weights(item: &ReachItem) -> Vec<f32> {
 }
 
 /// How the person moves at every step.
-pub(super) fn motions(item: &ReachItem) -> Vec<Motion> {
-    let mut motion = Motion::new(item.samples[0]);
+pub(super) fn motions(item: &ReachItem) -> Vec<ArmMotion> {
+    let mut motion = ArmMotion::new(item.samples[0]);
     let mut all = Vec::with_capacity(item.samples.len());
     for sample in &item.samples {
         motion = motion.then(*sample);

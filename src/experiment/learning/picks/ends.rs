@@ -8,9 +8,9 @@ use super::course::{motions, rate_at, shuffle, step_weights};
 use super::items::{ReachItem, Variety};
 use super::layers::{LstmTape, Sequence, affine, affine_back, lstm};
 use crate::reach::ends::{END_FIGURES, ENDS, EndNet, end_coordinates, end_score};
-use crate::reach::features::{BODY, Motion};
-use crate::reach::net::{Affine, Lstm};
+use crate::reach::features::{ArmMotion, BODY};
 use crate::reach::net::squash::exp;
+use crate::reach::net::{Affine, Lstm};
 use crate::sim::random::Stream;
 
 /// How it is learned.
@@ -30,6 +30,9 @@ pub struct EndCourse {
     pub decay: f32,
     /// How movements are varied.
     pub variety: Variety,
+    /// How those of people left out are varied before temperatures and regions are fitted: for people who are less
+    /// alike than those that were learned from.
+    pub strangers: Option<Variety>,
 }
 
 /// Learns a net from movements.
@@ -38,7 +41,8 @@ pub fn learn_ends(items: &[ReachItem], course: &EndCourse, chance: &mut Stream) 
         EndNet { memory: lstm(BODY, course.hidden, chance), out: affine(course.hidden, END_FIGURES, chance) };
     net.out.bias[..ENDS].copy_from_slice(&[1.9, 0.3, 0.6, 0.0, 0.0]);
     net.out.weights.iter_mut().for_each(|w| *w *= 0.3);
-    let mut gradient = EndNet { memory: Lstm::new(BODY, course.hidden), out: Affine::new(course.hidden, END_FIGURES) };
+    let mut gradient =
+        EndNet { memory: Lstm::new(BODY, course.hidden), out: Affine::new(course.hidden, END_FIGURES) };
     let (mut adam, mut tape) = (Adam::new(course.decay), LstmTape::default());
     let mut order: Vec<usize> = (0..items.len()).collect();
     let batches = items.len().div_ceil(course.batch) * course.epochs;
@@ -46,14 +50,19 @@ pub fn learn_ends(items: &[ReachItem], course: &EndCourse, chance: &mut Stream) 
     for _ in 0..course.epochs {
         shuffle(&mut order, chance);
         for batch in order.chunks(course.batch) {
-            let varied: Vec<ReachItem> = batch.iter().map(|i| course.variety.vary(&items[*i], chance)).collect();
+            let varied: Vec<ReachItem> =
+                batch.iter().map(|i| course.variety.vary(&items[*i], chance)).collect();
             batch_gradient(&net, &varied, course.dropout, &mut tape, &mut gradient, chance);
             let rate = rate_at(course.rate, done as f64 / batches as f64);
             let EndNet { memory, out } = &mut net;
             let mut weights =
                 [&mut memory.gates.weights[..], &mut memory.gates.bias, &mut out.weights, &mut out.bias];
             let (m, o) = (&mut gradient.memory.gates, &mut gradient.out);
-            adam.step(rate, &mut weights, &mut [&mut m.weights[..], &mut m.bias, &mut o.weights, &mut o.bias]);
+            adam.step(
+                rate,
+                &mut weights,
+                &mut [&mut m.weights[..], &mut m.bias, &mut o.weights, &mut o.bias],
+            );
             done += 1;
         }
     }
@@ -71,7 +80,7 @@ fn batch_gradient(
     let steps = items.iter().map(|i| i.samples.len()).max().unwrap_or(0);
     let shape = Sequence { steps, rows: items.len() };
     let mut x = vec![0.0f32; steps * shape.rows * BODY];
-    let motions: Vec<Vec<Motion>> = items.iter().map(motions).collect();
+    let motions: Vec<Vec<ArmMotion>> = items.iter().map(motions).collect();
     for (row, motions) in motions.iter().enumerate() {
         for (t, motion) in motions.iter().enumerate() {
             let at = (t * shape.rows + row) * BODY;
@@ -81,8 +90,9 @@ fn batch_gradient(
     let n = net.memory.hidden;
     tape.run(&net.memory, &x, shape, None);
     // The same states are dropped at all steps of a movement.
-    let mask: Vec<f32> =
-        (0..shape.rows * n).map(|_| if chance.happens(dropout) { 0.0 } else { 1.0 / (1.0 - dropout) as f32 }).collect();
+    let mask: Vec<f32> = (0..shape.rows * n)
+        .map(|_| if chance.happens(dropout) { 0.0 } else { 1.0 / (1.0 - dropout) as f32 })
+        .collect();
     let mut states = tape.states(shape.rows, n).to_vec();
     states.chunks_exact_mut(mask.len()).for_each(|s| s.iter_mut().zip(&mask).for_each(|(s, m)| *s *= m));
     let mut said = vec![0.0f32; steps * shape.rows * END_FIGURES];

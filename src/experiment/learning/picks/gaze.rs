@@ -5,9 +5,9 @@
 
 use super::perceptron::{Bend, Perceptron, learn_map};
 use crate::experiment::picks::GazeTrial;
+use crate::reach::ArmVector;
 use crate::reach::gaze::{GAZE_FIGURES, gaze_figures};
 use crate::reach::sample::{angles, ray};
-use crate::reach::ArmVector;
 use crate::sim::random::Stream;
 use nalgebra::{SMatrix, SVector};
 
@@ -103,4 +103,3 @@ pub fn gaze_quantiles(mut errors: Vec<f64>) -> Option<(f64, f64)> {
     let at = |share: f64| errors.get(((errors.len() as f64 - 1.0) * share).round() as usize).copied();
     Some((at(0.5)?, at(0.9)?))
 }
-

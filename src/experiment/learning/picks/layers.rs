@@ -1,8 +1,8 @@
 //! Back-propagation through layers, for batches of sequences (Werbos 1990).
 //!
-//! Main types: [`Sequence`] (shape of a batch), [`LstmTape`], [`ElmanTape`]. Numbers lie by time, then by sequence of the
-//! batch, then by figure. Gradients have the form of the layer itself. The order of additions is fixed, so the same data
-//! give the same bytes. Refuses: to choose what is learned.
+//! Main types: [`Sequence`] (shape of a batch), [`LstmTape`], [`ElmanTape`]. Numbers lie by time, then by sequence of
+//! the batch, then by figure. Gradients have the form of the layer itself. The order of additions is fixed, so the
+//! same data give the same bytes. Refuses: to choose what is learned.
 
 use crate::reach::net::squash::{sigmoid, tanh};
 use crate::reach::net::{Affine, Elman, Lstm, add_product};
@@ -82,7 +82,13 @@ pub(super) fn elman(inputs: usize, hidden: usize, chance: &mut Stream) -> Elman 
 }
 
 /// Back through an affine map: adds to the gradient, and to `dx` if it is wanted.
-pub(super) fn affine_back(layer: &Affine, x: &[f32], dy: &[f32], gradient: &mut Affine, dx: Option<&mut [f32]>) {
+pub(super) fn affine_back(
+    layer: &Affine,
+    x: &[f32],
+    dy: &[f32],
+    gradient: &mut Affine,
+    dx: Option<&mut [f32]>,
+) {
     add_outer(x, dy, layer.outputs, &mut gradient.weights);
     for dy in dy.chunks_exact(layer.outputs) {
         gradient.bias.iter_mut().zip(dy).for_each(|(g, d)| *g += d);
@@ -155,8 +161,8 @@ impl LstmTape {
         }
     }
 
-    /// Back through all steps: `dh` is the gradient at each state, `end` at the last state and cell from elsewhere. Adds
-    /// to the layer's gradient and to `dx`; returns the gradient at the first state and cell.
+    /// Back through all steps: `dh` is the gradient at each state, `end` at the last state and cell from elsewhere.
+    /// Adds to the layer's gradient and to `dx`; returns the gradient at the first state and cell.
     pub fn back(
         &mut self,
         layer: &Lstm,

@@ -2,8 +2,8 @@
 //!
 //! Main function: [`learn_picks`]. Refuses: fewer than three people, since some must be left out.
 
-use super::arms::{ForecastWindow, learn_arms, regions_of};
 use super::arm::{ArmWindow, windows};
+use super::arms::{ForecastWindow, learn_arms, regions_of};
 use super::bones::BoneNet;
 use super::destination::DestinationNets;
 use super::ends::EndCourse;
@@ -13,14 +13,14 @@ use super::lessons::PickLessons;
 use super::mixtures::{fit_mixture, palm_points};
 use super::places::{PlaceCourse, PlaceVariant, learn_places, place_scores};
 use super::published::{LearnedPicks, PublishedNet, PublishedPicks};
-use super::rules::{head_scores, hand_scores};
+use super::rules::{hand_scores, head_scores};
 use super::seq2seq::SeqToSeq;
-use super::slots::{Scored, at_parts, learn_slots, mean_scores, none_of, sharpness_of, surprise};
+use super::slots::{Scored, at_parts, learn_slots, none_of, sharpness_of, surprise};
 use crate::experiment::picks::{SlotTally, tally_item};
+use crate::reach::ArmVector;
 use crate::reach::gaze::GazeModel;
 use crate::reach::mixtures::PalmMixture;
 use crate::reach::model::{ArmModel, LeftOutScores, PICK_MODEL_VERSION, PickModel, SlotModel};
-use crate::reach::ArmVector;
 use crate::sim::random::Stream;
 
 /// What is asked of a course of learning.
@@ -48,11 +48,13 @@ const EVERY: usize = 4;
 /// Learns.
 pub fn learn_picks(lessons: &PickLessons, course: &PickCourse, mut tell: impl FnMut(&str)) -> LearnedPicks {
     let (nets, left_out) = learn_slots(lessons, &course.ends, course.seed, &mut tell);
-    let (arms, forecasts) = learn_arms(lessons, course.seed, &mut tell);
+    let (arms, forecasts) = learn_arms(lessons, course.ends.strangers, course.seed, &mut tell);
     let arm = ArmModel { nets: arms, regions: regions_of(&forecasts) };
     let of_rule = |rule: fn(&ReachItem) -> Vec<Vec<f64>>| {
-        let scored = |(i, item): (usize, &ReachItem)| {
-            Scored { item: i, scores: at_parts(item, &rule(item)), right: item.right }
+        let scored = |(i, item): (usize, &ReachItem)| Scored {
+            item: i,
+            scores: at_parts(item, &rule(item)),
+            right: item.right,
         };
         sharpness_of(&lessons.items.iter().enumerate().map(scored).collect::<Vec<_>>())
     };
@@ -105,9 +107,7 @@ fn scores_of(
     }
     let score = tally.score();
     let count = forecasts.len().max(1) as f64;
-    let error = |f: &ForecastWindow, k: usize| {
-        (f.forecast.middle[k][HAND] - f.window.after[k].hand).norm()
-    };
+    let error = |f: &ForecastWindow, k: usize| (f.forecast.middle[k][HAND] - f.window.after[k].hand).norm();
     let holds = |f: &&ForecastWindow, k: usize| error(f, k) <= arm.radius_m(&f.forecast, k, HAND);
     let mean_mm = |k: usize| forecasts.iter().map(|f| error(f, k)).sum::<f64>() / count * 1000.0;
     let held = |k: usize| forecasts.iter().filter(|f| holds(f, k)).count() as f64 / count;
@@ -173,7 +173,7 @@ fn share_of_mixtures(lessons: &PickLessons, left_out: &[Scored], arm: &ArmModel)
         let item = &lessons.items[s.item];
         let mixtures = &by_group[lessons.group(item.person, GROUPS)];
         let of_item = candidates_of(&lessons.places, item, mixtures);
-        Scored { scores: mean_scores(&[mixture_scores(item, &of_item, Some(arm))]), ..s.clone() }
+        Scored { scores: mixture_scores(item, &of_item, Some(arm)), ..s.clone() }
     };
     let by_mixtures: Vec<Scored> = some.iter().map(|s| scores(s)).collect();
     let both = |share: f64| -> Vec<Scored> {

@@ -1,7 +1,7 @@
 //! Fits sums of Gaussians to palm points (expectation maximisation, Dempster, Laird and Rubin 1977).
 //!
-//! Main functions: [`fit_mixture`], [`palm_points`]. How many Gaussians is chosen by Schwarz's criterion. Refuses: chance;
-//! the first guess cuts the way into pieces of equal length.
+//! Main functions: [`fit_mixture`], [`palm_points`]. How many Gaussians is chosen by Schwarz's criterion. Refuses:
+//! chance; the first guess cuts the way into pieces of equal length.
 
 use super::items::ReachItem;
 use crate::reach::ArmVector;

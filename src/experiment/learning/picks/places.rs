@@ -1,8 +1,8 @@
 //! Learning of the published predictor and its variants.
 //!
-//! Main types: [`PlaceCourse`], main functions: [`learn_places`], [`place_scores`]. Corrected: the likelihood of the right
-//! place among all its candidates is learned, instead of yes or no for each with most of the no's thrown away. Refuses:
-//! groups of different sizes in one net.
+//! Main types: [`PlaceCourse`], main functions: [`learn_places`], [`place_scores`]. Corrected: the likelihood of the
+//! right place among all its candidates is learned, instead of yes or no for each with most of the no's thrown away.
+//! Refuses: groups of different sizes in one net.
 
 use super::adam::Adam;
 use super::course::{motions, rate_at, shuffle, step_weights};
@@ -11,7 +11,7 @@ use super::layers::{ElmanTape, LstmTape, Sequence, affine, affine_back, elman, l
 use crate::reach::features::{JOINTS, SELECTED};
 use crate::reach::net::squash::{sigmoid, softmax};
 use crate::reach::net::{Affine, Elman, Lstm};
-use crate::reach::places::{Bottleneck, Core, PlaceNet};
+use crate::reach::places::{Bottleneck, PlaceCore, PlaceNet};
 use crate::sim::random::Stream;
 
 /// A variant of the published predictor.
@@ -58,8 +58,8 @@ impl PlaceVariant {
             .then(|| Bottleneck { narrow: affine(figures, 2, chance), wide: affine(2, 3, chance) });
         let inputs = front.as_ref().map_or(figures * group, |f| f.wide.outputs);
         let core = match self {
-            PlaceVariant::Rnn => Core::Elman(elman(inputs, hidden, chance)),
-            _ => Core::Lstm(lstm(inputs, hidden, chance)),
+            PlaceVariant::Rnn => PlaceCore::Elman(elman(inputs, hidden, chance)),
+            _ => PlaceCore::Lstm(lstm(inputs, hidden, chance)),
         };
         PlaceNet { figures, group, front, core, out: affine(hidden, group, chance) }
     }
@@ -97,19 +97,18 @@ struct PlaceTape {
 
 fn zeros(net: &PlaceNet) -> PlaceNet {
     let like = |a: &Affine| Affine::new(a.inputs, a.outputs);
-    let front =
-        net.front.as_ref().map(|f| Bottleneck { narrow: like(&f.narrow), wide: like(&f.wide) });
+    let front = net.front.as_ref().map(|f| Bottleneck { narrow: like(&f.narrow), wide: like(&f.wide) });
     let core = match &net.core {
-        Core::Lstm(l) => Core::Lstm(Lstm::new(l.inputs, l.hidden)),
-        Core::Elman(e) => Core::Elman(Elman::new(e.inputs, e.map.outputs)),
+        PlaceCore::Lstm(l) => PlaceCore::Lstm(Lstm::new(l.inputs, l.hidden)),
+        PlaceCore::Elman(e) => PlaceCore::Elman(Elman::new(e.inputs, e.map.outputs)),
     };
     PlaceNet { figures: net.figures, group: net.group, front, core, out: like(&net.out) }
 }
 
 fn weights(net: &mut PlaceNet) -> Vec<&mut [f32]> {
     let core = match &mut net.core {
-        Core::Lstm(l) => &mut l.gates,
-        Core::Elman(e) => &mut e.map,
+        PlaceCore::Lstm(l) => &mut l.gates,
+        PlaceCore::Elman(e) => &mut e.map,
     };
     let mut all: Vec<&mut [f32]> =
         vec![&mut core.weights, &mut core.bias, &mut net.out.weights, &mut net.out.bias];
@@ -148,8 +147,8 @@ impl PlaceTape {
             self.inputs.extend_from_slice(&self.figures);
         }
         match &net.core {
-            Core::Lstm(l) => self.lstm.run(l, &self.inputs, self.shape, None),
-            Core::Elman(e) => self.elman.run(e, &self.inputs, self.shape),
+            PlaceCore::Lstm(l) => self.lstm.run(l, &self.inputs, self.shape, None),
+            PlaceCore::Elman(e) => self.elman.run(e, &self.inputs, self.shape),
         }
         let mut scores = std::mem::take(&mut self.scores);
         scores.resize(steps * rows, 0.0);
@@ -159,8 +158,8 @@ impl PlaceTape {
 
     fn states(&self, net: &PlaceNet) -> &[f32] {
         match &net.core {
-            Core::Lstm(l) => self.lstm.states(self.shape.rows, l.hidden),
-            Core::Elman(e) => self.elman.states(self.shape.rows, e.map.outputs),
+            PlaceCore::Lstm(l) => self.lstm.states(self.shape.rows, l.hidden),
+            PlaceCore::Elman(e) => self.elman.states(self.shape.rows, e.map.outputs),
         }
     }
 
@@ -170,10 +169,12 @@ impl PlaceTape {
         let mut d_inputs = net.front.as_ref().map(|_| vec![0.0f32; self.inputs.len()]);
         let dx = d_inputs.as_deref_mut();
         match (&net.core, &mut gradient.core) {
-            (Core::Lstm(l), Core::Lstm(g)) => {
+            (PlaceCore::Lstm(l), PlaceCore::Lstm(g)) => {
                 self.lstm.back(l, &self.inputs, self.shape, &d_states, None, g, dx);
             }
-            (Core::Elman(e), Core::Elman(g)) => self.elman.back(e, &self.inputs, self.shape, &d_states, g, dx),
+            (PlaceCore::Elman(e), PlaceCore::Elman(g)) => {
+                self.elman.back(e, &self.inputs, self.shape, &d_states, g, dx)
+            }
             _ => unreachable!("a gradient has the form of its net"),
         }
         if let (Some(front), Some(g), Some(d)) = (&net.front, &mut gradient.front, d_inputs) {

@@ -1,7 +1,7 @@
 //! Sequence to sequence (seed 002, section III.A): an encoder and a decoder, ten places of the arm to ten.
 //!
-//! Main type: [`SeqToSeq`]. Hidden state 128, teacher forcing 0.6, joint weights of equation 1 with its missing index j.
-//! The decoder says displacements; batch normalisation is left out. Refuses: to say how sure it is.
+//! Main type: [`SeqToSeq`]. Hidden state 128, teacher forcing 0.6, joint weights of equation 1 with its missing index
+//! j. The decoder says displacements; batch normalisation is left out. Refuses: to say how sure it is.
 
 use super::adam::Adam;
 use super::arm::ArmWindow;

@@ -14,7 +14,7 @@ use crate::sim::picker::motion::{ArmBuild, ArmPose, ArmReach};
 use crate::sim::random::Stream;
 
 /// Reaches of every person.
-const REACHES: usize = 30;
+const REACHES: usize = 15;
 /// Below this speed a finger tip rests, metres per second.
 const REST_MPS: f64 = 0.10;
 /// Samples before the onset and after the arrival, as in recordings.
@@ -25,6 +25,15 @@ const AFTER: usize = 3;
 pub const SIMULATED_COURSE: EndCourse = EndCourse {
     epochs: 10,
     variety: Variety { size: 0.05, pace: 0.10, turn: 0.08, gain: 0.10, bias: 0.05, ends: 0.02, noise: 0.003 },
+    strangers: Some(Variety {
+        size: 0.12,
+        pace: 0.20,
+        turn: 0.15,
+        gain: 0.30,
+        bias: 0.12,
+        ends: 0.06,
+        noise: 0.004,
+    }),
     ..END_COURSE
 };
 
@@ -44,7 +53,11 @@ fn rack(build: &ArmBuild, chance: &mut Stream) -> Vec<ReachTarget> {
         for column in 0..columns {
             let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64 - 0.5;
             let hand = middle
-                + crate::reach::ArmVector::new(0.0, width * share(column, columns), height * share(row, rows));
+                + crate::reach::ArmVector::new(
+                    0.0,
+                    width * share(column, columns),
+                    height * share(row, rows),
+                );
             // Far corners are reached with a bent body or not at all: they are drawn in.
             let from = hand - build.shoulder;
             let hand = build.shoulder + from * (1.08 * reach / from.norm()).min(1.0);
@@ -57,7 +70,12 @@ fn rack(build: &ArmBuild, chance: &mut Stream) -> Vec<ReachTarget> {
 
 /// One reach as a recording has it: from shortly before the onset to shortly after the arrival; nothing if the finger
 /// tip was never fast.
-pub fn simulated_reach(build: &ArmBuild, places: &[ReachTarget], right: usize, chance: &mut Stream) -> Option<ReachItem> {
+pub fn simulated_reach(
+    build: &ArmBuild,
+    places: &[ReachTarget],
+    right: usize,
+    chance: &mut Stream,
+) -> Option<ReachItem> {
     let reach = ArmReach::new(build, &build.rest(chance), &places[right], chance);
     let start_s = -0.4 - STEP_S * chance.unit();
     let count = ((reach.duration_s() + 1.0) / STEP_S) as usize;

@@ -1,8 +1,8 @@
 //! Learning of which place a hand goes to, with people left out.
 //!
-//! Main functions: [`learn_slots`], [`end_scores`], [`sharpness_of`]. One net per group of people that was left out; all
-//! of them together are the predictor, and each one's words about people it never saw give the temperature. Refuses:
-//! temperatures from people that were learned from.
+//! Main functions: [`learn_slots`], [`end_scores`], [`sharpness_of`]. One net per group of people that was left out;
+//! all of them together are the predictor, and each one's words about people it never saw give the temperature.
+//! Refuses: temperatures from people that were learned from.
 
 use super::course::motions;
 use super::ends::{EndCourse, learn_ends};
@@ -38,7 +38,16 @@ pub const END_COURSE: EndCourse = EndCourse {
     rate: 0.01,
     dropout: 0.1,
     decay: 0.01,
-    variety: Variety { size: 0.09, pace: 0.15, turn: 0.09, gain: 0.22, bias: 0.075, ends: 0.03, noise: 0.002 },
+    variety: Variety {
+        size: 0.09,
+        pace: 0.15,
+        turn: 0.09,
+        gain: 0.22,
+        bias: 0.075,
+        ends: 0.03,
+        noise: 0.002,
+    },
+    strangers: None,
 };
 
 /// Scores of a net at every sample of a movement.
@@ -54,14 +63,13 @@ pub fn end_scores(net: &EndNet, item: &ReachItem) -> Vec<Vec<f64>> {
     all
 }
 
-/// The mean of several nets' logarithms of probabilities.
+/// The mean of several nets' scores. What they differ in for all candidates alike changes no probability among these,
+/// but it is what tells that none of them is meant.
 pub fn mean_scores(all: &[Vec<Vec<f64>>]) -> Vec<Vec<f64>> {
     let mut mean = vec![vec![0.0; all[0][0].len()]; all[0].len()];
     for scores in all {
         for (mean, scores) in mean.iter_mut().zip(scores) {
-            let mut p = scores.clone();
-            softmax(&mut p);
-            mean.iter_mut().zip(p).for_each(|(m, p)| *m += libm::log(p.max(1e-30)) / all.len() as f64);
+            mean.iter_mut().zip(scores).for_each(|(m, s)| *m += s / all.len() as f64);
         }
     }
     mean
@@ -141,8 +149,11 @@ pub(super) fn learn_slots(
         let mut net = learn_ends(&kept, course, &mut Stream::new(seed, 301, group as u64));
         net.memory.gates.round();
         net.out.round();
+        let mut strange = Stream::new(seed, 306, group as u64);
         for (i, item) in lessons.items.iter().enumerate().filter(|(i, _)| group_of[*i] == group) {
-            let scores = mean_scores(&[at_parts(item, &end_scores(&net, item))]);
+            let varied = course.strangers.map(|v| v.vary(item, &mut strange));
+            let item = varied.as_ref().unwrap_or(item);
+            let scores = at_parts(item, &end_scores(&net, item));
             left_out.push(Scored { item: i, scores, right: item.right });
         }
         nets.push(net);

@@ -1,9 +1,8 @@
 //! A person's build and habits.
 //!
-//! Main type: [`ArmBuild`]. People differ in all of it, and more widely than eight recorded ones do: size, pace, where the
-//! hand rests, how paths bend, where hands end. Refuses: a person of an impossible size.
+//! Main types: [`ArmBuild`], [`ArmRest`]. People differ in all of it, and more widely than eight recorded ones do: size, pace,
+//! where the hand rests, how paths bend, where hands end. Refuses: a person of an impossible size.
 
-use super::reach::ArmRest;
 use crate::reach::{ArmPoint, ArmVector};
 use crate::sim::random::Stream;
 
@@ -15,6 +14,23 @@ pub enum ArmSide {
     Right,
     /// The left one.
     Left,
+}
+
+/// Where a person's arm and head are between movements, as if the right arm reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmRest {
+    /// Finger tip.
+    pub finger: ArmPoint,
+    /// Shoulder.
+    pub shoulder: ArmPoint,
+    /// Head.
+    pub head: ArmPoint,
+    /// Yaw of the head.
+    pub yaw: f64,
+    /// Pitch of the head.
+    pub pitch: f64,
+    /// From wrist to finger tip, a unit vector.
+    pub points: ArmVector,
 }
 
 /// A person, metres and radians; all places as if the right arm reached.
@@ -56,6 +72,10 @@ pub struct ArmBuild {
     pub head_starts_s: f64,
     /// How far shoulder and head go along, metres.
     pub goes_along_m: (f64, f64),
+    /// Where on the lower arm, and between wrist and finger tip, a sensor sees forearm and hand: shares of the way.
+    pub seen_at: (f64, f64),
+    /// Where the resting hand points, from wrist to finger tip.
+    pub points: ArmVector,
     /// Trembling of the hand, metres.
     pub tremor_m: f64,
     /// Probability that eyes wander once during a reach.
@@ -96,9 +116,9 @@ impl ArmBuild {
                 around(0.1, 0.6, chance),
             ),
             ends: ArmVector::new(
-                around(0.0, 0.03, chance),
-                around(0.0, 0.03, chance),
-                around(0.0, 0.03, chance),
+                around(0.0, 0.04, chance),
+                around(0.0, 0.04, chance),
+                around(0.0, 0.04, chance),
             ),
             swivel: around(0.4, 0.25, chance),
             yaw_share: around(0.70, 0.16, chance),
@@ -106,6 +126,12 @@ impl ArmBuild {
             ahead: (around(0.0, 0.06, chance), around(-0.06, 0.10, chance)),
             head_starts_s: around(-0.08, 0.10, chance),
             goes_along_m: (around(0.045, 0.012, chance), around(0.038, 0.010, chance)),
+            seen_at: (chance.between(0.3, 0.8), chance.between(0.0, 0.6)),
+            points: ArmVector::new(
+                around(0.5, 0.4, chance),
+                around(0.3, 0.4, chance),
+                around(-0.3, 0.5, chance),
+            ),
             tremor_m: around(0.0004, 0.0002, chance).max(0.0),
             wanders: chance.between(0.05, 0.4),
         }
@@ -131,7 +157,7 @@ impl ArmBuild {
             head: self.head,
             yaw: self.ahead.0 + 0.03 * chance.normal(),
             pitch: self.ahead.1 + 0.03 * chance.normal(),
-            points: ArmVector::new(0.5 + 0.2 * chance.normal(), 0.2, -0.8).normalize(),
+            points: (self.points + jitter * 0.1).try_normalize(1e-6).unwrap_or_else(ArmVector::x),
         }
     }
 }

@@ -1,29 +1,12 @@
 //! One movement of a hand from where it is to a place.
 //!
-//! Main types: [`ArmReach`], [`ArmPose`], [`ArmRest`]. All chance is drawn when the reach begins; then it is a function of
-//! time. Refuses: to reach farther than the arm is long; the person leans instead.
+//! Main types: [`ArmReach`], [`ArmPose`]. All chance is drawn when the reach begins; then it is a
+//! function of time. Refuses: to reach farther than the arm is long; the person leans instead.
 
-use super::build::{ArmBuild, ArmSide};
+use super::build::{ArmBuild, ArmRest, ArmSide};
 use crate::reach::sample::angles;
 use crate::reach::{ArmPoint, ArmSample, ArmVector, ReachTarget};
 use crate::sim::random::Stream;
-
-/// Where a person's arm and head are between movements, as if the right arm reached.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArmRest {
-    /// Finger tip.
-    pub finger: ArmPoint,
-    /// Shoulder.
-    pub shoulder: ArmPoint,
-    /// Head.
-    pub head: ArmPoint,
-    /// Yaw of the head.
-    pub yaw: f64,
-    /// Pitch of the head.
-    pub pitch: f64,
-    /// From wrist to finger tip, a unit vector.
-    pub points: ArmVector,
-}
 
 /// A person at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,7 +79,7 @@ impl ArmReach {
     pub fn new(build: &ArmBuild, from: &ArmRest, to: &ReachTarget, chance: &mut Stream) -> ArmReach {
         let to = if build.side == ArmSide::Left { to.mirrored() } else { *to };
         let mut noise = |sd: f64| ArmVector::new(chance.normal(), chance.normal(), chance.normal()) * sd;
-        let finger = to.hand + build.ends + noise(0.018);
+        let finger = to.hand + build.ends + noise(0.025);
         let (missed, bend_noise) = (noise(1.0), noise(0.35));
         let along = (finger - build.shoulder).normalize();
         let going = |metres: f64, chance: &mut Stream| along * metres * libm::exp(0.4 * chance.normal());
@@ -166,7 +149,7 @@ impl ArmReach {
         let (from, to) = (&self.from, &self.to);
         let share = warped(t_s / self.first_s, self.warp);
         // The bend is highest a little before the middle of the way.
-        let height = 3.2 * share * (1.0 - share) * (1.2 - 0.6 * share) * 1.0;
+        let height = 3.2 * share * (1.0 - share) * (1.2 - 0.6 * share);
         let corrected = minimum_jerk((t_s - self.correction_s.0) / self.correction_s.1);
         let (early, late) = (to.finger - self.missed, self.missed * corrected);
         let path = from.finger + (early - from.finger) * share + late + self.bend * height;
@@ -175,7 +158,8 @@ impl ArmReach {
         });
         let finger = path + ArmVector::from(tremor);
         let shoulder = from.shoulder + (to.shoulder - from.shoulder) * share;
-        let points = (from.points * (1.0 - share) + to.points * share).try_normalize(1e-6).unwrap_or(to.points);
+        let points =
+            (from.points * (1.0 - share) + to.points * share).try_normalize(1e-6).unwrap_or(to.points);
         let turned = minimum_jerk((t_s - self.head_s.0) / self.head_s.1);
         let head = from.head + (to.head - from.head) * minimum_jerk(t_s / self.first_s);
         let (yaw, pitch) =
@@ -185,8 +169,8 @@ impl ArmReach {
         let sample = ArmSample {
             at_s: t_s,
             shoulder,
-            forearm: elbow + (wrist - elbow) * 0.5,
-            hand: wrist + (finger - wrist) * 0.45,
+            forearm: elbow + (wrist - elbow) * self.build.seen_at.0,
+            hand: wrist + (finger - wrist) * self.build.seen_at.1,
             finger,
             head,
             yaw,
