@@ -201,3 +201,57 @@ impl<'a> PlaceBank<'a> {
         watched.score = f64::from(score[0]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reach::sample::{ArmPoint, ArmSample};
+
+    /// A net whose state is the nearness of the hand, which it remembers.
+    fn net() -> PlaceNet {
+        let mut core = Elman::new(1, 1);
+        core.map.weights = vec![-0.6, 0.9];
+        let out = Affine { inputs: 1, outputs: 1, weights: vec![4.0], bias: vec![0.0] };
+        PlaceNet { figures: 1, group: 1, front: None, core: PlaceCore::Elman(core), out }
+    }
+
+    fn place(y: f64) -> ReachTarget {
+        ReachTarget { hand: ArmPoint::new(0.6, y, 1.3), look: ArmPoint::new(0.7, y, 1.3) }
+    }
+
+    fn motion(t: usize) -> ArmMotion {
+        let (shoulder, head) = (ArmPoint::new(0.0, -0.2, 1.4), ArmPoint::new(0.0, 0.0, 1.6));
+        let finger = ArmPoint::new(0.1 + 0.01 * t as f64, 0.01 * t as f64, 1.2);
+        let forearm = shoulder + (finger - shoulder) * 0.5;
+        let hand = shoulder + (finger - shoulder) * 0.9;
+        let at_s = t as f64 * 0.04;
+        ArmMotion::new(ArmSample { at_s, shoulder, forearm, hand, finger, head, yaw: 0.0, pitch: 0.0 })
+    }
+
+    /// Figure 5.8 of Petković: the place that is meant comes at one time, goes, and comes again.
+    #[test]
+    fn a_place_that_comes_back_is_judged_by_its_own_last_second() {
+        let net = net();
+        let (mut whole, mut changed) = (PlaceBank::new(&net).unwrap(), PlaceBank::new(&net).unwrap());
+        [0.4, -0.4].into_iter().for_each(|y| whole.add(place(y)));
+        changed.add(place(-0.4));
+        let (mut with, mut without) = (Vec::new(), Vec::new());
+        for t in 0..40 {
+            match t {
+                10 | 22 => changed.add(place(0.4)),
+                18 => changed.remove(1),
+                _ => {}
+            }
+            whole.observe(&motion(t));
+            changed.observe(&motion(t));
+            whole.probabilities(1.0, &mut with);
+            changed.probabilities(1.0, &mut without);
+            let is_there = (10..18).contains(&t) || t >= 22;
+            assert_eq!(without.len(), 1 + usize::from(is_there), "{t}");
+            if is_there {
+                assert!((without[1] - with[0]).abs() < 0.02, "{t}: {without:?} {with:?}");
+            }
+        }
+        assert!(with[0] > 0.5);
+    }
+}

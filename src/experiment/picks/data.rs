@@ -334,3 +334,55 @@ fn gaze(texts: &PickTexts) -> Result<Vec<GazeTrial>, PickDataError> {
     }
     Ok(trials.into_iter().map(|t| t.1).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts() -> PickTexts {
+        let sample = |t: usize| format!("m,{t},{}\n", ["1"; 17].join(","));
+        PickTexts {
+            moves: format!("{}\nm,p,A1,40,80\n", MOVES.join(",")),
+            samples: format!("{}\n{}{}{}", SAMPLES.join(","), sample(0), sample(40), sample(80)),
+            targets: format!("{}\nA1,1,0,1\nB1,1,1,1\n", PLACES.join(",")),
+            slots: format!("{}\nA1,0.5,0,0\nB1,0.5,0.3,0\n", PLACES.join(",")),
+            gaze: format!("{}\n0,-40,1,2,3,4,5,6\n", GAZE.join(",")),
+        }
+    }
+
+    #[test]
+    fn good_tables_are_read_in_metres_and_radians() {
+        let read = PickRecording::parse(&texts()).unwrap();
+        let reach = &read.reaches[0];
+        assert_eq!((reach.onset, reach.arrival, reach.samples.len()), (1, 2, 3));
+        assert_eq!(reach.samples[0].finger, ArmPoint::new(0.001, 0.001, 0.001));
+        assert!((reach.samples[0].yaw - 1f64.to_radians()).abs() < 1e-12);
+        let targets = read.targets(reach, &read.candidates(SlotChoice::Near));
+        assert_eq!(targets[1].hand, ArmPoint::new(0.501, 0.301, 0.001));
+    }
+
+    #[test]
+    fn bad_tables_are_refused_by_file_and_line() {
+        type Change = fn(&mut PickTexts);
+        let changes: [(&str, Change); 8] = [
+            ("moves.csv, line 1", |t| t.moves = t.moves.replace("onset_ms", "onset")),
+            ("moves.csv, line 2: targets.csv has no C1", |t| t.moves = t.moves.replace("A1", "C1")),
+            ("moves.csv, line 2: the arrival", |t| t.moves = t.moves.replace("40,80", "80,40")),
+            ("moves.csv, line 2: m has no sample at its onset", |t| {
+                t.moves = t.moves.replace("40,80", "20,80")
+            }),
+            ("samples.csv, line 3: t_ms does not grow", |t| t.samples = t.samples.replace("m,40", "m,0")),
+            ("samples.csv, line 2: shoulder_x is \"NaN\"", |t| {
+                t.samples = t.samples.replace("m,0,1", "m,0,NaN")
+            }),
+            ("targets.csv, line 3: slots.csv has no B1", |t| t.slots = t.slots.replace("B1", "D1")),
+            ("gaze.csv, line 2: 7 figures for 8 columns", |t| t.gaze = t.gaze.replace(",6\n", "\n")),
+        ];
+        for (what, change) in changes {
+            let mut bad = texts();
+            change(&mut bad);
+            let error = PickRecording::parse(&bad).unwrap_err().to_string();
+            assert!(error.starts_with(what), "{what}: {error}");
+        }
+    }
+}

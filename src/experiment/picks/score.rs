@@ -124,3 +124,41 @@ pub fn way_samples(item: &ReachItem) -> [usize; PARTS.len()] {
         (item.onset..=item.arrival).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(item.onset)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sure_and_right_predictor_has_no_error_and_an_ignorant_one_is_calibrated() {
+        let distances = [0.0, 1.0, 1.0, 2.0];
+        let (mut sure, mut ignorant) = (SlotTally::default(), SlotTally::default());
+        for part in 0..PARTS.len() {
+            sure.add(part, &[1.0, 0.0, 0.0, 0.0], 0, &distances, 0.0);
+            for right in 0..4 {
+                ignorant.add(part, &[0.25; 4], right, &distances, 1.0);
+            }
+        }
+        let (sure, ignorant) = (sure.score().unwrap(), ignorant.score().unwrap());
+        assert_eq!(
+            (sure.top1_mean, sure.nll, sure.ece, sure.miss5, sure.location_error),
+            (1.0, 0.0, 0.0, 0.0, 0.0)
+        );
+        assert!((ignorant.nll - libm::log(4.0)).abs() < 1e-12 && ignorant.ece < 1e-12);
+        assert_eq!((ignorant.top1_mean, ignorant.location_error), (0.25, 1.0));
+    }
+
+    #[test]
+    fn parts_that_were_counted_apart_add_up() {
+        let (mut a, mut b, mut both) = (SlotTally::default(), SlotTally::default(), SlotTally::default());
+        for part in 0..PARTS.len() {
+            a.add(part, &[0.7, 0.3], 0, &[0.0, 1.0], 0.3);
+            b.add(part, &[0.2, 0.8], 0, &[0.0, 1.0], 0.8);
+            both.add(part, &[0.7, 0.3], 0, &[0.0, 1.0], 0.3);
+            both.add(part, &[0.2, 0.8], 0, &[0.0, 1.0], 0.8);
+        }
+        a.merge(&b);
+        assert!((a.score().unwrap().nll - both.score().unwrap().nll).abs() < 1e-12);
+        assert_eq!(a.score().unwrap().top1, both.score().unwrap().top1);
+    }
+}

@@ -292,3 +292,81 @@ impl ElmanTape {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A loss that is a weighted sum of all states, so that its gradient at them is known.
+    fn loss(states: &[f32]) -> f64 {
+        states.iter().enumerate().map(|(i, s)| f64::from(*s) * libm::sin(i as f64)).sum()
+    }
+
+    fn slopes(count: usize) -> Vec<f32> {
+        (0..count).map(|i| libm::sin(i as f64) as f32).collect()
+    }
+
+    /// The difference quotient of some weights beside the gradient.
+    fn check(analytic: &[f32], mut loss_with: impl FnMut(usize, f32) -> f64) {
+        for i in (0..analytic.len()).step_by(7) {
+            let quotient = (loss_with(i, 1e-2) - loss_with(i, -1e-2)) / 2e-2;
+            let error = (quotient - f64::from(analytic[i])).abs();
+            assert!(error < 2e-3 * (1.0 + quotient.abs()), "weight {i}: {quotient} and {}", analytic[i]);
+        }
+    }
+
+    #[test]
+    fn gradients_of_memories_are_difference_quotients() {
+        let (shape, mut chance) = (Sequence { steps: 6, rows: 3 }, Stream::new(1, 1, 1));
+        let layer = lstm(5, 4, &mut chance);
+        let x: Vec<f32> = (0..6 * 3 * 5).map(|_| chance.normal() as f32).collect();
+        let mut tape = LstmTape::default();
+        tape.run(&layer, &x, shape, None);
+        let (mut gradient, mut dx) = (Lstm::new(5, 4), vec![0.0; x.len()]);
+        tape.back(&layer, &x, shape, &slopes(6 * 3 * 4), None, &mut gradient, Some(&mut dx));
+        check(&gradient.gates.weights, |i, step| {
+            let mut other = layer.clone();
+            other.gates.weights[i] += step;
+            tape.run(&other, &x, shape, None);
+            loss(tape.states(3, 4))
+        });
+        check(&dx, |i, step| {
+            let mut other = x.clone();
+            other[i] += step;
+            tape.run(&layer, &other, shape, None);
+            loss(tape.states(3, 4))
+        });
+    }
+
+    #[test]
+    fn gradients_of_recurrent_layers_are_difference_quotients() {
+        let (shape, mut chance) = (Sequence { steps: 5, rows: 2 }, Stream::new(2, 1, 1));
+        let layer = elman(3, 5, &mut chance);
+        let x: Vec<f32> = (0..5 * 2 * 3).map(|_| chance.normal() as f32).collect();
+        let mut tape = ElmanTape::default();
+        tape.run(&layer, &x, shape);
+        let mut gradient = Elman::new(3, 5);
+        tape.back(&layer, &x, shape, &slopes(5 * 2 * 5), &mut gradient, None);
+        check(&gradient.map.weights, |i, step| {
+            let mut other = layer.clone();
+            other.map.weights[i] += step;
+            tape.run(&other, &x, shape);
+            loss(tape.states(2, 5))
+        });
+    }
+
+    #[test]
+    fn a_batch_and_single_steps_say_the_same() {
+        let (shape, mut chance) = (Sequence { steps: 4, rows: 2 }, Stream::new(3, 1, 1));
+        let layer = lstm(3, 6, &mut chance);
+        let x: Vec<f32> = (0..4 * 2 * 3).map(|_| chance.normal() as f32).collect();
+        let mut tape = LstmTape::default();
+        tape.run(&layer, &x, shape, None);
+        let (mut h, mut c, mut z) = ([0.0; 6], [0.0; 6], [0.0; 24]);
+        for t in 0..4 {
+            layer.step(&x[(t * 2 + 1) * 3..][..3], &mut h, &mut c, &mut z);
+            let batch = &tape.states(2, 6)[(t * 2 + 1) * 6..][..6];
+            assert!(h.iter().zip(batch).all(|(a, b)| (a - b).abs() < 1e-6), "{h:?} {batch:?}");
+        }
+    }
+}

@@ -277,3 +277,71 @@ fn published_net(
     net.round();
     PublishedNet { variant: variant.word().into(), net, sharpness }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::ends::learn_ends;
+    use super::super::lessons::PickLessons;
+    use super::super::places::{PlaceCourse, PlaceVariant, learn_places, place_scores};
+    use super::super::simulated::{SIMULATED_COURSE, simulated_lessons};
+    use super::super::slots::{END_COURSE, Scored, at_parts, end_scores, surprise};
+    use super::*;
+    use crate::experiment::picks::SlotScore;
+
+    fn score(items: &[ReachItem], of: impl Fn(&ReachItem) -> Vec<Vec<f64>>, sharpness: f64) -> SlotScore {
+        let mut tally = SlotTally::default();
+        for item in items {
+            tally_item(&mut tally, item, &at_parts(item, &of(item)), sharpness);
+        }
+        tally.score().unwrap()
+    }
+
+    /// Simulated people, some to learn from and others to ask.
+    fn halves() -> (PickLessons, PickLessons) {
+        let (all, _) = simulated_lessons(24, 5);
+        (all.only(|p| p < 16), all.only(|p| p >= 16))
+    }
+
+    #[test]
+    fn what_is_learned_from_some_simulated_people_beats_the_rules_on_others() {
+        let (learned, asked) = halves();
+        let course = EndCourse { hidden: 16, epochs: 10, ..SIMULATED_COURSE };
+        let net = learn_ends(&learned.items, &course, &mut Stream::new(1, 1, 1));
+        let ours = score(&asked.items, |i| end_scores(&net, i), 0.7);
+        let hand = score(&asked.items, hand_scores, 7.0);
+        assert!(ours.top1_mean > hand.top1_mean && ours.nll < hand.nll, "{ours:?}\n{hand:?}");
+    }
+
+    #[test]
+    fn the_same_movements_and_seed_give_the_same_bytes() {
+        let (lessons, _) = halves();
+        let course = EndCourse { hidden: 8, epochs: 1, ..END_COURSE };
+        let learn = |seed: u64| learn_ends(&lessons.items[..60], &course, &mut Stream::new(seed, 1, 1));
+        let text = |seed: u64| serde_json::to_string(&learn(seed)).unwrap();
+        assert_eq!(text(1), text(1));
+        assert_ne!(text(1), text(2));
+    }
+
+    #[test]
+    fn the_published_predictor_learns_with_shared_weights_whatever_the_number_of_places() {
+        let (learned, asked) = halves();
+        let six = |lessons: &PickLessons| -> Vec<ReachItem> {
+            lessons
+                .items
+                .iter()
+                .filter(|i| i.targets.len() == lessons.items[0].targets.len())
+                .cloned()
+                .collect()
+        };
+        let course = PlaceCourse { hidden: 8, epochs: 40, ..PlaceCourse::SHORT };
+        let net = learn_places(PlaceVariant::Lstm, &six(&learned), &course, &mut Stream::new(1, 1, 1));
+        let scored = |(i, item): (usize, &ReachItem)| Scored {
+            item: i,
+            scores: at_parts(item, &place_scores(&net, item)),
+            right: item.right,
+        };
+        let all: Vec<Scored> = asked.items.iter().enumerate().map(scored).collect();
+        let chance = asked.items.iter().map(|i| (i.targets.len() as f64).ln()).sum::<f64>();
+        assert!(surprise(&all, 1.0) < 0.9 * chance / asked.items.len() as f64, "{}", surprise(&all, 1.0));
+    }
+}

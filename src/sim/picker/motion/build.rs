@@ -1,7 +1,7 @@
 //! A person's build and habits.
 //!
-//! Main types: [`ArmBuild`], [`ArmRest`]. People differ in all of it, and more widely than eight recorded ones do: size, pace,
-//! where the hand rests, how paths bend, where hands end. Refuses: a person of an impossible size.
+//! Main types: [`ArmBuild`], [`ArmRest`]. People differ in all of it, and more widely than eight recorded ones do:
+//! size, pace, where the hand rests, how paths bend, where hands end. Refuses: a person of an impossible size.
 
 use crate::reach::{ArmPoint, ArmVector};
 use crate::sim::random::Stream;
