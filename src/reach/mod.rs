@@ -12,6 +12,7 @@ pub mod mixtures;
 pub mod model;
 pub mod net;
 pub mod places;
+pub mod posture;
 pub mod sample;
 mod tracker;
 
