@@ -10,6 +10,7 @@ mod out;
 mod alarms;
 mod bench;
 mod bench_memory;
+mod bench_picks;
 mod bench_steps;
 mod database;
 mod experiment;
