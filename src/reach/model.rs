@@ -247,7 +247,8 @@ mod tests {
             change(&mut changed);
             PickModel::parse(&changed.to_string()).unwrap_err().to_string()
         };
-        let wrong: [(&str, &dyn Fn(&mut serde_json::Value)); 5] = [
+        type Change<'a> = &'a dyn Fn(&mut serde_json::Value);
+        let wrong: [(&str, Change); 5] = [
             ("version 2", &|v| v["model"]["version"] = 2.into()),
             ("slots: a memory of 7 inputs", &|v| {
                 v["model"]["slots"]["nets"][0]["memory"]["inputs"] = 7.into()

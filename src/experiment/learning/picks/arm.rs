@@ -91,9 +91,9 @@ fn batch_gradient(net: &ArmNet, windows: &[&ArmWindow], tape: &mut LstmTape, gra
         let forecast = read(said, &base, 0);
         for k in 0..ARM_STEPS {
             let truth = window.after[k].parts();
-            for p in 0..ARM_PARTS {
+            for (p, truth) in truth.into_iter().enumerate() {
                 let at = (k * ARM_PARTS + p) * 4;
-                let error = (forecast.middle[k][p] - truth[p]) * ARM_SCALE;
+                let error = (forecast.middle[k][p] - truth) * ARM_SCALE;
                 let length = (error.norm() + 1e-4) as f32;
                 let sharp = exp(-said[at + 3]) / (rows * ARM_STEPS * ARM_PARTS) as f32;
                 for d in 0..3 {
@@ -107,5 +107,5 @@ fn batch_gradient(net: &ArmNet, windows: &[&ArmWindow], tape: &mut LstmTape, gra
     affine_back(&net.out, &states, &slopes, &mut gradient.out, Some(&mut d_last));
     let mut d_states = vec![0.0f32; ARM_STEPS * rows * n];
     d_states[last..].copy_from_slice(&d_last);
-    tape.back(&net.memory, &x, shape, &d_states, None, &mut gradient.memory, None);
+    tape.back(&net.memory, &x, &d_states, None, &mut gradient.memory, None);
 }

@@ -138,7 +138,6 @@ impl BoneNet {
         chance: &mut Stream,
     ) {
         let rows = windows.len();
-        let shape = Sequence { steps: ARM_STEPS, rows };
         let said = self.run(windows, tape, chance);
         let mut slopes = vec![0.0f32; said.len()];
         let (mut now, mut then) = ([0.0f32; WIDTH], [0.0f32; WIDTH]);
@@ -165,7 +164,7 @@ impl BoneNet {
             times(&mut d, &tape.masks[l]);
             let mut below = vec![0.0f32; tape.inputs[l].len()];
             let (memory, g) = (&self.memories[l], &mut gradient.memories[l]);
-            tape.tapes[l].back(memory, &tape.inputs[l], shape, &d, None, g, Some(&mut below));
+            tape.tapes[l].back(memory, &tape.inputs[l], &d, None, g, Some(&mut below));
             d = below;
         }
     }

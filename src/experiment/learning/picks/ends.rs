@@ -124,5 +124,5 @@ fn batch_gradient(
     let mut d_states = vec![0.0f32; states.len()];
     affine_back(&net.out, &states, &slopes, &mut gradient.out, Some(&mut d_states));
     d_states.chunks_exact_mut(mask.len()).for_each(|s| s.iter_mut().zip(&mask).for_each(|(s, m)| *s *= m));
-    tape.back(&net.memory, &x, shape, &d_states, None, &mut gradient.memory, None);
+    tape.back(&net.memory, &x, &d_states, None, &mut gradient.memory, None);
 }

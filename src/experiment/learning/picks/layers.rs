@@ -106,6 +106,7 @@ pub(super) struct LstmTape {
     /// States, those before the first step included.
     states: Vec<f32>,
     slopes: Vec<f32>,
+    shape: Sequence,
 }
 
 impl LstmTape {
@@ -122,6 +123,7 @@ impl LstmTape {
 
     /// Runs a batch, from states and cells of zero or from given ones.
     pub fn run(&mut self, layer: &Lstm, x: &[f32], shape: Sequence, start: Option<(&[f32], &[f32])>) {
+        self.shape = shape;
         let Sequence { steps, rows } = shape;
         let (n, width) = (layer.hidden, 4 * layer.hidden);
         let (input_rows, state_rows) = layer.gates.weights.split_at(layer.inputs * width);
@@ -167,13 +169,12 @@ impl LstmTape {
         &mut self,
         layer: &Lstm,
         x: &[f32],
-        shape: Sequence,
         dh: &[f32],
         end: Option<(&[f32], &[f32])>,
         gradient: &mut Lstm,
         dx: Option<&mut [f32]>,
     ) -> (Vec<f32>, Vec<f32>) {
-        let Sequence { steps, rows } = shape;
+        let Sequence { steps, rows } = self.shape;
         let (n, width) = (layer.hidden, 4 * layer.hidden);
         let (input_rows, state_rows) = layer.gates.weights.split_at(layer.inputs * width);
         let (mut dh_next, mut dc) = match end {
@@ -323,7 +324,7 @@ mod tests {
         let mut tape = LstmTape::default();
         tape.run(&layer, &x, shape, None);
         let (mut gradient, mut dx) = (Lstm::new(5, 4), vec![0.0; x.len()]);
-        tape.back(&layer, &x, shape, &slopes(6 * 3 * 4), None, &mut gradient, Some(&mut dx));
+        tape.back(&layer, &x, &slopes(6 * 3 * 4), None, &mut gradient, Some(&mut dx));
         check(&gradient.gates.weights, |i, step| {
             let mut other = layer.clone();
             other.gates.weights[i] += step;

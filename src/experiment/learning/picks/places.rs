@@ -170,7 +170,7 @@ impl PlaceTape {
         let dx = d_inputs.as_deref_mut();
         match (&net.core, &mut gradient.core) {
             (PlaceCore::Lstm(l), PlaceCore::Lstm(g)) => {
-                self.lstm.back(l, &self.inputs, self.shape, &d_states, None, g, dx);
+                self.lstm.back(l, &self.inputs, &d_states, None, g, dx);
             }
             (PlaceCore::Elman(e), PlaceCore::Elman(g)) => {
                 self.elman.back(e, &self.inputs, self.shape, &d_states, g, dx)

@@ -106,9 +106,9 @@ impl SeqToSeq {
         let mut d_states = vec![0.0f32; states.len()];
         affine_back(&self.out, &states, &slopes, &mut gradient.out, Some(&mut d_states));
         let g = &mut gradient.decoder;
-        let (dh, dc) = decoder.back(&self.decoder, &inputs, shape, &d_states, None, g, None);
+        let (dh, dc) = decoder.back(&self.decoder, &inputs, &d_states, None, g, None);
         d_states.fill(0.0);
-        encoder.back(&self.encoder, &seen, shape, &d_states, Some((&dh, &dc)), &mut gradient.encoder, None);
+        encoder.back(&self.encoder, &seen, &d_states, Some((&dh, &dc)), &mut gradient.encoder, None);
     }
 
     fn seen(&self, windows: &[&ArmWindow]) -> Vec<f32> {
