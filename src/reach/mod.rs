@@ -11,6 +11,7 @@ pub mod gaze;
 pub mod mixtures;
 pub mod model;
 pub mod net;
+pub mod phases;
 pub mod places;
 pub mod posture;
 pub mod sample;
