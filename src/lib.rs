@@ -8,7 +8,7 @@
 //!
 //! ```text
 //!   time  id  geometry  →  warehouse  →  timeline  →  route  ┐
-//!                                           human            ├→  aware    cell    →  fleet
+//!                                           human            ├→  aware    reach → cell    →  fleet
 //!   pure: no clock, no I/O, no chance, no hash order ────────┘                         │
 //!  ════════════════════════════════════════════════════════════════════════════════════╪══ the line
 //!   pure too:   sim (a floor in memory)  →  experiment (tables that others can repeat) │
@@ -35,6 +35,8 @@
 //!   were learned from recorded people (`human/forecast.rs`, `human/model.rs`) and are judged while the system runs.
 //! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
+//! - [`reach`]: a person at arm's length, as beliefs: which place a hand is going to, where the arm will be, where the
+//!   eyes look. Small nets, forward only; they are learned in `experiment/learning/picks`.
 //! - [`cell`]: the picking station as a work cell: order lines, and how far each is. It knows neither routes nor
 //!   timelines.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
@@ -371,6 +373,7 @@ pub mod geometry;
 pub mod history;
 pub mod human;
 pub mod id;
+pub mod reach;
 pub mod route;
 #[cfg(feature = "edge")]
 pub mod server;

@@ -28,6 +28,8 @@ pub enum Bench {
     Steps(super::bench_steps::StepsArgs),
     /// Whether memory stays flat while days go by.
     Memory(super::bench_memory::MemoryArgs),
+    /// What one sample of a hand costs, and a forecast of the arm.
+    Picks(super::bench_picks::BenchPicksArgs),
 }
 
 /// Pebble rules, with or without turns.
@@ -219,6 +221,7 @@ impl Bench {
             Bench::Distances(arguments) => arguments.run(),
             Bench::Steps(arguments) => arguments.run(),
             Bench::Memory(arguments) => arguments.run(),
+            Bench::Picks(picks) => picks.run(),
         }
     }
 }

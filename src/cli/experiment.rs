@@ -4,6 +4,7 @@
 
 use super::alarms::AlarmsArgs;
 use super::people::{DetectionArgs, TableArgs};
+use super::picks::PicksArgs;
 use super::price::PriceArgs;
 use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
 use super::safe_space::SafeSpaceArgs;
@@ -40,6 +41,8 @@ pub enum Experiment {
     SafeSpace(SafeSpaceArgs),
     /// What picking stations gain by knowing lines and hands: lines per hour with each flow.
     Stations(StationsArgs),
+    /// Recorded people who reach for places: which place, where the arm will be, where they look.
+    Picks(PicksArgs),
 }
 
 /// The stories.
@@ -98,6 +101,7 @@ impl Experiment {
             Experiment::Alarms(alarms) => alarms.run(),
             Experiment::SafeSpace(spaces) => spaces.run(),
             Experiment::Stations(stations) => stations.run(),
+            Experiment::Picks(picks) => picks.run(),
         }
     }
 }

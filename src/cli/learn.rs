@@ -1,14 +1,15 @@
-//! `giveway learn`: figures about people from recorded tracks.
+//! `giveway learn`: figures about people from recorded tracks, and from recorded or simulated reaches.
 //!
 //! Main type: [`LearnArgs`]. Refuses: to guess the format of a file that looks like none.
 
+use super::picks::LearnPicksArgs;
 use super::{read, write};
 use crate::experiment::learning::{Lesson, learn};
 use crate::experiment::recorded::{Format, RecordedWalks, goals};
 use crate::geometry::Point;
 use crate::human::Model;
 use anyhow::Context;
-use clap::{Args, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -62,7 +63,25 @@ pub fn read_model(path: Option<&Path>) -> anyhow::Result<Arc<Model>> {
 
 /// Arguments of `learn`.
 #[derive(Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub struct LearnArgs {
+    #[command(subcommand)]
+    what: Option<Learnt>,
+    /// Without a word before them: recorded tracks.
+    #[command(flatten)]
+    tracks: Option<LearnTracksArgs>,
+}
+
+/// What else there is to learn.
+#[derive(Subcommand)]
+enum Learnt {
+    /// Where hands go, where arms will be and where eyes look, from people who reach for places.
+    Picks(LearnPicksArgs),
+}
+
+/// Arguments of `learn TRACKS`.
+#[derive(Args)]
+struct LearnTracksArgs {
     /// Files of recorded tracks.
     #[arg(required = true)]
     tracks: Vec<PathBuf>,
@@ -89,6 +108,16 @@ pub struct LearnArgs {
 impl LearnArgs {
     /// Learns and writes the model.
     pub fn run(self) -> anyhow::Result<ExitCode> {
+        match (self.what, self.tracks) {
+            (Some(Learnt::Picks(picks)), _) => picks.run(),
+            (None, Some(tracks)) => tracks.run(),
+            (None, None) => anyhow::bail!("name files of recorded tracks, or `picks` and folders of reaches"),
+        }
+    }
+}
+
+impl LearnTracksArgs {
+    fn run(self) -> anyhow::Result<ExitCode> {
         let start = read_model(self.from.as_deref())?;
         let places: Vec<Point> = read_goals(self.goals.as_deref())?.into_iter().map(|g| g.1).collect();
         for named in &self.goals_of {

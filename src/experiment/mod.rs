@@ -1,12 +1,12 @@
 //! Measurements that others can repeat: published tables, stories and benchmark floors.
 //!
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
-//! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
-//! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
-//! of giving way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for),
-//! [`stations`] (what picking stations gain by lines and hands), [`alarms`] (which alarms follow from faults), [`steps`] (what a step costs), [`month`] (what it keeps),
-//! [`statistics`].
-//! Refuses: to read files or clocks; the caller passes texts in and takes figures out.
+//! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions recognised),
+//! [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways of giving
+//! way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for), [`stations`]
+//! (what picking stations gain by lines and hands), [`picks`] (where recorded hands go), [`alarms`] (which alarms follow
+//! from faults), [`steps`] (what a step costs), [`month`] (what it keeps), [`statistics`]. Refuses: to read files or
+//! clocks; the caller passes texts in and takes figures out.
 
 pub mod alarms;
 mod dice;
@@ -15,6 +15,7 @@ pub mod grid;
 pub mod learning;
 pub mod lifelong;
 pub mod month;
+pub mod picks;
 pub mod planning;
 pub mod plot;
 pub mod price;

@@ -23,7 +23,7 @@ mod outages;
 mod pairs;
 pub mod picker;
 mod pushes;
-mod random;
+pub mod random;
 pub mod recording;
 pub mod replay;
 mod robot;

@@ -14,7 +14,7 @@ use std::path::Path;
 use tokens::{Token, functions, paths, tokens, without_tests};
 
 /// The core in its order: each may name those before it. `human` and `route` meet only in `aware`.
-const CORE: [&str; 12] = [
+const CORE: [&str; 13] = [
     "time",
     "id",
     "geometry",
@@ -23,6 +23,7 @@ const CORE: [&str; 12] = [
     "route",
     "human",
     "aware",
+    "reach",
     "cell",
     "fleet",
     "history",
@@ -86,8 +87,10 @@ fn may_name(top: &str) -> Vec<&'static str> {
     let core = |n: usize| CORE[..n].to_vec();
     match top {
         "human" => core(5),
+        // What people may name, and people.
+        "reach" => [core(5), vec!["human"]].concat(),
         // Neither routes nor timelines, nor people beyond arm's length.
-        "cell" => core(4),
+        "cell" => [core(4), vec!["reach"]].concat(),
         "experiment" => [core(CORE.len()), vec!["sim"]].concat(),
         "sim" | "store" | "api" | "vda5050" => core(CORE.len()),
         "server" => [core(CORE.len()), AROUND.to_vec(), EDGE[..3].to_vec()].concat(),

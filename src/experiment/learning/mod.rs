@@ -3,6 +3,7 @@
 //! Main types: [`Lesson`] (a recording with its goals), main function: [`learn`]. Refuses: to read files.
 
 mod motion;
+pub mod picks;
 mod purpose;
 pub mod shapes;
 

@@ -3,6 +3,7 @@
 //! Main types: [`Pickers`], [`SimPicker`], [`PickFigures`]. Refuses: to read anything of the fleet that is not on the
 //! screen of the station.
 
+pub mod motion;
 pub mod path;
 pub mod person;
 pub mod watch;

@@ -1,0 +1,163 @@
+//! A person's build and habits.
+//!
+//! Main types: [`ArmBuild`], [`ArmRest`]. People differ in all of it, and more widely than eight recorded ones do:
+//! size, pace, where the hand rests, how paths bend, where hands end. Refuses: a person of an impossible size.
+
+use crate::reach::{ArmPoint, ArmVector};
+use crate::sim::random::Stream;
+
+/// Which arm reaches.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ArmSide {
+    /// The right one.
+    #[default]
+    Right,
+    /// The left one.
+    Left,
+}
+
+/// Where a person's arm and head are between movements, as if the right arm reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmRest {
+    /// Finger tip.
+    pub finger: ArmPoint,
+    /// Shoulder.
+    pub shoulder: ArmPoint,
+    /// Head.
+    pub head: ArmPoint,
+    /// Yaw of the head.
+    pub yaw: f64,
+    /// Pitch of the head.
+    pub pitch: f64,
+    /// From wrist to finger tip, a unit vector.
+    pub points: ArmVector,
+}
+
+/// A person, metres and radians; all places as if the right arm reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmBuild {
+    /// The arm that reaches.
+    pub side: ArmSide,
+    /// The shoulder of a person who stands still.
+    pub shoulder: ArmPoint,
+    /// The head of a person who stands still.
+    pub head: ArmPoint,
+    /// From shoulder to elbow.
+    pub upper_m: f64,
+    /// From elbow to wrist.
+    pub lower_m: f64,
+    /// From wrist to finger tip.
+    pub hand_m: f64,
+    /// Where the finger tip rests, from the shoulder.
+    pub rest: ArmVector,
+    /// Factor of all times.
+    pub pace: f64,
+    /// Share of a movement's time at which it is fastest.
+    pub peak: f64,
+    /// Height of the path's bend, in lengths of the way.
+    pub bend: f64,
+    /// Where the path bends to: towards the body, outward, up.
+    pub bends_to: ArmVector,
+    /// Where the hand ends, from where it should.
+    pub ends: ArmVector,
+    /// Turn of the elbow round the line from shoulder to wrist, from straight down outward.
+    pub swivel: f64,
+    /// Share of a target's yaw that the head turns.
+    pub yaw_share: f64,
+    /// Share of a target's pitch that the head turns.
+    pub pitch_share: f64,
+    /// Where the head points when nothing is looked at: yaw and pitch.
+    pub ahead: (f64, f64),
+    /// When the head begins to turn after the hand, seconds; mostly before.
+    pub head_starts_s: f64,
+    /// How far shoulder and head go along, metres.
+    pub goes_along_m: (f64, f64),
+    /// Where on the lower arm, and between wrist and finger tip, a sensor sees forearm and hand: shares of the way.
+    pub seen_at: (f64, f64),
+    /// Where the resting hand points, from wrist to finger tip.
+    pub points: ArmVector,
+    /// Trembling of the hand, metres.
+    pub tremor_m: f64,
+    /// Probability that eyes wander once during a reach.
+    pub wanders: f64,
+}
+
+/// A number around a middle that people differ in, never farther out than twice the deviation.
+fn around(middle: f64, deviation: f64, chance: &mut Stream) -> f64 {
+    middle + deviation * chance.normal().clamp(-2.0, 2.0)
+}
+
+impl ArmBuild {
+    /// A person of this size who stands `apart_m` before the opening's plane.
+    pub fn of_height(height_m: f64, apart_m: f64, chance: &mut Stream) -> ArmBuild {
+        let height_m = height_m.clamp(1.4, 2.2);
+        let x = -apart_m;
+        let (y, z) = (around(-0.18, 0.02, chance), around(0.80 * height_m, 0.02, chance));
+        // From a hand before the belly to one that hangs down.
+        let rest = ArmVector::new(
+            chance.between(0.02, 0.26),
+            chance.between(-0.10, 0.28),
+            -chance.between(0.30, 0.66),
+        );
+        ArmBuild {
+            side: ArmSide::Right,
+            shoulder: ArmPoint::new(x, y, z),
+            head: ArmPoint::new(x + around(0.08, 0.04, chance), 0.0, around(0.935 * height_m, 0.02, chance)),
+            upper_m: around(0.186, 0.008, chance) * height_m,
+            lower_m: around(0.146, 0.007, chance) * height_m,
+            hand_m: around(0.105, 0.005, chance) * height_m,
+            rest,
+            pace: libm::exp(around(0.0, 0.14, chance)),
+            peak: around(0.33, 0.06, chance),
+            bend: around(0.36, 0.10, chance).max(0.03),
+            bends_to: ArmVector::new(
+                around(-0.4, 0.5, chance),
+                around(-0.1, 0.4, chance),
+                around(0.1, 0.6, chance),
+            ),
+            ends: ArmVector::new(
+                around(0.0, 0.04, chance),
+                around(0.0, 0.04, chance),
+                around(0.0, 0.04, chance),
+            ),
+            swivel: around(0.4, 0.25, chance),
+            yaw_share: around(0.70, 0.16, chance),
+            pitch_share: around(0.37, 0.12, chance),
+            ahead: (around(0.0, 0.06, chance), around(-0.06, 0.10, chance)),
+            head_starts_s: around(-0.08, 0.10, chance),
+            goes_along_m: (around(0.045, 0.012, chance), around(0.038, 0.010, chance)),
+            seen_at: (chance.between(0.3, 0.8), chance.between(0.0, 0.6)),
+            points: ArmVector::new(
+                around(0.5, 0.4, chance),
+                around(0.3, 0.4, chance),
+                around(-0.3, 0.5, chance),
+            ),
+            tremor_m: around(0.0004, 0.0002, chance).max(0.0),
+            wanders: chance.between(0.05, 0.4),
+        }
+    }
+
+    /// Any grown person.
+    pub fn any(apart_m: f64, chance: &mut Stream) -> ArmBuild {
+        let height_m = around(1.74, 0.09, chance);
+        ArmBuild::of_height(height_m, apart_m, chance)
+    }
+
+    /// Longest distance of the finger tip from the shoulder.
+    pub fn longest_m(&self) -> f64 {
+        self.upper_m + self.lower_m + self.hand_m
+    }
+
+    /// Standing still with the arm at rest; never twice at quite the same place.
+    pub fn rest(&self, chance: &mut Stream) -> ArmRest {
+        let jitter = ArmVector::new(chance.normal(), chance.normal(), chance.normal());
+        ArmRest {
+            finger: self.shoulder + self.rest + jitter * 0.015,
+            shoulder: self.shoulder,
+            head: self.head,
+            yaw: self.ahead.0 + 0.03 * chance.normal(),
+            pitch: self.ahead.1 + 0.03 * chance.normal(),
+            points: (self.points + jitter * 0.1).try_normalize(1e-6).unwrap_or_else(ArmVector::x),
+        }
+    }
+}
