@@ -10,6 +10,7 @@ mod kinematics;
 mod mpc;
 mod qp;
 mod risk;
+mod schedule;
 
 pub use capsule::{Capsule, Nearest, least_distance_m};
 pub use choice::{Choice, choose};
@@ -23,3 +24,4 @@ pub use risk::{
     LimbBone, MOST_POINTS, UncertainLimbs, UncertainPoint, bone_covariance, first_order_probability,
     normal_below, normalised_probability, overlap_probability, printed_probability,
 };
+pub use schedule::{TargetTable, TargetTableError};
