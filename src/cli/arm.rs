@@ -1,10 +1,12 @@
 //! `giveway experiment overlap` and `bolts`: the robot arm beside a picker in figures.
 //!
-//! Main type: [`OverlapArgs`]. Refuses: to compute anything itself; it measures how long what is computed takes.
+//! Main types: [`OverlapArgs`], [`BoltsArgs`]. Refuses: to compute anything itself; it measures how long what is computed takes.
 
+use crate::experiment::arm::bolts::{Bench, BoltsArm, BoltsRun};
 use crate::experiment::arm::overlap::{
     Failure, OverlapCase, RiskKind, RoundEnd, Rounds, calibration_error, cases,
 };
+use crate::experiment::statistics::{Interval, Summary};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::process::ExitCode;
@@ -149,4 +151,127 @@ fn timed(bench: &Rounds) -> (f64, f64) {
 
 fn round(x: f64) -> f64 {
     (x * 1e4).round() / 1e4
+}
+
+/// Arguments of `experiment bolts`.
+#[derive(Args)]
+pub struct BoltsArgs {
+    /// People at the bench; each meets every arm.
+    #[arg(long, default_value_t = 30)]
+    runs: u64,
+    /// Seed of people and movements.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Shares of a movement after which its target is asked for, percent.
+const PERCENTS: [u32; 5] = [20, 30, 40, 50, 60];
+/// New people whose targets are asked for.
+const ASKED: u64 = 10;
+
+/// A figure's name, and the figure of a run.
+type Figure = (&'static str, fn(&BoltsRun) -> f64);
+
+/// Figures of which means and differences are printed.
+const FIGURES: [Figure; 7] = [
+    ("min_distance_cm", |r| r.min_distance_cm),
+    ("min_capsule_cm", |r| r.min_capsule_cm),
+    ("length_cm", |r| r.length_cm),
+    ("time_s", |r| r.time_s),
+    ("products_per_hour", |r| r.products_per_hour),
+    ("person_waits_s", |r| r.person_waits_s),
+    ("stops", |r| r.stops as f64),
+];
+
+/// Pairs of arms that are compared.
+const PAIRS: [(usize, usize); 3] = [(2, 1), (2, 0), (1, 0)];
+
+impl BoltsArgs {
+    /// Prints the table.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        anyhow::ensure!((2..=10_000).contains(&self.runs), "--runs must be from 2 to 10000");
+        let bench = Bench::new(self.seed);
+        let run = |how: BoltsArm| -> Vec<BoltsRun> { (0..self.runs).map(|n| bench.run(n, how)).collect() };
+        let runs: Vec<Vec<BoltsRun>> = BoltsArm::ALL.map(run).into();
+        let accuracy = bench.accuracy(&PERCENTS.map(|p| f64::from(p) / 100.0), ASKED);
+        let agreement = bench.table_2_agreement(DELTA);
+        if self.json {
+            let share = |of: fn(&(f64, f64)) -> f64| -> Map<String, Value> {
+                let shares = PERCENTS.iter().zip(&accuracy);
+                shares.map(|(p, both)| (p.to_string(), json!(round(of(both))))).collect()
+            };
+            let report = json!({
+                "seed": self.seed, "runs": self.runs,
+                "arms": BoltsArm::ALL.iter().zip(&runs).map(|(how, runs)| {
+                    (how.word().to_owned(), arm_value(runs))
+                }).collect::<Map<_, _>>(),
+                "paired": PAIRS.iter().map(|(a, b)| (pair_name(*a, *b), paired(&runs[*a], &runs[*b])))
+                    .collect::<Map<_, _>>(),
+                "accuracy": {"observed": share(|both| both.0), "ahead": share(|both| both.1)},
+                "table_2_agreement": round(agreement),
+            });
+            println!("{}", serde_json::to_string_pretty(&report)?);
+            return Ok(ExitCode::SUCCESS);
+        }
+        println!("giveway experiment bolts --runs {} --seed {}\n", self.runs, self.seed);
+        print_bolts(&runs);
+        println!("\ntarget known after     observed  with what is ahead");
+        for (percent, (observed, ahead)) in PERCENTS.iter().zip(&accuracy) {
+            println!("{percent:>5} % of the time{observed:13.3}{ahead:10.3}");
+        }
+        println!("\nTable II as derived agrees with the printed one in {agreement:.3} of its cells");
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn pair_name(a: usize, b: usize) -> String {
+    format!("{}-{}", BoltsArm::ALL[a].word(), BoltsArm::ALL[b].word())
+}
+
+fn sample(runs: &[BoltsRun], figure: fn(&BoltsRun) -> f64) -> Vec<f64> {
+    runs.iter().map(figure).collect()
+}
+
+fn arm_value(runs: &[BoltsRun]) -> Value {
+    let figure = |(name, figure): &Figure| {
+        let summary = Summary::of(&sample(runs, *figure));
+        (name.to_string(), json!({"mean": summary.mean.map(round), "sd": summary.sd.map(round)}))
+    };
+    let mut value: Map<String, Value> = FIGURES.iter().map(figure).collect();
+    let sum = |of: fn(&BoltsRun) -> usize| runs.iter().map(of).sum::<usize>();
+    value.insert("contacts".into(), json!(sum(|r| r.contacts)));
+    value.insert("touched_standing".into(), json!(sum(|r| r.touched)));
+    value.insert("unsolved".into(), json!(sum(|r| r.unsolved)));
+    Value::Object(value)
+}
+
+fn paired(ours: &[BoltsRun], theirs: &[BoltsRun]) -> Value {
+    let difference = |(name, figure): &Figure| {
+        let interval = Interval::of_pairs(&sample(ours, *figure), &sample(theirs, *figure));
+        let ci95 = interval.ci95.map(|(low, high)| [round(low), round(high)]);
+        (name.to_string(), json!({"mean": interval.mean.map(round), "ci95": ci95}))
+    };
+    Value::Object(FIGURES.iter().map(difference).collect())
+}
+
+fn print_bolts(runs: &[Vec<BoltsRun>]) {
+    println!("{:<18}{:>18}{:>18}{:>18}   predictive-reactive", "mean (sd)", "turns", "reactive", "predictive");
+    for (name, figure) in FIGURES {
+        print!("{name:<18}");
+        for runs in runs {
+            let Summary { mean, sd } = Summary::of(&sample(runs, figure));
+            let cell = format!("{:.2} ({:.2})", mean.unwrap_or(f64::NAN), sd.unwrap_or(f64::NAN));
+            print!("{cell:>18}");
+        }
+        let interval = Interval::of_pairs(&sample(&runs[2], figure), &sample(&runs[1], figure));
+        let (low, high) = interval.ci95.unwrap_or((f64::NAN, f64::NAN));
+        println!("   {:.2} ({low:.2} to {high:.2})", interval.mean.unwrap_or(f64::NAN));
+    }
+    let sums = |of: fn(&BoltsRun) -> usize| -> Vec<usize> {
+        runs.iter().map(|runs| runs.iter().map(of).sum()).collect()
+    };
+    println!("contacts {:?}, touched while it stood {:?}", sums(|r| r.contacts), sums(|r| r.touched));
 }

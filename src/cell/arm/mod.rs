@@ -7,21 +7,29 @@
 mod capsule;
 mod choice;
 mod kinematics;
+mod marching;
 mod mpc;
+mod net;
 mod qp;
 mod risk;
 mod schedule;
+mod space;
+mod trees;
 
 pub use capsule::{Capsule, Nearest, least_distance_m};
 pub use choice::{Choice, choose};
 pub use kinematics::{
     ARM_POINTS, ArmKind, ArmKindError, ArmPose, AxisRow, Joints, LinkShape, between, joint_distance,
 };
+pub use marching::bfmt_star;
 pub use mpc::{
     ArmControl, ArmGoal, ArmPlan, ArmPlanRefusal, ArmWeights, CYCLE_S, FROZEN, HORIZON, WorkPlane,
 };
+pub use net::{GRAPH_FEATURES, GRAPH_LAYERS, GRAPH_NODES, GraphNet, NET_STEP_RAD, NetPass, WorkGraph, adjacency};
 pub use risk::{
     LimbBone, MOST_POINTS, UncertainLimbs, UncertainPoint, bone_covariance, first_order_probability,
     normal_below, normalised_probability, overlap_probability, printed_probability,
 };
 pub use schedule::{TargetTable, TargetTableError};
+pub use space::{ArmSpace, ArmWay, CHECK_MARGIN_M, CHECK_RAD};
+pub use trees::{rrt, rrt_connect, rrt_star};

@@ -115,7 +115,7 @@ impl ArmPlan {
 }
 
 impl ArmControl {
-    /// The usual weights and margins; capsules of a link are thickened to the published 10 cm.
+    /// The usual weights and margins: links are thickened to the published 10 cm, and 3 cm more are kept (published: 0).
     pub fn new(kind: ArmKind, base: Isometry3<f64>, planes: Vec<WorkPlane>) -> ArmControl {
         let thinnest = kind.links.iter().map(|l| l.radius_m).fold(0.1, f64::min);
         ArmControl {
@@ -123,15 +123,15 @@ impl ArmControl {
             base,
             planes,
             link_margin_m: 0.1 - thinnest,
-            keep_m: 0.0,
-            watch_m: 0.15,
+            keep_m: 0.03,
+            watch_m: 0.3,
             bias: Vector3::new(0.0, 0.0, 0.5),
             weights: ArmWeights {
                 position: 1.0,
                 most_m: 0.25,
                 direction: 0.05,
                 speed: 1e-3,
-                acceleration: 2e-5,
+                acceleration: 1e-3,
                 behind: 60.0,
             },
         }

@@ -80,10 +80,8 @@ const TICK_S: f64 = 0.01;
 const SEEN_AGO_S: f64 = 0.05;
 /// Limbs are planned with capsules of the published 10 cm: so much thicker than they are.
 const LIMB_MARGIN_M: f64 = 0.055;
-/// Limbs of a forecast are thicker by so many deviations more.
-const DEVIATIONS: f64 = 0.5;
 /// Where the arm waits for its turn.
-const PARK: [f64; 3] = [0.0, 0.3, 0.3];
+const PARK: [f64; 3] = [0.0, 0.25, 0.2];
 /// Near enough to a target.
 const THERE_M: f64 = 0.015;
 /// No run is longer, seconds.
@@ -120,8 +118,8 @@ impl Bench {
             plane(-Vector3::y(), 0.3),
         ];
         let mut kind = ArmKind::collaborative().clone();
-        // The tool moves with about 0.25 m/s, the reduced speed of arms beside people.
-        kind.speed_radps = [0.4, 0.4, 0.4, 0.8, 0.8, 0.8];
+        // The tool moves with at most 0.25 m/s, the reduced speed of arms beside people.
+        kind.speed_radps = [0.25, 0.25, 0.25, 0.5, 0.5, 0.5];
         let control = ArmControl::new(kind, base, planes);
         let (mut watched, mut left_out) = (Vec::new(), Vec::new());
         let mut palms: Vec<Vec<Vec<Point3<f64>>>> = vec![Vec::new(); 12];
@@ -171,7 +169,6 @@ impl Bench {
             let palm = cell.work.joints(cell.work.now_s)[3];
             run.min_distance_cm = run.min_distance_cm.min((tip - palm).norm() * 100.0);
             run.min_capsule_cm = run.min_capsule_cm.min(distance_m * 100.0);
-            if std::env::var("TRACE").is_ok() && cell.ticks % 10 == 0 { println!("{t:.2} tip {:.2} {:.2} {:.2} palm {:.2} {:.2} {:.2} d {distance_m:.3} stop {}", tip.x, tip.y, tip.z, palm.x, palm.y, palm.z, cell.arm.is_stopped()); }
             run.length_cm += (tip - before).norm() * 100.0;
             if (tip - goal).norm() < THERE_M {
                 break;
@@ -280,14 +277,14 @@ impl Bench {
 
 /// When a person begins, seconds.
 const BEGINS_S: f64 = 0.3;
-/// People see so far ahead whether an arm is in their way, seconds.
-const LOOKS_AHEAD_S: f64 = 0.3;
+/// People give way to an arm at the last moment only: they look so far ahead, seconds.
+const LOOKS_AHEAD_S: f64 = 0.12;
 /// They keep so far from it, metres.
-const GIVES_WAY_M: f64 = 0.03;
+const GIVES_WAY_M: f64 = 0.005;
 /// A hand stops within so many seconds.
-const BRAKES_S: f64 = 0.2;
+const BRAKES_S: f64 = 0.1;
 /// Rest between two movements.
-const RESTS_S: f64 = 0.4;
+const RESTS_S: f64 = 1.5;
 
 /// A person who puts bolts to targets, one after the other.
 struct Working {
@@ -483,13 +480,7 @@ impl<'a> BenchCell<'a> {
                 let forecast = self.bench.learned.forecast(&self.seen);
                 // What was seen is SEEN_AGO_S old: the step of 0.1 s is the third of the forecast.
                 let at = |k: usize| forecast.get((2 * k + 2).min(forecast.len() - 1));
-                let limbs = |k: usize| {
-                    at(k).map(|limbs| {
-                        let mut capsules = limbs.thickened(DEVIATIONS);
-                        capsules.iter_mut().for_each(|c| c.radius_m += LIMB_MARGIN_M);
-                        capsules
-                    })
-                };
+                let limbs = |k: usize| at(k).map(|limbs| limbs.capsules(LIMB_MARGIN_M));
                 (0..HORIZON).filter_map(limbs).collect()
             }
         }
