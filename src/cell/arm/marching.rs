@@ -92,13 +92,16 @@ pub fn bfmt_star(
 /// One step of the march: unvisited samples near the front are joined to their best open neighbour where that is free.
 fn expand(space: &ArmSpace, nodes: &[Joints], near: &[Vec<usize>], wave: &mut Wave, z: usize) {
     let mut opened = Vec::new();
-    for x in near[z].iter().copied().filter(|x| wave.is_unvisited[*x]) {
+    for x in near[z].iter().copied() {
+        if !wave.is_unvisited[x] {
+            continue;
+        }
         let open = near[x].iter().copied().filter(|y| wave.is_open[*y]);
         let cost = |y: &usize| wave.costs[*y] + joint_distance(&nodes[*y], &nodes[x]);
         let Some(y) = open.min_by(|a, b| cost(a).total_cmp(&cost(b))) else { continue };
         if space.is_free_between(&nodes[y], &nodes[x]) {
-            wave.costs[x] = cost(&y);
-            wave.parents[x] = Some(y);
+            let reached = cost(&y);
+            (wave.costs[x], wave.parents[x]) = (reached, Some(y));
             wave.is_unvisited[x] = false;
             opened.push(x);
         }

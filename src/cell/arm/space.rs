@@ -1,7 +1,7 @@
 //! Where an arm can be: configurations and ways that are free of obstacles and of the arm itself.
 //!
 //! Main types: [`ArmSpace`], [`ArmWay`]. Refuses: a way that it has not checked. Ways are checked in steps of 0.05 rad, between which
-//! no point of the arm moves more than 5 cm; obstacles are thickened by half of that.
+//! no point of an arm of 1 m moves more than 5 cm; obstacles are thickened by half of that.
 
 use super::capsule::Capsule;
 use super::kinematics::{ArmKind, Joints, between, joint_distance};
@@ -10,7 +10,7 @@ use nalgebra::Isometry3;
 /// Greatest distance of two checked configurations, radians.
 pub const CHECK_RAD: f64 = 0.05;
 /// By so much obstacles are thickened, since nothing is looked at between two checked configurations, metres.
-pub const CHECK_MARGIN_M: f64 = 0.01;
+pub const CHECK_MARGIN_M: f64 = 0.025;
 
 /// A way through configurations, straight between two, that was checked.
 #[derive(Clone, Debug, PartialEq)]
