@@ -2,7 +2,7 @@
 //!
 //! Main types: [`OverlapArgs`], [`BoltsArgs`]. Refuses: to compute anything itself; it measures how long what is computed takes.
 
-use crate::experiment::arm::bolts::{Bench, BoltsArm, BoltsRun};
+use crate::experiment::arm::bolts::{BoltsBench, BoltsArm, BoltsRun};
 use crate::experiment::arm::overlap::{
     Failure, OverlapCase, RiskKind, RoundEnd, Rounds, calibration_error, cases,
 };
@@ -40,7 +40,7 @@ pub struct OverlapArgs {
 }
 
 /// What one threshold came to.
-struct Swept {
+struct SweptDelta {
     success: f64,
     needless: f64,
     reached: f64,
@@ -57,10 +57,10 @@ impl OverlapArgs {
         anyhow::ensure!((1..=100_000).contains(&self.rounds), "--rounds must be from 1 to 100000");
         let cases = cases(self.seed, self.cases, self.draws);
         let bench = Rounds::new(self.seed);
-        let play = |delta: f64, risk: RiskKind| -> Swept {
+        let play = |delta: f64, risk: RiskKind| -> SweptDelta {
             swept(&(0..self.rounds).map(|n| bench.play(n, delta, risk)).collect::<Vec<_>>())
         };
-        let delta: Vec<(f64, Swept)> = DELTAS.map(|d| (d, play(d, RiskKind::Giveway))).into();
+        let delta: Vec<(f64, SweptDelta)> = DELTAS.map(|d| (d, play(d, RiskKind::Giveway))).into();
         let others = [RiskKind::Printed, RiskKind::Normalised].map(|risk| (risk, play(DELTA, risk)));
         // No probability is above one: nothing is ever avoided.
         let unaware = play(1.0, RiskKind::Giveway);
@@ -107,11 +107,11 @@ fn absolute_error(pairs: &[(f64, f64)]) -> f64 {
     pairs.iter().map(|(stated, sampled)| (stated - sampled).abs()).sum::<f64>() / pairs.len().max(1) as f64
 }
 
-fn swept(ends: &[RoundEnd]) -> Swept {
+fn swept(ends: &[RoundEnd]) -> SweptDelta {
     let failed = |why: Failure| ends.iter().filter(|e| e.failure == Some(why)).count();
     let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
     let sum = |f: fn(&RoundEnd) -> usize| ends.iter().map(f).sum::<usize>();
-    Swept {
+    SweptDelta {
         success: share(sum(|e| usize::from(e.failure.is_none())), ends.len()),
         needless: share(sum(|e| e.needless), sum(|e| e.decisions)),
         reached: share(sum(|e| usize::from(e.reached)), ends.len()),
@@ -121,14 +121,14 @@ fn swept(ends: &[RoundEnd]) -> Swept {
     }
 }
 
-fn value(s: &Swept) -> Value {
+fn value(s: &SweptDelta) -> Value {
     json!({
         "success": round(s.success), "needless": round(s.needless), "reached": round(s.reached),
         "failures": {"forecast": s.forecast, "lag": s.lag, "link": s.link},
     })
 }
 
-fn print_row(name: &str, s: &Swept) {
+fn print_row(name: &str, s: &SweptDelta) {
     print!("{name:>10}{:8.3}{:10.3}{:9.3}", s.success, s.needless, s.reached);
     println!("{:11}{:5}{:6}", s.forecast, s.lag, s.link);
 }
@@ -193,7 +193,7 @@ impl BoltsArgs {
     /// Prints the table.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         anyhow::ensure!((2..=10_000).contains(&self.runs), "--runs must be from 2 to 10000");
-        let bench = Bench::new(self.seed);
+        let bench = BoltsBench::new(self.seed);
         let run = |how: BoltsArm| -> Vec<BoltsRun> { (0..self.runs).map(|n| bench.run(n, how)).collect() };
         let runs: Vec<Vec<BoltsRun>> = BoltsArm::ALL.map(run).into();
         let accuracy = bench.accuracy(&PERCENTS.map(|p| f64::from(p) / 100.0), ASKED);

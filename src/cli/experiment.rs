@@ -3,6 +3,8 @@
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
 use super::alarms::AlarmsArgs;
+use super::arm::{BoltsArgs, OverlapArgs};
+use super::arm_planners::PlannersArgs;
 use super::people::{DetectionArgs, TableArgs};
 use super::price::PriceArgs;
 use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
@@ -37,6 +39,12 @@ pub enum Experiment {
     Alarms(AlarmsArgs),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpaceArgs),
+    /// A robot arm beside a person who places things: stated against sampled overlap, and choices by it (Liu and Jebelli).
+    Overlap(OverlapArgs),
+    /// A robot arm and a person at twelve targets: by turns, reacting, predicting (Lyu et al.).
+    Bolts(BoltsArgs),
+    /// Planners of an arm's ways, dropout as spread, smoothness (Liu et al.).
+    Planners(PlannersArgs),
 }
 
 /// The stories.
@@ -94,6 +102,9 @@ impl Experiment {
             Experiment::Meetings(encounters) => encounters.run(),
             Experiment::Alarms(alarms) => alarms.run(),
             Experiment::SafeSpace(spaces) => spaces.run(),
+            Experiment::Overlap(overlap) => overlap.run(),
+            Experiment::Bolts(bolts) => bolts.run(),
+            Experiment::Planners(planners) => planners.run(),
         }
     }
 }

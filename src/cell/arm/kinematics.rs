@@ -1,6 +1,6 @@
 //! Six-axis kinematics from a table: where joints, links and tool of an arm are, and how they move with its axes.
 //!
-//! Main types: [`ArmKind`], [`ArmPose`], [`Joints`]. Refuses: tables that contradict themselves, and other than six
+//! Main types: [`ArmKind`], [`ArmPosture`], [`Joints`]. Refuses: tables that contradict themselves, and other than six
 //! turning axes.
 
 use super::capsule::Capsule;
@@ -77,7 +77,7 @@ pub enum ArmKindError {
 
 /// Where all of an arm is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArmPose {
+pub struct ArmPosture {
     /// The base, the origins of the six frames, the tip of the tool; map frame, metres.
     pub points: [Point3<f64>; ARM_POINTS],
     /// The direction of each axis; axis `k` turns about a line through `points[k]`.
@@ -128,7 +128,7 @@ impl ArmKind {
     }
 
     /// Where the arm is with these angles, its base standing at `base`.
-    pub fn pose(&self, base: &Isometry3<f64>, joints: &Joints) -> ArmPose {
+    pub fn pose(&self, base: &Isometry3<f64>, joints: &Joints) -> ArmPosture {
         let mut turn: Matrix3<f64> = *base.rotation.to_rotation_matrix().matrix();
         let mut at = Point3::from(base.translation.vector);
         let mut points = [at; ARM_POINTS];
@@ -147,11 +147,11 @@ impl ArmKind {
             points[k + 1] = at;
         }
         points[7] = at + turn.column(2) * self.tool_m;
-        ArmPose { points, axes, tool: Rotation3::from_matrix_unchecked(turn) }
+        ArmPosture { points, axes, tool: Rotation3::from_matrix_unchecked(turn) }
     }
 
     /// The links of a pose as capsules; each is `margin_m` thicker than it is.
-    pub fn capsules(&self, pose: &ArmPose, margin_m: f64) -> Vec<Capsule> {
+    pub fn capsules(&self, pose: &ArmPosture, margin_m: f64) -> Vec<Capsule> {
         let capsule = |link: &LinkShape| Capsule {
             a: pose.points[link.from],
             b: pose.points[link.to],
@@ -196,7 +196,7 @@ impl ArmKind {
     }
 }
 
-impl ArmPose {
+impl ArmPosture {
     /// How the point number `point` moves with axis `k`, metres per radian; zero where the axis lies behind it.
     pub fn jacobian_column(&self, point: usize, k: usize) -> Vector3<f64> {
         self.column_at(self.points[point], point, k)

@@ -19,7 +19,7 @@ mod trees;
 pub use capsule::{Capsule, Nearest, least_distance_m};
 pub use choice::{Choice, choose};
 pub use kinematics::{
-    ARM_POINTS, ArmKind, ArmKindError, ArmPose, AxisRow, Joints, LinkShape, between, joint_distance,
+    ARM_POINTS, ArmKind, ArmKindError, ArmPosture, AxisRow, Joints, LinkShape, between, joint_distance,
 };
 pub use marching::bfmt_star;
 pub use mpc::{

@@ -7,7 +7,7 @@
 //! with the printed 0.02 rad/s no arm moves 0.87 m in 3.9 s.
 
 use super::capsule::Capsule;
-use super::kinematics::{ARM_POINTS, ArmKind, ArmPose, Joints, LinkShape};
+use super::kinematics::{ARM_POINTS, ArmKind, ArmPosture, Joints, LinkShape};
 use super::qp::QuadraticProgram;
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -191,7 +191,7 @@ impl ArmControl {
         program: &mut QuadraticProgram,
         about: &ArmPlan,
         step: usize,
-        pose: &ArmPose,
+        pose: &ArmPosture,
         goal: &ArmGoal,
     ) {
         let apart = goal.tip - pose.points[7];
@@ -213,7 +213,7 @@ impl ArmControl {
     }
 
     /// Equations 8 and 14. What is beyond a plane already may stay there, but not go farther.
-    fn place_bounds(&self, program: &mut QuadraticProgram, about: &ArmPlan, step: usize, pose: &ArmPose) {
+    fn place_bounds(&self, program: &mut QuadraticProgram, about: &ArmPlan, step: usize, pose: &ArmPosture) {
         for axis in 0..6 {
             let q = about.steps[step][axis];
             let low = self.kind.low_rad[axis].max(q - TRUST_RAD);
@@ -298,7 +298,7 @@ impl ArmControl {
     fn plane(
         &self,
         step: usize,
-        pose: &ArmPose,
+        pose: &ArmPosture,
         shape: &LinkShape,
         link: &Capsule,
         limb: &Capsule,

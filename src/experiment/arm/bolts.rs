@@ -1,12 +1,12 @@
 //! Bolts on a bench again: an arm and a person at twelve targets, by turns, reacting, and predicting (Lyu et al. 2022,
 //! section IV).
 //!
-//! Main types: [`Bench`], [`BoltsArm`], [`BoltsRun`]. Refuses: forecasts from people who are measured on, and a planner that
+//! Main types: [`BoltsBench`], [`BoltsArm`], [`BoltsRun`]. Refuses: forecasts from people who are measured on, and a planner that
 //! sees the protective stop.
 
 use super::forecast::{Analogues, SENSOR_M, STEP_S, Watched};
 use super::library::MixtureLibrary;
-use super::person::{ArmJoints, Person, Reaching, certain};
+use super::person::{ArmJoints, BenchPerson, Reaching, certain};
 use crate::cell::arm::{
     ArmControl, ArmGoal, ArmKind, ArmPlan, CYCLE_S, Capsule, HORIZON, Joints, TargetTable, WorkPlane,
     joint_distance, least_distance_m, overlap_probability,
@@ -81,7 +81,7 @@ const SEEN_AGO_S: f64 = 0.05;
 /// Limbs are planned with capsules of the published 10 cm: so much thicker than they are.
 const LIMB_MARGIN_M: f64 = 0.055;
 /// Where the arm waits for its turn.
-const PARK: [f64; 3] = [0.0, 0.25, 0.2];
+const PARK: [f64; 3] = [0.0, 0.2, 0.2];
 /// Near enough to a target.
 const THERE_M: f64 = 0.015;
 /// No run is longer, seconds.
@@ -92,7 +92,7 @@ const WORKS_S: f64 = 2.0;
 const STAYS_S: f64 = 5.0;
 
 /// The bench, and what was learned beside it from people who do not come again.
-pub struct Bench {
+pub struct BoltsBench {
     seed: u64,
     control: ArmControl,
     learned: Analogues,
@@ -104,9 +104,9 @@ pub struct Bench {
 const TEACHERS: u64 = 8;
 const REPEATS: usize = 4;
 
-impl Bench {
+impl BoltsBench {
     /// The bench of a seed.
-    pub fn new(seed: u64) -> Bench {
+    pub fn new(seed: u64) -> BoltsBench {
         let base = Isometry3::translation(0.0, 0.62, 0.0);
         let plane = |normal: Vector3<f64>, offset_m: f64| WorkPlane { normal, offset_m };
         let planes = vec![
@@ -137,7 +137,7 @@ impl Bench {
         }
         let learned = Analogues::learn(watched, &left_out);
         let library = MixtureLibrary::learn(&palms);
-        Bench { seed, control, learned, library, table: TargetTable::published() }
+        BoltsBench { seed, control, learned, library, table: TargetTable::published() }
     }
 
     /// One person at the bench.
@@ -151,7 +151,7 @@ impl Bench {
     /// The arm goes from 7 to 6 while the person puts a bolt to 3, stays, and leaves.
     fn one_move(&self, n: u64, how: BoltsArm, run: &mut BoltsRun) {
         let mut chance = Stream::new(self.seed, 82, n);
-        let person = Person::random(&mut chance, SHOULDER.into());
+        let person = BenchPerson::random(&mut chance, SHOULDER.into());
         let work = Working::new(&mut chance, person, &[2], STAYS_S);
         let mut cell = BenchCell::new(self, work, how, 6, chance);
         (run.min_distance_cm, run.min_capsule_cm) = (f64::INFINITY, f64::INFINITY);
@@ -180,7 +180,7 @@ impl Bench {
     /// The arm touches one target after the other while the person fills all twelve in any order.
     fn all_targets(&self, n: u64, how: BoltsArm, run: &mut BoltsRun) {
         let mut chance = Stream::new(self.seed, 83, n);
-        let person = Person::random(&mut chance, SHOULDER.into());
+        let person = BenchPerson::random(&mut chance, SHOULDER.into());
         let mut order: Vec<usize> = (0..12).collect();
         (1..12).rev().for_each(|k| order.swap(k, chance.below(k + 1)));
         let work = Working::new(&mut chance, person, &order, WORKS_S);
@@ -234,7 +234,7 @@ impl Bench {
 
     /// Table II as it follows from geometry: a usual person's arm at their target, and the arm's way down to its own.
     pub fn derived_table(&self, delta: f64) -> TargetTable {
-        let person = Person {
+        let person = BenchPerson {
             shoulder: SHOULDER.into(),
             lengths_m: [0.30, 0.26, 0.09],
             swivel: 0.0,
@@ -262,7 +262,7 @@ impl Bench {
         })
     }
 
-    /// The share of Table II that [`Bench::derived_table`] agrees with.
+    /// The share of Table II that [`BoltsBench::derived_table`] agrees with.
     pub fn table_2_agreement(&self, delta: f64) -> f64 {
         self.derived_table(delta).agreement(&TargetTable::published())
     }
@@ -284,11 +284,11 @@ const GIVES_WAY_M: f64 = 0.005;
 /// A hand stops within so many seconds.
 const BRAKES_S: f64 = 0.1;
 /// Rest between two movements.
-const RESTS_S: f64 = 1.5;
+const RESTS_S: f64 = 3.0;
 
 /// A person who puts bolts to targets, one after the other.
 struct Working {
-    person: Person,
+    person: BenchPerson,
     /// When it begins, there, how long at the target, and back.
     visits: Vec<(f64, Reaching, f64, Reaching)>,
     /// How far the person is, seconds of their own.
@@ -298,7 +298,7 @@ struct Working {
 }
 
 impl Working {
-    fn new(chance: &mut Stream, person: Person, targets: &[usize], stays_s: f64) -> Working {
+    fn new(chance: &mut Stream, person: BenchPerson, targets: &[usize], stays_s: f64) -> Working {
         let (mut t, mut visits) = (BEGINS_S, Vec::new());
         for k in targets {
             let there = person.reach(chance, REST.into(), target(*k));
@@ -343,11 +343,12 @@ impl Working {
 /// Movements of a person to a target as they are measured: all of it from rest to rest, and the reach alone.
 fn recorded(seed: u64, who: u64, target: usize, times: usize) -> Vec<(Watched, Watched)> {
     let mut chance = Stream::new(seed, 81, who * 100 + target as u64);
-    let person = Person::random(&mut Stream::new(seed, 80, who), SHOULDER.into());
+    let person = BenchPerson::random(&mut Stream::new(seed, 80, who), SHOULDER.into());
     let mut record = || {
-        let stays_s = chance.between(0.5, 1.5);
+        let stays_s = chance.between(1.5, 3.0);
         let work = Working::new(&mut chance, person.clone(), &[target], stays_s);
-        let ends = work.lasts_s() + 0.5;
+        // Much of the time hands rest; a forecast must know that as well.
+        let ends = work.lasts_s() + 2.5;
         let reach_s = work.visits[0].1.lasts_s;
         let full: Watched = (0..(ends / STEP_S) as usize)
             .map(|k| measured(&work.joints(k as f64 * STEP_S), &mut chance))
@@ -365,7 +366,7 @@ fn measured(joints: &ArmJoints, chance: &mut Stream) -> ArmJoints {
 
 /// A person and an arm at the bench.
 struct BenchCell<'a> {
-    bench: &'a Bench,
+    bench: &'a BoltsBench,
     work: Working,
     how: BoltsArm,
     arm: SimulatedArm,
@@ -381,7 +382,7 @@ struct BenchCell<'a> {
 }
 
 impl<'a> BenchCell<'a> {
-    fn new(bench: &'a Bench, work: Working, how: BoltsArm, from: usize, chance: Stream) -> BenchCell<'a> {
+    fn new(bench: &'a BoltsBench, work: Working, how: BoltsArm, from: usize, chance: Stream) -> BenchCell<'a> {
         let joints = bench.posture(target(from)).unwrap_or([1.57, -1.3, 1.7, -1.97, -1.57, 0.0]);
         let (kind, base) = (bench.control.kind.clone(), bench.control.base);
         BenchCell {

@@ -5,7 +5,7 @@
 //! stop that would hide a bad choice.
 
 use super::forecast::{AHEAD, Analogues, SENSOR_M, STEP_S, Watched};
-use super::person::{ArmJoints, BONES, Person, Reaching, certain};
+use super::person::{ArmJoints, BONES, BenchPerson, Reaching, certain};
 use crate::cell::arm::{
     ArmKind, Capsule, Choice, Joints, UncertainLimbs, UncertainPoint, between, choose,
     first_order_probability, joint_distance, least_distance_m, normalised_probability,
@@ -65,7 +65,7 @@ pub fn cases(seed: u64, count: usize, draws: usize) -> Vec<OverlapCase> {
 
 fn case(chance: &mut Stream, draws: usize) -> OverlapCase {
     let kind = ArmKind::collaborative();
-    let person = Person::random(chance, Point3::new(0.15, -0.4, 0.35));
+    let person = BenchPerson::random(chance, Point3::new(0.15, -0.4, 0.35));
     let at = |chance: &mut Stream| {
         Point3::new(chance.between(-0.3, 0.3), chance.between(-0.25, 0.25), chance.between(0.0, 0.25))
     };
@@ -219,7 +219,7 @@ impl Rounds {
 
     /// Round number `n`, decided with this threshold.
     pub fn play(&self, n: u64, delta: f64, risk: RiskKind) -> RoundEnd {
-        let mut world = World::new(self, n);
+        let mut world = RoundWorld::new(self, n);
         let mut end = RoundEnd { failure: None, decisions: 0, needless: 0, reached: false };
         let (mut way, mut begun, mut fault) = (vec![self.home], 0.0, None);
         let (mut t, mut next, mut leaves) = (world.starts_s, world.starts_s, f64::INFINITY);
@@ -254,7 +254,7 @@ impl Rounds {
 
     /// An instant as it is when the arm decides, for measuring what a decision costs.
     pub fn moment(&self, n: u64) -> Deciding {
-        let mut world = World::new(self, n);
+        let mut world = RoundWorld::new(self, n);
         world.present = between(&self.home, &world.aim, 0.3);
         world.observe(world.starts_s).0
     }
@@ -316,7 +316,7 @@ fn at_time(way: &[Joints], after_s: f64) -> Joints {
 
 /// A person who places something and comes back.
 struct Placing {
-    person: Person,
+    person: BenchPerson,
     there: Reaching,
     back: Reaching,
     stays_s: f64,
@@ -324,7 +324,7 @@ struct Placing {
 }
 
 impl Placing {
-    fn random(chance: &mut Stream, person: Person) -> Placing {
+    fn random(chance: &mut Stream, person: BenchPerson) -> Placing {
         let place = PLACES[chance.below(3)];
         let there = person.reach(chance, REST.into(), place.into());
         let back = person.reach(chance, there.to, REST.into());
@@ -343,7 +343,7 @@ impl Placing {
 /// What is recorded of a person.
 fn watch_person(seed: u64, who: u64, movements: usize) -> Vec<Watched> {
     let mut chance = Stream::new(seed, 72, who);
-    let person = Person::random(&mut chance, SHOULDER.into());
+    let person = BenchPerson::random(&mut chance, SHOULDER.into());
     let mut watch = || {
         let placing = Placing::random(&mut chance, person.clone());
         let steps = (5.0 / STEP_S) as usize;
@@ -357,7 +357,7 @@ fn measured(joints: &ArmJoints, chance: &mut Stream) -> ArmJoints {
 }
 
 /// One round as it is.
-struct World<'a> {
+struct RoundWorld<'a> {
     rounds: &'a Rounds,
     placing: Placing,
     chance: Stream,
@@ -366,15 +366,15 @@ struct World<'a> {
     starts_s: f64,
 }
 
-impl<'a> World<'a> {
-    fn new(rounds: &'a Rounds, n: u64) -> World<'a> {
+impl<'a> RoundWorld<'a> {
+    fn new(rounds: &'a Rounds, n: u64) -> RoundWorld<'a> {
         let mut chance = Stream::new(rounds.seed, 73, n);
-        let person = Person::random(&mut chance, SHOULDER.into());
+        let person = BenchPerson::random(&mut chance, SHOULDER.into());
         let placing = Placing::random(&mut chance, person);
         let aim = rounds.goals[chance.below(3)];
         // It is to be there about when the person is.
         let starts_s = (placing.begins_s + chance.between(-0.5, 0.8)).max(0.0);
-        World { rounds, placing, chance, present: rounds.home, aim, starts_s }
+        RoundWorld { rounds, placing, chance, present: rounds.home, aim, starts_s }
     }
 
     fn limbs(&self, t: f64) -> Vec<Capsule> {

@@ -1,6 +1,6 @@
 //! A simple picker's arm as ground truth for the arm's experiments.
 //!
-//! Main types: [`Person`], [`Reaching`]. Hands move with minimum jerk in warped time: the peak of speed is at 37 % of the
+//! Main types: [`BenchPerson`], [`Reaching`]. Hands move with minimum jerk in warped time: the peak of speed is at 37 % of the
 //! movement, not at 50. Paths are bent and end beside their goal. Refuses: to be asked where it is going by what predicts.
 
 use crate::cell::arm::{LimbBone, UncertainLimbs, UncertainPoint};
@@ -29,7 +29,7 @@ pub fn progress(time: f64) -> f64 {
 
 /// A person at a bench.
 #[derive(Clone, Debug)]
-pub struct Person {
+pub struct BenchPerson {
     /// Where the right shoulder is when the hand is at rest.
     pub shoulder: Point3<f64>,
     /// Lengths of upper arm, forearm and hand to the palm, metres.
@@ -57,12 +57,12 @@ pub struct Reaching {
     pub bend: Vector3<f64>,
 }
 
-impl Person {
+impl BenchPerson {
     /// One of these people, round a usual place of the shoulder.
-    pub fn random(chance: &mut Stream, shoulder: Point3<f64>) -> Person {
+    pub fn random(chance: &mut Stream, shoulder: Point3<f64>) -> BenchPerson {
         let size = 1.0 + 0.05 * chance.normal().clamp(-2.0, 2.0);
         let mut about = |sigma: f64| sigma * chance.normal().clamp(-2.0, 2.0);
-        Person {
+        BenchPerson {
             shoulder: shoulder + Vector3::new(about(0.03), about(0.03), about(0.03)),
             lengths_m: [0.30 * size, 0.26 * size, 0.09 * size],
             swivel: about(0.15),
@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn bones_keep_their_lengths_wherever_the_hand_is() {
-        let person = Person::random(&mut Stream::new(1, 0, 0), Point3::new(0.15, -0.4, 0.35));
+        let person = BenchPerson::random(&mut Stream::new(1, 0, 0), Point3::new(0.15, -0.4, 0.35));
         for x in [-0.25, 0.0, 0.25] {
             for y in [-0.3, 0.0, 0.2] {
                 let joints = person.joints(Point3::new(x, y, 0.05));

@@ -3,7 +3,7 @@
 //! Main types: [`Workshops`], [`PlannerKind`], [`QueryAnswer`]. Refuses: to read a clock, and to teach the net with queries that it
 //! is asked.
 
-use super::person::Person;
+use super::person::BenchPerson;
 use super::teaching::{NetStep, step_error, teach_graph};
 use crate::cell::arm::{
     ArmKind, ArmSpace, ArmWay, Capsule, GraphNet, Joints, NET_STEP_RAD, WorkGraph, bfmt_star,
@@ -165,7 +165,7 @@ pub(super) const HIGH_RAD: Joints = [2.6, -0.3, 2.4, 1.0, 2.2, 2.0];
 /// An arm on a table among five to eight obstacles.
 fn workspace(seed: u64, k: u64) -> (ArmSpace, WorkGraph) {
     let mut chance = Stream::new(seed, 92, k);
-    let person = Person::random(&mut chance, Point3::new(0.15, -0.95, 0.35));
+    let person = BenchPerson::random(&mut chance, Point3::new(0.15, -0.95, 0.35));
     let joints = person.joints(Point3::new(0.1, -0.7, 0.05));
     let mut obstacles: Vec<Capsule> =
         (0..3).map(|i| Capsule { a: joints[i], b: joints[i + 1], radius_m: 0.05 }).collect();

@@ -1,6 +1,6 @@
 //! Learning of small nets: Adam (Kingma and Ba 2015), and the graph net from an oracle's ways.
 //!
-//! Main types: [`Adam`], [`NetStep`]. Refuses: data that it was not given; the order of samples comes from the seed.
+//! Main types: [`AdamMoments`], [`NetStep`]. Refuses: data that it was not given; the order of samples comes from the seed.
 
 use crate::cell::arm::{
     GRAPH_FEATURES, GRAPH_LAYERS, GraphNet, Joints, WorkGraph,
@@ -21,19 +21,19 @@ pub(super) struct NetStep {
     pub step: Joints,
 }
 
-/// Adam's moments for a list of matrices.
-pub(super) struct Adam {
+/// Moments of Adam for a list of matrices.
+pub(super) struct AdamMoments {
     rate: f64,
     steps: i32,
     first: Vec<DMatrix<f64>>,
     second: Vec<DMatrix<f64>>,
 }
 
-impl Adam {
+impl AdamMoments {
     /// For matrices of these shapes.
-    pub fn new(rate: f64, like: &[&DMatrix<f64>]) -> Adam {
+    pub fn new(rate: f64, like: &[&DMatrix<f64>]) -> AdamMoments {
         let zeros: Vec<DMatrix<f64>> = like.iter().map(|m| DMatrix::zeros(m.nrows(), m.ncols())).collect();
-        Adam { rate, steps: 0, first: zeros.clone(), second: zeros }
+        AdamMoments { rate, steps: 0, first: zeros.clone(), second: zeros }
     }
 
     /// Sets the rate.
@@ -77,7 +77,7 @@ pub(super) fn teach_graph(seed: u64, graphs: &[WorkGraph], steps: &[NetStep], ro
     let output = drawn(&mut chance, WIDTH, 6) * 0.02;
     let mut net = GraphNet::new(layers, output, DMatrix::zeros(1, 6))?;
     let all: Vec<&DMatrix<f64>> = net.layers.iter().chain([&net.output, &net.bias]).collect();
-    let mut adam = Adam::new(2e-3, &all);
+    let mut adam = AdamMoments::new(2e-3, &all);
     let mut order: Vec<usize> = (0..steps.len()).collect();
     for round in 0..rounds {
         adam.set_rate(2e-3 * (1.0 - 0.9 * round as f64 / rounds as f64));
