@@ -2,6 +2,8 @@
 //!
 //! Main type: [`PlannersArgs`]. Refuses: to compute anything itself; it is the clock by which planners are timed.
 
+use crate::experiment::arm::dropout::{self, DropoutFigures};
+use crate::experiment::arm::moving::{self, Sight, Smoothness};
 use crate::experiment::arm::planners::{PlannerKind, QueryAnswer, Workshops};
 use crate::experiment::statistics::Summary;
 use clap::Args;
@@ -21,6 +23,9 @@ pub struct PlannersArgs {
     /// Seed of obstacles, queries and learning.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Motions per case of smoothness.
+    #[arg(long, default_value_t = 30)]
+    motions: u64,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -48,6 +53,8 @@ impl PlannersArgs {
         let answers: Vec<Vec<QueryAnswer>> = all.map(|(k, n)| workshops.ask(k, n, &mut clock)).collect();
         let figures: Vec<PlannerFigures> =
             (0..PlannerKind::ALL.len()).map(|kind| figures(&answers, kind)).collect();
+        let dropout = dropout::figures(self.seed, &SAMPLES);
+        let smoothness = moving::cases(self.seed, workshops.net(), self.motions);
         let unchecked = answers.iter().flatten().filter(|answer| answer.is_wrong).count();
         if self.json {
             let planners = PlannerKind::ALL.iter().zip(&figures);
@@ -56,6 +63,10 @@ impl PlannersArgs {
                 "planners": planners.map(|(kind, f)| (kind.word().to_owned(), planner_value(f)))
                     .collect::<Map<_, _>>(),
                 "unchecked_paths": unchecked,
+                "dropout": SAMPLES.iter().zip(&dropout).map(|(k, d)| (k.to_string(), dropout_value(d)))
+                    .collect::<Map<_, _>>(),
+                "smoothness": Sight::ALL.iter().zip(&smoothness)
+                    .map(|(sight, s)| (sight.word().to_owned(), smooth_value(s))).collect::<Map<_, _>>(),
                 "net_step_error_rad2": round(workshops.net_error),
             });
             println!("{}", serde_json::to_string_pretty(&report)?);
@@ -72,6 +83,16 @@ impl PlannersArgs {
             println!("{mean:10.3} ({sd:.3}){:11.2}{:14.2}", f.mean_ms, f.p95_ms);
         }
         println!("ways that do not stand a second, finer check: {unchecked}");
+        println!("\nsamples   sd mm   error mm   correlation   within 95 %   scaled");
+        for (k, d) in SAMPLES.iter().zip(&dropout) {
+            print!("{k:>7}{:8.1}{:11.1}{:14.3}", d.sd_mm, d.error_mm, d.correlation);
+            println!("{:14.3}{:9.3} (by {:.2})", d.cov95, d.cov95_scaled, d.scale);
+        }
+        println!("\nplanned with   acceleration rad/s2   jerk rad/s3   met the person   time s   new ways");
+        for (sight, s) in Sight::ALL.iter().zip(&smoothness) {
+            print!("{:<15}{:19.4}{:14.4}", sight.word(), s.acceleration, s.jerk);
+            println!("{:17.3}{:9.2}{:11.2}", s.met, s.time_s, s.replans);
+        }
         Ok(ExitCode::SUCCESS)
     }
 }
@@ -94,6 +115,23 @@ fn figures(answers: &[Vec<QueryAnswer>], kind: usize) -> PlannerFigures {
         success,
         ci95: (middle - half, (middle + half).min(1.0)),
     }
+}
+
+/// Samples per forecast (table II).
+const SAMPLES: [usize; 3] = [5, 10, 20];
+
+fn dropout_value(d: &DropoutFigures) -> Value {
+    json!({
+        "sd_mm": round(d.sd_mm), "error_mm": round(d.error_mm), "correlation": round(d.correlation),
+        "cov95": round(d.cov95), "cov95_scaled": round(d.cov95_scaled), "scale": round(d.scale),
+    })
+}
+
+fn smooth_value(s: &Smoothness) -> Value {
+    json!({
+        "acc": round(s.acceleration), "jerk": round(s.jerk), "met": round(s.met), "time_s": round(s.time_s),
+        "replans": round(s.replans),
+    })
 }
 
 fn planner_value(f: &PlannerFigures) -> Value {

@@ -184,3 +184,74 @@ impl SimulatedArm {
         began
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::arm::CYCLE_S;
+    use nalgebra::Point3;
+
+    const HOME: Joints = [1.57, -1.3, 1.7, -1.97, -1.57, 0.0];
+
+    fn arm() -> SimulatedArm {
+        SimulatedArm::new(ArmKind::collaborative().clone(), Isometry3::identity(), HOME)
+    }
+
+    /// The base turns evenly.
+    fn turning() -> Vec<Joints> {
+        let step = |k: usize| {
+            let mut q = HOME;
+            q[0] += 0.05 * k as f64;
+            q
+        };
+        (1..=10).map(step).collect()
+    }
+
+    #[test]
+    fn it_follows_what_it_is_given_and_stands_at_the_end() {
+        let mut arm = arm();
+        assert!(arm.follow(&turning(), CYCLE_S));
+        (0..50).for_each(|_| _ = arm.advance(0.01, &[]));
+        assert!((arm.joints()[0] - HOME[0] - 0.25).abs() < 1e-9);
+        (0..200).for_each(|_| _ = arm.advance(0.01, &[]));
+        assert_eq!(arm.joints(), &turning()[9]);
+    }
+
+    #[test]
+    fn what_begins_elsewhere_or_cannot_be_is_not_taken() {
+        let mut arm = arm();
+        let mut far = turning();
+        far[0][1] += 1.0;
+        assert!(!arm.follow(&far, CYCLE_S) && !arm.follow(&[], CYCLE_S));
+        let mut impossible = turning();
+        impossible[5][2] = f64::NAN;
+        assert!(!arm.follow(&impossible, CYCLE_S));
+        arm.advance(0.01, &[]);
+        assert_eq!(arm.joints(), &HOME);
+    }
+
+    #[test]
+    fn its_own_stop_holds_it_before_it_touches_and_lets_go_of_what_leads_away() {
+        let mut arm = arm();
+        // Someone stands where it would turn to.
+        let tip = {
+            let mut other = SimulatedArm::new(arm.kind.clone(), arm.base, turning()[7]);
+            other.advance(0.01, &[]);
+            other.tip()
+        };
+        let person = [Capsule { a: tip, b: tip + nalgebra::Vector3::z() * 0.3, radius_m: 0.05 }];
+        assert!(arm.follow(&turning(), CYCLE_S));
+        let steps: Vec<ArmStep> = (0..150).map(|_| arm.advance(0.01, &person)).collect();
+        assert_eq!(steps.iter().filter(|s| s.stopped).count(), 1);
+        assert!(arm.is_stopped() && steps.iter().all(|s| !s.contact && s.distance_m > 0.0));
+        let here = *arm.joints();
+        let mut on = turning();
+        on.iter_mut().enumerate().for_each(|(k, q)| q[0] = here[0] + 0.02 * (k + 1) as f64);
+        assert!(!arm.follow(&on, CYCLE_S), "nearer");
+        on.iter_mut().enumerate().for_each(|(k, q)| q[0] = here[0] - 0.02 * (k + 1) as f64);
+        assert!(arm.follow(&on, CYCLE_S), "away");
+        (0..100).for_each(|_| _ = arm.advance(0.01, &person));
+        assert!(arm.joints()[0] < here[0] - 0.1);
+        assert!((arm.tip() - Point3::origin()).norm() > 0.1);
+    }
+}

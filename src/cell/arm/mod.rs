@@ -1,6 +1,7 @@
 //! A robot arm beside the picker: where its links are, how probably they meet a person's arm, and how it keeps clear.
 //!
-//! Main types: [`ArmKind`], [`Capsule`], [`UncertainLimbs`], [`Choice`], [`ArmControl`]. It is no safety function: the arm's own monitored stop
+//! Main types: [`ArmKind`], [`Capsule`], [`UncertainLimbs`], [`Choice`], [`ArmControl`],
+//! [`ArmSpace`], [`ArmSeam`]. It is no safety function: the arm's own monitored stop
 //! protects people, and what is decided here makes it needed less often. Refuses: clocks, chance, and paths that were
 //! not checked.
 
@@ -13,6 +14,7 @@ mod net;
 mod qp;
 mod risk;
 mod schedule;
+mod seam;
 mod space;
 mod trees;
 
@@ -31,5 +33,8 @@ pub use risk::{
     normal_below, normalised_probability, overlap_probability, printed_probability,
 };
 pub use schedule::{TargetTable, TargetTableError};
+pub use seam::{
+    ArmReport, ArmSeam, ArmTrajectory, ArmTrouble, LATE_AFTER, LONGEST_TRAJECTORY, SILENT_AFTER, WELL_AFTER,
+};
 pub use space::{ArmSpace, ArmWay, CHECK_MARGIN_M, CHECK_RAD};
 pub use trees::{rrt, rrt_connect, rrt_star};

@@ -341,7 +341,7 @@ impl Working {
 }
 
 /// Movements of a person to a target as they are measured: all of it from rest to rest, and the reach alone.
-fn recorded(seed: u64, who: u64, target: usize, times: usize) -> Vec<(Watched, Watched)> {
+pub(super) fn recorded(seed: u64, who: u64, target: usize, times: usize) -> Vec<(Watched, Watched)> {
     let mut chance = Stream::new(seed, 81, who * 100 + target as u64);
     let person = BenchPerson::random(&mut Stream::new(seed, 80, who), SHOULDER.into());
     let mut record = || {
