@@ -204,3 +204,63 @@ impl GraphNet {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::arm::ArmKind;
+    use nalgebra::Isometry3;
+
+    fn space(obstacles: Vec<Capsule>) -> ArmSpace {
+        ArmSpace {
+            kind: ArmKind::collaborative().clone(),
+            base: Isometry3::identity(),
+            obstacles,
+            floor_m: 0.0,
+            low_rad: [-2.6; 6],
+            high_rad: [2.6; 6],
+        }
+    }
+
+    /// A net without layers that matter: its step is its bias.
+    fn constant(step: Joints) -> GraphNet {
+        let layers = (0..GRAPH_LAYERS).map(|_| DMatrix::zeros(6, 6)).collect();
+        GraphNet::new(layers, DMatrix::zeros(6, 6), DMatrix::from_row_slice(1, 6, &step)).expect("it fits")
+    }
+
+    fn graph(obstacles: &[Capsule]) -> WorkGraph {
+        WorkGraph::new(obstacles, &[Point3::origin(); 4], &[[Point3::origin(); 4]; 5])
+    }
+
+    #[test]
+    fn the_graph_has_the_published_shape_and_its_weights_are_symmetric() {
+        let near = adjacency();
+        assert_eq!(near.len(), 55);
+        for (a, of) in near.iter().enumerate() {
+            for (b, weight) in of {
+                assert!(near[*b].iter().any(|(back, same)| *back == a && same == weight), "{a} {b}");
+            }
+        }
+        assert_eq!(graph(&[]).features(&[0.0; 6], &[1.0; 6]).shape(), (55, 6));
+    }
+
+    #[test]
+    fn a_net_of_the_wrong_shape_or_with_a_figure_that_is_none_is_refused() {
+        let layers = |n: usize| -> Vec<DMatrix<f64>> { (0..n).map(|_| DMatrix::zeros(6, 6)).collect() };
+        let square = || DMatrix::zeros(6, 6);
+        assert!(GraphNet::new(layers(5), square(), DMatrix::zeros(1, 6)).is_some());
+        assert!(GraphNet::new(layers(4), square(), DMatrix::zeros(1, 6)).is_none());
+        assert!(GraphNet::new(layers(5), DMatrix::zeros(7, 6), DMatrix::zeros(1, 6)).is_none());
+        assert!(GraphNet::new(layers(5), square(), DMatrix::from_element(1, 6, f64::NAN)).is_none());
+    }
+
+    #[test]
+    fn a_net_that_leads_into_an_obstacle_finds_no_way_rather_than_an_unchecked_one() {
+        let (start, goal) = ([-0.8, -1.3, 1.7, -1.97, -1.57, 0.0], [0.8, -1.3, 1.7, -1.97, -1.57, 0.0]);
+        let straight = constant([0.3, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let open = straight.plan(&space(Vec::new()), &graph(&[]), &start, &goal, 12);
+        assert_eq!(open.map(|way| way.configurations().to_vec()), Some(vec![start, goal]));
+        let wall = Capsule { a: Point3::new(-0.5, -0.1, 0.0), b: Point3::new(-0.5, -0.1, 1.0), radius_m: 0.1 };
+        assert_eq!(straight.plan(&space(vec![wall]), &graph(&[wall]), &start, &goal, 12), None);
+    }
+}

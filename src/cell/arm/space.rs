@@ -162,3 +162,85 @@ impl ArmWay {
         self.configurations[self.configurations.len() - 1]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::arm::{bfmt_star, rrt, rrt_connect, rrt_star};
+    use nalgebra::Point3;
+
+    const START: Joints = [-0.8, -1.3, 1.7, -1.97, -1.57, 0.0];
+    const GOAL: Joints = [0.8, -1.3, 1.7, -1.97, -1.57, 0.0];
+
+    /// A post stands between start and goal.
+    fn space() -> ArmSpace {
+        let post = Capsule { a: Point3::new(-0.45, -0.1, 0.0), b: Point3::new(-0.45, -0.1, 0.5), radius_m: 0.06 };
+        ArmSpace {
+            kind: ArmKind::collaborative().clone(),
+            base: Isometry3::identity(),
+            obstacles: vec![post],
+            floor_m: 0.0,
+            low_rad: [-2.6, -2.8, -2.4, -3.0, -2.2, -2.0],
+            high_rad: [2.6, -0.3, 2.4, 1.0, 2.2, 2.0],
+        }
+    }
+
+    fn drawing(seed: u64) -> impl FnMut() -> f64 {
+        let mut k = seed;
+        move || {
+            k = k.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (k >> 11) as f64 / (1u64 << 53) as f64
+        }
+    }
+
+    type Planner = fn(&ArmSpace, &Joints, &Joints, usize, &mut dyn FnMut() -> f64) -> Option<ArmWay>;
+    const PLANNERS: [(Planner, usize); 4] =
+        [(rrt, 3000), (rrt_connect, 3000), (rrt_star, 800), (bfmt_star, 800)];
+
+    #[test]
+    fn every_planner_finds_a_way_round_a_post_that_touches_nothing() {
+        let space = space();
+        assert!(space.is_free(&START) && space.is_free(&GOAL));
+        assert!(!space.is_free_between(&START, &GOAL), "the post is in the way");
+        for (n, (plan, samples)) in PLANNERS.into_iter().enumerate() {
+            let way = plan(&space, &START, &GOAL, samples, &mut drawing(7)).unwrap_or_else(|| panic!("{n}"));
+            let all = way.configurations();
+            assert_eq!((all[0], all[all.len() - 1]), (START, GOAL), "{n}");
+            let steps = (way.length_rad() / 0.01) as usize;
+            for k in 0..=steps {
+                let q = way.at_rad(way.length_rad() * k as f64 / steps as f64);
+                let links = space.kind.capsules(&space.kind.pose(&space.base, &q), 0.0);
+                assert!(links.iter().all(|l| l.distance_m(&space.obstacles[0]) > 0.0), "{n} at {k}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_numbers_make_the_same_way() {
+        let space = space();
+        for (plan, samples) in PLANNERS {
+            let way = || plan(&space, &START, &GOAL, samples, &mut drawing(3));
+            assert_eq!(way(), way());
+        }
+    }
+
+    #[test]
+    fn no_planner_finds_a_way_to_where_the_arm_cannot_be() {
+        let mut space = space();
+        let at = space.kind.pose(&space.base, &GOAL).points[3];
+        space.obstacles.push(Capsule { a: at, b: at, radius_m: 0.05 });
+        for (plan, samples) in PLANNERS {
+            assert_eq!(plan(&space, &START, &GOAL, samples / 4, &mut drawing(5)), None);
+        }
+    }
+
+    #[test]
+    fn a_way_is_made_shorter_and_stays_free() {
+        let space = space();
+        let way = rrt(&space, &START, &GOAL, 3000, &mut drawing(11)).expect("a way");
+        let shorter = space.shortened(&way, 60, &mut drawing(2));
+        assert!(shorter.length_rad() <= way.length_rad());
+        assert_eq!(space.check(shorter.configurations().to_vec()), Some(shorter));
+        assert!(space.check(vec![START, GOAL]).is_none() && space.check(Vec::new()).is_none());
+    }
+}

@@ -85,6 +85,13 @@ pub fn figures(seed: u64, counts: &[usize]) -> Vec<DropoutFigures> {
     counts.iter().map(of).collect()
 }
 
+/// Slope below zero: without it some inputs pass no unit at all, and no dropout makes a difference.
+const LEAK: f64 = 0.1;
+
+fn rectified(x: f64) -> f64 {
+    if x > 0.0 { x } else { LEAK * x }
+}
+
 fn correlation(pairs: &[(f64, f64)]) -> f64 {
     let n = pairs.len() as f64;
     let (a, b) = (pairs.iter().map(|p| p.0).sum::<f64>() / n, pairs.iter().map(|p| p.1).sum::<f64>() / n);
@@ -167,11 +174,11 @@ impl DropoutNet {
     fn gradients(&self, input: &DMatrix<f64>, wanted: &DMatrix<f64>, chance: &mut Stream) -> Vec<DMatrix<f64>> {
         let rows = input.nrows();
         let masks = [DropoutNet::mask(rows, chance), DropoutNet::mask(rows, chance)];
-        let h1 = self.layer(0, input).map(|x| x.max(0.0)).component_mul(&masks[0]);
-        let h2 = self.layer(1, &h1).map(|x| x.max(0.0)).component_mul(&masks[1]);
+        let h1 = self.layer(0, input).map(rectified).component_mul(&masks[0]);
+        let h2 = self.layer(1, &h1).map(rectified).component_mul(&masks[1]);
         let off = (self.layer(2, &h2) - wanted) * (2.0 / rows as f64);
         let active = |h: &DMatrix<f64>, mask: &DMatrix<f64>, back: DMatrix<f64>| {
-            let open = h.zip_map(mask, |h, m| if h > 0.0 { m } else { 0.0 });
+            let open = h.zip_map(mask, |h, m| if h > 0.0 { m } else { LEAK * m });
             back.component_mul(&open)
         };
         let sums = |m: &DMatrix<f64>| DMatrix::from_fn(1, m.ncols(), |_, c| m.column(c).sum());
@@ -183,8 +190,8 @@ impl DropoutNet {
     /// Samples of one forecast as one batch: the input in so many rows, each with its own mask.
     fn sampled(&self, lesson: &BoneLesson, count: usize, chance: &mut Stream) -> DMatrix<f64> {
         let input = DMatrix::from_fn(count, lesson.seen.len(), |_, c| lesson.seen[c]);
-        let h1 = self.layer(0, &input).map(|x| x.max(0.0)).component_mul(&DropoutNet::mask(count, chance));
-        let h2 = self.layer(1, &h1).map(|x| x.max(0.0)).component_mul(&DropoutNet::mask(count, chance));
+        let h1 = self.layer(0, &input).map(rectified).component_mul(&DropoutNet::mask(count, chance));
+        let h2 = self.layer(1, &h1).map(rectified).component_mul(&DropoutNet::mask(count, chance));
         self.layer(2, &h2)
     }
 
@@ -229,8 +236,8 @@ mod tests {
         let error = |net: &DropoutNet| {
             let mut chance = masks();
             let [m1, m2] = [DropoutNet::mask(3, &mut chance), DropoutNet::mask(3, &mut chance)];
-            let h1 = net.layer(0, &input).map(|x| x.max(0.0)).component_mul(&m1);
-            let h2 = net.layer(1, &h1).map(|x| x.max(0.0)).component_mul(&m2);
+            let h1 = net.layer(0, &input).map(rectified).component_mul(&m1);
+            let h2 = net.layer(1, &h1).map(rectified).component_mul(&m2);
             (net.layer(2, &h2) - &wanted).norm_squared() / 3.0
         };
         let gradients = net.gradients(&input, &wanted, &mut masks());

@@ -165,7 +165,7 @@ fn motion(seed: u64, n: u64, net: &GraphNet, learned: &Analogues, sight: Sight) 
 /// Start and goal at both sides of the table before the arm.
 fn ends(draw: &mut dyn FnMut() -> f64) -> Option<(Joints, Joints)> {
     let space = space_with(Vec::new());
-    let seed = [-1.57, -1.3, 1.7, -1.97, -1.57, 0.0];
+    let seed = [1.57, -1.3, 1.7, -1.97, -1.57, 0.0];
     let mut at = |x: f64| {
         let tip = Point3::new(x + 0.05 * draw(), -0.45 + 0.05 * draw(), 0.15 + 0.05 * draw());
         space.kind.reach(&space.base, tip, -Vector3::z(), &seed)
