@@ -345,7 +345,7 @@ pub(super) fn recorded(seed: u64, who: u64, target: usize, times: usize) -> Vec<
     let mut chance = Stream::new(seed, 81, who * 100 + target as u64);
     let person = BenchPerson::random(&mut Stream::new(seed, 80, who), SHOULDER.into());
     let mut record = || {
-        let stays_s = chance.between(1.5, 3.0);
+        let stays_s = chance.between(1.5, 6.0);
         let work = Working::new(&mut chance, person.clone(), &[target], stays_s);
         // Much of the time hands rest; a forecast must know that as well.
         let ends = work.lasts_s() + 2.5;

@@ -14,6 +14,10 @@ pub const STEP_S: f64 = 0.05;
 pub const AHEAD: usize = 20;
 /// Observations that are compared: 0.2 s.
 const BEHIND: usize = 4;
+/// A hand slower than this rests.
+const RESTS_MPS: f64 = 0.15;
+/// Of hands that rest so much of the ways is left out at either end.
+const TRIM: f64 = 0.1;
 /// Ways that make a forecast.
 const WAYS: usize = 16;
 /// Deviation of a measured joint, metres.
@@ -60,14 +64,17 @@ impl Analogues {
         let Some(now) = seen.last() else { return Vec::new() };
         let ways = self.alike(seen);
         let total: f64 = ways.iter().map(|w| w.0).sum();
+        // Of hands that rest few set off within a second; of hands that move all go somewhere.
+        let before = seen.len().checked_sub(BEHIND).map_or(now, |k| &seen[k]);
+        let speed_mps = (now[3] - before[3]).norm() / ((BEHIND - 1) as f64 * STEP_S);
+        let trim = if speed_mps > RESTS_MPS { 0.0 } else { TRIM };
         let step = |h: usize| {
             let point = |j: usize| {
                 let moved = |(_, k, at): &(f64, usize, usize)| {
                     let way = &self.recorded[*k];
                     way[(at + h + 1).min(way.len() - 1)][j] - way[*at][j]
                 };
-                // The middle of most ways: where one of four hands sets off, the forecast is not a quarter of its way.
-                let mean = Vector3::from_fn(|i, _| median(ways.iter().map(|w| (moved(w)[i], w.0))));
+                let mean = Vector3::from_fn(|i, _| middle(ways.iter().map(|w| (moved(w)[i], w.0)), trim));
                 let floor = SENSOR_M * SENSOR_M + (0.02 * (h + 1) as f64 * STEP_S).powi(2);
                 let mut cov = Matrix3::identity() * floor;
                 for way in &ways {
@@ -113,17 +120,19 @@ impl Analogues {
     }
 }
 
-/// The weighted median; 0 of none.
-fn median(of: impl Iterator<Item = (f64, f64)>) -> f64 {
+/// The weighted mean without this share of the weight at either end; 0 of none.
+fn middle(of: impl Iterator<Item = (f64, f64)>, trim: f64) -> f64 {
     let mut all: Vec<(f64, f64)> = of.collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let half = all.iter().map(|a| a.1).sum::<f64>() / 2.0;
-    let mut sum = 0.0;
-    let middle = all.iter().find(|a| {
-        sum += a.1;
-        sum >= half
-    });
-    middle.map_or(0.0, |a| a.0)
+    let total: f64 = all.iter().map(|a| a.1).sum();
+    let (low, high) = (total * trim, total * (1.0 - trim));
+    let (mut begins, mut sum) = (0.0, 0.0);
+    for (x, weight) in all {
+        let ends = begins + weight;
+        sum += x * (ends.min(high) - f64::max(begins, low)).max(0.0);
+        begins = ends;
+    }
+    if high > low { sum / (high - low) } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -154,9 +163,11 @@ mod tests {
     }
 
     #[test]
-    fn the_median_leaves_out_the_few() {
-        assert_eq!(median([(5.0, 1.0), (0.0, 1.0), (0.0, 1.0)].into_iter()), 0.0);
-        assert_eq!(median([(5.0, 3.0), (0.0, 1.0), (1.0, 1.0)].into_iter()), 5.0);
-        assert_eq!(median(std::iter::empty()), 0.0);
+    fn the_middle_leaves_out_the_few() {
+        let of = |all: &[(f64, f64)]| middle(all.iter().copied(), 0.25);
+        assert_eq!(of(&[(5.0, 1.0), (0.0, 2.0), (0.0, 2.0)]), 0.0);
+        assert_eq!(of(&[(5.0, 3.0), (0.0, 0.5), (1.0, 0.5)]), 5.0);
+        assert_eq!(of(&[(2.0, 1.0), (4.0, 1.0)]), 3.0);
+        assert_eq!(of(&[]), 0.0);
     }
 }
