@@ -2,7 +2,7 @@
 //!
 //! Main types: [`OverlapArgs`], [`BoltsArgs`]. Refuses: to compute anything itself; it measures how long what is computed takes.
 
-use crate::experiment::arm::bolts::{BoltsBench, BoltsArm, BoltsRun};
+use crate::experiment::arm::bolts::{BoltsArm, BoltsBench, BoltsRun};
 use crate::experiment::arm::overlap::{
     Failure, OverlapCase, RiskKind, RoundEnd, Rounds, calibration_error, cases,
 };
@@ -258,7 +258,10 @@ fn paired(ours: &[BoltsRun], theirs: &[BoltsRun]) -> Value {
 }
 
 fn print_bolts(runs: &[Vec<BoltsRun>]) {
-    println!("{:<18}{:>18}{:>18}{:>18}   predictive-reactive", "mean (sd)", "turns", "reactive", "predictive");
+    println!(
+        "{:<18}{:>18}{:>18}{:>18}   predictive-reactive",
+        "mean (sd)", "turns", "reactive", "predictive"
+    );
     for (name, figure) in FIGURES {
         print!("{name:<18}");
         for runs in runs {

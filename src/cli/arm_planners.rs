@@ -106,8 +106,8 @@ fn figures(answers: &[Vec<QueryAnswer>], kind: usize) -> PlannerFigures {
     // Wilson's interval of a share.
     const Z: f64 = 1.96;
     let middle = (success + Z * Z / (2.0 * count)) / (1.0 + Z * Z / count);
-    let half =
-        Z / (1.0 + Z * Z / count) * (success * (1.0 - success) / count + Z * Z / (4.0 * count * count)).sqrt();
+    let half = Z / (1.0 + Z * Z / count)
+        * (success * (1.0 - success) / count + Z * Z / (4.0 * count * count)).sqrt();
     PlannerFigures {
         length_m: Summary::of(&lengths),
         mean_ms: times.iter().sum::<f64>() / count,

@@ -106,7 +106,8 @@ impl SimulatedArm {
     pub fn follow(&mut self, steps: &[Joints], step_s: f64) -> bool {
         let can = |q: &Joints| q.iter().all(|x| x.is_finite()) && self.kind.allows(q);
         let fastest = self.kind.speed_radps.iter().map(|v| v * v).sum::<f64>().sqrt();
-        let near = steps.first().is_some_and(|q| joint_distance(q, &self.joints) < fastest * step_s + OFF_RAD);
+        let near =
+            steps.first().is_some_and(|q| joint_distance(q, &self.joints) < fastest * step_s + OFF_RAD);
         if !near || !steps.iter().all(can) || (self.is_stopped && !self.leads_away(steps)) {
             return false;
         }
@@ -132,11 +133,13 @@ impl SimulatedArm {
         let links_before = self.links();
         let before = self.joints;
         let change = dt_s / self.rule.brake_s;
-        self.pace = if self.is_stopped { (self.pace - change).max(0.0) } else { (self.pace + change).min(1.0) };
+        self.pace =
+            if self.is_stopped { (self.pace - change).max(0.0) } else { (self.pace + change).min(1.0) };
         self.at_s += dt_s * self.pace;
         let exact = (self.at_s / self.step_s).clamp(0.0, (self.way.len() - 1) as f64);
         let low = exact as usize;
-        self.joints = between(&self.way[low], &self.way[(low + 1).min(self.way.len() - 1)], exact - low as f64);
+        self.joints =
+            between(&self.way[low], &self.way[(low + 1).min(self.way.len() - 1)], exact - low as f64);
         let moved = joint_distance(&before, &self.joints);
         let distance_m = least_distance_m(&self.links(), limbs);
         let step = ArmStep {

@@ -138,9 +138,15 @@ impl ArmKind {
             let (sin, cos) = libm::sincos(joints[k]);
             let (sin_a, cos_a) = libm::sincos(row.alpha_rad);
             let step = Matrix3::new(
-                cos, -sin * cos_a, sin * sin_a, //
-                sin, cos * cos_a, -cos * sin_a, //
-                0.0, sin_a, cos_a,
+                cos,
+                -sin * cos_a,
+                sin * sin_a, //
+                sin,
+                cos * cos_a,
+                -cos * sin_a, //
+                0.0,
+                sin_a,
+                cos_a,
             );
             at += turn * Vector3::new(row.a_m * cos, row.a_m * sin, row.d_m);
             turn *= step;

@@ -27,7 +27,9 @@ pub use marching::bfmt_star;
 pub use mpc::{
     ArmControl, ArmGoal, ArmPlan, ArmPlanRefusal, ArmWeights, CYCLE_S, FROZEN, HORIZON, WorkPlane,
 };
-pub use net::{GRAPH_FEATURES, GRAPH_LAYERS, GRAPH_NODES, GraphNet, NET_STEP_RAD, NetPass, WorkGraph, adjacency};
+pub use net::{
+    GRAPH_FEATURES, GRAPH_LAYERS, GRAPH_NODES, GraphNet, NET_STEP_RAD, NetPass, WorkGraph, adjacency,
+};
 pub use risk::{
     LimbBone, MOST_POINTS, UncertainLimbs, UncertainPoint, bone_covariance, first_order_probability,
     normal_below, normalised_probability, overlap_probability, printed_probability,

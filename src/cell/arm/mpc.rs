@@ -366,7 +366,10 @@ mod tests {
                 let speeds = [three[1][k] - three[0][k], three[2][k] - three[1][k]].map(|d| d / CYCLE_S);
                 assert!(speeds[1].abs() < control.kind.speed_radps[k] + 1e-3);
                 let acceleration = (speeds[1] - speeds[0]) / CYCLE_S;
-                assert!(acceleration.abs() < control.kind.acceleration_radps2[k] + 1e-2, "{k}: {acceleration}");
+                assert!(
+                    acceleration.abs() < control.kind.acceleration_radps2[k] + 1e-2,
+                    "{k}: {acceleration}"
+                );
             }
         }
     }

@@ -260,7 +260,8 @@ mod tests {
         let straight = constant([0.3, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let open = straight.plan(&space(Vec::new()), &graph(&[]), &start, &goal, 12);
         assert_eq!(open.map(|way| way.configurations().to_vec()), Some(vec![start, goal]));
-        let wall = Capsule { a: Point3::new(-0.5, -0.1, 0.0), b: Point3::new(-0.5, -0.1, 1.0), radius_m: 0.1 };
+        let wall =
+            Capsule { a: Point3::new(-0.5, -0.1, 0.0), b: Point3::new(-0.5, -0.1, 1.0), radius_m: 0.1 };
         assert_eq!(straight.plan(&space(vec![wall]), &graph(&[wall]), &start, &goal, 12), None);
     }
 }

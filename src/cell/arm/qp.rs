@@ -4,9 +4,7 @@
 //! iterations alone and the clock that it reads for its statistics decides nothing. Refuses: answers that did not converge.
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
-};
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 /// Most iterations of the interior-point method.
 const ITERATIONS: u32 = 60;

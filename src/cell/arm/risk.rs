@@ -112,10 +112,7 @@ pub fn normalised_probability(links: &[Capsule], limbs: &[Capsule]) -> f64 {
     pairs(links, limbs).map(|(link, limb)| equation_15(link, limb).1).fold(0.0, f64::max)
 }
 
-fn pairs<'a>(
-    links: &'a [Capsule],
-    limbs: &'a [Capsule],
-) -> impl Iterator<Item = (&'a Capsule, &'a Capsule)> {
+fn pairs<'a>(links: &'a [Capsule], limbs: &'a [Capsule]) -> impl Iterator<Item = (&'a Capsule, &'a Capsule)> {
     links.iter().flat_map(move |link| limbs.iter().map(move |limb| (link, limb)))
 }
 

@@ -174,7 +174,8 @@ mod tests {
 
     /// A post stands between start and goal.
     fn space() -> ArmSpace {
-        let post = Capsule { a: Point3::new(-0.45, -0.1, 0.0), b: Point3::new(-0.45, -0.1, 0.5), radius_m: 0.06 };
+        let post =
+            Capsule { a: Point3::new(-0.45, -0.1, 0.0), b: Point3::new(-0.45, -0.1, 0.5), radius_m: 0.06 };
         ArmSpace {
             kind: ArmKind::collaborative().clone(),
             base: Isometry3::identity(),

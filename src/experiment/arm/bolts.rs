@@ -251,9 +251,8 @@ impl BoltsBench {
             let heights = [0.0, 0.05, 0.1];
             let postures = heights.iter().filter_map(|h| self.posture(target(k) + Vector3::z() * *h));
             let kind = &self.control.kind;
-            let capsules = |q: Joints| {
-                kind.capsules(&kind.pose(&self.control.base, &q), self.control.link_margin_m)
-            };
+            let capsules =
+                |q: Joints| kind.capsules(&kind.pose(&self.control.base, &q), self.control.link_margin_m);
             postures.map(capsules).collect()
         };
         let (limbs, links): (Vec<_>, Vec<_>) = (0..12).map(|k| (limbs(k), links(k))).unzip();
@@ -382,7 +381,13 @@ struct BenchCell<'a> {
 }
 
 impl<'a> BenchCell<'a> {
-    fn new(bench: &'a BoltsBench, work: Working, how: BoltsArm, from: usize, chance: Stream) -> BenchCell<'a> {
+    fn new(
+        bench: &'a BoltsBench,
+        work: Working,
+        how: BoltsArm,
+        from: usize,
+        chance: Stream,
+    ) -> BenchCell<'a> {
         let joints = bench.posture(target(from)).unwrap_or([1.57, -1.3, 1.7, -1.97, -1.57, 0.0]);
         let (kind, base) = (bench.control.kind.clone(), bench.control.base);
         BenchCell {
@@ -438,9 +443,7 @@ impl<'a> BenchCell<'a> {
         let person = match self.how {
             BoltsArm::Turns => return None,
             BoltsArm::Reactive => self.bench.library.target(&self.palms),
-            BoltsArm::Predictive => {
-                self.bench.library.target(&self.bench.ahead(&self.palms, &self.seen))
-            }
+            BoltsArm::Predictive => self.bench.library.target(&self.bench.ahead(&self.palms, &self.seen)),
         };
         let certain: [f64; 12] = std::array::from_fn(|k| f64::from(u8::from(k == person)));
         self.bench.table.next(&certain, aim, 0.5)

@@ -69,9 +69,8 @@ pub fn figures(seed: u64, counts: &[usize]) -> Vec<DropoutFigures> {
         ratios.sort_by(f64::total_cmp);
         let scale = ratios[ratios.len() * 95 / 100] / 1.96;
         let (ratios, pairs) = net.scored(seed + 1, &scored, *count);
-        let within = |scale: f64| {
-            ratios.iter().filter(|r| **r <= 1.96 * scale).count() as f64 / ratios.len() as f64
-        };
+        let within =
+            |scale: f64| ratios.iter().filter(|r| **r <= 1.96 * scale).count() as f64 / ratios.len() as f64;
         let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
         DropoutFigures {
             sd_mm: mean(|p| p.1) * 1e3,
@@ -128,7 +127,12 @@ fn lesson(watched: &Watched, at: usize) -> BoneLesson {
         (0..BONE_NUMBERS).map(move |i| then[i] - now[i])
     });
     let length = |k: usize| (watched[at][k + 1] - watched[at][k]).norm();
-    BoneLesson { seen: now.into_iter().chain(seen).collect(), came: came.collect(), lengths_m: [length(0), length(1)], now }
+    BoneLesson {
+        seen: now.into_iter().chain(seen).collect(),
+        came: came.collect(),
+        lengths_m: [length(0), length(1)],
+        now,
+    }
 }
 
 impl DropoutNet {
@@ -171,7 +175,12 @@ impl DropoutNet {
     }
 
     /// Gradients of the mean squared error, layer by layer.
-    fn gradients(&self, input: &DMatrix<f64>, wanted: &DMatrix<f64>, chance: &mut Stream) -> Vec<DMatrix<f64>> {
+    fn gradients(
+        &self,
+        input: &DMatrix<f64>,
+        wanted: &DMatrix<f64>,
+        chance: &mut Stream,
+    ) -> Vec<DMatrix<f64>> {
         let rows = input.nrows();
         let masks = [DropoutNet::mask(rows, chance), DropoutNet::mask(rows, chance)];
         let h1 = self.layer(0, input).map(rectified).component_mul(&masks[0]);
@@ -184,7 +193,14 @@ impl DropoutNet {
         let sums = |m: &DMatrix<f64>| DMatrix::from_fn(1, m.ncols(), |_, c| m.column(c).sum());
         let d2 = active(&h2, &masks[1], &off * self.weights[4].transpose());
         let d1 = active(&h1, &masks[0], &d2 * self.weights[2].transpose());
-        vec![input.transpose() * &d1, sums(&d1), h1.transpose() * &d2, sums(&d2), h2.transpose() * &off, sums(&off)]
+        vec![
+            input.transpose() * &d1,
+            sums(&d1),
+            h1.transpose() * &d2,
+            sums(&d2),
+            h2.transpose() * &off,
+            sums(&off),
+        ]
     }
 
     /// Samples of one forecast as one batch: the input in so many rows, each with its own mask.

@@ -81,9 +81,9 @@ fn log_sum(logs: impl Iterator<Item = f64> + Clone) -> f64 {
 
 /// A mixture of all places of these movements; it begins with equal parts of their time.
 fn mixture(movements: &[Vec<Point3<f64>>]) -> Vec<Component> {
-    let timed = movements.iter().flat_map(|way| {
-        way.iter().enumerate().map(move |(k, p)| (k as f64 / way.len() as f64, p.coords))
-    });
+    let timed = movements
+        .iter()
+        .flat_map(|way| way.iter().enumerate().map(move |(k, p)| (k as f64 / way.len() as f64, p.coords)));
     let timed: Vec<(f64, Vector3<f64>)> = timed.collect();
     let mut shares: Vec<[f64; COMPONENTS]> = timed
         .iter()

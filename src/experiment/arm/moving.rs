@@ -96,7 +96,8 @@ impl Intruder {
     fn new(seed: u64, n: u64) -> Intruder {
         let mut chance = Stream::new(seed, 98, n);
         let person = BenchPerson::random(&mut chance, SHOULDER.into());
-        let goal = Point3::new(chance.between(-0.15, 0.2), chance.between(-0.5, -0.4), chance.between(0.1, 0.25));
+        let goal =
+            Point3::new(chance.between(-0.15, 0.2), chance.between(-0.5, -0.4), chance.between(0.1, 0.25));
         let there = person.reach(&mut chance, REST.into(), goal);
         Intruder { person, there, begins_s: chance.between(0.2, 0.9) }
     }
@@ -179,9 +180,8 @@ fn known(sight: Sight, seen: &Watched, learned: &Analogues) -> (ArmSpace, WorkGr
     let present = certain(&now, 0.0).capsules(0.01);
     let forecast = if sight == Sight::Forecast { learned.forecast(&at_steps(seen)) } else { Vec::new() };
     let ahead = [2, 5, 9, 13, 19];
-    let arms: [ArmJoints; 5] = ahead.map(|h| {
-        forecast.get(h).map_or(now, |limbs| std::array::from_fn(|k| limbs.points[k].mean))
-    });
+    let arms: [ArmJoints; 5] =
+        ahead.map(|h| forecast.get(h).map_or(now, |limbs| std::array::from_fn(|k| limbs.points[k].mean)));
     let mut obstacles: Vec<Capsule> = if sight == Sight::NoArm { Vec::new() } else { present };
     // Two deviations, but no more than 10 cm.
     let later = ahead.iter().filter_map(|h| forecast.get(*h)).flat_map(|limbs| {
@@ -221,9 +221,8 @@ fn changes(path: &[Joints]) -> (f64, f64) {
     let differences = |of: &[Joints]| -> Vec<Joints> {
         of.windows(2).map(|p| std::array::from_fn(|k| (p[1][k] - p[0][k]) / dt)).collect()
     };
-    let mean = |of: &[Joints]| {
-        of.iter().flatten().map(|x| x.abs()).sum::<f64>() / (6 * of.len().max(1)) as f64
-    };
+    let mean =
+        |of: &[Joints]| of.iter().flatten().map(|x| x.abs()).sum::<f64>() / (6 * of.len().max(1)) as f64;
     let speeds = differences(&coarse.into_iter().copied().collect::<Vec<_>>());
     let accelerations = differences(&speeds);
     let jerks = differences(&accelerations);

@@ -8,8 +8,8 @@ use super::forecast::{AHEAD, Analogues, SENSOR_M, STEP_S, Watched};
 use super::person::{ArmJoints, BONES, BenchPerson, Reaching, certain};
 use crate::cell::arm::{
     ArmKind, Capsule, Choice, Joints, UncertainLimbs, UncertainPoint, between, choose,
-    first_order_probability, joint_distance, least_distance_m, normalised_probability,
-    overlap_probability, printed_probability,
+    first_order_probability, joint_distance, least_distance_m, normalised_probability, overlap_probability,
+    printed_probability,
 };
 use crate::sim::random::Stream;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};

@@ -6,8 +6,8 @@
 use super::person::BenchPerson;
 use super::teaching::{NetStep, step_error, teach_graph};
 use crate::cell::arm::{
-    ArmKind, ArmSpace, ArmWay, Capsule, GraphNet, Joints, NET_STEP_RAD, WorkGraph, bfmt_star,
-    joint_distance, rrt, rrt_connect, rrt_star,
+    ArmKind, ArmSpace, ArmWay, Capsule, GraphNet, Joints, NET_STEP_RAD, WorkGraph, bfmt_star, joint_distance,
+    rrt, rrt_connect, rrt_star,
 };
 use crate::sim::random::Stream;
 use nalgebra::{Isometry3, Point3, Vector3};

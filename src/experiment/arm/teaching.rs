@@ -2,9 +2,7 @@
 //!
 //! Main types: [`AdamMoments`], [`NetStep`]. Refuses: data that it was not given; the order of samples comes from the seed.
 
-use crate::cell::arm::{
-    GRAPH_FEATURES, GRAPH_LAYERS, GraphNet, Joints, WorkGraph,
-};
+use crate::cell::arm::{GRAPH_FEATURES, GRAPH_LAYERS, GraphNet, Joints, WorkGraph};
 use crate::sim::random::Stream;
 use nalgebra::DMatrix;
 
@@ -70,7 +68,12 @@ const WIDTH: usize = 32;
 const BATCH: usize = 32;
 
 /// The graph net learned from these steps (equation 8), in so many rounds over all of them.
-pub(super) fn teach_graph(seed: u64, graphs: &[WorkGraph], steps: &[NetStep], rounds: usize) -> Option<GraphNet> {
+pub(super) fn teach_graph(
+    seed: u64,
+    graphs: &[WorkGraph],
+    steps: &[NetStep],
+    rounds: usize,
+) -> Option<GraphNet> {
     let mut chance = Stream::new(seed, 91, 0);
     let widths = [GRAPH_FEATURES, WIDTH, WIDTH, WIDTH, WIDTH, WIDTH];
     let layers = (0..GRAPH_LAYERS).map(|k| drawn(&mut chance, widths[k], widths[k + 1])).collect();
@@ -138,7 +141,8 @@ mod tests {
 
     #[test]
     fn gradients_are_the_slopes_of_the_error() {
-        let graph = WorkGraph::new(&[], &[Point3::new(0.1, 0.2, 0.3); 4], &[[Point3::new(0.2, 0.1, 0.3); 4]; 5]);
+        let graph =
+            WorkGraph::new(&[], &[Point3::new(0.1, 0.2, 0.3); 4], &[[Point3::new(0.2, 0.1, 0.3); 4]; 5]);
         let of = NetStep {
             workspace: 0,
             now: [0.3, -0.2, 0.5, -0.7, 0.1, 0.9],
