@@ -1,4 +1,5 @@
-//! The picking station as a work cell: what is to be picked from the rack that stands there, and how far that has come.
+//! The picking station as a work cell: what is to be picked from the rack that stands there, and how far that has
+//! come.
 //!
 //! Main module: [`arm`] (a robot arm beside the picker). Main types: [`OrderLine`], [`Lines`], [`LineState`],
 //! [`PickPace`]. Refuses: to know where robots drive, and to confirm by guessing.

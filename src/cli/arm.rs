@@ -1,6 +1,7 @@
 //! `giveway experiment overlap` and `bolts`: the robot arm beside a picker in figures.
 //!
-//! Main types: [`OverlapArgs`], [`BoltsArgs`]. Refuses: to compute anything itself; it measures how long what is computed takes.
+//! Main types: [`OverlapArgs`], [`BoltsArgs`]. Refuses: to compute anything itself; it measures how long what is
+//! computed takes.
 
 use crate::experiment::arm::bolts::{BoltsArm, BoltsBench, BoltsRun};
 use crate::experiment::arm::overlap::{

@@ -39,7 +39,8 @@ pub enum Experiment {
     Alarms(AlarmsArgs),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpaceArgs),
-    /// A robot arm beside a person who places things: stated against sampled overlap, and choices by it (Liu and Jebelli).
+    /// A robot arm beside a person who places things: stated against sampled overlap, and choices by it (Liu and
+    /// Jebelli).
     Overlap(OverlapArgs),
     /// A robot arm and a person at twelve targets: by turns, reacting, predicting (Lyu et al.).
     Bolts(BoltsArgs),

@@ -2,8 +2,8 @@
 //!
 //! Main modules: [`grid`] (benchmark floors as text), [`lifelong`] (goals reached per step under pebble rules),
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions
-//! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
-//! of giving way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for),
+//! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four
+//! ways of giving way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for),
 //! [`alarms`] (which alarms follow from faults), [`arm`] (a robot arm beside a picker), [`steps`] (what a step costs),
 //! [`month`] (what it keeps), [`statistics`].
 //! Refuses: to read files or clocks; the caller passes texts in and takes figures out.

@@ -1,7 +1,7 @@
 //! A robot arm that follows trajectories, with its own protective stop.
 //!
-//! Main types: [`SimulatedArm`], [`StopRule`]. The stop knows nothing of the planner: it sees true distances a little late and
-//! brakes along the way. Refuses: trajectories that do not begin where the arm is.
+//! Main types: [`SimulatedArm`], [`StopRule`]. The stop knows nothing of the planner: it sees true distances a little
+//! late and brakes along the way. Refuses: trajectories that do not begin where the arm is.
 
 use crate::cell::arm::{ArmKind, Capsule, Joints, between, joint_distance, least_distance_m};
 use nalgebra::Isometry3;
@@ -100,9 +100,9 @@ impl SimulatedArm {
         self.kind.capsules(&self.kind.pose(&self.base, &self.joints), 0.0)
     }
 
-    /// Takes a trajectory from now on, its configurations `step_s` apart, the first one so long from now. What does not
-    /// begin where the arm is, or cannot be followed, is not taken: the arm keeps the one it has. While its own stop holds
-    /// the arm, only what leads away from the person is taken.
+    /// Takes a trajectory from now on, its configurations `step_s` apart, the first one so long from now. What does
+    /// not begin where the arm is, or cannot be followed, is not taken: the arm keeps the one it has. While its own
+    /// stop holds the arm, only what leads away from the person is taken.
     pub fn follow(&mut self, steps: &[Joints], step_s: f64) -> bool {
         let can = |q: &Joints| q.iter().all(|x| x.is_finite()) && self.kind.allows(q);
         let fastest = self.kind.speed_radps.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -152,8 +152,8 @@ impl SimulatedArm {
         step
     }
 
-    /// The protective stop of an arm that moves: while a link and a limb come nearer, they must stay apart if both go on
-    /// as they do until the arm stands (ISO/TS 15066, 5.5.4, with directed speeds of both).
+    /// The protective stop of an arm that moves: while a link and a limb come nearer, they must stay apart if both go
+    /// on as they do until the arm stands (ISO/TS 15066, 5.5.4, with directed speeds of both).
     fn guard(&mut self, dt_s: f64, links_before: &[Capsule], limbs: &[Capsule]) -> bool {
         let links = self.links();
         let takes_s = self.rule.react_s + self.rule.brake_s;

@@ -1,6 +1,7 @@
 //! Choice among given trajectories by their risk (Liu and Jebelli 2023, algorithm 2).
 //!
-//! Main types: [`Choice`]. Refuses: to make trajectories, and to take one that finishes sooner before one that is nearer.
+//! Main types: [`Choice`]. Refuses: to make trajectories, and to take one that finishes sooner before one that is
+//! nearer.
 
 use super::kinematics::{Joints, joint_distance};
 
@@ -15,9 +16,9 @@ pub enum Choice {
     Stand,
 }
 
-/// Keeps the planned trajectory if its risk is at most `delta` at each step; otherwise takes, of those of the set whose
-/// risk is, the one with the shortest way from the present configuration along it. `risk` tells the probability of an
-/// overlap with these angles at the step of this number, counted from 0.
+/// Keeps the planned trajectory if its risk is at most `delta` at each step; otherwise takes, of those of the set
+/// whose risk is, the one with the shortest way from the present configuration along it. `risk` tells the probability
+/// of an overlap with these angles at the step of this number, counted from 0.
 pub fn choose(
     present: &Joints,
     planned: &[Joints],

@@ -14,8 +14,8 @@ pub type Joints = [f64; 6];
 /// Points of a pose: the base, the origins of the six frames, and the tip of the tool.
 pub const ARM_POINTS: usize = 8;
 
-/// One axis in the notation of Denavit and Hartenberg (1955): turn by the angle and shift by `d` about z, then shift by
-/// `a` and turn by `alpha` about x.
+/// One axis in the notation of Denavit and Hartenberg (1955): turn by the angle and shift by `d` about z, then shift
+/// by `a` and turn by `alpha` about x.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisRow {

@@ -1,7 +1,7 @@
 //! Ways of an arm by two wavefronts over one set of samples: bidirectional fast marching trees (Starek et al. 2015).
 //!
-//! Main function: [`bfmt_star`]. Numbers come from the caller; work is bounded by counted samples. Refuses: ways that were
-//! not checked, and clocks.
+//! Main function: [`bfmt_star`]. Numbers come from the caller; work is bounded by counted samples. Refuses: ways that
+//! were not checked, and clocks.
 
 use super::kinematics::{Joints, joint_distance};
 use super::space::{ArmSpace, ArmWay};

@@ -1,7 +1,7 @@
 //! Trajectories of a second round a person's arm, ten times a second (Lyu et al. 2022, equations 6 to 14).
 //!
-//! Main types: [`ArmControl`], [`ArmPlan`], [`ArmGoal`]. The optimum of a quadratic program about the trajectory of the cycle
-//! before. Refuses: to break the arm's own limits, and to plan from where it was not told to be.
+//! Main types: [`ArmControl`], [`ArmPlan`], [`ArmGoal`]. The optimum of a quadratic program about the trajectory of
+//! the cycle before. Refuses: to break the arm's own limits, and to plan from where it was not told to be.
 //!
 //! Planes stand between the closest points **of capsules**, not of joints; the speed limits are the arm's own, since
 //! with the printed 0.02 rad/s no arm moves 0.87 m in 3.9 s.
@@ -115,7 +115,8 @@ impl ArmPlan {
 }
 
 impl ArmControl {
-    /// The usual weights and margins: links are thickened to the published 10 cm, and 3 cm more are kept (published: 0).
+    /// The usual weights and margins: links are thickened to the published 10 cm, and 3 cm more are kept (published:
+    /// 0).
     pub fn new(kind: ArmKind, base: Isometry3<f64>, planes: Vec<WorkPlane>) -> ArmControl {
         let thinnest = kind.links.iter().map(|l| l.radius_m).fold(0.1, f64::min);
         ArmControl {

@@ -1,5 +1,5 @@
-//! A graph net that proposes the next configuration, and ways that grow by it from both ends (Liu et al. 2024, equations 5
-//! to 8).
+//! A graph net that proposes the next configuration, and ways that grow by it from both ends (Liu et al. 2024,
+//! equations 5 to 8).
 //!
 //! Main types: [`WorkGraph`], [`GraphNet`]. Refuses: to return a way that was not checked; where it finds none, the
 //! caller falls back on RRT-Connect.
@@ -10,8 +10,8 @@ use super::space::{ArmSpace, ArmWay};
 use nalgebra::{DMatrix, Point3};
 use std::f64::consts::PI;
 
-/// Nodes of the graph: six joints now, six at the goal, three points each of eight obstacles, four joints of the person's
-/// arm, and of five forecast arms elbow, wrist and palm each.
+/// Nodes of the graph: six joints now, six at the goal, three points each of eight obstacles, four joints of the
+/// person's arm, and of five forecast arms elbow, wrist and palm each.
 pub const GRAPH_NODES: usize = 55;
 /// Numbers per node.
 pub const GRAPH_FEATURES: usize = 6;
@@ -59,8 +59,8 @@ impl WorkGraph {
     }
 }
 
-/// Neighbours of each node with the weights of D^-½ (A + I) D^-½ (equation 6): joints along the arm, each joint with its
-/// goal and all places, points of one obstacle or arm with the next.
+/// Neighbours of each node with the weights of D^-½ (A + I) D^-½ (equation 6): joints along the arm, each joint with
+/// its goal and all places, points of one obstacle or arm with the next.
 pub fn adjacency() -> Vec<Vec<(usize, f64)>> {
     let mut near = vec![Vec::new(); GRAPH_NODES];
     let mut join = |a: usize, b: usize| {
@@ -93,7 +93,8 @@ pub fn adjacency() -> Vec<Vec<(usize, f64)>> {
     (0..GRAPH_NODES).map(weighted).collect()
 }
 
-/// The net: five graph convolutions, the sum of all nodes, one dense layer; its answer is a step from the configuration.
+/// The net: five graph convolutions, the sum of all nodes, one dense layer; its answer is a step from the
+/// configuration.
 #[derive(Clone, Debug)]
 pub struct GraphNet {
     /// Θ of equation 6, by layer.

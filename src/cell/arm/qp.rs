@@ -1,7 +1,8 @@
 //! Quadratic programs: least squares with linear bounds, solved by the interior-point solver Clarabel.
 //!
-//! Main type: [`QuadraticProgram`]. The solver is pure Rust and deterministic; no time limit is set, so that it ends by counted
-//! iterations alone and the clock that it reads for its statistics decides nothing. Refuses: answers that did not converge.
+//! Main type: [`QuadraticProgram`]. The solver is pure Rust and deterministic; no time limit is set, so that it ends
+//! by counted iterations alone and the clock that it reads for its statistics decides nothing. Refuses: answers that
+//! did not converge.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};

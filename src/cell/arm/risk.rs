@@ -1,10 +1,11 @@
 //! How probably an arm and a person's limbs overlap: as published, and from the distance of capsules and its spread.
 //!
-//! Main types: [`UncertainLimbs`], [`UncertainPoint`], [`LimbBone`]. Refuses: chance; its places are the same each time.
+//! Main types: [`UncertainLimbs`], [`UncertainPoint`], [`LimbBone`]. Refuses: chance; its places are the same each
+//! time.
 //!
 //! Published is Liu and Jebelli 2023 (equations 8 to 16, algorithm 1), with a list of bones instead of consecutive
-//! joints and the covariance turned to the bone. Both ellipsoids are independent, so that equation 16 is the sum of both
-//! covariances and needs no samples. What is printed has a peak far below one: 9 % for two limbs of equal length.
+//! joints and the covariance turned to the bone. Both ellipsoids are independent, so that equation 16 is the sum of
+//! both covariances and needs no samples. What is printed has a peak far below one: 9 % for two limbs of equal length.
 
 use super::capsule::{Capsule, Nearest};
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -142,9 +143,10 @@ static THROUGH: LazyLock<[[f64; SPACE]; LINES]> = LazyLock::new(|| {
 /// The probability that any link overlaps any limb: P(distance < 0) with the limbs' points independent and normal.
 ///
 /// To first order it is Φ(−d/σ), d the least distance of capsules and σ its deviation along the closest direction. The
-/// distance bends, though, and several limbs may be near; therefore it is followed along parallel lines in the space of
-/// errors ("line sampling", Koutsourelakis et al. 2004): each lies along the direction in which the distance changes
-/// fastest and goes through a fixed error; the normal measure of where the distance is negative is exact on each line.
+/// distance bends, though, and several limbs may be near; therefore it is followed along parallel lines in the space
+/// of errors ("line sampling", Koutsourelakis et al. 2004): each lies along the direction in which the distance
+/// changes fastest and goes through a fixed error; the normal measure of where the distance is negative is exact on
+/// each line.
 pub fn overlap_probability(links: &[Capsule], limbs: &UncertainLimbs) -> f64 {
     let Some(space) = ErrorSpace::new(links, limbs) else { return 0.0 };
     let (least, direction, sigma) = space.steepest();

@@ -1,4 +1,5 @@
-//! Which targets are open to the arm while a person reaches for one (Lyu et al. 2022, table II), as printed and derived.
+//! Which targets are open to the arm while a person reaches for one (Lyu et al. 2022, table II), as printed and
+//! derived.
 //!
 //! Main types: [`TargetTable`]. Refuses: tables with targets that there are not.
 //!

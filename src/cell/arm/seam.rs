@@ -1,7 +1,8 @@
 //! Between the cell and an arm, simulated or real: reports come in, trajectories of at most a second go out.
 //!
-//! Main types: [`ArmSeam`], [`ArmReport`], [`ArmTrajectory`], [`ArmTrouble`]. Refuses: trajectories to an arm that is silent, late,
-//! or reports joints that it cannot have. The arm stands at a trajectory's end unless something newer came.
+//! Main types: [`ArmSeam`], [`ArmReport`], [`ArmTrajectory`], [`ArmTrouble`]. Refuses: trajectories to an arm that is
+//! silent, late, or reports joints that it cannot have. The arm stands at a trajectory's end unless something newer
+//! came.
 
 use super::kinematics::{ArmKind, Joints};
 use super::mpc::{ArmPlan, CYCLE_S, HORIZON};

@@ -1,7 +1,7 @@
 //! Where an arm can be: configurations and ways that are free of obstacles and of the arm itself.
 //!
-//! Main types: [`ArmSpace`], [`ArmWay`]. Refuses: a way that it has not checked. Ways are checked in steps of 0.05 rad, between which
-//! no point of an arm of 1 m moves more than 5 cm; obstacles are thickened by half of that.
+//! Main types: [`ArmSpace`], [`ArmWay`]. Refuses: a way that it has not checked. Ways are checked in steps of 0.05
+//! rad, between which no point of an arm of 1 m moves more than 5 cm; obstacles are thickened by half of that.
 
 use super::capsule::Capsule;
 use super::kinematics::{ArmKind, Joints, between, joint_distance};

@@ -1,8 +1,8 @@
-//! Ways of an arm by trees that grow at random: RRT (LaValle 1998), RRT-Connect (Kuffner and LaValle 2000), RRT* (Karaman
-//! and Frazzoli 2011).
+//! Ways of an arm by trees that grow at random: RRT (LaValle 1998), RRT-Connect (Kuffner and LaValle 2000), RRT*
+//! (Karaman and Frazzoli 2011).
 //!
-//! Main functions: [`rrt`], [`rrt_connect`], [`rrt_star`]. Numbers come from the caller; work is bounded by counted samples.
-//! Refuses: ways that were not checked, and clocks.
+//! Main functions: [`rrt`], [`rrt_connect`], [`rrt_star`]. Numbers come from the caller; work is bounded by counted
+//! samples. Refuses: ways that were not checked, and clocks.
 
 use super::kinematics::{Joints, between, joint_distance};
 use super::space::{ArmSpace, ArmWay};

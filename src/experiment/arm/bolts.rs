@@ -1,8 +1,8 @@
 //! Bolts on a bench again: an arm and a person at twelve targets, by turns, reacting, and predicting (Lyu et al. 2022,
 //! section IV).
 //!
-//! Main types: [`BoltsBench`], [`BoltsArm`], [`BoltsRun`]. Refuses: forecasts from people who are measured on, and a planner that
-//! sees the protective stop.
+//! Main types: [`BoltsBench`], [`BoltsArm`], [`BoltsRun`]. Refuses: forecasts from people who are measured on, and a
+//! planner that sees the protective stop.
 
 use super::forecast::{Analogues, SENSOR_M, STEP_S, Watched};
 use super::library::MixtureLibrary;

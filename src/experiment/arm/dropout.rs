@@ -1,8 +1,8 @@
 //! How much a spread by dropout says about the error of a forecast (Liu et al. 2024, equations 1 to 4, table II).
 //!
-//! Main types: [`DropoutNet`], [`DropoutFigures`]. Equation 4 is corrected: per dimension, u = (Σ F² − K E²) / (K − 1). A small
-//! dense net stands for the published three layers of LSTM; it sees half a second of bone vectors and forecasts one.
-//! Refuses: to score people whom it was taught with, or whose errors its scale was fitted to.
+//! Main types: [`DropoutNet`], [`DropoutFigures`]. Equation 4 is corrected: per dimension, u = (Σ F² − K E²) / (K −
+//! 1). A small dense net stands for the published three layers of LSTM; it sees half a second of bone vectors and
+//! forecasts one. Refuses: to score people whom it was taught with, or whose errors its scale was fitted to.
 
 use super::bolts::recorded;
 use super::forecast::Watched;
@@ -211,7 +211,8 @@ impl DropoutNet {
         self.layer(2, &h2)
     }
 
-    /// Of all coordinates of the wrist, errors in units of their deviation; and of all wrists, error and deviation, metres.
+    /// Of all coordinates of the wrist, errors in units of their deviation; and of all wrists, error and deviation,
+    /// metres.
     fn scored(&self, seed: u64, lessons: &[BoneLesson], count: usize) -> (Vec<f64>, Vec<(f64, f64)>) {
         let mut chance = Stream::new(seed, 97, count as u64);
         let (mut ratios, mut pairs) = (Vec::new(), Vec::new());

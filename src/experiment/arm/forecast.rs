@@ -1,8 +1,8 @@
 //! Where a person's arm will be within a second, from earlier movements that began alike.
 //!
-//! Main types: [`Analogues`], [`Watched`]. A present arm is compared with all recorded instants; the ways that followed
-//! the most similar ones are the forecast, their spread its covariance, scaled per horizon on people left out. Refuses:
-//! goals; it knows only what was seen.
+//! Main types: [`Analogues`], [`Watched`]. A present arm is compared with all recorded instants; the ways that
+//! followed the most similar ones are the forecast, their spread its covariance, scaled per horizon on people left
+//! out. Refuses: goals; it knows only what was seen.
 
 use super::person::{ArmJoints, BONES};
 use crate::cell::arm::{UncertainLimbs, UncertainPoint};
@@ -34,7 +34,8 @@ pub struct Analogues {
 }
 
 impl Analogues {
-    /// Learned from recordings; those of `left_out` say how much wider the forecasts must be so that they hold 95 of 100.
+    /// Learned from recordings; those of `left_out` say how much wider the forecasts must be so that they hold 95 of
+    /// 100.
     pub fn learn(recorded: Vec<Watched>, left_out: &[Watched]) -> Analogues {
         let mut learned = Analogues { recorded, scale: [1.0; AHEAD] };
         let mut squares: Vec<Vec<f64>> = vec![Vec::new(); AHEAD];

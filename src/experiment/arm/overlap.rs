@@ -1,8 +1,8 @@
-//! Seed of intention-aware planning again: stated against sampled overlap, and 120 rounds of choosing a trajectory beside
-//! a person who places things (Liu and Jebelli 2023, sections 4.3 and 6).
+//! Seed of intention-aware planning again: stated against sampled overlap, and 120 rounds of choosing a trajectory
+//! beside a person who places things (Liu and Jebelli 2023, sections 4.3 and 6).
 //!
-//! Main types: [`OverlapCase`], [`Rounds`], [`RoundEnd`]. Refuses: to let the arm know the person's goal, and a protective
-//! stop that would hide a bad choice.
+//! Main types: [`OverlapCase`], [`Rounds`], [`RoundEnd`]. Refuses: to let the arm know the person's goal, and a
+//! protective stop that would hide a bad choice.
 
 use super::forecast::{AHEAD, Analogues, SENSOR_M, STEP_S, Watched};
 use super::person::{ArmJoints, BONES, BenchPerson, Reaching, certain};
@@ -125,8 +125,8 @@ fn sampled(chance: &mut Stream, links: &[Capsule], limbs: &UncertainLimbs, draws
     overlaps as f64 / draws as f64
 }
 
-/// Expected calibration error with ten bins of equal width: the mean over cases of how far a bin's mean sampled overlap
-/// lies from its mean stated one.
+/// Expected calibration error with ten bins of equal width: the mean over cases of how far a bin's mean sampled
+/// overlap lies from its mean stated one.
 pub fn calibration_error(pairs: &[(f64, f64)]) -> f64 {
     const BINS: usize = 10;
     let mut bins = [(0.0, 0.0); BINS];

@@ -1,7 +1,8 @@
 //! A simple picker's arm as ground truth for the arm's experiments.
 //!
-//! Main types: [`BenchPerson`], [`Reaching`]. Hands move with minimum jerk in warped time: the peak of speed is at 37 % of the
-//! movement, not at 50. Paths are bent and end beside their goal. Refuses: to be asked where it is going by what predicts.
+//! Main types: [`BenchPerson`], [`Reaching`]. Hands move with minimum jerk in warped time: the peak of speed is at 37
+//! % of the movement, not at 50. Paths are bent and end beside their goal. Refuses: to be asked where it is going by
+//! what predicts.
 
 use crate::cell::arm::{LimbBone, UncertainLimbs, UncertainPoint};
 use crate::sim::random::Stream;

@@ -1,7 +1,7 @@
 //! Planners of an arm's ways beside one another: twelve workspaces, random queries (Liu et al. 2024, table I).
 //!
-//! Main types: [`Workshops`], [`PlannerKind`], [`QueryAnswer`]. Refuses: to read a clock, and to teach the net with queries that it
-//! is asked.
+//! Main types: [`Workshops`], [`PlannerKind`], [`QueryAnswer`]. Refuses: to read a clock, and to teach the net with
+//! queries that it is asked.
 
 use super::person::BenchPerson;
 use super::teaching::{NetStep, step_error, teach_graph};

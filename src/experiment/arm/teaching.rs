@@ -1,6 +1,7 @@
 //! Learning of small nets: Adam (Kingma and Ba 2015), and the graph net from an oracle's ways.
 //!
-//! Main types: [`AdamMoments`], [`NetStep`]. Refuses: data that it was not given; the order of samples comes from the seed.
+//! Main types: [`AdamMoments`], [`NetStep`]. Refuses: data that it was not given; the order of samples comes from the
+//! seed.
 
 use crate::cell::arm::{GRAPH_FEATURES, GRAPH_LAYERS, GraphNet, Joints, WorkGraph};
 use crate::sim::random::Stream;
