@@ -35,8 +35,8 @@
 //!   were learned from recorded people (`human/forecast.rs`, `human/model.rs`) and are judged while the system runs.
 //! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
-//! - [`cell`]: the picking station as a work cell: order lines, and how far each is. It knows neither routes nor
-//!   timelines.
+//! - [`cell`]: the picking station as a work cell: order lines, and how far each is; a robot arm beside the picker
+//!   (`cell/arm/mod.rs`). It knows neither routes nor timelines.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`history`]: what happened over time, as figures in buckets of bounded number. It decides nothing.
 //! - [`alarm`]: what is wrong, causes only, and the life of an alarm: raised, acknowledged, cleared. It decides nothing

@@ -124,10 +124,10 @@ impl BoltsBench {
         let (mut watched, mut left_out) = (Vec::new(), Vec::new());
         let mut palms: Vec<Vec<Vec<Point3<f64>>>> = vec![Vec::new(); 12];
         for who in 0..TEACHERS + 2 {
-            for k in 0..12 {
+            for (k, palms) in palms.iter_mut().enumerate() {
                 for (full, reach) in recorded(seed, who, k, REPEATS) {
                     if who < TEACHERS {
-                        palms[k].push(reach.iter().map(|joints| joints[3]).collect());
+                        palms.push(reach.iter().map(|joints| joints[3]).collect());
                         watched.push(full);
                     } else {
                         left_out.push(full);
@@ -158,7 +158,7 @@ impl BoltsBench {
         let goal = target(5);
         let mut t = 0.0;
         while t < 20.0 {
-            let is_cycle = cell.ticks % 10 == 0;
+            let is_cycle = cell.ticks.is_multiple_of(10);
             if is_cycle {
                 cell.cycle(t, Some(goal), run);
             }
@@ -187,7 +187,7 @@ impl BoltsBench {
         let mut cell = BenchCell::new(self, work, how, 5, chance);
         let (mut aim, mut touched, mut t) = (6, 0usize, 0.0);
         while !cell.work.is_over() && t < LONGEST_S {
-            let is_cycle = cell.ticks % 10 == 0;
+            let is_cycle = cell.ticks.is_multiple_of(10);
             if is_cycle {
                 let open = cell.open_target(aim);
                 aim = open.unwrap_or(aim);
@@ -413,7 +413,7 @@ impl<'a> BenchCell<'a> {
         if self.past.len() > (SEEN_AGO_S / TICK_S).round() as usize + 1 {
             self.past.pop_front();
         }
-        if self.ticks % 5 == 0 {
+        if self.ticks.is_multiple_of(5) {
             let joints = measured(&self.past[0], &mut self.chance);
             self.seen.push(joints);
             if self.at_rest() {
