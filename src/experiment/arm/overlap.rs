@@ -79,7 +79,8 @@ fn case(chance: &mut Stream, draws: usize) -> OverlapCase {
     };
     let points = (0..4).map(|k| point(k, chance)).collect();
     let limbs = UncertainLimbs { points, bones: BONES.to_vec() };
-    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), chance.between(0.0, std::f64::consts::TAU));
+    let turn =
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), chance.between(0.0, std::f64::consts::TAU));
     let base = Isometry3::from_parts(Translation3::new(0.0, 0.55, 0.0), turn);
     let mut posture = [0.0, -1.6, 1.6, -1.6, -1.6, 0.0];
     posture.iter_mut().for_each(|q| *q += chance.between(-1.2, 1.2));
