@@ -37,8 +37,8 @@
 //!   encounters. There is no second planner.
 //! - [`reach`]: a person at arm's length, as beliefs: which place a hand is going to, where the arm will be, where the
 //!   eyes look. Small nets, forward only; they are learned in `experiment/learning/picks`.
-//! - [`cell`]: the picking station as a work cell: order lines, and how far each is. It knows neither routes nor
-//!   timelines.
+//! - [`cell`]: the picking station as a work cell: order lines, how far each is, and what hands do about them; a robot
+//!   arm beside the picker (`cell/arm/mod.rs`). It knows neither routes nor timelines.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`history`]: what happened over time, as figures in buckets of bounded number. It decides nothing.
 //! - [`alarm`]: what is wrong, causes only, and the life of an alarm: raised, acknowledged, cleared. It decides nothing

@@ -1,9 +1,11 @@
-//! The picking station as a work cell: what is to be picked from the rack that stands there, and how far that has come.
+//! The picking station as a work cell: what is to be picked from the rack that stands there, and how far that has
+//! come.
 //!
-//! Main types: [`OrderLine`], [`Lines`], [`LineState`], [`PickPace`], [`Desk`] (hands, from slot to tote). Refuses: to
-//! know where robots drive, and to confirm by guessing.
+//! Main module: [`arm`] (a robot arm beside the picker). Main types: [`OrderLine`], [`Lines`], [`LineState`],
+//! [`PickPace`], [`Desk`] (hands, from slot to tote). Refuses: to know where robots drive, and to confirm by guessing.
 
 mod aim;
+pub mod arm;
 mod check;
 mod desk;
 mod face;

@@ -3,6 +3,8 @@
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
 use super::alarms::AlarmsArgs;
+use super::arm::{BoltsArgs, OverlapArgs};
+use super::arm_planners::PlannersArgs;
 use super::people::{DetectionArgs, TableArgs};
 use super::picks::PicksArgs;
 use super::price::PriceArgs;
@@ -43,6 +45,13 @@ pub enum Experiment {
     Stations(StationsArgs),
     /// Recorded people who reach for places: which place, where the arm will be, where they look.
     Picks(PicksArgs),
+    /// A robot arm beside a person who places things: stated against sampled overlap, and choices by it (Liu and
+    /// Jebelli).
+    Overlap(OverlapArgs),
+    /// A robot arm and a person at twelve targets: by turns, reacting, predicting (Lyu et al.).
+    Bolts(BoltsArgs),
+    /// Planners of an arm's ways, dropout as spread, smoothness (Liu et al.).
+    Planners(PlannersArgs),
 }
 
 /// The stories.
@@ -102,6 +111,9 @@ impl Experiment {
             Experiment::SafeSpace(spaces) => spaces.run(),
             Experiment::Stations(stations) => stations.run(),
             Experiment::Picks(picks) => picks.run(),
+            Experiment::Overlap(overlap) => overlap.run(),
+            Experiment::Bolts(bolts) => bolts.run(),
+            Experiment::Planners(planners) => planners.run(),
         }
     }
 }

@@ -8,6 +8,8 @@
 mod out;
 
 mod alarms;
+mod arm;
+mod arm_planners;
 mod bench;
 mod bench_memory;
 mod bench_picks;

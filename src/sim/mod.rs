@@ -6,6 +6,7 @@
 //! to show the fleet anything that a real floor would not.
 
 mod announce;
+pub mod arm;
 mod consistency;
 mod crew;
 mod customers;

@@ -8,7 +8,6 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 /// A stream of random numbers.
 #[derive(Clone, Debug)]
 pub struct Stream(Pcg64Mcg);
-pub struct Stream(Pcg64Mcg);
 
 impl Stream {
     /// The stream of number `who` for one purpose.

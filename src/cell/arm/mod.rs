@@ -1,0 +1,42 @@
+//! A robot arm beside the picker: where its links are, how probably they meet a person's arm, and how it keeps clear.
+//!
+//! Main types: [`ArmKind`], [`Capsule`], [`UncertainLimbs`], [`Choice`], [`ArmControl`],
+//! [`ArmSpace`], [`ArmSeam`]. It is no safety function: the arm's own monitored stop
+//! protects people, and what is decided here makes it needed less often. Refuses: clocks, chance, and paths that were
+//! not checked.
+
+mod capsule;
+mod choice;
+mod kinematics;
+mod marching;
+mod mpc;
+mod net;
+mod qp;
+mod risk;
+mod schedule;
+mod seam;
+mod space;
+mod trees;
+
+pub use capsule::{Capsule, Nearest, least_distance_m};
+pub use choice::{Choice, choose};
+pub use kinematics::{
+    ARM_POINTS, ArmKind, ArmKindError, ArmPosture, AxisRow, Joints, LinkShape, between, joint_distance,
+};
+pub use marching::bfmt_star;
+pub use mpc::{
+    ArmControl, ArmGoal, ArmPlan, ArmPlanRefusal, ArmWeights, CYCLE_S, FROZEN, HORIZON, WorkPlane,
+};
+pub use net::{
+    GRAPH_FEATURES, GRAPH_LAYERS, GRAPH_NODES, GraphNet, NET_STEP_RAD, NetPass, WorkGraph, adjacency,
+};
+pub use risk::{
+    LimbBone, MOST_POINTS, UncertainLimbs, UncertainPoint, bone_covariance, first_order_probability,
+    normal_below, normalised_probability, overlap_probability, printed_probability,
+};
+pub use schedule::{TargetTable, TargetTableError};
+pub use seam::{
+    ArmReport, ArmSeam, ArmTrajectory, ArmTrouble, LATE_AFTER, LONGEST_TRAJECTORY, SILENT_AFTER, WELL_AFTER,
+};
+pub use space::{ArmSpace, ArmWay, CHECK_MARGIN_M, CHECK_RAD};
+pub use trees::{rrt, rrt_connect, rrt_star};
