@@ -21,7 +21,7 @@ mod link;
 mod outages;
 mod pairs;
 mod pushes;
-mod random;
+pub mod random;
 pub mod recording;
 pub mod replay;
 mod robot;
