@@ -43,9 +43,9 @@ pub struct DriveLimits {
 }
 
 /// Speeds that are looked at in a tick.
-pub(super) const SPEEDS: usize = 7;
+pub(super) const SPEEDS: usize = 5;
 /// Turn rates that are looked at, beside straight on and straight to the goal; odd, so that the present one is.
-pub(super) const TURNS: usize = 13;
+pub(super) const TURNS: usize = 9;
 
 /// The speeds and turn rates that can be reached by the next tick (Fox et al. 1997, section IV-A).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,14 +1,14 @@
 //! The improved dynamic window: where a person will be, instead of an inflated obstacle; speeds within safe spaces.
 //!
 //! Main type: [`ImprovedWeights`]; main function: [`ImprovedWeights::cost`]. Source: Ye, Guo, Guo and Luo (2024),
-//! section 3.3: only one short step is ever decided. What comes after it is looked at in a few plain ways (turn on or
-//! head for the goal at once; keep the speed, gain speed, brake), and the cheapest counts. Costs are seconds. A way
-//! behind a person wins where it is cheaper; nothing else makes the robot choose it. Refuses: to be sure of a forecast:
-//! each part of it counts with its probability.
+//! section 3.3: only one short step is ever decided. What comes after it is looked at in a few plain ways (on the line or
+//! aside of it; gain speed, keep it, or let somebody pass first), and the cheapest counts. Costs are seconds. A way behind
+//! a person wins where it is cheaper; nothing else makes the robot choose it. Refuses: to be sure of a forecast: each part
+//! of it counts with its probability.
 
 use super::drive::{DriveLimits, DriveState, Twist, aim};
 use super::spaces::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson, Spaces};
-use crate::geometry::{Point, Pose, Vector};
+use crate::geometry::{Point, Pose, Segment, Vector};
 
 /// Figures of the improved method.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,17 +29,26 @@ impl Default for ImprovedWeights {
     }
 }
 
-/// For so long a turn may be kept before the robot heads for its goal, seconds.
-const KEPT_S: [f64; 2] = [0.4, 1.2];
-/// The angle to the goal is taken away in about this time, seconds.
-const AIM_S: f64 = 0.5;
+/// Where the robot may drive after the step that is decided: on the line, and halfway or all the way to the edge of the
+/// corridor on each side.
+const ASIDE: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
+/// The robot steers for a point so far ahead, seconds of its way and metres at least.
+const STEERS_FOR: (f64, f64) = (1.2, 0.8);
+/// The angle to that point is taken away in about this time, seconds.
+const AIM_S: f64 = 0.6;
+/// Who lets somebody pass brakes for so long, seconds, and gains speed then.
+const LETS_PASS_S: f64 = 2.4;
+
+/// What a second a metre outside of the corridor costs where only a later step would lead there, seconds: the way on is
+/// no promise, but it must not look free where it is not.
+const OUTSIDE_PER_M: f64 = 50.0;
 
 /// What becomes of the speed after the step that is decided.
 #[derive(Clone, Copy)]
 enum Then {
-    Keep,
     Gain,
-    Brake,
+    Keep,
+    LetPass,
 }
 
 /// What all ways from here have in common.
@@ -47,6 +56,9 @@ enum Then {
 pub(super) struct Outlook<'a> {
     pub limits: &'a DriveLimits,
     pub spaces: &'a Spaces,
+    /// How far the middle of the robot may be aside of the line to the left and to the right, metres.
+    pub room_m: (f64, f64),
+    pub line: Segment,
     pub state: &'a DriveState,
     pub goal: Point,
     pub people: &'a [NearPerson<'a>],
@@ -57,19 +69,23 @@ impl ImprovedWeights {
     pub(super) fn cost(&self, look: &Outlook<'_>, twist: Twist) -> f64 {
         let turning = self.turn_s_per_rps * twist.turn_rps.abs();
         let ways =
-            KEPT_S.into_iter().flat_map(|kept| [Then::Keep, Then::Gain, Then::Brake].map(|t| (kept, t)));
-        let costs = ways.map(|(kept_s, then)| self.way(look, twist, kept_s, then));
-        turning + costs.fold(f64::INFINITY, f64::min)
+            ASIDE.into_iter().flat_map(|aside| [Then::Gain, Then::Keep, Then::LetPass].map(|t| (aside, t)));
+        let least = ways.fold(f64::INFINITY, |least, (aside, then)| {
+            let aside_m = aside * if aside > 0.0 { look.room_m.0 } else { look.room_m.1 };
+            least.min(self.way(look, twist, aside_m, then, least))
+        });
+        turning + least
     }
 
-    fn way(&self, look: &Outlook<'_>, first: Twist, kept_s: f64, then: Then) -> f64 {
+    /// What one way costs; infinite as soon as it is more than `least`.
+    fn way(&self, look: &Outlook<'_>, first: Twist, aside_m: f64, then: Then, least: f64) -> f64 {
         let (mut pose, mut twist) = (look.state.pose, first);
-        let (mut near_s, mut driven_m, mut passed_s) = (0.0, 0.0, 0.0);
+        let (mut near_s, mut outside, mut driven_m, mut passed_s) = (0.0, 0.0, 0.0, 0.0);
         let left_before = (look.goal - pose.at).norm();
         for k in 0..AHEAD_STEPS {
             let left = (look.goal - pose.at).norm();
             if k > 0 {
-                twist = self.next(look, twist, pose, left, then, passed_s >= kept_s - 1e-9);
+                twist = next(look, twist, pose, (left, aside_m), then, passed_s);
             }
             // The last step ends at the goal.
             let dt =
@@ -78,39 +94,18 @@ impl ImprovedWeights {
             driven_m += twist.speed_mps * dt;
             passed_s += dt;
             near_s += dt * self.nearness(look, pose, twist, k);
+            outside += dt * outside_m(look, pose.at);
             if dt < AHEAD_STEP_S {
                 break;
+            }
+            if self.near_s_per_s * near_s > least {
+                return f64::INFINITY;
             }
         }
         let left = (look.goal - pose.at).norm();
         let detour = (driven_m + left - left_before).max(0.0);
-        passed_s + left / look.limits.speed_mps + self.detour_s_per_m * detour + self.near_s_per_s * near_s
-    }
-
-    /// Speed and turn rate of the next step.
-    fn next(
-        &self,
-        look: &Outlook<'_>,
-        now: Twist,
-        pose: Pose,
-        left_m: f64,
-        then: Then,
-        heads: bool,
-    ) -> Twist {
-        let limits = look.limits;
-        let speed_mps = match then {
-            Then::Keep => now.speed_mps,
-            Then::Gain => (now.speed_mps + limits.accel_mps2 * AHEAD_STEP_S).min(limits.speed_mps),
-            Then::Brake => (now.speed_mps - limits.brake_mps2 * AHEAD_STEP_S).max(0.0),
-        };
-        let speed_mps = speed_mps.min((2.0 * limits.brake_mps2 * left_m).sqrt());
-        if !heads {
-            return Twist { speed_mps, ..now };
-        }
-        let change = limits.turn_accel_rps2 * AHEAD_STEP_S;
-        let wanted = aim(pose, look.goal) / AIM_S;
-        let turn_rps = wanted.clamp(now.turn_rps - change, now.turn_rps + change);
-        Twist { speed_mps, turn_rps: turn_rps.clamp(-limits.turn_rps, limits.turn_rps) }
+        let time_s = passed_s + left / look.limits.speed_mps;
+        time_s + self.detour_s_per_m * detour + self.near_s_per_s * near_s + OUTSIDE_PER_M * outside
     }
 
     /// How probably the robot is within somebody's safe space after step `k`: a number from 0 to about 1 for each.
@@ -137,4 +132,47 @@ impl ImprovedWeights {
         }
         sum
     }
+}
+
+/// Speed and turn rate of a step after the first.
+fn next(
+    look: &Outlook<'_>,
+    now: Twist,
+    pose: Pose,
+    (left_m, aside_m): (f64, f64),
+    then: Then,
+    passed_s: f64,
+) -> Twist {
+    let limits = look.limits;
+    let gained = (now.speed_mps + limits.accel_mps2 * AHEAD_STEP_S).min(limits.speed_mps);
+    let speed_mps = match then {
+        Then::Keep => now.speed_mps,
+        Then::LetPass if passed_s < LETS_PASS_S => {
+            (now.speed_mps - limits.brake_mps2 * AHEAD_STEP_S).max(0.0)
+        }
+        Then::LetPass | Then::Gain => gained,
+    };
+    let speed_mps = speed_mps.min((2.0 * limits.brake_mps2 * left_m).sqrt());
+    let change = limits.turn_accel_rps2 * AHEAD_STEP_S;
+    let wanted = aim(pose, steers_for(look, pose.at, speed_mps, aside_m)) / AIM_S;
+    let turn_rps = wanted.clamp(now.turn_rps - change, now.turn_rps + change);
+    Twist { speed_mps, turn_rps: turn_rps.clamp(-limits.turn_rps, limits.turn_rps) }
+}
+
+/// How far the middle of the robot is beyond where it may be, metres.
+fn outside_m(look: &Outlook<'_>, at: Point) -> f64 {
+    let way = look.line.b - look.line.a;
+    let aside = way.perp(&(at - look.line.a)) / way.norm().max(1e-9);
+    (aside - look.room_m.0).max(-aside - look.room_m.1).max(0.0)
+}
+
+/// A point ahead, aside of the line; the goal where that is nearer.
+fn steers_for(look: &Outlook<'_>, at: Point, speed_mps: f64, aside_m: f64) -> Point {
+    let way = look.line.b - look.line.a;
+    let along = way / way.norm().max(1e-9);
+    let ahead = (at - look.line.a).dot(&along) + (STEERS_FOR.0 * speed_mps).max(STEERS_FOR.1);
+    if ahead >= (look.goal - look.line.a).dot(&along) {
+        return look.goal;
+    }
+    look.line.a + along * ahead + Vector::new(-along.y, along.x) * aside_m
 }

@@ -11,8 +11,8 @@ use super::improved::{ImprovedWeights, Outlook};
 use super::outline::RobotOutline;
 use super::spaces::{AHEAD_STEP_S, NearPerson, Spaces};
 use super::traditional::TraditionalWeights;
-use crate::geometry::{Point, Vector};
-use crate::warehouse::{Footprint, Hull};
+use crate::geometry::{Point, Segment, Vector};
+use crate::warehouse::{Corridor, Footprint, Hull};
 
 /// How the next speed is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +30,8 @@ pub enum LocalMethod {
 pub struct LocalPlanner {
     outline: RobotOutline,
     spaces: Spaces,
+    line: Segment,
+    room_m: (f64, f64),
     floor: Hull,
     method: LocalMethod,
 }
@@ -45,11 +47,21 @@ const POSES_MAX: usize = 24;
 const THERE_M: f64 = 0.05;
 
 impl LocalPlanner {
-    /// For a robot with this footprint that may drive on this part of the floor ([`Footprint::free`]).
-    pub fn new(footprint: &Footprint, limits: DriveLimits, floor: Hull, method: LocalMethod) -> LocalPlanner {
+    /// For a robot with this footprint on a lane with a corridor, seen as the robot drives: its floor is that of
+    /// [`Footprint::free`].
+    pub fn new(
+        footprint: &Footprint,
+        limits: DriveLimits,
+        line: Segment,
+        corridor: Corridor,
+        method: LocalMethod,
+    ) -> LocalPlanner {
         let outline = RobotOutline::of(footprint);
         let spaces = Spaces { circle_m: outline.circle_m(), limits };
-        LocalPlanner { outline, spaces, floor, method }
+        let room = |side_m: f64| (side_m - outline.circle_m() - MARGIN_M).max(0.0);
+        let room_m = (room(corridor.left_m), room(corridor.right_m));
+        let floor = footprint.free(line, corridor);
+        LocalPlanner { outline, spaces, line, room_m, floor, method }
     }
 
     /// How to drive for the next period towards a goal within the corridor. Standing is the answer where every motion
@@ -61,7 +73,8 @@ impl LocalPlanner {
             return limits.braked(state.twist);
         }
         let window = limits.window(state.twist, left, aim(state.pose, goal));
-        let look = Outlook { limits, spaces: &self.spaces, state, goal, people };
+        let (room_m, line) = (self.room_m, self.line);
+        let look = Outlook { limits, spaces: &self.spaces, room_m, line, state, goal, people };
         let mut best: Option<(f64, Twist)> = None;
         for twist in window.twists() {
             let Some(value) = self.value(&look, twist) else { continue };
@@ -88,7 +101,7 @@ impl LocalPlanner {
 
     /// Whether the robot stays out of the safe space of everybody, now and where both are a little later.
     fn is_safe(&self, look: &Outlook<'_>, twist: Twist) -> bool {
-        const LATER: usize = 2;
+        const LATER: usize = 1;
         let later_s = AHEAD_STEP_S * LATER as f64;
         let velocity = |heading: f64| Vector::new(libm::cos(heading), libm::sin(heading)) * twist.speed_mps;
         let (now, later) = (look.state.pose, twist.moved(look.state.pose, later_s));
@@ -100,16 +113,26 @@ impl LocalPlanner {
         })
     }
 
-    /// Whether the outline stays within the corridor during the next period and while the robot brakes after it.
+    /// Whether the outline stays within the corridor during the next period and while the robot brakes after it, with
+    /// room to turn on the spot where it stands then, unless that is no farther from the line than it is now: so it never
+    /// stands at the edge and can neither turn nor go on.
     fn keeps_to_floor(&self, state: &DriveState, twist: Twist) -> bool {
         let limits = &self.spaces.limits;
         let all_s = limits.period_s + limits.stop_s(twist.speed_mps) / 2.0;
         let (way, turned) = (twist.speed_mps * all_s, twist.turn_rps.abs() * all_s);
         let poses = (way / POSES.0).max(turned / POSES.1).ceil().clamp(1.0, POSES_MAX as f64) as usize;
         let least_m = self.outline.depth_m(&self.floor, state.pose).clamp(0.0, MARGIN_M);
-        (1..=poses).all(|k| {
-            let pose = twist.moved(state.pose, all_s * k as f64 / poses as f64);
-            self.outline.depth_m(&self.floor, pose) >= least_m
-        })
+        let aside = |at: Point| {
+            let way = self.line.b - self.line.a;
+            (way.perp(&(at - self.line.a)) / way.norm().max(1e-9)).abs()
+        };
+        let end = twist.moved(state.pose, all_s).at;
+        let turns = self.floor.depth_of(end) >= self.spaces.circle_m + MARGIN_M;
+        let may_end = turns || aside(end) <= aside(state.pose.at) + 1e-9;
+        may_end
+            && (1..=poses).all(|k| {
+                let pose = twist.moved(state.pose, all_s * k as f64 / poses as f64);
+                self.outline.depth_m(&self.floor, pose) >= least_m
+            })
     }
 }

@@ -10,8 +10,8 @@ use crate::geometry::{Point, Vector};
 use crate::human::{Mixture, WALK_MPS};
 
 /// From one moment of a forecast to the next, seconds.
-pub const AHEAD_STEP_S: f64 = 0.2;
-/// So many moments are looked at: three seconds.
+pub const AHEAD_STEP_S: f64 = 0.4;
+/// So many moments are looked at: six seconds.
 pub const AHEAD_STEPS: usize = 15;
 /// A measured speed of a person may be wrong by so much, metres per second.
 const SPEED_DOUBT_MPS: f64 = 0.1;

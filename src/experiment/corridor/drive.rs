@@ -95,7 +95,7 @@ impl Watch {
 pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) -> CorridorRun {
     let mut worker = Stroller::new(scene.walk, Stream::new(seed, WALKS, run));
     let mut watch = Watch::new(Stream::new(seed, SEES, run));
-    let planner = LocalPlanner::new(&scene.footprint, scene.limits, scene.floor.clone(), method);
+    let planner = LocalPlanner::new(&scene.footprint, scene.limits, scene.lane, scene.corridor, method);
     let mut robot = Robot::new(scene);
     let goal = scene.line().b;
     let dt = TICK.as_secs_f64();
@@ -121,6 +121,8 @@ pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) ->
         now = now + TICK;
         tick += 1;
         robot.check(scene, &worker);
+            eprintln!("{tick} {:?} worker {:?} own {}", robot.state, worker.at(), robot.own.stops);
+        }
         if (goal - robot.state.pose.at).norm() < THERE_M {
             robot.run.reached = true;
             robot.run.path_m += (goal - robot.state.pose.at).norm();

@@ -24,13 +24,16 @@ pub enum SceneKind {
     Along,
     /// An aisle with a worker who comes the other way.
     Against,
+    /// An aisle with a worker who stands beside the line, and stays.
+    Standing,
 }
 
 impl SceneKind {
     /// The published ones.
     pub const CASES: [SceneKind; 3] = [SceneKind::CaseOne, SceneKind::CaseTwo, SceneKind::CaseThree];
     /// The others.
-    pub const AISLES: [SceneKind; 3] = [SceneKind::Crossing, SceneKind::Along, SceneKind::Against];
+    pub const AISLES: [SceneKind; 4] =
+        [SceneKind::Crossing, SceneKind::Along, SceneKind::Against, SceneKind::Standing];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {
@@ -41,12 +44,13 @@ impl SceneKind {
             SceneKind::Crossing => "crossing",
             SceneKind::Along => "along",
             SceneKind::Against => "against",
+            SceneKind::Standing => "standing",
         }
     }
 
     /// Whether the worker crosses the robot's line.
     fn crosses(self) -> bool {
-        !matches!(self, SceneKind::Along | SceneKind::Against)
+        !matches!(self, SceneKind::Along | SceneKind::Against | SceneKind::Standing)
     }
 }
 
@@ -72,6 +76,10 @@ pub struct CorridorScene {
     pub limits: DriveLimits,
     /// Its outline.
     pub footprint: Footprint,
+    /// The line of its lane, longer than its way.
+    pub lane: Segment,
+    /// The lane's corridor.
+    pub corridor: Corridor,
     /// The floor that it may take while it holds the lane: what the map says.
     pub floor: Hull,
     /// The worker.
@@ -89,7 +97,7 @@ impl CorridorScene {
         let (length_m, speed_mps, width) = match kind {
             SceneKind::CaseOne | SceneKind::CaseTwo => (4.9, 0.6, (2.0, 2.0)),
             SceneKind::CaseThree => (5.0, 0.6, (2.0, 2.0)),
-            _ => (dice.between(10.0, 16.0), 1.2, (dice.between(1.6, 2.4), dice.between(1.6, 2.4))),
+            _ => (dice.between(10.0, 16.0), 1.2, (dice.between(2.0, 2.5), dice.between(2.0, 2.5))),
         };
         let side = if dice.happens_of(0.5) { 1.0 } else { -1.0 };
         let degrees = |low: f64, high: f64, dice: &mut Stream| dice.between(low, high).to_radians();
@@ -100,17 +108,21 @@ impl CorridorScene {
             SceneKind::Crossing => (degrees(30.0, 150.0, dice), dice.between(0.4, 1.5)),
             SceneKind::Along => (degrees(-5.0, 5.0, dice), dice.between(0.3, 0.7)),
             SceneKind::Against => (degrees(175.0, 185.0, dice), dice.between(0.5, 1.4)),
+            SceneKind::Standing => (degrees(0.0, 180.0, dice), 0.0),
         };
         let heading = angle * side;
         let start = match kind {
             SceneKind::Along => Point::new(dice.between(3.0, 5.0), dice.between(-1.0, 1.0)),
             SceneKind::Against => Point::new(length_m + dice.between(-1.0, 1.0), dice.between(-1.2, 1.2)),
+            SceneKind::Standing => {
+                Point::new(length_m * dice.between(0.4, 0.6), side * dice.between(0.8, 1.3))
+            }
             _ => {
                 let late_s = dice.between(-1.0, 1.0);
                 before_the_meeting(length_m * dice.between(0.4, 0.6), speed_mps, late_s, heading, walking)
             }
         };
-        let turns = !SceneKind::CASES.contains(&kind) && dice.happens_of(0.2);
+        let turns = kind != SceneKind::Standing && !SceneKind::CASES.contains(&kind) && dice.happens_of(0.2);
         let (when, by) = (dice.between(2.0, 8.0), dice.between(-1.2, 1.2));
         let walk = Walk { start, heading, speed_mps: walking, turn: turns.then_some((when, by)) };
         CorridorScene::new(length_m, speed_mps, width, walk, kind.crosses())
@@ -137,8 +149,10 @@ impl CorridorScene {
         let corners = [(-0.35, -0.28), (0.35, -0.28), (0.35, 0.28), (-0.35, 0.28)];
         let corners = corners.map(|(x, y)| Point::new(x, y)).to_vec();
         let footprint = Footprint::Polygon { corners, turns: true };
-        let floor = floor(length_m, Corridor { left_m, right_m }, &footprint);
-        CorridorScene { length_m, limits, footprint, floor, walk, crosses }
+        let corridor = Corridor { left_m, right_m };
+        let lane = Segment { a: Point::new(-BEYOND_M, 0.0), b: Point::new(length_m + BEYOND_M, 0.0) };
+        let floor = floor(lane, corridor, &footprint);
+        CorridorScene { length_m, limits, footprint, lane, corridor, floor, walk, crosses }
     }
 
     /// The line that the robot drives where nobody is in its way.
@@ -155,9 +169,9 @@ fn before_the_meeting(at_m: f64, speed_mps: f64, late_s: f64, heading: f64, walk
 }
 
 /// The floor that a robot with this outline may take on a lane with this corridor: from a map like any other.
-fn floor(length_m: f64, corridor: Corridor, footprint: &Footprint) -> Hull {
+fn floor(lane: Segment, corridor: Corridor, footprint: &Footprint) -> Hull {
     let node = |name: &str, x: f64| DraftNode { name: name.into(), at: Point::new(x, 0.0) };
-    let (low, high) = (-BEYOND_M, length_m + BEYOND_M);
+    let (low, high) = (lane.a.x, lane.b.x);
     let lane = |a: &str, b: &str| DraftLane::both_ways(a, b, Users::ALL);
     let draft = Draft {
         name: "corridor".into(),
