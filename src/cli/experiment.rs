@@ -3,6 +3,7 @@
 //! Main type: [`Experiment`]. Refuses: to print a figure that depends on chance without its seed.
 
 use super::alarms::AlarmsArgs;
+use super::corridor::CorridorArgs;
 use super::people::{DetectionArgs, TableArgs};
 use super::price::PriceArgs;
 use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
@@ -37,6 +38,8 @@ pub enum Experiment {
     Alarms(AlarmsArgs),
     /// Safe spaces of workers and robots, and when a route is kept (Ye et al.), beside ours.
     SafeSpace(SafeSpaceArgs),
+    /// Robots that leave the line of a lane to pass a worker (Ye et al., dynamic windows), and robots that wait.
+    Corridor(CorridorArgs),
 }
 
 /// The stories.
@@ -94,6 +97,7 @@ impl Experiment {
             Experiment::Meetings(encounters) => encounters.run(),
             Experiment::Alarms(alarms) => alarms.run(),
             Experiment::SafeSpace(spaces) => spaces.run(),
+            Experiment::Corridor(corridor) => corridor.run(),
         }
     }
 }

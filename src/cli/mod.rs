@@ -11,6 +11,7 @@ mod alarms;
 mod bench;
 mod bench_memory;
 mod bench_steps;
+mod corridor;
 mod database;
 mod experiment;
 mod frames;

@@ -5,10 +5,11 @@
 //! recognised), [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways
 //! of giving way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for),
 //! [`alarms`] (which alarms follow from faults), [`steps`] (what a step costs), [`month`] (what it keeps),
-//! [`statistics`].
+//! [`corridor`] (robots that leave the line to pass a worker), [`statistics`].
 //! Refuses: to read files or clocks; the caller passes texts in and takes figures out.
 
 pub mod alarms;
+pub mod corridor;
 mod dice;
 pub mod distances;
 pub mod grid;

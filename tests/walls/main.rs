@@ -14,7 +14,7 @@ use std::path::Path;
 use tokens::{Token, functions, paths, tokens, without_tests};
 
 /// The core in its order: each may name those before it. `human` and `route` meet only in `aware`.
-const CORE: [&str; 12] = [
+const CORE: [&str; 13] = [
     "time",
     "id",
     "geometry",
@@ -24,6 +24,7 @@ const CORE: [&str; 12] = [
     "human",
     "aware",
     "cell",
+    "local",
     "fleet",
     "history",
     "alarm",
@@ -88,6 +89,8 @@ fn may_name(top: &str) -> Vec<&'static str> {
         "human" => core(5),
         // Neither routes nor timelines, nor people beyond arm's length.
         "cell" => core(4),
+        // People and the floor, neither routes nor timelines.
+        "local" => [core(4), vec!["human", "aware"]].concat(),
         "experiment" => [core(CORE.len()), vec!["sim"]].concat(),
         "sim" | "store" | "api" | "vda5050" => core(CORE.len()),
         "server" => [core(CORE.len()), AROUND.to_vec(), EDGE[..3].to_vec()].concat(),
