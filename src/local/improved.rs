@@ -9,13 +9,15 @@
 use super::drive::{DriveLimits, DriveState, Twist, aim};
 use super::spaces::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson, Spaces};
 use crate::geometry::{Point, Pose, Segment, Vector};
+use crate::human::{Mixture, Part};
 
 /// Figures of the improved method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImprovedWeights {
     /// What a metre of detour costs beside the time that it takes, seconds.
     pub detour_s_per_m: f64,
-    /// What a second within a person's safe space costs, seconds.
+    /// What a second within a person's safe space costs, seconds, where it is as probable as not; about two thirds of
+    /// this.
     pub near_s_per_s: f64,
     /// What turning costs, seconds per radian per second: it keeps ways smooth.
     pub turn_s_per_rps: f64,
@@ -43,6 +45,9 @@ const LETS_PASS_S: f64 = 2.4;
 /// no promise, but it must not look free where it is not.
 const OUTSIDE_PER_M: f64 = 50.0;
 
+/// No person is taken to be in the way more surely than this.
+const SURE: f64 = 0.998;
+
 /// What becomes of the speed after the step that is decided.
 #[derive(Clone, Copy)]
 enum Then {
@@ -65,27 +70,30 @@ pub(super) struct Outlook<'a> {
 }
 
 impl ImprovedWeights {
-    /// What it costs to drive so, seconds.
-    pub(super) fn cost(&self, look: &Outlook<'_>, twist: Twist) -> f64 {
+    /// What it costs to drive so, seconds; infinite where it is not below `bound`.
+    pub(super) fn cost(&self, look: &Outlook<'_>, twist: Twist, bound: f64) -> f64 {
         let turning = self.turn_s_per_rps * twist.turn_rps.abs();
         let ways =
             ASIDE.into_iter().flat_map(|aside| [Then::Gain, Then::Keep, Then::LetPass].map(|t| (aside, t)));
-        let least = ways.fold(f64::INFINITY, |least, (aside, then)| {
+        let least = ways.fold(bound - turning, |least, (aside, then)| {
             let aside_m = aside * if aside > 0.0 { look.room_m.0 } else { look.room_m.1 };
             least.min(self.way(look, twist, aside_m, then, least))
         });
-        turning + least
+        if least < bound - turning { turning + least } else { f64::INFINITY }
     }
 
-    /// What one way costs; infinite as soon as it is more than `least`.
+    /// What one way costs; infinite as soon as it cannot be less than `least`.
     fn way(&self, look: &Outlook<'_>, first: Twist, aside_m: f64, then: Then, least: f64) -> f64 {
         let (mut pose, mut twist) = (look.state.pose, first);
-        let (mut near_s, mut outside, mut driven_m, mut passed_s) = (0.0, 0.0, 0.0, 0.0);
+        let (mut extra_s, mut driven_m, mut passed_s) = (0.0, 0.0, 0.0);
         let left_before = (look.goal - pose.at).norm();
+        let mut left = left_before;
         for k in 0..AHEAD_STEPS {
-            let left = (look.goal - pose.at).norm();
             if k > 0 {
                 twist = next(look, twist, pose, (left, aside_m), then, passed_s);
+                if !may_go(look, pose, twist, k - 1) {
+                    twist.speed_mps = 0.0;
+                }
             }
             // The last step ends at the goal.
             let dt =
@@ -93,22 +101,23 @@ impl ImprovedWeights {
             pose = twist.moved(pose, dt);
             driven_m += twist.speed_mps * dt;
             passed_s += dt;
-            near_s += dt * self.nearness(look, pose, twist, k);
-            outside += dt * outside_m(look, pose.at);
+            left = (look.goal - pose.at).norm();
+            extra_s += dt * OUTSIDE_PER_M * outside_m(look, pose.at);
+            // No way on is shorter than straight at full speed.
+            if passed_s + left / look.limits.speed_mps + extra_s > least {
+                return f64::INFINITY;
+            }
+            extra_s += dt * self.near_s_per_s * self.nearness(look, pose, twist, k);
             if dt < AHEAD_STEP_S {
                 break;
             }
-            if self.near_s_per_s * near_s > least {
-                return f64::INFINITY;
-            }
         }
-        let left = (look.goal - pose.at).norm();
         let detour = (driven_m + left - left_before).max(0.0);
-        let time_s = passed_s + left / look.limits.speed_mps;
-        time_s + self.detour_s_per_m * detour + self.near_s_per_s * near_s + OUTSIDE_PER_M * outside
+        passed_s + left / look.limits.speed_mps + self.detour_s_per_m * detour + extra_s
     }
 
-    /// How probably the robot is within somebody's safe space after step `k`: a number from 0 to about 1 for each.
+    /// How near the robot is to people after step `k`: minus the logarithm of the probability that it is in nobody's safe
+    /// space. Little doubt costs little; where somebody surely is, there is no way through.
     fn nearness(&self, look: &Outlook<'_>, pose: Pose, twist: Twist, k: usize) -> f64 {
         let ahead = Vector::new(libm::cos(pose.heading), libm::sin(pose.heading)) * twist.speed_mps;
         let after_s = AHEAD_STEP_S * (k + 1) as f64;
@@ -119,16 +128,17 @@ impl ImprovedWeights {
                 let inside = look.spaces.need_m(ahead, velocity, from_robot) - from_robot.norm();
                 1.0 / (1.0 + libm::exp(-inside / (self.edge_m + 0.5 * spread_m)))
             };
-            match person.ahead.get(k) {
-                None => sum += one(person.at, Vector::zeros(), 0.0),
+            let within = match person.ahead.get(k) {
+                None => one(person.at, Vector::zeros(), 0.0),
                 Some(mixture) => {
-                    for part in &mixture.parts {
-                        let spread = (part.cov.trace() / 2.0).max(0.0).sqrt();
-                        let velocity = (part.mean - person.at) / after_s;
-                        sum += part.weight * one(part.mean, velocity, spread);
-                    }
+                    let part = |p: &Part| {
+                        let spread = (p.cov.trace() / 2.0).max(0.0).sqrt();
+                        p.weight * one(p.mean, (p.mean - person.at) / after_s, spread)
+                    };
+                    mixture.parts.iter().map(part).sum()
                 }
-            }
+            };
+            sum -= libm::log(1.0 - within.min(SURE));
         }
         sum
     }
@@ -157,6 +167,17 @@ fn next(
     let wanted = aim(pose, steers_for(look, pose.at, speed_mps, aside_m)) / AIM_S;
     let turn_rps = wanted.clamp(now.turn_rps - change, now.turn_rps + change);
     Twist { speed_mps, turn_rps: turn_rps.clamp(-limits.turn_rps, limits.turn_rps) }
+}
+
+/// Whether the robot will be allowed to drive on after step `k`, where people are as they are expected. Where it will not,
+/// it stands, and may turn.
+fn may_go(look: &Outlook<'_>, pose: Pose, twist: Twist, k: usize) -> bool {
+    let ahead = Vector::new(libm::cos(pose.heading), libm::sin(pose.heading)) * twist.speed_mps;
+    look.people.iter().all(|p| {
+        let mean = p.ahead.get(k).and_then(Mixture::mean).unwrap_or(p.at);
+        let velocity = (mean - p.at) / (AHEAD_STEP_S * (k + 1) as f64);
+        look.spaces.allow(ahead, velocity, mean - pose.at)
+    })
 }
 
 /// How far the middle of the robot is beyond where it may be, metres.

@@ -11,6 +11,8 @@ mod improved;
 mod outline;
 mod planner;
 mod spaces;
+#[cfg(test)]
+mod tests;
 mod traditional;
 
 pub use drive::{DriveLimits, DriveState, Twist};

@@ -77,7 +77,7 @@ impl LocalPlanner {
         let look = Outlook { limits, spaces: &self.spaces, room_m, line, state, goal, people };
         let mut best: Option<(f64, Twist)> = None;
         for twist in window.twists() {
-            let Some(value) = self.value(&look, twist) else { continue };
+            let Some(value) = self.value(&look, twist, best.map(|(b, _)| b)) else { continue };
             if best.is_none_or(|(b, _)| value > b) && self.keeps_to_floor(state, twist) {
                 best = Some((value, twist));
             }
@@ -85,8 +85,8 @@ impl LocalPlanner {
         best.map_or_else(|| limits.braked(state.twist), |(_, twist)| twist)
     }
 
-    /// How good it is to drive so; nothing where it is out of the question.
-    fn value(&self, look: &Outlook<'_>, twist: Twist) -> Option<f64> {
+    /// How good it is to drive so; nothing where it is out of the question, or surely no better than the `best` so far.
+    fn value(&self, look: &Outlook<'_>, twist: Twist, best: Option<f64>) -> Option<f64> {
         match &self.method {
             LocalMethod::Line => {
                 (twist.turn_rps == 0.0 && self.is_safe(look, twist)).then_some(twist.speed_mps)
@@ -95,7 +95,11 @@ impl LocalPlanner {
                 let circle_m = self.spaces.circle_m;
                 weights.value(look.limits, circle_m, look.state, twist, look.goal, look.people)
             }
-            LocalMethod::Improved(weights) => self.is_safe(look, twist).then(|| -weights.cost(look, twist)),
+            LocalMethod::Improved(weights) => {
+                let bound = best.map_or(f64::INFINITY, |b| -b);
+                let cost = self.is_safe(look, twist).then(|| weights.cost(look, twist, bound))?;
+                (cost < f64::INFINITY).then_some(-cost)
+            }
         }
     }
 

@@ -121,8 +121,6 @@ pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) ->
         now = now + TICK;
         tick += 1;
         robot.check(scene, &worker);
-            eprintln!("{tick} {:?} worker {:?} own {}", robot.state, worker.at(), robot.own.stops);
-        }
         if (goal - robot.state.pose.at).norm() < THERE_M {
             robot.run.reached = true;
             robot.run.path_m += (goal - robot.state.pose.at).norm();

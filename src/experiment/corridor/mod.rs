@@ -173,3 +173,40 @@ pub fn by_angle(seed: u64, runs: u64) -> Vec<(f64, f64, [Vec<CorridorRun>; 3])> 
     }
     table
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_law_is_broken_and_the_same_seed_gives_the_same_runs() {
+        let report = corridor(3, 1);
+        assert_eq!(report.law_violations(), 0);
+        for (kind, arm, runs) in &report.runs {
+            assert_eq!(*runs, driven(*kind, arm.method(), 3, 1), "{kind:?} {arm:?}");
+            for r in runs.iter().filter(|r| r.reached) {
+                assert!(r.path_m > 4.8 && r.time_s > 8.0 && r.closest_m > 0.0, "{kind:?} {arm:?} {r:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn who_keeps_to_the_line_drives_its_length_and_waits_for_ever_behind_who_stands() {
+        let line = |kind| driven(kind, CorridorArm::Stop.method(), 5, 2);
+        for run in line(SceneKind::CaseOne) {
+            assert!(run.reached && (run.path_m - 4.9).abs() < 1e-6, "{run:?}");
+        }
+        assert!(line(SceneKind::Standing).iter().all(|r| !r.reached));
+        let round = driven(SceneKind::Standing, CorridorArm::Improved.method(), 5, 2);
+        assert!(round.iter().all(|r| r.reached && r.own_stops == 0), "{round:?}");
+    }
+
+    #[test]
+    fn a_planner_that_sees_nobody_is_stopped_by_the_robots_own_scanner_and_touches_nobody() {
+        // An inflated obstacle of no size, and no weight on distance: it drives straight on.
+        let blind = TraditionalWeights { clearance: 0.0, inflated_m: -0.4, ..TraditionalWeights::default() };
+        let runs = driven(SceneKind::CaseOne, LocalMethod::Traditional(blind), 2, 4);
+        assert!(runs.iter().map(|r| r.own_stops).sum::<u32>() > 0, "{runs:?}");
+        assert!(runs.iter().all(|r| r.violations == 0 && r.closest_m > 0.0), "{runs:?}");
+    }
+}

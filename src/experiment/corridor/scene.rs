@@ -95,16 +95,16 @@ impl CorridorScene {
     /// One scene of a kind. Everything that is not said by the kind is drawn.
     pub fn drawn(kind: SceneKind, dice: &mut Stream) -> CorridorScene {
         let (length_m, speed_mps, width) = match kind {
-            SceneKind::CaseOne | SceneKind::CaseTwo => (4.9, 0.6, (2.0, 2.0)),
-            SceneKind::CaseThree => (5.0, 0.6, (2.0, 2.0)),
+            SceneKind::CaseOne | SceneKind::CaseTwo => (4.9, 0.6, (3.0, 3.0)),
+            SceneKind::CaseThree => (5.0, 0.6, (3.0, 3.0)),
             _ => (dice.between(10.0, 16.0), 1.2, (dice.between(2.0, 2.5), dice.between(2.0, 2.5))),
         };
         let side = if dice.happens_of(0.5) { 1.0 } else { -1.0 };
         let degrees = |low: f64, high: f64, dice: &mut Stream| dice.between(low, high).to_radians();
         let (angle, walking) = match kind {
-            SceneKind::CaseOne => (degrees(80.0, 100.0, dice), dice.between(0.3, 0.45)),
-            SceneKind::CaseTwo => (degrees(55.0, 75.0, dice), dice.between(0.4, 0.6)),
-            SceneKind::CaseThree => (degrees(115.0, 140.0, dice), dice.between(0.5, 0.8)),
+            SceneKind::CaseOne => (degrees(80.0, 100.0, dice), dice.between(0.5, 0.65)),
+            SceneKind::CaseTwo => (degrees(55.0, 75.0, dice), dice.between(0.6, 0.8)),
+            SceneKind::CaseThree => (degrees(115.0, 140.0, dice), dice.between(0.7, 1.0)),
             SceneKind::Crossing => (degrees(30.0, 150.0, dice), dice.between(0.4, 1.5)),
             SceneKind::Along => (degrees(-5.0, 5.0, dice), dice.between(0.3, 0.7)),
             SceneKind::Against => (degrees(175.0, 185.0, dice), dice.between(0.5, 1.4)),
