@@ -28,8 +28,9 @@ pub struct CorridorArgs {
 }
 
 /// Pairs of arms that are compared.
-const PAIRS: [(CorridorArm, CorridorArm); 3] = [
+const PAIRS: [(CorridorArm, CorridorArm); 4] = [
     (CorridorArm::Improved, CorridorArm::Traditional),
+    (CorridorArm::Improved, CorridorArm::TraditionalEqual),
     (CorridorArm::Improved, CorridorArm::Stop),
     (CorridorArm::Traditional, CorridorArm::Stop),
 ];
@@ -109,7 +110,7 @@ fn interval(i: Interval) -> Value {
     json!({"mean": i.mean.map(round), "ci95": i.ci95.map(|(low, high)| [round(low), round(high)])})
 }
 
-fn cell((degrees, walks, arms): &(f64, f64, [Vec<CorridorRun>; 3])) -> Value {
+fn cell((degrees, walks, arms): &(f64, f64, [Vec<CorridorRun>; 4])) -> Value {
     let of = CorridorArm::ALL.into_iter().zip(arms).map(|(a, runs)| (a.name().to_owned(), figures(runs)));
     json!({"angle_deg": degrees, "walking_mps": walks, "arms": of.collect::<Map<_, _>>()})
 }
@@ -119,7 +120,7 @@ fn round(x: f64) -> f64 {
 }
 
 fn print_scenes(report: &CorridorReport) {
-    println!("scene      arm            path m   time s  closest m  behind  reached  own stops");
+    println!("scene      arm                  path m   time s  closest m  behind  reached  own stops");
     for kind in SceneKind::CASES.into_iter().chain(SceneKind::AISLES) {
         for arm in CorridorArm::ALL {
             print_row(kind.name(), arm, &report.of(&[kind], arm));
@@ -130,7 +131,7 @@ fn print_scenes(report: &CorridorReport) {
         CorridorArm::ALL.into_iter().for_each(|arm| print_row(name, arm, &report.of(kinds, arm)));
         for (ours, theirs) in PAIRS {
             let pair = format!("{} − {}", ours.name(), theirs.name());
-            print!("{name:<11}{pair:<24}");
+            print!("{name:<11}{pair:<30}");
             for (key, f) in FIGURES {
                 let i = report.paired(kinds, ours, theirs, f);
                 let (mean, (low, high)) =
@@ -145,11 +146,11 @@ fn print_scenes(report: &CorridorReport) {
 fn print_row(name: &str, arm: CorridorArm, runs: &[CorridorRun]) {
     let f = CorridorFigures::of(runs);
     let behind = f.behind.map_or_else(|| "–".into(), |b| format!("{b:.2}"));
-    print!("{name:<11}{:<12}{:9.2}{:9.1}{:11.2}", arm.name(), f.path_m, f.time_s, f.closest_m);
+    print!("{name:<11}{:<18}{:9.2}{:9.1}{:11.2}", arm.name(), f.path_m, f.time_s, f.closest_m);
     println!("{behind:>8}{:9.2}{:11.2}", f.reached, f.own_stops);
 }
 
-fn print_table(table: &[(f64, f64, [Vec<CorridorRun>; 3])]) {
+fn print_table(table: &[(f64, f64, [Vec<CorridorRun>; 4])]) {
     if table.is_empty() {
         return;
     }
@@ -157,7 +158,7 @@ fn print_table(table: &[(f64, f64, [Vec<CorridorRun>; 3])]) {
         "\nangle  walking | path m and time s: stop, traditional, improved | behind: traditional, improved"
     );
     for (degrees, walks, arms) in table {
-        let [stop, traditional, improved] = arms.each_ref().map(|runs| CorridorFigures::of(runs));
+        let [stop, traditional, _, improved] = arms.each_ref().map(|runs| CorridorFigures::of(runs));
         print!("{degrees:4.0}°  {walks:.1} m/s |");
         for f in [stop, traditional, improved] {
             print!(" {:6.2} {:5.1} ", f.path_m, f.time_s);

@@ -27,7 +27,7 @@ pub struct ImprovedWeights {
 
 impl Default for ImprovedWeights {
     fn default() -> ImprovedWeights {
-        ImprovedWeights { detour_s_per_m: 1.0, near_s_per_s: 3.0, turn_s_per_rps: 0.02, edge_m: 0.1 }
+        ImprovedWeights { detour_s_per_m: 3.0, near_s_per_s: 0.2, turn_s_per_rps: 0.01, edge_m: 0.15 }
     }
 }
 
@@ -162,9 +162,12 @@ fn next(
         }
         Then::LetPass | Then::Gain => gained,
     };
-    let speed_mps = speed_mps.min((2.0 * limits.brake_mps2 * left_m).sqrt());
     let change = limits.turn_accel_rps2 * AHEAD_STEP_S;
-    let wanted = aim(pose, steers_for(look, pose.at, speed_mps, aside_m)) / AIM_S;
+    let off = aim(pose, steers_for(look, pose.at, speed_mps, aside_m));
+    // What lies to the side or behind is turned to first: so it is worth something to begin with that now.
+    let facing = limits.speed_mps * libm::cos(off).max(0.0);
+    let speed_mps = speed_mps.min((2.0 * limits.brake_mps2 * left_m).sqrt()).min(facing);
+    let wanted = off / AIM_S;
     let turn_rps = wanted.clamp(now.turn_rps - change, now.turn_rps + change);
     Twist { speed_mps, turn_rps: turn_rps.clamp(-limits.turn_rps, limits.turn_rps) }
 }

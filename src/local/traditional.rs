@@ -6,6 +6,7 @@
 
 use super::drive::{DriveLimits, DriveState, Twist, aim};
 use super::spaces::NearPerson;
+use crate::aware::safe_space::ARM_SPAN_M;
 use crate::geometry::Point;
 
 /// Figures of the traditional method. The built-in ones are those that served it best (`docs/corridors.md`).
@@ -28,12 +29,12 @@ pub struct TraditionalWeights {
 impl Default for TraditionalWeights {
     fn default() -> TraditionalWeights {
         TraditionalWeights {
-            heading: 1.0,
-            clearance: 0.3,
-            speed: 0.5,
-            ahead_s: 2.0,
-            inflated_m: 0.89,
-            enough_m: 1.0,
+            heading: 0.73,
+            clearance: 0.41,
+            speed: 2.57,
+            ahead_s: 1.72,
+            inflated_m: 1.65,
+            enough_m: 2.9,
         }
     }
 }
@@ -42,6 +43,16 @@ impl Default for TraditionalWeights {
 const STEP_S: f64 = 0.2;
 
 impl TraditionalWeights {
+    /// Equal weights, and a person as wide as the reach of the arms (Ye et al.): as it is without tuning.
+    pub const EQUAL: TraditionalWeights = TraditionalWeights {
+        heading: 1.0,
+        clearance: 1.0,
+        speed: 1.0,
+        ahead_s: 2.0,
+        inflated_m: ARM_SPAN_M / 2.0,
+        enough_m: 1.5,
+    };
+
     /// How good it is to drive so; nothing where the robot could not come to rest before an inflated person.
     pub(super) fn value(
         &self,

@@ -21,21 +21,25 @@ use crate::sim::random::Stream;
 pub enum CorridorArm {
     /// It stays on the line and stops before the worker's safe space.
     Stop,
-    /// The traditional dynamic window.
+    /// The traditional dynamic window, with the weights that serve it best.
     Traditional,
+    /// The same with equal weights.
+    TraditionalEqual,
     /// The improved one.
     Improved,
 }
 
 impl CorridorArm {
     /// All of them.
-    pub const ALL: [CorridorArm; 3] = [CorridorArm::Stop, CorridorArm::Traditional, CorridorArm::Improved];
+    pub const ALL: [CorridorArm; 4] =
+        [CorridorArm::Stop, CorridorArm::Traditional, CorridorArm::TraditionalEqual, CorridorArm::Improved];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {
             CorridorArm::Stop => "stop",
             CorridorArm::Traditional => "traditional",
+            CorridorArm::TraditionalEqual => "traditional_equal",
             CorridorArm::Improved => "improved",
         }
     }
@@ -44,6 +48,7 @@ impl CorridorArm {
         match self {
             CorridorArm::Stop => LocalMethod::Line,
             CorridorArm::Traditional => LocalMethod::Traditional(TraditionalWeights::default()),
+            CorridorArm::TraditionalEqual => LocalMethod::Traditional(TraditionalWeights::EQUAL),
             CorridorArm::Improved => LocalMethod::Improved(ImprovedWeights::default()),
         }
     }
@@ -150,7 +155,7 @@ pub const ANGLES_DEG: [f64; 5] = [30.0, 60.0, 90.0, 120.0, 150.0];
 pub const WALKS_MPS: [f64; 4] = [0.4, 0.7, 1.0, 1.4];
 
 /// An aisle of 12 m that is crossed in its middle: all arms at each angle and speed.
-pub fn by_angle(seed: u64, runs: u64) -> Vec<(f64, f64, [Vec<CorridorRun>; 3])> {
+pub fn by_angle(seed: u64, runs: u64) -> Vec<(f64, f64, [Vec<CorridorRun>; 4])> {
     let mut table = Vec::new();
     for (i, degrees) in ANGLES_DEG.into_iter().enumerate() {
         for (j, walks) in WALKS_MPS.into_iter().enumerate() {
