@@ -2,7 +2,7 @@
 //!
 //! Main type: [`ImprovedWeights`]; main function: [`ImprovedWeights::cost`]. Source: Ye, Guo, Guo and Luo (2024),
 //! section 3.3: only one short step is ever decided. What comes after it is looked at in a few plain ways (on the line or
-//! aside of it; gain speed, keep it, turn on the spot, or let somebody pass first), and the cheapest counts. Costs are seconds. A way behind
+//! aside of it; gain speed, keep it, or let somebody pass first), and the cheapest counts. Costs are seconds. A way behind
 //! a person wins where it is cheaper; nothing else makes the robot choose it. Refuses: to be sure of a forecast: each part
 //! of it counts with its probability.
 
@@ -27,7 +27,7 @@ pub struct ImprovedWeights {
 
 impl Default for ImprovedWeights {
     fn default() -> ImprovedWeights {
-        ImprovedWeights { detour_s_per_m: 1.5, near_s_per_s: 0.3, turn_s_per_rps: 0.01, edge_m: 0.15 }
+        ImprovedWeights { detour_s_per_m: 3.0, near_s_per_s: 0.2, turn_s_per_rps: 0.01, edge_m: 0.15 }
     }
 }
 
@@ -48,20 +48,12 @@ const OUTSIDE_PER_M: f64 = 50.0;
 /// No person is taken to be in the way more surely than this.
 const SURE: f64 = 0.998;
 
-/// Who turns on the spot goes on from this angle to where it wants, radians.
-const FACES_RAD: f64 = 0.15;
-
 /// What becomes of the speed after the step that is decided.
 #[derive(Clone, Copy)]
 enum Then {
     Gain,
     Keep,
-    Turn,
     LetPass,
-}
-
-impl Then {
-    const ALL: [Then; 4] = [Then::Gain, Then::Turn, Then::Keep, Then::LetPass];
 }
 
 /// What all ways from here have in common.
@@ -81,7 +73,8 @@ impl ImprovedWeights {
     /// What it costs to drive so, seconds; infinite where it is not below `bound`.
     pub(super) fn cost(&self, look: &Outlook<'_>, twist: Twist, bound: f64) -> f64 {
         let turning = self.turn_s_per_rps * twist.turn_rps.abs();
-        let ways = ASIDE.into_iter().flat_map(|aside| Then::ALL.map(|t| (aside, t)));
+        let ways =
+            ASIDE.into_iter().flat_map(|aside| [Then::Gain, Then::Keep, Then::LetPass].map(|t| (aside, t)));
         let least = ways.fold(bound - turning, |least, (aside, then)| {
             let aside_m = aside * if aside > 0.0 { look.room_m.0 } else { look.room_m.1 };
             least.min(self.way(look, twist, aside_m, then, least))
@@ -102,13 +95,9 @@ impl ImprovedWeights {
                     twist.speed_mps = 0.0;
                 }
             }
-            // The last step ends at the goal, and a turn on the spot ends when it faces where it wants.
-            let arrives = twist.speed_mps * AHEAD_STEP_S > left;
-            let dt = match then {
-                _ if arrives => left / twist.speed_mps,
-                Then::Turn if k > 0 && twist.speed_mps == 0.0 => turning_s(look, pose, twist, aside_m),
-                _ => AHEAD_STEP_S,
-            };
+            // The last step ends at the goal.
+            let dt =
+                if twist.speed_mps * AHEAD_STEP_S > left { left / twist.speed_mps } else { AHEAD_STEP_S };
             pose = twist.moved(pose, dt);
             driven_m += twist.speed_mps * dt;
             passed_s += dt;
@@ -118,9 +107,8 @@ impl ImprovedWeights {
             if passed_s + left / look.limits.speed_mps + extra_s > least {
                 return f64::INFINITY;
             }
-            let step = ((passed_s / AHEAD_STEP_S).ceil() as usize).clamp(1, AHEAD_STEPS) - 1;
-            extra_s += dt * self.near_s_per_s * self.nearness(look, pose, twist, step);
-            if arrives {
+            extra_s += dt * self.near_s_per_s * self.nearness(look, pose, twist, k);
+            if dt < AHEAD_STEP_S {
                 break;
             }
         }
@@ -167,20 +155,16 @@ fn next(
 ) -> Twist {
     let limits = look.limits;
     let gained = (now.speed_mps + limits.accel_mps2 * AHEAD_STEP_S).min(limits.speed_mps);
-    let off = aim(pose, steers_for(look, pose.at, now.speed_mps, aside_m));
     let speed_mps = match then {
         Then::Keep => now.speed_mps,
         Then::LetPass if passed_s < LETS_PASS_S => {
             (now.speed_mps - limits.brake_mps2 * AHEAD_STEP_S).max(0.0)
         }
-        Then::Turn if off.abs() > FACES_RAD => 0.0,
-        Then::LetPass | Then::Gain | Then::Turn => gained,
+        Then::LetPass | Then::Gain => gained,
     };
+    let speed_mps = speed_mps.min((2.0 * limits.brake_mps2 * left_m).sqrt());
     let change = limits.turn_accel_rps2 * AHEAD_STEP_S;
-    // What lies to the side or behind is turned to first: so it is worth something to begin with that now.
-    let facing = limits.speed_mps * libm::cos(off).max(0.0);
-    let speed_mps = speed_mps.min((2.0 * limits.brake_mps2 * left_m).sqrt()).min(facing);
-    let wanted = off / AIM_S;
+    let wanted = aim(pose, steers_for(look, pose.at, speed_mps, aside_m)) / AIM_S;
     let turn_rps = wanted.clamp(now.turn_rps - change, now.turn_rps + change);
     Twist { speed_mps, turn_rps: turn_rps.clamp(-limits.turn_rps, limits.turn_rps) }
 }
@@ -201,13 +185,6 @@ fn outside_m(look: &Outlook<'_>, at: Point) -> f64 {
     let way = look.line.b - look.line.a;
     let aside = way.perp(&(at - look.line.a)) / way.norm().max(1e-9);
     (aside - look.room_m.0).max(-aside - look.room_m.1).max(0.0)
-}
-
-/// How long a robot turns on the spot until it faces where it wants, seconds, a step at most. So a turn that is begun now
-/// is worth something, however long steps are.
-fn turning_s(look: &Outlook<'_>, pose: Pose, twist: Twist, aside_m: f64) -> f64 {
-    let off = aim(pose, steers_for(look, pose.at, 0.0, aside_m)).abs() - FACES_RAD;
-    (off / twist.turn_rps.abs().max(0.1)).clamp(0.02, AHEAD_STEP_S)
 }
 
 /// A point ahead, aside of the line; the goal where that is nearer.

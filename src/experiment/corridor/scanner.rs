@@ -91,7 +91,7 @@ mod tests {
                 }
             }
             // From straight behind a person may never come up with it before it has left.
-            assert!(own.stops == 1 || k == 12, "{k}");
+            assert!(own.stops >= 1 || k == 12, "{k}");
         }
     }
 }
