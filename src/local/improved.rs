@@ -1,10 +1,10 @@
 //! The improved dynamic window: where a person will be, instead of an inflated obstacle; speeds within safe spaces.
 //!
 //! Main type: [`ImprovedWeights`]; main function: [`ImprovedWeights::cost`]. Source: Ye, Guo, Guo and Luo (2024),
-//! section 3.3: only one short step is ever decided. What comes after it is looked at in a few plain ways (on the line or
-//! aside of it; gain speed, keep it, or let somebody pass first), and the cheapest counts. Costs are seconds. A way behind
-//! a person wins where it is cheaper; nothing else makes the robot choose it. Refuses: to be sure of a forecast: each part
-//! of it counts with its probability.
+//! section 3.3: only one short step is ever decided. What comes after it is looked at in a few plain ways (on the line
+//! or aside of it; gain speed, keep it, or let somebody pass first), and the cheapest counts. Costs are seconds. A way
+//! behind a person wins where it is cheaper; nothing else makes the robot choose it. Refuses: to be sure of a
+//! forecast: each part of it counts with its probability.
 
 use super::drive::{DriveLimits, DriveState, Twist, aim};
 use super::spaces::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson, Spaces};
@@ -31,8 +31,8 @@ impl Default for ImprovedWeights {
     }
 }
 
-/// Where the robot may drive after the step that is decided: on the line, and halfway or all the way to the edge of the
-/// corridor on each side.
+/// Where the robot may drive after the step that is decided: on the line, and halfway or all the way to the edge of
+/// the corridor on each side.
 const ASIDE: [f64; 5] = [0.0, 0.5, -0.5, 1.0, -1.0];
 /// The robot steers for a point so far ahead, seconds of its way and metres at least.
 const STEERS_FOR: (f64, f64) = (1.2, 0.8);
@@ -41,8 +41,8 @@ const AIM_S: f64 = 0.6;
 /// Who lets somebody pass brakes for so long, seconds, and gains speed then.
 const LETS_PASS_S: f64 = 2.4;
 
-/// What a second a metre outside of the corridor costs where only a later step would lead there, seconds: the way on is
-/// no promise, but it must not look free where it is not.
+/// What a second a metre outside of the corridor costs where only a later step would lead there, seconds: the way on
+/// is no promise, but it must not look free where it is not.
 const OUTSIDE_PER_M: f64 = 50.0;
 
 /// No person is taken to be in the way more surely than this.
@@ -116,8 +116,8 @@ impl ImprovedWeights {
         passed_s + left / look.limits.speed_mps + self.detour_s_per_m * detour + extra_s
     }
 
-    /// How near the robot is to people after step `k`: minus the logarithm of the probability that it is in nobody's safe
-    /// space. Little doubt costs little; where somebody surely is, there is no way through.
+    /// How near the robot is to people after step `k`: minus the logarithm of the probability that it is in nobody's
+    /// safe space. Little doubt costs little; where somebody surely is, there is no way through.
     fn nearness(&self, look: &Outlook<'_>, pose: Pose, twist: Twist, k: usize) -> f64 {
         let ahead = Vector::new(libm::cos(pose.heading), libm::sin(pose.heading)) * twist.speed_mps;
         let after_s = AHEAD_STEP_S * (k + 1) as f64;
@@ -169,8 +169,8 @@ fn next(
     Twist { speed_mps, turn_rps: turn_rps.clamp(-limits.turn_rps, limits.turn_rps) }
 }
 
-/// Whether the robot will be allowed to drive on after step `k`, where people are as they are expected. Where it will not,
-/// it stands, and may turn.
+/// Whether the robot will be allowed to drive on after step `k`, where people are as they are expected. Where it will
+/// not, it stands, and may turn.
 fn may_go(look: &Outlook<'_>, pose: Pose, twist: Twist, k: usize) -> bool {
     let ahead = Vector::new(libm::cos(pose.heading), libm::sin(pose.heading)) * twist.speed_mps;
     look.people.iter().all(|p| {

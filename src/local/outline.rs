@@ -1,6 +1,7 @@
 //! A robot's outline as the local planner needs it: placed at many poses in a tick without asking for memory.
 //!
-//! Main type: [`RobotOutline`]. Refuses: outlines of more than sixteen corners without memory; those ask for some once.
+//! Main type: [`RobotOutline`]. Refuses: outlines of more than sixteen corners without memory; those ask for some
+//! once.
 
 use crate::geometry::{Point, Pose, Segment, Vector};
 use crate::warehouse::{Footprint, Hull};

@@ -85,7 +85,8 @@ impl LocalPlanner {
         best.map_or_else(|| limits.braked(state.twist), |(_, twist)| twist)
     }
 
-    /// How good it is to drive so; nothing where it is out of the question, or surely no better than the `best` so far.
+    /// How good it is to drive so; nothing where it is out of the question, or surely no better than the `best` so
+    /// far.
     fn value(&self, look: &Outlook<'_>, twist: Twist, best: Option<f64>) -> Option<f64> {
         match &self.method {
             LocalMethod::Line => {
@@ -118,8 +119,8 @@ impl LocalPlanner {
     }
 
     /// Whether the outline stays within the corridor during the next period and while the robot brakes after it, with
-    /// room to turn on the spot where it stands then, unless that is no farther from the line than it is now: so it never
-    /// stands at the edge and can neither turn nor go on.
+    /// room to turn on the spot where it stands then, unless that is no farther from the line than it is now: so it
+    /// never stands at the edge and can neither turn nor go on.
     fn keeps_to_floor(&self, state: &DriveState, twist: Twist) -> bool {
         let limits = &self.spaces.limits;
         let all_s = limits.period_s + limits.stop_s(twist.speed_mps) / 2.0;

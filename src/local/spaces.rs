@@ -1,8 +1,8 @@
 //! How near a robot may come to a person at which speed: safe spaces with the speeds that both really have.
 //!
-//! Main types: [`NearPerson`]; main function: [`Spaces::need_m`]. Source: Ye, Guo, Guo and Luo (2024), equations 3 to 8,
-//! with `v_w` and `v_r` as the text defines them: the speeds of the worker towards the robot and of the robot towards
-//! the worker, not the 1.6 m/s of equation 4, which holds where a worker's speed is unknown. Refuses: walls.
+//! Main types: [`NearPerson`]; main function: [`Spaces::need_m`]. Source: Ye, Guo, Guo and Luo (2024), equations 3 to
+//! 8, with `v_w` and `v_r` as the text defines them: the speeds of the worker towards the robot and of the robot
+//! towards the worker, not the 1.6 m/s of equation 4, which holds where a worker's speed is unknown. Refuses: walls.
 
 use super::drive::DriveLimits;
 use crate::aware::safe_space::{APART_M, ARM_SPAN_M, StoppingTimes};

@@ -1,12 +1,12 @@
 //! How far a robot may leave the line of a lane: the corridor that a map gives to the lane.
 //!
-//! Main type: [`Corridor`]. As in VDA 5050 (`corridor` of an edge, `corridorReferencePoint` CONTOUR) it bounds the whole
-//! outline of the robot. Refuses: to say who may leave the line, which is a matter of the robot's kind.
+//! Main type: [`Corridor`]. As in VDA 5050 (`corridor` of an edge, `corridorReferencePoint` CONTOUR) it bounds the
+//! whole outline of the robot. Refuses: to say who may leave the line, which is a matter of the robot's kind.
 
 use crate::geometry::{Point, Segment, Vector};
 
-/// Room for a robot's outline beside the line of a lane, metres, as seen along the lane from its `a` to its `b`. A robot
-/// that drives from `b` to `a` has the same floor: left and right change places for it.
+/// Room for a robot's outline beside the line of a lane, metres, as seen along the lane from its `a` to its `b`. A
+/// robot that drives from `b` to `a` has the same floor: left and right change places for it.
 ///
 /// Where a side is narrower than half of the robot, the robot takes what it takes on the line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,8 +31,8 @@ impl Corridor {
         self.left_m.max(self.right_m)
     }
 
-    /// Its four corners, anticlockwise from the start on the right, each side `less_m` narrower, but no side behind the
-    /// line.
+    /// Its four corners, anticlockwise from the start on the right, each side `less_m` narrower, but no side behind
+    /// the line.
     pub fn corners(self, lane: Segment, less_m: f64) -> [Point; 4] {
         let along = (lane.b - lane.a).try_normalize(1e-12).unwrap_or(Vector::x());
         let left = Vector::new(-along.y, along.x);

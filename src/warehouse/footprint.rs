@@ -77,7 +77,8 @@ impl Footprint {
     }
 
     /// What a robot takes that may leave the line of a lane within a corridor: what it takes on the line, and the
-    /// corridor. Beside the lane this is exactly the corridor; beyond its ends it reaches as far as on the line, at most.
+    /// corridor. Beside the lane this is exactly the corridor; beyond its ends it reaches as far as on the line, at
+    /// most.
     pub fn free(&self, lane: Segment, corridor: Corridor) -> Hull {
         let Hull { mut corners, round_m } = self.driving(lane);
         corners.extend(corridor.corners(lane, round_m));

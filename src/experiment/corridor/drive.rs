@@ -1,8 +1,8 @@
 //! One robot drives one scene.
 //!
 //! Main type: [`CorridorRun`]; main function: [`drive`]. The planner sees the worker through a sensor with noise and
-//! delay, and the product's own filter and forecast. Laws are checked at every instant. Refuses: to show the planner the
-//! truth.
+//! delay, and the product's own filter and forecast. Laws are checked at every instant. Refuses: to show the planner
+//! the truth.
 
 use super::scanner::{OwnStop, braked_hard};
 use super::scene::CorridorScene;

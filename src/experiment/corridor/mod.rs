@@ -1,8 +1,9 @@
 //! Robots with corridors meet a worker: on the line, with the traditional dynamic window, and with the improved one.
 //!
 //! Main types: [`CorridorReport`], [`CorridorArm`], [`CorridorFigures`]; main functions: [`corridor`], [`by_angle`].
-//! Source: Ye, Guo, Guo and Luo (2024), table 3. All arms see the same scenes, the same steps of the worker and the same
-//! noise. Refuses: weights that were tuned on the seeds that are reported (`docs/corridors.md` says on which they were).
+//! Source: Ye, Guo, Guo and Luo (2024), table 3. All arms see the same scenes, the same steps of the worker and the
+//! same noise. Refuses: weights that were tuned on the seeds that are reported (`docs/corridors.md` says on which they
+//! were).
 
 mod drive;
 mod scanner;

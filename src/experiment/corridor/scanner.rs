@@ -1,7 +1,8 @@
 //! The robot's own protective stop: it knows nothing of planners and forecasts, and no planner knows of it.
 //!
-//! Main type: [`OwnStop`]. It brakes where, if it braked now, somebody who walks straight at it with 1.6 m/s could touch
-//! it before it stands (ISO 13855, K = 1.6 m/s, all round). Refuses: to steer: it brakes on the arc that it is on.
+//! Main type: [`OwnStop`]. It brakes where, if it braked now, somebody who walks straight at it with 1.6 m/s could
+//! touch it before it stands (ISO 13855, K = 1.6 m/s, all round). Refuses: to steer: it brakes on the arc that it is
+//! on.
 
 use crate::aware::BODY_M;
 use crate::geometry::Point;

@@ -1,8 +1,8 @@
 //! Scenes: a robot on a corridor of a map, its goal, and a worker who crosses its way or walks along it.
 //!
-//! Main types: [`CorridorScene`], [`SceneKind`], [`Walk`]. The first three kinds are the published ones (Ye et al. 2024,
-//! table 3): about five metres from start to goal, a worker of low speed who crosses the path. The others are aisles of
-//! 10 to 16 m. Refuses: workers who know of the robot.
+//! Main types: [`CorridorScene`], [`SceneKind`], [`Walk`]. The first three kinds are the published ones (Ye et al.
+//! 2024, table 3): about five metres from start to goal, a worker of low speed who crosses the path. The others are
+//! aisles of 10 to 16 m. Refuses: workers who know of the robot.
 
 use crate::geometry::{Point, Segment, Vector};
 use crate::local::DriveLimits;

@@ -1,7 +1,7 @@
 //! The worker of a scene: walks where it wants to, and yields to no robot.
 //!
-//! Main type: [`Stroller`]. It sways, veers, and walks now faster and now slower. It walks into a robot that drives; round
-//! one that stands it steps, as round a rack. Refuses: to look ahead.
+//! Main type: [`Stroller`]. It sways, veers, and walks now faster and now slower. It walks into a robot that drives;
+//! round one that stands it steps, as round a rack. Refuses: to look ahead.
 
 use super::scene::Walk;
 use crate::aware::BODY_M;

@@ -1,7 +1,8 @@
 //! Corridors of lanes: their widths, and what stands in them.
 //!
-//! Main functions: [`widths`], [`clear_of_things`]. Refuses: corridors that run through racks, places where robots stay,
-//! obstacles, or out of the floor on which people walk; a lane without a corridor may pass them as it always could.
+//! Main functions: [`widths`], [`clear_of_things`]. Refuses: corridors that run through racks, places where robots
+//! stay, obstacles, or out of the floor on which people walk; a lane without a corridor may pass them as it always
+//! could.
 
 use super::Findings;
 use super::place::FindingPlace;
