@@ -283,7 +283,7 @@
 //! | which of several sources is believed, and where else a worker may be | `human/track.rs` |
 //! | poses are thinned (rate limit) | `api/feed/thin.rs` |
 //! | a headset that is silent, a worker who is lost | `human/source.rs`; `aware/effects.rs` (the region grows) |
-//! | how robots pass people beside their line | `local/`; corridors: `warehouse/corridor.rs`, `check/corridor.rs` |
+//! | how robots pass people beside their line | `local/`; `warehouse/corridor.rs`, `warehouse/check/corridor.rs` |
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
 //! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; `route/search/constrained.rs` |

@@ -50,7 +50,7 @@ struct Trial {
 }
 
 /// What a robot did: all poses, and when it arrived.
-struct Trip {
+struct LocalTrip {
     poses: Vec<Pose>,
     people: Vec<Point>,
     arrived: bool,
@@ -61,12 +61,12 @@ impl Trial {
         self.footprint.free(self.lane, self.corridor)
     }
 
-    fn drive(&self, method: LocalMethod, ticks: usize) -> Trip {
+    fn drive(&self, method: LocalMethod, ticks: usize) -> LocalTrip {
         let planner = LocalPlanner::new(&self.footprint, LIMITS, self.lane, self.corridor, method);
         let pose = Pose { at: self.lane.a, heading: self.lane.heading() };
         let mut state = DriveState { pose, twist: Twist::default() };
         let (mut person, mut trip) =
-            (self.person, Trip { poses: vec![pose], people: vec![self.person], arrived: false });
+            (self.person, LocalTrip { poses: vec![pose], people: vec![self.person], arrived: false });
         for _ in 0..ticks {
             let ahead = straight_on(person, self.velocity);
             let near = NearPerson { at: person, velocity: self.velocity, ahead: &ahead };

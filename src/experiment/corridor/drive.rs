@@ -55,7 +55,7 @@ pub struct CorridorRun {
 }
 
 /// What the sensor tells, and what is made of it.
-struct Watch {
+struct WorkerWatch {
     model: std::sync::Arc<Model>,
     motion: Motion,
     seen: VecDeque<(Time, Point)>,
@@ -63,11 +63,11 @@ struct Watch {
     ahead: Vec<Mixture>,
 }
 
-impl Watch {
-    fn new(dice: Stream) -> Watch {
+impl WorkerWatch {
+    fn new(dice: Stream) -> WorkerWatch {
         let model = Model::builtin();
         let motion = Motion::new(model.motion);
-        Watch { model, motion, seen: VecDeque::new(), dice, ahead: Vec::new() }
+        WorkerWatch { model, motion, seen: VecDeque::new(), dice, ahead: Vec::new() }
     }
 
     fn see(&mut self, now: Time, at: Point) {
@@ -94,9 +94,9 @@ impl Watch {
 /// Drives a scene with a method; `seed` and `run` draw the worker's steps and the sensor's noise.
 pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) -> CorridorRun {
     let mut worker = Stroller::new(scene.walk, Stream::new(seed, WALKS, run));
-    let mut watch = Watch::new(Stream::new(seed, SEES, run));
+    let mut watch = WorkerWatch::new(Stream::new(seed, SEES, run));
     let planner = LocalPlanner::new(&scene.footprint, scene.limits, scene.lane, scene.corridor, method);
-    let mut robot = Robot::new(scene);
+    let mut robot = CorridorRobot::new(scene);
     let goal = scene.line().b;
     let dt = TICK.as_secs_f64();
     let mut now = Time::ZERO;
@@ -134,7 +134,7 @@ pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) ->
 const WALKS: u64 = 0xc0_01;
 const SEES: u64 = 0xc0_02;
 
-struct Robot {
+struct CorridorRobot {
     outline: RobotOutline,
     state: DriveState,
     wanted: Twist,
@@ -145,10 +145,10 @@ struct Robot {
     broke: [bool; 2],
 }
 
-impl Robot {
-    fn new(scene: &CorridorScene) -> Robot {
+impl CorridorRobot {
+    fn new(scene: &CorridorScene) -> CorridorRobot {
         let pose = Pose { at: scene.line().a, heading: 0.0 };
-        Robot {
+        CorridorRobot {
             outline: RobotOutline::of(&scene.footprint),
             state: DriveState { pose, twist: Twist::default() },
             wanted: Twist::default(),

@@ -11,7 +11,7 @@ mod scene;
 mod worker;
 
 pub use drive::{CorridorRun, drive};
-pub use scene::{CorridorScene, SceneKind, Walk};
+pub use scene::{CorridorScene, SceneKind, WorkerWalk};
 
 use super::statistics::{Interval, Summary};
 use crate::local::{ImprovedWeights, LocalMethod, TraditionalWeights};

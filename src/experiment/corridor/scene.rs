@@ -1,7 +1,7 @@
 //! Scenes: a robot on a corridor of a map, its goal, and a worker who crosses its way or walks along it.
 //!
-//! Main types: [`CorridorScene`], [`SceneKind`], [`Walk`]. The first three kinds are the published ones (Ye et al.
-//! 2024, table 3): about five metres from start to goal, a worker of low speed who crosses the path. The others are
+//! Main types: [`CorridorScene`], [`SceneKind`], [`WorkerWalk`]. The first three kinds are the published ones (Ye et
+//! al. 2024, table 3): about five metres from start to goal, a worker of low speed who crosses the path. The others are
 //! aisles of 10 to 16 m. Refuses: workers who know of the robot.
 
 use crate::geometry::{Point, Segment, Vector};
@@ -56,7 +56,7 @@ impl SceneKind {
 
 /// What a worker is about to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Walk {
+pub struct WorkerWalk {
     /// From where.
     pub start: Point,
     /// Where to, radians.
@@ -83,7 +83,7 @@ pub struct CorridorScene {
     /// The floor that it may take while it holds the lane: what the map says.
     pub floor: Hull,
     /// The worker.
-    pub walk: Walk,
+    pub walk: WorkerWalk,
     /// Whether the worker is to cross the robot's line.
     pub crosses: bool,
 }
@@ -124,7 +124,7 @@ impl CorridorScene {
         };
         let turns = kind != SceneKind::Standing && !SceneKind::CASES.contains(&kind) && dice.happens_of(0.2);
         let (when, by) = (dice.between(2.0, 8.0), dice.between(-1.2, 1.2));
-        let walk = Walk { start, heading, speed_mps: walking, turn: turns.then_some((when, by)) };
+        let walk = WorkerWalk { start, heading, speed_mps: walking, turn: turns.then_some((when, by)) };
         CorridorScene::new(length_m, speed_mps, width, walk, kind.crosses())
     }
 
@@ -132,11 +132,17 @@ impl CorridorScene {
     /// the robot.
     pub fn crossing(angle: f64, walking_mps: f64, late_s: f64) -> CorridorScene {
         let start = before_the_meeting(6.0, 1.2, late_s, angle, walking_mps);
-        let walk = Walk { start, heading: angle, speed_mps: walking_mps, turn: None };
+        let walk = WorkerWalk { start, heading: angle, speed_mps: walking_mps, turn: None };
         CorridorScene::new(12.0, 1.2, (2.0, 2.0), walk, true)
     }
 
-    fn new(length_m: f64, speed_mps: f64, (left_m, right_m): (f64, f64), walk: Walk, crosses: bool) -> Self {
+    fn new(
+        length_m: f64,
+        speed_mps: f64,
+        (left_m, right_m): (f64, f64),
+        walk: WorkerWalk,
+        crosses: bool,
+    ) -> Self {
         let limits = DriveLimits {
             speed_mps,
             accel_mps2: 0.8,
@@ -195,7 +201,7 @@ mod tests {
         for kind in SceneKind::CASES.into_iter().chain([SceneKind::Crossing]) {
             for run in 0..20 {
                 let scene = CorridorScene::drawn(kind, &mut Stream::new(1, 2, run));
-                let Walk { start, heading, speed_mps, .. } = scene.walk;
+                let WorkerWalk { start, heading, speed_mps, .. } = scene.walk;
                 let after_s = -start.y / (heading.sin() * speed_mps);
                 let x = start.x + heading.cos() * speed_mps * after_s;
                 let robot_s = x / scene.limits.speed_mps + scene.limits.speed_mps / 1.6;

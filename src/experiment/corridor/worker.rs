@@ -3,7 +3,7 @@
 //! Main type: [`Stroller`]. It sways, veers, and walks now faster and now slower. It walks into a robot that drives;
 //! round one that stands it steps, as round a rack. Refuses: to look ahead.
 
-use super::scene::Walk;
+use super::scene::WorkerWalk;
 use crate::aware::BODY_M;
 use crate::geometry::{Point, Pose, Vector};
 use crate::local::RobotOutline;
@@ -23,7 +23,7 @@ const ELBOW_M: f64 = 0.05;
 /// Somebody who walks.
 #[derive(Debug)]
 pub(super) struct Stroller {
-    walk: Walk,
+    walk: WorkerWalk,
     /// Where the feet are; the body sways about it.
     feet: Point,
     body: Point,
@@ -35,7 +35,7 @@ pub(super) struct Stroller {
 }
 
 impl Stroller {
-    pub fn new(walk: Walk, mut dice: Stream) -> Stroller {
+    pub fn new(walk: WorkerWalk, mut dice: Stream) -> Stroller {
         let phase = dice.between(0.0, std::f64::consts::TAU);
         Stroller {
             walk,
@@ -94,8 +94,8 @@ mod tests {
     use super::*;
     use crate::warehouse::Footprint;
 
-    fn walk() -> Walk {
-        Walk { start: Point::origin(), heading: 0.0, speed_mps: 1.0, turn: None }
+    fn walk() -> WorkerWalk {
+        WorkerWalk { start: Point::origin(), heading: 0.0, speed_mps: 1.0, turn: None }
     }
 
     #[test]
