@@ -8,12 +8,12 @@
 //!
 //! ```text
 //!   time  id  geometry  →  warehouse  →  timeline  →  route  ┐
-//!                                           human            ├→  aware    reach → cell    →  fleet
-//!   pure: no clock, no I/O, no chance, no hash order ────────┘                         │
-//!  ════════════════════════════════════════════════════════════════════════════════════╪══ the line
-//!   pure too:   sim (a floor in memory)  →  experiment (tables that others can repeat) │
-//!   outside:    store (journal)    api (HTTP, live feed)    vda5050 (to come)          │
-//!               └──────────────────┴──────── server (wiring, the clock) ───────────────┘
+//!                                           human            ├→  aware   reach → cell   local  →  fleet
+//!   pure: no clock, no I/O, no chance, no hash order ────────┘                           │
+//!  ══════════════════════════════════════════════════════════════════════════════════════╪══ the line
+//!   pure too:   sim (a floor in memory)  →  experiment (tables that others can repeat)   │
+//!   outside:    store (journal)    api (HTTP, live feed)    vda5050 (to come)            │
+//!               └──────────────────┴──────── server (wiring, the clock) ─────────────────┘
 //!               cli (arguments, files, tables)
 //! ```
 //!
@@ -39,6 +39,8 @@
 //!   eyes look. Small nets, forward only; they are learned in `experiment/learning/picks`.
 //! - [`cell`]: the picking station as a work cell: order lines, how far each is, and what hands do about them; a robot
 //!   arm beside the picker (`cell/arm/mod.rs`). It knows neither routes nor timelines.
+//! - [`local`]: how a robot with a corridor passes a person beside its line: the dynamic window. Simulated robots only;
+//!   real ones get the corridor and plan for themselves. It knows neither routes nor timelines.
 //! - [`fleet`]: the state machine. `fleet/mod.rs` shows one step on one screen; each phase is a file.
 //! - [`history`]: what happened over time, as figures in buckets of bounded number. It decides nothing.
 //! - [`alarm`]: what is wrong, causes only, and the life of an alarm: raised, acknowledged, cleared. It decides nothing
@@ -283,6 +285,7 @@
 //! | which of several sources is believed, and where else a worker may be | `human/track.rs` |
 //! | poses are thinned (rate limit) | `api/feed/thin.rs` |
 //! | a headset that is silent, a worker who is lost | `human/source.rs`; `aware/effects.rs` (the region grows) |
+//! | how robots pass people beside their line | `local/`; `warehouse/corridor.rs`, `warehouse/check/corridor.rs` |
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
 //! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; `route/search/constrained.rs` |
@@ -373,6 +376,7 @@ pub mod geometry;
 pub mod history;
 pub mod human;
 pub mod id;
+pub mod local;
 pub mod reach;
 pub mod route;
 #[cfg(feature = "edge")]

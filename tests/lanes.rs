@@ -69,6 +69,7 @@ fn a_delay_keeps_free_what_a_node_and_the_lane_to_it_are_both_in_conflict_with()
     let nodes = (0..8).map(|i| DraftNode { name: name(i), at: Point::new(i as f64 * 0.5, 0.0) }).collect();
     let lane = |i| DraftLane {
         kinds: None,
+        corridor: None,
         from: name(i),
         to: name(i + 1),
         both: true,

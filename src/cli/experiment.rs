@@ -5,6 +5,7 @@
 use super::alarms::AlarmsArgs;
 use super::arm::{BoltsArgs, OverlapArgs};
 use super::arm_planners::PlannersArgs;
+use super::corridor::CorridorArgs;
 use super::people::{DetectionArgs, TableArgs};
 use super::picks::PicksArgs;
 use super::price::PriceArgs;
@@ -52,6 +53,8 @@ pub enum Experiment {
     Bolts(BoltsArgs),
     /// Planners of an arm's ways, dropout as spread, smoothness (Liu et al.).
     Planners(PlannersArgs),
+    /// Robots that leave the line of a lane to pass a worker (Ye et al., dynamic windows), and robots that wait.
+    Corridor(CorridorArgs),
 }
 
 /// The stories.
@@ -114,6 +117,7 @@ impl Experiment {
             Experiment::Overlap(overlap) => overlap.run(),
             Experiment::Bolts(bolts) => bolts.run(),
             Experiment::Planners(planners) => planners.run(),
+            Experiment::Corridor(corridor) => corridor.run(),
         }
     }
 }

@@ -14,6 +14,7 @@ mod bench;
 mod bench_memory;
 mod bench_picks;
 mod bench_steps;
+mod corridor;
 mod database;
 mod experiment;
 mod frames;

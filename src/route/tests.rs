@@ -19,6 +19,7 @@ fn grid(columns: usize, rows: usize) -> Arc<Warehouse> {
             for to in right.into_iter().chain(up) {
                 draft.lanes.push(DraftLane {
                     kinds: None,
+                    corridor: None,
                     from: name(x, y),
                     to,
                     both: true,

@@ -14,6 +14,7 @@ fn row(n: usize, dense: bool) -> Arc<Warehouse> {
     let nodes = (0..n).map(|i| DraftNode { name: name(i), at: Point::new(i as f64 * pitch, 0.0) }).collect();
     let lane = |i| DraftLane {
         kinds: None,
+        corridor: None,
         from: name(i),
         to: name(i + 1),
         both: true,

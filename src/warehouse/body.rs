@@ -181,12 +181,17 @@ impl Warehouse {
         nodes.chain(others)
     }
 
-    fn taken(&self, footprint: &Footprint, r: ResourceId) -> super::footprint::Hull {
+    /// What a robot with a footprint may take of the floor while it holds a resource: conflicts are computed with this.
+    pub fn taken(&self, footprint: &Footprint, r: ResourceId) -> super::footprint::Hull {
         match self.resource(r) {
             Ok(n) => footprint.standing(self.nodes[n].at),
             Err(l) => {
                 let lane = &self.lanes[l];
-                footprint.driving(Segment { a: self.nodes[lane.a].at, b: self.nodes[lane.b].at })
+                let line = Segment { a: self.nodes[lane.a].at, b: self.nodes[lane.b].at };
+                match lane.corridor {
+                    Some(corridor) => footprint.free(line, corridor),
+                    None => footprint.driving(line),
+                }
             }
         }
     }

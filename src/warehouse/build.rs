@@ -6,6 +6,7 @@ use super::body::Bodies;
 use super::cell::{Cell, RackType};
 use super::check::{self, Findings};
 use super::conflict;
+use super::corridor::Corridor;
 use super::near::PointIndex;
 use super::{Arc, FloorMark, Lane, Node, NodeKind, Rack, Station, Users, Warehouse, Way};
 use crate::geometry::{Point, Segment, turn_between};
@@ -76,13 +77,24 @@ pub struct DraftLane {
     pub users: Users,
     /// The kinds of robots that may use it; nothing for all.
     pub kinds: Option<Vec<String>>,
+    /// How far robots that need not keep to the line may leave it, as seen from `from` to `to`.
+    pub corridor: Option<Corridor>,
 }
 
 impl DraftLane {
     /// A lane driven from `from` to `to` only, as long as the straight line.
     pub fn one_way(from: impl Into<String>, to: impl Into<String>, users: Users) -> DraftLane {
         let (from, to) = (from.into(), to.into());
-        DraftLane { from, to, both: false, length_m: None, speed_limit_mps: None, users, kinds: None }
+        DraftLane {
+            from,
+            to,
+            both: false,
+            length_m: None,
+            speed_limit_mps: None,
+            users,
+            kinds: None,
+            corridor: None,
+        }
     }
 
     /// A lane driven both ways, as long as the straight line.
@@ -136,12 +148,17 @@ impl Draft {
     pub fn build(self) -> Result<Warehouse, Findings> {
         if let Err(mut findings) = check::names_and_numbers(&self) {
             if let Some((rest, doubts)) = check::without_bad_parts(&self) {
-                findings.also(check::well_formed(&rest.assemble(), &doubts));
+                let rest = rest.assemble();
+                findings.also(check::well_formed(&rest, &doubts));
+                findings.also(check::clear_of_things(&rest));
             }
             return Err(findings);
         }
         let warehouse = self.assemble();
-        check::well_formed(&warehouse, &check::Doubts::default())?;
+        let mut findings = Findings::default();
+        findings.also(check::clear_of_things(&warehouse));
+        findings.also(check::well_formed(&warehouse, &check::Doubts::default()));
+        findings.into_result()?;
         Ok(warehouse)
     }
 
@@ -192,6 +209,7 @@ impl Draft {
                 speed_limit_mps: l.speed_limit_mps,
                 users: l.users,
                 kinds: l.kinds.clone(),
+                corridor: l.corridor,
             })
             .collect();
         let racks = (self.racks.iter())

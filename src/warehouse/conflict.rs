@@ -1,8 +1,10 @@
 //! Which resources cannot be held by two robots at once, computed from the robots' footprint.
 //!
 //! A robot with its rack takes a square of side `footprint_m` along the map's axes; a lane takes what that
-//! square sweeps. Two resources are in conflict where these overlap. Refuses: hand-written exceptions.
+//! square sweeps, and its corridor where it has one. Two resources are in conflict where these overlap. Refuses:
+//! hand-written exceptions.
 
+use super::footprint::{Footprint, Hull};
 use super::{Lane, Node};
 use crate::geometry::{Segment, axis_distance, axis_distance_of_segments, axis_distance_to_segment};
 use crate::id::{Dense, IdVec, LaneId, NodeId, ResourceId};
@@ -30,9 +32,25 @@ pub(super) fn between(
         None => [NodeId::at(i); 2],
         Some(l) => [lanes[LaneId::at(l)].a, lanes[LaneId::at(l)].b],
     };
-    for (i, j) in close_pairs(&shapes, footprint_m.max(0.1)) {
+    let corridor = |i: usize| i.checked_sub(nodes.len()).and_then(|l| lanes[LaneId::at(l)].corridor);
+    let square = Footprint::Square { side_m: footprint_m };
+    let taken = |i: usize| match corridor(i) {
+        Some(corridor) => square.free(shapes[i], corridor),
+        None => square.driving(shapes[i]),
+    };
+    // Most things have no corridor, and few hulls are asked for.
+    let wide: BTreeMap<usize, Hull> =
+        (0..shapes.len()).filter(|i| corridor(*i).is_some()).map(|i| (i, taken(i))).collect();
+    let overlaps = |i: usize, j: usize| match (wide.get(&i), wide.get(&j)) {
+        (None, None) => overlap(shapes[i], shapes[j], reach),
+        (Some(a), Some(b)) => a.overlaps(b, TOUCH),
+        (Some(a), None) => a.overlaps(&taken(j), TOUCH),
+        (None, Some(b)) => taken(i).overlaps(b, TOUCH),
+    };
+    let widths: Vec<f64> = (0..shapes.len()).map(|i| corridor(i).map_or(0.0, |c| c.widest_m())).collect();
+    for (i, j) in close_pairs(&shapes, &widths, footprint_m.max(0.1)) {
         let share = ends(i).iter().any(|n| ends(j).contains(n));
-        if !share && overlap(shapes[i], shapes[j], reach) {
+        if !share && overlaps(i, j) {
             found[ResourceId::at(i)].push(ResourceId::at(j));
             found[ResourceId::at(j)].push(ResourceId::at(i));
         }
@@ -54,11 +72,12 @@ fn overlap(s: Segment, t: Segment, reach: f64) -> bool {
     distance < reach
 }
 
-/// Pairs `(i, j)`, `i < j`, that come near one cell of a coarse grid, within `margin`; each pair once.
-fn close_pairs(shapes: &[Segment], margin: f64) -> Vec<(usize, usize)> {
+/// Pairs `(i, j)`, `i < j`, that come near one cell of a coarse grid, within `margin` and their own width; each pair
+/// once.
+fn close_pairs(shapes: &[Segment], widths: &[f64], margin: f64) -> Vec<(usize, usize)> {
     let mut grid: BTreeMap<(i64, i64), Vec<usize>> = BTreeMap::new();
-    for (i, s) in shapes.iter().enumerate() {
-        for cell in cells_near(*s, margin) {
+    for (i, (s, width)) in shapes.iter().zip(widths).enumerate() {
+        for cell in cells_near(*s, 4.0 * margin, margin + width) {
             grid.entry(cell).or_default().push(i);
         }
     }
@@ -73,10 +92,9 @@ fn close_pairs(shapes: &[Segment], margin: f64) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// The cells of a grid of pitch `4 * margin` that `s` comes near, column by column, so that a long slanted
+/// The cells of a grid of pitch `cell` that `s` comes near, within `margin`, column by column, so that a long slanted
 /// lane takes cells along itself and not all of its bounding box.
-fn cells_near(s: Segment, margin: f64) -> impl Iterator<Item = (i64, i64)> {
-    let cell = 4.0 * margin;
+fn cells_near(s: Segment, cell: f64, margin: f64) -> impl Iterator<Item = (i64, i64)> {
     let of = move |v: f64| (v / cell).floor() as i64;
     let (left, right) = if s.a.x <= s.b.x { (s.a, s.b) } else { (s.b, s.a) };
     let y_at = move |x: f64| {
@@ -107,7 +125,7 @@ mod tests {
             for step in 0..=200 {
                 let p = s.point(f64::from(step) / 200.0) + nalgebra::Vector2::new(0.5, -0.5);
                 let beside = Segment { a: p, b: p };
-                assert_eq!(close_pairs(&[s, beside], 0.9), [(0, 1)], "{p} beside {s:?}");
+                assert_eq!(close_pairs(&[s, beside], &[0.0; 2], 0.9), [(0, 1)], "{p} beside {s:?}");
             }
         }
     }
@@ -115,6 +133,37 @@ mod tests {
     #[test]
     fn a_long_slanted_lane_takes_few_cells() {
         let s = Segment { a: Point::new(0.0, 0.0), b: Point::new(700.0, 700.0) };
-        assert!(cells_near(s, 0.9).count() < 1_000);
+        assert!(cells_near(s, 3.6, 0.9).count() < 1_000);
+    }
+
+    #[test]
+    fn a_corridor_is_in_conflict_with_all_that_its_floor_overlaps() {
+        let node = |x: f64, y: f64| Node {
+            name: format!("{x},{y}"),
+            at: Point::new(x, y),
+            kind: crate::warehouse::NodeKind::Aisle,
+        };
+        let nodes: IdVec<NodeId, Node> =
+            vec![node(0.0, 0.0), node(10.0, 0.0), node(5.0, 2.4), node(5.0, -2.4), node(5.0, 40.0)].into();
+        let lane = |corridor| Lane {
+            a: NodeId(0),
+            b: NodeId(1),
+            both: true,
+            length_m: 10.0,
+            speed_limit_mps: None,
+            users: crate::warehouse::Users::ALL,
+            kinds: None,
+            corridor,
+        };
+        let conflicts = |corridor: Option<(f64, f64)>| {
+            let corridor = corridor.map(|(left_m, right_m)| crate::warehouse::Corridor { left_m, right_m });
+            let lanes: IdVec<LaneId, Lane> = vec![lane(corridor)].into();
+            between(&nodes, &lanes, 0.9)[ResourceId(5)].to_vec()
+        };
+        assert_eq!(conflicts(None), []);
+        assert_eq!(conflicts(Some((1.9, 1.9))), [], "1.9 m and half of 0.9 m are less than 2.4 m");
+        assert_eq!(conflicts(Some((2.0, 0.6))), [ResourceId(2)], "the one on the left");
+        assert_eq!(conflicts(Some((0.6, 2.0))), [ResourceId(3)], "the one on the right");
+        assert_eq!(conflicts(Some((2.0, 2.0))), [ResourceId(2), ResourceId(3)]);
     }
 }

@@ -112,7 +112,8 @@ fn lanes(w: &Warehouse) -> Things {
             false => format!("{}→{}", a.name, b.name),
         };
         let detour_mm = ((l.length_m - (b.at - a.at).norm()) * 1000.0).round() as i64;
-        let rest = format!("{:?} {:?} {:?} {detour_mm}", l.speed_limit_mps, l.users, l.kinds);
+        let rest =
+            format!("{:?} {:?} {:?} {:?} {detour_mm}", l.speed_limit_mps, l.users, l.kinds, l.corridor);
         named(&name, a.at + (b.at - a.at) / 2.0, rest)
     };
     w.lanes.iter().map(thing).collect()

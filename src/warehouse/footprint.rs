@@ -3,6 +3,7 @@
 //! Main types: [`Footprint`], [`Hull`] (an outline at a place). Refuses: outlines that are not convex; it takes their
 //! hull.
 
+use super::corridor::Corridor;
 use crate::geometry::{Point, Pose, Segment, Vector};
 use nalgebra::Rotation2;
 
@@ -75,6 +76,15 @@ impl Footprint {
         Hull { corners: hull(bodies.into_iter().flat_map(|b| b.corners).collect()), round_m }
     }
 
+    /// What a robot takes that may leave the line of a lane within a corridor: what it takes on the line, and the
+    /// corridor. Beside the lane this is exactly the corridor; beyond its ends it reaches as far as on the line, at
+    /// most.
+    pub fn free(&self, lane: Segment, corridor: Corridor) -> Hull {
+        let Hull { mut corners, round_m } = self.driving(lane);
+        corners.extend(corridor.corners(lane, round_m));
+        Hull { corners: hull(corners), round_m }
+    }
+
     /// Half of its width where it is widest: how far from its middle it reaches along an axis of the map, metres.
     pub fn half_m(&self) -> f64 {
         match self {
@@ -121,6 +131,18 @@ impl Hull {
         }
         let edges = self.edges().map(|e| e.distance_to(p));
         (edges.fold(f64::INFINITY, f64::min) - self.round_m).max(0.0)
+    }
+
+    /// How deep a place lies within, metres: its distance from the edge of this, negative outside.
+    pub fn depth_of(&self, p: Point) -> f64 {
+        let nearest = self.edges().map(|e| e.distance_to(p)).fold(f64::INFINITY, f64::min);
+        let within = self.corners.len() > 2 && crate::geometry::inside(&self.corners, p);
+        self.round_m + if within { nearest } else { -nearest }
+    }
+
+    /// Whether all of another one lies within, up to `slack_m`. Both are convex: the corners decide.
+    pub fn holds(&self, other: &Hull, slack_m: f64) -> bool {
+        other.corners.iter().all(|c| self.depth_of(*c) >= other.round_m - slack_m)
     }
 
     fn is_within(&self, outer: &Hull) -> bool {
@@ -247,6 +269,22 @@ mod tests {
         assert!((body.distance_to(point(1.5, 0.0)) - 1.0).abs() < 1e-9, "its side");
         assert!((body.distance_to(point(0.0, 1.5)) - 0.5).abs() < 1e-9, "its front");
         assert_eq!(body.distance_to(point(0.2, 0.2)), 0.0);
+    }
+
+    #[test]
+    fn an_outline_is_held_exactly_where_it_does_not_leave_the_corridor() {
+        let lane = Segment { a: point(0.0, 0.0), b: point(8.0, 0.0) };
+        let corridor = Corridor { left_m: 2.0, right_m: 1.0 };
+        let disc = Footprint::Circle { radius_m: 0.4 };
+        for robot in [disc, forklift(), Footprint::Square { side_m: 0.8 }] {
+            let floor = robot.free(lane, corridor);
+            let half = if matches!(robot, Footprint::Polygon { .. }) { 0.5 } else { 0.4 };
+            let holds = |x: f64, y: f64| floor.holds(&robot.at(Pose { at: point(x, y), heading: 0.0 }), 1e-9);
+            assert!(holds(4.0, 2.0 - half) && !holds(4.0, 2.01 - half), "{robot:?} on the left");
+            assert!(holds(4.0, half - 1.0) && !holds(4.0, half - 1.01), "{robot:?} on the right");
+            assert!(holds(0.0, 0.0) && holds(8.0, 0.0), "the ends of the line");
+            assert!(!holds(8.05, 0.0) && !holds(8.05, 1.0), "{robot:?} beyond the end, and beside it");
+        }
     }
 
     proptest! {

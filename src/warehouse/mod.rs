@@ -9,6 +9,7 @@ mod build;
 pub mod cell;
 mod check;
 mod conflict;
+mod corridor;
 mod differences;
 mod footprint;
 pub mod formats;
@@ -25,6 +26,7 @@ pub use cell::{Cell, Place, RackType, SlotName, SlotNameError, Tote};
 pub use check::{
     Finding, Findings, Remark, Review, Severity, ShutIn, review, room_for, shut_in, shut_in_text,
 };
+pub use corridor::{CORRIDOR_MAX_M, Corridor};
 pub use differences::{Difference, HowDifferent, differences};
 pub use footprint::{Footprint, Hull};
 pub use generate::{Blocks, kiva, lab, mixed, stations, thesis};
@@ -127,6 +129,8 @@ pub struct Lane {
     pub users: Users,
     /// The kinds of robots that may use it; nothing for all.
     pub kinds: Option<Vec<String>>,
+    /// How far robots that need not keep to the line may leave it; nothing where all keep to it.
+    pub corridor: Option<Corridor>,
 }
 
 /// A lane driven in one direction: what the search expands.

@@ -14,7 +14,7 @@ use std::path::Path;
 use tokens::{Token, functions, paths, tokens, without_tests};
 
 /// The core in its order: each may name those before it. `human` and `route` meet only in `aware`.
-const CORE: [&str; 13] = [
+const CORE: [&str; 14] = [
     "time",
     "id",
     "geometry",
@@ -25,6 +25,7 @@ const CORE: [&str; 13] = [
     "aware",
     "reach",
     "cell",
+    "local",
     "fleet",
     "history",
     "alarm",
@@ -91,6 +92,8 @@ fn may_name(top: &str) -> Vec<&'static str> {
         "reach" => [core(5), vec!["human"]].concat(),
         // Neither routes nor timelines, nor people beyond arm's length.
         "cell" => [core(4), vec!["reach"]].concat(),
+        // People and the floor, neither routes nor timelines.
+        "local" => [core(4), vec!["human", "aware"]].concat(),
         "experiment" => [core(CORE.len()), vec!["sim"]].concat(),
         "sim" | "store" | "api" | "vda5050" => core(CORE.len()),
         "server" => [core(CORE.len()), AROUND.to_vec(), EDGE[..3].to_vec()].concat(),

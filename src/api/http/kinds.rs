@@ -41,6 +41,8 @@ pub struct KindDto {
     pub carries: Option<Vec<String>>,
     /// The heaviest rack that it carries, kilograms; null for any.
     pub payload_kg: Option<f64>,
+    /// Whether it may leave the line of a lane that has a corridor, to pass people.
+    pub free_navigation: bool,
     /// Top speed without a rack, metres per second.
     pub speed_mps: f64,
     /// Top speed with a rack.
@@ -107,6 +109,9 @@ pub struct NewKind {
     /// The heaviest rack that it carries, kilograms; any if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     payload_kg: Option<f64>,
+    /// Whether it may leave the line of a lane that has a corridor, to pass people; false if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    free_navigation: Option<bool>,
 }
 
 /// When robots of a kind charge, in shares of a full charge; each from the one before to 1.
@@ -297,6 +302,7 @@ impl KindDto {
             turns: figures.turn_radps.is_finite(),
             carries: k.carries.clone(),
             payload_kg: Some(k.payload_kg).filter(|kg| kg.is_finite()),
+            free_navigation: k.free_navigation,
             speed_mps: figures.speed_mps,
             speed_loaded_mps: figures.speed_loaded_mps,
             accel_unloaded_mps2: figures.accel_unloaded_mps2,

@@ -26,6 +26,8 @@ pub struct RobotKind {
     pub carries: Option<Vec<String>>,
     /// The heaviest rack that it can carry, kilograms.
     pub payload_kg: f64,
+    /// Whether it may leave the line of a lane that has a corridor, to pass people.
+    pub free_navigation: bool,
 }
 
 impl Default for RobotKind {
@@ -37,6 +39,7 @@ impl Default for RobotKind {
             footprints: [None, None],
             carries: None,
             payload_kg: f64::INFINITY,
+            free_navigation: false,
         }
     }
 }

@@ -48,6 +48,7 @@ pub(super) struct KindFigures {
     drive: DriveWord,
     carries: Option<Vec<String>>,
     payload_kg: Option<f64>,
+    free_navigation: bool,
 }
 
 /// An outline as files name it.
@@ -194,7 +195,8 @@ impl KindFigures {
         check(&format!("{of}.payload_kg"), payload_kg, 0.0..=f64::INFINITY, "0 or more")?;
         let turns = self.drive == DriveWord::Differential;
         let footprints = outlines.map(|(_, outline)| outline.as_ref().map(|o| o.footprint(turns)));
-        Ok(RobotKind { name, kinematics, charging, footprints, carries: self.carries, payload_kg })
+        let KindFigures { carries, free_navigation, .. } = self;
+        Ok(RobotKind { name, kinematics, charging, footprints, carries, payload_kg, free_navigation })
     }
 
     fn kinematics(&self, of: &str) -> Result<Kinematics, ScenarioError> {

@@ -4,7 +4,7 @@
 //! need ids.
 
 use super::place::FindingPlace;
-use super::{Doubts, Findings, cell};
+use super::{Doubts, Findings, cell, corridor};
 use crate::geometry::Point;
 use crate::warehouse::build::{Draft, DraftLane, DraftRack};
 use std::collections::{BTreeMap, BTreeSet};
@@ -142,6 +142,9 @@ fn lane_numbers(lane: &DraftLane, place: &FindingPlace, found: &mut Findings) {
     }
     if lane.kinds.as_ref().is_some_and(Vec::is_empty) {
         found.add(place, "no robot kind may use it", "name kinds, or leave `kinds` out");
+    }
+    if let Some(widths) = lane.corridor {
+        corridor::widths(widths, place, found);
     }
     if let Some(v) = lane.speed_limit_mps
         && !(v > 0.0 && v <= SPEED_MAX_MPS)

@@ -6,6 +6,7 @@
 //! slip; `review` puts all of it together. Refuses: to stop at the first problem, and to mend anything itself.
 
 mod cell;
+mod corridor;
 mod draft;
 mod floor;
 mod improbable;
@@ -17,6 +18,7 @@ mod shut_in;
 #[cfg(test)]
 mod tests;
 
+pub(super) use corridor::clear_of_things;
 pub(super) use draft::{names_and_numbers, without_bad_parts};
 pub(super) use floor::well_formed;
 pub use review::{Remark, Review, Severity, review};

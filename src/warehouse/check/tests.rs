@@ -3,7 +3,9 @@
 use super::room_for;
 use crate::geometry::Point;
 use crate::time::Span;
-use crate::warehouse::{Draft, DraftLane, DraftNode, DraftRack, DraftStation, FloorMark, Users, sketch};
+use crate::warehouse::{
+    Corridor, Draft, DraftLane, DraftNode, DraftRack, DraftStation, FloorMark, Users, sketch,
+};
 use proptest::prelude::*;
 
 const GOOD: &str = "
@@ -194,6 +196,15 @@ fn lanes_with_bad_numbers_are_refused() {
     bad(|l| l.length_m = Some(5_000.0), "5000 m long");
     bad(|l| l.speed_limit_mps = Some(0.0), "speed limit is 0");
     bad(|l| l.speed_limit_mps = Some(f64::NAN), "speed limit is NaN");
+    bad(
+        |l| l.corridor = Some(Corridor { left_m: f64::NAN, right_m: 0.6 }),
+        "corridor is NaN m wide on the left",
+    );
+    bad(
+        |l| l.corridor = Some(Corridor { left_m: 0.6, right_m: -0.1 }),
+        "corridor is -0.1 m wide on the right",
+    );
+    bad(|l| l.corridor = Some(Corridor { left_m: 0.6, right_m: 21.0 }), "corridor is 21 m wide on the right");
     bad(|l| l.users = Users { loaded: false, unloaded: false, people: false }, "nothing may use it");
 }
 
@@ -402,4 +413,35 @@ proptest! {
         let findings = draft.build().expect_err("no lane is that short");
         prop_assert_eq!(findings.0.len(), bad.len(), "{}", findings);
     }
+}
+
+#[test]
+fn a_corridor_through_racks_walls_or_obstacles_is_refused_with_the_name_of_its_lane() {
+    // Storage nodes stand a metre above the lane, robots and racks are 0.9 m wide.
+    let with = |left_m, right_m| {
+        let mut draft = good();
+        lane(&mut draft, "0,1", "1,1").corridor = Some(Corridor { left_m, right_m });
+        draft
+    };
+    with(0.5, 0.5).build().expect("it passes racks and robots at rest");
+    let rack = |draft: &Draft| draft.clone().build().expect_err("refused").to_string();
+    let (left, right) = (rack(&with(0.6, 0.5)), rack(&with(0.5, 0.6)));
+    for text in [&left, &right] {
+        assert!(text.contains("lane 0,1–1,1: its corridor runs through a r"), "{text}");
+    }
+    assert!(left.contains("a rack at") != right.contains("a rack at"), "{left}\n{right}");
+    let box_at = |x: f64, y: f64| [(0.0, 0.0), (0.2, 0.0), (0.2, 0.2)].map(|(u, v)| Point::new(x + u, y + v));
+    let mut draft = with(0.5, 0.5);
+    let (a, b) = (draft.nodes.iter().find(|n| n.name == "0,1"), draft.nodes.iter().find(|n| n.name == "1,1"));
+    let (a, b) = (a.unwrap().at, b.unwrap().at);
+    draft.obstacles.push(box_at((a.x + b.x) / 2.0, a.y + 0.5).to_vec());
+    draft.clone().build().expect("it touches the obstacle");
+    draft.obstacles.push(box_at((a.x + b.x) / 2.0, a.y + 0.4).to_vec());
+    refused(draft, &["lane 0,1–1,1", "through outline 2 of obstacles"]);
+    let hall = |low: f64| [(-9.0, low), (9.0, low), (9.0, 9.0), (-9.0, 9.0)].map(|(x, y)| Point::new(x, y));
+    let mut draft = with(0.5, 0.5);
+    draft.walkable = vec![hall(a.y - 0.5).to_vec()];
+    draft.clone().build().expect("the wall is where the corridor ends");
+    draft.walkable = vec![hall(a.y - 0.4).to_vec()];
+    refused(draft, &["lane 0,1–1,1", "leaves the floor"]);
 }

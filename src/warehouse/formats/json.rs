@@ -9,7 +9,7 @@ use crate::geometry::Point;
 use crate::id::NodeId;
 use crate::time::Span;
 use crate::warehouse::{
-    Draft, DraftLane, DraftNode, DraftRack, DraftStation, FloorMark, NodeKind, Users, Warehouse,
+    Corridor, Draft, DraftLane, DraftNode, DraftRack, DraftStation, FloorMark, NodeKind, Users, Warehouse,
 };
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -142,6 +142,15 @@ struct LaneRecord {
     users: Option<Vec<User>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     kinds: Option<Vec<String>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    corridor: Option<CorridorRecord>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CorridorRecord {
+    left: Number,
+    right: Number,
 }
 
 #[derive(Serialize, Deserialize, Clone, Copy, PartialEq)]
@@ -250,7 +259,9 @@ impl From<LaneRecord> for DraftLane {
             people: list.contains(&User::People),
         });
         let (length_m, speed_limit_mps) = (l.length_m.map(|n| n.0), l.speed_limit_mps.map(|n| n.0));
-        DraftLane { from: l.from, to: l.to, both: l.both, length_m, speed_limit_mps, users, kinds: l.kinds }
+        let corridor = l.corridor.map(|c| Corridor { left_m: c.left.0, right_m: c.right.0 });
+        let LaneRecord { from, to, both, kinds, .. } = l;
+        DraftLane { from, to, both, length_m, speed_limit_mps, users, kinds, corridor }
     }
 }
 
@@ -328,6 +339,7 @@ fn lane_record(w: &Warehouse, l: &crate::warehouse::Lane) -> LaneRecord {
         speed_limit_mps: l.speed_limit_mps.map(Number),
         users: (l.users != Users::ALL).then_some(users),
         kinds: l.kinds.clone(),
+        corridor: l.corridor.map(|c| CorridorRecord { left: Number(c.left_m), right: Number(c.right_m) }),
     }
 }
 
@@ -347,7 +359,7 @@ mod tests {
 {"id":"w","x":0,"y":1.3}
 ],
 "lanes":[
-{"from":"a","to":"b","both":true,"length_m":1.3},
+{"from":"a","to":"b","both":true,"length_m":1.3,"corridor":{"left":0.6,"right":0}},
 {"from":"b","to":"s","both":true,"for":["loaded","unloaded"]},
 {"from":"a","to":"w","speed_limit_mps":0.5},
 {"from":"w","to":"b"}
