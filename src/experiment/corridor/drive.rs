@@ -103,7 +103,7 @@ pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) ->
     // Before the robot starts, the worker has been seen standing where it starts to walk.
     for _ in 0..WARM_UP {
         watch.see(now, worker.at());
-        now = now + TICK * i64::from(TICKS);
+        now += TICK * i64::from(TICKS);
     }
     let (start, mut tick) = (now, 0);
     while (now - start).as_secs_f64() < LIMIT_S {
@@ -118,7 +118,7 @@ pub fn drive(scene: &CorridorScene, method: LocalMethod, seed: u64, run: u64) ->
         let stands = robot.state.twist.speed_mps <= STANDS_MPS;
         let standing = stands.then_some((&robot.outline, robot.state.pose));
         worker.walk(dt, standing);
-        now = now + TICK;
+        now += TICK;
         tick += 1;
         robot.check(scene, &worker);
         if (goal - robot.state.pose.at).norm() < THERE_M {
