@@ -359,7 +359,7 @@ mod tests {
         let mut film = Film::new();
         film.picks(LIT, slot("C3"));
         let before = film.desk.clone();
-        film.now -= Span::from_millis(200);
+        film.now = film.now - Span::from_millis(200);
         let inside = film.face.slot(slot("A1")) - FacePlace::new(0.0, 0.1, 0.0);
         film.look(LIT, [None, Some(inside)]);
         assert_eq!(film.desk, before);

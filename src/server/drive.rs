@@ -471,8 +471,9 @@ mod tests {
             accuracy_m: 0.05,
             quality: Quality::Tracked,
         };
-        let far = HeardSighting { received: Time(1), sighting: sighting(1, from - ahead * 2.0) };
-        let near = HeardSighting { received: Time(2), sighting: sighting(2, seen.pose.at + ahead) };
+        let far = HeardSighting { received: Time(1), sighting: sighting(1, from - ahead * 2.0), hands: None };
+        let near =
+            HeardSighting { received: Time(2), sighting: sighting(2, seen.pose.at + ahead), hands: None };
         let stops =
             |d: &DriveLoop| d.metrics.text(&Moment::default()).contains("pose_to_robot_stop_seconds_count 1");
         let (feed, heard) = mpsc::channel(8);

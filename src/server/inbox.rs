@@ -6,12 +6,15 @@
 
 use super::audit_keeper::row_of;
 use crate::api::audit::AuditEntry;
-use crate::api::feed::hub::HeardSighting;
+use crate::api::feed::hub::{HeardHands, HeardSighting};
 use crate::api::port::{FleetRequest, What};
+use crate::cell::HandsSeen;
 use crate::fleet::{CausedFacts, Input, Reply};
-use crate::human::Sighting;
+use crate::geometry::{Point, inside};
+use crate::id::StationId;
 use crate::sim::FIRST_TOKEN;
 use crate::store::StepCause;
+use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot};
@@ -41,14 +44,24 @@ pub struct Inbox {
     waiting: BTreeMap<u64, WaitingRequest>,
     kept: Vec<Input>,
     /// Sightings that were taken out of the channel to look at them.
-    early: Vec<Sighting>,
+    early: Vec<HeardSighting>,
+    /// The workplaces of stations: hands of people there are of interest.
+    workplaces: Vec<(StationId, Vec<Point>)>,
     next: u64,
 }
 
 impl Inbox {
     /// An inbox that is filled from a queue and from feeds.
     pub fn new(queue: mpsc::Receiver<FleetRequest>, heard: mpsc::Receiver<HeardSighting>) -> Inbox {
-        Inbox { queue, heard, waiting: BTreeMap::new(), kept: Vec::new(), early: Vec::new(), next: 0 }
+        let (waiting, kept, early, workplaces) = (BTreeMap::new(), Vec::new(), Vec::new(), Vec::new());
+        Inbox { queue, heard, waiting, kept, early, workplaces, next: 0 }
+    }
+
+    /// The same, which hands on hands of people in the workplaces of a building.
+    pub fn with_workplaces(self, warehouse: &Warehouse) -> Inbox {
+        let cells = warehouse.stations.pairs();
+        let workplaces = cells.filter_map(|(id, s)| Some((id, s.cell.as_ref()?.workplace.clone()))).collect();
+        Inbox { workplaces, ..self }
     }
 
     /// Everything that waits. While `refusing`, new requests are refused instead, but for stops and releases by hand.
@@ -83,16 +96,29 @@ impl Inbox {
     /// The next sighting, as soon as it is there. It waits for the next step, too.
     pub async fn hear(&mut self) -> HeardSighting {
         let Some(heard) = self.heard.recv().await else { return std::future::pending().await };
-        self.early.push(heard.sighting);
+        self.early.push(heard);
         heard
     }
 
     /// Takes all sightings that wait, whatever the journal does: stopping waits for nothing.
     pub fn look(&mut self, inputs: &mut Vec<Input>) {
-        inputs.extend(self.early.drain(..).map(Input::Sighted));
-        while let Ok(heard) = self.heard.try_recv() {
-            inputs.push(Input::Sighted(heard.sighting));
+        for heard in std::mem::take(&mut self.early) {
+            self.see(&heard, inputs);
         }
+        while let Ok(heard) = self.heard.try_recv() {
+            self.see(&heard, inputs);
+        }
+    }
+
+    /// Hands of people in a workplace are seen beside their pose.
+    fn see(&self, heard: &HeardSighting, inputs: &mut Vec<Input>) {
+        let HeardSighting { sighting, hands, .. } = heard;
+        inputs.push(Input::Sighted(*sighting));
+        let Some(HeardHands { head, hands }) = *hands else { return };
+        let there = self.workplaces.iter().find(|(_, outline)| inside(outline, sighting.at));
+        let Some((station, _)) = there else { return };
+        let (station, person, seen) = (*station, sighting.worker.0, sighting.seen);
+        inputs.push(Input::Hands(HandsSeen { station, person, seen, head, hands }));
     }
 
     /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Nor are
@@ -103,7 +129,7 @@ impl Inbox {
         let mut dropped = 0;
         for input in inputs {
             match input {
-                Input::Telemetry(_) | Input::Sighted(_) => {}
+                Input::Telemetry(_) | Input::Sighted(_) | Input::Hands(_) | Input::VisitEnds { .. } => {}
                 // Simulated pickers say it until their screen shows that it was heard.
                 Input::Station { .. } if is_simulated(&input) => {}
                 order if is_order(&order) && orders >= MOST_ORDERS => dropped += 1,

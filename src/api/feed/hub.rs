@@ -8,19 +8,25 @@
 
 use super::align::PointPair;
 use super::intake::Senses;
+use super::pose::hand_points;
 use super::thin::RateLimiter;
 use crate::api::error::Problem;
 use crate::api::text::parse_worker_name;
+use crate::cell::HandPoints;
 use crate::fleet::{FeedCounts, Guidance, View};
 use crate::human::{Sighting, SourceId};
 use crate::id::{Dense, IdVec, WorkerId};
 use crate::time::{Span, Time};
+use crate::warehouse::Place;
 use std::sync::{Mutex, MutexGuard};
 use tokio::sync::{mpsc, watch};
 
 /// So many poses may wait for the next turn of the loop: a thousand workers at sixty a second, for a turn that
 /// takes four times as long as it should.
 pub const WAITING: usize = 12_000;
+
+/// How high a head is of which nothing is said, metres.
+const HEAD_M: f64 = 1.6;
 
 /// What a headset said of gaze, hands and battery is forgotten when only reports have come for so long.
 const HEADSET_SILENT: Span = Span::from_secs(3);
@@ -32,6 +38,26 @@ pub struct HeardSighting {
     pub received: Time,
     /// What.
     pub sighting: Sighting,
+    /// The hands, where they were seen.
+    pub hands: Option<HeardHands>,
+}
+
+/// Head and hands of who was seen, in the map's frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeardHands {
+    /// The middle of the head, as well as it is known.
+    pub head: Place,
+    /// Left and right.
+    pub hands: [Option<HandPoints>; 2],
+}
+
+impl HeardHands {
+    /// What a pose says of hands; nothing where it says nothing.
+    fn of(sighting: &Sighting, senses: &Senses) -> Option<HeardHands> {
+        let hands = [0, 1].map(|i| senses.hands[i].as_ref().and_then(hand_points));
+        let head = senses.gaze.map_or([sighting.at.x, sighting.at.y, HEAD_M], |gaze| gaze.origin);
+        hands.iter().any(Option::is_some).then_some(HeardHands { head: Place::from(head), hands })
+    }
 }
 
 /// What a worker is to be told.
@@ -185,13 +211,14 @@ impl Feeds {
         let mut slots = self.slots();
         let slot = &mut slots[sighting.worker];
         // Another connection, or another alignment of its frame, begins an epoch.
+        let hands = HeardHands::of(&sighting, &senses);
         let begins = slot.feed.is_none_or(|(n, epoch, _)| (n, epoch) != (connection.number, sighting.epoch));
         slot.epoch += u32::from(begins);
         slot.feed = Some((connection.number, sighting.epoch, received));
         sighting.epoch = slot.epoch;
         (slot.carried.senses, slot.carried.received) = (senses, Some(received));
         drop(slots);
-        self.inbox.try_send(HeardSighting { received, sighting }).is_ok()
+        self.inbox.try_send(HeardSighting { received, sighting, hands }).is_ok()
     }
 
     /// Takes a report of a tag or the like, whose epoch and number are of no importance. What comes faster than sixty
@@ -212,7 +239,7 @@ impl Feeds {
         let queue = &mut slot.reports[sighting.source as usize];
         queue.count += 1;
         (sighting.epoch, sighting.seq) = (0, queue.count);
-        let passes = queue.limiter.offer(HeardSighting { received, sighting }, received);
+        let passes = queue.limiter.offer(HeardSighting { received, sighting, hands: None }, received);
         drop(slots);
         passes.map_or(Ok(()), |heard| self.inbox.try_send(heard).map_err(|_| Untaken::Full))
     }

@@ -5,7 +5,9 @@
 
 use super::align::Alignment;
 use super::wire::GazeKind;
+use crate::cell::HandPoints;
 use crate::geometry::{Point, Vector};
+use crate::warehouse::Place;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// Beyond this pitch the forward vector says little about where a head faces: 75 degrees.
@@ -46,6 +48,17 @@ pub struct Gaze {
 
 /// Joints of a hand: map x, map y, height, radius; metres.
 pub type Hand = Vec<[f64; 4]>;
+
+/// Numbers of joints as WebXR Hand Input has them: the wrist, the metacarpal of the middle finger, and the tips of thumb
+/// and index finger.
+const JOINTS: [usize; 4] = [0, 10, 4, 9];
+
+/// What the core gets of a hand; nothing where joints are missing.
+pub fn hand_points(hand: &Hand) -> Option<HandPoints> {
+    let joint = |i: usize| hand.get(i).map(|[x, y, z, _]| Place::new(*x, *y, *z));
+    let [wrist, palm, thumb, index] = JOINTS.map(joint);
+    Some(HandPoints { wrist: wrist?, palm: palm?, tips: [thumb?, index?] })
+}
 
 /// A point of the device's frame as map x, map y, height.
 pub fn place(alignment: &Alignment, position: [f64; 3]) -> [f64; 3] {

@@ -11,7 +11,7 @@ use crate::time::{Span, Time};
 /// Time is warped by this power: u = t^0.697 has u = 1/2, where minimum jerk is fastest, at t = 0.37.
 const WARP: f64 = 0.697;
 /// Movement time in seconds is `BASE_S + BIT_S · log2(2 D / W)` for a distance D and a target of width W, metres.
-const BASE_S: f64 = 0.24;
+const BASE_S: f64 = 0.3;
 const BIT_S: f64 = 0.145;
 const WIDTH_M: f64 = 0.1;
 /// Spread of the logarithm of the time.

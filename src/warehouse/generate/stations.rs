@@ -31,7 +31,7 @@ pub fn stations() -> Warehouse {
         stations_east: 2,
         queue: 3,
         // What the simulated pickers of the shipped scenario take on average, with a button for each line.
-        pick: Span::from_secs(22),
+        pick: Span::from_secs(25),
         chargers: 12,
         parking: 24,
         fill: 0.85,
