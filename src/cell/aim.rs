@@ -12,13 +12,15 @@ const LIT: f64 = 0.985;
 const COST: f64 = 60.0;
 /// Where a hand is in front of its slot is known this well at the face, metres, and so much less for each metre
 /// before it.
-const NEAR_M: f64 = 0.045;
+const NEAR_M: f64 = 0.05;
 const PER_M: f64 = 0.3;
-/// It goes on sideways for so long as it does now, seconds.
+/// It goes on sideways for so long as it does now, seconds, or until it is at the face, but not longer than this. A wrong
+/// slot must be the likelier one by both: hands pass other slots on their way along the rack.
 const ON_S: f64 = 0.08;
+const ON_MOST_S: f64 = 0.25;
 /// Hands that do not come nearer are not judged, metres per second, and neither are those farther than this, metres.
 const MOVES_MPS: f64 = 0.15;
-const FAR_M: f64 = 0.18;
+const FAR_M: f64 = 0.12;
 
 /// The slot that is the likeliest one where a hand goes, if the odds of all others together against the lit one are
 /// high enough for a warning.
@@ -27,7 +29,13 @@ pub fn aims_wrong(face: &PickFace, lit: SlotName, at: FacePlace, velocity: FaceP
     if -velocity.y < MOVES_MPS || left_m > FAR_M {
         return None;
     }
-    let lands = at + velocity * ON_S;
+    let to_face_s = (left_m.max(0.0) / -velocity.y).min(ON_MOST_S);
+    let by = |on_s: f64| wrong_by(face, lit, at + velocity * on_s, left_m);
+    by(to_face_s).and(by(ON_S))
+}
+
+/// The same, where a hand would be in front of a slot at this place.
+fn wrong_by(face: &PickFace, lit: SlotName, lands: FacePlace, left_m: f64) -> Option<SlotName> {
     let sigma_m = NEAR_M + PER_M * left_m.max(0.0);
     let likely = |front: FacePlace| {
         let off = (lands - front).xz().norm() / sigma_m;

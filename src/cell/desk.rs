@@ -12,8 +12,9 @@ use smallvec::SmallVec;
 
 /// Hands that were not seen for so long are not known of.
 const STALE: Span = Span::from_secs(1);
-/// A hand that is so deep in a slot is in that one, metres.
+/// A hand that is so deep in a slot is in that one, metres; so near to its edge it may belong to the one beside.
 const DEEP_M: f64 = 0.05;
+const EDGE_M: f64 = 0.03;
 /// A hand is expected where it will be after so long if it goes on as it does, seconds.
 const SOON_S: f64 = 0.3;
 /// For so long after two persons' hands were seen nothing is confirmed by hand.
@@ -26,6 +27,8 @@ pub enum DeskEvent {
     Grasped(SlotName),
     /// A piece from a slot was put into a tote, by its number at the station, and the hand was seen all the way.
     Placed(SlotName, usize),
+    /// A piece from a slot was put into a tote, most likely: the hand was not seen all the way, so nothing is confirmed.
+    Seems(SlotName, usize),
     /// A hand goes to this slot, most likely, and not to the one that is lit.
     AimsAt(SlotName),
 }
@@ -98,7 +101,7 @@ impl Desk {
                 self.placed.push((tote, from));
                 let is_wrong = lit.is_none_or(|(_, wanted)| wanted != tote);
                 self.strayed[hand] = is_wrong.then_some((tote, from));
-                sure.then_some(DeskEvent::Placed(from, tote))
+                Some(if sure { DeskEvent::Placed(from, tote) } else { DeskEvent::Seems(from, tote) })
             }
             HandEvent::Searched(tote) => {
                 let of = |tote: usize| move |(t, _): &(usize, SlotName)| *t == tote;
@@ -130,8 +133,10 @@ impl Desk {
         let follower = &self.hands[hand];
         let (_, at) = follower.last()?;
         let slot = if follower.is_in_slot() {
-            // At its edge it may still come to the slot beside.
-            face.slot_at(at).filter(|slot| *slot != lit && face.depth_m(at) > DEEP_M)
+            // At the edge of a slot beside the lit one it may still be on its way there.
+            let to_lit = (face.slot(lit) - at).try_normalize(1e-6).unwrap_or_default() * EDGE_M;
+            let nearer = FacePlace::new(at.x + to_lit.x, at.y, at.z + to_lit.z);
+            face.slot_at(nearer).filter(|slot| *slot != lit && face.depth_m(at) > DEEP_M)
         } else if follower.velocity().y < 0.0 {
             aims_wrong(face, lit, at, follower.velocity())
         } else {
@@ -276,7 +281,7 @@ mod tests {
         let mut film = Film::new();
         film.picks(LIT, slot("C3"));
         film.puts(LIT, 1, false);
-        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))]);
+        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), DeskEvent::Seems(slot("C3"), 1)]);
     }
 
     #[test]

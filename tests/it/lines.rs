@@ -11,7 +11,7 @@ use std::time::Duration;
 const JSON: (&str, &str) = ("content-type", "application/json");
 
 /// A scenario with quick robots in the hall whose stations are work cells; nobody picks but the test.
-fn scenario(folder: &Folder) -> String {
+pub fn scenario(folder: &Folder) -> String {
     let path = folder.path().join("cells.json");
     let scenario = json!({
         "giveway_scenario": 1, "name": "cells", "robots": 4, "period_ms": 20, "jobs": "none",
@@ -22,7 +22,7 @@ fn scenario(folder: &Folder) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-fn rack() -> String {
+pub fn rack() -> String {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/maps/stations.json")).unwrap();
     giveway::warehouse::formats::json::parse(&text).unwrap().racks.iter().next().unwrap().name.clone()
 }
@@ -31,7 +31,7 @@ fn wanted(lines: Value) -> Value {
     json!({"kind": "deliver", "rack": rack(), "station": "S1", "pick_s": 900, "lines": lines})
 }
 
-async fn until(at: SocketAddr, what: &str, path: &str, so: impl Fn(&Value) -> bool) -> Value {
+pub async fn until(at: SocketAddr, what: &str, path: &str, so: impl Fn(&Value) -> bool) -> Value {
     let mut seen = Value::Null;
     for _ in 0..1200 {
         seen = get(at, path).await.json();

@@ -21,6 +21,7 @@ mod fence;
 mod filters;
 mod fixture;
 mod guard;
+mod hands;
 mod helper;
 mod history;
 mod jobs;

@@ -42,7 +42,10 @@ impl Intake<'_> {
                 }
                 DeskEvent::Grasped(_) => {}
                 DeskEvent::Placed(slot, tote) => {
-                    self.hear_of_piece(station, visit, (slot, tote), seen.seen, now)
+                    self.hear_of_piece(station, visit, (slot, tote, true), (seen.seen, now));
+                }
+                DeskEvent::Seems(slot, tote) => {
+                    self.hear_of_piece(station, visit, (slot, tote, false), (seen.seen, now));
                 }
                 DeskEvent::AimsAt(slot) => self.warn(station, WrongReach::Slot(slot), (seen.seen, now)),
             }
@@ -79,14 +82,13 @@ impl Intake<'_> {
     }
 
     /// A piece from a slot was put into a tote: it confirms the line that wants it, of the rack that has left before
-    /// that of the one that is here.
+    /// that of the one that is here; if that is not sure, it is warned of a wrong tote alone.
     fn hear_of_piece(
         &mut self,
         station: StationId,
         visit: Option<OnVisit>,
-        (slot, tote): (SlotName, usize),
-        seen: Time,
-        now: Time,
+        (slot, tote, is_sure): (SlotName, usize, bool),
+        (seen, now): (Time, Time),
     ) {
         let name = self.core.warehouse().stations[station].cell.as_ref().map(|c| c.totes[tote].name.clone());
         let left = self.core.ledger.unconfirmed.get(&station).and_then(|u| {
@@ -98,6 +100,9 @@ impl Intake<'_> {
         let Some((job, line, order)) = wanted else { return };
         if name.as_ref() != Some(&order.tote) {
             return self.warn(station, WrongReach::Tote(tote), (seen, now));
+        }
+        if !is_sure {
+            return;
         }
         if let Some(visit) = visit.filter(|v| v.job == job) {
             let _ = self.change_line(visit.robot, (line, LineChange::Done(1)), now);

@@ -22,6 +22,8 @@ const STANDS_M: f64 = 1.05;
 /// A hand that carries a piece takes so much longer than one that reaches, as moves to a place do beside reaches in
 /// MTM-1 (Maynard, Stegemerten and Schwab 1948).
 const CARRIES: f64 = 1.15;
+/// Where both hands pick, the other one is so far beside, metres.
+const BESIDE_M: f64 = 0.04;
 /// How long a hand is in a tote (a light position and a release in MTM-1) and at a button, seconds.
 const PUT_S: f64 = 0.25;
 const PRESS_S: f64 = 0.12;
@@ -39,7 +41,7 @@ const TURNS: [f64; 2] = [0.7, 0.4];
 const BENDS_BELOW_M: f64 = 1.0;
 const BENDS: f64 = 0.45;
 /// Warnings so soon after a hand was astray are about that, seconds.
-const ASTRAY_S: f64 = 0.5;
+const ASTRAY_S: f64 = 1.0;
 
 /// A line on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -200,7 +202,7 @@ impl SimPicker {
     pub fn warn(&mut self, now: Time, wrong: WrongReach) {
         let is_wrong = match wrong {
             WrongReach::Slot(_) => self.is_astray(now),
-            WrongReach::Tote(_) => self.is_wrong_tote(),
+            WrongReach::Tote(_) => self.is_wrong_tote() || now - self.astray < Span::from_secs_f64(ASTRAY_S),
         };
         self.figures.note_warning(wrong, is_wrong, self.work.as_mut(), now);
         if is_wrong && self.react.is_none() && self.random.happens_of(REACTS) {
@@ -253,7 +255,8 @@ impl SimPicker {
                 self.rest(i, at);
                 continue;
             }
-            let aside = if other { FacePlace::new(0.05, 0.0, 0.0) } else { FacePlace::zeros() };
+            let side_m = if i == 0 { -BESIDE_M } else { BESIDE_M };
+            let aside = FacePlace::new(if other { side_m } else { 0.0 }, 0.0, 0.0);
             let (from, to) = (self.hands[i].at(at), to + aside);
             let ways = [self.straight_out(from), self.straight_out(to)];
             let pace = self.habits.pace * if matches!(next, Next::Over(_)) { CARRIES } else { 1.0 };
@@ -505,6 +508,7 @@ impl SimPicker {
             (WrongReach::Tote(_), Next::Over(tote) | Next::Put(tote)) => {
                 let right = self.work.as_ref().expect("a piece is in hand").line.tote;
                 if tote != right {
+                    self.astray = at;
                     self.carry(at, right);
                 }
             }

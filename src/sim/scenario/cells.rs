@@ -8,14 +8,14 @@ use crate::warehouse::Warehouse;
 use serde::Deserialize;
 
 /// Picking stations.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Cells {
     /// What the fleet makes of lines and hands.
     pub flow: FlowWord,
     /// Order lines of customers' deliveries to stations with a cell.
     pub lines: LineDemand,
-    /// Stations whose arm works.
+    /// Stations whose arm is on. They are checked; no arm picks yet.
     pub arms: Vec<String>,
     /// Who picks; one usual person at each station with a cell where absent, nobody where empty.
     pub pickers: Option<Vec<PickerHabits>>,
@@ -144,18 +144,6 @@ pub enum GazeKind {
     Head,
     /// Where the eyes look.
     Eyes,
-}
-
-impl Default for Cells {
-    fn default() -> Cells {
-        Cells {
-            flow: FlowWord::default(),
-            lines: LineDemand::default(),
-            arms: Vec::new(),
-            pickers: None,
-            sensor: HandSensor::default(),
-        }
-    }
 }
 
 impl Default for LineDemand {

@@ -1,0 +1,106 @@
+//! Hands of a headset at a picking station, over its WebSocket: they confirm a line without a button, and a wrong slot is
+//! warned of.
+
+use crate::feed::{Headset, hire};
+use crate::helper::{Folder, get, post};
+use crate::lines::{rack, scenario, until};
+use crate::recovery::Program;
+use giveway::cell::{FacePlace, PickFace};
+use giveway::id::StationId;
+use serde_json::{Value, json};
+use std::time::Duration;
+
+/// A wearer in the workplace of S1 whose right hand moves.
+struct Wearer {
+    headset: Headset,
+    face: PickFace,
+    at: FacePlace,
+}
+
+impl Wearer {
+    /// Moves the hand in so many seconds, seen about fifty times a second.
+    async fn moves(&mut self, to: FacePlace, seconds: f64) {
+        let (from, steps) = (self.at, (seconds / 0.02) as u32);
+        for i in 1..=steps {
+            let t = f64::from(i) / f64::from(steps);
+            self.at = from + (to - from) * (t * t * (3.0 - 2.0 * t));
+            self.shows().await;
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+
+    async fn shows(&mut self) {
+        let joint = |back: f64| {
+            let p = self.face.on_map(self.at + FacePlace::new(0.0, back, 0.0));
+            json!([p.x, p.z, -p.y, 0.01])
+        };
+        // The wrist, joints of the palm, and tips: numbers 0, 10, 4 and 9.
+        let joints: Vec<Value> = (0..25)
+            .map(|i| match i {
+                0 => joint(0.17),
+                4 | 9 => joint(0.0),
+                _ => joint(0.09),
+            })
+            .collect();
+        self.headset.seq += 1;
+        let (epoch, seq, t) = (self.headset.epoch, self.headset.seq, self.headset.clock_ms());
+        let pose = json!({
+            "type": "pose", "epoch": epoch, "seq": seq, "t": t, "at": [-5.2, 5.0], "heading": 0.0,
+            "hands": {"l": null, "r": joints},
+        });
+        self.headset.say(pose).await;
+    }
+
+    async fn picks(&mut self, slot: &str, tote: usize) {
+        let front = self.face.slot(slot.parse().unwrap());
+        let ahead = front + FacePlace::new(0.0, 0.35, 0.0);
+        let inside = front - FacePlace::new(0.0, 0.12, 0.0);
+        self.moves(ahead, 0.6).await;
+        self.moves(inside, 0.5).await;
+        self.moves(inside, 0.5).await;
+        self.moves(ahead, 0.5).await;
+        let rim = self.face.tote(tote).unwrap();
+        self.moves(rim, 0.8).await;
+        self.moves(rim, 0.3).await;
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn hands_of_a_headset_confirm_a_line_without_a_button_and_a_wrong_slot_is_warned_of() {
+    let folder = Folder::new();
+    let program = Program::with(&folder, &scenario(&folder));
+    let at = program.address;
+    let lines = json!([
+        {"slot": "C3", "quantity": 1, "tote": "B"},
+        {"slot": "A2", "quantity": 2, "tote": "A"},
+    ]);
+    let wanted = json!({"kind": "deliver", "rack": rack(), "station": "S1", "pick_s": 900, "lines": lines});
+    let made = post(at, None, &wanted).await.unwrap().json();
+    until(at, "the rack is there", "/v1/stations/S1", |s| !s["visit"].is_null()).await;
+    let w = giveway::warehouse::stations();
+    let (station, rack) = (&w.stations[StationId(0)], w.rack_types.iter().next().unwrap());
+    let face = PickFace::new(station.cell.as_ref().unwrap(), w.nodes[station.node].at, rack);
+    let worker = hire(at, "picker").await;
+    let headset = Headset::connect(at, &worker, "map").await;
+    let mut wearer = Wearer { headset, face, at: FacePlace::new(0.2, 0.95, 0.95) };
+
+    wearer.picks("C3", 1).await;
+    let confirmed = |s: &Value| s["visit"]["lines"][0]["state"] == "done";
+    until(at, "the first line is confirmed", "/v1/stations/S1", confirmed).await;
+    let front = wearer.face.slot("C2".parse().unwrap());
+    wearer.moves(front + FacePlace::new(0.0, 0.35, 0.0), 0.6).await;
+    wearer.moves(front - FacePlace::new(0.0, 0.08, 0.0), 0.5).await;
+    let seen = get(at, "/v1/stations/S1").await.json();
+    assert_eq!(seen["warnings"], json!([{"kind": "wrong_slot", "slot": "C2", "tote": null}]), "{seen}");
+    wearer.moves(front + FacePlace::new(0.0, 0.35, 0.0), 0.5).await;
+    wearer.picks("A2", 0).await;
+    let seen = get(at, "/v1/stations/S1").await.json();
+    assert_eq!(seen["visit"]["lines"][1]["done"], 1, "{seen}");
+    wearer.picks("A2", 0).await;
+    let job = format!("/v1/jobs/{}", made["id"].as_str().unwrap());
+    let over = until(at, "the job is over", &job, |j| j["state"] == "done").await;
+    assert_eq!(over["lines"][1]["done"], 2, "the last piece is confirmed in its tote: {over}");
+    let seen = get(at, "/v1/stations/S1").await.json();
+    assert!(seen["unconfirmed"].is_null(), "{seen}");
+    program.kill();
+}
