@@ -83,7 +83,7 @@ fn full() -> Value {
             {"from": "a", "to": "b", "both": true, "length_m": 1.5, "speed_limit_mps": 1,
              "for": ["loaded", "unloaded"]},
             {"from": "b", "to": "s", "both": true}, {"from": "a", "to": "c", "both": true},
-            {"from": "a", "to": "p", "both": true}, {"from": "b", "to": "q", "corridor": {"left": 0.5, "right": 0.6}},
+            {"from": "a", "to": "p", "both": true}, {"from": "b", "to": "q", "corridor": {"left": 0.1, "right": 0.1}},
             {"from": "q", "to": "w"},
             {"from": "w", "to": "o"}, {"from": "o", "to": "b"},
         ],

@@ -14,8 +14,8 @@ const COST: f64 = 60.0;
 /// before it.
 const NEAR_M: f64 = 0.05;
 const PER_M: f64 = 0.3;
-/// It goes on sideways for so long as it does now, seconds, or until it is at the face, but not longer than this. A wrong
-/// slot must be the likelier one by both: hands pass other slots on their way along the rack.
+/// It goes on sideways for so long as it does now, seconds, or until it is at the face, but not longer than this. A
+/// wrong slot must be the likelier one by both: hands pass other slots on their way along the rack.
 const ON_S: f64 = 0.08;
 const ON_MOST_S: f64 = 0.25;
 /// Hands that do not come nearer are not judged, metres per second, and neither are those farther than this, metres.

@@ -4,7 +4,7 @@
 
 use super::aim::aims_wrong;
 use super::face::{FacePlace, PickFace};
-use super::follow::{HandEvent, HandFollower, Held};
+use super::follow::{HandEvent, HandFollower, HeldPiece};
 use super::hands::HandsSeen;
 use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
@@ -27,7 +27,8 @@ pub enum DeskEvent {
     Grasped(SlotName),
     /// A piece from a slot was put into a tote, by its number at the station, and the hand was seen all the way.
     Placed(SlotName, usize),
-    /// A piece from a slot was put into a tote, most likely: the hand was not seen all the way, so nothing is confirmed.
+    /// A piece from a slot was put into a tote, most likely: the hand was not seen all the way, so nothing is
+    /// confirmed.
     Seems(SlotName, usize),
     /// A hand goes to this slot, most likely, and not to the one that is lit.
     AimsAt(SlotName),
@@ -55,8 +56,8 @@ impl Desk {
         self.placed.clear();
     }
 
-    /// Takes in hands, with the slot and the tote that are lit. Gives what happened, in order. Observations that come out of order
-    /// are dropped.
+    /// Takes in hands, with the slot and the tote that are lit. Gives what happened, in order. Observations that come
+    /// out of order are dropped.
     pub fn see(
         &mut self,
         face: &PickFace,
@@ -89,8 +90,8 @@ impl Desk {
         events
     }
 
-    /// What a hand's deed means. A hand that stops in a tote where pieces were put may have taken one out again; one that
-    /// comes from a wrong tote to the lit one brings what it had there.
+    /// What a hand's deed means. A hand that stops in a tote where pieces were put may have taken one out again; one
+    /// that comes from a wrong tote to the lit one brings what it had there.
     fn took(&mut self, hand: usize, event: HandEvent, lit: Option<(SlotName, usize)>) -> Option<DeskEvent> {
         match event {
             HandEvent::Grasped(slot) => {
@@ -148,14 +149,15 @@ impl Desk {
         Some(slot)
     }
 
-    /// The tote in which a piece lies that belongs elsewhere, as long as the hand that put it there has not grasped again.
+    /// The tote in which a piece lies that belongs elsewhere, as long as the hand that put it there has not grasped
+    /// again.
     pub fn strayed(&self) -> Option<usize> {
         self.strayed.iter().flatten().map(|(tote, _)| *tote).next()
     }
 
     /// How many pieces from a slot are in hands that were seen all the time since.
     pub fn in_hand(&self, slot: SlotName) -> u32 {
-        let of = |held: Held| held.sure && held.from == slot;
+        let of = |held: HeldPiece| held.sure && held.from == slot;
         self.hands.iter().filter(|h| h.held().is_some_and(of)).count() as u32
     }
 

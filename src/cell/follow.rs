@@ -1,8 +1,8 @@
 //! One hand at a work cell: in which slot or tote it is, and from which slot it holds a piece.
 //!
-//! Main types: [`HandFollower`], [`HandEvent`]. A hand that dwells in a slot and comes out has grasped a piece; one that
-//! stops in a tote has put it down. A place that no hand can have come to is not believed until it has been seen for a
-//! while. Refuses: to be sure of what happened while the hand was not seen.
+//! Main types: [`HandFollower`], [`HandEvent`]. A hand that dwells in a slot and comes out has grasped a piece; one
+//! that stops in a tote has put it down. A place that no hand can have come to is not believed until it has been seen
+//! for a while. Refuses: to be sure of what happened while the hand was not seen.
 
 use super::face::{FacePlace, PickFace};
 use crate::time::{Span, Time};
@@ -43,7 +43,7 @@ pub enum HandEvent {
 
 /// A piece in a hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Held {
+pub struct HeldPiece {
     /// The slot that it is from.
     pub from: SlotName,
     /// Whether the hand was seen all the time since.
@@ -66,7 +66,7 @@ pub struct HandFollower {
     velocity: FacePlace,
     stay: Option<SlotStay>,
     tote: Option<usize>,
-    held: Option<Held>,
+    held: Option<HeldPiece>,
 }
 
 impl HandFollower {
@@ -81,7 +81,7 @@ impl HandFollower {
     }
 
     /// The piece that it holds.
-    pub fn held(&self) -> Option<Held> {
+    pub fn held(&self) -> Option<HeldPiece> {
         self.held
     }
 
@@ -92,7 +92,7 @@ impl HandFollower {
 
     /// It holds a piece again that it had put down.
     pub fn take_up(&mut self, from: SlotName) {
-        self.held = Some(Held { from, sure: true });
+        self.held = Some(HeldPiece { from, sure: true });
     }
 
     /// Whether a hand can have come to a place by now.
@@ -117,7 +117,7 @@ impl HandFollower {
         } else {
             self.velocity = FacePlace::zeros();
             self.stay = None;
-            self.held = self.held.map(|held| Held { sure: false, ..held });
+            self.held = self.held.map(|held| HeldPiece { sure: false, ..held });
         }
         self.last = Some((seen, at));
         self.slots(face, at, seen).or_else(|| self.totes(face, at))
@@ -132,7 +132,7 @@ impl HandFollower {
                 let (slot, dwelt) = (stay.slot, seen - stay.since);
                 self.stay = None;
                 if dwelt >= GRASP {
-                    self.held = Some(Held { from: slot, sure: true });
+                    self.held = Some(HeldPiece { from: slot, sure: true });
                     return Some(HandEvent::Grasped(slot));
                 }
             }
@@ -148,7 +148,7 @@ impl HandFollower {
         }
         let tote = tote.filter(|_| self.velocity.norm() < STOPS_MPS && self.tote.is_none())?;
         self.tote = Some(tote);
-        let placed = |held: Held| HandEvent::Placed { from: held.from, tote, sure: held.sure };
+        let placed = |held: HeldPiece| HandEvent::Placed { from: held.from, tote, sure: held.sure };
         Some(self.held.take().map_or(HandEvent::Searched(tote), placed))
     }
 }

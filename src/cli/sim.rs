@@ -94,6 +94,9 @@ impl Setup {
             .fit(&warehouse)
             .map_err(|e| anyhow::anyhow!("the map is not for the robots of {}:\n{e}", path.display()))?;
         scenario.check_method(&warehouse).with_context(|| format!("{} is refused", path.display()))?;
+        if let Some(cells) = &scenario.cells {
+            cells.check_stations(&warehouse).with_context(|| format!("{} is refused", path.display()))?;
+        }
         scenario.areas(&warehouse, Time::ZERO).with_context(|| format!("{} is refused", path.display()))?;
         scenario
             .recurring(&warehouse, Time::ZERO)

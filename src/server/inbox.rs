@@ -58,10 +58,14 @@ impl Inbox {
     }
 
     /// The same, which hands on hands of people in the workplaces of a building.
-    pub fn with_workplaces(self, warehouse: &Warehouse) -> Inbox {
+    pub fn of(
+        warehouse: &Warehouse,
+        queue: mpsc::Receiver<FleetRequest>,
+        heard: mpsc::Receiver<HeardSighting>,
+    ) -> Inbox {
         let cells = warehouse.stations.pairs();
         let workplaces = cells.filter_map(|(id, s)| Some((id, s.cell.as_ref()?.workplace.clone()))).collect();
-        Inbox { workplaces, ..self }
+        Inbox { workplaces, ..Inbox::new(queue, heard) }
     }
 
     /// Everything that waits. While `refusing`, new requests are refused instead, but for stops and releases by hand.

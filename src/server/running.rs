@@ -155,8 +155,7 @@ impl RunningCore {
         let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.basis.scenario, &fleet);
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
         let shares = LoopShares { store, clock, metrics, alarms, feeds };
-        let inbox = Inbox::new(requests, heard).with_workplaces(&map);
-        let (notes, tap) = (charts.notes, past.tap);
+        let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);
         let (settling, displaced) = (Settling::new(settle), gone.clone());
         let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settling };
         let drive = drive_loop((fleet, world, period), ends, shares.clone());

@@ -45,8 +45,8 @@ pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
-    Assignments, Causes, Cells, Closing, Demand, Deviations, Faults, FlowWord, GazeKind, Habits, HandSensor,
+    Assignments, Causes, Closing, Demand, Deviations, Faults, FlowWord, Habits, HandSensor, HandSide,
     KindShare, LineDemand, MethodWord, NodeWindowsWord, Personas, PickerHabits, Rates, Scenario,
-    ScenarioError, SecondTag, Sensor, Side, Source, TaskSharing, Workers,
+    ScenarioError, SecondTag, SeenGaze, Sensor, Source, TaskSharing, WorkCells, Workers,
 };
 pub use world::{World, starting_places};

@@ -13,7 +13,7 @@ use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
 use super::leavers::{Leavers, may_be_taken};
 use super::link::{Link, LinkCounts, LinkFaults};
 use super::outages::Outages;
-use super::picker::Pickers;
+use super::picker::{Pickers, has_lines};
 use super::pushes::{NEARBY_M, PushSurroundings};
 use super::random::Stream;
 use super::robot::RobotBody;
@@ -27,7 +27,6 @@ use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, StationId, Worker
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
-use cells::has_lines;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -49,8 +49,8 @@ pub struct Gaze {
 /// Joints of a hand: map x, map y, height, radius; metres.
 pub type Hand = Vec<[f64; 4]>;
 
-/// Numbers of joints as WebXR Hand Input has them: the wrist, the metacarpal of the middle finger, and the tips of thumb
-/// and index finger.
+/// Numbers of joints as WebXR Hand Input has them: the wrist, the metacarpal of the middle finger, and the tips of
+/// thumb and index finger.
 const JOINTS: [usize; 4] = [0, 10, 4, 9];
 
 /// What the core gets of a hand; nothing where joints are missing.

@@ -6,19 +6,13 @@
 
 use crate::cell::{DeskEvent, HandsSeen, LineChange, OrderLine, PickFace};
 use crate::fleet::requests::intake::Intake;
+use crate::fleet::requests::visit::OnVisit;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::io::{CellWarning, WrongReach};
 use crate::fleet::state::job::JobState;
-use crate::id::{Dense, JobId, RobotId, StationId};
+use crate::id::{Dense, RobotId, StationId};
 use crate::time::Time;
 use crate::warehouse::SlotName;
-
-/// The visit that is on at a station.
-#[derive(Clone, Copy)]
-struct OnVisit {
-    robot: RobotId,
-    job: JobId,
-}
 
 impl Intake<'_> {
     /// Takes in hands of a person in a workplace.
@@ -53,32 +47,10 @@ impl Intake<'_> {
         self.let_go(station, &face, now);
     }
 
-    /// The visit at a station, with lines. It is looked up once for all observations of a step.
-    fn visit_at(&mut self, station: StationId, now: Time) -> Option<OnVisit> {
-        let robot = match self.core.visits.looked_up(station, now) {
-            Some(robot) => robot,
-            None => {
-                let robot = self.core.floor().picked_from(station);
-                self.core.visits.note_robot(station, robot, now);
-                robot
-            }
-        };
-        let robot = robot.filter(|robot| self.core.floor().is_picked_from(*robot))?;
-        let (job, _) = self.lines_under(robot)?;
-        Some(OnVisit { robot, job })
-    }
-
     /// The line that is lit in a visit, and its number.
     fn lit(&self, visit: OnVisit) -> Option<(usize, &OrderLine)> {
         let lines = self.core.ledger.jobs[&visit.job].lines_now()?;
         lines.lit().map(|n| (n, &lines.all()[n].line))
-    }
-
-    /// The rack's face at a station: of the rack that stands there, or of the one before.
-    fn face(&mut self, station: StationId, visit: Option<OnVisit>) -> Option<PickFace> {
-        let rack = visit.and_then(|v| self.core.ledger.jobs[&v.job].request.kind.rack());
-        let warehouse = self.core.ledger.warehouse();
-        self.core.visits.face(warehouse, station, rack).cloned()
     }
 
     /// A piece from a slot was put into a tote: it confirms the line that wants it, of the rack that has left before
@@ -135,8 +107,8 @@ impl Intake<'_> {
         }
     }
 
-    /// Lets racks go that were kept because of hands which are seen no more, and notes which robots must not move because
-    /// of others.
+    /// Lets racks go that were kept because of hands which are seen no more, and notes which robots must not move
+    /// because of others.
     pub(super) fn let_kept_go(&mut self, now: Time) {
         self.core.visits.begin_hands();
         for station in self.core.visits.watched(now) {
@@ -161,13 +133,6 @@ impl Intake<'_> {
                 self.end_pick(visit.robot, JobState::Done, now);
             }
         }
-    }
-
-    /// Whether a hand is seen inside while the rack at a station is to leave: it waits until the hand is out.
-    pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
-        let visit = self.visit_at(station, now);
-        let Some(face) = self.face(station, visit) else { return false };
-        self.core.visits.desk(station).is_inside(&face, now)
     }
 
     fn warn(&mut self, station: StationId, wrong: WrongReach, (seen, now): (Time, Time)) {

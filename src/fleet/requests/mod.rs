@@ -13,6 +13,7 @@ mod operator;
 mod racks;
 mod reassign;
 mod station;
+mod visit;
 mod workers;
 
 pub(in crate::fleet) use absorb::absorb;

@@ -6,20 +6,23 @@
 pub mod motion;
 pub mod path;
 pub mod person;
+pub mod screen;
 pub mod watch;
 pub mod work;
 
-pub use person::{Screen, ShownLine, SimPicker};
+pub use person::SimPicker;
+pub use screen::{ShownLine, StationScreen};
 pub use work::{PickFigures, TrueLine};
 
 use super::customers::FIRST_TOKEN;
 use super::random::Stream;
-use super::scenario::Cells;
-use crate::cell::{Flow, LineChange, Lines, PickFace};
+use super::scenario::WorkCells;
+use crate::cell::{Flow, LineChange, PickFace};
 use crate::fleet::{CellWarning, Fleet, Input, StationOrder};
 use crate::id::{JobId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
+use screen::{screen, shown};
 use std::collections::BTreeMap;
 use watch::HandWatch;
 
@@ -34,7 +37,7 @@ const FARTHEST: Span = Span::from_secs(1200);
 
 /// A robot that truly stands at a station with a rack.
 #[derive(Clone, Copy, Debug)]
-pub struct Standing {
+pub struct StandingRack {
     /// The robot.
     pub robot: RobotId,
     /// The rack on it.
@@ -43,7 +46,7 @@ pub struct Standing {
 
 /// A person at a station.
 #[derive(Debug)]
-struct Stand {
+struct PickerPlace {
     station: StationId,
     picker: SimPicker,
     watch: HandWatch,
@@ -56,7 +59,7 @@ struct Stand {
 /// Everybody who picks.
 #[derive(Debug)]
 pub struct Pickers {
-    all: Vec<Stand>,
+    all: Vec<PickerPlace>,
     flow: Flow,
 }
 
@@ -71,7 +74,7 @@ pub struct PickerTime {
 
 impl Pickers {
     /// The people of a scenario. Stations whose racks have no types get none.
-    pub(super) fn new(warehouse: &Warehouse, cells: &Cells, seed: u64, now: Time) -> Pickers {
+    pub(super) fn new(warehouse: &Warehouse, cells: &WorkCells, seed: u64, now: Time) -> Pickers {
         let flow = Flow::from(cells.flow);
         let stand = |(i, habits): (usize, super::PickerHabits)| {
             let (station, place) = warehouse.stations.pairs().find(|(_, s)| s.name == habits.station)?;
@@ -80,7 +83,7 @@ impl Pickers {
             let random = Stream::new(seed, PERSON, i as u64);
             let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
             let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
-            Some(Stand { station, picker, watch, visit: None, idle: Span::ZERO, there: Span::ZERO })
+            Some(PickerPlace { station, picker, watch, visit: None, idle: Span::ZERO, there: Span::ZERO })
         };
         let all = cells.pickers_in(warehouse).into_iter().enumerate().filter_map(stand).collect();
         Pickers { all, flow }
@@ -90,13 +93,13 @@ impl Pickers {
     pub(super) fn advance(
         &mut self,
         (from, to): (Time, Time),
-        standing: &BTreeMap<StationId, Standing>,
+        standing: &BTreeMap<StationId, StandingRack>,
         fleet: &Fleet,
     ) -> Vec<Input> {
         let mut inputs = Vec::new();
         for (i, stand) in self.all.iter_mut().enumerate() {
             let here = standing.get(&stand.station).filter(|s| fleet.is_picked_from(s.robot));
-            let screen = screen(fleet, stand.station, here);
+            let screen = screen(fleet, stand.station, here.map(|h| h.robot));
             let visit = screen.lit.map(|line| line.job);
             if visit.is_some() && visit != stand.visit {
                 stand.visit = visit;
@@ -129,17 +132,17 @@ impl Pickers {
 
     /// What truly happened at each station, with how long somebody was there.
     pub fn figures(&self) -> impl Iterator<Item = (StationId, &PickFigures, PickerTime)> {
-        let time = |s: &Stand| PickerTime { there: s.there, idle: s.idle };
+        let time = |s: &PickerPlace| PickerTime { there: s.there, idle: s.idle };
         self.all.iter().map(move |s| (s.station, &s.picker.figures, time(s)))
     }
 }
 
-impl Stand {
+impl PickerPlace {
     /// Gives what the person says.
     fn live(
         &mut self,
         (from, to): (Time, Time),
-        screen: &Screen,
+        screen: &StationScreen,
         (person, is_watched): (u32, bool),
     ) -> Vec<StationOrder> {
         if !self.picker.is_away() {
@@ -174,7 +177,7 @@ impl Stand {
         while at < now + FARTHEST && !lines.are_over() {
             at += FORESEEN;
             let lit = shown(job, &lines, &tote);
-            let said = picker.advance(at, &Screen { lit, last: None, is_here: true });
+            let said = picker.advance(at, &StationScreen { lit, last: None, is_here: true });
             for (_, order) in said {
                 if let StationOrder::Line(n, change) = order {
                     let _ = lines.change(n, change);
@@ -190,30 +193,15 @@ impl Stand {
     }
 }
 
-/// What the screen of a station shows.
-fn screen(fleet: &Fleet, station: StationId, here: Option<&Standing>) -> Screen {
-    let ledger = fleet.ledger();
-    let cell = fleet.warehouse().stations[station].cell.as_ref();
-    let tote = |name: &str| cell?.totes.iter().position(|t| t.name == name);
-    let is_paused = ledger.paused_stations.contains_key(&station);
-    let job = here.filter(|_| !is_paused).and_then(|h| ledger.robots[h.robot].task.job());
-    let visit = job.and_then(|id| Some((id, ledger.jobs.get(&id)?.lines_now()?)));
-    Screen {
-        lit: visit.and_then(|(id, lines)| shown(id, lines, &tote)),
-        last: ledger.unconfirmed.get(&station).and_then(|u| shown(u.job, &u.lines, &tote)),
-        is_here: here.is_some(),
-    }
-}
-
-/// The lit line of a visit.
-fn shown(job: JobId, lines: &Lines, tote: &impl Fn(&str) -> Option<usize>) -> Option<ShownLine> {
-    let n = lines.lit()?;
-    let p = &lines.all()[n];
-    Some(ShownLine { job, n, slot: p.line.slot, tote: tote(&p.line.tote)?, left: p.left() })
-}
-
 fn face_of(warehouse: &Warehouse, station: StationId, rack: RackId) -> Option<PickFace> {
     let place = &warehouse.stations[station];
     let rack_type = &warehouse.rack_types[warehouse.racks[rack].rack_type?];
     Some(PickFace::new(place.cell.as_ref()?, warehouse.nodes[place.node].at, rack_type))
+}
+
+/// Whether the visit for which a robot is picked from has lines.
+pub(super) fn has_lines(fleet: &Fleet, robot: RobotId) -> bool {
+    let ledger = fleet.ledger();
+    let job = ledger.robots.get(robot).and_then(|record| record.task.job());
+    job.and_then(|job| ledger.jobs.get(&job)).is_some_and(|job| job.lines_now().is_some())
 }

@@ -1,16 +1,17 @@
 //! One simulated person who picks: what is on the screen, what the hands do about it, and what goes wrong.
 //!
-//! Main types: [`SimPicker`], [`Screen`]. Refuses: to know what the fleet believes; it sees the screen, the rack and the
-//! totes.
+//! Main types: [`SimPicker`], [`StationScreen`]. Refuses: to know what the fleet believes; it sees the screen, the rack
+//! and the totes.
 
 use super::path::HandPath;
+use super::screen::{ShownLine, StationScreen};
 use super::watch::{TruePicker, angles_of};
-use super::work::{PickFigures, Work};
+use super::work::{LineWork, PickFigures};
 use crate::cell::{FacePlace, LineChange, PickFace};
 use crate::fleet::{StationOrder, WrongReach};
 use crate::id::JobId;
 use crate::sim::random::Stream;
-use crate::sim::{PickerHabits, Side};
+use crate::sim::{HandSide, PickerHabits};
 use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
 
@@ -43,32 +44,6 @@ const BENDS: f64 = 0.45;
 /// Warnings so soon after a hand was astray are about that, seconds.
 const ASTRAY_S: f64 = 1.0;
 
-/// A line on the screen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ShownLine {
-    /// The job.
-    pub job: JobId,
-    /// Its number, from 0.
-    pub n: usize,
-    /// Where its pieces are.
-    pub slot: SlotName,
-    /// Where they go, by the number of the tote.
-    pub tote: usize,
-    /// How many are still to be picked.
-    pub left: u32,
-}
-
-/// What a picker sees.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Screen {
-    /// The line that is lit.
-    pub lit: Option<ShownLine>,
-    /// The line of the rack before that is not confirmed yet.
-    pub last: Option<ShownLine>,
-    /// Whether a rack stands there.
-    pub is_here: bool,
-}
-
 /// What comes when the present movement or stay is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Next {
@@ -86,7 +61,7 @@ enum Next {
 
 /// A line whose pieces are all put down, as far as the picker knows.
 #[derive(Clone, Copy, Debug)]
-struct Claim {
+struct ClaimedLine {
     job: JobId,
     n: usize,
     since: Time,
@@ -104,8 +79,8 @@ pub struct SimPicker {
     hands: [HandPath; 2],
     next: Next,
     until: Time,
-    work: Option<Work>,
-    claim: Option<Claim>,
+    work: Option<LineWork>,
+    claim: Option<ClaimedLine>,
     /// When the person acts on a warning, and which.
     react: Option<(Time, WrongReach)>,
     /// When the hand was on a wrong way last.
@@ -193,8 +168,8 @@ impl SimPicker {
 
     fn main(&self) -> usize {
         match self.habits.hand {
-            Side::Left => 0,
-            Side::Right => 1,
+            HandSide::Left => 0,
+            HandSide::Right => 1,
         }
     }
 
@@ -224,7 +199,7 @@ impl SimPicker {
     }
 
     /// Lives until `now`. Gives what the person says, with when.
-    pub fn advance(&mut self, now: Time, screen: &Screen) -> Vec<(Time, StationOrder)> {
+    pub fn advance(&mut self, now: Time, screen: &StationScreen) -> Vec<(Time, StationOrder)> {
         let mut said = Vec::new();
         loop {
             let reacts = self.react.filter(|(at, _)| *at <= self.until && *at <= now);
@@ -274,7 +249,7 @@ impl SimPicker {
         FacePlace::new(0.5, self.face.opening_m() + 0.15, 1.2)
     }
 
-    fn go_on(&mut self, at: Time, now: Time, screen: &Screen) -> Option<StationOrder> {
+    fn go_on(&mut self, at: Time, now: Time, screen: &StationScreen) -> Option<StationOrder> {
         match self.next {
             Next::Look => {
                 self.look(at, now, screen);
@@ -316,7 +291,7 @@ impl SimPicker {
     }
 
     /// Nothing is in hand: what is to be done next?
-    fn look(&mut self, at: Time, now: Time, screen: &Screen) {
+    fn look(&mut self, at: Time, now: Time, screen: &StationScreen) {
         // It looks again at the next moment at which the screen may have changed.
         self.until = now + Span(1);
         if let Some(back) = self.away {
@@ -369,7 +344,7 @@ impl SimPicker {
         if random.happens_of(h.wanders) {
             looks_s *= 2.0;
         }
-        self.work = Some(Work::new(line, missing, both && line.left >= 2));
+        self.work = Some(LineWork::new(line, missing, both && line.left >= 2));
         self.aim_anew(at + Span::from_secs_f64(looks_s));
     }
 
@@ -411,11 +386,11 @@ impl SimPicker {
     }
 
     /// The hand is in a slot. If the rack has left meanwhile, there is nothing.
-    fn enter(&mut self, at: Time, screen: &Screen) -> Option<StationOrder> {
+    fn enter(&mut self, at: Time, screen: &StationScreen) -> Option<StationOrder> {
         let work = self.work.as_mut().expect("a line is picked");
         if !screen.is_here {
             self.figures.dismissed_early += 1;
-            self.claim = Some(Claim { job: work.line.job, n: work.line.n, since: at, is_short: true });
+            self.claim = Some(ClaimedLine { job: work.line.job, n: work.line.n, since: at, is_short: true });
             self.work = None;
             self.stay(at, 0.0, Next::Look);
             return None;
@@ -430,7 +405,7 @@ impl SimPicker {
     fn come_out(&mut self, at: Time) -> Option<StationOrder> {
         let work = self.work.as_mut().expect("a line is picked");
         if work.finds_nothing() {
-            self.claim = Some(Claim { job: work.line.job, n: work.line.n, since: at, is_short: true });
+            self.claim = Some(ClaimedLine { job: work.line.job, n: work.line.n, since: at, is_short: true });
             self.work = None;
             self.reach(at, self.button(), Next::Press(true));
             return None;
@@ -455,7 +430,7 @@ impl SimPicker {
         self.figures.put(work, tote);
         if work.is_filled() {
             let line = work.line;
-            self.claim = Some(Claim { job: line.job, n: line.n, since: at, is_short: false });
+            self.claim = Some(ClaimedLine { job: line.job, n: line.n, since: at, is_short: false });
             if self.presses {
                 self.work = None;
                 self.reach(at, self.button(), Next::Press(false));
@@ -470,7 +445,7 @@ impl SimPicker {
     }
 
     /// What the button says, of what is on the screen.
-    fn press(&mut self, at: Time, is_short: bool, screen: &Screen) -> Option<StationOrder> {
+    fn press(&mut self, at: Time, is_short: bool, screen: &StationScreen) -> Option<StationOrder> {
         let claim = self.claim.as_mut()?;
         claim.since = at;
         let is_it = |line: &&ShownLine| (line.job, line.n) == (claim.job, claim.n);

@@ -1,8 +1,9 @@
 //! What truly becomes of a line that a simulated person picks.
 //!
-//! Main types: [`Work`] (the line in hand), [`PickFigures`] (the truth about all of them). Refuses: to ask the fleet.
+//! Main types: [`LineWork`] (the line in hand), [`PickFigures`] (the truth about all of them). Refuses: to ask the
+//! fleet.
 
-use super::person::ShownLine;
+use super::screen::ShownLine;
 use crate::fleet::WrongReach;
 use crate::id::JobId;
 use crate::time::Time;
@@ -11,7 +12,7 @@ use std::collections::BTreeMap;
 
 /// A line that is picked.
 #[derive(Clone, Debug)]
-pub struct Work {
+pub struct LineWork {
     /// As it was on the screen when it began.
     pub line: ShownLine,
     /// Whether both hands pick.
@@ -46,7 +47,7 @@ pub struct PickFigures {
     /// Lines that were picked, with what is in the totes.
     pub lines: BTreeMap<(JobId, usize), TrueLine>,
     /// The line whose pieces were all put down last, as long as nothing else was begun.
-    pub finished: Option<Work>,
+    pub finished: Option<LineWork>,
     /// Reaches to a wrong slot, and those of them that were warned of before the piece was out.
     pub wrong: u64,
     /// Those of them.
@@ -67,10 +68,10 @@ pub struct PickFigures {
     pub presses: u64,
 }
 
-impl Work {
+impl LineWork {
     /// A line that is begun. `is_missing` says whether its slot has one piece too few.
-    pub fn new(line: ShownLine, is_missing: bool, both_hands: bool) -> Work {
-        Work {
+    pub fn new(line: ShownLine, is_missing: bool, both_hands: bool) -> LineWork {
+        LineWork {
             aims_at: line.slot,
             line,
             // An empty hand does not go to the tote.
@@ -115,13 +116,19 @@ impl Work {
 
 impl PickFigures {
     /// A reach to a wrong slot begins.
-    pub fn begin_wrong(&mut self, work: &mut Work) {
+    pub fn begin_wrong(&mut self, work: &mut LineWork) {
         (work.warned, work.hand_in) = (None, None);
         self.wrong += 1;
     }
 
     /// A warning came.
-    pub fn note_warning(&mut self, wrong: WrongReach, is_right: bool, work: Option<&mut Work>, now: Time) {
+    pub fn note_warning(
+        &mut self,
+        wrong: WrongReach,
+        is_right: bool,
+        work: Option<&mut LineWork>,
+        now: Time,
+    ) {
         match (wrong, work) {
             _ if !is_right => self.false_warnings += 1,
             (WrongReach::Slot(_), Some(work)) if work.aims_at != work.line.slot && work.in_hand == 0 => {
@@ -139,14 +146,14 @@ impl PickFigures {
     }
 
     /// Whether the piece put down last for a line went into a wrong tote.
-    pub fn is_wrong_tote(&self, work: Option<&Work>, claim: Option<(JobId, usize)>) -> bool {
-        let of = |w: &Work| w.misplaced.is_some();
+    pub fn is_wrong_tote(&self, work: Option<&LineWork>, claim: Option<(JobId, usize)>) -> bool {
+        let of = |w: &LineWork| w.misplaced.is_some();
         let done = self.finished.as_ref().filter(|w| claim == Some((w.line.job, w.line.n)));
         work.is_some_and(of) || done.is_some_and(of)
     }
 
     /// Pieces are out of the rack.
-    pub fn came_out(&mut self, work: &mut Work, at: Time) {
+    pub fn came_out(&mut self, work: &mut LineWork, at: Time) {
         if work.aims_at != work.line.slot {
             self.note_lead_of(work, work.hand_in.unwrap_or(at));
         }
@@ -154,7 +161,7 @@ impl PickFigures {
     }
 
     /// How long before a hand was, or would have been, in a wrong slot a warning came, if one came.
-    pub fn note_lead_of(&mut self, work: &mut Work, hand_in: Time) {
+    pub fn note_lead_of(&mut self, work: &mut LineWork, hand_in: Time) {
         self.warned_lead_s.extend(work.warned.take().map(|warned| (hand_in - warned).as_secs_f64()));
     }
 
@@ -165,7 +172,7 @@ impl PickFigures {
     }
 
     /// Pieces are put into a tote.
-    pub fn put(&mut self, work: &mut Work, tote: usize) {
+    pub fn put(&mut self, work: &mut LineWork, tote: usize) {
         let line = self.lines.entry((work.line.job, work.line.n)).or_default();
         let is_right = !work.is_wrong && tote == work.line.tote;
         *(if is_right { &mut line.right } else { &mut line.wrong }) += work.in_hand;
@@ -177,7 +184,7 @@ impl PickFigures {
     }
 
     /// A piece is taken out of a wrong tote again.
-    pub fn take_up(&mut self, work: &mut Work, from: usize) {
+    pub fn take_up(&mut self, work: &mut LineWork, from: usize) {
         if work.misplaced == Some(from) {
             let line = self.lines.entry((work.line.job, work.line.n)).or_default();
             line.wrong = line.wrong.saturating_sub(1);

@@ -1,6 +1,6 @@
 //! The part of a scenario that is about picking stations: what is ordered there, who picks, and how hands are seen.
 //!
-//! Main types: [`Cells`], [`PickerHabits`], [`HandSensor`]. Refuses: shares, rates and stations that cannot be.
+//! Main types: [`WorkCells`], [`PickerHabits`], [`HandSensor`]. Refuses: shares, rates and stations that cannot be.
 
 use super::check::{ScenarioError, check};
 use crate::cell::Flow;
@@ -10,7 +10,7 @@ use serde::Deserialize;
 /// Picking stations.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Cells {
+pub struct WorkCells {
     /// What the fleet makes of lines and hands.
     pub flow: FlowWord,
     /// Order lines of customers' deliveries to stations with a cell.
@@ -71,7 +71,7 @@ pub struct PickerHabits {
     /// How long movements take, relative to usual people.
     pub pace: f64,
     /// The hand that picks.
-    pub hand: Side,
+    pub hand: HandSide,
     /// Body height, metres.
     pub height_m: f64,
     /// How long the eyes search before the first reach of a line, seconds.
@@ -101,7 +101,7 @@ pub struct PickerHabits {
 /// A hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Side {
+pub enum HandSide {
     /// The left one.
     Left,
     /// The right one.
@@ -130,13 +130,13 @@ pub struct HandSensor {
     /// How often an hour a hand is seen elsewhere, for a tenth of a second.
     pub jumps_per_hour: f64,
     /// What is known of where the eyes look.
-    pub gaze: GazeKind,
+    pub gaze: SeenGaze,
 }
 
 /// What a headset knows of where the eyes look.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum GazeKind {
+pub enum SeenGaze {
     /// Nothing.
     None,
     /// Where the head faces.
@@ -157,7 +157,7 @@ impl Default for PickerHabits {
         PickerHabits {
             station: String::new(),
             pace: 1.0,
-            hand: Side::Right,
+            hand: HandSide::Right,
             height_m: 1.75,
             looks_first_s: 0.3,
             wanders: 0.2,
@@ -185,12 +185,12 @@ impl Default for HandSensor {
             loss: 0.02,
             swaps_per_hour: 4.0,
             jumps_per_hour: 10.0,
-            gaze: GazeKind::Head,
+            gaze: SeenGaze::Head,
         }
     }
 }
 
-impl Cells {
+impl WorkCells {
     pub(super) fn check(&self) -> Result<(), ScenarioError> {
         for (key, [low, high], most) in [
             ("cells.lines.per_visit", self.lines.per_visit, 20),

@@ -12,7 +12,7 @@ mod habits;
 mod kinds;
 mod workforce;
 
-pub use cells::{Cells, FlowWord, GazeKind, HandSensor, LineDemand, PickerHabits, Side};
+pub use cells::{FlowWord, HandSensor, HandSide, LineDemand, PickerHabits, SeenGaze, WorkCells};
 pub use check::ScenarioError;
 pub use closures::Closing;
 pub use evacuations::Evacuation;
@@ -64,7 +64,7 @@ pub struct Scenario {
     /// The people on the floor.
     pub workers: Workers,
     /// Picking stations with people at them; nothing where customers' jobs have no lines.
-    pub cells: Option<Cells>,
+    pub cells: Option<WorkCells>,
     /// Areas closed for a time.
     pub closures: Vec<Closing>,
     /// When the building is evacuated, in order.
@@ -125,7 +125,7 @@ struct File {
     #[serde(default)]
     workers: Workers,
     #[serde(default)]
-    cells: Option<Cells>,
+    cells: Option<WorkCells>,
     #[serde(default)]
     closures: Vec<Closing>,
     #[serde(default)]
@@ -194,7 +194,7 @@ impl Scenario {
         check("drain_s", file.drain_s, 0.0..=1e6, "from 0 to 1000000")?;
         file.customers.check()?;
         file.workers.check()?;
-        file.cells.iter().try_for_each(Cells::check)?;
+        file.cells.iter().try_for_each(WorkCells::check)?;
         file.closures.iter().try_for_each(Closing::check)?;
         Evacuation::check_all(&file.evacuations)?;
         Ok(Scenario {

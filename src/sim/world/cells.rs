@@ -4,8 +4,8 @@
 
 use super::World;
 use crate::fleet::{CellWarning, Fleet, Input};
-use crate::id::{Dense, RobotId, StationId};
-use crate::sim::picker::{Pickers, Standing};
+use crate::id::{RobotId, StationId};
+use crate::sim::picker::{Pickers, StandingRack};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 use std::collections::BTreeMap;
@@ -59,14 +59,14 @@ impl World {
     }
 
     /// The robots that truly stand at stations with racks.
-    fn standing(&self) -> BTreeMap<StationId, Standing> {
+    fn standing(&self) -> BTreeMap<StationId, StandingRack> {
         let stands = |r: &super::SimRobot| {
             let NodeKind::Station(station) = self.warehouse.nodes[r.body.node].kind else { return None };
             let is_there = !r.off && r.body.speed_mps <= STANDS_MPS && !r.body.is_astray();
             let is_at_node =
                 r.body.stood_on == r.body.node && self.warehouse.stations[station].node == r.body.node;
             let rack = r.body.rack.filter(|_| is_there && is_at_node)?;
-            Some((station, Standing { robot: r.body.id, rack }))
+            Some((station, StandingRack { robot: r.body.id, rack }))
         };
         self.robots.iter().filter_map(stands).collect()
     }
@@ -87,11 +87,4 @@ impl World {
     pub fn moved_at_hands(&self) -> &[(RobotId, StationId)] {
         &self.moved_at_hands
     }
-}
-
-/// Whether the visit for which a robot is picked from has lines.
-pub(super) fn has_lines(fleet: &Fleet, robot: RobotId) -> bool {
-    let ledger = fleet.ledger();
-    let Some(record) = ledger.robots.get(RobotId::at(robot.ix())) else { return false };
-    record.task.job().and_then(|job| ledger.jobs.get(&job)).is_some_and(|job| job.lines_now().is_some())
 }

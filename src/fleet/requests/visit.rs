@@ -1,0 +1,135 @@
+//! The visit that is on at a work cell: its lines change, and it ends, but not while a hand is inside.
+//!
+//! Main types: [`OnVisit`], [`NotedLine`]. Refuses: to know who says so, a button or a hand.
+
+use crate::cell::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines, PickFace};
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::state::fact::{Act, Fact, Task};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::io::Reply;
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::refusal::Refusal;
+use crate::id::{JobId, RobotId, StationId};
+use crate::time::Time;
+
+/// The visit that is on at a station.
+#[derive(Clone, Copy)]
+pub(super) struct OnVisit {
+    pub robot: RobotId,
+    pub job: JobId,
+}
+
+/// What a change of a line came to.
+pub(super) struct NotedLine {
+    pub job: JobId,
+    pub line: usize,
+    pub outcome: LineOutcome,
+    pub state: LineState,
+    pub pieces: u32,
+}
+
+impl NotedLine {
+    pub fn reply(self, token: u64) -> Reply {
+        let NotedLine { job, line, outcome, state, pieces } = self;
+        Reply::LineNoted { token, job, line, outcome, state, pieces }
+    }
+}
+
+impl Intake<'_> {
+    /// The job for which a robot is picked from, with the lines of this visit, if it has lines.
+    pub(super) fn lines_under(&self, robot: RobotId) -> Option<(JobId, &Lines)> {
+        let ledger = &self.core.ledger;
+        let job = ledger.robots[robot].task.job()?;
+        Some((job, ledger.jobs.get(&job)?.lines_now()?))
+    }
+
+    /// Changes a line of the visit for which a robot is picked from. The visit ends with its last line, unless a hand
+    /// is inside: then when it is out.
+    pub(super) fn change_line(
+        &mut self,
+        robot: RobotId,
+        (line, change): (usize, LineChange),
+        now: Time,
+    ) -> Result<NotedLine, Refusal> {
+        let Some((job, lines)) = self.lines_under(robot) else {
+            return Err(Refusal::Line(LineRefusal::NoLine(0)));
+        };
+        let mut lines = lines.clone();
+        let outcome = lines.change(line, change).map_err(Refusal::Line)?;
+        if outcome == LineOutcome::Changed {
+            self.core.record(Fact::LineChanged { job, line, change, at: now });
+        }
+        if lines.are_over() {
+            let station = self.core.floor().station_of(robot);
+            match station.filter(|station| self.is_hand_inside(*station, now)) {
+                Some(station) => self.core.visits.keep(station, true),
+                None => self.end_pick(robot, JobState::Done, now),
+            }
+        }
+        let LineProgress { state, pieces, .. } = lines.all()[line];
+        Ok(NotedLine { job, line, outcome, state, pieces })
+    }
+
+    /// Ends the pick at which a robot stands: its job ends so, if it is not over already, and the robot may leave.
+    pub(super) fn end_pick(&mut self, robot: RobotId, state: JobState, now: Time) {
+        self.core.record(Fact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
+        self.heard.left_early.push(robot);
+        if let Task::Deliver { job, rack, store, .. } = self.core.ledger.robots[robot].task {
+            let next = self.core.ledger.jobs[&job].request.then.first().copied();
+            if let Some(next) = next.filter(|_| state == JobState::Done) {
+                let station = self.core.warehouse().stations[next.station].node;
+                let task = Task::Deliver { job, rack, station, store };
+                self.core.record(Fact::Served { job, tasked: (robot, task), at: now });
+                return;
+            }
+            let task = Task::Store { job: None, rack, store };
+            self.core.progress(job, state, Some((robot, task)), now);
+            self.heard.picked.push(robot);
+        }
+    }
+
+    /// The visit at a station, with lines. It is looked up once for all observations of a step.
+    pub(super) fn visit_at(&mut self, station: StationId, now: Time) -> Option<OnVisit> {
+        let robot = match self.core.visits.looked_up(station, now) {
+            Some(robot) => robot,
+            None => {
+                let robot = self.core.floor().picked_from(station);
+                self.core.visits.note_robot(station, robot, now);
+                robot
+            }
+        };
+        let robot = robot.filter(|robot| self.core.floor().is_picked_from(*robot))?;
+        let (job, _) = self.lines_under(robot)?;
+        Some(OnVisit { robot, job })
+    }
+
+    /// The rack's face at a station: of the rack that stands there, or of the one before.
+    pub(super) fn face(&mut self, station: StationId, visit: Option<OnVisit>) -> Option<PickFace> {
+        let rack = visit.and_then(|v| self.core.ledger.jobs[&v.job].request.kind.rack());
+        let warehouse = self.core.ledger.warehouse();
+        self.core.visits.face(warehouse, station, rack).cloned()
+    }
+
+    /// Whether a hand is seen inside while the rack at a station is to leave: it waits until the hand is out.
+    pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
+        let visit = self.visit_at(station, now);
+        let Some(face) = self.face(station, visit) else { return false };
+        self.core.visits.desk(station).is_inside(&face, now)
+    }
+}
+
+impl Floor<'_> {
+    /// The robot that stands at a station with a rack to pick from.
+    pub(in crate::fleet) fn picked_from(&self, station: StationId) -> Option<RobotId> {
+        let node = self.warehouse().stations[station].node;
+        let mut there = self.ledger.present().filter(|r| self.ledger.node_of(*r) == node);
+        there.find(|r| self.is_picked_from(*r))
+    }
+
+    /// Whether a robot stands at its station and the pick has not ended.
+    pub fn is_picked_from(&self, robot: RobotId) -> bool {
+        let here = self.ledger.chain(robot).first();
+        let stop = self.ledger.robots[robot].stops.first();
+        stop.is_some_and(|s| s.serial == here && matches!(s.act, Act::Pick(_)))
+    }
+}

@@ -1,0 +1,56 @@
+//! What a picker sees: the screen of the station, and whether a rack stands there.
+//!
+//! Main types: [`StationScreen`], [`ShownLine`]. Refuses: to show what a real screen would not.
+
+use crate::cell::Lines;
+use crate::fleet::Fleet;
+use crate::id::{JobId, RobotId, StationId};
+use crate::warehouse::SlotName;
+
+/// A line on the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShownLine {
+    /// The job.
+    pub job: JobId,
+    /// Its number, from 0.
+    pub n: usize,
+    /// Where its pieces are.
+    pub slot: SlotName,
+    /// Where they go, by the number of the tote.
+    pub tote: usize,
+    /// How many are still to be picked.
+    pub left: u32,
+}
+
+/// What a picker sees.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StationScreen {
+    /// The line that is lit.
+    pub lit: Option<ShownLine>,
+    /// The line of the rack before that is not confirmed yet.
+    pub last: Option<ShownLine>,
+    /// Whether a rack stands there.
+    pub is_here: bool,
+}
+
+/// What the screen of a station shows.
+pub(super) fn screen(fleet: &Fleet, station: StationId, robot: Option<RobotId>) -> StationScreen {
+    let ledger = fleet.ledger();
+    let cell = fleet.warehouse().stations[station].cell.as_ref();
+    let tote = |name: &str| cell?.totes.iter().position(|t| t.name == name);
+    let is_paused = ledger.paused_stations.contains_key(&station);
+    let job = robot.filter(|_| !is_paused).and_then(|robot| ledger.robots[robot].task.job());
+    let visit = job.and_then(|id| Some((id, ledger.jobs.get(&id)?.lines_now()?)));
+    StationScreen {
+        lit: visit.and_then(|(id, lines)| shown(id, lines, &tote)),
+        last: ledger.unconfirmed.get(&station).and_then(|u| shown(u.job, &u.lines, &tote)),
+        is_here: robot.is_some(),
+    }
+}
+
+/// The lit line of a visit.
+pub(super) fn shown(job: JobId, lines: &Lines, tote: &impl Fn(&str) -> Option<usize>) -> Option<ShownLine> {
+    let n = lines.lit()?;
+    let p = &lines.all()[n];
+    Some(ShownLine { job, n, slot: p.line.slot, tote: tote(&p.line.tote)?, left: p.left() })
+}
