@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 18] = [
+const RUNS: [(&str, i64); 19] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
@@ -32,6 +32,7 @@ const RUNS: [(&str, i64); 18] = [
     ("few-chargers", 7200),
     ("shift", 90),
     ("mixed", 3600),
+    ("stations", 900),
 ];
 
 /// Seeds of the swarm that are run here.
