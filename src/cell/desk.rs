@@ -287,13 +287,13 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_on_its_way_to_a_wrong_slot_is_warned_of_once_and_before_it_is_in() {
+    fn a_hand_on_its_way_to_a_wrong_slot_is_warned_of_once_and_before_it_has_a_piece() {
         let lit = Some((slot("B2"), 0));
         for name in ["C2", "B3", "A4"] {
             let mut film = Film::new();
             let front = film.face.slot(slot(name)) + FacePlace::new(0.0, 0.3, 0.0);
             film.moves(lit, front, 0.5, true);
-            film.moves(lit, film.face.slot(slot(name)), 0.4, true);
+            film.moves(lit, film.face.slot(slot(name)) - FacePlace::new(0.0, 0.08, 0.0), 0.4, true);
             assert_eq!(film.events, [DeskEvent::AimsAt(slot(name))], "{name}");
         }
         let mut film = Film::new();
