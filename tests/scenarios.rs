@@ -225,6 +225,11 @@ fn robots_of_two_kinds_keep_their_laws() {
 }
 
 #[test]
+fn people_pick_line_by_line_at_work_cells_and_no_rack_moves_at_their_hands() {
+    holds("stations");
+}
+
+#[test]
 fn a_shift_of_a_hundred_robots_keeps_its_laws() {
     holds("shift");
 }
