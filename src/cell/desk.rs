@@ -25,11 +25,9 @@ const ALONE: Span = Span::from_secs(2);
 pub enum DeskEvent {
     /// A piece was taken out of a slot.
     Grasped(SlotName),
-    /// A piece from a slot was put into a tote, by its number at the station, and the hand was seen all the way.
-    Placed(SlotName, usize),
-    /// A piece from a slot was put into a tote, most likely: the hand was not seen all the way, so nothing is
-    /// confirmed.
-    Seems(SlotName, usize),
+    /// A piece was put into a tote, by its number at the station. It confirms something only if the hand was seen all the
+    /// way.
+    Placed(HeldPiece, usize),
     /// A hand goes to this slot, most likely, and not to the one that is lit.
     AimsAt(SlotName),
 }
@@ -42,26 +40,32 @@ pub struct Desk {
     person: Option<(u32, Time)>,
     /// Nothing is confirmed by hand before.
     crowded_until: Option<Time>,
-    /// Pieces that were put into totes, with their slots, since the rack came: they may be taken out again.
-    placed: SmallVec<[(usize, SlotName); 8]>,
-    /// For each hand the tote and the slot of the piece that it put where it does not belong, until it grasps again.
-    strayed: [Option<(usize, SlotName)>; 2],
+    /// When somebody's hand was inside while several persons' hands were seen.
+    crowd_inside: Option<Time>,
+    /// Pieces that were put where they do not belong, with the hands that did it, until those grasp again.
+    strayed: [Option<(HeldPiece, usize)>; 2],
     /// For each hand the slot that was warned of while it goes there.
     warned: [Option<SlotName>; 2],
 }
 
 impl Desk {
-    /// Another rack is here: what was put down before stays where it is.
+    /// Another rack is here.
     pub fn begin(&mut self) {
-        self.placed.clear();
+        self.hands.iter_mut().for_each(HandFollower::begin);
+        self.strayed = [None; 2];
     }
 
-    /// Takes in hands, with the slot and the tote that are lit. Gives what happened, in order. Observations that come
-    /// out of order are dropped.
+    /// A line is over: nobody wants a piece from this slot any more.
+    pub fn forget(&mut self, slot: SlotName) {
+        self.hands.iter_mut().for_each(|hand| hand.forget(slot));
+    }
+
+    /// Takes in hands, with the slot that is lit and the tote that is wanted. Gives what happened, in order.
+    /// Observations that come out of order are dropped.
     pub fn see(
         &mut self,
         face: &PickFace,
-        lit: Option<(SlotName, usize)>,
+        (lit, tote): (Option<SlotName>, Option<usize>),
         seen: &HandsSeen,
     ) -> SmallVec<[DeskEvent; 4]> {
         let mut events = SmallVec::new();
@@ -79,44 +83,39 @@ impl Desk {
         if self.are_swapped(&grips, seen.seen) {
             grips.swap(0, 1);
         }
+        if !is_alone && grips.iter().flatten().any(|at| face.is_inside(*at)) {
+            self.crowd_inside = Some(seen.seen);
+        }
         for (i, grip) in grips.into_iter().enumerate() {
             let Some(at) = grip else { continue };
-            if let Some(event) = self.hands[i].see(face, at, seen.seen).and_then(|e| self.took(i, e, lit)) {
+            if let Some(event) = self.hands[i].see(face, at, seen.seen).and_then(|e| self.took(i, e, tote)) {
                 events.extend(Some(event).filter(|_| is_alone));
             }
-            let aims = lit.filter(|_| is_alone).and_then(|(slot, _)| self.aims(face, i, slot));
+            let aims = lit.filter(|_| is_alone).and_then(|slot| self.aims(face, i, slot));
             events.extend(aims.map(DeskEvent::AimsAt));
         }
         events
     }
 
-    /// What a hand's deed means. A hand that stops in a tote where pieces were put may have taken one out again; one
-    /// that comes from a wrong tote to the lit one brings what it had there.
-    fn took(&mut self, hand: usize, event: HandEvent, lit: Option<(SlotName, usize)>) -> Option<DeskEvent> {
+    /// What a hand's deed means. A hand that stops where it put a piece that belongs elsewhere may take it out again, and
+    /// one that comes from there to the wanted tote brings it. What lies where it belongs counts once.
+    fn took(&mut self, hand: usize, event: HandEvent, wanted: Option<usize>) -> Option<DeskEvent> {
         match event {
             HandEvent::Grasped(slot) => {
                 self.strayed[hand] = None;
                 Some(DeskEvent::Grasped(slot))
             }
-            HandEvent::Placed { from, tote, sure } => {
-                self.placed.push((tote, from));
-                let is_wrong = lit.is_none_or(|(_, wanted)| wanted != tote);
-                self.strayed[hand] = is_wrong.then_some((tote, from));
-                Some(if sure { DeskEvent::Placed(from, tote) } else { DeskEvent::Seems(from, tote) })
+            HandEvent::Placed(piece, tote) => {
+                self.strayed[hand] = wanted.filter(|wanted| *wanted != tote).map(|_| (piece, tote));
+                Some(DeskEvent::Placed(piece, tote))
             }
             HandEvent::Searched(tote) => {
-                let of = |tote: usize| move |(t, _): &(usize, SlotName)| *t == tote;
-                if let Some((there, from)) = self.strayed[hand].filter(|(there, _)| *there != tote) {
-                    let last = self.placed.iter().rposition(of(there))?;
-                    self.placed.remove(last);
-                    self.placed.push((tote, from));
-                    self.strayed[hand] = None;
-                    return Some(DeskEvent::Placed(from, tote));
+                let (piece, there) = self.strayed[hand].take()?;
+                if there == tote {
+                    self.hands[hand].take_up(piece);
+                    return None;
                 }
-                let last = self.placed.iter().rposition(of(tote))?;
-                let (_, from) = self.placed.remove(last);
-                self.hands[hand].take_up(from);
-                None
+                Some(DeskEvent::Placed(piece, tote)).filter(|_| wanted == Some(tote))
             }
         }
     }
@@ -149,15 +148,9 @@ impl Desk {
         Some(slot)
     }
 
-    /// The tote in which a piece lies that belongs elsewhere, as long as the hand that put it there has not grasped
-    /// again.
-    pub fn strayed(&self) -> Option<usize> {
-        self.strayed.iter().flatten().map(|(tote, _)| *tote).next()
-    }
-
-    /// How many pieces from a slot are in hands that were seen all the time since.
+    /// How many pieces from a slot of the rack that is there are in hands that were seen all the time since.
     pub fn in_hand(&self, slot: SlotName) -> u32 {
-        let of = |held: HeldPiece| held.sure && held.from == slot;
+        let of = |held: HeldPiece| held.sure && !held.is_of_before && held.from == slot;
         self.hands.iter().filter(|h| h.held().is_some_and(of)).count() as u32
     }
 
@@ -168,20 +161,27 @@ impl Desk {
 
     /// Whether a hand is in the opening or beyond it, or will be there in a moment, as far as hands are seen.
     pub fn comes_inside(&self, face: &PickFace, now: Time) -> bool {
-        let comes = |h: &HandFollower| {
-            h.last().is_some_and(|(seen, at)| {
-                let soon = at + h.velocity() * SOON_S;
-                now - seen < STALE && (face.is_inside(at) || face.is_inside(soon))
-            })
-        };
-        self.hands.iter().any(comes)
+        self.is_any(now, |at, velocity| face.is_inside(at) || face.is_inside(at + velocity * SOON_S))
     }
 
     /// Whether a hand is in the opening or beyond it, as far as hands are seen.
     pub fn is_inside(&self, face: &PickFace, now: Time) -> bool {
-        let inside =
-            |h: &HandFollower| h.last().is_some_and(|(seen, at)| now - seen < STALE && face.is_inside(at));
-        self.hands.iter().any(inside)
+        self.is_any(now, |at, _| face.is_inside(at))
+    }
+
+    /// Whether a hand was inside when it was seen last, however long ago: it may be there still.
+    pub fn may_be_inside(&self, face: &PickFace) -> bool {
+        self.hands.iter().any(|h| h.last().is_some_and(|(_, at)| face.is_inside(at)))
+    }
+
+    fn is_any(&self, now: Time, is: impl Fn(FacePlace, FacePlace) -> bool) -> bool {
+        let is_fresh = |seen: Time| now - seen < STALE;
+        let crowd = self.crowd_inside.is_some_and(is_fresh);
+        crowd
+            || self
+                .hands
+                .iter()
+                .any(|h| h.last().is_some_and(|(seen, at)| is_fresh(seen) && is(at, h.velocity())))
     }
 }
 
@@ -202,6 +202,7 @@ mod tests {
         events: Vec<DeskEvent>,
     }
 
+    /// Nothing is lit.
     const LIT: Option<(SlotName, usize)> = None;
 
     impl Film {
@@ -224,6 +225,7 @@ mod tests {
             let (station, person, seen) = (StationId(0), self.person, self.now);
             let head = self.face.on_map(FacePlace::new(0.0, 1.05, 1.6));
             let seen = HandsSeen { station, person, seen, head, hands };
+            let lit = (lit.map(|(slot, _)| slot), lit.map(|(_, tote)| tote));
             self.events.extend(self.desk.see(&self.face, lit, &seen));
             self.now += Span::from_millis(16);
         }
@@ -264,6 +266,10 @@ mod tests {
         name.parse().unwrap()
     }
 
+    fn put(name: &str, sure: bool, tote: usize) -> DeskEvent {
+        DeskEvent::Placed(HeldPiece { from: slot(name), sure, is_of_before: false }, tote)
+    }
+
     #[test]
     fn a_piece_is_followed_from_its_slot_to_its_tote() {
         let mut film = Film::new();
@@ -272,7 +278,7 @@ mod tests {
             film.picks(LIT, slot(name));
             assert_eq!(film.desk.in_hand(slot(name)), 1, "{name}");
             film.puts(LIT, tote, true);
-            let placed = DeskEvent::Placed(slot(name), tote);
+            let placed = put(name, true, tote);
             assert_eq!(film.events, [DeskEvent::Grasped(slot(name)), placed], "{name}");
             assert_eq!(film.desk.in_hand(slot(name)), 0);
         }
@@ -283,7 +289,7 @@ mod tests {
         let mut film = Film::new();
         film.picks(LIT, slot("C3"));
         film.puts(LIT, 1, false);
-        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), DeskEvent::Seems(slot("C3"), 1)]);
+        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), put("C3", false, 1)]);
     }
 
     #[test]
@@ -311,10 +317,52 @@ mod tests {
         let mut film = Film::new();
         film.picks(lit, slot("C3"));
         film.puts(lit, 0, true);
-        assert_eq!(film.desk.strayed(), Some(0));
         film.puts(lit, 2, true);
-        let placed = |tote| DeskEvent::Placed(slot("C3"), tote);
+        let placed = |tote| put("C3", true, tote);
         assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed(0), placed(2)]);
+    }
+
+    #[test]
+    fn a_piece_where_it_belongs_counts_once_however_often_a_hand_comes_back_to_its_tote() {
+        let lit = Some((slot("C3"), 2));
+        let mut film = Film::new();
+        film.picks(lit, slot("C3"));
+        for _ in 0..3 {
+            film.puts(lit, 2, true);
+            film.moves(lit, FacePlace::new(0.0, 0.9, 1.1), 0.5, true);
+        }
+        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), put("C3", true, 2)]);
+    }
+
+    #[test]
+    fn a_piece_of_the_rack_before_is_none_of_the_rack_that_is_there() {
+        let mut film = Film::new();
+        film.picks(LIT, slot("C3"));
+        film.desk.begin();
+        assert_eq!(film.desk.in_hand(slot("C3")), 0, "nobody has taken anything from this rack");
+        film.puts(LIT, 1, true);
+        let before = HeldPiece { from: slot("C3"), sure: true, is_of_before: true };
+        assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), DeskEvent::Placed(before, 1)]);
+    }
+
+    #[test]
+    fn a_hand_that_went_in_and_was_not_seen_since_may_be_there_still() {
+        let mut film = Film::new();
+        film.moves(LIT, film.face.slot(slot("C3")), 0.6, true);
+        film.now += Span::from_secs(5);
+        assert!(!film.desk.is_inside(&film.face, film.now), "it is not seen any more");
+        assert!(film.desk.may_be_inside(&film.face));
+    }
+
+    #[test]
+    fn a_hand_of_a_second_person_inside_is_not_forgotten_when_the_first_is_seen_again() {
+        let mut film = Film::new();
+        film.look(LIT, [None, Some(film.at)]);
+        film.person = 1;
+        film.look(LIT, [None, Some(film.face.slot(slot("C3")))]);
+        film.person = 0;
+        film.look(LIT, [None, Some(film.at)]);
+        assert!(film.desk.is_inside(&film.face, film.now));
     }
 
     #[test]
@@ -345,7 +393,7 @@ mod tests {
             film.look(LIT, [Some(at), Some(left)]);
         }
         film.puts(LIT, 2, true);
-        let placed = DeskEvent::Placed(slot("C3"), 2);
+        let placed = put("C3", true, 2);
         assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed], "left was taken for right");
         let before = film.desk.clone();
         let mut bad = film.hand(left);
@@ -357,7 +405,7 @@ mod tests {
             head: bad.wrist,
             hands: [Some(bad), None],
         };
-        assert!(film.desk.see(&film.face, LIT, &seen).is_empty());
+        assert!(film.desk.see(&film.face, (None, None), &seen).is_empty());
         assert_eq!(film.desk.hands, before.hands);
     }
 

@@ -28,15 +28,8 @@ const SMOOTH_S: f64 = 0.04;
 pub enum HandEvent {
     /// It came out of a slot with a piece.
     Grasped(SlotName),
-    /// It put a piece from a slot into a tote, by its number at the station.
-    Placed {
-        /// The slot.
-        from: SlotName,
-        /// The tote.
-        tote: usize,
-        /// Whether the hand was seen all the time in between.
-        sure: bool,
-    },
+    /// It put a piece into a tote, by its number at the station.
+    Placed(HeldPiece, usize),
     /// It has stopped in a tote without holding anything.
     Searched(usize),
 }
@@ -48,6 +41,8 @@ pub struct HeldPiece {
     pub from: SlotName,
     /// Whether the hand was seen all the time since.
     pub sure: bool,
+    /// Whether it is from the rack before the one that is there.
+    pub is_of_before: bool,
 }
 
 /// A stay in a slot.
@@ -91,8 +86,19 @@ impl HandFollower {
     }
 
     /// It holds a piece again that it had put down.
-    pub fn take_up(&mut self, from: SlotName) {
-        self.held = Some(HeldPiece { from, sure: true });
+    pub fn take_up(&mut self, piece: HeldPiece) {
+        self.held = Some(piece);
+    }
+
+    /// Another rack is there: what it holds is from the one before.
+    pub fn begin(&mut self) {
+        self.stay = None;
+        self.held = self.held.map(|held| HeldPiece { is_of_before: true, ..held });
+    }
+
+    /// Nobody wants a piece from this slot of the rack that is there any more.
+    pub fn forget(&mut self, slot: SlotName) {
+        self.held = self.held.filter(|held| held.is_of_before || held.from != slot);
     }
 
     /// Whether a hand can have come to a place by now.
@@ -132,7 +138,7 @@ impl HandFollower {
                 let (slot, dwelt) = (stay.slot, seen - stay.since);
                 self.stay = None;
                 if dwelt >= GRASP {
-                    self.held = Some(HeldPiece { from: slot, sure: true });
+                    self.held = Some(HeldPiece { from: slot, sure: true, is_of_before: false });
                     return Some(HandEvent::Grasped(slot));
                 }
             }
@@ -148,7 +154,6 @@ impl HandFollower {
         }
         let tote = tote.filter(|_| self.velocity.norm() < STOPS_MPS && self.tote.is_none())?;
         self.tote = Some(tote);
-        let placed = |held: HeldPiece| HandEvent::Placed { from: held.from, tote, sure: held.sure };
-        Some(self.held.take().map_or(HandEvent::Searched(tote), placed))
+        Some(self.held.take().map_or(HandEvent::Searched(tote), |held| HandEvent::Placed(held, tote)))
     }
 }

@@ -19,6 +19,7 @@ pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};
 pub use desk::{Desk, DeskEvent};
 pub use face::{FacePlace, PickFace};
 pub use flow::Flow;
+pub use follow::HeldPiece;
 pub use hands::{HandPoints, HandsSeen};
 pub use lines::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines};
 

@@ -4,42 +4,49 @@
 //! seen all the way; what was not seen so, a button decides. No rack leaves while a hand is seen inside. Refuses: to
 //! confirm by guessing.
 
-use crate::cell::{DeskEvent, HandsSeen, LineChange, OrderLine, PickFace};
+use crate::cell::{DeskEvent, HandsSeen, HeldPiece, LineChange, Lines, OrderLine, PickFace};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::requests::visit::OnVisit;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::io::{CellWarning, WrongReach};
 use crate::fleet::state::job::JobState;
-use crate::id::{Dense, RobotId, StationId};
-use crate::time::Time;
+use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
+use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
+
+/// Clocks of headsets may be ahead by so much.
+const AHEAD: Span = Span::from_millis(200);
+
+/// A line that waits for a piece.
+struct WaitingLine {
+    job: JobId,
+    line: usize,
+    slot: SlotName,
+    tote: usize,
+}
 
 impl Intake<'_> {
     /// Takes in hands of a person in a workplace.
     pub(super) fn hear_hands(&mut self, seen: &HandsSeen, now: Time) {
         let station = seen.station;
         let known = station.ix() < self.core.warehouse().stations.len();
-        if !known || !self.core.settings.flow.hears_hands() || seen.seen > now {
+        if !known || !self.core.settings.flow.hears_hands() || seen.seen > now + AHEAD {
             return;
         }
         let visit = self.visit_at(station, now);
-        let lit = visit.and_then(|v| self.lit(v)).and_then(|(_, line)| {
-            let cell = self.core.warehouse().stations[station].cell.as_ref()?;
-            Some((line.slot, cell.totes.iter().position(|t| t.name == line.tote)?))
-        });
+        let (lit, left) = (visit.and_then(|v| self.lit(station, v)), self.unconfirmed(station));
         let Some(face) = self.face(station, visit) else { return };
-        let events = self.core.visits.desk(station).see(&face, lit, seen);
+        let tote = lit.as_ref().or(left.as_ref()).map(|line| line.tote);
+        let lit = lit.map(|line| line.slot);
+        let events = self.core.visits.desk(station).see(&face, (lit, tote), seen);
         for event in events {
             match event {
-                DeskEvent::Grasped(slot) if lit.is_some_and(|(wanted, _)| wanted != slot) => {
+                DeskEvent::Grasped(slot) if lit.is_some_and(|wanted| wanted != slot) => {
                     self.warn(station, WrongReach::Slot(slot), (seen.seen, now));
                 }
                 DeskEvent::Grasped(_) => {}
-                DeskEvent::Placed(slot, tote) => {
-                    self.hear_of_piece(station, visit, (slot, tote, true), (seen.seen, now));
-                }
-                DeskEvent::Seems(slot, tote) => {
-                    self.hear_of_piece(station, visit, (slot, tote, false), (seen.seen, now));
+                DeskEvent::Placed(piece, tote) => {
+                    self.hear_of_piece(station, visit, (piece, tote), (seen.seen, now));
                 }
                 DeskEvent::AimsAt(slot) => self.warn(station, WrongReach::Slot(slot), (seen.seen, now)),
             }
@@ -47,39 +54,50 @@ impl Intake<'_> {
         self.let_go(station, &face, now);
     }
 
-    /// The line that is lit in a visit, and its number.
-    fn lit(&self, visit: OnVisit) -> Option<(usize, &OrderLine)> {
+    /// The line that is lit in a visit.
+    fn lit(&self, station: StationId, visit: OnVisit) -> Option<WaitingLine> {
         let lines = self.core.ledger.jobs[&visit.job].lines_now()?;
-        lines.lit().map(|n| (n, &lines.all()[n].line))
+        self.waiting(station, visit.job, lines)
     }
 
-    /// A piece from a slot was put into a tote: it confirms the line that wants it, of the rack that has left before
-    /// that of the one that is here; if that is not sure, it is warned of a wrong tote alone.
+    /// The line of the rack before that is not confirmed yet.
+    fn unconfirmed(&self, station: StationId) -> Option<WaitingLine> {
+        let left = self.core.ledger.unconfirmed.get(&station)?;
+        self.waiting(station, left.job, &left.lines)
+    }
+
+    fn waiting(&self, station: StationId, job: JobId, lines: &Lines) -> Option<WaitingLine> {
+        let line = lines.lit()?;
+        let OrderLine { slot, tote, .. } = &lines.all()[line].line;
+        let cell = self.core.warehouse().stations[station].cell.as_ref()?;
+        let tote = cell.totes.iter().position(|t| t.name == *tote)?;
+        Some(WaitingLine { job, line, slot: *slot, tote })
+    }
+
+    /// A piece was put into a tote: it confirms the line that waits for it, of the rack that is there or of the one
+    /// before; where that is not sure, a wrong tote is warned of alone.
     fn hear_of_piece(
         &mut self,
         station: StationId,
         visit: Option<OnVisit>,
-        (slot, tote, is_sure): (SlotName, usize, bool),
+        (piece, tote): (HeldPiece, usize),
         (seen, now): (Time, Time),
     ) {
-        let name = self.core.warehouse().stations[station].cell.as_ref().map(|c| c.totes[tote].name.clone());
-        let left = self.core.ledger.unconfirmed.get(&station).and_then(|u| {
-            let n = u.lines.lit()?;
-            Some((u.job, n, u.lines.all()[n].line.clone()))
-        });
-        let here = visit.and_then(|v| self.lit(v).map(|(n, line)| (v.job, n, line.clone())));
-        let wanted = [left, here].into_iter().flatten().find(|(_, _, line)| line.slot == slot);
-        let Some((job, line, order)) = wanted else { return };
-        if name.as_ref() != Some(&order.tote) {
+        let of_this = visit.filter(|_| !piece.is_of_before);
+        let wanted = of_this.map_or_else(|| self.unconfirmed(station), |visit| self.lit(station, visit));
+        let Some(wanted) = wanted.filter(|line| line.slot == piece.from) else { return };
+        if wanted.tote != tote {
             return self.warn(station, WrongReach::Tote(tote), (seen, now));
         }
-        if !is_sure {
-            return;
-        }
-        if let Some(visit) = visit.filter(|v| v.job == job) {
-            let _ = self.change_line(visit.robot, (line, LineChange::Done(1)), now);
-        } else {
-            self.core.record(Fact::LineChanged { job, line, change: LineChange::Done(1), at: now });
+        let WaitingLine { job, line, .. } = wanted;
+        let change = LineChange::Done(1);
+        match of_this {
+            _ if !piece.sure => {}
+            Some(visit) => {
+                let noted = self.change_line(visit.robot, (line, change), now);
+                debug_assert!(noted.is_ok(), "a lit line waits for a piece");
+            }
+            None => self.core.record(Fact::LineChanged { job, line, change, at: now }),
         }
     }
 
@@ -95,7 +113,10 @@ impl Intake<'_> {
         if lines.are_over() {
             return self.end_pick(visit.robot, JobState::Done, now);
         }
+        // Nobody knows where a hand is that was inside when it was seen last: then a button ends the visit.
+        let may_be_inside = self.core.visits.desk(station).may_be_inside(face);
         let leaves = self.core.settings.flow.leaves_at_last_grasp()
+            && !may_be_inside
             && job.request.then.is_empty()
             && !self.core.ledger.unconfirmed.contains_key(&station);
         let Some(lit) = lines.lit().filter(|_| leaves) else { return };
@@ -111,17 +132,17 @@ impl Intake<'_> {
     /// because of others.
     pub(super) fn let_kept_go(&mut self, now: Time) {
         self.core.visits.begin_hands();
-        for station in self.core.visits.watched(now) {
-            if self.core.visits.comes_inside(station, now) {
-                let node = self.core.warehouse().stations[station].node;
-                let ledger = &self.core.ledger;
-                let moves = |r: &RobotId| {
-                    ledger.chain(*r).visits().take(2).any(|v| v.node == node)
-                        && !self.core.floor().is_picked_from(*r)
-                };
-                let robots: Vec<RobotId> = ledger.present().filter(moves).collect();
-                self.core.visits.stop_at_hands(robots);
-            }
+        let at_hands = self.core.visits.hands_inside(now);
+        if !at_hands.is_empty() {
+            let stations = &self.core.warehouse().stations;
+            let nodes: Vec<NodeId> = at_hands.iter().map(|s| stations[*s].node).collect();
+            let (ledger, floor) = (&self.core.ledger, self.core.floor());
+            let moves = |r: &RobotId| {
+                ledger.chain(*r).visits().take(2).any(|v| nodes.contains(&v.node))
+                    && !floor.is_picked_from(*r)
+            };
+            let robots: Vec<RobotId> = ledger.present().filter(moves).collect();
+            self.core.visits.stop_at_hands(robots);
         }
         for station in self.core.visits.kept() {
             if self.is_hand_inside(station, now) {

@@ -11,6 +11,7 @@ use crate::fleet::state::job::JobState;
 use crate::fleet::state::refusal::Refusal;
 use crate::id::{JobId, RobotId, StationId};
 use crate::time::Time;
+use std::sync::Arc;
 
 /// The visit that is on at a station.
 #[derive(Clone, Copy)]
@@ -104,7 +105,7 @@ impl Intake<'_> {
     }
 
     /// The rack's face at a station: of the rack that stands there, or of the one before.
-    pub(super) fn face(&mut self, station: StationId, visit: Option<OnVisit>) -> Option<PickFace> {
+    pub(super) fn face(&mut self, station: StationId, visit: Option<OnVisit>) -> Option<Arc<PickFace>> {
         let rack = visit.and_then(|v| self.core.ledger.jobs[&v.job].request.kind.rack());
         let warehouse = self.core.ledger.warehouse();
         self.core.visits.face(warehouse, station, rack).cloned()

@@ -58,7 +58,7 @@ pub(in crate::fleet) struct Visits {
     /// The hands at each station.
     desks: BTreeMap<StationId, Desk>,
     /// The face of the rack that stands at each station, or stood there last.
-    faces: BTreeMap<StationId, (RackTypeId, PickFace)>,
+    faces: BTreeMap<StationId, (RackTypeId, Arc<PickFace>)>,
     /// Which robots were picked from, as looked up in this step.
     looked_up: (Time, BTreeMap<StationId, Option<RobotId>>),
     /// Stations whose visit is over but for a hand inside.
@@ -145,6 +145,9 @@ impl Visits {
         if lines.lit() != after.lit() {
             (clock.lit, clock.whole) = (at, is_alone);
         }
+        if now.state.is_over() {
+            self.desks.entry(station).or_default().forget(before.line.slot);
+        }
         self.learn(earlier);
     }
 
@@ -183,14 +186,14 @@ impl Visits {
         warehouse: &Arc<Warehouse>,
         station: StationId,
         rack: Option<RackId>,
-    ) -> Option<&PickFace> {
+    ) -> Option<&Arc<PickFace>> {
         let rack_type = rack.and_then(|rack| warehouse.racks[rack].rack_type);
         if let Some(id) = rack_type.filter(|id| self.faces.get(&station).is_none_or(|(known, _)| known != id))
         {
             let place = &warehouse.stations[station];
             let stands = warehouse.nodes[place.node].at;
             let face = PickFace::new(place.cell.as_ref()?, stands, &warehouse.rack_types[id]);
-            self.faces.insert(station, (id, face));
+            self.faces.insert(station, (id, Arc::new(face)));
         }
         self.faces.get(&station).map(|(_, face)| face)
     }
@@ -234,15 +237,13 @@ impl Visits {
         self.told.insert(station, at);
     }
 
-    /// Stations where hands were seen a moment ago.
-    pub fn watched(&self, now: Time) -> Vec<StationId> {
-        self.desks.iter().filter(|(_, desk)| desk.sees(now)).map(|(station, _)| *station).collect()
-    }
-
-    /// Whether a hand is in the opening of a station or beyond it, or will be in a moment.
-    pub fn comes_inside(&self, station: StationId, now: Time) -> bool {
-        let known = self.desks.get(&station).zip(self.faces.get(&station));
-        known.is_some_and(|(desk, (_, face))| desk.comes_inside(face, now))
+    /// Stations where a hand is in the opening or beyond it, or will be in a moment.
+    pub fn hands_inside(&self, now: Time) -> Vec<StationId> {
+        let comes = |(station, desk): (&StationId, &Desk)| {
+            let (_, face) = self.faces.get(station).filter(|_| desk.sees(now))?;
+            desk.comes_inside(face, now).then_some(*station)
+        };
+        self.desks.iter().filter_map(comes).collect()
     }
 
     /// Forgets which robots must not move because of hands.

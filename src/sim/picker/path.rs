@@ -4,6 +4,7 @@
 //! minimum jerk (Flash and Hogan 1985) warped so that its speed peaks at 37 % of the time, as that of recorded people
 //! does. How long it takes follows Fitts (1954). Refuses: straight and symmetric movements.
 
+use super::motion::minimum_jerk;
 use crate::cell::FacePlace;
 use crate::sim::random::Stream;
 use crate::time::{Span, Time};
@@ -99,8 +100,7 @@ impl HandPath {
 
 /// The share of the way after a share of the time.
 fn jerk(t: f64) -> f64 {
-    let u = t.powf(WARP);
-    u * u * u * (10.0 + u * (6.0 * u - 15.0))
+    minimum_jerk(t.powf(WARP))
 }
 
 #[cfg(test)]

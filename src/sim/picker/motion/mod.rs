@@ -11,4 +11,4 @@ mod reach;
 mod tests;
 
 pub use build::{ArmBuild, ArmRest, ArmSide};
-pub use reach::{ArmPose, ArmReach};
+pub use reach::{ArmPose, ArmReach, minimum_jerk};

@@ -44,7 +44,7 @@ pub struct ArmReach {
 }
 
 /// Minimum jerk from 0 to 1 (Flash and Hogan 1985).
-fn minimum_jerk(share: f64) -> f64 {
+pub fn minimum_jerk(share: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);
     s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
