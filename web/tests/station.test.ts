@@ -1,5 +1,6 @@
 // The display of a station: which line is lit and what undo takes back, keys and scans, the drawing, the link.
 import { beforeEach, describe, expect, test } from 'vitest';
+import { Asks } from '../src/station/asks';
 import { draw, reachWidth, rowEdges } from '../src/station/face';
 import { judge, warned } from '../src/station/judge';
 import { GAP_MS, Keys, Once, SAME_PRESS_MS, type Pressed } from '../src/station/keys';
@@ -283,4 +284,24 @@ describe('the link', () => {
 
 test('who signs in comes back to the station', () => {
   expect(signInAt({ pathname: '/station/S1', search: '' })).toBe('/sign-in?back=%2Fstation%2FS1');
+});
+
+describe('the piece that nobody has seen in its tote', () => {
+  const left = { job: 'j1', line: line(2, 'C3', 'lit', { tote: 'B', done: 1 }) };
+
+  test('it is asked about only when it should have been seen by now, and the answer is for what is left', () => {
+    const answers: unknown[] = [];
+    const asks = new Asks((change) => answers.push(change));
+    asks.show(station({ unconfirmed: left }), 1_000);
+    expect(asks.box.hidden).toBe(true);
+    asks.show(station({ unconfirmed: left }), 2_100);
+    expect(asks.box.hidden).toBe(false);
+    expect(asks.box.textContent).toContain('C3');
+    for (const button of asks.box.querySelectorAll('button')) button.click();
+    expect(answers).toEqual([{ done: 1 }, { short: true }]);
+    asks.show(station(), 2_200);
+    expect(asks.box.hidden).toBe(true);
+    asks.show(station({ unconfirmed: { ...left, job: 'j2' } }), 2_300);
+    expect(asks.box.hidden).toBe(true);
+  });
 });

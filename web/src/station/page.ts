@@ -1,12 +1,13 @@
 // A station's display at work: the link, keys and scans, what they do at the server, and what is shown of it.
 import { make } from '../parts';
+import { Asks } from './asks';
 import { Board, write } from './board';
 import { actOf, askRelease, Buttons, possible, type Act } from './buttons';
 import { judge, warned, type Mistake } from './judge';
 import { Keys, Once, SAME_PIECE_MS, SAME_PRESS_MS, GAP_MS, type Pressed } from './keys';
 import { Changes, leftOf, linesLeft, litOf } from './lines';
 import { StationLink } from './link';
-import { changeLine, openLive, say, type Answer, type Changed } from './server';
+import { changeLast, changeLine, openLive, say, type Answer, type Changed } from './server';
 import { Sound } from './sound';
 import { readStation, type Line, type Station } from './state';
 import { said } from '../language';
@@ -31,6 +32,8 @@ export class StationPage {
   #heardAt = 0;
   #board = new Board();
   #buttons = new Buttons((act) => this.#act(act));
+  /** About the last piece of the rack before. */
+  #asks = new Asks((change) => void this.#ask(() => changeLast(this.#options.id, change)));
   #soundOff = make('p', { className: 'sound' }, make('span', { textContent: t('sound.why') }));
   #changes = new Changes();
   #keys = new Keys();
@@ -72,7 +75,7 @@ export class StationPage {
     this.#sound.onReady = () => { this.#soundOff.hidden = true; };
     const { bar, rack, big, counts, lines, note, paused, spoken, alert, old } = this.#board;
     const help = make('footer', { className: 'help' }, make('span', { textContent: t('help') }), this.#soundOff);
-    const side = make('div', { className: 'side' }, paused, big, note, counts, lines);
+    const side = make('div', { className: 'side' }, paused, this.#asks.box, big, note, counts, lines);
     host.replaceChildren(make('main', {}, bar, rack, side, this.#buttons.row, help, spoken, alert, old));
     addEventListener('keydown', this.#keyDown);
     addEventListener('keyup', this.#keyUp);
@@ -122,7 +125,9 @@ export class StationPage {
     dataset['visit'] = !station?.visit ? 'none' : station.visit.lines.length > 0 ? 'lines' : 'free';
     dataset['mistake'] = mistake?.kind ?? '';
     dataset['lit'] = litOf(station?.visit ?? null)?.slot ?? '';
-    if (station) this.#board.show(station, mistake, now - this.#heardAt);
+    if (!station) return;
+    this.#asks.show(station, now);
+    this.#board.show(station, mistake, now - this.#heardAt);
   }
 
   #warn(warning: Mistake | null, now: number): void {

@@ -50,6 +50,8 @@ export interface Station {
   has_cell: boolean;
   totes: readonly Tote[];
   visit: Visit | null;
+  /** The line that was not confirmed when its rack left. */
+  unconfirmed: { job: string; line: Line } | null;
   next: { rack: string; robot: string; in_s: number } | null;
   arm: { kind: string } | null;
   reach: readonly { slot: string; probability: number }[];
@@ -68,7 +70,7 @@ export function readStation(text: string): Station | null {
   if (typeof given !== 'object' || given === null) return null;
   if (typeof given.now !== 'string' || typeof given.id !== 'string') return null;
   return {
-    robot: null, queue: [], served: 0, picking: false, paused: null, has_cell: false, totes: [], visit: null,
+    robot: null, queue: [], served: 0, picking: false, paused: null, has_cell: false, totes: [], visit: null, unconfirmed: null,
     next: null, arm: null, reach: [], warnings: [], ...given, now: given.now, id: given.id,
   };
 }
