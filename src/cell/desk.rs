@@ -25,8 +25,8 @@ const ALONE: Span = Span::from_secs(2);
 pub enum DeskEvent {
     /// A piece was taken out of a slot.
     Grasped(SlotName),
-    /// A piece was put into a tote, by its number at the station. It confirms something only if the hand was seen all the
-    /// way.
+    /// A piece was put into a tote, by its number at the station. It confirms something only if the hand was seen all
+    /// the way.
     Placed(HeldPiece, usize),
     /// A hand goes to this slot, most likely, and not to the one that is lit.
     AimsAt(SlotName),
@@ -97,8 +97,8 @@ impl Desk {
         events
     }
 
-    /// What a hand's deed means. A hand that stops where it put a piece that belongs elsewhere may take it out again, and
-    /// one that comes from there to the wanted tote brings it. What lies where it belongs counts once.
+    /// What a hand's deed means. A hand that stops where it put a piece that belongs elsewhere may take it out again,
+    /// and one that comes from there to the wanted tote brings it. What lies where it belongs counts once.
     fn took(&mut self, hand: usize, event: HandEvent, wanted: Option<usize>) -> Option<DeskEvent> {
         match event {
             HandEvent::Grasped(slot) => {
