@@ -115,7 +115,9 @@ impl From<PickedByDto> for PickedBy {
 
 words! {
     /// How far a line is. `lit`: picked now; `short`: pieces are missing; `undone`: confirmed before, and taken back.
-    LineStateDto of LineState { Open "open", Lit "lit", Done "done", Short "short", Undone "undone", }
+    LineStateDto of LineState {
+        Open "open", Lit "lit", Done "done", Short "short", Undone "undone", Arm "arm",
+    }
 }
 
 words! {

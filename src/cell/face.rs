@@ -74,6 +74,21 @@ impl PickFace {
         self.opening_m
     }
 
+    /// Width over all columns, metres.
+    pub fn width_m(&self) -> f64 {
+        self.width_m
+    }
+
+    /// From the middle of the rack to its face, metres.
+    pub fn face_m(&self) -> f64 {
+        self.face_m
+    }
+
+    /// For each row, the lowest first: the middle of its slots above the floor, metres.
+    pub fn heights_m(&self) -> &[f64] {
+        &self.heights_m
+    }
+
     /// The middle of a slot's front.
     pub fn slot(&self, slot: SlotName) -> FacePlace {
         let column_m = self.width_m / f64::from(self.columns);

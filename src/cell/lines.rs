@@ -1,10 +1,11 @@
 //! Order lines of one visit: which one is lit, and what was confirmed of each.
 //!
 //! Main type: [`Lines`]. A line is open until it is lit, and lit until all its pieces are confirmed or it is short; who
-//! takes that back makes it undone, and it is lit again after the lines before it. Refuses: to confirm more pieces than
-//! were ordered, and to confirm a line twice.
+//! takes that back makes it undone, and it is lit again after the lines before it. A line that the robot arm picks is
+//! not lit until it is given back to the hand. Refuses: to confirm more pieces than were ordered, and to confirm a line
+//! twice.
 
-use super::OrderLine;
+use super::{OrderLine, PickedBy};
 
 /// How far a line is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,6 +20,8 @@ pub enum LineState {
     Short,
     /// It was done or short, and that was taken back: it is to be picked anew.
     Undone,
+    /// The robot arm picks it.
+    Arm,
 }
 
 impl LineState {
@@ -35,11 +38,12 @@ impl LineState {
             LineState::Done => "done",
             LineState::Short => "short",
             LineState::Undone => "undone",
+            LineState::Arm => "arm",
         }
     }
 }
 
-/// What is said about a line, by a button, a scanner, a scale or the hand.
+/// What is said about a line, by a button, a scanner, a scale, the hand or the robot arm; and who picks it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum LineChange {
     /// So many more pieces are in the tote.
@@ -48,6 +52,10 @@ pub enum LineChange {
     Short,
     /// What was said before is taken back: no piece counts.
     Undo,
+    /// The robot arm picks it from now on.
+    ToArm,
+    /// The hand picks it from now on.
+    ToHand,
 }
 
 /// What a change came to.
@@ -86,6 +94,11 @@ impl LineProgress {
     pub fn left(&self) -> u32 {
         if self.state.is_over() { 0 } else { self.line.quantity - self.pieces }
     }
+
+    /// Whether a hand has something to pick.
+    fn is_by_hand(&self) -> bool {
+        !self.state.is_over() && self.state != LineState::Arm
+    }
 }
 
 /// The lines of a visit, in the order in which they are lit.
@@ -95,23 +108,27 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// The lines of a visit that begins: the first one is lit.
+    /// The lines of a visit that begins: the first one that a hand may pick is lit.
     pub fn new(lines: impl IntoIterator<Item = OrderLine>) -> Lines {
-        let open = |line| LineProgress { line, state: LineState::Open, pieces: 0 };
+        let open = |line: OrderLine| {
+            let state = if line.by == PickedBy::Arm { LineState::Arm } else { LineState::Open };
+            LineProgress { line, state, pieces: 0 }
+        };
         let mut lines = Lines { all: lines.into_iter().map(open).collect() };
         lines.light();
         lines
     }
 
     /// Lines as they were kept; nothing if they contradict themselves: more pieces than ordered, a line that is done
-    /// with pieces left, or none or several lit.
+    /// with pieces left, or none or several lit where a hand has something to pick.
     pub fn restore(all: Vec<LineProgress>) -> Option<Lines> {
         let sound = |p: &LineProgress| {
             p.pieces <= p.line.quantity && (p.state == LineState::Done) == (p.pieces == p.line.quantity)
         };
         let lines = Lines { all };
         let lit = lines.all.iter().filter(|p| p.state == LineState::Lit).count();
-        (lines.all.iter().all(sound) && lit == usize::from(!lines.are_over())).then_some(lines)
+        let is_by_hand = lines.all.iter().any(LineProgress::is_by_hand);
+        (lines.all.iter().all(sound) && lit == usize::from(is_by_hand)).then_some(lines)
     }
 
     /// All of them, in their order.
@@ -119,7 +136,7 @@ impl Lines {
         &self.all
     }
 
-    /// The line that is picked now, counted from 0; nothing where all are over.
+    /// The line that is picked by hand now, counted from 0; nothing where all others are over or the arm's.
     pub fn lit(&self) -> Option<usize> {
         self.all.iter().position(|p| p.state == LineState::Lit)
     }
@@ -150,7 +167,11 @@ impl Lines {
             }
             LineChange::Done(_) | LineChange::Short => Ok(LineOutcome::Changed),
             LineChange::Undo if progress.pieces == 0 && !is_over => Ok(LineOutcome::Already),
-            LineChange::Undo => Ok(LineOutcome::Changed),
+            LineChange::ToArm if !progress.is_by_hand() || progress.line.by == PickedBy::Hand => {
+                Ok(LineOutcome::Already)
+            }
+            LineChange::ToHand if progress.state != LineState::Arm => Ok(LineOutcome::Already),
+            LineChange::Undo | LineChange::ToArm | LineChange::ToHand => Ok(LineOutcome::Changed),
         }
     }
 
@@ -173,17 +194,22 @@ impl Lines {
             }
             LineChange::Short => progress.state = LineState::Short,
             LineChange::Undo => (progress.state, progress.pieces) = (LineState::Undone, 0),
+            LineChange::ToArm => progress.state = LineState::Arm,
+            LineChange::ToHand => progress.state = LineState::Open,
         }
-        self.light();
+        // A hand is on its way to the line that is lit: only what a person takes back comes before it.
+        if self.lit().is_none() || change == LineChange::Undo {
+            self.light();
+        }
         Ok(outcome)
     }
 
-    /// One line is lit if any is left: the first, unless one is lit that has pieces in its tote already.
+    /// One line is lit if any is left for the hand: the first, unless one is lit that has pieces in its tote already.
     fn light(&mut self) {
         if self.lit().is_some_and(|n| self.all[n].pieces > 0) {
             return;
         }
-        let first = self.all.iter().position(|p| !p.state.is_over());
+        let first = self.all.iter().position(LineProgress::is_by_hand);
         if self.lit() == first {
             return;
         }
@@ -198,9 +224,8 @@ impl Lines {
 
 #[cfg(test)]
 mod tests {
-    use super::super::PickedBy;
     use super::*;
-    use LineChange::{Done, Short, Undo};
+    use LineChange::{Done, Short, ToArm, ToHand, Undo};
     use proptest::prelude::*;
 
     fn lines(quantities: &[u32]) -> Lines {
@@ -265,22 +290,55 @@ mod tests {
         assert_eq!(visit, before);
     }
 
+    #[test]
+    fn the_arms_line_is_not_lit_and_comes_back_behind_the_one_that_a_hand_is_at() {
+        let mut visit = lines(&[1, 2, 1]);
+        visit.change(1, ToArm).unwrap();
+        visit.change(0, Done(1)).unwrap();
+        assert_eq!(states(&visit), ["done", "arm", "lit"]);
+        visit.change(1, Done(1)).unwrap();
+        assert_eq!(visit.change(1, ToHand), Ok(LineOutcome::Changed));
+        assert_eq!((states(&visit), visit.pieces_left()), (vec!["done", "open", "lit"], 2));
+        visit.change(2, Done(1)).unwrap();
+        assert_eq!((states(&visit), visit.all()[1].pieces), (vec!["done", "lit", "done"], 1));
+        assert_eq!(visit.change(1, ToArm), Ok(LineOutcome::Changed), "nobody else picks");
+        assert_eq!((visit.lit(), visit.are_over()), (None, false));
+        assert_eq!(visit.change(1, ToArm), Ok(LineOutcome::Already));
+        visit.change(1, Done(1)).unwrap();
+        assert!(visit.are_over());
+    }
+
+    #[test]
+    fn a_line_for_the_arm_begins_with_it_and_one_for_the_hand_never_comes_to_it() {
+        let line = |by| OrderLine { by, ..lines(&[1]).all()[0].line.clone() };
+        let mut visit = Lines::new([PickedBy::Arm, PickedBy::Hand].map(line));
+        assert_eq!(states(&visit), ["arm", "lit"]);
+        assert_eq!(visit.change(1, ToArm), Ok(LineOutcome::Already));
+        assert_eq!(Lines::restore(visit.all().to_vec()), Some(visit));
+    }
+
     proptest! {
         #[test]
         fn whatever_is_said_one_line_is_lit_as_long_as_any_is_left_and_pieces_add_up(
             quantities in prop::collection::vec(1u32..4, 0..6),
-            said in prop::collection::vec((0usize..7, 0u32..6), 0..40),
+            said in prop::collection::vec((0usize..7, 0u32..8), 0..40),
         ) {
             let mut visit = lines(&quantities);
             for (n, what) in said {
-                let change = match what { 0 => Short, 1 => Undo, pieces => Done(pieces - 1) };
+                let change = match what {
+                    0 => Short,
+                    1 => Undo,
+                    6 => ToArm,
+                    7 => ToHand,
+                    pieces => Done(pieces - 1),
+                };
                 let (before, expected) = (visit.clone(), visit.outcome(n, change));
                 prop_assert_eq!(visit.change(n, change), expected);
                 if expected != Ok(LineOutcome::Changed) {
                     prop_assert_eq!(&visit, &before);
                 }
                 let lit = visit.all().iter().filter(|p| p.state == LineState::Lit).count();
-                prop_assert_eq!(lit, usize::from(!visit.are_over()));
+                prop_assert_eq!(lit, usize::from(visit.all().iter().any(LineProgress::is_by_hand)));
                 for p in visit.all() {
                     prop_assert!(p.pieces <= p.line.quantity);
                     prop_assert_eq!(p.state == LineState::Done, p.pieces == p.line.quantity);

@@ -23,7 +23,7 @@ pub use follow::HeldPiece;
 pub use hands::{HandPoints, HandsSeen};
 pub use lines::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines};
 
-pub use pace::{PickPace, Remaining};
+pub use pace::{ARM_PIECE_S, PickPace, Remaining};
 
 use crate::warehouse::SlotName;
 

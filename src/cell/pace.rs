@@ -124,7 +124,9 @@ impl PickPace {
         let whole_s: f64 = lines.all().iter().map(|p| usual_s(p.line.quantity, false)).sum();
         let factor = said_s.map_or(mean_factor, |said_s| said_s / whole_s.max(AT_LEAST_S));
         let (mut mean, mut variance) = (0.0, 0.0);
-        for p in lines.all().iter().filter(|p| p.left() > 0) {
+        // The arm picks at the same time.
+        let arms_s: f64 = lines.all().iter().filter(|p| p.state == LineState::Arm).map(arm_s).sum();
+        for p in lines.all().iter().filter(|p| p.left() > 0 && p.state != LineState::Arm) {
             let line_s = factor * usual_s(p.left(), p.pieces > 0);
             let (m, v) = if p.state == LineState::Lit {
                 rest_of(line_s, spread, lit_s)
@@ -133,8 +135,19 @@ impl PickPace {
             };
             (mean, variance) = (mean + m, variance + v);
         }
+        if arms_s > mean {
+            (mean, variance) = (arms_s, variance.max(arms_s * arms_s * ((spread * spread).exp() - 1.0)));
+        }
         Remaining::of(mean, variance)
     }
+}
+
+/// What a robot arm takes for a piece, seconds.
+pub const ARM_PIECE_S: f64 = 9.0;
+
+/// How long the arm takes for what is left of its line, seconds.
+fn arm_s(p: &super::LineProgress) -> f64 {
+    ARM_PIECE_S * f64::from(p.left())
 }
 
 /// Mean and variance of what is left of a line that takes `line_s` on average and has been at it for `spent_s`.

@@ -33,6 +33,7 @@ pub use read::unsettled::Unsettled;
 pub use read::view::{Counts, JobWhy, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::activity::{Activity, Doing};
+pub use state::arms::ArmView;
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;

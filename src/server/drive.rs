@@ -163,6 +163,7 @@ impl DriveLoop {
             let Some(step) = self.step(now, inputs) else { return };
             self.note(self.clock.now() - looked, step.facts.len());
             self.world.warn(self.clock.now(), &step.warnings);
+            self.world.move_arms(&step.arms);
             self.send_urgent((looked, called), step.urgent, step.guidance);
             self.tap.note(&step.facts);
             let causes = self.inbox.causes(&step.caused);

@@ -133,7 +133,11 @@ impl Inbox {
         let mut dropped = 0;
         for input in inputs {
             match input {
-                Input::Telemetry(_) | Input::Sighted(_) | Input::Hands(_) | Input::VisitEnds { .. } => {}
+                Input::Telemetry(_)
+                | Input::Sighted(_)
+                | Input::Hands(_)
+                | Input::Arm(_)
+                | Input::VisitEnds { .. } => {}
                 // Simulated pickers say it until their screen shows that it was heard.
                 Input::Station { .. } if is_simulated(&input) => {}
                 order if is_order(&order) && orders >= MOST_ORDERS => dropped += 1,

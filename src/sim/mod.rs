@@ -7,6 +7,8 @@
 
 mod announce;
 pub mod arm;
+mod arm_row;
+pub mod arms;
 mod consistency;
 mod crew;
 mod customers;
@@ -29,6 +31,7 @@ pub mod recording;
 pub mod replay;
 mod robot;
 pub mod run;
+mod said_row;
 mod scenario;
 mod sensor;
 mod shared_tasks;
@@ -45,8 +48,8 @@ pub use digest::Digest;
 pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
-    Assignments, Causes, Closing, Demand, Deviations, Faults, FlowWord, Habits, HandSensor, HandSide,
-    KindShare, LineDemand, MethodWord, NodeWindowsWord, Personas, PickerHabits, Rates, Scenario,
+    ArmModeWord, Assignments, Causes, Closing, Demand, Deviations, Faults, FlowWord, Habits, HandSensor,
+    HandSide, KindShare, LineDemand, MethodWord, NodeWindowsWord, Personas, PickerHabits, Rates, Scenario,
     ScenarioError, SecondTag, SeenGaze, Sensor, Source, TaskSharing, WorkCells, Workers,
 };
 pub use world::{World, starting_places};

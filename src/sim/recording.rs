@@ -4,12 +4,13 @@
 //! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
 //! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
+use super::arm_row::ArmRow;
 use super::hand_row::HandsRow;
 use super::job_line::{ChangeLine, JobLine};
-use crate::cell::LineChange;
+use super::said_row::Says;
 use crate::fleet::{
     AssignmentRequest, Binds, Closure, Fault, Input, JobChange, JobRequest, Recurrence, RecurringClosure,
-    StationOrder, Telemetry, USUAL_KIND, Weekdays,
+    Telemetry, USUAL_KIND, Weekdays,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting, SourceId};
@@ -46,62 +47,6 @@ pub struct Broken {
 }
 
 /// What a station says.
-#[derive(Clone, Copy, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Says {
-    Done,
-    Short,
-    Pause,
-    Resume,
-    Release,
-    /// So many more pieces of this line.
-    Picked(usize, u32),
-    /// This line is short.
-    Missing(usize),
-    /// The same of the line that was not confirmed when its rack left.
-    LastPicked(u32),
-    LastMissing,
-    LastUndo,
-    /// What was said of this line is taken back.
-    Undo(usize),
-}
-
-impl From<StationOrder> for Says {
-    fn from(order: StationOrder) -> Says {
-        match order {
-            StationOrder::Done => Says::Done,
-            StationOrder::Short => Says::Short,
-            StationOrder::Pause => Says::Pause,
-            StationOrder::Resume => Says::Resume,
-            StationOrder::Release => Says::Release,
-            StationOrder::Line(line, LineChange::Done(pieces)) => Says::Picked(line, pieces),
-            StationOrder::Line(line, LineChange::Short) => Says::Missing(line),
-            StationOrder::Line(line, LineChange::Undo) => Says::Undo(line),
-            StationOrder::Last(LineChange::Done(pieces)) => Says::LastPicked(pieces),
-            StationOrder::Last(LineChange::Short) => Says::LastMissing,
-            StationOrder::Last(LineChange::Undo) => Says::LastUndo,
-        }
-    }
-}
-
-impl From<Says> for StationOrder {
-    fn from(says: Says) -> StationOrder {
-        match says {
-            Says::Done => StationOrder::Done,
-            Says::Short => StationOrder::Short,
-            Says::Pause => StationOrder::Pause,
-            Says::Resume => StationOrder::Resume,
-            Says::Release => StationOrder::Release,
-            Says::Picked(line, pieces) => StationOrder::Line(line, LineChange::Done(pieces)),
-            Says::Missing(line) => StationOrder::Line(line, LineChange::Short),
-            Says::Undo(line) => StationOrder::Line(line, LineChange::Undo),
-            Says::LastPicked(pieces) => StationOrder::Last(LineChange::Done(pieces)),
-            Says::LastMissing => StationOrder::Last(LineChange::Short),
-            Says::LastUndo => StationOrder::Last(LineChange::Undo),
-        }
-    }
-}
-
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RecordingLine {
@@ -219,6 +164,7 @@ enum Other {
     Hands(HandsRow),
     /// Station, true end of the visit that is on.
     VisitEnds(u32, i64),
+    Arm(ArmRow),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -371,6 +317,7 @@ fn asked(input: &Input) -> Other {
         Input::Reassign { token, job, robot } => Other::Reassign(*token, job.0, robot.map(|r| r.0)),
         Input::Station { token, station, order } => Other::Station(*token, station.0, (*order).into()),
         Input::Hands(seen) => Other::Hands(seen.into()),
+        Input::Arm(said) => Other::Arm(said.into()),
         Input::VisitEnds { station, at } => Other::VisitEnds(station.0, at.0),
         Input::Telemetry(_) | Input::Sighted(_) => unreachable!("they have places of their own in a line"),
     }
@@ -540,6 +487,7 @@ fn other(o: Other) -> Input {
             Input::Station { token, station: StationId(station), order: order.into() }
         }
         Other::Hands(row) => Input::Hands(row.into()),
+        Other::Arm(row) => Input::Arm(row.into()),
         Other::VisitEnds(station, at) => Input::VisitEnds { station: StationId(station), at: Time(at) },
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
         Other::RegisterWorker(token, name) => Input::RegisterWorker { token, name },

@@ -159,6 +159,7 @@ impl Simulation {
         self.world.command(self.now, step.commands.clone());
         self.world.tell(self.now, step.guidance.clone());
         self.world.warn(self.now, &step.warnings);
+        self.world.move_arms(&step.arms);
         self.now += self.period;
         (inputs, step)
     }

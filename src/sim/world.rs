@@ -7,6 +7,7 @@ mod handover;
 mod incidents;
 
 use super::announce::Announcements;
+use super::arms::SimArms;
 use super::crew::{Crew, TrueWorker};
 use super::customers::{Customers, FIRST_TOKEN, OrderFileLine};
 use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
@@ -91,6 +92,8 @@ pub struct World {
     announcements: Announcements,
     /// Who picks at work cells; nothing where whole visits are picked at once.
     pickers: Option<Pickers>,
+    /// Robot arms beside them.
+    arms: Option<SimArms>,
     /// Robots that began to move while a hand was inside.
     moved_at_hands: Vec<(RobotId, StationId)>,
     /// Stations where hands were inside at the end of the last step.
@@ -133,6 +136,7 @@ impl World {
         let meter = EncounterMeter::new(scenario.workers.encounter_m);
         let outages = Outages::new(&faults, &warehouse, seed);
         let pickers = scenario.cells.as_ref().map(|cells| Pickers::new(&warehouse, cells, seed, now));
+        let arms = scenario.cells.as_ref().and_then(|cells| SimArms::new(&warehouse, cells, seed, now));
         let robots = vec![];
         let announcements = Announcements::new(scenario, &warehouse, fleet, now);
         let mut world = World {
@@ -155,6 +159,7 @@ impl World {
             joining,
             announcements,
             pickers,
+            arms,
             moved_at_hands: Vec::new(),
             hands_inside: Vec::new(),
             guard_stops: 0,
@@ -281,6 +286,7 @@ impl World {
     fn end_faults(&mut self, now: Time) {
         self.faults = self.faults.ended();
         self.outages.end(now);
+        self.arms.iter_mut().for_each(SimArms::end_faults);
         let links = LinkFaults::from(&self.faults);
         for robot in &mut self.robots {
             (robot.body.fault, robot.charger_is_out) = (None, false);

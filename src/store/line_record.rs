@@ -49,6 +49,8 @@ pub(super) enum LineChangeRecord {
     Done(u32),
     Short,
     Undo,
+    ToArm,
+    ToHand,
 }
 
 #[derive(Clone, Copy, Serialize, Deserialize)]
@@ -59,6 +61,7 @@ enum LineStateRecord {
     Done,
     Short,
     Undone,
+    Arm,
 }
 
 /// A line, how far it is, and its pieces in the tote.
@@ -120,6 +123,8 @@ impl From<LineChange> for LineChangeRecord {
             LineChange::Done(pieces) => LineChangeRecord::Done(pieces),
             LineChange::Short => LineChangeRecord::Short,
             LineChange::Undo => LineChangeRecord::Undo,
+            LineChange::ToArm => LineChangeRecord::ToArm,
+            LineChange::ToHand => LineChangeRecord::ToHand,
         }
     }
 }
@@ -130,6 +135,8 @@ impl From<LineChangeRecord> for LineChange {
             LineChangeRecord::Done(pieces) => LineChange::Done(pieces),
             LineChangeRecord::Short => LineChange::Short,
             LineChangeRecord::Undo => LineChange::Undo,
+            LineChangeRecord::ToArm => LineChange::ToArm,
+            LineChangeRecord::ToHand => LineChange::ToHand,
         }
     }
 }
@@ -142,6 +149,7 @@ impl From<LineState> for LineStateRecord {
             LineState::Done => LineStateRecord::Done,
             LineState::Short => LineStateRecord::Short,
             LineState::Undone => LineStateRecord::Undone,
+            LineState::Arm => LineStateRecord::Arm,
         }
     }
 }
@@ -154,6 +162,7 @@ impl From<LineStateRecord> for LineState {
             LineStateRecord::Done => LineState::Done,
             LineStateRecord::Short => LineState::Short,
             LineStateRecord::Undone => LineState::Undone,
+            LineStateRecord::Arm => LineState::Arm,
         }
     }
 }
@@ -174,6 +183,7 @@ mod tests {
         lines.change(0, LineChange::Short).unwrap();
         lines.change(1, LineChange::Done(1)).unwrap();
         lines.change(1, LineChange::Undo).unwrap();
+        lines.change(2, LineChange::ToHand).unwrap();
         lines
     }
 

@@ -22,7 +22,7 @@ pub mod walkway;
 
 pub use body::{Body, MOST_BODIES};
 pub use build::{Draft, DraftLane, DraftNode, DraftRack, DraftStation};
-pub use cell::{Cell, Place, RackType, SlotName, SlotNameError, Tote};
+pub use cell::{ArmMount, Cell, Place, RackType, SlotName, SlotNameError, Tote};
 pub use check::{
     Finding, Findings, Remark, Review, Severity, ShutIn, review, room_for, shut_in, shut_in_text,
 };

@@ -89,6 +89,9 @@ pub struct ArmPosture {
 static COLLABORATIVE: LazyLock<ArmKind> = LazyLock::new(|| {
     ArmKind::parse(include_str!("collaborative.json")).expect("a test reads the built-in table")
 });
+static LONG_REACH: LazyLock<ArmKind> = LazyLock::new(|| {
+    ArmKind::parse(include_str!("long_reach.json")).expect("a test reads the built-in table")
+});
 
 impl ArmKind {
     /// A kind from its table (JSON).
@@ -119,6 +122,23 @@ impl ArmKind {
     /// A collaborative arm for 5 kg with 0.85 m of reach, as several makers sell it.
     pub fn collaborative() -> &'static ArmKind {
         &COLLABORATIVE
+    }
+
+    /// A collaborative arm for 10 kg with 1.3 m of reach, as several makers sell it.
+    pub fn long_reach() -> &'static ArmKind {
+        &LONG_REACH
+    }
+
+    /// Kinds of arms in maps whose tables are known.
+    pub const NAMES: [&str; 4] = ["ur5", "collaborative", "ur10", "long_reach"];
+
+    /// The kind that a map names; nothing for one whose table is not known.
+    pub fn named(kind: &str) -> Option<&'static ArmKind> {
+        match kind {
+            "ur5" | "collaborative" => Some(ArmKind::collaborative()),
+            "ur10" | "long_reach" => Some(ArmKind::long_reach()),
+            _ => None,
+        }
     }
 
     /// Whether all angles are ones that the arm can have.
@@ -277,7 +297,7 @@ mod tests {
     fn impossible_tables_are_refused() {
         let text = include_str!("collaborative.json");
         let changed = |a: &str, b: &str| ArmKind::parse(&text.replacen(a, b, 1));
-        assert!(ArmKind::parse(text).is_ok());
+        assert!(ArmKind::parse(text).is_ok() && ArmKind::long_reach().links.len() == 5);
         assert_eq!(changed("\"radius_m\": 0.06", "\"radius_m\": -1"), Err(ArmKindError::Link(0)));
         assert_eq!(changed("\"to\": 7", "\"to\": 8"), Err(ArmKindError::Link(4)));
         assert_eq!(changed("[1.0, 1.0, 1.0", "[1.0, 0.0, 1.0"), Err(ArmKindError::Axis(1)));

@@ -1,25 +1,31 @@
 //! A robot arm beside the picker: where its links are, how probably they meet a person's arm, and how it keeps clear.
 //!
-//! Main types: [`ArmKind`], [`Capsule`], [`UncertainLimbs`], [`Choice`], [`ArmControl`],
-//! [`ArmSpace`], [`ArmSeam`]. It is no safety function: the arm's own monitored stop
-//! protects people, and what is decided here makes it needed less often. Refuses: clocks, chance, and paths that were
-//! not checked.
+//! Main types: [`ArmKind`], [`Capsule`], [`UncertainLimbs`], [`Choice`], [`ArmControl`], [`ArmSpace`], [`ArmSeam`],
+//! [`ArmSite`] (an arm at its station), [`StationArm`] (what it does there). It is no safety function: the arm's own
+//! monitored stop protects people, and what is decided here makes it needed less often. Refuses: clocks, chance, and
+//! paths that were not checked.
 
 mod capsule;
 mod choice;
+mod grip;
 mod kinematics;
 mod marching;
 mod mpc;
 mod net;
+mod pace;
 mod qp;
 mod risk;
 mod schedule;
 mod seam;
+mod sight;
+mod site;
 mod space;
+mod task;
 mod trees;
 
 pub use capsule::{Capsule, Nearest, least_distance_m};
 pub use choice::{Choice, choose};
+pub use grip::{ArmGrip, ArmOrder, ArmSaid, GripAct, Gripped};
 pub use kinematics::{
     ARM_POINTS, ArmKind, ArmKindError, ArmPosture, AxisRow, Joints, LinkShape, between, joint_distance,
 };
@@ -30,6 +36,7 @@ pub use mpc::{
 pub use net::{
     GRAPH_FEATURES, GRAPH_LAYERS, GRAPH_NODES, GraphNet, NET_STEP_RAD, NetPass, WorkGraph, adjacency,
 };
+pub use pace::{RunAhead, WayRun};
 pub use risk::{
     LimbBone, MOST_POINTS, UncertainLimbs, UncertainPoint, bone_covariance, first_order_probability,
     normal_below, normalised_probability, overlap_probability, printed_probability,
@@ -38,5 +45,8 @@ pub use schedule::{TargetTable, TargetTableError};
 pub use seam::{
     ArmReport, ArmSeam, ArmTrajectory, ArmTrouble, LATE_AFTER, LONGEST_TRAJECTORY, SILENT_AFTER, WELL_AFTER,
 };
+pub use sight::{PickerAhead, PickerSight};
+pub use site::{ArmSite, SlotAccess, base_of, rest};
 pub use space::{ArmSpace, ArmWay, CHECK_MARGIN_M, CHECK_RAD};
+pub use task::{ArmActivity, ArmDeed, ArmMode, ArmTask, StationArm, Surroundings};
 pub use trees::{rrt, rrt_connect, rrt_star};

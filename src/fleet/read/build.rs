@@ -8,6 +8,7 @@ use crate::fleet::dispatch::jobs::stations_with_enough;
 use crate::fleet::people::intents::task_place;
 use crate::fleet::read::view::{Counts, RobotState, RobotView, StationView, View};
 use crate::fleet::state::activity::Activity;
+use crate::fleet::state::arms::ArmView;
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::ledger::Service;
@@ -215,6 +216,7 @@ impl Fleet {
             lines: record.and_then(|(_, job)| job.lines_now().cloned()),
             left: self.visit_left(s, now),
             warning: visits.warning(s, now),
+            arm: self.arm(s, now),
             unconfirmed: ledger.unconfirmed.get(&s).cloned(),
             next: self.next_rack(station.node, picked),
             paused: ledger.paused_stations.get(&s).copied(),
@@ -232,6 +234,11 @@ impl Fleet {
         let robot = self.floor().picked_from(station)?;
         let job = self.core.ledger.robots[robot].task.job()?;
         self.core.visits.remaining(job, self.core.ledger.jobs.get(&job)?, now)
+    }
+
+    /// The robot arm at a station; nothing where there is none, or it is of no known kind.
+    pub fn arm(&self, station: StationId, now: Time) -> Option<ArmView> {
+        self.core.arms.view(station, now)
     }
 
     /// Which robot brings the next rack to a station, and when it is planned to be there.

@@ -6,6 +6,7 @@
 use crate::aware::zone_answers::ZoneCounts;
 use crate::cell::{Lines, Remaining};
 use crate::fleet::state::activity::{Activity, Doing};
+use crate::fleet::state::arms::ArmView;
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
@@ -152,6 +153,8 @@ pub struct StationView {
     pub unconfirmed: Option<Unconfirmed>,
     /// What the person there was warned of a moment ago.
     pub warning: Option<WrongReach>,
+    /// The robot arm beside the picker.
+    pub arm: Option<ArmView>,
     /// The robot that brings the next rack, and when it is planned to be there.
     pub next: Option<(RobotId, Time)>,
     /// Since when nobody picks, by hand.

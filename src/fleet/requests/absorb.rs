@@ -43,6 +43,7 @@ impl Intake<'_> {
                 self.core.out.caused.push(CausedFacts { token, facts });
             }
         }
+        self.move_arms(now);
         self.let_kept_go(now);
     }
 
@@ -76,6 +77,7 @@ impl Intake<'_> {
             }
             Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
             Input::Hands(seen) => self.hear_hands(&seen, now),
+            Input::Arm(said) => self.hear_arm(&said, now),
             Input::VisitEnds { station, at } => self.core.visits.tell(station, at),
             request => self.absorb_request(request, now),
         }

@@ -29,6 +29,7 @@ impl Intake<'_> {
     /// Takes in hands of a person in a workplace.
     pub(super) fn hear_hands(&mut self, seen: &HandsSeen, now: Time) {
         let station = seen.station;
+        self.show_picker(seen);
         let known = station.ix() < self.core.warehouse().stations.len();
         if !known || !self.core.settings.flow.hears_hands() || seen.seen > now + AHEAD {
             return;
@@ -105,7 +106,7 @@ impl Intake<'_> {
     /// in hands that are out of the opening.
     fn let_go(&mut self, station: StationId, face: &PickFace, now: Time) {
         let Some(visit) = self.visit_at(station, now) else { return };
-        if self.core.visits.desk(station).comes_inside(face, now) {
+        if self.core.visits.desk(station).comes_inside(face, now) || self.core.arms.is_inside(station) {
             return;
         }
         let job = &self.core.ledger.jobs[&visit.job];
@@ -132,7 +133,8 @@ impl Intake<'_> {
     /// because of others.
     pub(super) fn let_kept_go(&mut self, now: Time) {
         self.core.visits.begin_hands();
-        let at_hands = self.core.visits.hands_inside(now);
+        let mut at_hands = self.core.visits.hands_inside(now);
+        at_hands.extend(self.core.arms.inside());
         if !at_hands.is_empty() {
             let stations = &self.core.warehouse().stations;
             let nodes: Vec<NodeId> = at_hands.iter().map(|s| stations[*s].node).collect();

@@ -5,6 +5,7 @@
 //! Refuses: to decide anything about robots.
 
 mod absorb;
+mod arm;
 mod change;
 mod enrolment;
 mod hands;

@@ -35,6 +35,7 @@ impl Intake<'_> {
             StationOrder::Pause | StationOrder::Resume => {}
             StationOrder::Done | StationOrder::Short | StationOrder::Release => {
                 let robot = self.core.floor().picked_from(station).ok_or(Refusal::NothingToPick(station))?;
+                self.vouch_for_arm(station, now);
                 self.settle_lines(robot, order == StationOrder::Done, now);
                 let state = match order {
                     StationOrder::Short => JobState::Failed(JobFailure::Short),

@@ -111,11 +111,11 @@ impl Intake<'_> {
         self.core.visits.face(warehouse, station, rack).cloned()
     }
 
-    /// Whether a hand is seen inside while the rack at a station is to leave: it waits until the hand is out.
+    /// Whether a hand is seen inside, or the robot arm is, while the rack at a station is to leave: it waits until the hand is out.
     pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
         let visit = self.visit_at(station, now);
         let Some(face) = self.face(station, visit) else { return false };
-        self.core.visits.desk(station).is_inside(&face, now)
+        self.core.visits.desk(station).is_inside(&face, now) || self.core.arms.is_inside(station)
     }
 }
 

@@ -4,6 +4,7 @@
 //! facts alone. Refuses: to keep anything that belongs to one room.
 
 use crate::fleet::state::activity::Activities;
+use crate::fleet::state::arms::Arms;
 use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Step;
@@ -42,6 +43,8 @@ pub(in crate::fleet) struct Core {
     pub storage: Storage,
     /// What is kept in mind about visits at work cells.
     pub visits: Visits,
+    /// The robot arms at work cells.
+    pub arms: Arms,
     /// What the step gives out so far.
     pub out: Step,
     /// The robot that is being dealt with: named where a contradiction ends the step.
@@ -61,6 +64,7 @@ impl Core {
             storage: Storage::new(warehouse),
             scene: Scene::default(),
             visits: Visits::default(),
+            arms: Arms::new(warehouse),
             out: Step::default(),
             at_hand: None,
             ledger,

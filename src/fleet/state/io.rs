@@ -2,6 +2,7 @@
 //!
 //! Main types: [`Input`], [`Command`], [`Reply`], [`Step`]. Refuses: to say how any of it travels.
 
+use crate::cell::arm::{ArmOrder, ArmSaid};
 use crate::cell::{HandsSeen, LineChange, LineOutcome, LineState};
 use crate::fleet::state::fact::{Act, Fact};
 use crate::fleet::state::fault::Fault;
@@ -87,6 +88,8 @@ pub enum Input {
     Sighted(Sighting),
     /// The hands of a person in a workplace were seen.
     Hands(HandsSeen),
+    /// A robot arm at a work cell says how it is.
+    Arm(ArmSaid),
     /// The true end of the visit that is on at a station: when the hand will be out for the last time. Only
     /// experiments know it ([`crate::cell::Flow::Known`]).
     VisitEnds {
@@ -241,7 +244,11 @@ impl Input {
     /// The token under which a request is answered; observations have none.
     pub fn token(&self) -> Option<u64> {
         match self {
-            Input::Telemetry(_) | Input::Sighted(_) | Input::Hands(_) | Input::VisitEnds { .. } => None,
+            Input::Telemetry(_)
+            | Input::Sighted(_)
+            | Input::Hands(_)
+            | Input::Arm(_)
+            | Input::VisitEnds { .. } => None,
             Input::Register { token, .. }
             | Input::Maintain { token, .. }
             | Input::Retire { token, .. }
@@ -503,6 +510,8 @@ pub struct Step {
     pub guidance: Vec<(WorkerId, Guidance)>,
     /// Warnings for people at work cells. They leave at once.
     pub warnings: Vec<CellWarning>,
+    /// Trajectories for robot arms. They leave at once: each is of a second at most, and the arm's own stop holds it.
+    pub arms: Vec<ArmOrder>,
     /// Which facts requests caused themselves, in order. What the fleet decided because of them is not among these.
     pub caused: Vec<CausedFacts>,
 }

@@ -4,6 +4,7 @@
 //! Refuses: to decide anything; it knows no other room.
 
 pub mod activity;
+pub mod arms;
 pub(in crate::fleet) mod binding;
 pub(in crate::fleet) mod closed_areas;
 pub(in crate::fleet) mod core;

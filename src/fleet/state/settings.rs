@@ -6,6 +6,7 @@ use super::kind::{RobotKind, most_dangerous};
 use super::ledger::Ledger;
 use crate::aware::{HumanAwarePolicy, NodeWindows};
 use crate::cell::Flow;
+use crate::cell::arm::ArmMode;
 use crate::human::{Method, Model};
 use crate::time::Span;
 use std::sync::Arc;
@@ -45,6 +46,8 @@ pub struct Settings {
     pub node_windows: NodeWindows,
     /// What is made of order lines and hands at work cells.
     pub flow: Flow,
+    /// When robot arms move beside pickers.
+    pub arm_mode: ArmMode,
     /// What a second of a worker is worth, in seconds of a robot: a robot that waits for a worker goes first where that
     /// costs less ([`HumanAwarePolicy::Giveway`] only).
     pub worker_price: f64,
@@ -75,6 +78,7 @@ impl Default for Settings {
             method: Method::Detour,
             node_windows: NodeWindows::default(),
             flow: Flow::default(),
+            arm_mode: ArmMode::default(),
             worker_price: 3.0,
             model: Model::builtin(),
             without_conflicts: false,

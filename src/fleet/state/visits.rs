@@ -141,7 +141,10 @@ impl Visits {
         let (pieces, seconds) = (before.line.quantity, (at - clock.lit).as_secs_f64());
         let done = (is_alone && is_done && clock.whole).then_some(DoneLine { station, pieces, seconds, at });
         let earlier = std::mem::replace(&mut clock.done, done).filter(|_| is_alone);
-        clock.last = at;
+        // What the arm does says nothing of the hand.
+        if before.state != LineState::Arm && now.state != LineState::Arm {
+            clock.last = at;
+        }
         if lines.lit() != after.lit() {
             (clock.lit, clock.whole) = (at, is_alone);
         }

@@ -42,6 +42,7 @@ pub struct Laws {
     run_over: usize,
     misplaced: usize,
     moved_at_hands: usize,
+    arms: (usize, usize),
     jobs: JobLaws,
     places: PlaceLaws,
     waits: WaitLaws,
@@ -65,6 +66,7 @@ impl Laws {
             run_over: 0,
             misplaced: 0,
             moved_at_hands: 0,
+            arms: (0, 0),
             jobs: JobLaws::new(fleet),
             places: PlaceLaws::default(),
             waits: WaitLaws::default(),
@@ -97,6 +99,7 @@ impl Laws {
         self.check_jobs(now, facts, fleet);
         self.check_racks(now, world);
         self.check_hands(now, world);
+        self.check_arms(now, world);
         let broken = self.jobs.check(now, world, fleet, facts);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.places.check(now, world, fleet);
@@ -168,6 +171,15 @@ impl Laws {
         let new: Vec<(RobotId, StationId)> = all[self.moved_at_hands..].to_vec();
         self.moved_at_hands = all.len();
         new.into_iter().for_each(|(r, s)| self.break_law(now, Violation::MovedAtHand(r, s)));
+    }
+
+    /// No arm that moves touches a person, and no line is picked by arm and hand.
+    fn check_arms(&mut self, now: Time, world: &World) {
+        let Some(arms) = world.arms() else { return };
+        let (touched, twice) = (&arms.contacts()[self.arms.0..], &arms.twice()[self.arms.1..]);
+        self.arms = (arms.contacts().len(), arms.twice().len());
+        touched.iter().for_each(|s| self.break_law(now, Violation::ArmTouched(*s)));
+        twice.iter().for_each(|(job, line)| self.break_law(now, Violation::PickedTwice(*job, *line)));
     }
 
     /// The time is up in which everything was to end after the customers stopped. Whether it has.

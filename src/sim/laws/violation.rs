@@ -36,6 +36,10 @@ pub enum Violation {
     Misplaced(RobotId, RackId),
     /// A robot began to move at a station while somebody's hand was in the opening or in its rack.
     MovedAtHand(RobotId, StationId),
+    /// The robot arm of a station touched a person while it moved.
+    ArmTouched(StationId),
+    /// Arm and hand together put down more pieces of a line than were ordered.
+    PickedTwice(JobId, usize),
     /// A job ended as what did not happen.
     UntrueEnd(JobId, JobKind),
     /// A job has been in one state for too long without a reason that is true.
@@ -75,6 +79,12 @@ impl fmt::Display for Violation {
             }
             Violation::MovedAtHand(r, s) => {
                 write!(f, "robot {} began to move at station {} while a hand was inside", r.0 + 1, s.0 + 1)
+            }
+            Violation::ArmTouched(s) => {
+                write!(f, "the arm of station {} touched a person while it moved", s.0 + 1)
+            }
+            Violation::PickedTwice(j, line) => {
+                write!(f, "arm and hand put down too many pieces of line {} of job {j:?}", line + 1)
             }
             Violation::UntrueEnd(j, kind) => {
                 write!(f, "job {j:?} ({kind:?}) is done, but that did not happen")

@@ -3,6 +3,7 @@
 //! Main types: [`Pickers`], [`SimPicker`], [`PickFigures`]. Refuses: to read anything of the fleet that is not on the
 //! screen of the station.
 
+pub mod limbs;
 pub mod motion;
 pub mod path;
 pub mod person;
@@ -17,6 +18,7 @@ pub use work::{PickFigures, TrueLine};
 use super::customers::FIRST_TOKEN;
 use super::random::Stream;
 use super::scenario::WorkCells;
+use crate::cell::arm::{Capsule, least_distance_m};
 use crate::cell::{Flow, LineChange, PickFace};
 use crate::fleet::{CellWarning, Fleet, Input, StationOrder};
 use crate::id::{JobId, RackId, RobotId, StationId};
@@ -34,6 +36,12 @@ const TOKEN: u64 = FIRST_TOKEN | 1 << 58;
 /// Steps in which the rest of a visit is foreseen, and how far at most.
 const FORESEEN: Span = Span::from_millis(20);
 const FARTHEST: Span = Span::from_secs(1200);
+
+/// People look so far ahead whether an arm is in the way of their hands, keep so far from it, metres, and wait for so
+/// long until they reach past an arm that stands.
+const LOOKS_AHEAD: Span = Span::from_millis(150);
+const GIVES_WAY_M: f64 = 0.08;
+const PATIENCE: Span = Span::from_millis(1500);
 
 /// A robot that truly stands at a station with a rack.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +62,8 @@ struct PickerPlace {
     visit: Option<JobId>,
     idle: Span,
     there: Span,
+    /// How long the hands have waited for an arm that is in their way.
+    waited: Span,
 }
 
 /// Everybody who picks.
@@ -83,7 +93,8 @@ impl Pickers {
             let random = Stream::new(seed, PERSON, i as u64);
             let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
             let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
-            Some(PickerPlace { station, picker, watch, visit: None, idle: Span::ZERO, there: Span::ZERO })
+            let idle = Span::ZERO;
+            Some(PickerPlace { station, picker, watch, visit: None, idle, there: idle, waited: idle })
         };
         let all = cells.pickers_in(warehouse).into_iter().enumerate().filter_map(stand).collect();
         Pickers { all, flow }
@@ -118,6 +129,30 @@ impl Pickers {
         inputs
     }
 
+    /// Who would come upon the arm beside them stops before it for a while, then goes on. Gives where that is.
+    pub(super) fn give_way(
+        &mut self,
+        now: Time,
+        by: Span,
+        links: impl Fn(StationId) -> Option<Vec<Capsule>>,
+    ) -> Vec<StationId> {
+        let gives_way = |stand: &mut PickerPlace| {
+            links(stand.station).is_some_and(|links| stand.give_way(now, by, &links))
+        };
+        self.all.iter_mut().filter_map(|stand| gives_way(stand).then_some(stand.station)).collect()
+    }
+
+    /// The limbs of the person at a station.
+    pub(super) fn limbs(&self, station: StationId, now: Time) -> Vec<Capsule> {
+        let stand = self.all.iter().find(|s| s.station == station);
+        stand.map_or_else(Vec::new, |stand| stand.picker.limbs(now))
+    }
+
+    /// How many pieces a hand truly put into the right tote for a line.
+    pub(super) fn put(&self, line: (JobId, usize)) -> u32 {
+        self.all.iter().filter_map(|s| s.picker.figures.lines.get(&line)).map(|l| l.right).sum()
+    }
+
     /// Somebody is warned.
     pub(super) fn warn(&mut self, now: Time, warning: &CellWarning) {
         if let Some(stand) = self.all.iter_mut().find(|s| s.station == warning.station) {
@@ -138,6 +173,21 @@ impl Pickers {
 }
 
 impl PickerPlace {
+    /// Whether the hands stop because an arm is in their way, and have not done so for too long.
+    fn give_way(&mut self, now: Time, by: Span, links: &[Capsule]) -> bool {
+        let apart = |at: Time| least_distance_m(&self.picker.limbs(at), links);
+        let (here_m, soon_m) = (apart(now), apart(now + LOOKS_AHEAD));
+        if here_m > 2.0 * GIVES_WAY_M {
+            self.waited = Span::ZERO;
+        }
+        let stops = soon_m < GIVES_WAY_M && soon_m < here_m && self.waited < PATIENCE;
+        if stops {
+            self.waited += by;
+            self.picker.wait(now, by);
+        }
+        stops
+    }
+
     /// Gives what the person says.
     fn live(
         &mut self,

@@ -64,6 +64,11 @@ impl HandPath {
         HandPath { from: at, via: [at; 2], to: at, start: now, end: now, first: None }
     }
 
+    /// It goes on so much later.
+    pub fn delay(&mut self, by: Span) {
+        (self.start, self.end) = (self.start + by, self.end + by);
+    }
+
     /// When it ends.
     pub fn end(&self) -> Time {
         self.end

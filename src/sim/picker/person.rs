@@ -3,10 +3,12 @@
 //! Main types: [`SimPicker`], [`StationScreen`]. Refuses: to know what the fleet believes; it sees the screen, the rack
 //! and the totes.
 
+use super::limbs::limbs;
 use super::path::HandPath;
 use super::screen::{ShownLine, StationScreen};
 use super::watch::{TruePicker, angles_of};
 use super::work::{LineWork, PickFigures};
+use crate::cell::arm::Capsule;
 use crate::cell::{FacePlace, LineChange, PickFace};
 use crate::fleet::{StationOrder, WrongReach};
 use crate::id::JobId;
@@ -153,10 +155,7 @@ impl SimPicker {
 
     /// Where the person is.
     pub fn truth(&mut self, now: Time) -> TruePicker {
-        let hand = &self.hands[self.main()];
-        // Who reaches low bends down.
-        let low_m = (BENDS_BELOW_M - hand.at(now).z).max(0.0);
-        let head = FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m - BENDS * low_m);
+        let (hand, head) = (&self.hands[self.main()], self.head(now));
         let (yaw, pitch) = angles_of(hand.at(now + Span::from_secs_f64(LEAD_S)) - head);
         let shakes = |at: FacePlace, random: &mut Stream, m: f64| {
             at + FacePlace::new(random.normal(), random.normal(), random.normal()) * m
@@ -164,6 +163,29 @@ impl SimPicker {
         let grips = [0, 1].map(|i| self.hands[i].at(now));
         let grips = grips.map(|at| shakes(at, &mut self.random, self.habits.tremor_m));
         TruePicker { head, faces: [TURNS[0] * yaw, TURNS[1] * pitch], grips }
+    }
+
+    /// Where the middle of the head is: who reaches low bends down.
+    fn head(&self, now: Time) -> FacePlace {
+        let low_m = (BENDS_BELOW_M - self.hands[self.main()].at(now).z).max(0.0);
+        FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m - BENDS * low_m)
+    }
+
+    /// Arms, head and trunk; nothing of a person who is away.
+    pub fn limbs(&self, now: Time) -> Vec<Capsule> {
+        if self.is_away() {
+            return Vec::new();
+        }
+        let grips = [0, 1].map(|i| self.hands[i].at(now));
+        limbs(&self.face, self.habits.height_m, self.head(now), grips)
+    }
+
+    /// The hands stop for so long.
+    pub fn wait(&mut self, now: Time, by: Span) {
+        if self.until > now {
+            self.hands.iter_mut().filter(|hand| hand.end() > now).for_each(|hand| hand.delay(by));
+            self.until += by;
+        }
     }
 
     fn main(&self) -> usize {

@@ -4,19 +4,26 @@
 
 use super::check::{ScenarioError, check};
 use crate::cell::Flow;
+use crate::cell::arm::{ArmKind, ArmMode};
 use crate::warehouse::Warehouse;
 use serde::Deserialize;
 
 /// Picking stations.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WorkCells {
     /// What the fleet makes of lines and hands.
     pub flow: FlowWord,
     /// Order lines of customers' deliveries to stations with a cell.
     pub lines: LineDemand,
-    /// Stations whose arm is on. They are checked; no arm picks yet.
+    /// Stations whose arm is on.
     pub arms: Vec<String>,
+    /// When arms move beside pickers.
+    pub arm_mode: ArmModeWord,
+    /// How often an hour an arm falls silent.
+    pub arm_silences_per_hour: f64,
+    /// For how long, seconds.
+    pub arm_silent_s: f64,
     /// Who picks; one usual person at each station with a cell where absent, nobody where empty.
     pub pickers: Option<Vec<PickerHabits>>,
     /// How hands are seen.
@@ -48,6 +55,29 @@ impl From<FlowWord> for Flow {
             FlowWord::Hand => Flow::Hand,
             FlowWord::Seen => Flow::Seen,
             FlowWord::Known => Flow::Known,
+        }
+    }
+}
+
+/// [`ArmMode`] as files name it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ArmModeWord {
+    /// While no hand is in the opening.
+    Turns,
+    /// Round where the picker's arms are.
+    Reactive,
+    /// Round where they will be.
+    #[default]
+    Predictive,
+}
+
+impl From<ArmModeWord> for ArmMode {
+    fn from(word: ArmModeWord) -> ArmMode {
+        match word {
+            ArmModeWord::Turns => ArmMode::Turns,
+            ArmModeWord::Reactive => ArmMode::Reactive,
+            ArmModeWord::Predictive => ArmMode::Predictive,
         }
     }
 }
@@ -146,6 +176,21 @@ pub enum SeenGaze {
     Eyes,
 }
 
+impl Default for WorkCells {
+    fn default() -> WorkCells {
+        WorkCells {
+            flow: FlowWord::default(),
+            lines: LineDemand::default(),
+            arms: Vec::new(),
+            arm_mode: ArmModeWord::default(),
+            arm_silences_per_hour: 0.0,
+            arm_silent_s: 20.0,
+            pickers: None,
+            sensor: HandSensor::default(),
+        }
+    }
+}
+
 impl Default for LineDemand {
     fn default() -> LineDemand {
         LineDemand { per_visit: [1, 5], quantity: [1, 3] }
@@ -201,6 +246,9 @@ impl WorkCells {
                 return Err(ScenarioError::Wrong { key, message });
             }
         }
+        let silences = self.arm_silences_per_hour;
+        check("cells.arm_silences_per_hour", silences, 0.0..=3600.0, "from 0 to 3600")?;
+        check("cells.arm_silent_s", self.arm_silent_s, 1.0..=3600.0, "from 1 to 3600")?;
         let pickers = self.pickers.iter().flatten();
         pickers.enumerate().try_for_each(|(i, picker)| picker.check(&format!("cells.pickers[{i}]")))?;
         self.sensor.check()
@@ -224,8 +272,15 @@ impl WorkCells {
             seen.push(name);
         }
         for name in &self.arms {
-            if station(name).and_then(|s| s.cell.as_ref()).is_none_or(|c| c.arm.is_none()) {
+            let Some(arm) = station(name).and_then(|s| s.cell.as_ref()?.arm.as_ref()) else {
                 return wrong("cells.arms", format!("the map has no station {name:?} with an arm"));
+            };
+            if ArmKind::named(&arm.kind).is_none() {
+                let (kind, known) = (&arm.kind, ArmKind::NAMES.join(", "));
+                return wrong(
+                    "cells.arms",
+                    format!("the arm of {name} is of kind {kind:?}; known are {known}"),
+                );
             }
         }
         Ok(())

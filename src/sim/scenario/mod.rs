@@ -12,7 +12,7 @@ mod habits;
 mod kinds;
 mod workforce;
 
-pub use cells::{FlowWord, HandSensor, HandSide, LineDemand, PickerHabits, SeenGaze, WorkCells};
+pub use cells::{ArmModeWord, FlowWord, HandSensor, HandSide, LineDemand, PickerHabits, SeenGaze, WorkCells};
 pub use check::ScenarioError;
 pub use closures::Closing;
 pub use evacuations::Evacuation;
@@ -296,6 +296,7 @@ impl Scenario {
         let (method, node_windows) = (self.workers.method.into(), self.workers.node_windows.into());
         let worker_price = self.workers.price;
         let flow = self.cells.as_ref().map(|cells| cells.flow.into()).unwrap_or_default();
+        let arm_mode = self.cells.as_ref().map(|cells| cells.arm_mode.into()).unwrap_or_default();
         let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
         crate::fleet::Settings {
             kinds,
@@ -304,6 +305,7 @@ impl Scenario {
             method,
             node_windows,
             flow,
+            arm_mode,
             worker_price,
             model,
             ..Default::default()

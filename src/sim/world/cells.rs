@@ -3,10 +3,12 @@
 //! Refuses: to let the fleet know of the guard: it stops robots whatever the fleet says.
 
 use super::World;
+use crate::cell::arm::ArmOrder;
 use crate::fleet::{CellWarning, Fleet, Input};
 use crate::id::{RobotId, StationId};
+use crate::sim::arms::SimArms;
 use crate::sim::picker::{Pickers, StandingRack};
-use crate::time::Time;
+use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
 use std::collections::BTreeMap;
 
@@ -14,6 +16,31 @@ use std::collections::BTreeMap;
 const AT_STATION_M: f64 = 0.9;
 /// A robot that is not faster does not move, metres per second.
 const STANDS_MPS: f64 = 1e-6;
+
+/// People and arms live side by side in steps of this length at most.
+const BESIDE: Span = Span::from_millis(10);
+
+/// People and arms at work cells live until `to`, side by side.
+fn beside_arms(
+    pickers: &mut Pickers,
+    arms: &mut SimArms,
+    (from, to): (Time, Time),
+    standing: &BTreeMap<StationId, StandingRack>,
+    fleet: &Fleet,
+) -> Vec<Input> {
+    let (mut inputs, mut at) = (Vec::new(), from);
+    while at < to {
+        let next = (at + BESIDE).min(to);
+        let waiting = pickers.give_way(at, next - at, |station| arms.links(station));
+        waiting.into_iter().for_each(|station| arms.note_waiting(station, next - at));
+        inputs.extend(pickers.advance((at, next), standing, fleet));
+        arms.advance(next - at, |station| pickers.limbs(station, next));
+        at = next;
+    }
+    inputs.extend(arms.say((from, to), fleet, |station| standing.contains_key(&station)));
+    arms.note_twice(fleet, |line| pickers.put(line));
+    inputs
+}
 
 impl World {
     /// People at work cells live until now; what they say, and how their hands are seen.
@@ -23,9 +50,13 @@ impl World {
         }
         let standing = self.standing();
         let pickers = self.pickers.as_mut().expect("just seen");
-        let inputs = pickers.advance((from, to), &standing, fleet);
+        let inputs = match &mut self.arms {
+            Some(arms) => beside_arms(pickers, arms, (from, to), &standing, fleet),
+            None => pickers.advance((from, to), &standing, fleet),
+        };
         let before = std::mem::take(&mut self.hands_inside);
         self.hands_inside = pickers.hands_inside(to).collect();
+        self.hands_inside.extend(self.arms.iter().flat_map(SimArms::inside));
         for station in before.into_iter().filter(|s| self.hands_inside.contains(s)) {
             let started =
                 |r: &&super::SimRobot| r.body.speed_mps > STANDS_MPS && r.speed_before <= STANDS_MPS;
@@ -38,7 +69,8 @@ impl World {
     /// The guard of each station stops robots there while a hand is inside.
     pub(super) fn guard_hands(&mut self, now: Time) {
         let Some(pickers) = &self.pickers else { return };
-        let inside: Vec<StationId> = pickers.hands_inside(now).collect();
+        let mut inside: Vec<StationId> = pickers.hands_inside(now).collect();
+        inside.extend(self.arms.iter().flat_map(SimArms::inside));
         for i in 0..self.robots.len() {
             let robot = &self.robots[i];
             let is_guarded = inside.iter().any(|s| self.is_at(robot, *s));
@@ -76,6 +108,18 @@ impl World {
         if let Some(pickers) = &mut self.pickers {
             warnings.iter().for_each(|warning| pickers.warn(now, warning));
         }
+    }
+
+    /// Trajectories for robot arms arrive.
+    pub fn move_arms(&mut self, orders: &[ArmOrder]) {
+        if let Some(arms) = &mut self.arms {
+            arms.follow(orders);
+        }
+    }
+
+    /// The robot arms, if some are on.
+    pub fn arms(&self) -> Option<&SimArms> {
+        self.arms.as_ref()
     }
 
     /// Who picks at work cells, if somebody does.

@@ -104,7 +104,7 @@ fn cell(stands: Point, outward: Vector, has_arm: bool) -> Cell {
             to_m: 2.0,
         },
         totes: vec![tote("A", 0.9, -0.72), tote("B", 1.3, -0.75), tote("C", 1.3, 0.75)],
-        arm: has_arm.then(|| ArmMount { base, heading: (-outward.y).atan2(-outward.x), kind: "ur5".into() }),
+        arm: has_arm.then(|| ArmMount { base, heading: (-outward.y).atan2(-outward.x), kind: "ur10".into() }),
     }
 }
 

@@ -1,0 +1,500 @@
+//! What a robot arm does at its station: piece by piece from a slot into a tote, round the picker's arms.
+//!
+//! Main types: [`StationArm`], [`ArmTask`], [`ArmMode`]. Ten times a second it follows a checked way as long as the next
+//! second meets nobody with more than [`DELTA`]; otherwise it goes round the picker's limbs, stands, or goes back, the
+//! first of these that meets nobody. Refuses: to move an arm that is silent, late or reports what cannot be; to pick a
+//! piece nobody asked for; and to be a safety function: the arm's own stop protects people.
+
+use super::capsule::{Capsule, least_distance_m};
+use super::choice::{Choice, choose};
+use super::grip::{ArmGrip, ArmOrder, ArmSaid, GripAct, Gripped};
+use super::kinematics::{ArmKind, Joints, joint_distance};
+use super::mpc::{ArmGoal, ArmPlan, HORIZON};
+use super::pace::{RunAhead, WayRun};
+use super::risk::overlap_probability;
+use super::seam::{ArmSeam, ArmTrouble};
+use super::sight::PickerAhead;
+use super::site::{ArmSite, SlotAccess, rest};
+use super::space::{ArmSpace, ArmWay};
+use super::trees::rrt_connect;
+use crate::cell::PickFace;
+use crate::id::StationId;
+use crate::time::Time;
+use crate::warehouse::{ArmMount, SlotName};
+use std::sync::Arc;
+
+/// A second of motion is risky if any of its steps meets the picker's arms with more than this probability.
+pub const DELTA: f64 = 0.05;
+/// Links are kept so far from head and trunk, metres.
+const BODY_M: f64 = 0.05;
+/// An arm this near to where it should be is there, radians.
+const THERE_RAD: f64 = 0.02;
+/// Samples of one search for a way; and after so many searches the piece is left to the hand.
+const SAMPLES: usize = 300;
+const SEARCHES: u64 = 12;
+/// Tries to make a way shorter.
+const SHORTENED: usize = 40;
+/// Where an arm that evades is drawn to, so far along its way, radians.
+const CARROT_RAD: f64 = 0.8;
+
+/// When an arm moves beside a picker.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ArmMode {
+    /// Only while no hand is in the opening or about to be.
+    Turns,
+    /// Round where the picker's arms are.
+    Reactive,
+    /// Round where they will be.
+    #[default]
+    Predictive,
+}
+
+impl ArmMode {
+    /// All of them.
+    pub const ALL: [ArmMode; 3] = [ArmMode::Turns, ArmMode::Reactive, ArmMode::Predictive];
+
+    /// The word for it in scenarios and reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            ArmMode::Turns => "turns",
+            ArmMode::Reactive => "reactive",
+            ArmMode::Predictive => "predictive",
+        }
+    }
+}
+
+/// Pieces that an arm is to pick, one after the other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ArmTask {
+    /// From where.
+    pub slot: SlotName,
+    /// Into which tote, by its number at the station.
+    pub tote: usize,
+    /// How many.
+    pub pieces: u32,
+}
+
+/// What an arm has just done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArmDeed {
+    /// It has put a piece into its tote.
+    Placed,
+    /// The slot was empty.
+    FoundNothing,
+}
+
+/// What an arm does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArmActivity {
+    /// It was never heard of.
+    Off,
+    /// It rests, or waits.
+    Idle,
+    /// It moves, or grips.
+    Moving,
+    /// It gets no trajectory, for this reason.
+    Trouble(ArmTrouble),
+}
+
+/// What is known of an arm's surroundings for one cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Surroundings<'a> {
+    /// The picker's limbs, if they are seen.
+    pub picker: Option<&'a PickerAhead>,
+    /// Whether the arm is to stand.
+    pub holds: bool,
+}
+
+/// How far it is with a piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// At rest.
+    Rest,
+    ToSlot,
+    Into,
+    Take,
+    Out,
+    ToTote,
+    Put,
+    /// To where it rests.
+    Back,
+    LayAside,
+}
+
+/// The arm of a station.
+#[derive(Clone, Debug)]
+pub struct StationArm {
+    station: StationId,
+    kind: ArmKind,
+    mount: ArmMount,
+    seam: ArmSeam,
+    site: Option<ArmSite>,
+    task: Option<ArmTask>,
+    access: Option<SlotAccess>,
+    stage: Stage,
+    run: Option<WayRun>,
+    /// Whether it is to leave its way.
+    leaves: bool,
+    /// The second that was sent last.
+    plan: ArmPlan,
+    grip: Option<ArmGrip>,
+    grips: u64,
+    holds_piece: bool,
+    /// A report came that nothing was decided by yet.
+    due: bool,
+    may_search: bool,
+    was_heard: bool,
+    /// Whether a person says that it is outside, until it is heard of again.
+    is_vouched: bool,
+    searches: u64,
+    gives_up: bool,
+}
+
+impl StationArm {
+    /// The arm of a mount; nothing of a kind whose table is not known.
+    pub fn new(station: StationId, mount: &ArmMount) -> Option<StationArm> {
+        let kind = ArmKind::named(&mount.kind)?.clone();
+        Some(StationArm {
+            station,
+            seam: ArmSeam::new(kind.clone()),
+            kind,
+            mount: mount.clone(),
+            site: None,
+            task: None,
+            access: None,
+            stage: Stage::Back,
+            run: None,
+            leaves: false,
+            plan: ArmPlan::standing(&rest()),
+            grip: None,
+            grips: 0,
+            holds_piece: false,
+            due: false,
+            may_search: false,
+            was_heard: false,
+            is_vouched: false,
+            searches: 0,
+            gives_up: false,
+        })
+    }
+
+    /// Takes in what the arm says. Gives what it has done, once.
+    pub fn hear(&mut self, now: Time, said: &ArmSaid) -> Option<ArmDeed> {
+        self.was_heard = true;
+        self.seam.take(now, said.report).ok()?;
+        (self.due, self.may_search, self.is_vouched) = (true, true, false);
+        let wanted = self.grip?;
+        let (_, gripped) = said.gripped.filter(|(number, _)| *number == wanted.number)?;
+        self.grip = None;
+        self.holds_piece = matches!(wanted.act, GripAct::Take(_)) && gripped == Gripped::Done;
+        match (wanted.act, gripped) {
+            (GripAct::Take(_), Gripped::Empty) => {
+                self.drop_task();
+                Some(ArmDeed::FoundNothing)
+            }
+            (GripAct::Take(_), Gripped::Done) => {
+                self.stage = Stage::Out;
+                None
+            }
+            (GripAct::Put(_), _) => {
+                self.placed();
+                Some(ArmDeed::Placed)
+            }
+            (GripAct::LayAside, _) => {
+                self.stage = Stage::Rest;
+                None
+            }
+        }
+    }
+
+    /// A piece is in its tote: the next one, or the next task.
+    fn placed(&mut self) {
+        self.task = self.task.map(|t| ArmTask { pieces: t.pieces - 1, ..t }).filter(|t| t.pieces > 0);
+        self.stage = if self.task.is_some() { Stage::ToSlot } else { Stage::Back };
+    }
+
+    /// Why it gets no trajectory, its own stop left out: that ends by itself.
+    pub fn trouble(&self, now: Time) -> Option<ArmTrouble> {
+        self.seam.trouble(now).filter(|why| self.was_heard && *why != ArmTrouble::Stopped)
+    }
+
+    /// Whether it was ever heard of.
+    pub fn was_heard(&self) -> bool {
+        self.was_heard
+    }
+
+    /// What it does.
+    pub fn activity(&self, now: Time) -> ArmActivity {
+        match self.seam.trouble(now) {
+            _ if !self.was_heard => ArmActivity::Off,
+            Some(why) => ArmActivity::Trouble(why),
+            None if self.stage == Stage::Rest => ArmActivity::Idle,
+            None => ArmActivity::Moving,
+        }
+    }
+
+    /// Whether a report came that nothing was decided by yet.
+    pub fn is_due(&self) -> bool {
+        self.due
+    }
+
+    /// What it picks.
+    pub fn task(&self) -> Option<&ArmTask> {
+        self.task.as_ref()
+    }
+
+    /// Whether it may begin with another task.
+    pub fn is_free(&self) -> bool {
+        self.task.is_none() && !self.holds_piece && matches!(self.stage, Stage::Rest | Stage::Back)
+    }
+
+    /// Whether any part of it was in the opening or beyond it when it was heard of last.
+    pub fn is_inside(&self) -> bool {
+        let joints = self.seam.joints().filter(|_| self.stage != Stage::Rest && !self.is_vouched);
+        self.site.as_ref().zip(joints).is_some_and(|(site, joints)| site.is_inside(joints))
+    }
+
+    /// A person vouches that it is not in the opening, though nobody has heard of it.
+    pub fn vouch_outside(&mut self) {
+        self.is_vouched = true;
+    }
+
+    /// The face of the rack that is there.
+    pub fn turn_to(&mut self, face: &Arc<PickFace>) {
+        if self.site.as_ref().is_none_or(|site| !Arc::ptr_eq(site.face(), face)) {
+            self.site = Some(ArmSite::new(&self.kind, &self.mount, face.clone()));
+            self.run = None;
+        }
+    }
+
+    /// Whether it reaches slot and tote; nothing if that is not known yet. One pair of them is searched for with each
+    /// report.
+    pub fn reaches(&mut self, slot: SlotName, tote: usize) -> Option<bool> {
+        let site = self.site.as_mut()?;
+        if !site.knows(slot, tote) && !std::mem::take(&mut self.may_search) {
+            return None;
+        }
+        Some(site.tote(tote).is_some() && site.slot(slot).is_some())
+    }
+
+    /// It is to pick this.
+    pub fn begin(&mut self, task: ArmTask) {
+        debug_assert!(self.is_free(), "an arm has one task at a time");
+        self.access = self.site.as_mut().and_then(|site| site.slot(task.slot));
+        (self.task, self.stage, self.gives_up) = (Some(task), Stage::ToSlot, false);
+        self.searches = 0;
+        self.leave_way();
+    }
+
+    /// Nobody wants its pieces any more: it comes out, and lays aside what it holds.
+    pub fn drop_task(&mut self) {
+        self.task = None;
+        self.grip = None;
+        self.stage = match self.stage {
+            Stage::Into | Stage::Take | Stage::Out => Stage::Out,
+            Stage::Rest => Stage::Rest,
+            _ => Stage::Back,
+        };
+        self.gives_up = false;
+        self.leave_way();
+    }
+
+    /// Whether it found no way and leaves its task to the hand; asked once.
+    pub fn gives_up(&mut self) -> bool {
+        std::mem::take(&mut self.gives_up)
+    }
+
+    /// Its motion ends where it comes to a stand; then another way begins.
+    fn leave_way(&mut self) {
+        self.leaves = self.run.is_some();
+    }
+
+    /// Decides what the arm does next, once for each report.
+    pub fn cycle(&mut self, now: Time, around: Surroundings<'_>) -> Option<ArmOrder> {
+        if !std::mem::take(&mut self.due) || self.seam.trouble(now).is_some() {
+            return None;
+        }
+        let present = *self.seam.joints()?;
+        self.site.as_ref()?;
+        if joint_distance(&self.plan.steps[0], &present) > THERE_RAD {
+            // It was stopped, or somebody moved it: it begins anew where it is.
+            (self.plan, self.run, self.leaves) = (ArmPlan::standing(&present), None, false);
+        }
+        self.arrive(&present);
+        if let Some(act) = self.act() {
+            let grips = &mut self.grips;
+            let grip = *self.grip.get_or_insert_with(|| {
+                *grips += 1;
+                ArmGrip { number: *grips, act }
+            });
+            return self.order(now, ArmPlan::standing(&present), Some(grip));
+        }
+        if self.stage == Stage::Rest && self.stands() {
+            return None;
+        }
+        let plan = self.decide(&present, around);
+        self.order(now, plan, None)
+    }
+
+    fn order(&mut self, now: Time, plan: ArmPlan, grip: Option<ArmGrip>) -> Option<ArmOrder> {
+        let trajectory = self.seam.trajectory(now, &plan).ok()?;
+        self.plan = plan;
+        Some(ArmOrder { station: self.station, trajectory, grip })
+    }
+
+    /// What the gripper does at this stage.
+    fn act(&self) -> Option<GripAct> {
+        match (self.stage, self.task) {
+            (Stage::Take, Some(task)) => Some(GripAct::Take(task.slot)),
+            (Stage::Put, Some(task)) => Some(GripAct::Put(task.tote)),
+            (Stage::LayAside, _) => Some(GripAct::LayAside),
+            _ => None,
+        }
+    }
+
+    fn stands(&self) -> bool {
+        joint_distance(&self.plan.steps[0], &self.plan.steps[1]) < 1e-3
+            && self.run.as_ref().is_none_or(WayRun::stands)
+    }
+
+    /// Goes on to the next stage where it stands at the end of this one.
+    fn arrive(&mut self, present: &Joints) {
+        let is_there = |q: &Joints| joint_distance(q, present) < THERE_RAD;
+        let there = self.stands() && self.target().is_some_and(|q| is_there(&q));
+        if !there {
+            return;
+        }
+        self.stage = match self.stage {
+            Stage::ToSlot => Stage::Into,
+            Stage::Into => Stage::Take,
+            Stage::Out if self.task.is_some() => Stage::ToTote,
+            Stage::Out => Stage::Back,
+            Stage::ToTote => Stage::Put,
+            Stage::Back if self.holds_piece => Stage::LayAside,
+            Stage::Back => Stage::Rest,
+            other => other,
+        };
+        (self.run, self.leaves, self.searches) = (None, false, 0);
+    }
+
+    /// Where this stage ends.
+    fn target(&mut self) -> Option<Joints> {
+        match self.stage {
+            Stage::ToSlot | Stage::Out => self.access.map(|a| a.before),
+            Stage::Into => self.access.map(|a| a.inside),
+            Stage::ToTote => self.task.and_then(|task| self.site.as_mut()?.tote(task.tote)),
+            Stage::Back => Some(rest()),
+            Stage::Rest | Stage::Take | Stage::Put | Stage::LayAside => None,
+        }
+    }
+
+    /// The next second.
+    fn decide(&mut self, present: &Joints, around: Surroundings<'_>) -> ArmPlan {
+        if self.leaves && self.stands() {
+            (self.run, self.leaves) = (None, false);
+        }
+        if self.run.is_none() && self.stands() && !around.holds {
+            self.run = self.way(present, around).map(|way| WayRun::new(&self.kind, way));
+        }
+        let site = self.site.as_ref().expect("a face is known");
+        let space = site.space.clone();
+        let mut risk = |q: &Joints, step: usize| risk_of(&space, around.picker, q, step);
+        let wanted = if around.holds || self.leaves { 0.0 } else { 1.0 };
+        let brakes = self.run.as_ref().map(|run| run.ahead(0.0));
+        let Some(run) = &self.run else {
+            // It evades, or no way is known: it comes to a stand unless it can go on evading.
+            let on = self.plan.a_cycle_later();
+            let evading =
+                (!self.stands() && !around.holds).then(|| self.evade(present, None, around)).flatten();
+            return evading.unwrap_or(on);
+        };
+        let ahead = run.ahead(wanted);
+        if choose(present, &ahead.plan.steps, &[], DELTA, &mut risk) == Choice::Planned {
+            return self.take(&ahead);
+        }
+        let may_evade = !around.holds
+            && !self.leaves
+            && matches!(self.stage, Stage::ToSlot | Stage::ToTote | Stage::Back);
+        let carrot = run.farther(CARROT_RAD);
+        if let Some(plan) = may_evade.then(|| self.evade(present, Some(&carrot), around)).flatten() {
+            self.run = None;
+            return plan;
+        }
+        let brakes = brakes.expect("it is on its way");
+        let back = self.run.as_ref().expect("it is on its way").ahead(-0.6);
+        let set = [back.plan.steps.to_vec()];
+        match choose(present, &brakes.plan.steps, &set, DELTA, &mut risk) {
+            Choice::Other(_) => self.take(&back),
+            Choice::Planned | Choice::Stand => self.take(&brakes),
+        }
+    }
+
+    fn take(&mut self, ahead: &RunAhead) -> ArmPlan {
+        self.run.as_mut().expect("it is on its way").take(ahead);
+        ahead.plan
+    }
+
+    /// A second round the picker's limbs, if one is found that meets nothing.
+    fn evade(&self, present: &Joints, carrot: Option<&Joints>, around: Surroundings<'_>) -> Option<ArmPlan> {
+        let site = self.site.as_ref()?;
+        let picker = around.picker?;
+        let (space, kind) = (&site.space, &self.kind);
+        let aim = match (carrot, self.stage, self.access, self.task) {
+            (Some(carrot), ..) => *carrot,
+            (None, Stage::ToSlot, Some(access), _) => access.before,
+            (None, Stage::Back, ..) => rest(),
+            _ => return None,
+        };
+        let pose = kind.pose(&space.base, &aim);
+        let goal = ArmGoal { tip: pose.points[7], along: pose.tool.matrix().column(2).into_owned() };
+        let limbs: Vec<Vec<Capsule>> = picker.arms.iter().map(|limbs| limbs.thickened(1.0)).collect();
+        let plan = site.control.plan(present, &self.plan, &goal, &limbs).ok()?;
+        let way: Vec<Joints> = std::iter::once(*present).chain(plan.steps).collect();
+        space.check(way)?;
+        let is_safe = |(step, q): (usize, &Joints)| risk_of(space, around.picker, q, step) <= DELTA;
+        let moves = joint_distance(&plan.steps[HORIZON - 1], present) > 0.1;
+        (moves && plan.steps.iter().enumerate().all(is_safe)).then_some(plan)
+    }
+
+    /// A checked way from where the arm stands to where this stage ends.
+    fn way(&mut self, present: &Joints, around: Surroundings<'_>) -> Option<ArmWay> {
+        let target = self.target()?;
+        let site = self.site.as_ref()?;
+        let straight = || site.space.check(vec![*present, target]);
+        if let Some(way) = matches!(self.stage, Stage::Into | Stage::Out).then(straight).flatten() {
+            return Some(way);
+        }
+        let mut space = site.space.clone();
+        space.obstacles.extend(around.picker.map_or(&[][..], |p| &p.body));
+        if !space.is_free(present) {
+            // Somebody came nearer than the arm would go: it may leave.
+            space = site.space.clone();
+        }
+        self.searches += 1;
+        let mut draw = numbers(self.searches);
+        let found = rrt_connect(&space, present, &target, SAMPLES, &mut draw);
+        if found.is_none() && self.searches >= SEARCHES {
+            (self.gives_up, self.searches) = (self.task.is_some(), 0);
+        }
+        found.map(|way| space.shortened(&way, SHORTENED, &mut draw))
+    }
+}
+
+/// The probability that the arm meets the picker with these angles at a step of a trajectory.
+fn risk_of(space: &ArmSpace, picker: Option<&PickerAhead>, q: &Joints, step: usize) -> f64 {
+    let Some(picker) = picker else { return 0.0 };
+    let links = space.kind.capsules(&space.kind.pose(&space.base, q), 0.0);
+    if least_distance_m(&links, &picker.body) < BODY_M {
+        return 1.0;
+    }
+    picker.arms.get(step).map_or(0.0, |limbs| overlap_probability(&links, limbs))
+}
+
+/// Numbers of `0..1`, the same ones for each seed.
+fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}

@@ -1,0 +1,180 @@
+//! Robot arms at work cells take lines, pick them beside the hand, and give them back where something is wrong.
+//!
+//! Main functions: `hear_arm`, `move_arms`. A line for the arm alone waits for it; one for either is the arm's if the
+//! hand will not come to it before the arm is done. If an arm is silent, late, or reports what it cannot have come to,
+//! it gets no trajectory and all its lines go to the hand, else the visit would never end. Refuses: to give the arm the
+//! line that is lit, and to count a piece that nobody has put down.
+
+use crate::cell::arm::{ArmDeed, ArmMode, ArmSaid, ArmTask, Surroundings};
+use crate::cell::{ARM_PIECE_S, LineChange, LineState, Lines, PickedBy};
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::requests::visit::OnVisit;
+use crate::fleet::state::fact::Fact;
+use crate::id::{JobId, StationId};
+use crate::reach::PickModel;
+use crate::time::{Span, Time};
+
+/// A line for either is the arm's if this share of the hand's time for all that is left is enough for it.
+const ENOUGH: f64 = 1.0;
+/// A hand that is not out for so long is about to be in again.
+const OUT_FOR: Span = Span::from_millis(200);
+
+impl Intake<'_> {
+    /// Takes in what an arm says.
+    pub(super) fn hear_arm(&mut self, said: &ArmSaid, now: Time) {
+        let station = said.station;
+        let Some(post) = self.core.arms.post(station) else {
+            return tracing::warn!(?station, "a report from an arm that is not known");
+        };
+        let Some(deed) = post.arm.hear(now, said) else { return };
+        let Some((job, line)) = post.line else { return };
+        if deed == ArmDeed::FoundNothing || post.arm.task().is_none() {
+            post.line = None;
+        }
+        if deed == ArmDeed::FoundNothing {
+            post.left.push((job, line));
+        }
+        let visit = self.visit_at(station, now).filter(|visit| visit.job == job);
+        let Some(visit) = visit.filter(|_| self.is_arms(job, line)) else { return };
+        match deed {
+            ArmDeed::Placed => {
+                let noted = self.change_line(visit.robot, (line, LineChange::Done(1)), now);
+                debug_assert!(noted.is_ok(), "the arm's line waits for a piece");
+            }
+            ArmDeed::FoundNothing => self.give_to(LineChange::ToHand, job, line, now),
+        }
+    }
+
+    /// Lets every arm decide what it does next. Only stations with an arm cost anything.
+    pub(super) fn move_arms(&mut self, now: Time) {
+        for station in self.core.arms.stations() {
+            let visit = self.visit_at(station, now);
+            self.withdraw(station, visit, now);
+            if let Some(visit) = visit {
+                self.share_lines(station, visit, now);
+            }
+            self.move_arm(station, visit, now);
+        }
+    }
+
+    /// Whether a line of the visit that is on is the arm's.
+    fn is_arms(&self, job: JobId, line: usize) -> bool {
+        let lines = self.core.ledger.jobs.get(&job).and_then(|job| job.lines_now());
+        lines.and_then(|lines| lines.all().get(line)).is_some_and(|p| p.state == LineState::Arm)
+    }
+
+    fn give_to(&mut self, change: LineChange, job: JobId, line: usize, now: Time) {
+        self.core.record(Fact::LineChanged { job, line, change, at: now });
+    }
+
+    /// A task whose visit or line is over, or which the arm cannot do, is the arm's no more.
+    fn withdraw(&mut self, station: StationId, visit: Option<OnVisit>, now: Time) {
+        let Some(post) = self.core.arms.post(station) else { return };
+        let gives_up = post.arm.gives_up();
+        let troubled = post.arm.trouble(now).is_some();
+        if visit.is_none() {
+            post.left.clear();
+        }
+        let Some((job, line)) = post.line else { return };
+        if gives_up {
+            post.left.push((job, line));
+        }
+        let is_on = visit.is_some_and(|visit| visit.job == job) && self.is_arms(job, line);
+        if gives_up || troubled || !is_on {
+            let post = self.core.arms.post(station).expect("it is there");
+            post.line = None;
+            post.arm.drop_task();
+        }
+    }
+
+    /// Which lines of a visit are the arm's. Those that it cannot pick are the hand's.
+    fn share_lines(&mut self, station: StationId, visit: OnVisit, now: Time) {
+        let Some(face) = self.face(station, Some(visit)) else { return };
+        let Some((_, lines)) = self.lines_under(visit.robot) else { return };
+        let lines = lines.clone();
+        let was_heard = self.core.arms.post(station).is_some_and(|post| post.arm.was_heard());
+        if !was_heard && lines.all().iter().all(|p| p.state != LineState::Arm) {
+            return;
+        }
+        let tote = |name: &str| {
+            let cell = self.core.warehouse().stations[station].cell.as_ref()?;
+            cell.totes.iter().position(|t| t.name == name)
+        };
+        let totes: Vec<Option<usize>> = lines.all().iter().map(|p| tote(&p.line.tote)).collect();
+        let rest_s = self.hands_rest_s(visit.job, now);
+        let Some(post) = self.core.arms.post(station) else { return };
+        post.arm.turn_to(&face);
+        let is_well = post.arm.was_heard() && post.arm.trouble(now).is_none();
+        let mut reaches = |n: usize| {
+            let tote = totes[n].filter(|_| is_well && !post.left.contains(&(visit.job, n)));
+            tote.map_or(Some(false), |tote| post.arm.reaches(lines.all()[n].line.slot, tote))
+        };
+        let at = |n: &usize| lines.all()[*n].state == LineState::Arm;
+        let arms: Vec<usize> = (0..lines.all().len()).filter(at).collect();
+        let reached: Vec<(usize, Option<bool>)> = arms.into_iter().map(|n| (n, reaches(n))).collect();
+        let back: Vec<usize> = reached.iter().filter(|(_, r)| *r == Some(false)).map(|(n, _)| *n).collect();
+        let mine = reached.iter().find(|(_, r)| *r == Some(true)).map(|(n, _)| *n);
+        let chosen = mine.or_else(|| {
+            let fits = |n: &usize| is_for_arm(&lines, *n, rest_s) && reaches(*n) == Some(true);
+            (0..lines.all().len()).rev().find(fits)
+        });
+        let begins = chosen.filter(|_| is_well && post.line.is_none() && post.arm.is_free());
+        if let Some(n) = begins {
+            let p = &lines.all()[n];
+            let tote = totes[n].expect("the arm reaches it");
+            post.arm.begin(ArmTask { slot: p.line.slot, tote, pieces: p.left() });
+            post.line = Some((visit.job, n));
+        }
+        let taken = begins.filter(|n| lines.all()[*n].state != LineState::Arm);
+        back.into_iter().for_each(|n| self.give_to(LineChange::ToHand, visit.job, n, now));
+        if let Some(n) = taken {
+            self.give_to(LineChange::ToArm, visit.job, n, now);
+        }
+    }
+
+    /// How long the hand is expected to pick what is left of a visit, seconds.
+    fn hands_rest_s(&self, id: JobId, now: Time) -> f64 {
+        let job = &self.core.ledger.jobs[&id];
+        self.core.visits.remaining(id, job, now).map_or(0.0, |left| left.mean_s)
+    }
+
+    fn move_arm(&mut self, station: StationId, visit: Option<OnVisit>, now: Time) {
+        let Some(face) = self.face(station, visit) else { return };
+        let mode = self.core.settings.arm_mode;
+        let is_inside = mode == ArmMode::Turns && self.core.visits.desk(station).comes_inside(&face, now);
+        let Some(post) = self.core.arms.post(station) else { return };
+        if is_inside {
+            post.hand_inside = now;
+        }
+        let holds = mode == ArmMode::Turns && now - post.hand_inside < OUT_FOR;
+        if !post.arm.is_due() {
+            return;
+        }
+        let model = (mode == ArmMode::Predictive).then(PickModel::builtin);
+        let picker = post.sight.ahead(&face, now, model.as_deref());
+        let order = post.arm.cycle(now, Surroundings { picker: picker.as_ref(), holds });
+        self.core.out.arms.extend(order);
+    }
+
+    /// A person lets the rack go: an arm of which nothing is heard is out of it.
+    pub(super) fn vouch_for_arm(&mut self, station: StationId, now: Time) {
+        if let Some(post) = self.core.arms.post(station).filter(|post| post.arm.trouble(now).is_some()) {
+            post.arm.vouch_outside();
+        }
+    }
+
+    /// Notes what was seen of a picker beside an arm.
+    pub(super) fn show_picker(&mut self, seen: &crate::cell::HandsSeen) {
+        if let Some(post) = self.core.arms.post(seen.station) {
+            post.sight.see(seen);
+        }
+    }
+}
+
+/// Whether a line for either is one that the hand will not come to before the arm is done with it.
+fn is_for_arm(lines: &Lines, n: usize, rest_s: f64) -> bool {
+    let p = &lines.all()[n];
+    let is_open = matches!(p.state, LineState::Open | LineState::Undone);
+    let arm_s = ARM_PIECE_S * f64::from(p.left());
+    is_open && p.line.by == PickedBy::Either && arm_s <= ENOUGH * rest_s
+}

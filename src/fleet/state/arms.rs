@@ -1,0 +1,83 @@
+//! The robot arms at work cells: what each picks, what was seen of the picker beside it, and what is wrong with it.
+//!
+//! Main types: [`Arms`], [`ArmPost`], [`ArmView`]. Lost at a restart: lines that were an arm's are given to the hand or
+//! taken anew then. Refuses: to move anything; `requests` asks each arm what it does next.
+
+use crate::cell::arm::{ArmActivity, ArmKind, PickerSight, StationArm};
+use crate::id::{JobId, StationId};
+use crate::time::Time;
+use crate::warehouse::Warehouse;
+use std::collections::BTreeMap;
+
+/// An arm with the line that it picks.
+#[derive(Clone, Debug)]
+pub(in crate::fleet) struct ArmPost {
+    /// The arm.
+    pub arm: StationArm,
+    /// What was seen of the picker of late.
+    pub sight: PickerSight,
+    /// The line of its task: of which job, and its number.
+    pub line: Option<(JobId, usize)>,
+    /// Lines that it leaves to the hand: it found nothing there, or no way.
+    pub left: Vec<(JobId, usize)>,
+    /// When a hand was in the opening last, or about to be.
+    pub hand_inside: Time,
+}
+
+/// An arm as it is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmView {
+    /// What it does.
+    pub activity: ArmActivity,
+    /// The line that it picks: of which job, and its number, from 0.
+    pub line: Option<(JobId, usize)>,
+}
+
+/// All arms of a building, by their stations.
+#[derive(Clone, Debug, Default)]
+pub(in crate::fleet) struct Arms {
+    all: BTreeMap<StationId, ArmPost>,
+}
+
+impl Arms {
+    /// The arms of a building whose kinds are known. Nothing was heard of them yet.
+    pub fn new(warehouse: &Warehouse) -> Arms {
+        let post = |(id, station): (StationId, &crate::warehouse::Station)| {
+            let mount = station.cell.as_ref()?.arm.as_ref()?;
+            let Some(arm) = StationArm::new(id, mount) else {
+                let (station, kind) = (&station.name, &mount.kind);
+                tracing::warn!(station, kind, known = ?ArmKind::NAMES, "unknown kind of arm");
+                return None;
+            };
+            let (sight, left, hand_inside) = (PickerSight::default(), Vec::new(), Time::ZERO);
+            Some((id, ArmPost { arm, sight, line: None, left, hand_inside }))
+        };
+        Arms { all: warehouse.stations.pairs().filter_map(post).collect() }
+    }
+
+    /// Stations with an arm.
+    pub fn stations(&self) -> Vec<StationId> {
+        self.all.keys().copied().collect()
+    }
+
+    /// The arm at a station.
+    pub fn post(&mut self, station: StationId) -> Option<&mut ArmPost> {
+        self.all.get_mut(&station)
+    }
+
+    /// Whether an arm was in the opening of a station, or beyond it, when it was heard of last.
+    pub fn is_inside(&self, station: StationId) -> bool {
+        self.all.get(&station).is_some_and(|post| post.arm.is_inside())
+    }
+
+    /// Stations in whose opening an arm is.
+    pub fn inside(&self) -> impl Iterator<Item = StationId> {
+        self.all.iter().filter(|(_, post)| post.arm.is_inside()).map(|(station, _)| *station)
+    }
+
+    /// The arm at a station as it is shown.
+    pub fn view(&self, station: StationId, now: Time) -> Option<ArmView> {
+        let post = self.all.get(&station)?;
+        Some(ArmView { activity: post.arm.activity(now), line: post.line })
+    }
+}

@@ -1,0 +1,76 @@
+//! What stations say as recordings have it.
+//!
+//! Main type: [`Says`]. Refuses: to drop anything that was said.
+
+use crate::cell::LineChange;
+use crate::fleet::StationOrder;
+use serde::{Deserialize, Serialize};
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Says {
+    Done,
+    Short,
+    Pause,
+    Resume,
+    Release,
+    /// So many more pieces of this line.
+    Picked(usize, u32),
+    /// This line is short.
+    Missing(usize),
+    /// The same of the line that was not confirmed when its rack left.
+    LastPicked(u32),
+    LastMissing,
+    LastUndo,
+    /// What was said of this line is taken back.
+    Undo(usize),
+    /// This line is the arm's, or the hand's again; and the same of the line that was not confirmed.
+    ToArm(usize),
+    ToHand(usize),
+    LastToArm,
+    LastToHand,
+}
+
+impl From<StationOrder> for Says {
+    fn from(order: StationOrder) -> Says {
+        match order {
+            StationOrder::Done => Says::Done,
+            StationOrder::Short => Says::Short,
+            StationOrder::Pause => Says::Pause,
+            StationOrder::Resume => Says::Resume,
+            StationOrder::Release => Says::Release,
+            StationOrder::Line(line, LineChange::Done(pieces)) => Says::Picked(line, pieces),
+            StationOrder::Line(line, LineChange::Short) => Says::Missing(line),
+            StationOrder::Line(line, LineChange::Undo) => Says::Undo(line),
+            StationOrder::Last(LineChange::Done(pieces)) => Says::LastPicked(pieces),
+            StationOrder::Last(LineChange::Short) => Says::LastMissing,
+            StationOrder::Last(LineChange::Undo) => Says::LastUndo,
+            StationOrder::Line(line, LineChange::ToArm) => Says::ToArm(line),
+            StationOrder::Line(line, LineChange::ToHand) => Says::ToHand(line),
+            StationOrder::Last(LineChange::ToArm) => Says::LastToArm,
+            StationOrder::Last(LineChange::ToHand) => Says::LastToHand,
+        }
+    }
+}
+
+impl From<Says> for StationOrder {
+    fn from(says: Says) -> StationOrder {
+        match says {
+            Says::Done => StationOrder::Done,
+            Says::Short => StationOrder::Short,
+            Says::Pause => StationOrder::Pause,
+            Says::Resume => StationOrder::Resume,
+            Says::Release => StationOrder::Release,
+            Says::Picked(line, pieces) => StationOrder::Line(line, LineChange::Done(pieces)),
+            Says::Missing(line) => StationOrder::Line(line, LineChange::Short),
+            Says::Undo(line) => StationOrder::Line(line, LineChange::Undo),
+            Says::LastPicked(pieces) => StationOrder::Last(LineChange::Done(pieces)),
+            Says::LastMissing => StationOrder::Last(LineChange::Short),
+            Says::LastUndo => StationOrder::Last(LineChange::Undo),
+            Says::ToArm(line) => StationOrder::Line(line, LineChange::ToArm),
+            Says::ToHand(line) => StationOrder::Line(line, LineChange::ToHand),
+            Says::LastToArm => StationOrder::Last(LineChange::ToArm),
+            Says::LastToHand => StationOrder::Last(LineChange::ToHand),
+        }
+    }
+}
