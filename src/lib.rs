@@ -271,6 +271,7 @@
 //! | what a broken robot cuts off; jobs given back | `fleet/state/cut_off.rs`; `fleet/dispatch/blocked.rs` |
 //! | people take a rack off a broken robot | `fleet/requests/racks.rs`; `api/http/robots.rs` (`take_rack`) |
 //! | faults of robots, e-stop; a blocked path | `fleet/state/fault.rs`; `fleet/traffic/obstruction.rs` |
+//! | a robot arm beside a picker: its lines, its ways | `fleet/requests/arm.rs`; `cell/arm/task.rs`, `site.rs` |
 //! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `alarm/displaced.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog/` |
 //! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |

@@ -136,6 +136,8 @@ kinds! {
     DeadlineMissed: "deadline_missed", Warning, Watch, 0, 5;
     /// Jobs wait for a station, and no robot is on its way there.
     StationStarved: "station_starved", Warning, Watch, 0, 10;
+    /// A robot arm beside a picker gets no trajectory.
+    ArmTrouble: "arm_trouble", Warning, Watch, 1, 3;
     /// Steps take longer than the control period.
     StepsLate: "steps_late", Warning, Watch, 5, 20;
     /// Robots wait for long before a route is searched for them.
@@ -179,7 +181,7 @@ impl AlarmKind {
     /// Whether there is one alarm for all of its subjects: they have one cause more often than not.
     pub fn is_collective(self) -> bool {
         use AlarmKind as K;
-        let by_subject = matches!(self, K::Standstill | K::StationStarved | K::RobotFenced)
+        let by_subject = matches!(self, K::Standstill | K::StationStarved | K::ArmTrouble | K::RobotFenced)
             || self.is_about_a_robot()
             || matches!(self, K::WorkerLost | K::WorkerKept | K::WorkerInClosedArea);
         !by_subject
@@ -218,6 +220,7 @@ impl AlarmKind {
                 | K::BeyondGrant
                 | K::RobotReturned
                 | K::RobotFenced
+                | K::ArmTrouble
                 | K::StepsLate
                 | K::ClockOff
         );
@@ -289,6 +292,10 @@ impl AlarmKind {
             K::DeadlineAtRisk => "Raise the priority of these jobs, or postpone others.",
             K::DeadlineMissed => "Tell the customer, and raise the priority of these jobs.",
             K::StationStarved => "Look at why the first of these jobs waits.",
+            K::ArmTrouble => {
+                "Check the arm's power and connection, and bring it out of the opening. If it stays off, release the \
+                 rack: by that you say that the arm is outside."
+            }
             K::StepsLate => "Give the server more processor time, or run fewer robots on it.",
             K::PlanBacklog => "Give the server more processor time; if a robot blocks a main aisle, move it.",
             K::ForecastBad => {

@@ -5,6 +5,7 @@
 //! behind another one raises no alarm: the root of its chain in the wait-for graph does, and counts it. Refuses: to
 //! read a clock, to write anything down, and to mend anything.
 
+mod arms;
 mod condition;
 mod deliveries;
 mod displaced;

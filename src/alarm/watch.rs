@@ -10,7 +10,7 @@ use super::robots::{RobotWatch, gather, left_obstacles};
 use super::roots::Roots;
 use super::server::LoopHealth;
 use super::standing::{IdleFloor, is_stopped, standstills, whole_floor};
-use super::{people, server};
+use super::{arms, people, server};
 use crate::fleet::{Fleet, View, Why};
 
 /// What has to be remembered from look to look.
@@ -46,6 +46,7 @@ impl FloorWatch {
             found.extend(jobs);
         }
         found.extend(server::conditions(fleet, view, health, &robots));
+        found.extend(arms::conditions(fleet, view));
         found.extend(left_obstacles(fleet, &robots));
         found.extend(gather(robots, fleet.ledger().present().count()));
         found

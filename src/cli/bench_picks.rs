@@ -4,13 +4,14 @@
 //! Allocations are those of the program's allocator while a sample is taken in. Refuses: to print a figure without the
 //! command that made it.
 
+use super::bench_arm::arm_times;
 use super::stopwatch;
 use crate::reach::arm::ARM_STEPS;
 use crate::reach::{ArmPoint, ArmSample, ArmVector, PickModel, ReachTarget, SlotTracker};
 use crate::sim::picker::motion::{ArmBuild, ArmReach};
 use crate::sim::random::Stream;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::process::ExitCode;
 
 /// Samples per second of a headset.
@@ -61,6 +62,7 @@ impl BenchPicksArgs {
             first = false;
         }
         let forecasts = forecast_us(&hands[0].samples);
+        let [mpc_us, planner_us] = arm_times(self.seed)?;
         let mean_us = times.iter().sum::<f64>() / times.len() as f64;
         times.sort_by(f64::total_cmp);
         let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
@@ -70,7 +72,7 @@ impl BenchPicksArgs {
             let report = json!({
                 "workers": self.workers, "slots": self.slots, "samples": times.len(),
                 "sample_us": {"p50": at(0.5), "p99": at(0.99)}, "core_share": core_share,
-                "forecast_us": forecasts, "allocations_per_sample": per_sample,
+                "forecast_us": forecasts, "mpc_us": mpc_us, "planner_us": planner_us, "allocations_per_sample": per_sample,
             });
             println!("{}", serde_json::to_string_pretty(&report)?);
         } else {
@@ -80,6 +82,10 @@ impl BenchPicksArgs {
             );
             println!("a sample {:.1} µs, 99 % below {:.1} µs", at(0.5), at(0.99));
             println!("{core_share:.3} of one core for {} hands at {HZ} Hz", self.workers);
+            let n = |v: &Value, q: &str| v[q].as_f64().unwrap_or(f64::NAN);
+            for (what, us) in [("control", &mpc_us), ("search for a way", &planner_us)] {
+                println!("a robot arm's {what} {:.0} µs, 99 % below {:.0} µs", n(us, "p50"), n(us, "p99"));
+            }
             println!("a forecast of the arm {forecasts:.1} µs; {per_sample} allocations per sample");
         }
         Ok(ExitCode::SUCCESS)

@@ -7,7 +7,7 @@ use super::people::exit;
 use super::sim::Setup;
 use crate::experiment::stations::{StationsRow, StationsSetup};
 use crate::experiment::statistics::{Interval, Summary};
-use crate::sim::{FlowWord, Scenario};
+use crate::sim::{ArmModeWord, FlowWord, Scenario};
 use crate::time::Span;
 use crate::warehouse::room_for;
 use clap::Args;
@@ -31,6 +31,15 @@ const FLOWS: [(FlowWord, &str); 5] = [
 const PAIRS: [(&str, &str); 5] =
     [("seen", "usual"), ("counted", "usual"), ("hand", "counted"), ("seen", "hand"), ("known", "seen")];
 
+/// Modes of robot arms, and which are compared with which; `none` is the flow `seen` without an arm.
+const ARM_MODES: [(ArmModeWord, &str); 3] = [
+    (ArmModeWord::Turns, "turns"),
+    (ArmModeWord::Reactive, "reactive"),
+    (ArmModeWord::Predictive, "predictive"),
+];
+const ARM_PAIRS: [(&str, &str); 4] =
+    [("turns", "none"), ("reactive", "none"), ("predictive", "none"), ("predictive", "reactive")];
+
 /// Arguments of `experiment stations`.
 #[derive(Args)]
 pub struct StationsArgs {
@@ -49,6 +58,9 @@ pub struct StationsArgs {
     /// Numbers of robots, instead of the scenario's.
     #[arg(long, value_delimiter = ',')]
     robots: Vec<usize>,
+    /// Compare the modes of robot arms only, not the flows.
+    #[arg(long)]
+    arms: bool,
     /// Runs at a time; as many as there are cores if absent.
     #[arg(long)]
     jobs: Option<usize>,
@@ -71,15 +83,34 @@ impl StationsArgs {
             room_for(&setup.warehouse, *n)
                 .map_err(|e| anyhow::anyhow!("the map has no room for {n} robots:\n{e}"))?;
         }
-        let (runs, flows) = (self.runs as usize, FLOWS.len());
-        let rows = in_parallel(robots.len() * flows * runs, self.jobs, |i| {
-            let (robots, flow) = (robots[i / (flows * runs)], FLOWS[i / runs % flows].0);
-            setup.run(robots, flow, self.seed + (i % runs) as u64)
+        let flows: Vec<FlowWord> = match self.arms {
+            true => vec![FlowWord::Seen],
+            false => FLOWS.iter().map(|f| f.0).collect(),
+        };
+        let modes = if setup.stations_with_arm().is_empty() { &[][..] } else { &ARM_MODES[..] };
+        let (runs, kinds) = (self.runs as usize, flows.len() + modes.len());
+        let rows = in_parallel(robots.len() * kinds * runs, self.jobs, |i| {
+            let (robots, kind) = (robots[i / (kinds * runs)], i / runs % kinds);
+            let seed = self.seed + (i % runs) as u64;
+            match flows.get(kind) {
+                Some(flow) => setup.run(robots, *flow, seed),
+                None => setup.run_with_arms(robots, modes[kind - flows.len()].0, seed),
+            }
         });
         let broken: u64 = rows.iter().map(|r| r.law_violations).sum();
         rows.iter().flat_map(|r| &r.broken).for_each(|b| eprintln!("broken law at {b}"));
-        let scenarios: Vec<Value> = (robots.iter().zip(rows.chunks(flows * runs)))
-            .map(|(robots, rows)| scenario(*robots, &rows.chunks(runs).collect::<Vec<_>>()))
+        let scenarios: Vec<Value> = (robots.iter().zip(rows.chunks(kinds * runs)))
+            .map(|(robots, rows)| {
+                let rows: Vec<&[StationsRow]> = rows.chunks(runs).collect();
+                let (of_flows, of_arms) = rows.split_at(flows.len());
+                let mut said =
+                    if self.arms { json!({"robots": robots}) } else { scenario(*robots, of_flows) };
+                if !of_arms.is_empty() {
+                    let seen = flows.iter().position(|f| *f == FlowWord::Seen).expect("it is a flow");
+                    said["with_arm"] = with_arm(of_flows[seen], of_arms);
+                }
+                said
+            })
             .collect();
         if self.json {
             let report = json!({"scenarios": scenarios, "law_violations": broken});
@@ -126,6 +157,47 @@ fn scenario(robots: usize, flows: &[&[StationsRow]]) -> Value {
     json!({"robots": robots, "arms": arms, "paired": paired})
 }
 
+/// What arms came to in each mode, beside the same hours without one.
+fn with_arm(without: &[StationsRow], modes: &[&[StationsRow]]) -> Value {
+    let all =
+        || std::iter::once(("none", without)).chain(ARM_MODES.iter().map(|m| m.1).zip(modes.iter().copied()));
+    let mut said: Map<String, Value> = all().map(|(name, rows)| (name.to_owned(), mode(rows))).collect();
+    let relative = |one: &[StationsRow], other: &[StationsRow]| {
+        let gains = one.iter().zip(other).map(|(a, b)| rate_at_arms(a) / rate_at_arms(b).max(1e-9) - 1.0);
+        let interval = Interval::of(&gains.collect::<Vec<_>>());
+        json!({"relative": {"mean": interval.mean, "ci95": interval.ci95.map(|(low, high)| [low, high])}})
+    };
+    let of = |name: &str| all().find(|(n, _)| *n == name).expect("it is a mode").1;
+    let paired: Map<String, Value> = ARM_PAIRS
+        .iter()
+        .map(|(one, other)| (format!("{one}-{other}"), relative(of(one), of(other))))
+        .collect();
+    said.insert("paired".to_owned(), Value::Object(paired));
+    Value::Object(said)
+}
+
+fn mode(rows: &[StationsRow]) -> Value {
+    let hours: f64 = rows.iter().map(|r| r.hours).sum();
+    let per_hour = |of: fn(&StationsRow) -> f64| rows.iter().map(of).sum::<f64>() / hours;
+    let summary = |of: fn(&StationsRow) -> f64| {
+        let summary = Summary::of(&rows.iter().map(of).collect::<Vec<_>>());
+        json!({"mean": summary.mean, "sd": summary.sd})
+    };
+    json!({
+        "lines_per_hour": summary(rate),
+        "lines_per_hour_at_arms": summary(rate_at_arms),
+        "pieces_per_hour": per_hour(|r| r.arms.pieces as f64),
+        "protective_stops_per_hour": per_hour(|r| r.arms.stops as f64),
+        "contacts": rows.iter().map(|r| r.arms.contacts).sum::<u64>(),
+        "touched_per_hour": per_hour(|r| r.arms.touched as f64),
+        "picker_waits_s_per_hour": per_hour(|r| r.arms.person_waits_s),
+    })
+}
+
+fn rate_at_arms(row: &StationsRow) -> f64 {
+    row.arms.lines as f64 / row.hours
+}
+
 /// Lines an hour.
 fn rate(row: &StationsRow) -> f64 {
     row.lines as f64 / row.hours
@@ -161,6 +233,38 @@ fn arm(rows: &[StationsRow]) -> Value {
 
 fn print(scenario: &Value) {
     println!("{} robots", scenario["robots"]);
+    if scenario.get("arms").is_some() {
+        print_flows(scenario);
+    }
+    if let Some(with_arm) = scenario.get("with_arm") {
+        print_arms(with_arm);
+    }
+}
+
+fn print_arms(with_arm: &Value) {
+    println!(
+        "{:10} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8}",
+        "arm", "lines/h", "at arms", "pieces/h", "stops/h", "contacts", "touched", "waits, s"
+    );
+    let n = |v: &Value| v.as_f64().map_or("–".to_owned(), |x| format!("{x:.1}"));
+    for name in std::iter::once("none").chain(ARM_MODES.map(|m| m.1)) {
+        let a = &with_arm[name];
+        println!(
+            "{:10} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8}",
+            name,
+            n(&a["lines_per_hour"]["mean"]),
+            n(&a["lines_per_hour_at_arms"]["mean"]),
+            n(&a["pieces_per_hour"]),
+            n(&a["protective_stops_per_hour"]),
+            a["contacts"],
+            n(&a["touched_per_hour"]),
+            n(&a["picker_waits_s_per_hour"]),
+        );
+    }
+    print_pairs(&with_arm["paired"], &ARM_PAIRS);
+}
+
+fn print_flows(scenario: &Value) {
     println!(
         "{:8} {:>9} {:>6} {:>8} {:>6} {:>7} {:>6} {:>10} {:>9} {:>9} {:>8} {:>6}",
         "flow",
@@ -195,9 +299,14 @@ fn print(scenario: &Value) {
             n(&a["end_cov80"], 3),
         );
     }
-    for (one, other) in PAIRS {
-        let relative = &scenario["paired"][format!("{one}-{other}")]["relative"];
+    print_pairs(&scenario["paired"], &PAIRS);
+}
+
+fn print_pairs(paired: &Value, pairs: &[(&str, &str)]) {
+    let n = |v: &Value| v.as_f64().map_or("–".to_owned(), |x| format!("{x:.4}"));
+    for (one, other) in pairs {
+        let relative = &paired[format!("{one}-{other}")]["relative"];
         let (low, high) = (&relative["ci95"][0], &relative["ci95"][1]);
-        println!("{one} - {other}: {} ({} to {})", n(&relative["mean"], 4), n(low, 4), n(high, 4));
+        println!("{one} - {other}: {} ({} to {})", n(&relative["mean"]), n(low), n(high));
     }
 }

@@ -5,9 +5,10 @@
 use crate::cell::{Flow, LineOutcome, Lines};
 use crate::fleet::{Fact, Fleet, JobKind, JobState, Task};
 use crate::id::{Dense, JobId, StationId};
-use crate::sim::{FlowWord, Scenario, Simulation};
+use crate::sim::picker::TrueLine;
+use crate::sim::{ArmModeWord, FlowWord, Scenario, Simulation};
 use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use crate::warehouse::{Station, Warehouse};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -61,10 +62,29 @@ pub struct StationsRow {
     pub ends: u64,
     /// That often.
     pub ends_held: u64,
+    /// What the robot arms came to, where some were on.
+    pub arms: ArmsRow,
     /// Broken laws, and the first ones in words.
     pub law_violations: u64,
     /// The first ones.
     pub broken: Vec<String>,
+}
+
+/// What came of the robot arms in one run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ArmsRow {
+    /// Lines that were done or short at stations with an arm.
+    pub lines: u64,
+    /// Pieces that arms put into totes.
+    pub pieces: u64,
+    /// Protective stops.
+    pub stops: u64,
+    /// Overlaps of a moving arm and a person.
+    pub contacts: u64,
+    /// How often a person came upon an arm that stood.
+    pub touched: u64,
+    /// How long people waited for an arm, seconds.
+    pub person_waits_s: f64,
 }
 
 /// Lines and visits as facts tell of them.
@@ -73,6 +93,8 @@ struct Ledgered {
     /// Lines of jobs that were accepted, at the station where the rack is wanted next.
     lines: BTreeMap<JobId, (StationId, Vec<Lines>)>,
     over: u64,
+    /// The same at stations with an arm on the map.
+    over_at_arms: u64,
     visits: u64,
     /// Lines that were done, with how many pieces, and when.
     done: BTreeMap<(JobId, usize), (u32, Time)>,
@@ -93,9 +115,26 @@ impl StationsSetup {
         scenario
     }
 
+    /// Stations with an arm on the map.
+    pub fn stations_with_arm(&self) -> Vec<String> {
+        let has_arm = |s: &&Station| s.cell.as_ref().is_some_and(|cell| cell.arm.is_some());
+        self.warehouse.stations.iter().filter(has_arm).map(|s| s.name.clone()).collect()
+    }
+
     /// One run.
     pub fn run(&self, robots: usize, flow: FlowWord, seed: u64) -> StationsRow {
-        let scenario = self.scenario(robots, flow);
+        self.measure(self.scenario(robots, flow), seed)
+    }
+
+    /// One run with every arm of the map on.
+    pub fn run_with_arms(&self, robots: usize, mode: ArmModeWord, seed: u64) -> StationsRow {
+        let mut scenario = self.scenario(robots, FlowWord::Seen);
+        let cells = scenario.cells.as_mut().expect("a scenario of picking stations has cells");
+        (cells.arms, cells.arm_mode) = (self.stations_with_arm(), mode);
+        self.measure(scenario, seed)
+    }
+
+    fn measure(&self, scenario: Scenario, seed: u64) -> StationsRow {
         let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
         let (mut seen, mut waits) = (Ledgered::default(), Span::ZERO);
         while !sim.is_over() {
@@ -107,7 +146,7 @@ impl StationsSetup {
             seen.expect(&sim.fleet, now);
             waits += waiting(&sim.fleet, now, scenario.period);
         }
-        let flow = Flow::from(flow);
+        let flow = scenario.cells.as_ref().map_or(Flow::default(), |cells| cells.flow.into());
         seen.row(sim, flow, waits)
     }
 }
@@ -136,14 +175,15 @@ impl Ledgered {
                 }
             }
             Fact::LineChanged { job, line, change, at } => {
-                let Some(lines) = self.lines.get_mut(job).and_then(|(_, all)| all.first_mut()) else {
-                    return;
-                };
+                let Some((station, all)) = self.lines.get_mut(job) else { return };
+                let Some(lines) = all.first_mut() else { return };
                 if lines.change(*line, *change) != Ok(LineOutcome::Changed) {
                     return;
                 }
                 let p = &lines.all()[*line];
                 self.over += u64::from(p.state.is_over());
+                let cell = fleet.warehouse().stations[*station].cell.as_ref();
+                self.over_at_arms += u64::from(p.state.is_over() && cell.is_some_and(|c| c.arm.is_some()));
                 if p.left() == 0 && p.pieces == p.line.quantity {
                     self.done.insert((*job, *line), (p.pieces, *at));
                 } else {
@@ -197,6 +237,7 @@ impl Ledgered {
         let mut row = StationsRow {
             hours: now.0 as f64 / 3.6e9,
             lines: self.over,
+            arms: ArmsRow { lines: self.over_at_arms, ..ArmsRow::default() },
             visits: self.visits,
             robot_wait_s: waits.as_secs_f64() / self.visits.max(1) as f64,
             // Whoever is told the true end is not judged by it.
@@ -219,6 +260,16 @@ impl Ledgered {
             truth.extend(figures.lines.iter().map(|(line, true_line)| (*line, *true_line)));
         }
         row.picker_idle = idle.as_secs_f64() / there.as_secs_f64().max(1e-9);
+        for (_, f) in sim.world.arms().into_iter().flat_map(|arms| arms.figures()) {
+            row.arms.pieces += f.pieces;
+            row.arms.stops += f.stops;
+            row.arms.contacts += f.contacts;
+            row.arms.touched += f.touched;
+            row.arms.person_waits_s += f.person_waits_s;
+        }
+        for (line, pieces) in sim.world.arms().into_iter().flat_map(|arms| arms.lines()) {
+            truth.entry(*line).or_insert_with(TrueLine::default).right += pieces;
+        }
         let settled = self.done.iter().filter(|(_, (_, at))| now - *at > UNSETTLED);
         let is_wrong = |(line, (pieces, _)): &(&(JobId, usize), &(u32, Time))| {
             truth.get(*line).is_none_or(|t| t.right != *pieces || t.wrong > 0)
@@ -241,6 +292,39 @@ mod tests {
         let mut scenario = Scenario::parse(text).unwrap();
         scenario.duration = Span::from_secs(900);
         StationsSetup { warehouse: Arc::new(stations()), scenario }
+    }
+
+    #[test]
+    fn arms_at_two_stations_pick_without_a_broken_law_and_one_seed_gives_one_row() {
+        let setup = setup();
+        assert_eq!(setup.stations_with_arm(), ["S1", "S2"]);
+        let run = || setup.run_with_arms(14, ArmModeWord::Predictive, 3);
+        let row = run();
+        assert_eq!((row.law_violations, row.arms.contacts), (0, 0), "{:?}", row.broken);
+        assert!(row.arms.pieces > 10 && row.arms.lines > 50, "{row:?}");
+        assert_eq!(row, run());
+    }
+
+    #[test]
+    #[ignore]
+    fn figures_tmp() {
+        let text = include_str!("../../scenarios/stations.json");
+        let mut scenario = Scenario::parse(text).unwrap();
+        let var = |n: &str, d: i64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
+        scenario.duration = Span::from_secs(var("SECS", 3600));
+        let setup = StationsSetup { warehouse: Arc::new(stations()), scenario };
+        let robots = var("ROBOTS", 24) as usize;
+        for seed in var("SEED", 101)..var("SEED", 101) + var("RUNS", 1) {
+            let none = setup.run(robots, FlowWord::Seen, seed as u64);
+            println!("none {seed} {} {} {:?} {:?}", none.lines, none.hours, none.arms, none.broken);
+            for mode in [ArmModeWord::Turns, ArmModeWord::Reactive, ArmModeWord::Predictive] {
+                let row = setup.run_with_arms(robots, mode, seed as u64);
+                println!(
+                    "{mode:?} {seed} {} {:?} wc {} fw {} {:?}",
+                    row.lines, row.arms, row.wrong_confirmed, row.false_warnings, row.broken
+                );
+            }
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod activity;
 mod after;
+mod arms;
 mod arrive;
 mod cancel;
 mod carry;

@@ -25,6 +25,9 @@ const TAKE: Span = Span::from_millis(900);
 const PUT: Span = Span::from_millis(300);
 /// Share of grasps that find nothing.
 const EMPTY: f64 = 0.02;
+/// An arm that stands nearer to a person than this does not start, metres: that is a part of its protective stop.
+const START_M: f64 = 0.02;
+
 /// What became of one arm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ArmFigures {
@@ -57,6 +60,9 @@ struct SimArmPost {
     holds: bool,
     silent_until: Option<Time>,
     is_touched: bool,
+    /// How far the person is from it, metres, and whether it stands.
+    apart_m: f64,
+    stands: bool,
     random: Stream,
     figures: ArmFigures,
 }
@@ -100,6 +106,8 @@ impl SimArms {
                 holds: false,
                 silent_until: None,
                 is_touched: false,
+                apart_m: f64::INFINITY,
+                stands: true,
                 random: Stream::new(seed, ARM, i as u64),
                 figures: ArmFigures::default(),
             })
@@ -125,7 +133,9 @@ impl SimArms {
             if post.silent_until.is_none() && order.trajectory.number > post.newest {
                 post.newest = order.trajectory.number;
                 post.step_s = order.trajectory.step.as_secs_f64();
-                post.arm.follow(&order.trajectory.steps, post.step_s);
+                if !(post.stands && post.apart_m < START_M) {
+                    post.arm.follow(&order.trajectory.steps, post.step_s);
+                }
                 post.wanted = order.grip;
             }
         }
@@ -147,8 +157,10 @@ impl SimArms {
     /// Everything goes on for a tick beside people with these limbs.
     pub fn advance(&mut self, dt: Span, limbs: impl Fn(StationId) -> Vec<Capsule>) {
         for post in &mut self.all {
-            let ArmStep { contact, touched, stopped, .. } =
+            let before = *post.arm.joints();
+            let ArmStep { contact, touched, stopped, distance_m } =
                 post.arm.advance(dt.as_secs_f64(), &limbs(post.station));
+            (post.apart_m, post.stands) = (distance_m, before == *post.arm.joints());
             post.figures.stops += u64::from(stopped);
             post.figures.contacts += u64::from(contact);
             post.figures.touched += u64::from(touched && !post.is_touched);

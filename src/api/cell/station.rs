@@ -5,11 +5,12 @@
 use super::{LineDto, lines_dto};
 use crate::api::dto::{Names, StationDto};
 use crate::api::text::{job_name, round3, time_text};
+use crate::cell::arm::{ArmActivity, ArmTrouble};
 use crate::cell::{Lines, Remaining};
-use crate::fleet::{StationView, WrongReach};
+use crate::fleet::{ArmView, StationView, WrongReach};
 use crate::id::{Dense, JobId, RackId, RobotId, StationId};
 use crate::time::Span;
-use crate::warehouse::{Cell, Tote};
+use crate::warehouse::{ArmMount, Cell, Tote};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -86,8 +87,41 @@ pub struct ToteDto {
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ArmDto {
     /// What arm it is.
-    #[schema(example = "ur5")]
+    #[schema(example = "ur10")]
     pub kind: String,
+    /// What it does.
+    pub state: ArmStateDto,
+    /// Why it gets no trajectory, in words; null where nothing is wrong.
+    #[schema(example = "the arm is silent")]
+    pub reason: Option<String>,
+    /// The line that it picks; null if it picks none.
+    pub line: Option<ArmLineDto>,
+}
+
+/// What a robot arm does.
+#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ArmStateDto {
+    /// It has not been heard of, or its kind is not known: hands pick all lines.
+    Off,
+    /// It rests.
+    Idle,
+    /// It moves or grips.
+    Moving,
+    /// Its own protective stop holds it.
+    Stopped,
+    /// It gets no trajectory, and hands pick its lines.
+    Trouble,
+}
+
+/// The line that a robot arm picks.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct ArmLineDto {
+    /// The job.
+    #[schema(example = "j17")]
+    pub job: String,
+    /// The line's number in the visit, from 1.
+    pub n: usize,
 }
 
 /// A rack on its way.
@@ -151,6 +185,24 @@ impl From<Remaining> for ExpectedEndDto {
     }
 }
 
+fn arm_dto(mount: &ArmMount, arm: Option<ArmView>) -> ArmDto {
+    let activity = arm.map_or(ArmActivity::Off, |arm| arm.activity);
+    let (state, reason) = match activity {
+        ArmActivity::Off => (ArmStateDto::Off, None),
+        ArmActivity::Idle => (ArmStateDto::Idle, None),
+        ArmActivity::Moving => (ArmStateDto::Moving, None),
+        ArmActivity::Trouble(ArmTrouble::Stopped) => (ArmStateDto::Stopped, Some(ArmTrouble::Stopped)),
+        ArmActivity::Trouble(why) => (ArmStateDto::Trouble, Some(why)),
+    };
+    let line = arm.and_then(|arm| arm.line);
+    ArmDto {
+        kind: mount.kind.clone(),
+        state,
+        reason: reason.map(|why| why.to_string()),
+        line: line.map(|(job, n)| ArmLineDto { job: job_name(job), n: n + 1 }),
+    }
+}
+
 fn warning_dto(wrong: WrongReach, cell: Option<&Cell>) -> CellWarningDto {
     let tote_name = |tote: usize| Some(cell?.totes.get(tote)?.name.clone());
     match wrong {
@@ -179,7 +231,7 @@ impl Names<'_> {
             station: self.station(id),
             has_cell: cell.is_some(),
             totes: cell.map_or_else(Vec::new, |cell| cell.totes.iter().map(|t| tote(cell, t)).collect()),
-            arm: cell.and_then(|c| c.arm.as_ref()).map(|a| ArmDto { kind: a.kind.clone() }),
+            arm: cell.and_then(|c| c.arm.as_ref()).map(|mount| arm_dto(mount, seen.arm)),
             visit: seen.robot.zip(seen.job).map(|(robot, job)| self.visit(robot, job, seen)),
             unconfirmed: seen.unconfirmed.as_ref().and_then(|left| {
                 let line = lines_dto(&left.lines, true).swap_remove(left.lines.lit()?);

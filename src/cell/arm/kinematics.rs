@@ -124,7 +124,8 @@ impl ArmKind {
         &COLLABORATIVE
     }
 
-    /// A collaborative arm for 10 kg with 1.3 m of reach, as several makers sell it.
+    /// A collaborative arm for 10 kg with 1.3 m of reach, as several makers sell it, and a gripper that is slender
+    /// enough to reach into bins.
     pub fn long_reach() -> &'static ArmKind {
         &LONG_REACH
     }

@@ -48,5 +48,5 @@ pub use seam::{
 pub use sight::{PickerAhead, PickerSight};
 pub use site::{ArmSite, SlotAccess, base_of, rest};
 pub use space::{ArmSpace, ArmWay, CHECK_MARGIN_M, CHECK_RAD};
-pub use task::{ArmActivity, ArmDeed, ArmMode, ArmTask, StationArm, Surroundings};
+pub use task::{ArmActivity, ArmDeed, ArmMode, ArmTask, DELTA, StationArm, Surroundings, TASK_SAMPLES};
 pub use trees::{rrt, rrt_connect, rrt_star};

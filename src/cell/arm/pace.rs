@@ -61,7 +61,7 @@ impl WayRun {
             let here = directions[i];
             let corner = directions
                 .get(i + 1)
-                .map_or(0.0, |next| CYCLE_S * least(&kind.acceleration_radps2, &|k| next[k] - here[k]));
+                .map_or(0.0, |next| 0.6 * CYCLE_S * least(&kind.acceleration_radps2, &|k| next[k] - here[k]));
             let speed = least(&kind.speed_radps, &|k| here[k]);
             WayPiece { ends, speed, acceleration: least(&kind.acceleration_radps2, &|k| here[k]), corner }
         };

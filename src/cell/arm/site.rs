@@ -15,10 +15,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// The tool's tip waits so far in front of a slot, and goes so far into it, metres.
-const BEFORE_M: f64 = 0.12;
+const BEFORE_M: f64 = 0.06;
 const INTO_M: f64 = 0.1;
-/// The tool enters a slot from the arm's side by at most this angle, radians.
-const ASLANT_RAD: f64 = 0.6;
+/// The tool enters a slot from the arm's side by at most one of these angles, radians.
+const ASLANT_RAD: [f64; 2] = [0.6, 0.3];
 /// It lets go so far above a tote's rim, metres.
 const ABOVE_M: f64 = 0.08;
 /// Boards and posts of a rack are as thick as this, and so far behind its face, metres.
@@ -28,7 +28,7 @@ const BEHIND_M: f64 = 0.03;
 const TOTE_M: f64 = 0.12;
 const BELOW_RIM_M: f64 = 0.15;
 /// Where the arm rests: folded, with the tool down before its base.
-const REST: Joints = [0.0, -2.2, 2.4, -1.77, -FRAC_PI_2, 0.0];
+const REST: Joints = [0.0, -2.6, 2.6, -FRAC_PI_2, -FRAC_PI_2, 0.0];
 /// Sampled angles.
 const LOW_RAD: Joints = [-PI, -2.8, -2.7, -4.0, -2.8, -1.0];
 const HIGH_RAD: Joints = [PI, 0.0, 2.7, 1.5, 2.8, 1.0];
@@ -103,7 +103,7 @@ impl ArmSite {
         }
         let above = FacePlace::new(0.0, 0.0, ABOVE_M);
         let at = self.face.tote(tote).map(|rim| self.face.on_map(rim + above));
-        let found = at.and_then(|at| self.search(at, -Vector3::z(), -FRAC_PI_2));
+        let found = at.and_then(|at| self.search(at, -Vector3::z(), -FRAC_PI_2, Some));
         self.totes.insert(tote, found);
         found
     }
@@ -124,19 +124,33 @@ impl ArmSite {
     fn search_slot(&self, slot: SlotName) -> Option<SlotAccess> {
         let front = self.face.slot(slot);
         let from = self.face.of(Point3::from(self.space.base.translation.vector));
+        let straight = libm::atan2(front.x - from.x, (from.y - front.y).max(0.05));
         // From the arm's side, but not so aslant that the tool touches the slot beside.
-        let aside =
-            libm::atan2(front.x - from.x, (from.y - front.y).max(0.05)).clamp(-ASLANT_RAD, ASLANT_RAD);
-        let along = FacePlace::new(libm::sin(aside), -libm::cos(aside), 0.0);
-        let place = |m: f64| self.face.on_map(front + along * m);
-        let into = place(1.0) - place(0.0);
-        let before = self.search(place(-BEFORE_M), into, 0.0)?;
-        let inside = self.space.kind.reach(&self.space.base, place(INTO_M), into, &before)?;
-        self.space.is_free_between(&before, &inside).then_some(SlotAccess { before, inside })
+        let access = |most: f64| {
+            let aside = straight.clamp(-most, most);
+            let along = FacePlace::new(libm::sin(aside), -libm::cos(aside), 0.0);
+            let place = |m: f64| self.face.on_map(front + along * m);
+            let into = place(1.0) - place(0.0);
+            let before = |inside: &Joints| {
+                let before = self.space.kind.reach(&self.space.base, place(-BEFORE_M), into, inside)?;
+                self.space.is_free_between(&before, inside).then_some(before)
+            };
+            self.search(place(INTO_M), into, 0.0, |inside| {
+                Some(SlotAccess { before: before(&inside)?, inside })
+            })
+        };
+        ASLANT_RAD.into_iter().find_map(access)
     }
 
-    /// Free angles with which the tool is at a place. `sum` is what the angles that pitch the tool add up to there.
-    fn search(&self, tip: Point3<f64>, along: Vector3<f64>, sum: f64) -> Option<Joints> {
+    /// What comes of the first free angles with which the tool is at a place, and of which something comes. `sum` is
+    /// what the angles that pitch the tool add up to there.
+    fn search<T>(
+        &self,
+        tip: Point3<f64>,
+        along: Vector3<f64>,
+        sum: f64,
+        comes: impl Fn(Joints) -> Option<T>,
+    ) -> Option<T> {
         const FOLDS: [(f64, f64); 4] = [(-1.6, 2.0), (-0.9, 1.2), (-2.2, 2.4), (-0.4, 0.5)];
         let (kind, base) = (&self.space.kind, &self.space.base);
         let local = base.inverse_transform_point(&tip);
@@ -145,7 +159,7 @@ impl ArmSite {
         let seeds = FOLDS.iter().flat_map(|(upper, fore)| turns.map(|turn| (turn, *upper, *fore)));
         seeds.into_iter().find_map(|(turn, upper, fore)| {
             let seed = [turn, upper, fore, sum - upper - fore, -FRAC_PI_2, 0.0];
-            kind.reach(base, tip, along, &seed).filter(|q| self.space.is_free(q))
+            kind.reach(base, tip, along, &seed).filter(|q| self.space.is_free(q)).and_then(&comes)
         })
     }
 }

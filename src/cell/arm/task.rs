@@ -29,8 +29,9 @@ pub const DELTA: f64 = 0.05;
 const BODY_M: f64 = 0.05;
 /// An arm this near to where it should be is there, radians.
 const THERE_RAD: f64 = 0.02;
-/// Samples of one search for a way; and after so many searches the piece is left to the hand.
-const SAMPLES: usize = 300;
+/// Samples of one search for a way.
+pub const TASK_SAMPLES: usize = 300;
+/// After so many searches in vain the line is left to the hand.
 const SEARCHES: u64 = 12;
 /// Tries to make a way shorter.
 const SHORTENED: usize = 40;
@@ -183,6 +184,10 @@ impl StationArm {
         self.was_heard = true;
         self.seam.take(now, said.report).ok()?;
         (self.due, self.may_search, self.is_vouched) = (true, true, false);
+        if said.report.is_stopped {
+            // What it was following is over.
+            (self.plan, self.run, self.leaves) = (ArmPlan::standing(&said.report.joints), None, false);
+        }
         let wanted = self.grip?;
         let (_, gripped) = said.gripped.filter(|(number, _)| *number == wanted.number)?;
         self.grip = None;
@@ -472,7 +477,7 @@ impl StationArm {
         }
         self.searches += 1;
         let mut draw = numbers(self.searches);
-        let found = rrt_connect(&space, present, &target, SAMPLES, &mut draw);
+        let found = rrt_connect(&space, present, &target, TASK_SAMPLES, &mut draw);
         if found.is_none() && self.searches >= SEARCHES {
             (self.gives_up, self.searches) = (self.task.is_some(), 0);
         }

@@ -118,7 +118,9 @@ impl Intake<'_> {
             let fits = |n: &usize| is_for_arm(&lines, *n, rest_s) && reaches(*n) == Some(true);
             (0..lines.all().len()).rev().find(fits)
         });
-        let begins = chosen.filter(|_| is_well && post.line.is_none() && post.arm.is_free());
+        // Somebody may be there whose hands are not seen.
+        let is_clear = post.sight.is_fresh(now) || lines.lit().is_none();
+        let begins = chosen.filter(|_| is_well && is_clear && post.line.is_none() && post.arm.is_free());
         if let Some(n) = begins {
             let p = &lines.all()[n];
             let tote = totes[n].expect("the arm reaches it");

@@ -224,7 +224,7 @@ impl PickerPlace {
         let tote = |name: &str| totes.totes.iter().position(|t| t.name == name);
         let (mut picker, mut lines, mut at) = (self.picker.clone(), lines, now);
         let mut out = now;
-        while at < now + FARTHEST && !lines.are_over() {
+        while at < now + FARTHEST && lines.lit().is_some() {
             at += FORESEEN;
             let lit = shown(job, &lines, &tote);
             let said = picker.advance(at, &StationScreen { lit, last: None, is_here: true });

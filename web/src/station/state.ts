@@ -8,7 +8,7 @@ export interface Line {
   tote: string;
   item: string | null;
   by: 'hand' | 'arm' | 'either';
-  state: 'open' | 'lit' | 'done' | 'short' | 'undone';
+  state: 'open' | 'lit' | 'done' | 'short' | 'undone' | 'arm';
   /** Pieces that are in the tote. */
   done: number;
 }
