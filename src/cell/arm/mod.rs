@@ -36,7 +36,7 @@ pub use mpc::{
 pub use net::{
     GRAPH_FEATURES, GRAPH_LAYERS, GRAPH_NODES, GraphNet, NET_STEP_RAD, NetPass, WorkGraph, adjacency,
 };
-pub use pace::{RunAhead, WayRun};
+pub use pace::{RunAhead, STANDS_BY, WayRun};
 pub use risk::{
     LimbBone, MOST_POINTS, UncertainLimbs, UncertainPoint, bone_covariance, first_order_probability,
     normal_below, normalised_probability, overlap_probability, printed_probability,

@@ -127,6 +127,18 @@ impl ArmSeam {
         self.last.as_ref().map(|last| &last.joints)
     }
 
+    /// The trajectory of a plan that leads away from a person, for an arm that its own stop holds or does not hold. It
+    /// decides itself whether it takes it.
+    ///
+    /// # Errors
+    /// Why the arm gets none.
+    pub fn trajectory_away(&mut self, now: Time, plan: &ArmPlan) -> Result<ArmTrajectory, ArmTrouble> {
+        match self.trouble(now).filter(|trouble| *trouble != ArmTrouble::Stopped) {
+            Some(trouble) => Err(trouble),
+            None => self.of_plan(now, plan),
+        }
+    }
+
     /// The trajectory of a plan.
     ///
     /// # Errors
@@ -135,6 +147,10 @@ impl ArmSeam {
         if let Some(trouble) = self.trouble(now) {
             return Err(trouble);
         }
+        self.of_plan(now, plan)
+    }
+
+    fn of_plan(&mut self, now: Time, plan: &ArmPlan) -> Result<ArmTrajectory, ArmTrouble> {
         if !plan.steps.iter().all(|q| q.iter().all(|x| x.is_finite()) && self.kind.allows(q)) {
             return Err(ArmTrouble::Joints);
         }
@@ -213,6 +229,7 @@ mod tests {
         let mut seam = seam();
         seam.take(at(100), ArmReport { is_stopped: true, ..report(90, HOME) }).unwrap();
         assert_eq!(seam.trajectory(at(110), &ArmPlan::standing(&HOME)), Err(ArmTrouble::Stopped));
+        assert!(seam.trajectory_away(at(110), &ArmPlan::standing(&HOME)).is_ok(), "but it may leave");
         let nowhere = ArmPlan::standing(&[9.0; 6]);
         seam.take(at(200), report(190, HOME)).unwrap();
         assert_eq!(seam.trajectory(at(210), &nowhere), Err(ArmTrouble::Joints));

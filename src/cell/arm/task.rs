@@ -1,16 +1,16 @@
 //! What a robot arm does at its station: piece by piece from a slot into a tote, round the picker's arms.
 //!
-//! Main types: [`StationArm`], [`ArmTask`], [`ArmMode`]. Ten times a second it follows a checked way as long as the next
-//! second meets nobody with more than [`DELTA`]; otherwise it goes round the picker's limbs, stands, or goes back, the
+//! Main types: [`StationArm`], [`ArmTask`], [`ArmMode`]. Ten times a second it follows a checked way as long as all steps
+//! until it could stand meet nobody with more than [`DELTA`]; otherwise it goes round the picker's limbs, stands, or goes back, the
 //! first of these that meets nobody. Refuses: to move an arm that is silent, late or reports what cannot be; to pick a
 //! piece nobody asked for; and to be a safety function: the arm's own stop protects people.
 
 use super::capsule::{Capsule, least_distance_m};
 use super::choice::{Choice, choose};
 use super::grip::{ArmGrip, ArmOrder, ArmSaid, GripAct, Gripped};
-use super::kinematics::{ArmKind, Joints, joint_distance};
+use super::kinematics::{ArmKind, Joints, between, joint_distance};
 use super::mpc::{ArmGoal, ArmPlan, HORIZON};
-use super::pace::{RunAhead, WayRun};
+use super::pace::{RunAhead, STANDS_BY, WayRun};
 use super::risk::overlap_probability;
 use super::seam::{ArmSeam, ArmTrouble};
 use super::sight::PickerAhead;
@@ -23,10 +23,18 @@ use crate::time::Time;
 use crate::warehouse::{ArmMount, SlotName};
 use std::sync::Arc;
 
-/// A second of motion is risky if any of its steps meets the picker's arms with more than this probability.
+/// Motion is risky if any step, until the arm could stand, meets the picker's arms with more than this probability.
 pub const DELTA: f64 = 0.05;
-/// Links are kept so far from head and trunk, metres.
-const BODY_M: f64 = 0.05;
+/// Links are kept so far from head and trunk, and from arms with that probability, metres: the arm's own stop acts
+/// before they touch.
+const BODY_M: f64 = 0.12;
+const ARMS_M: f64 = 0.06;
+/// An arm that came nearer keeps this, metres.
+const NEAR_M: f64 = 0.01;
+/// After so many cycles in which it did not get on, it looks for another way.
+const BLOCKED: u32 = 15;
+/// An arm that its own stop holds leaves so far at once, radians.
+const LEAVES_RAD: f64 = 0.4;
 /// An arm this near to where it should be is there, radians.
 const THERE_RAD: f64 = 0.02;
 /// Samples of one search for a way.
@@ -136,6 +144,8 @@ pub struct StationArm {
     run: Option<WayRun>,
     /// Whether it is to leave its way.
     leaves: bool,
+    /// For how many cycles it has not got on.
+    blocked: u32,
     /// The second that was sent last.
     plan: ArmPlan,
     grip: Option<ArmGrip>,
@@ -166,6 +176,7 @@ impl StationArm {
             stage: Stage::Back,
             run: None,
             leaves: false,
+            blocked: 0,
             plan: ArmPlan::standing(&rest()),
             grip: None,
             grips: 0,
@@ -316,8 +327,13 @@ impl StationArm {
 
     /// Decides what the arm does next, once for each report.
     pub fn cycle(&mut self, now: Time, around: Surroundings<'_>) -> Option<ArmOrder> {
-        if !std::mem::take(&mut self.due) || self.seam.trouble(now).is_some() {
+        if !std::mem::take(&mut self.due) {
             return None;
+        }
+        match self.seam.trouble(now) {
+            Some(ArmTrouble::Stopped) => return self.retreat(now, around),
+            Some(_) => return None,
+            None => {}
         }
         let present = *self.seam.joints()?;
         self.site.as_ref()?;
@@ -395,43 +411,63 @@ impl StationArm {
 
     /// The next second.
     fn decide(&mut self, present: &Joints, around: Surroundings<'_>) -> ArmPlan {
-        if self.leaves && self.stands() {
+        if (self.leaves || self.blocked > BLOCKED) && self.stands() {
             (self.run, self.leaves) = (None, false);
         }
         if self.run.is_none() && self.stands() && !around.holds {
             self.run = self.way(present, around).map(|way| WayRun::new(&self.kind, way));
         }
-        let site = self.site.as_ref().expect("a face is known");
-        let space = site.space.clone();
-        let mut risk = |q: &Joints, step: usize| risk_of(&space, around.picker, q, step);
-        let wanted = if around.holds || self.leaves { 0.0 } else { 1.0 };
-        let brakes = self.run.as_ref().map(|run| run.ahead(0.0));
         let Some(run) = &self.run else {
             // It evades, or no way is known: it comes to a stand unless it can go on evading.
-            let on = self.plan.a_cycle_later();
-            let evading =
-                (!self.stands() && !around.holds).then(|| self.evade(present, None, around)).flatten();
-            return evading.unwrap_or(on);
+            let may_evade = !self.stands() && !around.holds;
+            let evading = may_evade.then(|| self.evade(present, None, around)).flatten();
+            return evading.unwrap_or(self.plan.a_cycle_later());
         };
-        let ahead = run.ahead(wanted);
-        if choose(present, &ahead.plan.steps, &[], DELTA, &mut risk) == Choice::Planned {
+        let space = self.site.as_ref().expect("a face is known").space.clone();
+        let beside = Beside::new(&space, around.picker, present);
+        let mut risk = |q: &Joints, step: usize| beside.risk(q, step);
+        let wanted = if around.holds || self.leaves { 0.0 } else { 1.0 };
+        let (ahead, brakes, back) = (run.ahead(wanted), run.ahead(0.0), run.ahead(-0.6));
+        if choose(present, ahead.soon(), &[], DELTA, &mut risk) == Choice::Planned {
+            self.blocked = 0;
             return self.take(&ahead);
         }
-        let may_evade = !around.holds
-            && !self.leaves
-            && matches!(self.stage, Stage::ToSlot | Stage::ToTote | Stage::Back);
+        self.blocked += 1;
+        let is_free = matches!(self.stage, Stage::ToSlot | Stage::ToTote | Stage::Back);
+        let may_evade = is_free && !around.holds && !self.leaves;
         let carrot = run.farther(CARROT_RAD);
         if let Some(plan) = may_evade.then(|| self.evade(present, Some(&carrot), around)).flatten() {
             self.run = None;
             return plan;
         }
-        let brakes = brakes.expect("it is on its way");
-        let back = self.run.as_ref().expect("it is on its way").ahead(-0.6);
-        let set = [back.plan.steps.to_vec()];
-        match choose(present, &brakes.plan.steps, &set, DELTA, &mut risk) {
+        match choose(present, brakes.soon(), &[back.soon().to_vec()], DELTA, &mut risk) {
             Choice::Other(_) => self.take(&back),
             Choice::Planned | Choice::Stand => self.take(&brakes),
         }
+    }
+
+    /// Where the arm's own stop holds it, it leaves the person, if some way leads away.
+    fn retreat(&mut self, now: Time, around: Surroundings<'_>) -> Option<ArmOrder> {
+        let present = *self.seam.joints()?;
+        let (site, picker) = (self.site.as_mut()?, around.picker?);
+        let tote = self.task.and_then(|task| site.tote(task.tote));
+        let (space, kind) = (site.tight(), &self.kind);
+        let limbs = [picker.body.clone(), picker.arms.first()?.capsules(0.0)].concat();
+        let apart = |q: &Joints| least_distance_m(&kind.capsules(&kind.pose(&space.base, q), 0.0), &limbs);
+        let leaves = |to: Joints| {
+            let share = (LEAVES_RAD / joint_distance(&present, &to).max(1e-6)).min(1.0);
+            let way = space.check(vec![present, between(&present, &to, share)])?;
+            let plan = WayRun::new(kind, way).ahead(0.4).plan;
+            let all: Vec<f64> = std::iter::once(&present).chain(&plan.steps).map(apart).collect();
+            let is_away =
+                all.windows(2).all(|pair| pair[1] >= pair[0] - 1e-4) && all[HORIZON] > all[0] + 0.01;
+            is_away.then_some(plan)
+        };
+        let access = self.access.map(|access| [access.before, access.inside]);
+        let plan = [rest()].into_iter().chain(access.into_iter().flatten()).chain(tote).find_map(leaves)?;
+        let trajectory = self.seam.trajectory_away(now, &plan).ok()?;
+        (self.plan, self.run) = (plan, None);
+        Some(ArmOrder { station: self.station, trajectory, grip: None })
     }
 
     fn take(&mut self, ahead: &RunAhead) -> ArmPlan {
@@ -456,9 +492,10 @@ impl StationArm {
         let plan = site.control.plan(present, &self.plan, &goal, &limbs).ok()?;
         let way: Vec<Joints> = std::iter::once(*present).chain(plan.steps).collect();
         space.check(way)?;
-        let is_safe = |(step, q): (usize, &Joints)| risk_of(space, around.picker, q, step) <= DELTA;
+        let beside = Beside::new(space, around.picker, present);
+        let is_safe = |(step, q): (usize, &Joints)| beside.risk(q, step) <= DELTA;
         let moves = joint_distance(&plan.steps[HORIZON - 1], present) > 0.1;
-        (moves && plan.steps.iter().enumerate().all(is_safe)).then_some(plan)
+        (moves && plan.steps[..STANDS_BY].iter().enumerate().all(is_safe)).then_some(plan)
     }
 
     /// A checked way from where the arm stands to where this stage ends.
@@ -471,9 +508,14 @@ impl StationArm {
         }
         let mut space = site.space.clone();
         space.obstacles.extend(around.picker.map_or(&[][..], |p| &p.body));
+        if self.blocked > BLOCKED {
+            let arms = around.picker.and_then(|p| p.arms.first());
+            space.obstacles.extend(arms.map_or_else(Vec::new, |limbs| limbs.capsules(ARMS_M)));
+            self.blocked = 0;
+        }
         if !space.is_free(present) {
-            // Somebody came nearer than the arm would go: it may leave.
-            space = site.space.clone();
+            // Somebody came nearer than the arm would go, or it stopped beside its way: it may leave.
+            space = site.tight();
         }
         self.searches += 1;
         let mut draw = numbers(self.searches);
@@ -485,14 +527,41 @@ impl StationArm {
     }
 }
 
-/// The probability that the arm meets the picker with these angles at a step of a trajectory.
-fn risk_of(space: &ArmSpace, picker: Option<&PickerAhead>, q: &Joints, step: usize) -> f64 {
-    let Some(picker) = picker else { return 0.0 };
-    let links = space.kind.capsules(&space.kind.pose(&space.base, q), 0.0);
-    if least_distance_m(&links, &picker.body) < BODY_M {
-        return 1.0;
+/// An arm beside a picker in one cycle.
+struct Beside<'a> {
+    space: &'a ArmSpace,
+    picker: Option<&'a PickerAhead>,
+    /// What is kept from head and trunk, and from arms, metres: less where the arm is nearer already.
+    body_m: f64,
+    arms_m: f64,
+}
+
+impl<'a> Beside<'a> {
+    fn new(space: &'a ArmSpace, picker: Option<&'a PickerAhead>, present: &Joints) -> Beside<'a> {
+        let mut beside = Beside { space, picker, body_m: BODY_M, arms_m: ARMS_M };
+        let Some(picker) = picker else { return beside };
+        let links = beside.links(present, 0.0);
+        beside.body_m = (least_distance_m(&links, &picker.body) - NEAR_M).clamp(NEAR_M, BODY_M);
+        if picker.arms.first().is_some_and(|a| overlap_probability(&beside.links(present, ARMS_M), a) > DELTA)
+        {
+            beside.arms_m = NEAR_M;
+        }
+        beside
     }
-    picker.arms.get(step).map_or(0.0, |limbs| overlap_probability(&links, limbs))
+
+    fn links(&self, q: &Joints, margin_m: f64) -> Vec<Capsule> {
+        self.space.kind.capsules(&self.space.kind.pose(&self.space.base, q), margin_m)
+    }
+
+    /// The probability that the arm meets the picker with these angles at a step of a trajectory.
+    fn risk(&self, q: &Joints, step: usize) -> f64 {
+        let Some(picker) = self.picker else { return 0.0 };
+        if least_distance_m(&self.links(q, 0.0), &picker.body) < self.body_m {
+            return 1.0;
+        }
+        let links = self.links(q, self.arms_m);
+        picker.arms.get(step).map_or(0.0, |limbs| overlap_probability(&links, limbs))
+    }
 }
 
 /// Numbers of `0..1`, the same ones for each seed.
