@@ -72,7 +72,8 @@ impl BenchPicksArgs {
             let report = json!({
                 "workers": self.workers, "slots": self.slots, "samples": times.len(),
                 "sample_us": {"p50": at(0.5), "p99": at(0.99)}, "core_share": core_share,
-                "forecast_us": forecasts, "mpc_us": mpc_us, "planner_us": planner_us, "allocations_per_sample": per_sample,
+                "forecast_us": forecasts, "mpc_us": mpc_us, "planner_us": planner_us,
+                "allocations_per_sample": per_sample,
             });
             println!("{}", serde_json::to_string_pretty(&report)?);
         } else {

@@ -1,9 +1,9 @@
 //! What a robot arm does at its station: piece by piece from a slot into a tote, round the picker's arms.
 //!
-//! Main types: [`StationArm`], [`ArmTask`], [`ArmMode`]. Ten times a second it follows a checked way as long as all steps
-//! until it could stand meet nobody with more than [`DELTA`]; otherwise it goes round the picker's limbs, stands, or goes back, the
-//! first of these that meets nobody. Refuses: to move an arm that is silent, late or reports what cannot be; to pick a
-//! piece nobody asked for; and to be a safety function: the arm's own stop protects people.
+//! Main types: [`StationArm`], [`ArmTask`], [`ArmMode`]. Ten times a second it follows a checked way as long as all
+//! steps until it could stand meet nobody with more than [`DELTA`]; otherwise it goes round the picker's limbs, stands,
+//! or goes back, the first of these that meets nobody. Refuses: to move an arm that is silent, late or reports what
+//! cannot be; to pick a piece nobody asked for; and to be a safety function: the arm's own stop protects people.
 
 use super::capsule::{Capsule, least_distance_m};
 use super::choice::{Choice, choose};
@@ -116,7 +116,7 @@ pub struct Surroundings<'a> {
 
 /// How far it is with a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
+enum ArmStage {
     /// At rest.
     Rest,
     ToSlot,
@@ -140,7 +140,7 @@ pub struct StationArm {
     site: Option<ArmSite>,
     task: Option<ArmTask>,
     access: Option<SlotAccess>,
-    stage: Stage,
+    stage: ArmStage,
     run: Option<WayRun>,
     /// Whether it is to leave its way.
     leaves: bool,
@@ -173,7 +173,7 @@ impl StationArm {
             site: None,
             task: None,
             access: None,
-            stage: Stage::Back,
+            stage: ArmStage::Back,
             run: None,
             leaves: false,
             blocked: 0,
@@ -209,7 +209,7 @@ impl StationArm {
                 Some(ArmDeed::FoundNothing)
             }
             (GripAct::Take(_), Gripped::Done) => {
-                self.stage = Stage::Out;
+                self.stage = ArmStage::Out;
                 None
             }
             (GripAct::Put(_), _) => {
@@ -217,7 +217,7 @@ impl StationArm {
                 Some(ArmDeed::Placed)
             }
             (GripAct::LayAside, _) => {
-                self.stage = Stage::Rest;
+                self.stage = ArmStage::Rest;
                 None
             }
         }
@@ -226,7 +226,7 @@ impl StationArm {
     /// A piece is in its tote: the next one, or the next task.
     fn placed(&mut self) {
         self.task = self.task.map(|t| ArmTask { pieces: t.pieces - 1, ..t }).filter(|t| t.pieces > 0);
-        self.stage = if self.task.is_some() { Stage::ToSlot } else { Stage::Back };
+        self.stage = if self.task.is_some() { ArmStage::ToSlot } else { ArmStage::Back };
     }
 
     /// Why it gets no trajectory, its own stop left out: that ends by itself.
@@ -244,7 +244,7 @@ impl StationArm {
         match self.seam.trouble(now) {
             _ if !self.was_heard => ArmActivity::Off,
             Some(why) => ArmActivity::Trouble(why),
-            None if self.stage == Stage::Rest => ArmActivity::Idle,
+            None if self.stage == ArmStage::Rest => ArmActivity::Idle,
             None => ArmActivity::Moving,
         }
     }
@@ -261,12 +261,12 @@ impl StationArm {
 
     /// Whether it may begin with another task.
     pub fn is_free(&self) -> bool {
-        self.task.is_none() && !self.holds_piece && matches!(self.stage, Stage::Rest | Stage::Back)
+        self.task.is_none() && !self.holds_piece && matches!(self.stage, ArmStage::Rest | ArmStage::Back)
     }
 
     /// Whether any part of it was in the opening or beyond it when it was heard of last.
     pub fn is_inside(&self) -> bool {
-        let joints = self.seam.joints().filter(|_| self.stage != Stage::Rest && !self.is_vouched);
+        let joints = self.seam.joints().filter(|_| self.stage != ArmStage::Rest && !self.is_vouched);
         self.site.as_ref().zip(joints).is_some_and(|(site, joints)| site.is_inside(joints))
     }
 
@@ -297,7 +297,7 @@ impl StationArm {
     pub fn begin(&mut self, task: ArmTask) {
         debug_assert!(self.is_free(), "an arm has one task at a time");
         self.access = self.site.as_mut().and_then(|site| site.slot(task.slot));
-        (self.task, self.stage, self.gives_up) = (Some(task), Stage::ToSlot, false);
+        (self.task, self.stage, self.gives_up) = (Some(task), ArmStage::ToSlot, false);
         self.searches = 0;
         self.leave_way();
     }
@@ -307,9 +307,9 @@ impl StationArm {
         self.task = None;
         self.grip = None;
         self.stage = match self.stage {
-            Stage::Into | Stage::Take | Stage::Out => Stage::Out,
-            Stage::Rest => Stage::Rest,
-            _ => Stage::Back,
+            ArmStage::Into | ArmStage::Take | ArmStage::Out => ArmStage::Out,
+            ArmStage::Rest => ArmStage::Rest,
+            _ => ArmStage::Back,
         };
         self.gives_up = false;
         self.leave_way();
@@ -350,7 +350,7 @@ impl StationArm {
             });
             return self.order(now, ArmPlan::standing(&present), Some(grip));
         }
-        if self.stage == Stage::Rest && self.stands() {
+        if self.stage == ArmStage::Rest && self.stands() {
             return None;
         }
         let plan = self.decide(&present, around);
@@ -366,9 +366,9 @@ impl StationArm {
     /// What the gripper does at this stage.
     fn act(&self) -> Option<GripAct> {
         match (self.stage, self.task) {
-            (Stage::Take, Some(task)) => Some(GripAct::Take(task.slot)),
-            (Stage::Put, Some(task)) => Some(GripAct::Put(task.tote)),
-            (Stage::LayAside, _) => Some(GripAct::LayAside),
+            (ArmStage::Take, Some(task)) => Some(GripAct::Take(task.slot)),
+            (ArmStage::Put, Some(task)) => Some(GripAct::Put(task.tote)),
+            (ArmStage::LayAside, _) => Some(GripAct::LayAside),
             _ => None,
         }
     }
@@ -386,13 +386,13 @@ impl StationArm {
             return;
         }
         self.stage = match self.stage {
-            Stage::ToSlot => Stage::Into,
-            Stage::Into => Stage::Take,
-            Stage::Out if self.task.is_some() => Stage::ToTote,
-            Stage::Out => Stage::Back,
-            Stage::ToTote => Stage::Put,
-            Stage::Back if self.holds_piece => Stage::LayAside,
-            Stage::Back => Stage::Rest,
+            ArmStage::ToSlot => ArmStage::Into,
+            ArmStage::Into => ArmStage::Take,
+            ArmStage::Out if self.task.is_some() => ArmStage::ToTote,
+            ArmStage::Out => ArmStage::Back,
+            ArmStage::ToTote => ArmStage::Put,
+            ArmStage::Back if self.holds_piece => ArmStage::LayAside,
+            ArmStage::Back => ArmStage::Rest,
             other => other,
         };
         (self.run, self.leaves, self.searches) = (None, false, 0);
@@ -401,11 +401,11 @@ impl StationArm {
     /// Where this stage ends.
     fn target(&mut self) -> Option<Joints> {
         match self.stage {
-            Stage::ToSlot | Stage::Out => self.access.map(|a| a.before),
-            Stage::Into => self.access.map(|a| a.inside),
-            Stage::ToTote => self.task.and_then(|task| self.site.as_mut()?.tote(task.tote)),
-            Stage::Back => Some(rest()),
-            Stage::Rest | Stage::Take | Stage::Put | Stage::LayAside => None,
+            ArmStage::ToSlot | ArmStage::Out => self.access.map(|a| a.before),
+            ArmStage::Into => self.access.map(|a| a.inside),
+            ArmStage::ToTote => self.task.and_then(|task| self.site.as_mut()?.tote(task.tote)),
+            ArmStage::Back => Some(rest()),
+            ArmStage::Rest | ArmStage::Take | ArmStage::Put | ArmStage::LayAside => None,
         }
     }
 
@@ -424,7 +424,7 @@ impl StationArm {
             return evading.unwrap_or(self.plan.a_cycle_later());
         };
         let space = self.site.as_ref().expect("a face is known").space.clone();
-        let beside = Beside::new(&space, around.picker, present);
+        let beside = BesidePicker::new(&space, around.picker, present);
         let mut risk = |q: &Joints, step: usize| beside.risk(q, step);
         let wanted = if around.holds || self.leaves { 0.0 } else { 1.0 };
         let (ahead, brakes, back) = (run.ahead(wanted), run.ahead(0.0), run.ahead(-0.6));
@@ -433,7 +433,7 @@ impl StationArm {
             return self.take(&ahead);
         }
         self.blocked += 1;
-        let is_free = matches!(self.stage, Stage::ToSlot | Stage::ToTote | Stage::Back);
+        let is_free = matches!(self.stage, ArmStage::ToSlot | ArmStage::ToTote | ArmStage::Back);
         let may_evade = is_free && !around.holds && !self.leaves;
         let carrot = run.farther(CARROT_RAD);
         if let Some(plan) = may_evade.then(|| self.evade(present, Some(&carrot), around)).flatten() {
@@ -482,8 +482,8 @@ impl StationArm {
         let (space, kind) = (&site.space, &self.kind);
         let aim = match (carrot, self.stage, self.access, self.task) {
             (Some(carrot), ..) => *carrot,
-            (None, Stage::ToSlot, Some(access), _) => access.before,
-            (None, Stage::Back, ..) => rest(),
+            (None, ArmStage::ToSlot, Some(access), _) => access.before,
+            (None, ArmStage::Back, ..) => rest(),
             _ => return None,
         };
         let pose = kind.pose(&space.base, &aim);
@@ -492,7 +492,7 @@ impl StationArm {
         let plan = site.control.plan(present, &self.plan, &goal, &limbs).ok()?;
         let way: Vec<Joints> = std::iter::once(*present).chain(plan.steps).collect();
         space.check(way)?;
-        let beside = Beside::new(space, around.picker, present);
+        let beside = BesidePicker::new(space, around.picker, present);
         let is_safe = |(step, q): (usize, &Joints)| beside.risk(q, step) <= DELTA;
         let moves = joint_distance(&plan.steps[HORIZON - 1], present) > 0.1;
         (moves && plan.steps[..STANDS_BY].iter().enumerate().all(is_safe)).then_some(plan)
@@ -503,7 +503,7 @@ impl StationArm {
         let target = self.target()?;
         let site = self.site.as_ref()?;
         let straight = || site.space.check(vec![*present, target]);
-        if let Some(way) = matches!(self.stage, Stage::Into | Stage::Out).then(straight).flatten() {
+        if let Some(way) = matches!(self.stage, ArmStage::Into | ArmStage::Out).then(straight).flatten() {
             return Some(way);
         }
         let mut space = site.space.clone();
@@ -528,7 +528,7 @@ impl StationArm {
 }
 
 /// An arm beside a picker in one cycle.
-struct Beside<'a> {
+struct BesidePicker<'a> {
     space: &'a ArmSpace,
     picker: Option<&'a PickerAhead>,
     /// What is kept from head and trunk, and from arms, metres: less where the arm is nearer already.
@@ -536,9 +536,9 @@ struct Beside<'a> {
     arms_m: f64,
 }
 
-impl<'a> Beside<'a> {
-    fn new(space: &'a ArmSpace, picker: Option<&'a PickerAhead>, present: &Joints) -> Beside<'a> {
-        let mut beside = Beside { space, picker, body_m: BODY_M, arms_m: ARMS_M };
+impl<'a> BesidePicker<'a> {
+    fn new(space: &'a ArmSpace, picker: Option<&'a PickerAhead>, present: &Joints) -> BesidePicker<'a> {
+        let mut beside = BesidePicker { space, picker, body_m: BODY_M, arms_m: ARMS_M };
         let Some(picker) = picker else { return beside };
         let links = beside.links(present, 0.0);
         beside.body_m = (least_distance_m(&links, &picker.body) - NEAR_M).clamp(NEAR_M, BODY_M);

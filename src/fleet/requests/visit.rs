@@ -111,7 +111,8 @@ impl Intake<'_> {
         self.core.visits.face(warehouse, station, rack).cloned()
     }
 
-    /// Whether a hand is seen inside, or the robot arm is, while the rack at a station is to leave: it waits until the hand is out.
+    /// Whether a hand is seen inside, or the robot arm is, while the rack at a station is to leave: it waits until both
+    /// are out.
     pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
         let visit = self.visit_at(station, now);
         let Some(face) = self.face(station, visit) else { return false };
