@@ -160,8 +160,8 @@ fn belief(arm: &SeenArm, estimate: &ArmEstimate, ago_s: f64) -> ArmBelief {
     let measured = MEASURED_M + drift_m;
     let ArmEstimate { shoulder, shoulder_sd_m, elbow, elbow_sd_m } = *estimate;
     [
-        (shoulder, shoulder_sd_m.min(0.05)),
-        (elbow, elbow_sd_m.min(0.06) + drift_m),
+        (shoulder, shoulder_sd_m.min(0.04)),
+        (elbow, elbow_sd_m.min(0.04) + drift_m),
         (arm.palm, measured),
         (arm.finger, measured),
     ]

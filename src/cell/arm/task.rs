@@ -28,7 +28,9 @@ pub const DELTA: f64 = 0.05;
 /// Links are kept so far from head and trunk, and from arms with that probability, metres: the arm's own stop acts
 /// before they touch.
 const BODY_M: f64 = 0.12;
-const ARMS_M: f64 = 0.06;
+const ARMS_M: f64 = 0.03;
+/// Ways keep so far from the picker, if there is room, metres; else less.
+const CLEAR_M: [f64; 3] = [0.15, 0.08, 0.02];
 /// An arm that came nearer keeps this, metres.
 const NEAR_M: f64 = 0.01;
 /// After so many cycles in which it did not get on, it looks for another way.
@@ -39,6 +41,8 @@ const LEAVES_RAD: f64 = 0.4;
 const THERE_RAD: f64 = 0.02;
 /// Samples of one search for a way.
 pub const TASK_SAMPLES: usize = 300;
+/// A stage that takes more cycles than this is given up: the visit does not wait for an arm that cannot get by.
+const LONGEST: u32 = 200;
 /// After so many searches in vain the line is left to the hand.
 const SEARCHES: u64 = 12;
 /// Tries to make a way shorter.
@@ -146,6 +150,8 @@ pub struct StationArm {
     leaves: bool,
     /// For how many cycles it has not got on.
     blocked: u32,
+    /// For how many cycles it has been at this stage.
+    cycles: u32,
     /// The second that was sent last.
     plan: ArmPlan,
     grip: Option<ArmGrip>,
@@ -177,6 +183,7 @@ impl StationArm {
             run: None,
             leaves: false,
             blocked: 0,
+            cycles: 0,
             plan: ArmPlan::standing(&rest()),
             grip: None,
             grips: 0,
@@ -298,7 +305,7 @@ impl StationArm {
         debug_assert!(self.is_free(), "an arm has one task at a time");
         self.access = self.site.as_mut().and_then(|site| site.slot(task.slot));
         (self.task, self.stage, self.gives_up) = (Some(task), ArmStage::ToSlot, false);
-        self.searches = 0;
+        (self.searches, self.cycles) = (0, 0);
         self.leave_way();
     }
 
@@ -329,6 +336,10 @@ impl StationArm {
     pub fn cycle(&mut self, now: Time, around: Surroundings<'_>) -> Option<ArmOrder> {
         if !std::mem::take(&mut self.due) {
             return None;
+        }
+        self.cycles += 1;
+        if self.cycles > LONGEST && self.task.is_some() {
+            (self.gives_up, self.cycles) = (true, 0);
         }
         match self.seam.trouble(now) {
             Some(ArmTrouble::Stopped) => return self.retreat(now, around),
@@ -395,7 +406,7 @@ impl StationArm {
             ArmStage::Back => ArmStage::Rest,
             other => other,
         };
-        (self.run, self.leaves, self.searches) = (None, false, 0);
+        (self.run, self.leaves, self.searches, self.cycles) = (None, false, 0, 0);
     }
 
     /// Where this stage ends.
@@ -506,25 +517,34 @@ impl StationArm {
         if let Some(way) = matches!(self.stage, ArmStage::Into | ArmStage::Out).then(straight).flatten() {
             return Some(way);
         }
-        let mut space = site.space.clone();
-        space.obstacles.extend(around.picker.map_or(&[][..], |p| &p.body));
-        if self.blocked > BLOCKED {
-            let arms = around.picker.and_then(|p| p.arms.first());
-            space.obstacles.extend(arms.map_or_else(Vec::new, |limbs| limbs.capsules(ARMS_M)));
-            self.blocked = 0;
-        }
-        if !space.is_free(present) {
-            // Somebody came nearer than the arm would go, or it stopped beside its way: it may leave.
-            space = site.tight();
-        }
         self.searches += 1;
+        self.blocked = 0;
         let mut draw = numbers(self.searches);
-        let found = rrt_connect(&space, present, &target, TASK_SAMPLES, &mut draw);
+        // As far from the picker as there is room; somebody may have come nearer than the arm would go.
+        let spaces = CLEAR_M.iter().map(|clear_m| space_beside(&site.space, around.picker, *clear_m));
+        let found = spaces.chain([site.tight()]).find_map(|space| {
+            let is_possible = space.is_free(present) && space.is_free(&target);
+            let way =
+                is_possible.then(|| rrt_connect(&space, present, &target, TASK_SAMPLES, &mut draw))??;
+            Some(space.shortened(&way, SHORTENED, &mut draw))
+        });
         if found.is_none() && self.searches >= SEARCHES {
             (self.gives_up, self.searches) = (self.task.is_some(), 0);
         }
-        found.map(|way| space.shortened(&way, SHORTENED, &mut draw))
+        found
     }
+}
+
+/// A place with a picker in it, thickened by so much.
+fn space_beside(space: &ArmSpace, picker: Option<&PickerAhead>, clear_m: f64) -> ArmSpace {
+    let mut space = space.clone();
+    let limbs = |p: &PickerAhead| p.arms.first().map_or_else(Vec::new, |limbs| limbs.capsules(clear_m));
+    let body = |c: &Capsule| Capsule { radius_m: c.radius_m + clear_m, ..*c };
+    if let Some(picker) = picker {
+        space.obstacles.extend(limbs(picker));
+        space.obstacles.extend(picker.body.iter().map(body));
+    }
+    space
 }
 
 /// An arm beside a picker in one cycle.
