@@ -306,28 +306,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore]
-    fn figures_tmp() {
-        let text = include_str!("../../scenarios/stations.json");
-        let mut scenario = Scenario::parse(text).unwrap();
-        let var = |n: &str, d: i64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
-        scenario.duration = Span::from_secs(var("SECS", 3600));
-        let setup = StationsSetup { warehouse: Arc::new(stations()), scenario };
-        let robots = var("ROBOTS", 24) as usize;
-        for seed in var("SEED", 101)..var("SEED", 101) + var("RUNS", 1) {
-            let none = setup.run(robots, FlowWord::Seen, seed as u64);
-            println!("none {seed} {} {} {:?} {:?}", none.lines, none.hours, none.arms, none.broken);
-            for mode in [ArmModeWord::Turns, ArmModeWord::Reactive, ArmModeWord::Predictive] {
-                let row = setup.run_with_arms(robots, mode, seed as u64);
-                println!(
-                    "{mode:?} {seed} {} {:?} wc {} fw {} {:?}",
-                    row.lines, row.arms, row.wrong_confirmed, row.false_warnings, row.broken
-                );
-            }
-        }
-    }
-
-    #[test]
     fn every_flow_picks_lines_without_a_broken_law_and_one_seed_gives_one_row() {
         for flow in [FlowWord::Usual, FlowWord::Counted, FlowWord::Hand, FlowWord::Seen, FlowWord::Known] {
             let row = setup().run(14, flow, 3);

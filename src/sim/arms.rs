@@ -141,9 +141,9 @@ impl SimArms {
         }
     }
 
-    /// The links of the arm at a station.
-    pub fn links(&self, station: StationId) -> Option<Vec<Capsule>> {
-        self.all.iter().find(|p| p.station == station).map(|p| p.arm.links())
+    /// The links of the arm at a station, and whether they move.
+    pub fn links(&self, station: StationId) -> Option<(Vec<Capsule>, bool)> {
+        self.all.iter().find(|p| p.station == station).map(|p| (p.arm.links(), !p.stands))
     }
 
     /// Stations in whose opening, or rack, an arm is.
@@ -317,11 +317,6 @@ mod tests {
             let given = run(&mut sim);
             let arms = sim.world.arms().expect("they are on");
             let all: Vec<ArmFigures> = arms.figures().map(|(_, f)| f).collect();
-            println!(
-                "{mode:?} {given:?} {all:?} {} {}",
-                sim.robot_deliveries(),
-                sim.fleet.view(sim.now()).counts.robot_deliveries
-            );
             assert!(all.iter().all(|f| f.pieces > 0 && f.contacts == 0), "{mode:?}: {all:?}");
             assert!(given[0] > 4 && sim.broken().is_empty(), "{mode:?}: {given:?} {:?}", sim.broken());
         }

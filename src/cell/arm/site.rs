@@ -241,7 +241,6 @@ mod tests {
                 .filter(|s| site.slot(*s).is_some())
                 .map(|s| s.to_string())
                 .collect();
-            println!("{station}: {} {reached:?}", reached.len());
             assert!((8..16).contains(&reached.len()), "{reached:?}");
             let tote = site.tote(2).expect("the tote is beside it");
             assert!(!site.is_inside(&tote) && site.tote(0).is_none(), "the other side is out of reach");
@@ -261,7 +260,6 @@ mod tests {
     fn a_shorter_arm_reaches_less() {
         let mut short = site(0, ArmKind::collaborative());
         let reached = short.face().clone().slots().filter(|(s, _)| short.slot(*s).is_some()).count();
-        println!("{reached}");
         assert!(reached < 8, "{reached}");
     }
 }

@@ -63,14 +63,14 @@ impl ArmFloor {
         }
     }
 
-    /// A picker whose hands rest.
+    /// A picker who stands a little aside, and whose hands rest.
     fn resting(&self) -> HandsSeen {
         let hand = |x: f64| {
             let place = |back: f64| self.face.on_map(FacePlace::new(x, 0.95 + back, 0.95));
             Some(HandPoints { wrist: place(0.17), palm: place(0.09), tips: [place(0.0); 2] })
         };
-        let (seen, head) = (self.floor.now, self.face.on_map(FacePlace::new(0.0, 1.05, 1.6)));
-        HandsSeen { station: S1, person: 0, seen, head, hands: [hand(-0.22), hand(0.22)] }
+        let (seen, head) = (self.floor.now, self.face.on_map(FacePlace::new(-0.3, 1.05, 1.6)));
+        HandsSeen { station: S1, person: 0, seen, head, hands: [hand(-0.5), hand(-0.2)] }
     }
 
     fn lines(&self) -> Vec<(LineState, u32)> {

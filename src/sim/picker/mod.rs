@@ -134,10 +134,10 @@ impl Pickers {
         &mut self,
         now: Time,
         by: Span,
-        links: impl Fn(StationId) -> Option<Vec<Capsule>>,
+        arm: impl Fn(StationId) -> Option<(Vec<Capsule>, bool)>,
     ) -> Vec<StationId> {
         let gives_way = |stand: &mut PickerPlace| {
-            links(stand.station).is_some_and(|links| stand.give_way(now, by, &links))
+            arm(stand.station).is_some_and(|(links, moves)| stand.give_way(now, by, (&links, moves)))
         };
         self.all.iter_mut().filter_map(|stand| gives_way(stand).then_some(stand.station)).collect()
     }
@@ -173,14 +173,15 @@ impl Pickers {
 }
 
 impl PickerPlace {
-    /// Whether the hands stop because an arm is in their way, and have not done so for too long.
-    fn give_way(&mut self, now: Time, by: Span, links: &[Capsule]) -> bool {
+    /// Whether the hands stop because an arm is in their way that moves, or has stood there for not too long.
+    fn give_way(&mut self, now: Time, by: Span, (links, arm_moves): (&[Capsule], bool)) -> bool {
         let apart = |at: Time| least_distance_m(&self.picker.limbs(at), links);
         let (here_m, soon_m) = (apart(now), apart(now + LOOKS_AHEAD));
-        if here_m > 2.0 * GIVES_WAY_M {
+        let is_in_way = soon_m < GIVES_WAY_M && soon_m < here_m;
+        if !is_in_way && soon_m > 2.0 * GIVES_WAY_M {
             self.waited = Span::ZERO;
         }
-        let stops = soon_m < GIVES_WAY_M && soon_m < here_m && self.waited < PATIENCE;
+        let stops = is_in_way && (arm_moves || self.waited < PATIENCE);
         if stops {
             self.waited += by;
             self.picker.wait(now, by);
