@@ -498,6 +498,10 @@ export interface Bucket {
   worker_s: number;
   /** Seconds that robots stood and would have driven on, all together. */
   waiting_s: number;
+  /** At picking stations: lines that were over, reaches that were warned of, seconds without a rack of all together. */
+  lines: number;
+  wrong_reaches: number;
+  idle_s: number;
   plan_us_p50: number | null;
   plan_us_p95: number | null;
   plan_us_max: number | null;
