@@ -101,8 +101,9 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
         const shown = wearer.shown();
         const [title, detail] = board(shown, wearer);
         const marking = wearer.marking.kind === 'taking' || wearer.marking.kind === 'refused';
-        return { shown, alignment: wearer.alignment, marking, narrow: false, board: 'eyes', title, detail };
+        return { shown, alignment: wearer.alignment, marking, narrow: false, board: 'eyes', cell: wearer.cell, title, detail };
       },
+      wantsHands: () => wearer.pump.wantsHands,
       drew: (target: Aim | null) => {
         wearer.drawn();
         host.dataset['aim'] = target ? target.kind : 'none';
