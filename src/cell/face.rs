@@ -63,6 +63,12 @@ impl PickFace {
         FacePlace::new(off.dot(&self.right), off.dot(&self.out), place.z)
     }
 
+    /// A direction on the map in the frame of the face.
+    pub fn direction(&self, along: nalgebra::Vector3<f64>) -> FacePlace {
+        let level = along.xy();
+        FacePlace::new(level.dot(&self.right), level.dot(&self.out), along.z)
+    }
+
     /// A place in the frame of the face on the map.
     pub fn on_map(&self, at: FacePlace) -> Place {
         let floor = self.stands + self.right * at.x + self.out * at.y;

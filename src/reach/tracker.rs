@@ -22,7 +22,7 @@ const KEPT: usize = 12;
 const NONE: f64 = 0.005;
 
 /// A hand that is watched.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SlotTracker {
     model: Arc<PickModel>,
     states: Vec<EndState>,

@@ -84,6 +84,15 @@ async fn hands_of_a_headset_confirm_a_line_without_a_button_and_a_wrong_slot_is_
     let headset = Headset::connect(at, &worker, "map").await;
     let mut wearer = Wearer { headset, face, at: FacePlace::new(0.2, 0.95, 0.95) };
 
+    wearer.moves(FacePlace::new(0.21, 0.95, 0.95), 0.5).await;
+    let lights = wearer.headset.next("cell").await;
+    assert_eq!((&lights["station"], &lights["hands"]), (&json!("S1"), &json!(true)), "{lights}");
+    assert_eq!((&lights["slot"]["id"], &lights["tote"]["id"]), (&json!("C3"), &json!("B")), "{lights}");
+    let lit = wearer.face.on_map(wearer.face.slot("C3".parse().unwrap()));
+    let lies = lights["slot"]["at"].as_array().unwrap().iter().filter_map(Value::as_f64);
+    let off = lies.zip(lit.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-6, "the slot is where it is lit: {lights}");
+
     wearer.picks("C3", 1).await;
     let confirmed = |s: &Value| s["visit"]["lines"][0]["state"] == "done";
     until(at, "the first line is confirmed", "/v1/stations/S1", confirmed).await;
@@ -92,6 +101,17 @@ async fn hands_of_a_headset_confirm_a_line_without_a_button_and_a_wrong_slot_is_
     wearer.moves(front - FacePlace::new(0.0, 0.08, 0.0), 0.5).await;
     let seen = get(at, "/v1/stations/S1").await.json();
     assert_eq!(seen["warnings"], json!([{"kind": "wrong_slot", "slot": "C2", "tote": null}]), "{seen}");
+    let warning = loop {
+        let told = wearer.headset.next("cell").await;
+        if !told["warning"].is_null() {
+            break told["warning"].clone();
+        }
+    };
+    assert_eq!(
+        warning,
+        json!({"kind": "wrong_slot", "slot": "C2", "tote": null}),
+        "the headset is told, too"
+    );
     wearer.moves(front + FacePlace::new(0.0, 0.35, 0.0), 0.5).await;
     wearer.picks("A2", 0).await;
     let seen = get(at, "/v1/stations/S1").await.json();

@@ -7,7 +7,7 @@
 mod absorb;
 mod change;
 mod enrolment;
-mod hands;
+pub(in crate::fleet) mod hands;
 mod intake;
 mod operator;
 mod racks;

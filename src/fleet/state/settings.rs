@@ -7,6 +7,7 @@ use super::ledger::Ledger;
 use crate::aware::{HumanAwarePolicy, NodeWindows};
 use crate::cell::Flow;
 use crate::human::{Method, Model};
+use crate::reach::PickModel;
 use crate::time::Span;
 use std::sync::Arc;
 
@@ -50,6 +51,8 @@ pub struct Settings {
     pub worker_price: f64,
     /// What was learned about people.
     pub model: Arc<Model>,
+    /// What was learned of people who reach for slots.
+    pub picks: Arc<PickModel>,
     /// Robots pass through one another: only for the bound on throughput.
     pub without_conflicts: bool,
     /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
@@ -77,6 +80,7 @@ impl Default for Settings {
             flow: Flow::default(),
             worker_price: 3.0,
             model: Model::builtin(),
+            picks: PickModel::builtin(),
             without_conflicts: false,
             stopwatch: || 0,
         }

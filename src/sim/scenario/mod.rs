@@ -28,6 +28,7 @@ use crate::aware::HumanAwarePolicy;
 use crate::fleet::{Closure, RecurringClosure, RobotKind, fitted};
 use crate::human::Model;
 use crate::human::tiles::Tiles;
+use crate::reach::PickModel;
 use crate::time::{Span, Time};
 use crate::warehouse::{Findings, Warehouse};
 use check::check;
@@ -75,6 +76,8 @@ pub struct Scenario {
     pub model: Option<String>,
     /// What is in it.
     pub learned: Arc<Model>,
+    /// What pickers are expected to do; the built-in figures unless somebody reads others.
+    pub picks: Arc<PickModel>,
 }
 
 /// Where jobs come from.
@@ -216,6 +219,7 @@ impl Scenario {
             policy: file.arm.into(),
             model: file.model,
             learned: Model::builtin(),
+            picks: PickModel::builtin(),
         })
     }
 
@@ -297,6 +301,7 @@ impl Scenario {
         let worker_price = self.workers.price;
         let flow = self.cells.as_ref().map(|cells| cells.flow.into()).unwrap_or_default();
         let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
+        let picks = self.picks.clone();
         crate::fleet::Settings {
             kinds,
             period,
@@ -306,6 +311,7 @@ impl Scenario {
             flow,
             worker_price,
             model,
+            picks,
             ..Default::default()
         }
     }
