@@ -31,11 +31,11 @@ impl EyeHabits {
     /// Any person's.
     pub fn any(wanders: f64, chance: &mut Stream) -> EyeHabits {
         EyeHabits {
-            at_object: chance.between(0.15, 0.45),
+            at_object: chance.between(0.05, 0.35),
             at_others: chance.between(0.3, 0.7),
             wanders,
-            bias: (0.035 * chance.normal(), 0.035 * chance.normal()),
-            noise: chance.between(0.006, 0.02),
+            bias: (0.05 * chance.normal(), 0.05 * chance.normal()),
+            noise: chance.between(0.01, 0.03),
         }
     }
 }
@@ -85,16 +85,16 @@ impl EyePath {
             EyeTarget::Object(near[chance.below(among)])
         };
         let mut path = EyePath { fixations: Vec::new() };
-        let found_s = times.leaves_s - chance.between(0.05, 0.45);
+        let found_s = times.leaves_s - chance.between(0.05, 0.35);
         let mut now_s = times.from_s;
         while now_s < found_s {
             now_s = (now_s + chance.between(0.18, 0.5)).min(found_s);
             let target = other(chance);
             path.fixations.push((now_s, target));
         }
-        let keeps_s = times.leaves_s + chance.between(0.0, 0.35);
+        let keeps_s = times.leaves_s + chance.between(0.0, 0.25);
         path.fixations.push((keeps_s, EyeTarget::Object(right)));
-        let returns_s = times.reaches_s - chance.between(0.15, 0.55);
+        let returns_s = times.reaches_s - chance.between(0.12, 0.4);
         now_s = keeps_s;
         while now_s < returns_s {
             now_s = (now_s + chance.between(0.2, 0.55)).min(returns_s);

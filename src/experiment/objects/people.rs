@@ -39,14 +39,18 @@ pub fn moves_of(table: ObjectTable, person: usize, movements: usize, seed: u64) 
     shuffle(&mut spots, &mut chance);
     let count = table.objects();
     let mut stance = room.start.unwrap_or(room.spots[spots[count - 1]].stance);
+    // The place at which the person stands.
+    let mut here: Option<usize> = None;
     let (mut moves, mut queue): (Vec<ObjectMove>, Vec<usize>) = (Vec::new(), Vec::new());
     while moves.len() < movements {
-        // Every object is fetched equally often.
-        let right = queue.pop().unwrap_or_else(|| {
+        // Every object is fetched equally often, mostly from another place than where the last one was put.
+        if queue.is_empty() {
             queue = (0..count).collect();
             shuffle(&mut queue, &mut chance);
-            queue.pop().expect("there are objects")
-        });
+        }
+        let is_elsewhere = |o: &usize| here != Some(room.spots[spots[*o]].place);
+        let next = queue.iter().position(is_elsewhere).filter(|_| chance.happens(0.8)).unwrap_or(0);
+        let right = queue.remove(next);
         if room.start.is_some() && chance.happens(0.5) {
             // The second of the published scenarios: people walk about freely before they choose.
             let (x, y) = (chance.between(-0.9, 0.5), chance.between(-0.9, 0.9));
@@ -57,11 +61,15 @@ pub fn moves_of(table: ObjectTable, person: usize, movements: usize, seed: u64) 
         let frames = one.fetch(&room, &objects, right, spot, stance, &mut chance);
         let figures = frames.iter().flat_map(|f| objects.iter().flat_map(|o| features(f, *o))).collect();
         moves.push(ObjectMove { person, frames, objects, right, figures });
-        stance = room.start.unwrap_or_else(|| {
+        if let Some(start) = room.start {
+            stance = start;
+        } else {
+            // The object is put down elsewhere.
             let free = count + chance.below(spots.len() - count);
             spots.swap(right, free);
-            room.spots[spots[right]].stance
-        });
+            let put = &room.spots[spots[right]];
+            (stance, here) = (put.stance, Some(put.place));
+        }
     }
     moves
 }
