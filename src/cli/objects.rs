@@ -22,10 +22,10 @@ pub struct ObjectsArgs {
     #[arg(long, default_value_t = 6)]
     people: usize,
     /// Movements of each person.
-    #[arg(long, default_value_t = 50)]
+    #[arg(long, default_value_t = 100)]
     movements: usize,
     /// Steps of learning of every net.
-    #[arg(long, default_value_t = 300)]
+    #[arg(long, default_value_t = 160)]
     steps: usize,
     /// Seed of people and learning.
     #[arg(long, default_value_t = 1)]

@@ -1,9 +1,9 @@
 //! The published predictor and its variants: a net that looks at the person beside each place.
 //!
-//! Main types: [`PlaceNet`], [`PlaceState`], [`PlaceBank`]. One net with the same weights for every place (Petković, section 5.2.1),
-//! its inputs selected, or pressed through a narrow layer, or one net for all places together (FULL, ALL). Corrected:
-//! it keeps a state instead of a buffer of frames; a place that is new replays its own last frames instead of taking
-//! the state of a neighbour. Refuses: to know more of a place than distances.
+//! Main types: [`PlaceNet`], [`PlaceState`], [`PlaceBank`]. One net with the same weights for every place (Petković,
+//! section 5.2.1), its inputs selected, or pressed through a narrow layer, or one net for all places together (FULL,
+//! ALL). Corrected: it keeps a state instead of a buffer of frames; a place that is new replays its own last frames
+//! instead of taking the state of a neighbour. Refuses: to know more of a place than distances.
 
 use super::features::{ArmMotion, JOINTS};
 use super::net::squash::{sigmoid, softmax};

@@ -1,8 +1,8 @@
 //! Where simulated eyes look on the way to an object, and how the head follows them.
 //!
-//! Main types: [`EyePath`], [`EyeHabits`]. Eyes search, find the object before the body sets out, wander on the way, and
-//! are at the object again before the hand moves; an eye tracker sees all that with a bias of its own. Refuses: eyes
-//! that know where a hand will be, and heads that turn as far as the eyes.
+//! Main types: [`EyePath`], [`EyeHabits`]. Eyes search, find the object before the body sets out, wander on the way,
+//! and are at the object again before the hand moves; an eye tracker sees all that with a bias of its own. Refuses:
+//! eyes that know where a hand will be, and heads that turn as far as the eyes.
 
 use crate::reach::ArmPoint;
 use crate::sim::random::Stream;

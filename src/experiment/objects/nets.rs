@@ -1,9 +1,9 @@
 //! The published nets on simulated people: learned, asked about every frame, and run with objects that come and go.
 //!
-//! Main types: [`FeatureChoice`] (which features a net is shown), [`ObjectNet`], [`ObjectWatch`] (a net at run time); main
-//! function: [`learn_net`]. A net steps every sixth frame, 20 times a second; six states, each a frame later than the
-//! one before it, are fresh in turn, so that there is an answer in every frame and the memory spans the whole movement
-//! instead of the published 20 frames. Refuses: a single frame of the movements that it is judged by.
+//! Main types: [`FeatureChoice`] (which features a net is shown), [`ObjectNet`], [`ObjectWatch`] (a net at run time);
+//! main function: [`learn_net`]. A state steps every tenth frame, at the 12 Hz that the thesis aimed at; ten states,
+//! each a frame later than the one before it, step in turn. So there is an answer in every frame, and the memory spans
+//! the whole movement instead of the published 20 frames. Refuses: a single frame of the movements that it is judged by.
 
 use super::body::{BodyFrame, FRAMES, ObjectMove, features};
 use crate::experiment::learning::picks::{
@@ -16,7 +16,7 @@ use crate::sim::random::Stream;
 use std::collections::VecDeque;
 
 /// Frames between two steps of one state.
-const STRIDE: usize = 6;
+const STRIDE: usize = 10;
 /// Steps of one state in a movement.
 const STEPS: usize = FRAMES / STRIDE;
 /// Frames that an object replays that was added.

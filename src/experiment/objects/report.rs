@@ -1,6 +1,7 @@
 //! Pieces of work put together: figures of every row, deviations between people, and differences of rows.
 //!
-//! Main types: [`ObjectsReport`], [`GroupReport`]. Refuses: differences of rows that were not judged by the same people.
+//! Main types: [`ObjectsReport`], [`GroupReport`]. Refuses: differences of rows that were not judged by the same
+//! people.
 
 use super::bench::{ObjectGroup, ObjectPiece};
 use super::rows::PAIRS;

@@ -64,7 +64,7 @@ impl PickRoom {
         let small = grid(&[0.55], &[-0.15, 0.15], &[0.8, 1.15, 1.5]);
         let table = grid(&[0.45, 0.65], &[-0.4, -0.13, 0.13, 0.4], &[0.76]);
         let half = std::f64::consts::FRAC_PI_2;
-        let places = [(2.0, 1.0, 0.0, tall), (-0.4, 2.4, half, small), (0.0, -1.4, -half, table)];
+        let places = [(1.6, 0.8, 0.0, tall), (-0.3, 1.9, half, small), (0.0, -1.0, -half, table)];
         let places = places.map(|(x, y, heading, spots)| RoomPlace { foot: Stance { x, y, heading }, spots });
         PickRoom { spots: spots_of(&places, chance), start: None, has_obstacle: false }
     }
@@ -75,7 +75,7 @@ impl PickRoom {
         let one = grid(&[0.55], &[0.0], &[0.78]);
         let places = [(1.3, 0.9, 0.4, two()), (1.6, 0.0, 0.0, one), (1.3, -0.9, -0.4, two())];
         let places = places.map(|(x, y, heading, spots)| RoomPlace { foot: Stance { x, y, heading }, spots });
-        let start = Stance { x: -1.0, y: 0.0, heading: 0.0 };
+        let start = Stance { x: -0.8, y: 0.0, heading: 0.0 };
         PickRoom { spots: spots_of(&places, chance), start: Some(start), has_obstacle: true }
     }
 }

@@ -10,9 +10,9 @@ use crate::sim::random::Stream;
 /// Ways shorter than this are steps aside: the body does not turn along them, metres.
 const STEP_M: f64 = 0.6;
 /// Mean speed of a person of usual pace, metres per second.
-const SPEED_MPS: f64 = 0.95;
+const SPEED_MPS: f64 = 1.2;
 /// Seconds that starting and stopping take.
-const STARTS_S: f64 = 0.5;
+const STARTS_S: f64 = 0.4;
 /// Steps per second of both feet while walking.
 const STEPS_HZ: f64 = 1.8;
 
@@ -121,7 +121,7 @@ mod tests {
         assert!(wrapped(last.heading + 1.0).abs() < 1e-9);
         let speeds = (0..400).map(|k| walk.speed_mps(0.5 + f64::from(k) * 0.01));
         let fastest = speeds.fold(0.0, f64::max);
-        assert!((0.8..2.0).contains(&fastest), "{fastest}");
+        assert!((0.8..2.2).contains(&fastest), "{fastest}");
         let middle = walk.at(0.5 * (1.0 + walk.ends_s()));
         let off = (middle.y * 2.0 - middle.x) / libm::sqrt(5.0);
         assert!(off > 0.2, "the way is bent to the left: {off}");
