@@ -19,8 +19,8 @@ use std::collections::VecDeque;
 const STRIDE: usize = 10;
 /// Steps of one state in a movement.
 const STEPS: usize = FRAMES / STRIDE;
-/// Frames that an object replays that was added.
-const REPLAYED: usize = 150;
+/// Frames that an object replays that was added: two seconds.
+const REPLAYED: usize = 240;
 
 /// Which features a net is shown.
 #[derive(Clone, Debug, PartialEq, Eq)]

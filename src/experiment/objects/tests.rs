@@ -93,10 +93,10 @@ fn an_object_that_comes_at_100_goes_at_180_and_comes_at_220_is_found_each_time()
             assert_eq!(p.is_some(), is_there, "frame {k}");
             assert!(is_there || !trace.is_first[k]);
         }
-        // What is new is judged by its own last second at once; what happened before that is missing.
-        for (k, most) in [(comes, 1e-6), (returns, 0.3), (FRAMES - 1, 0.1)] {
+        // What is new is judged by its own last two seconds at once, and not by a neighbour's.
+        for k in [comes, returns, FRAMES - 1] {
             let (with, without) = (trace.unchanged[k], trace.changed[k].expect("it is there"));
-            assert!((with - without).abs() < most, "frame {k}: {with} {without}");
+            assert!((with - without).abs() < 1e-6, "frame {k}: {with} {without}");
         }
         let first = |from: usize, to: usize| (from..to).find(|k| trace.is_first[*k]);
         if let (Some(once), Some(again)) = (first(comes, goes), first(returns, FRAMES)) {

@@ -75,13 +75,16 @@ impl RoomWalk {
         let slope = |a: f64, b: f64, c: f64| 2.0 * (1.0 - s) * (b - a) + 2.0 * s * (c - b);
         let (vx, vy) =
             (slope(self.from.x, self.bend.0, self.to.x), slope(self.from.y, self.bend.1, self.to.y));
-        let is_step = libm::hypot(self.to.x - self.from.x, self.to.y - self.from.y) < STEP_M;
-        let heading = if is_step {
+        let (dx, dy) = (self.to.x - self.from.x, self.to.y - self.from.y);
+        let heading = if libm::hypot(dx, dy) < STEP_M {
             turned(self.from.heading, self.to.heading, minimum_jerk(s))
         } else {
-            let ahead = libm::atan2(vy, vx);
-            let leaves = turned(self.from.heading, ahead, minimum_jerk(s / 0.3));
-            turned(leaves, self.to.heading, minimum_jerk((s - 0.6) / 0.4))
+            // Which way round the body turns is settled by the straight way, so that it never jumps.
+            let straight = self.from.heading + wrapped(libm::atan2(dy, dx) - self.from.heading);
+            let ahead = straight + wrapped(libm::atan2(vy, vx) - straight);
+            let end = straight + wrapped(self.to.heading - straight);
+            let leaves = self.from.heading + (ahead - self.from.heading) * minimum_jerk(s / 0.3);
+            leaves + (end - leaves) * minimum_jerk((s - 0.6) / 0.4)
         };
         let speed = rate * libm::hypot(vx, vy);
         let sway = 0.015 * speed.min(1.2) * libm::sin(std::f64::consts::PI * STEPS_HZ * t_s + self.sway);
@@ -109,6 +112,23 @@ impl RoomWalk {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bodies_turn_without_jumps_wherever_they_face() {
+        for k in 0..60 {
+            let mut chance = Stream::new(1, 2, k);
+            let mut any = || Stance {
+                x: chance.between(-1.5, 1.5),
+                y: chance.between(-1.5, 1.5),
+                heading: chance.between(-4.0, 4.0),
+            };
+            let walk = RoomWalk::new(any(), any(), 0.0, 1.0, 0.5, &mut Stream::new(2, 2, k));
+            for i in 0..500 {
+                let (a, b) = (walk.at(f64::from(i) / 120.0), walk.at(f64::from(i + 1) / 120.0));
+                assert!((a.heading - b.heading).abs() < 0.15, "{a:?} {b:?}");
+            }
+        }
+    }
 
     #[test]
     fn a_walk_begins_and_ends_where_it_should_and_nobody_runs() {
