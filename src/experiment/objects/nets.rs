@@ -3,7 +3,7 @@
 //! Main types: [`FeatureChoice`] (which features a net is shown), [`ObjectNet`], [`ObjectWatch`] (a net at run time);
 //! main function: [`learn_net`]. A state steps every tenth frame, at the 12 Hz that the thesis aimed at; ten states,
 //! each a frame later than the one before it, step in turn. So there is an answer in every frame, and the memory spans
-//! the whole movement instead of the published 20 frames. Refuses: a single frame of the movements that it is judged by.
+//! the whole movement instead of the published 20 frames. Refuses: frames of the movements that it is judged by.
 
 use super::body::{BodyFrame, FRAMES, ObjectMove, features};
 use crate::experiment::learning::picks::{
