@@ -20,6 +20,7 @@ mod experiment;
 mod frames;
 mod learn;
 mod map;
+mod objects;
 mod people;
 mod picks;
 mod price;
