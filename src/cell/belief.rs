@@ -104,7 +104,7 @@ impl ReachBeliefs {
         if self.hands[hand].is_stale || self.hands[hand].lit != expected {
             self.tell_places(hand, expected);
         }
-        self.hands[hand].tracker.observe(sample);
+        self.hands[hand].tracker.follow(sample);
     }
 
     fn tell_places(&mut self, hand: usize, lit: Option<ReachPlace>) {
