@@ -5,12 +5,14 @@
 //! command that made it.
 
 use super::stopwatch;
+use crate::experiment::arm::bolts::BoltsBench;
+use crate::experiment::arm::planners::{PlannerKind, Workshops};
 use crate::reach::arm::ARM_STEPS;
 use crate::reach::{ArmPoint, ArmSample, ArmVector, PickModel, ReachTarget, SlotTracker};
 use crate::sim::picker::motion::{ArmBuild, ArmReach};
 use crate::sim::random::Stream;
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 use std::process::ExitCode;
 
 /// Samples per second of a headset.
@@ -61,6 +63,7 @@ impl BenchPicksArgs {
             first = false;
         }
         let forecasts = forecast_us(&hands[0].samples);
+        let [mpc_us, planner_us] = arm_us(self.seed)?;
         let mean_us = times.iter().sum::<f64>() / times.len() as f64;
         times.sort_by(f64::total_cmp);
         let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
@@ -70,7 +73,8 @@ impl BenchPicksArgs {
             let report = json!({
                 "workers": self.workers, "slots": self.slots, "samples": times.len(),
                 "sample_us": {"p50": at(0.5), "p99": at(0.99)}, "core_share": core_share,
-                "forecast_us": forecasts, "allocations_per_sample": per_sample,
+                "forecast_us": forecasts, "mpc_us": quantiles(&mpc_us), "planner_us": quantiles(&planner_us),
+                "allocations_per_sample": per_sample,
             });
             println!("{}", serde_json::to_string_pretty(&report)?);
         } else {
@@ -80,6 +84,13 @@ impl BenchPicksArgs {
             );
             println!("a sample {:.1} µs, 99 % below {:.1} µs", at(0.5), at(0.99));
             println!("{core_share:.3} of one core for {} hands at {HZ} Hz", self.workers);
+            for (what, us) in [("cycle of its control", &mpc_us), ("search for its way", &planner_us)] {
+                println!(
+                    "a robot arm: a {what} {:.0} µs, 99 % below {:.0} µs",
+                    at_share(us, 0.5),
+                    at_share(us, 0.99)
+                );
+            }
             println!("a forecast of the arm {forecasts:.1} µs; {per_sample} allocations per sample");
         }
         Ok(ExitCode::SUCCESS)
@@ -125,4 +136,28 @@ fn forecast_us(samples: &[ArmSample]) -> f64 {
     let mut times: Vec<f64> = samples.windows(ARM_STEPS).map(time).collect();
     times.sort_by(f64::total_cmp);
     times.get(times.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Queries of which the search for a way is timed.
+const QUERIES: u64 = 60;
+
+/// How long a robot arm's control and its planner (the net, or RRT-Connect where that finds no way) take, sorted,
+/// microseconds.
+fn arm_us(seed: u64) -> anyhow::Result<[Vec<f64>; 2]> {
+    let mut clock = || stopwatch() as f64 / 1000.0;
+    let mut control = BoltsBench::new(seed).control_times(&mut clock);
+    let workshop = Workshops::new(seed, 1).ok_or_else(|| anyhow::anyhow!("the arm's net learned nothing"))?;
+    let asked = PlannerKind::ALL.iter().position(|kind| *kind == PlannerKind::GraphFallback);
+    let asked = asked.expect("it is one of them");
+    let mut planner: Vec<f64> = (0..QUERIES).map(|n| workshop.ask(0, n, &mut clock)[asked].took_ms).collect();
+    [&mut control, &mut planner].into_iter().for_each(|all| all.sort_by(f64::total_cmp));
+    Ok([control, planner])
+}
+
+fn at_share(sorted: &[f64], share: f64) -> f64 {
+    sorted.get(((sorted.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(f64::NAN)
+}
+
+fn quantiles(sorted: &[f64]) -> Value {
+    json!({"p50": at_share(sorted, 0.5), "p99": at_share(sorted, 0.99)})
 }

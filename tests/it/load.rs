@@ -328,7 +328,11 @@ async fn forty_headsets_with_hands_of_which_four_reach_into_wrong_slots() {
         stroll.await.unwrap();
     }
     let metrics = get(at, "/metrics").await.text;
-    println!("{WEARERS} headsets with hands, {} robots, {reaches} reaches into wrong slots in {} s", 24, seconds());
+    println!(
+        "{WEARERS} headsets with hands, {} robots, {reaches} reaches into wrong slots in {} s",
+        24,
+        seconds()
+    );
     metrics.lines().filter(|l| l.starts_with("giveway_hand")).for_each(|l| println!("{l}"));
     server.stop().await.unwrap();
     let warned = metrics.lines().find_map(|l| l.strip_prefix("giveway_hand_to_warning_seconds_count "));
