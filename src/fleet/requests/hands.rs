@@ -162,7 +162,7 @@ pub(in crate::fleet) fn calls_for_warning(core: &Core, seen: &HandsSeen, now: Ti
     if station.ix() >= core.warehouse().stations.len() || !core.settings.flow.hears_hands() {
         return false;
     }
-    if seen.seen > now + AHEAD || !core.visits.has_hands(station) {
+    if seen.seen > now + AHEAD || !core.visits.can_be_wrong(seen) {
         return false;
     }
     let floor = core.floor();

@@ -275,9 +275,11 @@ impl Visits {
         self.warned.insert(station, (wrong, now));
     }
 
-    /// Whether hands were seen at a station since a rack with slots was there.
-    pub fn has_hands(&self, station: StationId) -> bool {
-        self.desks.contains_key(&station) && self.faces.contains_key(&station)
+    /// Whether any of these hands is where it can be wrong: at the face of the rack or in a tote. Nothing else needs to be
+    /// looked up for hands elsewhere.
+    pub fn can_be_wrong(&self, seen: &HandsSeen) -> bool {
+        let Some((_, face)) = self.faces.get(&seen.station) else { return false };
+        seen.hands.iter().flatten().map(|hand| face.of(hand.grip())).any(|at| face.is_near(at))
     }
 
     /// Whether these hands, seen now, would be warned of.

@@ -209,6 +209,23 @@ fn a_wrong_slot_and_a_wrong_tote_are_warned_of_and_confirm_nothing() {
 }
 
 #[test]
+fn hands_call_for_a_step_at_once_only_where_they_would_be_warned_of() {
+    let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
+    let calls = |cell: &mut CellFloor, name: &str| {
+        cell.moves(cell.front(name), 0.6);
+        assert!(!cell.floor.fleet.calls_for_warning(&cell.seen(cell.floor.now), cell.floor.now), "it is far");
+        cell.at = cell.face.slot(slot(name)) - FacePlace::new(0.0, 0.06, 0.0);
+        let now = cell.floor.now + Span::from_millis(150);
+        let calls = cell.floor.fleet.calls_for_warning(&cell.seen(now), now);
+        cell.at = cell.front(name);
+        calls
+    };
+    assert!(calls(&mut cell, "B2"));
+    assert!(!calls(&mut cell, "C3"), "that is the lit one");
+    assert_eq!(cell.warnings, [], "asking changes nothing");
+}
+
+#[test]
 fn a_robot_that_would_move_at_a_hand_is_stopped_at_once() {
     let mut cell = CellFloor::new(Flow::Seen, &[("C3", 1, "B")]);
     cell.grasps("C3");
