@@ -286,7 +286,9 @@ async fn stroll(at: SocketAddr, i: usize, [from, to]: [[f64; 2]; 2]) {
                     "hands": {"l": hand, "r": hand},
                 })).await;
             }
-            message = headset.any() => _ = message.expect("the feed stays open"),
+            message = headset.any() => {
+                message.expect("the feed stays open");
+            }
         }
     }
 }

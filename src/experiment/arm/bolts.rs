@@ -150,7 +150,8 @@ impl BoltsBench {
         run
     }
 
-    /// How long each cycle of the control takes while people reach for all targets, by the caller's clock and in its unit.
+    /// How long each cycle of the control takes while people reach for all targets, by the caller's clock and in its
+    /// unit.
     pub fn control_times(&self, clock: &mut dyn FnMut() -> f64) -> Vec<f64> {
         let mut times = Vec::new();
         for k in 0..12 {

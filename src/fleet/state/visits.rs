@@ -275,8 +275,8 @@ impl Visits {
         self.warned.insert(station, (wrong, now));
     }
 
-    /// Whether any of these hands is where it can be wrong: at the face of the rack or in a tote. Nothing else needs to be
-    /// looked up for hands elsewhere.
+    /// Whether any of these hands is where it can be wrong: at the face of the rack or in a tote. Nothing else needs to
+    /// be looked up for hands elsewhere.
     pub fn can_be_wrong(&self, seen: &HandsSeen) -> bool {
         let Some((_, face)) = self.faces.get(&seen.station) else { return false };
         seen.hands.iter().flatten().map(|hand| face.of(hand.grip())).any(|at| face.is_near(at))
