@@ -171,7 +171,7 @@ impl Desk {
         beliefs.see((i, hand), (scene.lit, scene.tote), carries, seen);
     }
 
-    /// Where hands that are on their way go, with probabilities of at least [`LIKELY`].
+    /// Where hands that are on their way go, with probabilities of at least 0.05.
     pub fn reaches(&self, now: Time) -> SmallVec<[SeenReach; 4]> {
         let Some(beliefs) = &self.beliefs else { return SmallVec::new() };
         let is_moving = |i: &usize| {

@@ -308,8 +308,9 @@ async fn forty_headsets_with_hands_of_which_four_reach_into_wrong_slots() {
     let at = server.address();
     for (rack, station) in racks.iter().zip(stations.iter()) {
         let lines = json!([{"slot": "C3", "quantity": 1, "tote": "B"}]);
-        let job = json!({"kind": "deliver", "rack": rack.name, "station": station.name, "pick_s": 9000, "lines": lines});
-        post(at, None, &job).await.unwrap();
+        let job = json!({"kind": "deliver", "rack": rack.name, "station": station.name, "pick_s": 900, "lines": lines});
+        let answer = post(at, None, &job).await.unwrap();
+        assert_eq!(answer.status, 201, "{answer:?}");
     }
     for station in stations.iter() {
         let path = format!("/v1/stations/{}", station.name);
