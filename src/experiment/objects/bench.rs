@@ -1,6 +1,6 @@
 //! The whole experiment as pieces of work that can run beside one another, and the report that they make.
 //!
-//! Main types: [`ObjectsBench`] (the simulated people), [`ObjectJob`], [`ObjectsReport`]. Every piece draws from its
+//! Main types: [`ObjectsBench`] (the simulated people), [`ObjectJob`], `ObjectsReport`. Every piece draws from its
 //! own stream of chance, so the figures do not depend on how many run at a time. Refuses: to judge by movements, or
 //! outside of folds by people, that were learned from.
 
