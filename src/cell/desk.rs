@@ -148,12 +148,14 @@ impl Desk {
         for (i, hand) in hands.iter_mut().enumerate() {
             let Some(at) = hand.map(|h| face.of(h.grip())) else { continue };
             let event = self.hands[i].see(face, at, seen.seen);
+            // What a hand does in a crowd counts for nothing, but must not be taken for what it did before.
+            let event = event.and_then(|event| self.took(i, event, scene.tote));
             if !is_alone {
                 self.crowd_inside = Some(seen.seen).filter(|_| face.is_inside(at)).or(self.crowd_inside);
                 *hand = None;
                 continue;
             }
-            events.extend(event.and_then(|event| self.took(i, event, scene.tote)));
+            events.extend(event);
             events.extend(scene.lit.and_then(|slot| self.aims(face, i, slot)).map(DeskEvent::AimsAt));
         }
         (events, hands)
