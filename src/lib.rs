@@ -299,6 +299,7 @@
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
 //! | which method does that (`method`), goals on tiles | `sim/scenario/workforce.rs`; `human/tiles.rs` |
+//! | which object a person fetches | `experiment/objects/`; nets: `experiment/learning/picks/places.rs` |
 //! | where people will be (forecast) | `human/forecast.rs`, `human/motion/`; learned: `experiment/learning/` |
 //! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/yielding/speed_limit.rs` |
 //! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/halt.rs` |

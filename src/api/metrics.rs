@@ -89,10 +89,14 @@ pub struct Metrics {
     /// Poses left out since they came faster than sixty a second.
     pub poses_thinned: Counter,
     poses_refused: Family<ReasonLabel, Counter>,
+    /// Hands that were left out of poses because they cannot be.
+    pub hands_refused: Counter,
     /// From a pose that came in to the stop that a worker is sent because of it, seconds.
     pub pose_to_stop: Histogram,
     /// From a pose that came in to the stop that a robot is sent in the step that took it, seconds.
     pub pose_to_robot_stop: Histogram,
+    /// From a hand that was seen going wrong to the warning that its wearer is sent, seconds.
+    pub hand_to_warning: Histogram,
     /// HTTP requests.
     pub http: Family<HttpLabels, Counter>,
     alarms: Family<AlarmLabels, Gauge>,
@@ -139,8 +143,10 @@ impl Default for Metrics {
             poses_received: Counter::default(),
             poses_thinned: Counter::default(),
             poses_refused: Family::default(),
+            hands_refused: Counter::default(),
             pose_to_stop: Histogram::new(seconds),
             pose_to_robot_stop: Histogram::new(seconds),
+            hand_to_warning: Histogram::new(seconds),
             http: Family::default(),
             alarms: Family::default(),
             jobs: Family::default(),
@@ -226,10 +232,14 @@ impl Metrics {
         let thinned = "Poses dropped because they came faster than 60 a second";
         r.register("poses_thinned", thinned, self.poses_thinned.clone());
         r.register("poses_refused", "Poses refused before the fleet saw them", self.poses_refused.clone());
+        let no_hand = "Hands left out of poses because they cannot be";
+        r.register("hands_refused", no_hand, self.hands_refused.clone());
         let to_worker = "From receiving the newest pose considered to sending the stop to the worker";
         r.register_with_unit("pose_to_stop", to_worker, Unit::Seconds, self.pose_to_stop.clone());
         let to_robot = "From receiving the first pose that makes a robot stop to sending the stop to it";
         r.register_with_unit("pose_to_robot_stop", to_robot, Unit::Seconds, self.pose_to_robot_stop.clone());
+        let warning = "From seeing a hand that goes wrong to sending the warning to its wearer";
+        r.register_with_unit("hand_to_warning", warning, Unit::Seconds, self.hand_to_warning.clone());
     }
 
     fn register_forecasts(&mut self) {

@@ -3,12 +3,15 @@
 //! Main types: [`Desk`], [`DeskEvent`]. Refuses: hands of two persons at once, and to confirm anything by guessing.
 
 use super::aim::aims_wrong;
+use super::belief::{ReachBeliefs, ReachPlace};
 use super::face::{FacePlace, PickFace};
 use super::follow::{HandEvent, HandFollower, HeldPiece};
-use super::hands::HandsSeen;
+use super::hands::{HandPoints, HandsSeen};
+use crate::reach::PickModel;
 use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// Hands that were not seen for so long are not known of.
 const STALE: Span = Span::from_secs(1);
@@ -17,6 +20,12 @@ const DEEP_M: f64 = 0.05;
 const EDGE_M: f64 = 0.03;
 /// A hand is expected where it will be after so long if it goes on as it does, seconds.
 const SOON_S: f64 = 0.3;
+/// A hand that was seen within this time is shown on its way …
+const FRESH: Span = Span::from_millis(500);
+/// … while it is faster than this, metres per second, or in a slot.
+const MOVES_MPS: f64 = 0.2;
+/// Places are told of from this probability on.
+const LIKELY: f64 = 0.05;
 /// For so long after two persons' hands were seen nothing is confirmed by hand.
 const ALONE: Span = Span::from_secs(2);
 
@@ -30,6 +39,30 @@ pub enum DeskEvent {
     Placed(HeldPiece, usize),
     /// A hand goes to this slot, most likely, and not to the one that is lit.
     AimsAt(SlotName),
+}
+
+/// What hands are seen at and for.
+#[derive(Clone, Copy, Debug)]
+pub struct DeskScene<'a> {
+    /// The face of the rack that stands there, or stood there last.
+    pub face: &'a Arc<PickFace>,
+    /// What was learned of reaches.
+    pub model: &'a Arc<PickModel>,
+    /// The slot that is lit.
+    pub lit: Option<SlotName>,
+    /// The tote that is wanted.
+    pub tote: Option<usize>,
+}
+
+/// Where a hand most likely goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenReach {
+    /// Whether it is the left one.
+    pub is_left: bool,
+    /// The slot or tote.
+    pub place: ReachPlace,
+    /// Its probability.
+    pub probability: f64,
 }
 
 /// What is believed of the hands at one work cell.
@@ -46,6 +79,8 @@ pub struct Desk {
     strayed: [Option<(HeldPiece, usize)>; 2],
     /// For each hand the slot that was warned of while it goes there.
     warned: [Option<SlotName>; 2],
+    /// Where they go, once something of them was seen.
+    beliefs: Option<ReachBeliefs>,
 }
 
 impl Desk {
@@ -60,49 +95,108 @@ impl Desk {
         self.hands.iter_mut().for_each(|hand| hand.forget(slot));
     }
 
-    /// Takes in hands, with the slot that is lit and the tote that is wanted. Gives what happened, in order.
-    /// Observations that come out of order are dropped.
-    pub fn see(
+    /// Takes in hands. Gives what happened, in order. Observations that come out of order are dropped.
+    pub fn see(&mut self, scene: DeskScene<'_>, seen: &HandsSeen) -> SmallVec<[DeskEvent; 4]> {
+        let (events, hands) = self.follow(scene, seen);
+        for (i, hand) in hands.iter().enumerate() {
+            if let Some(hand) = hand {
+                self.believe(scene, (i, hand), seen);
+            }
+        }
+        events
+    }
+
+    /// Whether these hands, seen now, would be a reason for a warning. It costs little and changes nothing.
+    pub fn would_warn(&self, scene: DeskScene<'_>, seen: &HandsSeen) -> bool {
+        // Beliefs are large, and warnings are not made of them.
+        let mut desk = Desk { beliefs: None, ..*self };
+        let (events, _) = desk.follow(scene, seen);
+        events.iter().any(|event| match event {
+            DeskEvent::AimsAt(_) => true,
+            DeskEvent::Grasped(slot) => scene.lit.is_some_and(|lit| lit != *slot),
+            DeskEvent::Placed(piece, tote) => {
+                scene.lit == Some(piece.from) && scene.tote.is_some_and(|wanted| wanted != *tote)
+            }
+        })
+    }
+
+    /// Follows hands from slot to tote. Gives what happened, and the hands that can be believed, each as the one that
+    /// it is.
+    fn follow(
         &mut self,
-        face: &PickFace,
-        (lit, tote): (Option<SlotName>, Option<usize>),
+        scene: DeskScene<'_>,
         seen: &HandsSeen,
-    ) -> SmallVec<[DeskEvent; 4]> {
-        let mut events = SmallVec::new();
+    ) -> (SmallVec<[DeskEvent; 4]>, [Option<HandPoints>; 2]) {
+        let (face, mut events) = (scene.face, SmallVec::new());
         match self.person {
-            Some((_, at)) if seen.seen <= at && at - seen.seen < STALE => return events,
+            Some((_, at)) if seen.seen <= at && at - seen.seen < STALE => return (events, [None; 2]),
             Some((person, at)) if person != seen.person && seen.seen - at < STALE => {
                 self.crowded_until = Some(seen.seen + ALONE);
                 self.hands = Default::default();
+                self.beliefs = None;
             }
+            Some((person, _)) if person != seen.person => self.beliefs = None,
             _ => {}
         }
         self.person = Some((seen.person, seen.seen));
         let is_alone = self.crowded_until.is_none_or(|until| seen.seen >= until);
-        let mut grips = seen.hands.map(|hand| hand.filter(|h| h.is_sound()).map(|h| face.of(h.grip())));
+        let mut hands = seen.hands.map(|hand| hand.filter(HandPoints::is_sound));
+        let grips = hands.map(|hand| hand.map(|h| face.of(h.grip())));
         if self.are_swapped(&grips, seen.seen) {
-            grips.swap(0, 1);
+            hands.swap(0, 1);
         }
-        if !is_alone && grips.iter().flatten().any(|at| face.is_inside(*at)) {
-            self.crowd_inside = Some(seen.seen);
-        }
-        for (i, grip) in grips.into_iter().enumerate() {
-            let Some(at) = grip else { continue };
-            if let Some(event) = self.hands[i].see(face, at, seen.seen).and_then(|e| self.took(i, e, tote)) {
-                events.extend(Some(event).filter(|_| is_alone));
+        for (i, hand) in hands.iter_mut().enumerate() {
+            let Some(at) = hand.map(|h| face.of(h.grip())) else { continue };
+            let event = self.hands[i].see(face, at, seen.seen);
+            // What a hand does in a crowd counts for nothing, but must not be taken for what it did before.
+            let event = event.and_then(|event| self.took(i, event, scene.tote));
+            if !is_alone {
+                self.crowd_inside = Some(seen.seen).filter(|_| face.is_inside(at)).or(self.crowd_inside);
+                *hand = None;
+                continue;
             }
-            let aims = lit.filter(|_| is_alone).and_then(|slot| self.aims(face, i, slot));
-            events.extend(aims.map(DeskEvent::AimsAt));
+            events.extend(event);
+            events.extend(scene.lit.and_then(|slot| self.aims(face, i, slot)).map(DeskEvent::AimsAt));
         }
-        events
+        (events, hands)
+    }
+
+    /// Follows where a hand goes, while anything is wanted.
+    fn believe(&mut self, scene: DeskScene<'_>, (i, hand): (usize, &HandPoints), seen: &HandsSeen) {
+        let can_be = self.hands[i].last().is_some_and(|(at, _)| at == seen.seen);
+        if !can_be || (scene.lit.is_none() && scene.tote.is_none()) {
+            return;
+        }
+        let beliefs = self.beliefs.get_or_insert_with(|| ReachBeliefs::new(scene.model, scene.face));
+        beliefs.turn_to(scene.face);
+        let carries = self.hands[i].held().is_some();
+        beliefs.see((i, hand), (scene.lit, scene.tote), carries, seen);
+    }
+
+    /// Where hands that are on their way go, with probabilities of at least 0.05.
+    pub fn reaches(&self, now: Time) -> SmallVec<[SeenReach; 4]> {
+        let Some(beliefs) = &self.beliefs else { return SmallVec::new() };
+        let is_moving = |i: &usize| {
+            let hand = &self.hands[*i];
+            let is_fresh = hand.last().is_some_and(|(seen, _)| now - seen < FRESH);
+            is_fresh && (hand.velocity().norm() > MOVES_MPS || hand.is_in_slot())
+        };
+        let of = |i: usize| {
+            let likely = beliefs.probabilities(i).filter(|(_, p)| *p >= LIKELY);
+            likely.map(move |(place, probability)| SeenReach { is_left: i == 0, place, probability })
+        };
+        (0..2).filter(is_moving).flat_map(of).collect()
     }
 
     /// What a hand's deed means. A hand that stops where it put a piece that belongs elsewhere may take it out again,
     /// and one that comes from there to the wanted tote brings it. What lies where it belongs counts once.
     fn took(&mut self, hand: usize, event: HandEvent, wanted: Option<usize>) -> Option<DeskEvent> {
         match event {
-            HandEvent::Grasped(slot) => {
+            HandEvent::Grasped(slot, deepest) => {
                 self.strayed[hand] = None;
+                if let Some(beliefs) = &mut self.beliefs {
+                    beliefs.learn(slot, deepest);
+                }
                 Some(DeskEvent::Grasped(slot))
             }
             HandEvent::Placed(piece, tote) => {
@@ -194,7 +288,7 @@ mod tests {
 
     /// Observations of a right hand that goes from place to place, 60 a second; the left one rests.
     struct Film {
-        face: PickFace,
+        face: Arc<PickFace>,
         desk: Desk,
         now: Time,
         at: FacePlace,
@@ -212,6 +306,7 @@ mod tests {
             let face = PickFace::new(station.cell.as_ref().unwrap(), w.nodes[station.node].at, rack);
             let (desk, at, now) =
                 (Desk::default(), FacePlace::new(0.22, 0.95, 0.95), Time::from_secs_f64(10.0));
+            let face = Arc::new(face);
             Film { face, desk, now, at, person: 0, events: Vec::new() }
         }
 
@@ -224,16 +319,28 @@ mod tests {
             let hands = hands.map(|at| at.map(|at| self.hand(at)));
             let (station, person, seen) = (StationId(0), self.person, self.now);
             let head = self.face.on_map(FacePlace::new(0.0, 1.05, 1.6));
-            let seen = HandsSeen { station, person, seen, head, hands };
-            let lit = (lit.map(|(slot, _)| slot), lit.map(|(_, tote)| tote));
-            self.events.extend(self.desk.see(&self.face, lit, &seen));
+            let seen = HandsSeen { station, person, seen, head, facing: None, hands };
+            let (lit, tote) = (lit.map(|(slot, _)| slot), lit.map(|(_, tote)| tote));
+            let scene = DeskScene { face: &self.face, model: &PickModel::builtin(), lit, tote };
+            self.events.extend(self.desk.see(scene, &seen));
             self.now += Span::from_millis(16);
         }
 
         /// The hand moves by a smooth step, and is seen or not.
         fn moves(&mut self, lit: Option<(SlotName, usize)>, to: FacePlace, seconds: f64, is_seen: bool) {
+            self.begins_to_move(lit, to, (seconds, 1.0), is_seen);
+        }
+
+        /// The same for the first share of the time.
+        fn begins_to_move(
+            &mut self,
+            lit: Option<(SlotName, usize)>,
+            to: FacePlace,
+            (seconds, share): (f64, f64),
+            is_seen: bool,
+        ) {
             let (from, n) = (self.at, (seconds / 0.016) as usize);
-            for i in 1..=n {
+            for i in 1..=(n as f64 * share) as usize {
                 let t = i as f64 / n as f64;
                 self.at = from + (to - from) * (t * t * (3.0 - 2.0 * t));
                 let left = FacePlace::new(-0.22, 0.95, 0.95);
@@ -402,11 +509,43 @@ mod tests {
             station: StationId(0),
             person: 0,
             seen: film.now,
+            facing: None,
             head: bad.wrist,
             hands: [Some(bad), None],
         };
-        assert!(film.desk.see(&film.face, (None, None), &seen).is_empty());
+        let scene = DeskScene { face: &film.face, model: &PickModel::builtin(), lit: None, tote: None };
+        assert!(film.desk.see(scene, &seen).is_empty());
         assert_eq!(film.desk.hands, before.hands);
+    }
+
+    #[test]
+    fn where_a_hand_goes_is_told_before_it_is_there_and_of_hands_at_rest_nothing() {
+        for name in ["A2", "B4", "C3", "D5"] {
+            let mut film = Film::new();
+            let (lit, inside) =
+                (Some((slot(name), 1)), film.face.slot(slot(name)) - FacePlace::new(0.0, 0.1, 0.0));
+            film.moves(lit, film.at, 0.6, true);
+            assert!(film.desk.reaches(film.now).is_empty(), "it rests");
+            film.begins_to_move(lit, inside, (0.8, 0.7), true);
+            let told = film.desk.reaches(film.now);
+            let best = told.iter().max_by(|a, b| a.probability.total_cmp(&b.probability)).expect("it moves");
+            assert_eq!((best.place, best.is_left), (ReachPlace::Slot(slot(name)), false), "{told:?}");
+            assert!(told.iter().map(|t| t.probability).sum::<f64>() <= 1.0 + 1e-9, "{told:?}");
+            film.now += Span::from_secs(2);
+            assert!(film.desk.reaches(film.now).is_empty(), "nobody knows any more");
+        }
+    }
+
+    #[test]
+    fn a_hand_that_carries_a_piece_is_expected_at_its_tote() {
+        let lit = Some((slot("C3"), 2));
+        let mut film = Film::new();
+        film.picks(lit, slot("C3"));
+        let rim = film.face.tote(2).unwrap();
+        film.begins_to_move(lit, rim, (0.7, 0.7), true);
+        let told = film.desk.reaches(film.now);
+        let best = told.iter().max_by(|a, b| a.probability.total_cmp(&b.probability)).expect("it moves");
+        assert_eq!(best.place, ReachPlace::Tote(2), "{told:?}");
     }
 
     #[test]

@@ -18,6 +18,8 @@ const TOTE_BELOW_M: f64 = 0.35;
 const TOTE_ABOVE_M: f64 = 0.12;
 /// A hand is inside while it is not farther than this on the picker's side of the opening, metres.
 const OUTSIDE_M: f64 = 0.02;
+/// A hand within this distance before the face may be warned of, metres.
+const NEAR_M: f64 = 0.15;
 /// A row without another one above or below it is so high, metres.
 const ROW_M: f64 = 0.35;
 
@@ -61,6 +63,12 @@ impl PickFace {
     pub fn of(&self, place: Place) -> FacePlace {
         let off = Point::new(place.x, place.y) - self.stands;
         FacePlace::new(off.dot(&self.right), off.dot(&self.out), place.z)
+    }
+
+    /// A direction on the map in the frame of the face.
+    pub fn direction(&self, along: nalgebra::Vector3<f64>) -> FacePlace {
+        let level = along.xy();
+        FacePlace::new(level.dot(&self.right), level.dot(&self.out), along.z)
     }
 
     /// A place in the frame of the face on the map.
@@ -140,6 +148,11 @@ impl PickFace {
         let (tote, rim) = self.totes.iter().enumerate().min_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
         let above = at.z - rim.z;
         (off(rim) <= TOTE_M && (-TOTE_BELOW_M..=TOTE_ABOVE_M).contains(&above)).then_some(tote)
+    }
+
+    /// Whether a hand at this place is just before a slot, in one, or in a tote.
+    pub fn is_near(&self, at: FacePlace) -> bool {
+        self.depth_m(at) > -NEAR_M || self.tote_at(at).is_some()
     }
 
     /// Whether a hand at this place is in the opening or beyond it, where the rack may not move.

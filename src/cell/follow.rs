@@ -24,10 +24,10 @@ const STOPS_MPS: f64 = 0.45;
 const SMOOTH_S: f64 = 0.04;
 
 /// What a hand has done.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HandEvent {
-    /// It came out of a slot with a piece.
-    Grasped(SlotName),
+    /// It came out of a slot with a piece, and was deepest inside at this place.
+    Grasped(SlotName, FacePlace),
     /// It put a piece into a tote, by its number at the station.
     Placed(HeldPiece, usize),
     /// It has stopped in a tote without holding anything.
@@ -51,7 +51,7 @@ struct SlotStay {
     since: Time,
     /// Where it was deepest inside.
     slot: SlotName,
-    depth_m: f64,
+    at: FacePlace,
 }
 
 /// What is believed of one hand.
@@ -130,16 +130,16 @@ impl HandFollower {
     }
 
     fn slots(&mut self, face: &PickFace, at: FacePlace, seen: Time) -> Option<HandEvent> {
-        let depth_m = face.depth_m(at);
         match (face.slot_at(at), self.stay.as_mut()) {
-            (Some(slot), None) => self.stay = Some(SlotStay { since: seen, slot, depth_m }),
-            (Some(slot), Some(stay)) if depth_m > stay.depth_m => (stay.slot, stay.depth_m) = (slot, depth_m),
-            (None, Some(stay)) if depth_m < 0.0 => {
-                let (slot, dwelt) = (stay.slot, seen - stay.since);
+            (Some(slot), None) => self.stay = Some(SlotStay { since: seen, slot, at }),
+            (Some(slot), Some(stay)) if at.y < stay.at.y => (stay.slot, stay.at) = (slot, at),
+            (None, Some(stay)) if face.depth_m(at) < 0.0 => {
+                let SlotStay { slot, at: deepest, since } = *stay;
+                let dwelt = seen - since;
                 self.stay = None;
                 if dwelt >= GRASP {
                     self.held = Some(HeldPiece { from: slot, sure: true, is_of_before: false });
-                    return Some(HandEvent::Grasped(slot));
+                    return Some(HandEvent::Grasped(slot, deepest));
                 }
             }
             _ => {}

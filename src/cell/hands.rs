@@ -46,6 +46,8 @@ pub struct HandsSeen {
     pub seen: Time,
     /// The middle of the head.
     pub head: Place,
+    /// Where the head points, of length one; nothing where that is not known.
+    pub facing: Option<nalgebra::Vector3<f64>>,
     /// Left and right hand; nothing of one that is not seen.
     pub hands: [Option<HandPoints>; 2],
 }

@@ -6,6 +6,7 @@
 
 mod aim;
 pub mod arm;
+mod belief;
 mod check;
 mod desk;
 mod face;
@@ -15,8 +16,9 @@ mod hands;
 mod lines;
 mod pace;
 
+pub use belief::ReachPlace;
 pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};
-pub use desk::{Desk, DeskEvent};
+pub use desk::{Desk, DeskEvent, DeskScene, SeenReach};
 pub use face::{FacePlace, PickFace};
 pub use flow::Flow;
 pub use follow::HeldPiece;

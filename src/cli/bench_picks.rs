@@ -4,8 +4,9 @@
 //! Allocations are those of the program's allocator while a sample is taken in. Refuses: to print a figure without the
 //! command that made it.
 
-use super::bench_arm::arm_times;
 use super::stopwatch;
+use crate::experiment::arm::bolts::BoltsBench;
+use crate::experiment::arm::planners::{PlannerKind, Workshops};
 use crate::reach::arm::ARM_STEPS;
 use crate::reach::{ArmPoint, ArmSample, ArmVector, PickModel, ReachTarget, SlotTracker};
 use crate::sim::picker::motion::{ArmBuild, ArmReach};
@@ -62,7 +63,7 @@ impl BenchPicksArgs {
             first = false;
         }
         let forecasts = forecast_us(&hands[0].samples);
-        let [mpc_us, planner_us] = arm_times(self.seed)?;
+        let [mpc_us, planner_us] = arm_us(self.seed)?;
         let mean_us = times.iter().sum::<f64>() / times.len() as f64;
         times.sort_by(f64::total_cmp);
         let at = |share: f64| times[((times.len() - 1) as f64 * share) as usize];
@@ -72,7 +73,7 @@ impl BenchPicksArgs {
             let report = json!({
                 "workers": self.workers, "slots": self.slots, "samples": times.len(),
                 "sample_us": {"p50": at(0.5), "p99": at(0.99)}, "core_share": core_share,
-                "forecast_us": forecasts, "mpc_us": mpc_us, "planner_us": planner_us,
+                "forecast_us": forecasts, "mpc_us": quantiles(&mpc_us), "planner_us": quantiles(&planner_us),
                 "allocations_per_sample": per_sample,
             });
             println!("{}", serde_json::to_string_pretty(&report)?);
@@ -83,9 +84,12 @@ impl BenchPicksArgs {
             );
             println!("a sample {:.1} µs, 99 % below {:.1} µs", at(0.5), at(0.99));
             println!("{core_share:.3} of one core for {} hands at {HZ} Hz", self.workers);
-            let n = |v: &Value, q: &str| v[q].as_f64().unwrap_or(f64::NAN);
-            for (what, us) in [("control", &mpc_us), ("search for a way", &planner_us)] {
-                println!("a robot arm's {what} {:.0} µs, 99 % below {:.0} µs", n(us, "p50"), n(us, "p99"));
+            for (what, us) in [("cycle of its control", &mpc_us), ("search for its way", &planner_us)] {
+                println!(
+                    "a robot arm: a {what} {:.0} µs, 99 % below {:.0} µs",
+                    at_share(us, 0.5),
+                    at_share(us, 0.99)
+                );
             }
             println!("a forecast of the arm {forecasts:.1} µs; {per_sample} allocations per sample");
         }
@@ -132,4 +136,28 @@ fn forecast_us(samples: &[ArmSample]) -> f64 {
     let mut times: Vec<f64> = samples.windows(ARM_STEPS).map(time).collect();
     times.sort_by(f64::total_cmp);
     times.get(times.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Queries of which the search for a way is timed.
+const QUERIES: u64 = 60;
+
+/// How long a robot arm's control and its planner (the net, or RRT-Connect where that finds no way) take, sorted,
+/// microseconds.
+fn arm_us(seed: u64) -> anyhow::Result<[Vec<f64>; 2]> {
+    let mut clock = || stopwatch() as f64 / 1000.0;
+    let mut control = BoltsBench::new(seed).control_times(&mut clock);
+    let workshop = Workshops::new(seed, 1).ok_or_else(|| anyhow::anyhow!("the arm's net learned nothing"))?;
+    let asked = PlannerKind::ALL.iter().position(|kind| *kind == PlannerKind::GraphFallback);
+    let asked = asked.expect("it is one of them");
+    let mut planner: Vec<f64> = (0..QUERIES).map(|n| workshop.ask(0, n, &mut clock)[asked].took_ms).collect();
+    [&mut control, &mut planner].into_iter().for_each(|all| all.sort_by(f64::total_cmp));
+    Ok([control, planner])
+}
+
+fn at_share(sorted: &[f64], share: f64) -> f64 {
+    sorted.get(((sorted.len().max(1) - 1) as f64 * share) as usize).copied().unwrap_or(f64::NAN)
+}
+
+fn quantiles(sorted: &[f64]) -> Value {
+    json!({"p50": at_share(sorted, 0.5), "p99": at_share(sorted, 0.99)})
 }

@@ -6,6 +6,7 @@ use super::alarms::AlarmsArgs;
 use super::arm::{BoltsArgs, OverlapArgs};
 use super::arm_planners::PlannersArgs;
 use super::corridor::CorridorArgs;
+use super::objects::ObjectsArgs;
 use super::people::{DetectionArgs, TableArgs};
 use super::picks::PicksArgs;
 use super::price::PriceArgs;
@@ -46,6 +47,8 @@ pub enum Experiment {
     Stations(StationsArgs),
     /// Recorded people who reach for places: which place, where the arm will be, where they look.
     Picks(PicksArgs),
+    /// Simulated people who fetch objects: which one, by published nets (Petković 2021, chapter 5).
+    Objects(ObjectsArgs),
     /// A robot arm beside a person who places things: stated against sampled overlap, and choices by it (Liu and
     /// Jebelli).
     Overlap(OverlapArgs),
@@ -114,6 +117,7 @@ impl Experiment {
             Experiment::SafeSpace(spaces) => spaces.run(),
             Experiment::Stations(stations) => stations.run(),
             Experiment::Picks(picks) => picks.run(),
+            Experiment::Objects(objects) => objects.run(),
             Experiment::Overlap(overlap) => overlap.run(),
             Experiment::Bolts(bolts) => bolts.run(),
             Experiment::Planners(planners) => planners.run(),

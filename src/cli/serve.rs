@@ -20,6 +20,9 @@ pub struct Serve {
     /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, if absent.
     #[arg(long)]
     model: Option<std::path::PathBuf>,
+    /// What was learned of pickers (`giveway learn picks`); the built-in figures if absent.
+    #[arg(long)]
+    pick_model: Option<std::path::PathBuf>,
     /// A map other than the scenario's, in any format that `map import` knows. The database is carried over to it. A
     /// map that was published to the running server since takes precedence over the same file.
     #[arg(long)]
@@ -38,6 +41,7 @@ impl Serve {
         let mut setup = Setup::read(&config.scenario, self.map.as_deref(), None)
             .context("there is nothing to run: name a scenario with --scenario")?;
         setup.use_model(self.model.as_deref())?;
+        setup.use_pick_model(self.pick_model.as_deref())?;
         if let Some(method) = config.method {
             setup.scenario.workers.method = method;
             setup.scenario.check_method(&setup.warehouse).context("the setting `method` is refused")?;

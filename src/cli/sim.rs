@@ -7,6 +7,7 @@ use super::learn::read_model;
 use super::{progress, read, read_map, rings, stopwatch};
 use crate::fleet::InsertionCounts;
 use crate::human::Model;
+use crate::reach::PickModel;
 use crate::sim::recording::{Header, Recorder};
 use crate::sim::{Consistency, Demand, JobTally, NeesFigures, OrderFileLine, Outcome, Scenario, Simulation};
 use crate::time::{Span, Time};
@@ -42,6 +43,9 @@ pub struct SimArgs {
     /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, if absent.
     #[arg(long)]
     model: Option<PathBuf>,
+    /// What was learned of pickers (`giveway learn picks`); the built-in figures if absent.
+    #[arg(long)]
+    pick_model: Option<PathBuf>,
     /// Leave out the second run that measures the bound on throughput.
     #[arg(long)]
     no_bound: bool,
@@ -114,6 +118,20 @@ impl Setup {
         }
         Ok(())
     }
+
+    /// Takes figures about pickers from a file, if one is named.
+    pub fn use_pick_model(&mut self, path: Option<&Path>) -> anyhow::Result<()> {
+        if let Some(path) = path {
+            self.scenario.picks = read_pick_model(path)?;
+        }
+        Ok(())
+    }
+}
+
+/// Reads what was learned of pickers.
+pub(super) fn read_pick_model(path: &Path) -> anyhow::Result<Arc<PickModel>> {
+    let model = PickModel::parse(&read(path)?);
+    Ok(Arc::new(model.with_context(|| format!("{} is refused", path.display()))?))
 }
 
 impl SimArgs {
@@ -121,6 +139,7 @@ impl SimArgs {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let mut setup = Setup::read(&self.scenario, self.map.as_deref(), self.orders.as_deref())?;
         setup.use_model(self.model.as_deref())?;
+        setup.use_pick_model(self.pick_model.as_deref())?;
         setup.scenario.robots = self.robots.unwrap_or(setup.scenario.robots);
         if let Some(seconds) = self.duration {
             anyhow::ensure!((1.0..=1e7).contains(&seconds), "--duration must be from 1 to 10000000 seconds");
@@ -165,7 +184,8 @@ fn simulate(
         let map = crate::warehouse::formats::json::write(warehouse);
         let is_builtin = *scenario.learned == *Model::builtin();
         let model = (!is_builtin).then(|| scenario.learned.to_json());
-        let header = Header { giveway_recording: 1, scenario: text.clone(), map, seed, model };
+        let picks = (*scenario.picks != *PickModel::builtin()).then(|| scenario.picks.to_json());
+        let header = Header { giveway_recording: 1, scenario: text.clone(), map, seed, model, picks };
         file.write(&Recorder::header(&header))?;
     }
     let mut reeler = FrameWriter::create(reel, None, &sim.fleet, scenario.name.clone())?;

@@ -4,7 +4,7 @@
 
 use super::in_parallel;
 use super::people::exit;
-use super::sim::Setup;
+use super::sim::{Setup, read_pick_model};
 use crate::experiment::stations::{StationsRow, StationsSetup};
 use crate::experiment::statistics::{Interval, Summary};
 use crate::sim::{ArmModeWord, FlowWord, Scenario};
@@ -64,6 +64,9 @@ pub struct StationsArgs {
     /// Runs at a time; as many as there are cores if absent.
     #[arg(long)]
     jobs: Option<usize>,
+    /// What was learned of pickers (`giveway learn picks`); the built-in figures if absent.
+    #[arg(long)]
+    pick_model: Option<PathBuf>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -134,6 +137,9 @@ impl StationsArgs {
                 StationsSetup { warehouse, scenario: Scenario::parse(SHIPPED)? }
             }
         };
+        if let Some(path) = &self.pick_model {
+            setup.scenario.picks = read_pick_model(path)?;
+        }
         if let Some(seconds) = self.seconds {
             anyhow::ensure!((60.0..=1e6).contains(&seconds), "--seconds must be from 60 to 1000000");
             setup.scenario.duration = Span::from_secs_f64(seconds);

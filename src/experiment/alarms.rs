@@ -9,6 +9,7 @@ use crate::alarm::{Alarm, AlarmKind, AlarmRegister, AlarmScope, FloorWatch, Loop
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::{Charging, Doing, Fault, RobotState, RobotView, Task, View};
 use crate::id::{Dense, RobotId, WorkerId};
+use crate::reach::PickModel;
 use crate::route::Kinematics;
 use crate::sim::{Demand, Faults, Habits, KindShare, Scenario, Simulation, Workers};
 use crate::time::{Span, Time};
@@ -305,6 +306,7 @@ fn scenario(name: &str, (robots, workers): (usize, usize), duration: Span, seed:
         evacuations: Vec::new(),
         model: None,
         learned: crate::human::Model::builtin(),
+        picks: PickModel::builtin(),
         policy: HumanAwarePolicy::Giveway,
     }
 }

@@ -4,7 +4,8 @@
 //! [`planning`] (one route among many), [`distances`] (ways to goals repaired), [`stories`] (intentions recognised),
 //! [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways of giving
 //! way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for), [`stations`]
-//! (what picking stations gain by lines and hands), [`picks`] (where recorded hands go), [`arm`] (a robot arm beside a
+//! (what picking stations gain by lines and hands), [`picks`] (where recorded hands go), [`objects`] (which object
+//! a person fetches), [`arm`] (a robot arm beside a
 //! picker), [`corridor`] (robots that leave the line to pass a worker), [`alarms`] (which alarms follow from faults),
 //! [`steps`] (what a step costs), [`month`] (what it keeps), [`statistics`]. Refuses: to read files or clocks; the
 //! caller passes texts in and takes figures out.
@@ -18,6 +19,7 @@ pub mod grid;
 pub mod learning;
 pub mod lifelong;
 pub mod month;
+pub mod objects;
 pub mod picks;
 pub mod planning;
 pub mod plot;

@@ -8,6 +8,7 @@ use super::robot_time::RobotTime;
 use super::statistics::{Interval, Summary};
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::Charging;
+use crate::reach::PickModel;
 use crate::route::Kinematics;
 use crate::sim::detection::Score;
 use crate::sim::encounter::EncounterFigures;
@@ -175,6 +176,7 @@ impl TableSetup {
             evacuations: Vec::new(),
             model: None,
             learned: crate::human::Model::builtin(),
+            picks: PickModel::builtin(),
             policy: arm,
         }
     }

@@ -83,6 +83,7 @@ fn scenario(robots: usize) -> Scenario {
         policy: HumanAwarePolicy::default(),
         model: None,
         learned: crate::human::Model::builtin(),
+        picks: crate::reach::PickModel::builtin(),
     }
 }
 

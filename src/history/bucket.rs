@@ -33,6 +33,12 @@ pub struct Bucket {
     pub worker_time: Span,
     /// Time that robots stood although they would have driven on, all together.
     pub waiting_time: Span,
+    /// Order lines that were over, at picking stations.
+    pub lines: u64,
+    /// Reaches of pickers that were warned of.
+    pub wrong_reaches: u64,
+    /// Time in which picking stations had no rack to pick from, all together.
+    pub idle_time: Span,
     /// How long robots were at what, and waited for what.
     pub robots: RobotTimes,
     /// How long searches took.
@@ -54,6 +60,8 @@ impl Bucket {
             replans: more(|c| c.replans),
             plans: more(|c| c.plans),
             plan_failures: more(|c| c.plan_failures),
+            lines: more(|c| c.lines),
+            wrong_reaches: more(|c| c.wrong_reaches),
             ..Bucket::default()
         }
     }
@@ -71,6 +79,9 @@ impl Bucket {
         self.plan_failures += other.plan_failures;
         self.worker_time += other.worker_time;
         self.waiting_time += other.waiting_time;
+        self.lines += other.lines;
+        self.wrong_reaches += other.wrong_reaches;
+        self.idle_time += other.idle_time;
         self.robots.add(&other.robots);
         self.searches.add(&other.searches);
         self.step_max_us = self.step_max_us.max(other.step_max_us);

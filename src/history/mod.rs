@@ -80,6 +80,8 @@ impl History {
         fresh.covered = span;
         fresh.worker_time = span * people as i64;
         fresh.waiting_time = span * waiting().count() as i64;
+        let idle = view.stations.iter().filter(|s| s.has_cell && s.paused.is_none() && !s.picking).count();
+        fresh.idle_time = span * idle as i64;
         times.searches_us.iter().for_each(|us| fresh.searches.note(*us));
         fresh.robots = RobotTimes::of(view, span);
         fresh.step_max_us = times.step_us;

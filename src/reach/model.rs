@@ -143,6 +143,11 @@ impl PickModel {
         }
     }
 
+    /// The text of its file, which reads back as the same model.
+    pub fn to_json(&self) -> String {
+        serde_json::json!({ "model": self }).to_string()
+    }
+
     /// Figures learned from simulated people; `docs/picks.md` has the command.
     pub fn builtin() -> Arc<PickModel> {
         static BUILTIN: LazyLock<Arc<PickModel>> = LazyLock::new(|| {

@@ -1,9 +1,9 @@
 //! The published predictor and its variants: a net that looks at the person beside each place.
 //!
-//! Main types: [`PlaceNet`], [`PlaceBank`]. One net with the same weights for every place (Petković, section 5.2.1),
-//! its inputs selected, or pressed through a narrow layer, or one net for all places together (FULL, ALL). Corrected:
-//! it keeps a state instead of a buffer of frames; a place that is new replays its own last frames instead of taking
-//! the state of a neighbour. Refuses: to know more of a place than distances.
+//! Main types: [`PlaceNet`], [`PlaceState`], [`PlaceBank`]. One net with the same weights for every place (Petković,
+//! section 5.2.1), its inputs selected, or pressed through a narrow layer, or one net for all places together (FULL,
+//! ALL). Corrected: it keeps a state instead of a buffer of frames; a place that is new replays its own last frames
+//! instead of taking the state of a neighbour. Refuses: to know more of a place than distances.
 
 use super::features::{ArmMotion, JOINTS};
 use super::net::squash::{sigmoid, softmax};
@@ -102,6 +102,54 @@ impl PlaceNet {
     }
 }
 
+/// What a net remembers of the place, or of all the places, that it looks at; and room to compute in.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlaceState {
+    h: Vec<f32>,
+    c: Vec<f32>,
+    narrow: Vec<f32>,
+    wide: Vec<f32>,
+    z: Vec<f32>,
+    scores: Vec<f32>,
+}
+
+impl PlaceNet {
+    /// A state that has seen nothing.
+    pub fn state(&self) -> PlaceState {
+        let (n, front) = (self.core.hidden(), self.front.as_ref());
+        PlaceState {
+            h: vec![0.0; n],
+            c: vec![0.0; n],
+            narrow: vec![0.0; front.map_or(0, |f| f.narrow.outputs)],
+            wide: vec![0.0; front.map_or(0, |f| f.wide.outputs)],
+            z: vec![0.0; 4 * n],
+            scores: vec![0.0; self.group],
+        }
+    }
+
+    /// One step: `figures` of all places that the net looks at together, in order. Returns one score per place.
+    pub fn step<'s>(&self, figures: &[f32], state: &'s mut PlaceState) -> &'s [f32] {
+        let input = match &self.front {
+            Some(front) => {
+                front.narrow.apply(figures, &mut state.narrow);
+                state.narrow.iter_mut().for_each(|v| *v = sigmoid(*v));
+                front.wide.apply(&state.narrow, &mut state.wide);
+                &state.wide[..]
+            }
+            None => figures,
+        };
+        match &self.core {
+            PlaceCore::Lstm(lstm) => lstm.step(input, &mut state.h, &mut state.c, &mut state.z),
+            PlaceCore::Elman(elman) => {
+                let n = elman.map.outputs;
+                elman.step(input, &mut state.h, &mut state.z[..n]);
+            }
+        }
+        self.out.apply(&state.h, &mut state.scores);
+        &state.scores
+    }
+}
+
 /// Frames that a new place replays.
 const REPLAYED: usize = 25;
 
@@ -109,8 +157,7 @@ const REPLAYED: usize = 25;
 #[derive(Clone, Debug, PartialEq)]
 struct Watched {
     target: ReachTarget,
-    h: Vec<f32>,
-    c: Vec<f32>,
+    state: PlaceState,
     score: f64,
 }
 
@@ -120,35 +167,19 @@ pub struct PlaceBank<'a> {
     net: &'a PlaceNet,
     watched: Vec<Watched>,
     frames: VecDeque<ArmMotion>,
-    x: Vec<f32>,
-    narrow: Vec<f32>,
-    wide: Vec<f32>,
-    z: Vec<f32>,
 }
 
 impl<'a> PlaceBank<'a> {
     /// Without places; nothing if the net looks at several places together.
     pub fn new(net: &'a PlaceNet) -> Option<PlaceBank<'a>> {
-        let front = net.front.as_ref();
-        (net.group == 1).then(|| PlaceBank {
-            net,
-            watched: Vec::new(),
-            frames: VecDeque::with_capacity(REPLAYED + 1),
-            x: vec![0.0; JOINTS],
-            narrow: vec![0.0; front.map_or(0, |f| f.narrow.outputs)],
-            wide: vec![0.0; front.map_or(0, |f| f.wide.outputs)],
-            z: vec![0.0; 4 * net.core.hidden()],
-        })
+        let frames = VecDeque::with_capacity(REPLAYED + 1);
+        (net.group == 1).then(|| PlaceBank { net, watched: Vec::new(), frames })
     }
 
     /// Adds a place: the net sees it beside the last second, as if it had been there.
     pub fn add(&mut self, target: ReachTarget) {
-        let n = self.net.core.hidden();
-        let mut watched = Watched { target, h: vec![0.0; n], c: vec![0.0; n], score: 0.0 };
-        for i in 0..self.frames.len() {
-            let motion = self.frames[i];
-            self.look(&motion, &mut watched);
-        }
+        let mut watched = Watched { target, state: self.net.state(), score: 0.0 };
+        self.frames.iter().for_each(|motion| watched.look(self.net, motion));
         self.watched.push(watched);
     }
 
@@ -165,9 +196,7 @@ impl<'a> PlaceBank<'a> {
             self.frames.pop_front();
         }
         self.frames.push_back(*motion);
-        let mut watched = std::mem::take(&mut self.watched);
-        watched.iter_mut().for_each(|w| self.look(motion, w));
-        self.watched = watched;
+        self.watched.iter_mut().for_each(|w| w.look(self.net, motion));
     }
 
     /// Probabilities of the places in their order, at a temperature.
@@ -176,29 +205,13 @@ impl<'a> PlaceBank<'a> {
         out.extend(self.watched.iter().map(|w| w.score * sharpness));
         softmax(out);
     }
+}
 
-    fn look(&mut self, motion: &ArmMotion, watched: &mut Watched) {
-        motion.joints(&watched.target, &mut self.x);
-        let figures = &self.x[..self.net.figures];
-        let input = match &self.net.front {
-            Some(front) => {
-                front.narrow.apply(figures, &mut self.narrow);
-                self.narrow.iter_mut().for_each(|v| *v = sigmoid(*v));
-                front.wide.apply(&self.narrow, &mut self.wide);
-                &self.wide[..]
-            }
-            None => figures,
-        };
-        match &self.net.core {
-            PlaceCore::Lstm(lstm) => lstm.step(input, &mut watched.h, &mut watched.c, &mut self.z),
-            PlaceCore::Elman(elman) => {
-                let n = elman.map.outputs;
-                elman.step(input, &mut watched.h, &mut self.z[..n]);
-            }
-        }
-        let mut score = [0.0f32];
-        self.net.out.apply(&watched.h, &mut score);
-        watched.score = f64::from(score[0]);
+impl Watched {
+    fn look(&mut self, net: &PlaceNet, motion: &ArmMotion) {
+        let mut joints = [0.0; JOINTS];
+        motion.joints(&self.target, &mut joints);
+        self.score = f64::from(net.step(&joints[..net.figures], &mut self.state)[0]);
     }
 }
 

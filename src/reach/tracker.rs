@@ -22,7 +22,7 @@ const KEPT: usize = 12;
 const NONE: f64 = 0.005;
 
 /// A hand that is watched.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SlotTracker {
     model: Arc<PickModel>,
     states: Vec<EndState>,
@@ -75,13 +75,33 @@ impl SlotTracker {
 
     /// One sample. One that is not later than the last is left out.
     pub fn observe(&mut self, sample: ArmSample) {
+        let Some((motion, is_new)) = self.advance(sample) else { return };
+        if !is_new && sample.at_s - motion.now().at_s > 1e-3 {
+            self.glimpse(&motion, sample);
+        }
+        self.weigh();
+    }
+
+    /// The same for who looks seldom: the nets are asked only when their step is due, so that probabilities may be a
+    /// step old, at a third of the cost.
+    pub fn follow(&mut self, sample: ArmSample) {
+        let due_s = self.next_s;
+        if let Some((_, is_new)) = self.advance(sample)
+            && (is_new || self.next_s > due_s)
+        {
+            self.weigh();
+        }
+    }
+
+    /// Takes a sample in, with the steps that are due. How the hand moves as of the last step, and whether it is a new
+    /// hand; nothing for a sample that is left out.
+    fn advance(&mut self, sample: ArmSample) -> Option<(ArmMotion, bool)> {
         let last = self.kept[self.newest];
         let Some((motion, last)) = self.motion.zip(last).filter(|(_, l)| sample.at_s - l.at_s < GAP_S) else {
-            self.begin(sample);
-            return;
+            return Some((self.begin(sample), true));
         };
         if sample.at_s <= last.at_s {
-            return;
+            return None;
         }
         let mut motion = motion;
         while self.next_s <= sample.at_s {
@@ -93,13 +113,10 @@ impl SlotTracker {
         self.motion = Some(motion);
         self.newest = (self.newest + 1) % KEPT;
         self.kept[self.newest] = Some(sample);
-        if sample.at_s - motion.now().at_s > 1e-3 {
-            self.glimpse(&motion, sample);
-        }
-        self.weigh();
+        Some((motion, false))
     }
 
-    fn begin(&mut self, sample: ArmSample) {
+    fn begin(&mut self, sample: ArmSample) -> ArmMotion {
         self.kept = [None; KEPT];
         self.newest = 0;
         self.kept[0] = Some(sample);
@@ -109,7 +126,7 @@ impl SlotTracker {
         self.step(&motion);
         self.motion = Some(motion);
         self.next_s = sample.at_s + STEP_S;
-        self.weigh();
+        motion
     }
 
     fn step(&mut self, motion: &ArmMotion) {
@@ -240,6 +257,21 @@ mod tests {
                 assert!((a - b).abs() < 0.06, "{until_s}: {a} and {b}");
             }
         }
+    }
+
+    #[test]
+    fn who_looks_seldom_is_told_the_same_at_each_step() {
+        let mut seldom = SlotTracker::new(PickModel::builtin());
+        seldom.set_places(&rack(), None);
+        // The twelfth sample of 60 a second is at the fifth step of 25.
+        (0..=24).for_each(|k| seldom.follow(on_the_way(&rack()[2], f64::from(k) / 60.0)));
+        let mut often = SlotTracker::new(PickModel::builtin());
+        often.set_places(&rack(), None);
+        (0..=24).for_each(|k| often.observe(on_the_way(&rack()[2], f64::from(k) / 60.0)));
+        for (a, b) in seldom.probabilities().iter().zip(often.probabilities()) {
+            assert!((a - b).abs() < 0.1, "{a} and {b}");
+        }
+        assert!(seldom.probabilities()[2] > seldom.probabilities()[0]);
     }
 
     #[test]

@@ -120,13 +120,14 @@ impl DriveLoop {
         self.world
     }
 
-    /// Turns at once where a pose calls for a stop and the loop has rested.
+    /// Turns at once where a pose calls for a stop, or hands for a warning, and the loop has rested.
     fn listen(&mut self, heard: &HeardSighting, published: &mut Time) {
         let now = self.clock.now();
-        if !self.rescue.is_broken()
-            && self.pace.called.is_none()
-            && self.fleet.calls_for_stop(&heard.sighting, now)
-        {
+        if self.rescue.is_broken() || self.pace.called.is_some() {
+            return;
+        }
+        let is_wrong = || self.inbox.hands_of(heard).is_some_and(|h| self.fleet.calls_for_warning(&h, now));
+        if self.fleet.calls_for_stop(&heard.sighting, now) || is_wrong() {
             self.pace.called = Some(heard.received);
             if now >= self.pace.rests {
                 self.turn_early(published);
@@ -155,6 +156,7 @@ impl DriveLoop {
         inputs.extend(self.world.advance(now, &self.fleet));
         self.inbox.look(&mut inputs);
         let looked = self.clock.now();
+        let mut warned = false;
         if self.journal.is_full() {
             self.halt(now, &inputs);
             self.inbox.keep(inputs);
@@ -164,6 +166,8 @@ impl DriveLoop {
             self.note(self.clock.now() - looked, step.facts.len());
             self.world.warn(self.clock.now(), &step.warnings);
             self.world.move_arms(&step.arms);
+            self.feeds.warn(&step.warnings);
+            warned = !step.warnings.is_empty();
             self.send_urgent((looked, called), step.urgent, step.guidance);
             self.tap.note(&step.facts);
             let causes = self.inbox.causes(&step.caused);
@@ -171,7 +175,8 @@ impl DriveLoop {
             self.outbox.put(after, step.commands, step.replies);
         }
         self.settling.look(&mut self.fleet, now, self.journal.is_settled());
-        if now - *published >= PUBLISH {
+        // A display of a station shows what somebody is warned of at once.
+        if warned || now - *published >= PUBLISH {
             *published = now;
             self.publish(now);
         }
@@ -263,7 +268,7 @@ impl DriveLoop {
 
     fn publish(&mut self, now: Time) {
         let view = self.fleet.view(now);
-        self.feeds.refresh(&view);
+        self.feeds.refresh(&view, self.fleet.warehouse());
         self.alarms.note(&view);
         self.watchdog.look(&self.fleet, &view, self.clock.system_ahead(), &self.alarms);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);

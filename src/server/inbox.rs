@@ -116,13 +116,17 @@ impl Inbox {
 
     /// Hands of people in a workplace are seen beside their pose.
     fn see(&self, heard: &HeardSighting, inputs: &mut Vec<Input>) {
+        inputs.push(Input::Sighted(heard.sighting));
+        inputs.extend(self.hands_of(heard).map(Input::Hands));
+    }
+
+    /// The hands of a person in a workplace, if they were seen.
+    pub fn hands_of(&self, heard: &HeardSighting) -> Option<HandsSeen> {
         let HeardSighting { sighting, hands, .. } = heard;
-        inputs.push(Input::Sighted(*sighting));
-        let Some(HeardHands { head, hands }) = *hands else { return };
-        let there = self.workplaces.iter().find(|(_, outline)| inside(outline, sighting.at));
-        let Some((station, _)) = there else { return };
-        let (station, person, seen) = (*station, sighting.worker.0, sighting.seen);
-        inputs.push(Input::Hands(HandsSeen { station, person, seen, head, hands }));
+        let HeardHands { head, facing, hands } = (*hands)?;
+        let (station, _) = self.workplaces.iter().find(|(_, outline)| inside(outline, sighting.at))?;
+        let (person, seen) = (sighting.worker.0, sighting.seen);
+        Some(HandsSeen { station: *station, person, seen, head, facing, hands })
     }
 
     /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Nor are

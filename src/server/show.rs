@@ -219,7 +219,7 @@ impl Screen {
         // How long searches took when it was recorded is in no recording.
         self.figures.note(&view, &LoopTimes::default());
         self.feeds.know(&player.fleet.ledger().workers);
-        self.feeds.refresh(&view);
+        self.feeds.refresh(&view, player.fleet.warehouse());
         self.note_alarms(&player.fleet, &view);
         let measured = self.measure.figures(now, view.counts.robot_deliveries);
         let forecasts = self.ahead.of(&player.fleet, now);

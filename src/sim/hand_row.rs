@@ -11,9 +11,17 @@ use serde::{Deserialize, Serialize};
 /// Wrist, palm, two finger tips: three numbers each.
 type HandRow = [f64; 12];
 
-/// Station, person, seen, head, left hand, right hand.
+/// Station, person, seen, head, left hand, right hand, where the head points.
 #[derive(Clone, Serialize, Deserialize)]
-pub(super) struct HandsRow(u32, u32, i64, [f64; 3], Option<HandRow>, Option<HandRow>);
+pub(super) struct HandsRow(
+    u32,
+    u32,
+    i64,
+    [f64; 3],
+    Option<HandRow>,
+    Option<HandRow>,
+    #[serde(default)] Option<[f64; 3]>,
+);
 
 fn row(hand: &HandPoints) -> HandRow {
     let [tip, other] = hand.tips;
@@ -32,17 +40,19 @@ fn hand(row: HandRow) -> HandPoints {
 impl From<&HandsSeen> for HandsRow {
     fn from(s: &HandsSeen) -> HandsRow {
         let [left, right] = s.hands.map(|h| h.as_ref().map(row));
-        HandsRow(s.station.0, s.person, s.seen.0, [s.head.x, s.head.y, s.head.z], left, right)
+        let facing = s.facing.map(|ahead| [ahead.x, ahead.y, ahead.z]);
+        HandsRow(s.station.0, s.person, s.seen.0, [s.head.x, s.head.y, s.head.z], left, right, facing)
     }
 }
 
 impl From<HandsRow> for HandsSeen {
-    fn from(HandsRow(station, person, seen, [x, y, z], left, right): HandsRow) -> HandsSeen {
+    fn from(HandsRow(station, person, seen, [x, y, z], left, right, facing): HandsRow) -> HandsSeen {
         HandsSeen {
             station: StationId(station),
             person,
             seen: Time(seen),
             head: Place::new(x, y, z),
+            facing: facing.map(Into::into),
             hands: [left.map(hand), right.map(hand)],
         }
     }

@@ -34,6 +34,9 @@ pub struct Header {
     /// What was learned about people, as text; absent where the built-in figures held.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
+    /// What was learned of pickers, as text; absent where the built-in figures held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picks: Option<String>,
 }
 
 /// A recording that cannot be read.

@@ -7,6 +7,7 @@ use super::recording::{Broken, Playback, Played};
 use super::scenario::Scenario;
 use crate::fleet::{Fleet, Settings, Step};
 use crate::human::Model;
+use crate::reach::PickModel;
 use crate::time::Time;
 use crate::warehouse::formats;
 use std::sync::Arc;
@@ -49,6 +50,9 @@ impl Player {
         let mut scenario = Scenario::parse(&header.scenario).map_err(|e| broken(format!("scenario: {e}")))?;
         if let Some(model) = &header.model {
             scenario.learned = Arc::new(Model::parse(model).map_err(|e| broken(format!("model: {e}")))?);
+        }
+        if let Some(picks) = &header.picks {
+            scenario.picks = Arc::new(PickModel::parse(picks).map_err(|e| broken(format!("picks: {e}")))?);
         }
         let warehouse = formats::json::parse(&header.map).map_err(|e| broken(format!("map: {e}")))?;
         let warehouse = scenario.fit(&Arc::new(warehouse)).map_err(|e| broken(format!("map: {e}")))?;

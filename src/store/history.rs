@@ -13,7 +13,8 @@ use std::collections::BTreeMap;
 
 const KEEP: &str = "INSERT OR REPLACE INTO history (step, start, covered, robot_deliveries, human_deliveries, \
     encounters, deviations, interruptions, replans, plans, plan_failures, worker_time, waiting_time, searches, \
-    step_max, robots) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16)";
+    step_max, robots, lines, wrong_reaches, idle_time) \
+    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19)";
 const FORGET: &str = "DELETE FROM history WHERE step = $1 AND start < $2";
 const HISTORY: &str = "SELECT * FROM history ORDER BY step, start";
 const COOL: &str = "DELETE FROM heat WHERE start < $1 OR start = $2";
@@ -82,7 +83,9 @@ async fn write(
         let row = counts.into_iter().fold(row, |row, n| row.bind(n.cast_signed()));
         let row = row.bind(b.worker_time.0).bind(b.waiting_time.0);
         let row = row.bind(b.searches.text()).bind(b.step_max_us.cast_signed());
-        row.bind(b.robots.text()).execute(&mut *db).await?;
+        let row = row.bind(b.robots.text());
+        let row = row.bind(b.lines.cast_signed()).bind(b.wrong_reaches.cast_signed());
+        row.bind(b.idle_time.0).execute(&mut *db).await?;
     }
     for (step, oldest) in History::kept_from(now) {
         sqlx::query(FORGET).bind(step.0).bind(oldest.0).execute(&mut *db).await?;
@@ -117,6 +120,9 @@ fn bucket(row: &SqliteRow) -> Result<(Span, Bucket), sqlx::Error> {
         plan_failures: count("plan_failures")?,
         worker_time: span("worker_time")?,
         waiting_time: span("waiting_time")?,
+        lines: count("lines")?,
+        wrong_reaches: count("wrong_reaches")?,
+        idle_time: span("idle_time")?,
         robots: RobotTimes::parse(robots),
         searches: Lengths::parse(searches).unwrap_or_default(),
         step_max_us: count("step_max")?,

@@ -289,6 +289,7 @@ fn migrator() -> Migrator {
     let seventeenth = include_str!("../../migrations/sqlite/0017_stops.sql").into_sql_str();
     let nineteenth = include_str!("../../migrations/sqlite/0019_sign_on.sql").into_sql_str();
     let twentieth = include_str!("../../migrations/sqlite/0020_lines.sql").into_sql_str();
+    let twenty_first = include_str!("../../migrations/sqlite/0021_cells.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -308,6 +309,7 @@ fn migrator() -> Migrator {
         Migration::new(17, "stops".into(), MigrationType::Simple, seventeenth, false),
         Migration::new(19, "sign_on".into(), MigrationType::Simple, nineteenth, false),
         Migration::new(20, "lines".into(), MigrationType::Simple, twentieth, false),
+        Migration::new(21, "cells".into(), MigrationType::Simple, twenty_first, false),
     ])
 }
 

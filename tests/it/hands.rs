@@ -8,18 +8,34 @@ use crate::recovery::Program;
 use giveway::cell::{FacePlace, PickFace};
 use giveway::id::StationId;
 use serde_json::{Value, json};
+use std::net::SocketAddr;
 use std::time::Duration;
 
-/// A wearer in the workplace of S1 whose right hand moves.
-struct Wearer {
-    headset: Headset,
-    face: PickFace,
+/// A wearer in the workplace of a station whose right hand moves.
+pub struct Wearer {
+    pub headset: Headset,
+    pub face: PickFace,
     at: FacePlace,
+    /// Where the wearer stands on the map.
+    stands: [f64; 2],
 }
 
 impl Wearer {
+    /// In front of a station of the map `stations`.
+    pub async fn at(at: SocketAddr, station: StationId) -> Wearer {
+        let w = giveway::warehouse::stations();
+        let (place, rack) = (&w.stations[station], w.rack_types.iter().next().unwrap());
+        let cell = place.cell.as_ref().unwrap();
+        let face = PickFace::new(cell, w.nodes[place.node].at, rack);
+        let n = cell.workplace.len() as f64;
+        let middle = cell.workplace.iter().fold([0.0, 0.0], |[x, y], p| [x + p.x / n, y + p.y / n]);
+        let worker = hire(at, &format!("picker-{}", place.name)).await;
+        let headset = Headset::connect(at, &worker, "map").await;
+        Wearer { headset, face, at: FacePlace::new(0.2, 0.95, 0.95), stands: middle }
+    }
+
     /// Moves the hand in so many seconds, seen about fifty times a second.
-    async fn moves(&mut self, to: FacePlace, seconds: f64) {
+    pub async fn moves(&mut self, to: FacePlace, seconds: f64) {
         let (from, steps) = (self.at, (seconds / 0.02) as u32);
         for i in 1..=steps {
             let t = f64::from(i) / f64::from(steps);
@@ -45,7 +61,7 @@ impl Wearer {
         self.headset.seq += 1;
         let (epoch, seq, t) = (self.headset.epoch, self.headset.seq, self.headset.clock_ms());
         let pose = json!({
-            "type": "pose", "epoch": epoch, "seq": seq, "t": t, "at": [-5.2, 5.0], "heading": 0.0,
+            "type": "pose", "epoch": epoch, "seq": seq, "t": t, "at": self.stands, "heading": 0.0,
             "hands": {"l": null, "r": joints},
         });
         self.headset.say(pose).await;
@@ -77,12 +93,16 @@ async fn hands_of_a_headset_confirm_a_line_without_a_button_and_a_wrong_slot_is_
     let wanted = json!({"kind": "deliver", "rack": rack(), "station": "S1", "pick_s": 900, "lines": lines});
     let made = post(at, None, &wanted).await.unwrap().json();
     until(at, "the rack is there", "/v1/stations/S1", |s| !s["visit"].is_null()).await;
-    let w = giveway::warehouse::stations();
-    let (station, rack) = (&w.stations[StationId(0)], w.rack_types.iter().next().unwrap());
-    let face = PickFace::new(station.cell.as_ref().unwrap(), w.nodes[station.node].at, rack);
-    let worker = hire(at, "picker").await;
-    let headset = Headset::connect(at, &worker, "map").await;
-    let mut wearer = Wearer { headset, face, at: FacePlace::new(0.2, 0.95, 0.95) };
+    let mut wearer = Wearer::at(at, StationId(0)).await;
+
+    wearer.moves(FacePlace::new(0.21, 0.95, 0.95), 0.5).await;
+    let lights = wearer.headset.next("cell").await;
+    assert_eq!((&lights["station"], &lights["hands"]), (&json!("S1"), &json!(true)), "{lights}");
+    assert_eq!((&lights["slot"]["id"], &lights["tote"]["id"]), (&json!("C3"), &json!("B")), "{lights}");
+    let lit = wearer.face.on_map(wearer.face.slot("C3".parse().unwrap()));
+    let lies = lights["slot"]["at"].as_array().unwrap().iter().filter_map(Value::as_f64);
+    let off = lies.zip(lit.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-6, "the slot is where it is lit: {lights}");
 
     wearer.picks("C3", 1).await;
     let confirmed = |s: &Value| s["visit"]["lines"][0]["state"] == "done";
@@ -92,6 +112,17 @@ async fn hands_of_a_headset_confirm_a_line_without_a_button_and_a_wrong_slot_is_
     wearer.moves(front - FacePlace::new(0.0, 0.08, 0.0), 0.5).await;
     let seen = get(at, "/v1/stations/S1").await.json();
     assert_eq!(seen["warnings"], json!([{"kind": "wrong_slot", "slot": "C2", "tote": null}]), "{seen}");
+    let warning = loop {
+        let told = wearer.headset.next("cell").await;
+        if !told["warning"].is_null() {
+            break told["warning"].clone();
+        }
+    };
+    assert_eq!(
+        warning,
+        json!({"kind": "wrong_slot", "slot": "C2", "tote": null}),
+        "the headset is told, too"
+    );
     wearer.moves(front + FacePlace::new(0.0, 0.35, 0.0), 0.5).await;
     wearer.picks("A2", 0).await;
     let seen = get(at, "/v1/stations/S1").await.json();

@@ -94,6 +94,7 @@ async fn buckets_are_written_again_while_they_are_not_over_and_deleted_when_they
     let heat = |s: i64| vec![HeatBucket { start, waited: waited(s) }];
     store.keep_history(start, &[(ten, bucket.clone())], &heat(5)).await.unwrap();
     (bucket.covered, bucket.waiting_time) = (ten, Span::from_secs(33));
+    (bucket.lines, bucket.wrong_reaches, bucket.idle_time) = (5, 1, Span::from_secs(7));
     store.keep_history(start, &[(ten, bucket.clone())], &heat(9)).await.unwrap();
     assert_eq!(store.load_history().await.unwrap(), (vec![(ten, bucket.clone())], heat(9)));
     let later = start + Span::from_secs(2 * 86_400);

@@ -2,8 +2,11 @@
 //! --nocapture` prints what it measured.
 
 use crate::feed::{Headset, hire};
-use crate::helper::{Folder, config, get};
+use crate::hands::Wearer;
+use crate::helper::{Folder, config, get, post};
 use futures_util::StreamExt;
+use giveway::cell::FacePlace;
+use giveway::id::StationId;
 use giveway::server::{Server, SimulatedFloor};
 use giveway::sim::Scenario;
 use giveway::time::Span;
@@ -239,6 +242,105 @@ fn late_stops(metrics: &str) -> f64 {
     let all = count("+Inf");
     assert!(all > 0.0, "no robot was sent a stop");
     1.0 - count(&BOUND_S.to_string()) / all
+}
+
+/// Headsets that send hands; one at each station reaches into wrong slots, the others walk.
+const WEARERS: usize = 40;
+const PICKING: usize = 4;
+
+/// Reaches into a wrong slot again and again.
+async fn reach(at: SocketAddr, station: StationId) -> u64 {
+    let mut wearer = Wearer::at(at, station).await;
+    let (began, mut reaches) = (Instant::now(), 0);
+    let slots = ["B2", "D4", "A3"].map(|name| wearer.face.slot(name.parse().unwrap()));
+    while began.elapsed() < Duration::from_secs(seconds()) {
+        for front in slots {
+            wearer.moves(front + FacePlace::new(0.0, 0.4, 0.0), 0.5).await;
+            wearer.moves(front - FacePlace::new(0.0, 0.08, 0.0), 0.5).await;
+            reaches += 1;
+        }
+        // What the server says is read, or it would end the feed.
+        while tokio::time::timeout(Duration::from_millis(1), wearer.headset.any()).await.is_ok() {}
+    }
+    reaches
+}
+
+/// Walks to and fro, with both hands in sight, 60 poses a second.
+async fn stroll(at: SocketAddr, i: usize, [from, to]: [[f64; 2]; 2]) {
+    let worker = hire(at, &format!("stroller-{i}")).await;
+    let mut headset = Headset::connect(at, &worker, "map").await;
+    let mut tick = interval(Duration::from_micros(1_000_000 / 60));
+    tick.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let began = Instant::now();
+    while began.elapsed() < Duration::from_secs(seconds()) {
+        tokio::select! {
+            _ = tick.tick() => {
+                let u = 1.0 - ((began.elapsed().as_secs_f64() * 0.05) % 2.0 - 1.0).abs();
+                let [x, y] = [0, 1].map(|k| from[k] + u * (to[k] - from[k]));
+                let joint = |j: u32| json!([x + 0.3, 1.1, -y + 0.003 * f64::from(j), 0.01]);
+                let hand: Vec<_> = (0..25).map(joint).collect();
+                headset.seq += 1;
+                let (epoch, seq, t) = (headset.epoch, headset.seq, headset.clock_ms());
+                headset.say(json!({
+                    "type": "pose", "epoch": epoch, "seq": seq, "t": t, "at": [x, y], "heading": 0.0,
+                    "hands": {"l": hand, "r": hand},
+                })).await;
+            }
+            message = headset.any() => {
+                message.expect("the feed stays open");
+            }
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+#[ignore = "a measurement"]
+async fn forty_headsets_with_hands_of_which_four_reach_into_wrong_slots() {
+    let folder = Folder::new();
+    let mut scenario = Scenario::parse(include_str!("../../scenarios/stations.json")).unwrap();
+    scenario.demand = giveway::sim::Demand::None;
+    scenario.cells.as_mut().expect("it has cells").pickers = Some(Vec::new());
+    let map = Arc::new(giveway::warehouse::stations());
+    let (low, high) = map.bounds();
+    let (racks, stations) = (map.racks.clone(), map.stations.clone());
+    let floor = SimulatedFloor { scenario, map, lines: Vec::new() };
+    let server = Server::start(&config(&folder), floor).await.unwrap();
+    let at = server.address();
+    for (rack, station) in racks.iter().zip(stations.iter()) {
+        let lines = json!([{"slot": "C3", "quantity": 1, "tote": "B"}]);
+        let job = json!({"kind": "deliver", "rack": rack.name, "station": station.name, "pick_s": 900, "lines": lines});
+        let answer = post(at, None, &job).await.unwrap();
+        assert_eq!(answer.status, 201, "{answer:?}");
+    }
+    for station in stations.iter() {
+        let path = format!("/v1/stations/{}", station.name);
+        crate::lines::until(at, "a rack", &path, |s| !s["visit"].is_null()).await;
+    }
+    let strolls: Vec<_> = (PICKING..WEARERS)
+        .map(|i| {
+            let y = low.y + (high.y - low.y) * i as f64 / WEARERS as f64;
+            tokio::spawn(stroll(at, i, [[low.x + 8.0, y], [high.x - 8.0, y]]))
+        })
+        .collect();
+    let picks: Vec<_> = (0..PICKING).map(|s| tokio::spawn(reach(at, StationId(s as u32)))).collect();
+    let mut reaches = 0;
+    for pick in picks {
+        reaches += pick.await.unwrap();
+    }
+    for stroll in strolls {
+        stroll.await.unwrap();
+    }
+    let metrics = get(at, "/metrics").await.text;
+    println!(
+        "{WEARERS} headsets with hands, {} robots, {reaches} reaches into wrong slots in {} s",
+        24,
+        seconds()
+    );
+    metrics.lines().filter(|l| l.starts_with("giveway_hand")).for_each(|l| println!("{l}"));
+    server.stop().await.unwrap();
+    let warned = metrics.lines().find_map(|l| l.strip_prefix("giveway_hand_to_warning_seconds_count "));
+    let warned: u64 = warned.and_then(|n| n.parse().ok()).expect("warnings are counted");
+    assert!(warned * 10 >= reaches * 9, "{warned} of {reaches} were warned of");
 }
 
 const DASHBOARDS: usize = 200;

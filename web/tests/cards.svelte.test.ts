@@ -22,7 +22,7 @@ const mirrorOf = (more: Parameters<typeof snapshot>[0]): Mirror => {
 /** A card whose subject can be changed, with a server that refuses everything. */
 function card(first: Picked, mirror: Mirror) {
   const refused = (): Promise<Answer<never>> => Promise.resolve({ kind: 'refused', problem: { title: 'No.', status: 409 } });
-  const api = { why: refused, pause: refused, resume: refused, maintain: refused, workAgain: refused, retire: refused, robot: refused, robotHistory: refused, assign: refused, clear: refused, narrow: refused, worker: refused, station: refused };
+  const api = { why: refused, pause: refused, resume: refused, maintain: refused, workAgain: refused, retire: refused, robot: refused, robotHistory: refused, assign: refused, clear: refused, narrow: refused, worker: refused, station: refused, stationDetail: refused };
   let drawing: Drawing | null = null;
   const props = $state({
     picked: first, mirror, map, source: { tense: 'now', api } as const, chances: new Chances(), notices: new Notices(), onDraw: (asked: Drawing) => { drawing = asked; },

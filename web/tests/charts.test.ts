@@ -3,7 +3,7 @@ import { describe, expect, test } from 'vitest';
 import { areas, bands, Chances, lostShare, SPAN_S } from '../src/people/chances';
 import { readExperiment, reach } from '../src/charts/experiment';
 import { logTicks, scaleOf, ticks, timeTicks } from '../src/charts/scale';
-import { CHARTS, gaps, gridOf, runs, valuesOf } from '../src/charts/series';
+import { CHARTS, gaps, gridOf, PICKING, picks, runs, valuesOf } from '../src/charts/series';
 import { replayOf, sorted } from '../src/encounters/encounters';
 import { placeNear } from '../src/floor/scene/places';
 import { feedWords } from '../src/people/feedwords';
@@ -38,7 +38,7 @@ describe('scales', () => {
 
 const bucket = (second: number, more: Partial<Bucket> = {}): Bucket => ({
   at: new Date(Date.parse('2027-01-31T12:00:00Z') + 1_000 * second).toISOString(), covered_s: 30, robot_deliveries: 0,
-  human_deliveries: 0, encounters: 0, interruptions: 0, replans: 0, worker_s: 0, waiting_s: 0, plan_us_p50: null,
+  human_deliveries: 0, encounters: 0, interruptions: 0, replans: 0, worker_s: 0, waiting_s: 0, lines: 0, wrong_reaches: 0, idle_s: 0, plan_us_p50: null,
   plan_us_p95: null, plan_us_max: null, step_us_max: null, ...more,
 });
 const page = (buckets: Bucket[]): HistoryPage => ({
@@ -53,6 +53,17 @@ describe('series', () => {
     expect(robots).toEqual([240, 120, null, null, 0, null, null, null, null, null]);
     expect(runs(robots)).toEqual([[0, 1], [4, 4]]);
     expect(gaps(grid)).toEqual([[0.2, 0.4], [0.5, 0.9]]);
+  });
+  test('charts of picking are of floors with picking stations, lines and mistakes an hour, idle stations on average', () => {
+    const page = (more: Partial<Bucket>): HistoryPage => ({
+      from: '2027-01-31T12:00:00Z', to: '2027-01-31T12:01:00Z', step_s: 30, started: '', arm: 'giveway', buckets: [bucket(0, more)],
+    });
+    expect(picks(gridOf(page({}), 60))).toBe(false);
+    const grid = gridOf(page({ lines: 3, wrong_reaches: 1, idle_s: 45 }), 60);
+    expect(picks(grid)).toBe(true);
+    const [lines, idle] = PICKING.map((id) => CHARTS.find((chart) => chart.id === id)!);
+    expect(lines!.lines.map((line) => valuesOf(line, grid)[0])).toEqual([360, 120]);
+    expect(valuesOf(idle!.lines[0]!, grid)[0]).toBe(1.5);
   });
   test('encounters are counted by the time of workers, not of the clock', () => {
     const grid = gridOf(page([bucket(0, { encounters: 2, worker_s: 60 }), bucket(30, { encounters: 0 })]), 300);

@@ -64,12 +64,13 @@ const headset = await context.newPage();
 await headset.goto(`${url}/openapi.json`);
 await headset.evaluate(({ id }) => new Promise((ready) => {
   const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/v1/workers/${id}/feed`);
-  globalThis.pose = { socket, seq: 0 };
+  globalThis.pose = { socket, seq: 0, cells: [] };
   socket.onopen = () => socket.send(JSON.stringify({ type: 'hello', versions: [1], frame: 'map' }));
   socket.onmessage = ({ data }) => {
     const message = JSON.parse(data);
     const t = performance.now();
     if (message.type === 'ping') socket.send(JSON.stringify({ type: 'pong', id: message.id, t1: t, t2: t }));
+    if (message.type === 'cell') globalThis.pose.cells.push(message);
     if (message.type === 'clock') ready();
   };
 }), { id: worker.id });
@@ -110,6 +111,19 @@ const job = await post('/v1/jobs', {
 await page.goto(`${url}/station/S1`);
 await shows('lit', 'C3');
 
+await check('The server asks for hands where somebody stands in a workplace, and says what is lit', async () => {
+  await moves([0.21, 0.95, 0.95], 0.6);
+  await until('a message about the station', () => headset.evaluate(() => globalThis.pose.cells.at(-1)?.hands === true), 5);
+  const cell = await headset.evaluate(() => globalThis.pose.cells.at(-1));
+  assert(cell.station === 'S1' && cell.slot.id === 'C3' && cell.tote.id === second && cell.pieces === 1, JSON.stringify(cell));
+});
+await check('The page shows where the hand most likely goes, before it is there', async () => {
+  const seen = page.locator('[data-reach="C3"]').first().waitFor({ state: 'attached', timeout: PATIENCE });
+  await moves(slotAt('C3', -0.35), 0.6);
+  await moves(slotAt('C3', -0.1), 0.4);
+  await seen;
+  await moves([0.2, 0.95, 0.95], 0.6);
+});
 await check('A hand that takes from the lit slot and puts into its tote confirms the line without a click', async () => {
   await grasps('C3');
   assert((await station.getAttribute('data-lit')) === 'C3', 'a grasp confirms nothing');
@@ -120,6 +134,8 @@ await check('A hand in a wrong slot turns the page to wrong before it has a piec
   await moves(slotAt('B2', -0.35), 0.6);
   await moves(slotAt('B2', 0.07), 0.5);
   await shows('mistake', 'wrong_slot');
+  const told = await headset.evaluate(() => globalThis.pose.cells.map(({ warning }) => warning?.slot));
+  assert(told.includes('B2'), `the headset was told ${JSON.stringify(told)}`);
   await page.screenshot({ path: `${SHOTS}station-hand-wrong.png` });
   const { visit } = await ask('/v1/stations/S1');
   assert(visit.lines[1].done === 0, 'a wrong slot confirms nothing');

@@ -2,6 +2,7 @@
 import { beforeEach, describe, expect, test } from 'vitest';
 import { fit, mark, suggest, type Mark, type Marking } from '../src/headset/align';
 import { aim, multiply } from '../src/headset/arrow';
+import { cellWords, lights, type CellLights } from '../src/headset/cell';
 import { DEAD_MS, type LineEvents } from '../src/headset/feed';
 import { floorHit, rotate, toDevice, toMap, type Alignment, type Vec2, type Vec3 } from '../src/headset/frame';
 import { buzz, show, STALE_MS, type Guidance, type Standing, type Task } from '../src/headset/guide';
@@ -283,6 +284,53 @@ describe('a wearer', () => {
     expect(world.line.sent.at(-1)).toEqual({ type: 'anchors', pairs: [{ device: [0, 0, 0], mark: 'A' }, { device: [10, 0, 0], mark: 'B' }] });
     world.look();
     expect(world.line.sent.at(-1)).toMatchObject({ type: 'pose', epoch: 2, seq: 1, t: 1000 });
+  });
+  test('sends hands with the head\'s ray only while the server asks for them, and says so to the wearer', () => {
+    const hands = { l: null, r: Array.from({ length: 25 }, () => [0.2, 1, -0.4, 0.01] as const) };
+    const shows = (): void => world.wearer.frame(sample(world.time += 50, { hands }));
+    world.welcome();
+    world.align();
+    shows();
+    expect(world.line.sent.at(-1)).not.toHaveProperty('hands');
+    const cell: CellLights = {
+      station: 'S1', hands: true, pieces: 2, warning: null, slot: { id: 'C3', at: [1, 2, 1.1] }, tote: { id: 'B', at: [2, 2, 0.8] },
+    };
+    world.hear({ type: 'cell', ...cell });
+    shows();
+    expect(world.line.sent.at(-1)).toMatchObject({ gaze: { kind: 'head', origin: [0, 1.6, 0], dir: [0, 0, -1] }, hands: { l: null, r: hands.r } });
+    expect(cellWords(world.wearer.cell)?.join()).toMatch(/2.*C3.*B.*hands are seen/);
+    world.hear({ type: 'cell', ...cell, warning: { kind: 'wrong_slot', slot: 'A1', tote: null } });
+    expect(cellWords(world.wearer.cell)?.[0]).toBe('Wrong slot: A1');
+    world.hear({ type: 'cell', station: null, hands: false, slot: null, pieces: 0, tote: null, warning: null });
+    shows();
+    expect(world.line.sent.at(-1)).not.toHaveProperty('hands');
+    expect(cellWords(world.wearer.cell)).toBeNull();
+  });
+  test('hands are not wanted any more once the line is lost', () => {
+    world.welcome();
+    world.align();
+    world.hear({ type: 'cell', station: 'S1', hands: true, slot: null, pieces: 0, tote: null, warning: null });
+    expect(world.wearer.pump.wantsHands).toBe(true);
+    world.line.events.closed(1006, '');
+    expect([world.wearer.pump.wantsHands, world.wearer.cell]).toEqual([false, null]);
+  });
+  test('lit slots and totes are drawn where they are in the room, in the colour of alarm while a hand is wrong', () => {
+    const [next, close] = [[0, 1, 0, 1], [1, 0, 0, 1]] as const;
+    const cell: CellLights = {
+      station: 'S1', hands: true, pieces: 1, warning: null, slot: { id: 'C3', at: [3, 7, 1.2] }, tote: { id: 'B', at: [4, 7, 0.8] },
+    };
+    const drawn = (wrong: CellLights['warning']): Float32Array => {
+      const shapes = new Shapes();
+      lights(shapes, { ...cell, warning: wrong }, quarter, 0.1, { next, close } as unknown as Ink);
+      return shapes.corners;
+    };
+    const corners = drawn(null);
+    const at = Array.from({ length: corners.length / STRIDE }, (_, i) => [...corners.slice(i * STRIDE, i * STRIDE + STRIDE)]);
+    const [x, y, z] = toDevice(quarter, [3, 7], 1.3);
+    const slot = at.filter(([a, b, c]) => Math.hypot(a! - x, b! - y, c! - z) < 0.18);
+    expect(slot.length).toBeGreaterThan(20);
+    expect(at.every((corner) => corner[4] === 1)).toBe(true);
+    expect(drawn({ kind: 'wrong_slot', slot: 'A1', tote: null })[3]).toBe(1);
   });
   test('marks that the server refuses are taken again, and its words are shown', () => {
     world.welcome();

@@ -123,7 +123,11 @@ await check('When the rack is there, the first slot and its tote are lit, and th
   return (await page.locator('.big').innerText()).replaceAll(/\s+/g, ' ');
 });
 await check('The face is to scale', async () => {
-  const boxes = await Promise.all(['A1', 'B2'].map((name) => slot(name).locator('.ground').boundingBox()));
+  // Both at once: the rack may be drawn anew at any time.
+  const boxes = await page.evaluate(() => ['A1', 'B2'].map((name) => {
+    const { x, y, height } = document.querySelector(`.slot[data-name="${name}"] .ground`).getBoundingClientRect();
+    return { x, y, height };
+  }));
   const [dx, dy] = [boxes[1].x - boxes[0].x, boxes[0].y + boxes[0].height / 2 - boxes[1].y - boxes[1].height / 2];
   assert(dx > 0 && dy > 0, 'B2 is not to the right of A1 and above it');
   const wanted = face.width_m / face.columns / ((face.heights_m[1] - face.heights_m[0]) || 1);

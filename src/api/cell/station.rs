@@ -6,7 +6,7 @@ use super::{LineDto, lines_dto};
 use crate::api::dto::{Names, StationDto};
 use crate::api::text::{job_name, round3, time_text};
 use crate::cell::arm::{ArmActivity, ArmTrouble};
-use crate::cell::{Lines, Remaining};
+use crate::cell::{Lines, ReachPlace, Remaining, SeenReach};
 use crate::fleet::{ArmView, StationView, WrongReach};
 use crate::id::{Dense, JobId, RackId, RobotId, StationId};
 use crate::time::Span;
@@ -34,6 +34,8 @@ pub struct StationDetailDto {
     pub unconfirmed: Option<UnconfirmedDto>,
     /// What the person there was warned of a moment ago.
     pub warnings: Vec<CellWarningDto>,
+    /// Where hands that are on their way go, most likely; places below a probability of 0.05 are left out.
+    pub reach: Vec<SeenReachDto>,
     /// The rack that comes next; null if none is on its way.
     pub next: Option<NextRackDto>,
 }
@@ -49,7 +51,7 @@ pub struct UnconfirmedDto {
 }
 
 /// How a hand is wrong.
-#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WrongReachDto {
     /// It goes to a slot that is not lit.
@@ -59,7 +61,7 @@ pub enum WrongReachDto {
 }
 
 /// A hand is wrong, or about to be.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
 pub struct CellWarningDto {
     /// How.
     pub kind: WrongReachDto,
@@ -69,6 +71,32 @@ pub struct CellWarningDto {
     /// The tote into which it put a piece, if that is wrong.
     #[schema(example = "B")]
     pub tote: Option<String>,
+}
+
+/// A person's hand.
+#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PickHandDto {
+    /// The left one.
+    Left,
+    /// The right one.
+    Right,
+}
+
+/// A place to which a hand may be going.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct SeenReachDto {
+    /// Which hand.
+    pub hand: PickHandDto,
+    /// The slot, if it is one.
+    #[schema(example = "C3")]
+    pub slot: Option<String>,
+    /// The tote, if it is one.
+    #[schema(example = "B")]
+    pub tote: Option<String>,
+    /// The probability that it goes there.
+    #[schema(example = 0.8)]
+    pub probability: f64,
 }
 
 /// A place for picked pieces, as the picker sees it who looks at the rack.
@@ -203,7 +231,7 @@ fn arm_dto(mount: &ArmMount, arm: Option<ArmView>) -> ArmDto {
     }
 }
 
-fn warning_dto(wrong: WrongReach, cell: Option<&Cell>) -> CellWarningDto {
+pub(in crate::api) fn warning_dto(wrong: WrongReach, cell: Option<&Cell>) -> CellWarningDto {
     let tote_name = |tote: usize| Some(cell?.totes.get(tote)?.name.clone());
     match wrong {
         WrongReach::Slot(slot) => {
@@ -213,6 +241,15 @@ fn warning_dto(wrong: WrongReach, cell: Option<&Cell>) -> CellWarningDto {
             CellWarningDto { kind: WrongReachDto::WrongTote, slot: None, tote: tote_name(tote) }
         }
     }
+}
+
+fn reach_dto(seen: &SeenReach, cell: Option<&Cell>) -> SeenReachDto {
+    let (slot, tote) = match seen.place {
+        ReachPlace::Slot(slot) => (Some(slot.to_string()), None),
+        ReachPlace::Tote(tote) => (None, cell.and_then(|c| Some(c.totes.get(tote)?.name.clone()))),
+    };
+    let hand = if seen.is_left { PickHandDto::Left } else { PickHandDto::Right };
+    SeenReachDto { hand, slot, tote, probability: round3(seen.probability) }
 }
 
 impl Names<'_> {
@@ -238,6 +275,7 @@ impl Names<'_> {
                 Some(UnconfirmedDto { job: job_name(left.job), line })
             }),
             warnings: seen.warning.iter().map(|wrong| warning_dto(*wrong, cell)).collect(),
+            reach: seen.reaches.iter().map(|reach| reach_dto(reach, cell)).collect(),
             next: seen.next.map(|(robot, at)| NextRackDto {
                 rack: self.rack_on(robot).map(|k| self.map.racks[k].name.clone()),
                 robot: self.robot(robot),

@@ -8,16 +8,18 @@
 
 use super::align::PointPair;
 use super::intake::Senses;
+use super::lights::CellTold;
 use super::pose::hand_points;
 use super::thin::RateLimiter;
+use super::wire::GazeKind;
 use crate::api::error::Problem;
 use crate::api::text::parse_worker_name;
 use crate::cell::HandPoints;
-use crate::fleet::{FeedCounts, Guidance, View};
-use crate::human::{Sighting, SourceId};
+use crate::fleet::{CellWarning, FeedCounts, Guidance, View};
+use crate::human::{Presence, Sighting, SourceId};
 use crate::id::{Dense, IdVec, WorkerId};
 use crate::time::{Span, Time};
-use crate::warehouse::Place;
+use crate::warehouse::{Place, Warehouse};
 use std::sync::{Mutex, MutexGuard};
 use tokio::sync::{mpsc, watch};
 
@@ -47,16 +49,28 @@ pub struct HeardSighting {
 pub struct HeardHands {
     /// The middle of the head, as well as it is known.
     pub head: Place,
+    /// Where it points, where that is known.
+    pub facing: Option<nalgebra::Vector3<f64>>,
     /// Left and right.
     pub hands: [Option<HandPoints>; 2],
+}
+
+/// The middle of the head of who is seen, as well as it is known.
+pub(super) fn head_of(sighting: &Sighting, senses: &Senses) -> Place {
+    Place::from(senses.gaze.map_or([sighting.at.x, sighting.at.y, HEAD_M], |gaze| gaze.origin))
 }
 
 impl HeardHands {
     /// What a pose says of hands; nothing where it says nothing.
     fn of(sighting: &Sighting, senses: &Senses) -> Option<HeardHands> {
         let hands = [0, 1].map(|i| senses.hands[i].as_ref().and_then(hand_points));
-        let head = senses.gaze.map_or([sighting.at.x, sighting.at.y, HEAD_M], |gaze| gaze.origin);
-        hands.iter().any(Option::is_some).then_some(HeardHands { head: Place::from(head), hands })
+        // Eyes turn in a head: only a ray of the head says where that points.
+        let facing = senses.gaze.filter(|gaze| gaze.kind == GazeKind::Head).map(|gaze| gaze.dir.into());
+        hands.iter().any(Option::is_some).then_some(HeardHands {
+            head: head_of(sighting, senses),
+            facing,
+            hands,
+        })
     }
 }
 
@@ -67,6 +81,8 @@ pub struct Told {
     pub at: Time,
     /// Nothing where the fleet has nothing to say.
     pub guidance: Option<Guidance>,
+    /// What is to be picked where the worker stands; nothing outside of workplaces.
+    pub cell: Option<CellTold>,
     /// What became of the worker's poses.
     pub counts: FeedCounts,
 }
@@ -297,15 +313,36 @@ impl Feeds {
         }
     }
 
-    /// Takes guidance and counts from the newest view.
-    pub fn refresh(&self, view: &View) {
+    /// Warns those whose hands are wrong, at once.
+    pub fn warn(&self, warnings: &[CellWarning]) {
+        if warnings.is_empty() {
+            return;
+        }
+        let slots = self.slots();
+        for warning in warnings {
+            let Some(slot) = slots.get(WorkerId(warning.person)) else { continue };
+            slot.told.send_if_modified(|told| {
+                let cell = told.cell.as_mut().filter(|cell| cell.station == warning.station);
+                let warned = (Some(warning.wrong), Some(warning.seen));
+                cell.map(|cell| (cell.warning, cell.warned_of) = warned).is_some()
+            });
+        }
+    }
+
+    /// Takes guidance, what is to be picked, and counts from the newest view.
+    pub fn refresh(&self, view: &View, warehouse: &Warehouse) {
         for (worker, slot) in self.slots().pairs() {
             let seen = view.workers.get(worker.ix());
+            let tracked = seen.filter(|w| w.presence == Presence::Tracked).and_then(|w| w.pose);
+            let cell = tracked.and_then(|pose| CellTold::at(view, warehouse, pose.at));
             slot.told.send_modify(|told| {
+                let warned_of = told.cell.as_ref().and_then(|cell| cell.warned_of);
+                let cell = cell.map(|cell| CellTold { warned_of, ..cell });
                 *told = Told {
                     // Poses may have come in while the step was under way.
                     at: told.at.max(view.now),
                     guidance: seen.map(|w| w.guidance.clone()),
+                    cell,
                     counts: seen.map(|w| w.feed).unwrap_or_default(),
                 };
             });

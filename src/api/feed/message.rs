@@ -2,6 +2,7 @@
 //!
 //! Main type: [`FeedMessage`]. Refuses: to decide what is said.
 
+use super::lights::CellLightsDto;
 use super::wire::PoseFrame;
 use crate::api::guidance::GuidanceDto;
 use serde::Serialize;
@@ -78,6 +79,9 @@ pub enum FeedMessage {
     },
     /// What the worker is told: at once when it changed, else four times a second.
     Guidance(Box<GuidanceDto>),
+    /// What is to be picked where the wearer stands, at once when it changed. Hands are wanted from a message that says
+    /// so to the next one that does not.
+    Cell(Box<CellLightsDto>),
     /// The answer to `done`.
     Done {
         /// The assignment.

@@ -4,8 +4,10 @@
 //! in time was replaced by newer. Refuses: to wait for a client, and to talk a version that it does not know.
 
 use super::clock::{Exchange, PingOutcome};
-use super::hub::{Connection, Told};
+use super::hub::{Connection, Told, head_of};
 use super::intake::{PoseIntake, pairs};
+use super::joints::JointGate;
+use super::lights::{CellLightsDto, CellTold};
 use super::message::FeedMessage;
 use super::thin::RateLimiter;
 use super::warn::Warnings;
@@ -31,6 +33,10 @@ use std::pin::pin;
 use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::timeout;
+
+/// What is said of hands that cannot be.
+const NO_HAND: &str = "a hand is left out: its joints are too many, far from each other or from any shoulder, or have \
+                       not moved at all for a second";
 
 /// How long a message may be: both hands with all joints, twice.
 const MESSAGE: usize = 32 * 1024;
@@ -117,6 +123,10 @@ struct Session<'a> {
     reports: JoinSet<(AssignmentId, Option<String>)>,
     sent: Option<GuidanceKey>,
     sent_at: Time,
+    /// Which hands cannot be.
+    joints: JointGate,
+    /// What the wearer is shown of a station.
+    lights: Option<CellTold>,
 }
 
 /// Serves one client until it leaves, stalls, is replaced, or the server goes down.
@@ -146,6 +156,8 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
                 reports: JoinSet::new(),
                 sent: None,
                 sent_at: Time(0),
+                joints: JointGate::default(),
+                lights: None,
             };
             let end = session.run(&hello).await.err();
             api.feeds.leave(worker, &session.connection);
@@ -217,6 +229,7 @@ impl Session<'_> {
                 biased;
                 changed = self.connection.told.changed() => {
                     changed.map_err(|_| SessionEnd::Gone)?;
+                    self.light().await?;
                     self.guide(false).await?;
                 }
                 taken = self.connection.taken.changed() => {
@@ -330,7 +343,13 @@ impl Session<'_> {
     async fn hand(&mut self, said: &PoseSaid, received: Time) -> Result<(), SessionEnd> {
         self.api.metrics.poses_received.inc();
         let fault = match self.intake.take(said, received) {
-            Ok(taken) => {
+            Ok(mut taken) => {
+                let head = head_of(&taken.sighting, &taken.senses);
+                let refused = self.joints.pass(said.hands.as_ref(), &mut taken.senses, head, received);
+                if refused > 0 {
+                    self.api.metrics.hands_refused.inc_by(refused);
+                    self.warn("hands", refused, NO_HAND).await?;
+                }
                 self.heading = taken.sighting.heading;
                 if self.handed.len() == RECENT {
                     self.handed.pop_front();
@@ -431,9 +450,31 @@ impl Session<'_> {
         self.send(answer).await
     }
 
+    /// Sends what is to be picked where the wearer stands, where that changed.
+    async fn light(&mut self) -> Result<(), SessionEnd> {
+        let told = self.connection.told.borrow().cell.clone();
+        let is_same = match (&told, &self.lights) {
+            (Some(now), Some(before)) => now.looks_like(before),
+            (now, before) => now.is_none() && before.is_none(),
+        };
+        if is_same {
+            return Ok(());
+        }
+        let lights = CellLightsDto::new(told.as_ref(), &self.api.map);
+        self.send(FeedMessage::Cell(Box::new(lights))).await?;
+        let warned = told.as_ref().filter(|t| t.warning.is_some()).and_then(|t| t.warned_of);
+        let before = self.lights.as_ref().and_then(|t| t.warned_of);
+        if let Some(seen) = warned.filter(|seen| before != Some(*seen)) {
+            let took = (self.api.now)() - seen;
+            self.api.metrics.hand_to_warning.observe(took.as_secs_f64());
+        }
+        self.lights = told;
+        Ok(())
+    }
+
     /// Sends guidance: at once where it changed, else only where it is time.
     async fn guide(&mut self, due: bool) -> Result<(), SessionEnd> {
-        let Told { at, guidance: told, counts } = self.connection.told.borrow_and_update().clone();
+        let Told { at, guidance: told, counts, .. } = self.connection.told.borrow_and_update().clone();
         let key = GuidanceKey::of(told.as_ref());
         self.api.metrics.poses_thinned.inc_by(std::mem::take(&mut self.limiter.thinned));
         let changed = self.sent != Some(key);

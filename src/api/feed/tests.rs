@@ -206,7 +206,8 @@ async fn guidance_that_does_not_change_leaves_four_times_a_second_and_only_the_n
     stage.feeds.tell(stage.now(), vec![(ANNA, told(GuidanceState::Deviating, 100))]);
     assert_eq!(anna.next("guidance").await["state"], "deviating", "the one that is the same was left out");
     stage.clock.fetch_add(Span::from_millis(300).0, Ordering::Relaxed);
-    stage.feeds.refresh(&View { now: stage.now(), ..View::default() });
+    let lab = crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
+    stage.feeds.refresh(&View { now: stage.now(), ..View::default() }, &lab);
     assert_eq!(anna.next("guidance").await["state"], "idle");
 }
 

@@ -87,6 +87,12 @@ pub struct BucketDto {
     pub worker_s: f64,
     /// Seconds that robots stood still although they had to drive on, all robots together.
     pub waiting_s: f64,
+    /// Order lines that were over at picking stations: done or short.
+    pub lines: u64,
+    /// Reaches to wrong slots or totes that were warned of.
+    pub wrong_reaches: u64,
+    /// Seconds in which picking stations had no rack to pick from, all stations together.
+    pub idle_s: f64,
     /// Length of a search, median, microseconds, to a tenth; null if there was no search.
     pub plan_us_p50: Option<u64>,
     /// The same, 95th percentile.
@@ -171,6 +177,9 @@ impl From<&Bucket> for BucketDto {
             plan_failures: b.plan_failures,
             worker_s: round3(b.worker_time.as_secs_f64()),
             waiting_s: round3(b.waiting_time.as_secs_f64()),
+            lines: b.lines,
+            wrong_reaches: b.wrong_reaches,
+            idle_s: round3(b.idle_time.as_secs_f64()),
             plan_us_p50: b.searches.quantile_us(50),
             plan_us_p95: b.searches.quantile_us(95),
             plan_us_max: b.searches.quantile_us(100).map(|_| b.searches.max_us()),

@@ -238,7 +238,14 @@ mod tests {
             let y = 0.95 - 0.5 * frame as f64 / 60.0;
             let hands = [hand(-0.22, 0.95), hand(0.22, y)];
             let head = face.on_map(FacePlace::new(0.0, 1.05, 1.63));
-            sight.see(&HandsSeen { station: StationId(0), person: 1, seen: at(frame), head, hands });
+            sight.see(&HandsSeen {
+                station: StationId(0),
+                person: 1,
+                seen: at(frame),
+                head,
+                facing: None,
+                hands,
+            });
         }
         (sight, at(frames - 1))
     }

@@ -88,6 +88,8 @@ const THERE_M: f64 = 0.015;
 const LONGEST_S: f64 = 200.0;
 /// How long the person works at a target when all twelve are filled, seconds.
 const WORKS_S: f64 = 2.0;
+/// Cycles that are timed of one movement.
+const TIMED_CYCLES: usize = 30;
 /// The published time at target 3.
 const STAYS_S: f64 = 5.0;
 
@@ -146,6 +148,31 @@ impl BoltsBench {
         self.one_move(n, how, &mut run);
         self.all_targets(n, how, &mut run);
         run
+    }
+
+    /// How long each cycle of the control takes while people reach for all targets, by the caller's clock and in its
+    /// unit.
+    pub fn control_times(&self, clock: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        let mut times = Vec::new();
+        for k in 0..12 {
+            let mut chance = Stream::new(self.seed, 84, k as u64);
+            let person = BenchPerson::random(&mut chance, SHOULDER.into());
+            let work = Working::new(&mut chance, person, &[k], STAYS_S);
+            let Some(mut present) = self.posture(target(6)) else { continue };
+            let (mut plan, goal) =
+                (ArmPlan::standing(&present), ArmGoal { tip: target(5), along: -Vector3::z() });
+            for cycle in 0..TIMED_CYCLES {
+                let at = |ahead: usize| BEGINS_S + (cycle + ahead) as f64 * CYCLE_S;
+                let limbs = |ahead: usize| certain(&work.joints(at(ahead)), SENSOR_M).capsules(0.0);
+                let limbs: Vec<Vec<Capsule>> = (0..HORIZON).map(limbs).collect();
+                let begun = clock();
+                let next = self.control.plan(&present, &plan, &goal, &limbs);
+                times.push(clock() - begun);
+                plan = next.unwrap_or_else(|_| plan.a_cycle_later());
+                present = plan.steps[0];
+            }
+        }
+        times
     }
 
     /// The arm goes from 7 to 6 while the person puts a bolt to 3, stays, and leaves.

@@ -74,6 +74,7 @@ impl Fleet {
     /// Sums of the ledger, and what was tried.
     fn counts(&self, waiting: u64, active: u64) -> Counts {
         let (sums, tally) = (self.core.ledger.counts, self.traffic.tally);
+        let [lines, wrong_reaches] = self.core.visits.counted();
         Counts {
             robot_deliveries: sums.robot_deliveries,
             human_deliveries: sums.human_deliveries,
@@ -85,6 +86,8 @@ impl Fleet {
             plans: tally.plans,
             plan_failures: tally.failures,
             insertions: tally.insertions,
+            lines,
+            wrong_reaches,
             encounters: sums.encounters,
             deviations: sums.deviations,
             interruptions: sums.interruptions,
@@ -215,8 +218,11 @@ impl Fleet {
             since: job.and_then(|id| visits.since(id)),
             lines: record.and_then(|(_, job)| job.lines_now().cloned()),
             left: self.visit_left(s, now),
+            has_cell: station.cell.is_some(),
+            hears_hands: station.cell.is_some() && self.core.settings.flow.hears_hands(),
             warning: visits.warning(s, now),
             arm: self.arm(s, now),
+            reaches: visits.reaches(s, now),
             unconfirmed: ledger.unconfirmed.get(&s).cloned(),
             next: self.next_rack(station.node, picked),
             paused: ledger.paused_stations.get(&s).copied(),

@@ -2,8 +2,10 @@
 //!
 //! Refuses: to change anything, and to decide: the step that follows does, with everything that it knows.
 
+use crate::cell::HandsSeen;
 use crate::fleet::Fleet;
 use crate::fleet::people::forecast::Expected;
+use crate::fleet::requests::hands::calls_for_warning;
 use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::io::Telemetry;
 use crate::human::Sighting;
@@ -52,5 +54,10 @@ impl Fleet {
     /// the worker to stand, if the worker was not told yet.
     pub fn calls_for_stop(&self, sighting: &Sighting, now: Time) -> bool {
         self.yielding.calls_for_stop(&self.core, &self.people, &self.traffic, sighting, now)
+    }
+
+    /// Whether a step that took in these hands now would warn of them.
+    pub fn calls_for_warning(&self, seen: &HandsSeen, now: Time) -> bool {
+        calls_for_warning(&self.core, seen, now)
     }
 }

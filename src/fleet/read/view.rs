@@ -4,7 +4,7 @@
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
 use crate::aware::zone_answers::ZoneCounts;
-use crate::cell::{Lines, Remaining};
+use crate::cell::{Lines, Remaining, SeenReach};
 use crate::fleet::state::activity::{Activity, Doing};
 use crate::fleet::state::arms::ArmView;
 use crate::fleet::state::cut_off::CutOff;
@@ -22,6 +22,7 @@ use crate::human::HorizonCoverage;
 use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, SeriesId, StationId};
 use crate::time::Time;
 use crate::warehouse::{NodeKind, Warehouse};
+use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -151,10 +152,16 @@ pub struct StationView {
     pub left: Option<Remaining>,
     /// The visit whose rack left at the last grasp, until its last line is confirmed.
     pub unconfirmed: Option<Unconfirmed>,
+    /// Whether it has a work cell.
+    pub has_cell: bool,
+    /// Whether hands of who picks there are of use.
+    pub hears_hands: bool,
     /// What the person there was warned of a moment ago.
     pub warning: Option<WrongReach>,
     /// The robot arm beside the picker.
     pub arm: Option<ArmView>,
+    /// Where hands that are on their way go, with probabilities.
+    pub reaches: SmallVec<[SeenReach; 4]>,
     /// The robot that brings the next rack, and when it is planned to be there.
     pub next: Option<(RobotId, Time)>,
     /// Since when nobody picks, by hand.
@@ -330,6 +337,10 @@ pub struct Counts {
     pub plan_failures: u64,
     /// Routes that were inserted by moving others.
     pub insertions: InsertionCounts,
+    /// Order lines that were over, since the program started.
+    pub lines: u64,
+    /// Reaches of pickers that were warned of, since the program started.
+    pub wrong_reaches: u64,
     /// Encounters of robots and workers.
     pub encounters: u64,
     /// How often a worker left the path.

@@ -4,10 +4,12 @@
 //! seen all the way; what was not seen so, a button decides. No rack leaves while a hand is seen inside. Refuses: to
 //! confirm by guessing.
 
-use crate::cell::{DeskEvent, HandsSeen, HeldPiece, LineChange, Lines, OrderLine, PickFace};
+use crate::cell::{DeskEvent, DeskScene, HandsSeen, HeldPiece, LineChange, Lines, OrderLine, PickFace};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::requests::visit::OnVisit;
+use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{CellWarning, WrongReach};
 use crate::fleet::state::job::JobState;
 use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
@@ -39,17 +41,17 @@ impl Intake<'_> {
         let Some(face) = self.face(station, visit) else { return };
         let tote = lit.as_ref().or(left.as_ref()).map(|line| line.tote);
         let lit = lit.map(|line| line.slot);
-        let events = self.core.visits.desk(station).see(&face, (lit, tote), seen);
+        let model = self.core.settings.picks.clone();
+        let scene = DeskScene { face: &face, model: &model, lit, tote };
+        let events = self.core.visits.desk(station).see(scene, seen);
         for event in events {
             match event {
                 DeskEvent::Grasped(slot) if lit.is_some_and(|wanted| wanted != slot) => {
-                    self.warn(station, WrongReach::Slot(slot), (seen.seen, now));
+                    self.warn(seen, WrongReach::Slot(slot), now);
                 }
                 DeskEvent::Grasped(_) => {}
-                DeskEvent::Placed(piece, tote) => {
-                    self.hear_of_piece(station, visit, (piece, tote), (seen.seen, now));
-                }
-                DeskEvent::AimsAt(slot) => self.warn(station, WrongReach::Slot(slot), (seen.seen, now)),
+                DeskEvent::Placed(piece, tote) => self.hear_of_piece(seen, visit, (piece, tote), now),
+                DeskEvent::AimsAt(slot) => self.warn(seen, WrongReach::Slot(slot), now),
             }
         }
         self.let_go(station, &face, now);
@@ -57,38 +59,29 @@ impl Intake<'_> {
 
     /// The line that is lit in a visit.
     fn lit(&self, station: StationId, visit: OnVisit) -> Option<WaitingLine> {
-        let lines = self.core.ledger.jobs[&visit.job].lines_now()?;
-        self.waiting(station, visit.job, lines)
+        self.core.floor().lit_line(station, visit.job)
     }
 
     /// The line of the rack before that is not confirmed yet.
     fn unconfirmed(&self, station: StationId) -> Option<WaitingLine> {
-        let left = self.core.ledger.unconfirmed.get(&station)?;
-        self.waiting(station, left.job, &left.lines)
-    }
-
-    fn waiting(&self, station: StationId, job: JobId, lines: &Lines) -> Option<WaitingLine> {
-        let line = lines.lit()?;
-        let OrderLine { slot, tote, .. } = &lines.all()[line].line;
-        let cell = self.core.warehouse().stations[station].cell.as_ref()?;
-        let tote = cell.totes.iter().position(|t| t.name == *tote)?;
-        Some(WaitingLine { job, line, slot: *slot, tote })
+        self.core.floor().unconfirmed_line(station)
     }
 
     /// A piece was put into a tote: it confirms the line that waits for it, of the rack that is there or of the one
     /// before; where that is not sure, a wrong tote is warned of alone.
     fn hear_of_piece(
         &mut self,
-        station: StationId,
+        seen: &HandsSeen,
         visit: Option<OnVisit>,
         (piece, tote): (HeldPiece, usize),
-        (seen, now): (Time, Time),
+        now: Time,
     ) {
+        let station = seen.station;
         let of_this = visit.filter(|_| !piece.is_of_before);
         let wanted = of_this.map_or_else(|| self.unconfirmed(station), |visit| self.lit(station, visit));
         let Some(wanted) = wanted.filter(|line| line.slot == piece.from) else { return };
         if wanted.tote != tote {
-            return self.warn(station, WrongReach::Tote(tote), (seen, now));
+            return self.warn(seen, WrongReach::Tote(tote), now);
         }
         let WaitingLine { job, line, .. } = wanted;
         let change = LineChange::Done(1);
@@ -158,8 +151,46 @@ impl Intake<'_> {
         }
     }
 
-    fn warn(&mut self, station: StationId, wrong: WrongReach, (seen, now): (Time, Time)) {
+    fn warn(&mut self, seen: &HandsSeen, wrong: WrongReach, now: Time) {
+        let HandsSeen { station, person, seen, .. } = *seen;
         self.core.visits.note_warning(station, wrong, now);
-        self.core.out.warnings.push(CellWarning { station, wrong, seen });
+        self.core.out.warnings.push(CellWarning { station, person, wrong, seen });
+    }
+}
+
+/// Whether a step that took in these hands now would warn of them.
+pub(in crate::fleet) fn calls_for_warning(core: &Core, seen: &HandsSeen, now: Time) -> bool {
+    let station = seen.station;
+    if station.ix() >= core.warehouse().stations.len() || !core.settings.flow.hears_hands() {
+        return false;
+    }
+    if seen.seen > now + AHEAD || !core.visits.can_be_wrong(seen) {
+        return false;
+    }
+    let floor = core.floor();
+    let job = floor.picked_from(station).and_then(|robot| floor.ledger.robots[robot].task.job());
+    let lit = job.and_then(|job| floor.lit_line(station, job));
+    let tote = lit.as_ref().map(|line| line.tote).or(floor.unconfirmed_line(station).map(|line| line.tote));
+    core.visits.would_warn(&core.settings.picks, (lit.map(|line| line.slot), tote), seen)
+}
+
+impl Floor<'_> {
+    /// The line that is lit at a station in the visit for a job.
+    fn lit_line(&self, station: StationId, job: JobId) -> Option<WaitingLine> {
+        self.waiting(station, job, self.ledger.jobs.get(&job)?.lines_now()?)
+    }
+
+    /// The line at a station whose rack has left before it was confirmed.
+    fn unconfirmed_line(&self, station: StationId) -> Option<WaitingLine> {
+        let left = self.ledger.unconfirmed.get(&station)?;
+        self.waiting(station, left.job, &left.lines)
+    }
+
+    fn waiting(&self, station: StationId, job: JobId, lines: &Lines) -> Option<WaitingLine> {
+        let line = lines.lit()?;
+        let OrderLine { slot, tote, .. } = &lines.all()[line].line;
+        let cell = self.warehouse().stations[station].cell.as_ref()?;
+        let tote = cell.totes.iter().position(|t| t.name == *tote)?;
+        Some(WaitingLine { job, line, slot: *slot, tote })
     }
 }

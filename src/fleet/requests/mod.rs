@@ -8,7 +8,7 @@ mod absorb;
 mod arm;
 mod change;
 mod enrolment;
-mod hands;
+pub(in crate::fleet) mod hands;
 mod intake;
 mod operator;
 mod racks;

@@ -521,6 +521,8 @@ pub struct Step {
 pub struct CellWarning {
     /// Where.
     pub station: StationId,
+    /// Whose hand, as observations of hands have it.
+    pub person: u32,
     /// What is wrong.
     pub wrong: WrongReach,
     /// When the hand was seen that was judged.

@@ -8,6 +8,7 @@ use crate::aware::{HumanAwarePolicy, NodeWindows};
 use crate::cell::Flow;
 use crate::cell::arm::ArmMode;
 use crate::human::{Method, Model};
+use crate::reach::PickModel;
 use crate::time::Span;
 use std::sync::Arc;
 
@@ -53,6 +54,8 @@ pub struct Settings {
     pub worker_price: f64,
     /// What was learned about people.
     pub model: Arc<Model>,
+    /// What was learned of people who reach for slots.
+    pub picks: Arc<PickModel>,
     /// Robots pass through one another: only for the bound on throughput.
     pub without_conflicts: bool,
     /// Reads any clock in nanoseconds, to tell how long searches take. Nothing is ever decided by it.
@@ -81,6 +84,7 @@ impl Default for Settings {
             arm_mode: ArmMode::default(),
             worker_price: 3.0,
             model: Model::builtin(),
+            picks: PickModel::builtin(),
             without_conflicts: false,
             stopwatch: || 0,
         }

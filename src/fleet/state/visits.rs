@@ -4,14 +4,19 @@
 //! Main type: [`Visits`]. Lost at a restart: the lit line begins anew then, and the pace is learned again. Refuses: to
 //! promise anything.
 
-use crate::cell::{Desk, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace, Remaining};
+use crate::cell::{
+    Desk, DeskScene, HandsSeen, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace, Remaining,
+    SeenReach,
+};
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::io::WrongReach;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::Ledger;
 use crate::id::{JobId, RackId, RackTypeId, RobotId, StationId};
+use crate::reach::PickModel;
 use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use crate::warehouse::{SlotName, Warehouse};
+use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -69,6 +74,8 @@ pub(in crate::fleet) struct Visits {
     at_hands: BTreeSet<RobotId>,
     /// What was warned of last at each station, and when.
     warned: BTreeMap<StationId, (WrongReach, Time)>,
+    /// Lines that were over, and reaches that were warned of.
+    counted: [u64; 2],
     /// True ends of visits, told by an experiment.
     told: BTreeMap<StationId, Time>,
 }
@@ -148,6 +155,7 @@ impl Visits {
         if lines.lit() != after.lit() {
             (clock.lit, clock.whole) = (at, is_alone);
         }
+        self.counted[0] += u64::from(now.state.is_over() && !before.state.is_over());
         if now.state.is_over() {
             self.desks.entry(station).or_default().forget(before.line.slot);
         }
@@ -266,7 +274,39 @@ impl Visits {
 
     /// Somebody at a station is warned.
     pub fn note_warning(&mut self, station: StationId, wrong: WrongReach, now: Time) {
+        self.counted[1] += 1;
         self.warned.insert(station, (wrong, now));
+    }
+
+    /// Whether any of these hands is where it can be wrong: at the face of the rack or in a tote. Nothing else needs to
+    /// be looked up for hands elsewhere.
+    pub fn can_be_wrong(&self, seen: &HandsSeen) -> bool {
+        let Some((_, face)) = self.faces.get(&seen.station) else { return false };
+        seen.hands.iter().flatten().map(|hand| face.of(hand.grip())).any(|at| face.is_near(at))
+    }
+
+    /// Whether these hands, seen now, would be warned of.
+    pub fn would_warn(
+        &self,
+        model: &Arc<PickModel>,
+        (lit, tote): (Option<SlotName>, Option<usize>),
+        seen: &HandsSeen,
+    ) -> bool {
+        let (Some(desk), Some((_, face))) = (self.desks.get(&seen.station), self.faces.get(&seen.station))
+        else {
+            return false;
+        };
+        desk.would_warn(DeskScene { face, model, lit, tote }, seen)
+    }
+
+    /// Where hands at a station go.
+    pub fn reaches(&self, station: StationId, now: Time) -> SmallVec<[SeenReach; 4]> {
+        self.desks.get(&station).map(|desk| desk.reaches(now)).unwrap_or_default()
+    }
+
+    /// How many lines were over, and how many reaches warned of, since the program started.
+    pub fn counted(&self) -> [u64; 2] {
+        self.counted
     }
 
     /// What was warned of at a station a moment ago.

@@ -64,7 +64,7 @@ impl CellFloor {
         let place = |back: f64| self.face.on_map(self.at + FacePlace::new(0.0, back, 0.0));
         let hand = HandPoints { wrist: place(0.17), palm: place(0.09), tips: [place(0.0); 2] };
         let head = self.face.on_map(FacePlace::new(0.0, 1.05, 1.6));
-        HandsSeen { station: S1, person: 0, seen, head, hands: [None, Some(hand)] }
+        HandsSeen { station: S1, person: 0, seen, head, facing: None, hands: [None, Some(hand)] }
     }
 
     fn front(&self, name: &str) -> FacePlace {
@@ -206,6 +206,23 @@ fn a_wrong_slot_and_a_wrong_tote_are_warned_of_and_confirm_nothing() {
     assert_eq!(cell.floor.fleet.view(cell.floor.now).stations[0].warning, Some(WrongReach::Tote(0)));
     cell.puts(1);
     assert!(cell.is_done(), "it is put right");
+}
+
+#[test]
+fn hands_call_for_a_step_at_once_only_where_they_would_be_warned_of() {
+    let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
+    let calls = |cell: &mut CellFloor, name: &str| {
+        cell.moves(cell.front(name), 0.6);
+        assert!(!cell.floor.fleet.calls_for_warning(&cell.seen(cell.floor.now), cell.floor.now), "it is far");
+        cell.at = cell.face.slot(slot(name)) - FacePlace::new(0.0, 0.06, 0.0);
+        let now = cell.floor.now + Span::from_millis(150);
+        let calls = cell.floor.fleet.calls_for_warning(&cell.seen(now), now);
+        cell.at = cell.front(name);
+        calls
+    };
+    assert!(calls(&mut cell, "B2"));
+    assert!(!calls(&mut cell, "C3"), "that is the lit one");
+    assert_eq!(cell.warnings, [], "asking changes nothing");
 }
 
 #[test]

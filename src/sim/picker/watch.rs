@@ -84,7 +84,10 @@ impl HandWatch {
         let late_ms = self.sensor.delay_ms + self.sensor.jitter_ms * self.random.normal();
         let comes = now + Span::from_secs_f64(late_ms.max(0.0) / 1000.0);
         let head = face.on_map(truth.head);
-        self.under_way.push((comes, HandsSeen { station, person, seen: now, head, hands }));
+        let [yaw, pitch] = truth.faces;
+        let ahead = FacePlace::new(yaw.sin() * pitch.cos(), -yaw.cos() * pitch.cos(), pitch.sin());
+        let facing = Some(face.on_map(truth.head + ahead) - head);
+        self.under_way.push((comes, HandsSeen { station, person, seen: now, head, facing, hands }));
     }
 
     fn go_wrong(&mut self, now: Time, period: f64) {

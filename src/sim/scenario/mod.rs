@@ -28,6 +28,7 @@ use crate::aware::HumanAwarePolicy;
 use crate::fleet::{Closure, RecurringClosure, RobotKind, fitted};
 use crate::human::Model;
 use crate::human::tiles::Tiles;
+use crate::reach::PickModel;
 use crate::time::{Span, Time};
 use crate::warehouse::{Findings, Warehouse};
 use check::check;
@@ -75,6 +76,8 @@ pub struct Scenario {
     pub model: Option<String>,
     /// What is in it.
     pub learned: Arc<Model>,
+    /// What pickers are expected to do; the built-in figures unless somebody reads others.
+    pub picks: Arc<PickModel>,
 }
 
 /// Where jobs come from.
@@ -216,6 +219,7 @@ impl Scenario {
             policy: file.arm.into(),
             model: file.model,
             learned: Model::builtin(),
+            picks: PickModel::builtin(),
         })
     }
 
@@ -298,6 +302,7 @@ impl Scenario {
         let flow = self.cells.as_ref().map(|cells| cells.flow.into()).unwrap_or_default();
         let arm_mode = self.cells.as_ref().map(|cells| cells.arm_mode.into()).unwrap_or_default();
         let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
+        let picks = self.picks.clone();
         crate::fleet::Settings {
             kinds,
             period,
@@ -308,6 +313,7 @@ impl Scenario {
             arm_mode,
             worker_price,
             model,
+            picks,
             ..Default::default()
         }
     }

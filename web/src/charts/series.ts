@@ -61,6 +61,17 @@ export const CHARTS: readonly Chart[] = [
     lines: [{ id: 'waiting robots', name: 'charts.line.waiting', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) }],
   },
   {
+    id: 'lines', about: 'floor', title: 'charts.lines', unit: 'charts.unit.per-hour', scale: 'linear', format: number,
+    lines: [
+      { id: 'lines', name: 'charts.line.lines', ink: ALL, dash: null, of: perHour((b) => b.lines) },
+      { id: 'mistakes', name: 'charts.line.mistakes', ink: PEOPLE, dash: '5 3', of: perHour((b) => b.wrong_reaches) },
+    ],
+  },
+  {
+    id: 'idle', about: 'floor', title: 'charts.idle', unit: 'charts.unit.average', scale: 'linear', format: number,
+    lines: [{ id: 'idle stations', name: 'charts.line.idle', ink: PEOPLE, dash: null, of: average((b) => b.idle_s) }],
+  },
+  {
     id: 'plans', about: 'system', title: 'charts.search', unit: 'charts.unit.log', scale: 'log', format: micros,
     lines: [
       { id: 'median', name: 'charts.line.median', ink: ROBOTS, dash: null, of: (b) => b.plan_us_p50 },
@@ -77,6 +88,12 @@ export const CHARTS: readonly Chart[] = [
     lines: [{ id: 'people on the floor', name: 'charts.line.people-here', ink: PEOPLE, dash: null, of: average((b) => b.worker_s) }],
   },
 ];
+
+/** Charts about picking stations. */
+export const PICKING: readonly string[] = ['lines', 'idle'];
+/** Whether anything is known of picking stations. */
+export const picks = (grid: Grid | null): boolean =>
+  grid?.buckets.some((b) => b !== null && b.lines + b.wrong_reaches + b.idle_s > 0) ?? false;
 
 /** A place for each step of the time shown, with its bucket or nothing. */
 export interface Grid {

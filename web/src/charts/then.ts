@@ -1,9 +1,11 @@
 // Charts of the past: from running sums to what happened between them. Pure.
 import type { Sum } from '../wire';
-import { CHARTS, type Chart, type Figures, type Grid } from './series';
+import { CHARTS, PICKING, type Chart, type Figures, type Grid } from './series';
 
-/** The charts of the present, but that frames say of searches how long 99 % of them took at most, and of steps nothing. */
-export const CHARTS_THEN: readonly Chart[] = CHARTS.filter(({ id }) => id !== 'steps').map((chart) => {
+/** What frames say nothing of. */
+const UNKNOWN = ['steps', ...PICKING];
+/** The charts of the present, but that frames say of searches how long 99 % of them took at most, and of some nothing. */
+export const CHARTS_THEN: readonly Chart[] = CHARTS.filter(({ id }) => !UNKNOWN.includes(id)).map((chart) => {
   if (chart.id !== 'plans') return chart;
   const [median, most] = chart.lines;
   return { ...chart, lines: [median!, { ...most!, id: '99 %', name: 'charts.line.p99', of: (b) => b.plan_us_p99 ?? null }] };
@@ -49,5 +51,5 @@ export function gridOfSums(sums: readonly Sum[], left: number, right: number, st
 
 const nothing = (): Figures => ({
   covered_s: 0, robot_deliveries: 0, human_deliveries: 0, encounters: 0, interruptions: 0, replans: 0, worker_s: 0, waiting_s: 0,
-  plan_us_p50: null, plan_us_p95: null, plan_us_max: null, step_us_max: null, plan_us_p99: null,
+  lines: 0, wrong_reaches: 0, idle_s: 0, plan_us_p50: null, plan_us_p95: null, plan_us_max: null, step_us_max: null, plan_us_p99: null,
 });

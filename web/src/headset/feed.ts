@@ -5,6 +5,7 @@ import type { Guidance } from './guide';
 import type { PoseMessage } from './pump';
 import type { Alignment } from './frame';
 import type { Mark } from './align';
+import type { CellLights } from './cell';
 
 export interface Aligned extends Alignment {
   rms_m: number;
@@ -17,6 +18,7 @@ export type FeedEvent =
   | { kind: 'aligned'; epoch: number; fit: Aligned }
   | { kind: 'refused'; text: string; aligned: boolean }
   | { kind: 'guidance'; guidance: Guidance }
+  | { kind: 'cell'; cell: CellLights }
   | { kind: 'done'; assignment: string; refused: string | null }
   | { kind: 'clock'; error_ms: number }
   | { kind: 'warning'; code: string; text: string };
@@ -169,6 +171,8 @@ export class Feed {
         return this.#tell({ kind: 'refused', text: `${String(m['reason'])}: ${String(m['remedy'])}`, aligned: m['aligned'] === true });
       case 'guidance':
         return this.#tell({ kind: 'guidance', guidance: m as unknown as Guidance });
+      case 'cell':
+        return this.#tell({ kind: 'cell', cell: m as unknown as CellLights });
       case 'done':
         return this.#tell({ kind: 'done', assignment: String(m['assignment']), refused: typeof m['refused'] === 'string' ? m['refused'] : null });
       case 'clock':

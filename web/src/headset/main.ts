@@ -9,7 +9,7 @@ import { make } from './dom';
 import { Painter } from './gl';
 import { inkOf, roomInk } from './ink';
 import { Overlay } from './overlay';
-import { drawMap, onMap, type Lens, type Self } from './phone';
+import type { Lens, Self } from './phone';
 import { joined } from './guide';
 import { board, refusal, Screen, write } from './screen';
 import { Server } from './server';
@@ -59,7 +59,7 @@ async function begin(map: FloorMap, { view, name, marks, start }: SignedIn): Pro
   const worker = await hired;
   if (worker.kind !== 'ok') return refusalWords(worker);
   const known = { id: worker.value.id, name: worker.value.name };
-  if (view === 'phone') phone(map, known.id, known.name);
+  if (view === 'phone') await phone(map, known.id, known.name);
   else if (start) await enterTwin(map, known, start);
   return '';
 }
@@ -101,8 +101,9 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
         const shown = wearer.shown();
         const [title, detail] = board(shown, wearer);
         const marking = wearer.marking.kind === 'taking' || wearer.marking.kind === 'refused';
-        return { shown, alignment: wearer.alignment, marking, narrow: false, board: 'eyes', title, detail };
+        return { shown, alignment: wearer.alignment, marking, narrow: false, board: 'eyes', cell: wearer.cell, title, detail };
       },
+      wantsHands: () => wearer.pump.wantsHands,
       drew: (target: Aim | null) => {
         wearer.drawn();
         host.dataset['aim'] = target ? target.kind : 'none';
@@ -172,8 +173,9 @@ function leave(id: string, name: string): void {
   void server.clear(id, name).then((answer) => (answer.kind === 'ok' ? signIn(t('left.said', { name })) : left(id, name, refusalWords(answer))));
 }
 
-/** The map on a phone. */
-function phone(map: FloorMap, id: string, name: string): void {
+/** The map on a phone, which is fetched only where it is used. */
+async function phone(map: FloorMap, id: string, name: string): Promise<void> {
+  const { drawMap, onMap } = await import('./phone');
   if (!host) return;
   const canvas = make('canvas', { className: 'map', role: 'img', ariaLabel: t('phone.map') });
   const wearer: Wearer = new Wearer({

@@ -1,11 +1,12 @@
 // What a wearer sees of guidance, over the room, a twin of it, or nothing: drawn for one eye or two from one description.
 import { aim, multiply, type Aim, type Mat4 } from './arrow';
+import { lights, type CellLights } from './cell';
 import { toDevice, toMap, type Alignment, type Vec2, type Vec3 } from './frame';
 import type { Painter } from './gl';
 import type { Shown } from './guide';
 import { lifts } from './labels';
 import { mask, sight, straight } from './mask';
-import { eyes, POST_M, reticle, robotAt, room, type Colour, type Ink } from './shapes';
+import { eyes, POST_M, reticle, robotAt, room, Shapes, type Colour, type Ink } from './shapes';
 import { BOARD_PIECE, labelPiece, MOST_LABELS, Sheet, type Writing } from './sheet';
 import { metres } from './words';
 
@@ -19,6 +20,8 @@ export interface Scene {
   board: 'eyes' | 'window';
   /** Only what the display of the published experiments would show is seen. */
   narrow: boolean;
+  /** What is lit at a station. */
+  cell?: CellLights | null;
   title: string;
   detail: string;
 }
@@ -68,13 +71,15 @@ export class Overlay {
 
   /** A frame with a pose. Answers where the next point is. */
   draw(target: WebGLFramebuffer | null, head: Head, sights: readonly Eyesight[], scene: Scene, pointed: Vec3 | null): Aim | null {
-    const { shown, alignment, marking, narrow, board, title, detail } = scene;
+    const { shown, alignment, marking, narrow, board, cell, title, detail } = scene;
     const first = sights[0];
     if (!first) return null;
     const half = sight(first.projection, narrow);
     const from = alignment ? toMap(alignment, head.at) : null;
     const next = alignment && shown.next ? aim(toDevice(alignment, shown.next, head.floor + POST_M), head.inverse, straight(first.projection, half)) : null;
-    const inRoom = alignment && from ? room(shown, alignment, head.floor, from, this.#ink).corners : new Float32Array();
+    const things = alignment && from ? room(shown, alignment, head.floor, from, this.#ink) : new Shapes();
+    if (cell && alignment) lights(things, cell, alignment, head.floor, this.#ink);
+    const inRoom = things.corners;
     const ring = marking && pointed ? reticle(pointed, this.#ink).corners : new Float32Array();
     const before = eyes(shown, next, half, this.#ink).corners;
     const masked = narrow ? mask(this.#ink.outside).corners : new Float32Array();

@@ -1,5 +1,6 @@
 // From the display's frames to poses on the wire: at most 60 a second, at least 20, evenly spaced, numbered within an
 // epoch, with a word on their quality. Nothing is queued: what cannot leave now is replaced by something newer. Pure.
+import { reaching, type Joints, type Reaching } from './cell';
 import type { Quat, Vec2, Vec3 } from './frame';
 
 export type Quality = 'tracked' | 'emulated' | 'lost';
@@ -12,6 +13,8 @@ export interface Sample {
   quat: Quat;
   /** The position is a guess of the device. */
   emulated: boolean;
+  /** Joints of the hands, where they are wanted and seen. */
+  hands?: { l: Joints | null; r: Joints | null };
 }
 
 export interface PoseMessage {
@@ -24,6 +27,8 @@ export interface PoseMessage {
   at?: Vec2;
   accuracy?: number;
   quality: Quality;
+  gaze?: Reaching['gaze'];
+  hands?: Reaching['hands'];
 }
 
 const FASTEST_HZ = 60;
@@ -39,6 +44,8 @@ export const LOST_MS = 500;
 export class Pump {
   epoch = 1;
   aligned = false;
+  /** The server asks for hands: they go with each pose, and the head's ray with them. */
+  wantsHands = false;
   #seq = 0;
   #sentAt = -Infinity;
   #seenAt = -Infinity;
@@ -57,7 +64,7 @@ export class Pump {
     this.#sentAt = sample.t;
     return {
       type: 'pose', epoch: this.epoch, seq: ++this.#seq, t: sample.t, pos: sample.pos, quat: sample.quat,
-      quality: sample.emulated ? 'emulated' : 'tracked',
+      quality: sample.emulated ? 'emulated' : 'tracked', ...(this.wantsHands ? reaching(sample) : {}),
     };
   }
 

@@ -1,10 +1,14 @@
 // What all views have in common: the words on the board, the voice, the shaking, the light that stays on.
 import { Announcer, type Topic } from './announcer';
+import { cellWords } from './cell';
 import { make } from './dom';
 import { buzz, joined, type Shown } from './guide';
 import { voice } from './voice';
 import type { Wearer } from './wearer';
 import { metres, t } from './words';
+
+/** How long it shakes where a hand is wrong, milliseconds. */
+const WRONG_MS = 120;
 
 export class Screen {
   readonly title = make('h1', { className: 'title' });
@@ -19,6 +23,7 @@ export class Screen {
   #voiceButton = make('button', { type: 'button', className: 'voice' });
   #noVoice = make('span', { className: 'dim small', hidden: true });
   #kind: Shown['kind'] | null = null;
+  #wrong = '';
   #light: WakeLockSentinel | null = null;
 
   constructor(readonly root: HTMLElement, readonly wearer: Wearer) {
@@ -58,7 +63,20 @@ export class Screen {
     if (why) write(why, shown.detail);
     const said = this.#announcer.next(this.#topic(shown), performance.now());
     if (said) voice.say(said);
+    this.#sayCell();
     this.root.dataset['said'] = voice.said;
+  }
+
+  /** A hand that is wrong is told of at once, aloud and by shaking. */
+  #sayCell(): void {
+    const { cell } = this.wearer;
+    const wrong = cell?.warning ? (cellWords(cell)?.[0] ?? '') : '';
+    this.root.dataset['cell'] = cell?.warning?.kind ?? cell?.slot?.id ?? '';
+    if (wrong !== '' && wrong !== this.#wrong) {
+      navigator.vibrate?.(WRONG_MS);
+      voice.say({ text: wrong, urgent: true });
+    }
+    this.#wrong = wrong;
   }
 
   /** What stands now is said again. */
@@ -120,6 +138,8 @@ export function board(shown: Shown, wearer: Wearer): readonly [title: string, de
     case 'refused':
       return [t('mark.refused'), t('mark.refused.detail', { why: marking.text })];
     case 'done': {
+      const picks = shown.kind === 'idle' ? cellWords(wearer.cell) : null;
+      if (picks) return picks;
       if (wearer.due() !== null) return [shown.title, joined(shown.detail, refusal(wearer), t('task.ask'))];
       const hasMarks = shown.kind === 'idle' && names.length > 0;
       return [shown.title, joined(shown.detail, hasMarks ? t('mark.fit', { distance: metres(marking.rms_m) }) : '')];

@@ -1,5 +1,6 @@
 // One wearer: the feed, the pump, the marks and the guidance together. Every event ends in a new answer to "what is
 // to be seen now". Knows no display and no browser.
+import type { CellLights } from './cell';
 import { mark, type Mark, type MarkEvent, type Marking } from './align';
 import { Feed, type FeedEvent, type FeedOptions, type FeedState } from './feed';
 import { distance, type Alignment, type Vec2, type Vec3 } from './frame';
@@ -48,6 +49,8 @@ export class Wearer {
   task: Task | null = null;
   /** The assignment that was done last, by the wearer's word. */
   finished: string | null = null;
+  /** What is to be picked where the wearer stands. */
+  cell: CellLights | null = null;
   /** How the assignment ended that guidance was for last, once the server has said so. */
   ended: Ended | null = null;
   readonly pump = new Pump();
@@ -75,7 +78,9 @@ export class Wearer {
       ...options,
       onState: (state) => {
         this.feed = state;
-        if (state.kind !== 'live') this.pump.aligned = false;
+        if (state.kind !== 'live') {
+          [this.pump.aligned, this.cell, this.pump.wantsHands] = [false, null, false];
+        }
         options.onChange();
       },
       onEvent: (event) => {
@@ -240,6 +245,9 @@ export class Wearer {
         if (event.guidance.assignment !== this.guidance?.assignment) this.#leave(this.guidance?.assignment ?? null);
         [this.guidance, this.#heardAt] = [event.guidance, this.#options.clock.now()];
         return this.#askTask(this.#heardAt);
+      case 'cell':
+        [this.cell, this.pump.wantsHands] = [event.cell, event.cell.hands];
+        return;
       case 'done':
         if (event.refused !== null) [this.#reported, this.notTaken] = [null, said(event.refused)];
         else this.finished = event.assignment;

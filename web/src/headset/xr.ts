@@ -1,6 +1,7 @@
 // The immersive session: frames with poses, confirmations, jumps of the origin. In the room, the browser itself shows
 // what is around, and no camera image is asked for; in the twin, nothing of the room is seen.
 import type { Aim } from './arrow';
+import type { Joints } from './cell';
 import { floorHit, rotate, type Vec3 } from './frame';
 import type { Eyesight, Overlay, Scene } from './overlay';
 import type { Sample } from './pump';
@@ -18,6 +19,8 @@ export interface Events {
   drew(target: Aim | null): void;
   /** Before each frame with a pose: sticks and buttons of what is held. */
   inputs?(sources: Iterable<XRInputSource>): void;
+  /** Whether joints of hands go with the samples. */
+  wantsHands?(): boolean;
 }
 
 /** A trigger held for so long asks for new marks. */
@@ -52,7 +55,7 @@ export class RoomView {
   static async enter(mode: Immersion, overlay: Overlay, events: Events): Promise<RoomView> {
     if (!navigator.xr) throw new Error('this browser has no WebXR');
     // In the twin, a stick goes far, and the device itself stays in a room.
-    const optionalFeatures = mode === 'immersive-ar' ? ['unbounded'] : [];
+    const optionalFeatures = mode === 'immersive-ar' ? ['unbounded', 'hand-tracking'] : [];
     const session = await navigator.xr.requestSession(mode, { requiredFeatures: ['local-floor'], optionalFeatures });
     try {
       await overlay.painter.gl.makeXRCompatible();
@@ -128,9 +131,25 @@ export class RoomView {
     const emulated = pose.emulatedPosition || this.#session.visibilityState !== 'visible';
     this.#events.inputs?.(this.#session.inputSources);
     const predicted = frame.predictedDisplayTime;
-    this.#events.sample({ t: typeof predicted === 'number' && predicted > 0 ? predicted : t, pos: head, quat: [q.x, q.y, q.z, q.w], emulated });
+    const hands = this.#events.wantsHands?.() ? { hands: this.#hands(frame) } : {};
+    this.#events.sample({ t: typeof predicted === 'number' && predicted > 0 ? predicted : t, pos: head, quat: [q.x, q.y, q.z, q.w], emulated, ...hands });
     this.#draw(pose, layer, head);
   };
+
+  /** Joints of both hands; nothing of a hand of which one is not seen. */
+  #hands(frame: XRFrame): { l: Joints | null; r: Joints | null } {
+    const seen: { l: Joints | null; r: Joints | null } = { l: null, r: null };
+    for (const { hand, handedness } of this.#session.inputSources) {
+      if (!hand || handedness === 'none') continue;
+      const poses = [...hand.values()].map((joint) => frame.getJointPose?.(joint, this.#space));
+      const joints = poses.flatMap((pose) => {
+        const p = pose?.transform.position;
+        return p ? [[p.x, p.y, p.z, pose.radius ?? 0] as const] : [];
+      });
+      if (joints.length === poses.length) seen[handedness === 'left' ? 'l' : 'r'] = joints;
+    }
+    return seen;
+  }
 
   #draw(pose: XRViewerPose, layer: XRWebGLLayer, at: Vec3): void {
     const sights = pose.views.flatMap((view): Eyesight[] => {

@@ -45,7 +45,9 @@ export class Board {
       words('grow', t('bar.served', { count: served })), this.#left.next,
     ]);
     this.#countDown(station, age_ms);
-    this.#once(this.rack, [visit, totes, reach, mistake], () => [drawRack(station, mistake)]);
+    // Not by its expected end, which is another one in every message.
+    const shown = [visit?.lines, visit?.face, rack, visit === null, totes, reach, mistake];
+    this.#once(this.rack, shown, () => [drawRack(station, mistake)]);
     this.#once(this.big, [visit?.lines, visit?.rack, mistake, visit === null], () => this.#bigWords(station, mistake));
     this.#showLines(visit?.lines ?? []);
     this.paused.hidden = paused === null;

@@ -79,10 +79,11 @@ export function drawRack(station: Station, mistake: Mistake | null): SVGElement 
     mark: lit?.tote === tote.name ? 'lit' : next?.tote === tote.name ? 'next' : 'plain', count: null,
     isWrong: mistake?.kind === 'wrong_tote' && mistake.is === tote.name,
   }));
-  const hands = drawing.slots.flatMap((slot) => {
-    const width = reachWidth(reach.find((one) => one.slot === slot.name)?.probability ?? 0);
-    const more = { class: 'reach', 'stroke-width': width, 'data-reach': slot.name };
-    return width === 0 ? [] : [box(slot, 0.008 + width / 2, more)];
+  const hands = (places: readonly Box[], kind: 'slot' | 'tote'): SVGElement[] => places.flatMap((place) => {
+    const probability = Math.max(0, ...reach.filter((one) => one[kind] === place.name).map((one) => one.probability));
+    const width = reachWidth(probability);
+    const more = { class: 'reach', 'stroke-width': width, 'data-reach': place.name };
+    return width === 0 ? [] : [box(place, 0.008 + width / 2, more)];
   });
   const { body } = drawing;
   // Where no slots are known, the rack has its name; where no rack is, a dashed line says where it will be.
@@ -94,5 +95,5 @@ export function drawRack(station: Station, mistake: Mistake | null): SVGElement 
   const isLit = (one: SVGElement): number => Number(one.classList.contains('lit'));
   const inOrder = [...slots, ...below].sort((a, b) => isLit(a) - isLit(b));
   const seen = { viewBox: drawing.view.join(' '), role: 'img', 'aria-label': label, class: 'face' };
-  return shape('svg', seen, outline, ...title, ...inOrder, ...hands);
+  return shape('svg', seen, outline, ...title, ...inOrder, ...hands(drawing.slots, 'slot'), ...hands(drawing.totes, 'tote'));
 }

@@ -54,7 +54,8 @@ export interface Station {
   unconfirmed: { job: string; line: Line } | null;
   next: { rack: string; robot: string; in_s: number } | null;
   arm: { kind: string } | null;
-  reach: readonly { slot: string; probability: number }[];
+  /** Where hands most likely go: a slot or a tote. */
+  reach: readonly { hand: 'left' | 'right'; slot: string | null; tote: string | null; probability: number }[];
   warnings: readonly Warning[];
 }
 

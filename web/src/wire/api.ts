@@ -5,7 +5,7 @@ import type { Past, Sum } from './past';
 import type { ShiftReport } from './report';
 import type {
   AlarmPage, AlarmRecord, AuditPage, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
-  Problem, RobotDetail, RobotHistoryPage, RobotKind, Timelines, Why, WorkerDetail,
+  Problem, RobotDetail, RobotHistoryPage, RobotKind, StationDetail, Timelines, Why, WorkerDetail,
 } from './types';
 
 export type Answer<T> =
@@ -48,6 +48,7 @@ export class Api {
   robotHistory = (id: string, cursor: string | null) =>
     this.#ask<RobotHistoryPage>('GET', `/v1/robots/${encodeURIComponent(id)}/history?${new URLSearchParams({ limit: '20', ...(cursor === null ? {} : { cursor }) })}`);
   retire = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}`);
+  stationDetail = (id: string) => this.#ask<StationDetail>('GET', `/v1/stations/${encodeURIComponent(id)}`);
   station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>
     this.#ask<null>('POST', `/v1/stations/${encodeURIComponent(id)}/${says}`);
   clear = (worker: string, by: string) => this.#ask<null>('POST', `/v1/workers/${encodeURIComponent(worker)}/clear`, {}, { by });

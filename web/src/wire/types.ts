@@ -475,6 +475,16 @@ export interface NewClosure {
   recurs?: { from: string; to: string; utc_offset: string };
 }
 
+/** What is picked at a station now. */
+export interface StationDetail {
+  has_cell: boolean;
+  visit: {
+    lines: { n: number; slot: string; tote: string; quantity: number; done: number; state: 'open' | 'lit' | 'done' | 'short' }[];
+    pieces_left: number;
+    expected_end: { p10: number; p50: number; p90: number } | null;
+  } | null;
+  warnings: { slot: string | null; tote: string | null }[];
+}
 /** Figures over time; buckets of which nothing is known are left out. */
 export interface HistoryPage {
   from: string;
@@ -498,6 +508,10 @@ export interface Bucket {
   worker_s: number;
   /** Seconds that robots stood and would have driven on, all together. */
   waiting_s: number;
+  /** At picking stations: lines that were over, reaches that were warned of, seconds without a rack of all together. */
+  lines: number;
+  wrong_reaches: number;
+  idle_s: number;
   plan_us_p50: number | null;
   plan_us_p95: number | null;
   plan_us_max: number | null;

@@ -69,14 +69,20 @@ pub fn fit_gaze(pairs: &[GazePair]) -> [[f64; GAZE_FIGURES]; 2] {
     weights
 }
 
-/// The published net: head direction and hand (of which nothing is recorded here) to the eyes' direction.
+/// The published net without the hand, which is not recorded here: head direction to the eyes' direction.
 pub(super) fn learn_gaze_net(pairs: &[GazePair], chance: &mut Stream) -> Perceptron {
-    let mut net = Perceptron::new(&[3, HIDDEN, 3], Bend::Relu, chance);
     let rows = |of: fn(&GazePair) -> (f64, f64)| -> Vec<f32> {
         let unit = |p: &GazePair| -> [f32; 3] { ray(of(p).0, of(p).1).map(|v| v as f32).into() };
         pairs.iter().flat_map(unit).collect()
     };
-    learn_map(&mut net, &rows(|p| p.head), &rows(|p| p.eye), 30, 0.01, chance);
+    learn_gaze_from(3, &rows(|p| p.head), &rows(|p| p.eye), chance)
+}
+
+/// The published net: ten rectifiers between `inputs` numbers and the eyes' direction. `seen` and `eyes` (three
+/// numbers) are rows of the same samples. Corrected: Adam instead of plain gradient descent.
+pub fn learn_gaze_from(inputs: usize, seen: &[f32], eyes: &[f32], chance: &mut Stream) -> Perceptron {
+    let mut net = Perceptron::new(&[inputs, HIDDEN, 3], Bend::Relu, chance);
+    learn_map(&mut net, seen, eyes, 30, 0.01, chance);
     net
 }
 

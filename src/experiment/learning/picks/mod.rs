@@ -28,11 +28,16 @@ mod slots;
 pub use arm::{ArmWindow, windows};
 pub use bones::BoneForecast;
 pub use ends::EndCourse;
-pub use gaze::{GazePair, degrees_between, fit_gaze, gaze_net_degrees, gaze_pairs, gaze_quantiles};
+pub use gaze::{
+    GazePair, degrees_between, fit_gaze, gaze_net_degrees, gaze_pairs, gaze_quantiles, learn_gaze_from,
+};
 pub use items::{ReachItem, STEP_S, Variety, stepped};
 pub use learn::{PickCourse, candidates_of, learn_picks, mixture_scores};
 pub use lessons::PickLessons;
-pub use places::{PlaceVariant, place_scores};
+pub use perceptron::Perceptron;
+pub use places::{
+    PlaceBatch, PlaceCourse, PlaceShape, PlaceVariant, batch_scores, place_scores, teach_places,
+};
 pub use published::{LearnedPicks, PublishedNet, PublishedPicks};
 pub use rules::{hand_scores, head_scores};
 pub use simulated::{SIMULATED_COURSE, simulated_lessons, simulated_reach};

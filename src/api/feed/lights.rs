@@ -1,0 +1,109 @@
+//! What the wearer of a headset in a workplace is shown: the lit slot, its tote, and what is wrong.
+//!
+//! Main types: [`CellTold`] (what is to be shown), [`CellLightsDto`] (as it is sent). Refuses: to judge hands, which
+//! the core does.
+
+use crate::api::cell::station::{CellWarningDto, warning_dto};
+use crate::fleet::{StationView, View, WrongReach};
+use crate::geometry::{Point, inside};
+use crate::id::{Dense, RackTypeId, StationId};
+use crate::time::Time;
+use crate::warehouse::{Cell, SlotName, Warehouse};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// What somebody in the workplace of a station is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellTold {
+    /// The station.
+    pub station: StationId,
+    /// Whether hands are of use.
+    pub hears_hands: bool,
+    /// What is lit: from which slot how many pieces into which tote, by its number at the station.
+    pub lit: Option<(SlotName, u32, usize)>,
+    /// The type of the rack that stands there.
+    pub rack: Option<RackTypeId>,
+    /// What their hand was warned of a moment ago.
+    pub warning: Option<WrongReach>,
+    /// When the hand was seen that was warned of, if that is so new that the warning has not been sent.
+    pub warned_of: Option<Time>,
+}
+
+impl CellTold {
+    /// For a person at a place; nothing outside of all workplaces.
+    pub fn at(view: &View, warehouse: &Warehouse, at: Point) -> Option<CellTold> {
+        let is_there = |cell: &Cell| inside(&cell.workplace, at);
+        let (station, place) =
+            warehouse.stations.pairs().find(|(_, s)| s.cell.as_ref().is_some_and(is_there))?;
+        let seen = view.stations.get(station.ix())?;
+        let line = seen.lines.as_ref().and_then(|lines| Some(&lines.all()[lines.lit()?]));
+        let lit = line.and_then(|line| {
+            let tote = place.cell.as_ref()?.totes.iter().position(|t| t.name == line.line.tote)?;
+            Some((line.line.slot, line.left(), tote))
+        });
+        let robot = seen.robot.filter(|_| seen.picking).and_then(|r| view.robots.get(r.ix()));
+        let rack = robot.and_then(|r| warehouse.racks[r.rack?].rack_type);
+        let StationView { hears_hands, warning, .. } = *seen;
+        Some(CellTold { station, hears_hands, lit, rack, warning, warned_of: None })
+    }
+
+    /// Whether a wearer sees the same.
+    pub fn looks_like(&self, other: &CellTold) -> bool {
+        let shown = |c: &CellTold| (c.station, c.lit, c.rack, c.warning);
+        shown(self) == shown(other)
+    }
+}
+
+/// A slot or tote in the room.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct CellPlaceDto {
+    /// Its name.
+    #[schema(example = "C3")]
+    pub id: String,
+    /// Where it is: map x, map y, height; metres. Of a slot the middle of its front, of a tote the middle of its rim.
+    pub at: [f64; 3],
+}
+
+/// What is to be picked where the wearer stands.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, ToSchema)]
+pub struct CellLightsDto {
+    /// The station in whose workplace the wearer stands; null outside of workplaces.
+    #[schema(example = "S1")]
+    pub station: Option<String>,
+    /// Whether joints of hands are wanted with each pose from now on.
+    pub hands: bool,
+    /// The slot that is lit.
+    pub slot: Option<CellPlaceDto>,
+    /// How many pieces are still to be taken from it.
+    pub pieces: u32,
+    /// The tote into which they belong.
+    pub tote: Option<CellPlaceDto>,
+    /// What is wrong, or about to be.
+    pub warning: Option<CellWarningDto>,
+}
+
+impl CellLightsDto {
+    /// As it is sent.
+    pub fn new(told: Option<&CellTold>, map: &Warehouse) -> CellLightsDto {
+        let Some(told) = told else { return CellLightsDto::default() };
+        let place = &map.stations[told.station];
+        let stands = map.nodes[place.node].at;
+        let cell = place.cell.as_ref();
+        let slot = told.lit.zip(told.rack).and_then(|((slot, ..), rack)| {
+            let at = cell?.place_of(stands, &map.rack_types[rack], slot)?;
+            Some(CellPlaceDto { id: slot.to_string(), at: [at.x, at.y, at.z] })
+        });
+        let tote = told.lit.and_then(|(_, _, tote)| {
+            let tote = cell?.totes.get(tote)?;
+            Some(CellPlaceDto { id: tote.name.clone(), at: [tote.at.x, tote.at.y, tote.at.z] })
+        });
+        CellLightsDto {
+            station: Some(place.name.clone()),
+            hands: told.hears_hands,
+            slot,
+            pieces: told.lit.map_or(0, |(_, pieces, _)| pieces),
+            tote,
+            warning: told.warning.map(|wrong| warning_dto(wrong, cell)),
+        }
+    }
+}

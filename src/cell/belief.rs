@@ -1,0 +1,147 @@
+//! To which slot or tote each hand at a work cell goes, with probabilities that were learned.
+//!
+//! Main types: [`ReachBeliefs`], [`ReachPlace`]. Shoulders and elbows follow from head and hands; where this person's
+//! hand ends in a slot is learned from each grasp, and kept no longer than hands are seen. Refuses: to decide anything.
+
+use super::face::{FacePlace, PickFace};
+use super::hands::{HandPoints, HandsSeen};
+use crate::reach::posture::{BodyLengths, SeenArm, SeenHead};
+use crate::reach::sample::angles;
+use crate::reach::{ArmPoint, PickModel, ReachTarget, SlotTracker};
+use crate::warehouse::SlotName;
+use std::sync::Arc;
+
+/// A hand ends so far behind a slot's front before anything was learned, metres …
+const DEEP_M: f64 = 0.1;
+/// … which counts as much as so many grasps.
+const PRIOR_GRASPS: f64 = 4.0;
+/// A hand puts pieces down so far below a tote's rim, metres.
+const BELOW_RIM_M: f64 = 0.03;
+
+/// A head of which nothing else is known faces the middle of the rack, so high above the floor, metres.
+const MIDDLE_M: f64 = 1.2;
+
+/// A place to which a hand can go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReachPlace {
+    /// A slot of the rack.
+    Slot(SlotName),
+    /// A tote, by its number at the station.
+    Tote(usize),
+}
+
+/// What a hand is expected to do next: both decide which place is lit for it.
+type Expected = (Option<SlotName>, Option<usize>);
+
+/// One hand.
+#[derive(Clone, Debug, PartialEq)]
+struct WatchedHand {
+    tracker: SlotTracker,
+    /// What it was told of its places last.
+    lit: Option<ReachPlace>,
+    is_stale: bool,
+}
+
+/// Beliefs about both hands at one work cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReachBeliefs {
+    face: Arc<PickFace>,
+    places: Vec<ReachPlace>,
+    lengths: Option<BodyLengths>,
+    hands: [WatchedHand; 2],
+    /// Where this person's hand ends, relative to the middle of a slot's front, and how many grasps taught it.
+    ends: (FacePlace, f64),
+}
+
+/// A place of the face in the frame of the opening.
+fn of_face(at: FacePlace) -> ArmPoint {
+    ArmPoint::new(-at.y, -at.x, at.z)
+}
+
+impl ReachBeliefs {
+    /// Of hands at a face that were not seen yet.
+    pub fn new(model: &Arc<PickModel>, face: &Arc<PickFace>) -> ReachBeliefs {
+        let hand = WatchedHand { tracker: SlotTracker::new(model.clone()), lit: None, is_stale: true };
+        let ends = (FacePlace::new(0.0, -DEEP_M, 0.0), PRIOR_GRASPS);
+        let (places, hands) = (places_of(face), [hand.clone(), hand]);
+        ReachBeliefs { face: face.clone(), places, lengths: None, hands, ends }
+    }
+
+    /// Another face is there.
+    pub fn turn_to(&mut self, face: &Arc<PickFace>) {
+        if !Arc::ptr_eq(face, &self.face) {
+            (self.face, self.places) = (face.clone(), places_of(face));
+            self.hands.iter_mut().for_each(|hand| hand.is_stale = true);
+        }
+    }
+
+    /// Takes in one hand. `carries` says that it holds a piece: then the wanted tote is where it is expected, and
+    /// without one the lit slot. A hand that no arm of this person reaches changes nothing.
+    pub fn see(
+        &mut self,
+        (hand, points): (usize, &HandPoints),
+        (lit, tote): Expected,
+        carries: bool,
+        seen: &HandsSeen,
+    ) {
+        let head_at = self.face.of(seen.head);
+        let facing = seen
+            .facing
+            .map_or_else(|| FacePlace::new(0.0, 0.0, MIDDLE_M) - head_at, |ahead| self.face.direction(ahead));
+        let (yaw, pitch) = angles(of_face(facing).coords);
+        let head = SeenHead { at: of_face(head_at), yaw, pitch };
+        let place = |p| of_face(self.face.of(p));
+        let arm = SeenArm {
+            is_left: hand == 0,
+            wrist: place(points.wrist),
+            palm: place(points.palm),
+            finger: place(points.grip()),
+        };
+        let lengths = self.lengths.get_or_insert_with(|| BodyLengths::of_head(head.at.z));
+        lengths.learn(&head, &arm);
+        let Some(sample) = lengths.sample(seen.seen.as_secs_f64(), &head, &arm) else { return };
+        let expected = if carries { tote.map(ReachPlace::Tote) } else { lit.map(ReachPlace::Slot) };
+        if self.hands[hand].is_stale || self.hands[hand].lit != expected {
+            self.tell_places(hand, expected);
+        }
+        self.hands[hand].tracker.follow(sample);
+    }
+
+    fn tell_places(&mut self, hand: usize, lit: Option<ReachPlace>) {
+        let target = |place: &ReachPlace| {
+            let (ends, looks) = match *place {
+                ReachPlace::Slot(slot) => (self.face.slot(slot) + self.ends.0, self.face.slot(slot)),
+                ReachPlace::Tote(tote) => {
+                    let rim = self.face.tote(tote).expect("it is a tote of this face");
+                    (rim - FacePlace::new(0.0, 0.0, BELOW_RIM_M), rim)
+                }
+            };
+            let target = ReachTarget { hand: of_face(ends), look: of_face(looks) };
+            if hand == 0 { target.mirrored() } else { target }
+        };
+        let targets: Vec<ReachTarget> = self.places.iter().map(target).collect();
+        let index = lit.and_then(|lit| self.places.iter().position(|place| *place == lit));
+        let watched = &mut self.hands[hand];
+        watched.tracker.set_places(&targets, index);
+        (watched.lit, watched.is_stale) = (lit, false);
+    }
+
+    /// A hand has grasped in a slot, and was deepest in it at this place.
+    pub fn learn(&mut self, slot: SlotName, deepest: FacePlace) {
+        let (ends, count) = &mut self.ends;
+        *count += 1.0;
+        *ends += (deepest - self.face.slot(slot) - *ends) / *count;
+        self.hands.iter_mut().for_each(|hand| hand.is_stale = true);
+    }
+
+    /// Places with the probability that a hand goes there; what is missing to one is that of no place.
+    pub fn probabilities(&self, hand: usize) -> impl Iterator<Item = (ReachPlace, f64)> {
+        let known = self.hands[hand].tracker.probabilities().iter().copied();
+        self.places.iter().copied().zip(known)
+    }
+}
+
+fn places_of(face: &PickFace) -> Vec<ReachPlace> {
+    let slots = face.slots().map(|(slot, _)| ReachPlace::Slot(slot));
+    slots.chain((0..face.totes()).map(ReachPlace::Tote)).collect()
+}
