@@ -25,7 +25,7 @@ pub use follow::HeldPiece;
 pub use hands::{HandPoints, HandsSeen};
 pub use lines::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines};
 
-pub use pace::{ARM_PIECE_S, PickPace, Remaining};
+pub use pace::{PickPace, Remaining};
 
 use crate::warehouse::SlotName;
 

@@ -5,7 +5,7 @@
 //! station and drawn towards that of all stations while little is known of it. Kept in memory only, and of stations,
 //! not of people. Refuses: to know why a line takes long.
 
-use super::{LineState, Lines};
+use super::{LineProgress, LineState, Lines};
 use crate::id::StationId;
 use std::collections::BTreeMap;
 
@@ -28,6 +28,9 @@ const SLOWEST: f64 = 12.0;
 const OVERDUE: f64 = 0.25;
 /// Nothing ends sooner than this, seconds.
 const AT_LEAST_S: f64 = 0.3;
+/// What a robot arm takes for a piece before anything is learned, seconds, and what a new one counts for.
+const ARM_PIECE_S: f64 = 9.0;
+const ARM_SHARE: f64 = 0.1;
 /// Quantiles of the standard normal distribution in the middle of each sixteenth.
 const NORMALS: [f64; 16] = [
     -1.8627, -1.3180, -1.0100, -0.7764, -0.5791, -0.4023, -0.2372, -0.0784, 0.0784, 0.2372, 0.4023, 0.5791,
@@ -51,6 +54,8 @@ pub struct PickPace {
     /// How far lines were off what was expected of their station.
     residuals: PickSums,
     stations: BTreeMap<StationId, PickSums>,
+    /// What a robot arm takes for a piece, seconds.
+    arms: BTreeMap<StationId, f64>,
 }
 
 /// How long a visit will last from now on, seconds.
@@ -120,34 +125,50 @@ impl PickPace {
     /// How long the rest of a visit takes, whose lit line has been at it for `lit_s` since its last piece. `said_s` is
     /// what the customer said that the whole visit takes.
     pub fn remaining(&self, station: StationId, lines: &Lines, lit_s: f64, said_s: Option<f64>) -> Remaining {
+        let (mut mean, mut variance) = self.hand(station, lines, lit_s, said_s);
+        // The arm picks at the same time.
+        let is_arms = |p: &&LineProgress| p.state == LineState::Arm;
+        let pieces: u32 = lines.all().iter().filter(is_arms).map(LineProgress::left).sum();
+        let arm_s = f64::from(pieces) * self.arm_piece_s(station);
+        if arm_s > mean {
+            let spread = self.spread();
+            (mean, variance) = (arm_s, variance.max(arm_s * arm_s * ((spread * spread).exp() - 1.0)));
+        }
+        Remaining::of(mean, variance)
+    }
+
+    /// Mean and variance of what the hand takes for its lines.
+    fn hand(&self, station: StationId, lines: &Lines, lit_s: f64, said_s: Option<f64>) -> (f64, f64) {
         let (spread, mean_factor) = (self.spread(), self.mean_factor(station));
         let whole_s: f64 = lines.all().iter().map(|p| usual_s(p.line.quantity, false)).sum();
         let factor = said_s.map_or(mean_factor, |said_s| said_s / whole_s.max(AT_LEAST_S));
-        let (mut mean, mut variance) = (0.0, 0.0);
-        // The arm picks at the same time.
-        let arms_s: f64 = lines.all().iter().filter(|p| p.state == LineState::Arm).map(arm_s).sum();
-        for p in lines.all().iter().filter(|p| p.left() > 0 && p.state != LineState::Arm) {
+        let hands = lines.all().iter().filter(|p| p.left() > 0 && p.state != LineState::Arm);
+        hands.fold((0.0, 0.0), |(mean, variance), p| {
             let line_s = factor * usual_s(p.left(), p.pieces > 0);
             let (m, v) = if p.state == LineState::Lit {
                 rest_of(line_s, spread, lit_s)
             } else {
                 (line_s, line_s * line_s * ((spread * spread).exp() - 1.0))
             };
-            (mean, variance) = (mean + m, variance + v);
-        }
-        if arms_s > mean {
-            (mean, variance) = (arms_s, variance.max(arms_s * arms_s * ((spread * spread).exp() - 1.0)));
-        }
-        Remaining::of(mean, variance)
+            (mean + m, variance + v)
+        })
     }
-}
 
-/// What a robot arm takes for a piece, seconds.
-pub const ARM_PIECE_S: f64 = 9.0;
+    /// What the hand takes for its lines on average, seconds.
+    pub fn hand_s(&self, station: StationId, lines: &Lines, lit_s: f64, said_s: Option<f64>) -> f64 {
+        self.hand(station, lines, lit_s, said_s).0
+    }
 
-/// How long the arm takes for what is left of its line, seconds.
-fn arm_s(p: &super::LineProgress) -> f64 {
-    ARM_PIECE_S * f64::from(p.left())
+    /// A robot arm took so long for a piece, or for nothing.
+    pub fn learn_arm(&mut self, station: StationId, seconds: f64) {
+        let mean = self.arms.entry(station).or_insert(ARM_PIECE_S);
+        *mean += (seconds.min(SLOWEST * ARM_PIECE_S) - *mean) * ARM_SHARE;
+    }
+
+    /// What the arm at a station takes for a piece, seconds.
+    pub fn arm_piece_s(&self, station: StationId) -> f64 {
+        self.arms.get(&station).copied().unwrap_or(ARM_PIECE_S)
+    }
 }
 
 /// Mean and variance of what is left of a line that takes `line_s` on average and has been at it for `spent_s`.

@@ -15,13 +15,15 @@ pub struct StopRule {
     pub brake_s: f64,
     /// What must be left then, metres.
     pub left_m: f64,
-    /// So much more before it goes on, metres.
+    /// So much more before it goes on, metres …
     pub hysteresis_m: f64,
+    /// … for so long, seconds.
+    pub clear_s: f64,
 }
 
 impl Default for StopRule {
     fn default() -> StopRule {
-        StopRule { react_s: 0.05, brake_s: 0.15, left_m: 0.02, hysteresis_m: 0.03 }
+        StopRule { react_s: 0.05, brake_s: 0.15, left_m: 0.02, hysteresis_m: 0.03, clear_s: 0.2 }
     }
 }
 
@@ -52,6 +54,8 @@ pub struct SimulatedArm {
     /// Share of the way's speed: 1 follows it, 0 stands.
     pace: f64,
     is_stopped: bool,
+    /// For how long there has been room enough to go on, seconds.
+    clear_s: f64,
     /// The person's limbs a step ago.
     before: Vec<Capsule>,
 }
@@ -76,6 +80,7 @@ impl SimulatedArm {
             at_s: 0.0,
             pace: 1.0,
             is_stopped: false,
+            clear_s: 0.0,
             before: Vec::new(),
         }
     }
@@ -152,12 +157,13 @@ impl SimulatedArm {
         step
     }
 
-    /// The protective stop of an arm that moves: while a link and a limb come nearer, they must stay apart if both go
-    /// on as they do until the arm stands (ISO/TS 15066, 5.5.4, with directed speeds of both).
+    /// The protective stop: while a link and a limb come nearer, they must stay apart if both go on as they do until
+    /// the arm stands (ISO/TS 15066, 5.5.4, with directed speeds of both). An arm that stands is held in the same way
+    /// (5.5.2, monitored standstill), so that it does not start towards somebody. Whether it stopped an arm that moved.
     fn guard(&mut self, dt_s: f64, links_before: &[Capsule], limbs: &[Capsule]) -> bool {
         let links = self.links();
         let takes_s = self.rule.react_s + self.rule.brake_s;
-        let mut least = f64::INFINITY;
+        let (mut least, mut is_clear) = (f64::INFINITY, true);
         for (link, link_before) in links.iter().zip(links_before) {
             for (limb, limb_before) in limbs.iter().zip(&self.before) {
                 let nearest = link.nearest(limb);
@@ -166,25 +172,28 @@ impl SimulatedArm {
                 let person = (limb.at(nearest.t) - limb_before.at(nearest.t)).dot(&normal) / dt_s;
                 // While it brakes it goes half as far as while it reacts.
                 let arm_m = arm * (self.rule.react_s + self.rule.brake_s / 2.0);
-                if arm + person < COMES_NEARER_MPS && !self.is_stopped {
-                    continue;
+                let apart_m = nearest.apart_m - link.radius_m - limb.radius_m;
+                let left_m = apart_m - arm_m - person.max(0.0) * takes_s;
+                let comes_nearer = arm + person >= COMES_NEARER_MPS;
+                let enough_m = self.rule.left_m + if comes_nearer { self.rule.hysteresis_m } else { 0.0 };
+                is_clear &= left_m > enough_m;
+                if comes_nearer {
+                    least = least.min(left_m);
                 }
-                let person_m = person.max(0.0) * takes_s;
-                let left = nearest.apart_m - link.radius_m - limb.radius_m - arm_m - person_m;
-                least = least.min(left);
             }
         }
         let moves = links.iter().zip(links_before).any(|(a, b)| a != b);
-        let began = moves && !self.is_stopped && least < self.rule.left_m;
+        let began = !self.is_stopped && least < self.rule.left_m;
+        self.clear_s = if is_clear { self.clear_s + dt_s } else { 0.0 };
         if began {
             self.is_stopped = true;
-        } else if self.is_stopped && least > self.rule.left_m + self.rule.hysteresis_m {
+        } else if self.is_stopped && self.clear_s >= self.rule.clear_s {
             self.is_stopped = false;
             // What it was following is over; it stands until something newer comes.
             self.way = vec![self.joints];
             (self.at_s, self.pace) = (0.0, 1.0);
         }
-        began
+        began && moves
     }
 }
 

@@ -271,6 +271,11 @@ impl StationArm {
         self.task.is_none() && !self.holds_piece && matches!(self.stage, ArmStage::Rest | ArmStage::Back)
     }
 
+    /// Whether it can still leave its piece to the hand: it is not in the slot yet, and holds nothing.
+    pub fn can_leave(&self) -> bool {
+        !self.holds_piece && self.stage == ArmStage::ToSlot
+    }
+
     /// Whether any part of it was in the opening or beyond it when it was heard of last.
     pub fn is_inside(&self) -> bool {
         let joints = self.seam.joints().filter(|_| self.stage != ArmStage::Rest && !self.is_vouched);
@@ -341,12 +346,18 @@ impl StationArm {
         if self.cycles > LONGEST && self.task.is_some() {
             (self.gives_up, self.cycles) = (true, 0);
         }
+        let present = *self.seam.joints()?;
+        if self.stage == ArmStage::Rest && joint_distance(&rest(), &present) > THERE_RAD {
+            // It evaded somebody, or was moved.
+            self.stage = ArmStage::Back;
+        }
         match self.seam.trouble(now) {
+            // Where it rests it is in nobody's way.
+            Some(ArmTrouble::Stopped) if self.stage == ArmStage::Rest => return None,
             Some(ArmTrouble::Stopped) => return self.retreat(now, around),
             Some(_) => return None,
             None => {}
         }
-        let present = *self.seam.joints()?;
         self.site.as_ref()?;
         if joint_distance(&self.plan.steps[0], &present) > THERE_RAD {
             // It was stopped, or somebody moved it: it begins anew where it is.

@@ -6,7 +6,7 @@
 //! line that is lit, and to count a piece that nobody has put down.
 
 use crate::cell::arm::{ArmDeed, ArmMode, ArmSaid, ArmTask, Surroundings};
-use crate::cell::{ARM_PIECE_S, LineChange, LineState, Lines, PickedBy};
+use crate::cell::{LineChange, LineProgress, LineState, PickedBy};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::requests::visit::OnVisit;
 use crate::fleet::state::fact::Fact;
@@ -14,8 +14,12 @@ use crate::id::{JobId, StationId};
 use crate::reach::PickModel;
 use crate::time::{Span, Time};
 
-/// A line for either is the arm's if this share of the hand's time for all that is left is enough for it.
-const ENOUGH: f64 = 1.0;
+/// A line for either is the arm's if this share of what the hand takes for its other lines is enough for it …
+const ENOUGH: f64 = 0.9;
+/// … and goes back to the hand if the visit would end sooner by this, seconds.
+const GAINS_S: f64 = 1.5;
+/// What the arm takes at least from before a slot to the tote, seconds.
+const AT_LEAST_S: f64 = 4.0;
 /// A hand that is not out for so long is about to be in again.
 const OUT_FOR: Span = Span::from_millis(200);
 
@@ -28,6 +32,8 @@ impl Intake<'_> {
         };
         let Some(deed) = post.arm.hear(now, said) else { return };
         let Some((job, line)) = post.line else { return };
+        let spent_s = (now - std::mem::replace(&mut post.piece_since, now)).as_secs_f64();
+        self.core.visits.learn_arm(station, spent_s);
         if deed == ArmDeed::FoundNothing || post.arm.task().is_none() {
             post.line = None;
         }
@@ -71,6 +77,7 @@ impl Intake<'_> {
     fn withdraw(&mut self, station: StationId, visit: Option<OnVisit>, now: Time) {
         let Some(post) = self.core.arms.post(station) else { return };
         let gives_up = post.arm.gives_up();
+        let spent_s = (now - post.piece_since).as_secs_f64();
         let troubled = post.arm.trouble(now).is_some();
         if visit.is_none() {
             post.left.clear();
@@ -78,6 +85,7 @@ impl Intake<'_> {
         let Some((job, line)) = post.line else { return };
         if gives_up {
             post.left.push((job, line));
+            self.core.visits.learn_arm(station, spent_s);
         }
         let is_on = visit.is_some_and(|visit| visit.job == job) && self.is_arms(job, line);
         if gives_up || troubled || !is_on {
@@ -101,7 +109,13 @@ impl Intake<'_> {
             cell.totes.iter().position(|t| t.name == name)
         };
         let totes: Vec<Option<usize>> = lines.all().iter().map(|p| tote(&p.line.tote)).collect();
-        let rest_s = self.hands_rest_s(visit.job, now);
+        let visits = &self.core.visits;
+        let hand_s = visits.hand_s(visit.job, &self.core.ledger.jobs[&visit.job], now).unwrap_or(0.0);
+        let takes = |p: &LineProgress| {
+            let (line_s, arm_piece_s) = visits.line_s(station, p.left());
+            TakenBy { hand_s, line_s, arm_piece_s }
+        };
+        let takes: Vec<TakenBy> = lines.all().iter().map(takes).collect();
         let Some(post) = self.core.arms.post(station) else { return };
         post.arm.turn_to(&face);
         let is_well = post.arm.was_heard() && post.arm.trouble(now).is_none();
@@ -112,10 +126,11 @@ impl Intake<'_> {
         let at = |n: &usize| lines.all()[*n].state == LineState::Arm;
         let arms: Vec<usize> = (0..lines.all().len()).filter(at).collect();
         let reached: Vec<(usize, Option<bool>)> = arms.into_iter().map(|n| (n, reaches(n))).collect();
-        let back: Vec<usize> = reached.iter().filter(|(_, r)| *r == Some(false)).map(|(n, _)| *n).collect();
+        let mut back: Vec<usize> =
+            reached.iter().filter(|(_, r)| *r == Some(false)).map(|(n, _)| *n).collect();
         let mine = reached.iter().find(|(_, r)| *r == Some(true)).map(|(n, _)| *n);
         let chosen = mine.or_else(|| {
-            let fits = |n: &usize| is_for_arm(&lines, *n, rest_s) && reaches(*n) == Some(true);
+            let fits = |n: &usize| is_for_arm(&lines.all()[*n], takes[*n]) && reaches(*n) == Some(true);
             (0..lines.all().len()).rev().find(fits)
         });
         // Somebody may be there whose hands are not seen.
@@ -125,19 +140,21 @@ impl Intake<'_> {
             let p = &lines.all()[n];
             let tote = totes[n].expect("the arm reaches it");
             post.arm.begin(ArmTask { slot: p.line.slot, tote, pieces: p.left() });
-            post.line = Some((visit.job, n));
+            (post.line, post.piece_since) = (Some((visit.job, n)), now);
+        }
+        // What the arm has not reached yet the hand may be sooner at.
+        let own = post.line.filter(|(job, _)| *job == visit.job && begins.is_none() && post.arm.can_leave());
+        let spent_s = (now - post.piece_since).as_secs_f64();
+        let sooner = |n: &usize| is_sooner_by_hand(&lines.all()[*n], takes[*n], spent_s) && !back.contains(n);
+        if let Some(n) = own.map(|(_, n)| n).filter(sooner) {
+            post.left.push((visit.job, n));
+            back.push(n);
         }
         let taken = begins.filter(|n| lines.all()[*n].state != LineState::Arm);
         back.into_iter().for_each(|n| self.give_to(LineChange::ToHand, visit.job, n, now));
         if let Some(n) = taken {
             self.give_to(LineChange::ToArm, visit.job, n, now);
         }
-    }
-
-    /// How long the hand is expected to pick what is left of a visit, seconds.
-    fn hands_rest_s(&self, id: JobId, now: Time) -> f64 {
-        let job = &self.core.ledger.jobs[&id];
-        self.core.visits.remaining(id, job, now).map_or(0.0, |left| left.mean_s)
     }
 
     fn move_arm(&mut self, station: StationId, visit: Option<OnVisit>, now: Time) {
@@ -173,10 +190,29 @@ impl Intake<'_> {
     }
 }
 
-/// Whether a line for either is one that the hand will not come to before the arm is done with it.
-fn is_for_arm(lines: &Lines, n: usize, rest_s: f64) -> bool {
-    let p = &lines.all()[n];
-    let is_open = matches!(p.state, LineState::Open | LineState::Undone);
-    let arm_s = ARM_PIECE_S * f64::from(p.left());
-    is_open && p.line.by == PickedBy::Either && arm_s <= ENOUGH * rest_s
+/// How long hand and arm take, seconds.
+#[derive(Clone, Copy)]
+struct TakenBy {
+    /// The hand for all its lines.
+    hand_s: f64,
+    /// The hand for this line.
+    line_s: f64,
+    /// The arm for a piece.
+    arm_piece_s: f64,
+}
+
+/// Whether a line for either is one that the arm has done before the hand is done with the others.
+fn is_for_arm(line: &LineProgress, takes: TakenBy) -> bool {
+    let is_open = matches!(line.state, LineState::Open | LineState::Undone);
+    let is_soon = |t: TakenBy| t.arm_piece_s * f64::from(line.left()) <= ENOUGH * (t.hand_s - t.line_s);
+    is_open && line.line.by == PickedBy::Either && is_soon(takes)
+}
+
+/// Whether the visit ends sooner if the hand picks what the arm has been at for so long.
+fn is_sooner_by_hand(line: &LineProgress, takes: TakenBy, spent_s: f64) -> bool {
+    let is_sooner = |t: TakenBy| {
+        let arm_s = (t.arm_piece_s * f64::from(line.left()) - spent_s).max(AT_LEAST_S);
+        t.hand_s + t.line_s + GAINS_S < arm_s.max(t.hand_s)
+    };
+    line.line.by == PickedBy::Either && line.state == LineState::Arm && is_sooner(takes)
 }

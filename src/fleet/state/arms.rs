@@ -18,6 +18,8 @@ pub(in crate::fleet) struct ArmPost {
     pub sight: PickerSight,
     /// The line of its task: of which job, and its number.
     pub line: Option<(JobId, usize)>,
+    /// Since when it has been at the piece that it picks.
+    pub piece_since: Time,
     /// Lines that it leaves to the hand: it found nothing there, or no way.
     pub left: Vec<(JobId, usize)>,
     /// When a hand was in the opening last, or about to be.
@@ -50,7 +52,8 @@ impl Arms {
                 return None;
             };
             let (sight, left, hand_inside) = (PickerSight::default(), Vec::new(), Time::ZERO);
-            Some((id, ArmPost { arm, sight, line: None, left, hand_inside }))
+            let (line, piece_since) = (None, Time::ZERO);
+            Some((id, ArmPost { arm, sight, line, piece_since, left, hand_inside }))
         };
         Arms { all: warehouse.stations.pairs().filter_map(post).collect() }
     }

@@ -185,6 +185,23 @@ impl Visits {
         Some(self.pace.remaining(station, lines, lit_s.max(0.0), said_s))
     }
 
+    /// How long the hand takes for its lines of a visit from now on, on average, seconds.
+    pub fn hand_s(&self, id: JobId, job: &Job, now: Time) -> Option<f64> {
+        let ((station, said_s), lines) = (station_of(job)?, job.lines_now()?);
+        let lit_s = self.clocks.get(&id).map_or(0.0, |clock| (now - clock.last).as_secs_f64());
+        Some(self.pace.hand_s(station, lines, lit_s.max(0.0), said_s))
+    }
+
+    /// What the hand takes for so many pieces of one line, and the arm for one piece, on average, seconds.
+    pub fn line_s(&self, station: StationId, pieces: u32) -> (f64, f64) {
+        (self.pace.line_s(station, pieces), self.pace.arm_piece_s(station))
+    }
+
+    /// A robot arm took so long for a piece, or for nothing.
+    pub fn learn_arm(&mut self, station: StationId, seconds: f64) {
+        self.pace.learn_arm(station, seconds);
+    }
+
     /// The hands at a station.
     pub fn desk(&mut self, station: StationId) -> &mut Desk {
         self.desks.entry(station).or_default()

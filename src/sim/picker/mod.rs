@@ -39,9 +39,14 @@ const FARTHEST: Span = Span::from_secs(1200);
 
 /// People look so far ahead whether an arm is in the way of their hands, keep so far from it, metres, and wait for so
 /// long until they reach past an arm that stands.
-const LOOKS_AHEAD: Span = Span::from_millis(150);
+const LOOKS_AHEAD: [Span; 3] = [Span::from_millis(60), Span::from_millis(120), Span::from_millis(180)];
 const GIVES_WAY_M: f64 = 0.08;
 const PATIENCE: Span = Span::from_millis(1500);
+/// Who waits does so for at least this long. A hand takes so long to come to a stand, and so long until it is as fast
+/// as before, seconds.
+const HESITATES: Span = Span::from_millis(250);
+const STOPS_S: f64 = 0.1;
+const STARTS_S: f64 = 0.4;
 
 /// A robot that truly stands at a station with a rack.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +69,9 @@ struct PickerPlace {
     there: Span,
     /// How long the hands have waited for an arm that is in their way.
     waited: Span,
+    /// Until when they wait, and the share of their speed that they have.
+    waits_until: Time,
+    pace: f64,
 }
 
 /// Everybody who picks.
@@ -94,7 +102,8 @@ impl Pickers {
             let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
             let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
             let idle = Span::ZERO;
-            Some(PickerPlace { station, picker, watch, visit: None, idle, there: idle, waited: idle })
+            let (visit, there, waited, waits_until, pace) = (None, idle, idle, now, 1.0);
+            Some(PickerPlace { station, picker, watch, visit, idle, there, waited, waits_until, pace })
         };
         let all = cells.pickers_in(warehouse).into_iter().enumerate().filter_map(stand).collect();
         Pickers { all, flow }
@@ -176,15 +185,24 @@ impl PickerPlace {
     /// Whether the hands stop because an arm is in their way that moves, or has stood there for not too long.
     fn give_way(&mut self, now: Time, by: Span, (links, arm_moves): (&[Capsule], bool)) -> bool {
         let apart = |at: Time| least_distance_m(&self.picker.limbs(at), links);
-        let (here_m, soon_m) = (apart(now), apart(now + LOOKS_AHEAD));
+        let (here_m, soon_m) = (apart(now), LOOKS_AHEAD.map(|ahead| apart(now + ahead)));
+        let soon_m = soon_m.into_iter().fold(f64::INFINITY, f64::min);
         let is_in_way = soon_m < GIVES_WAY_M && soon_m < here_m;
         if !is_in_way && soon_m > 2.0 * GIVES_WAY_M {
             self.waited = Span::ZERO;
         }
-        let stops = is_in_way && (arm_moves || self.waited < PATIENCE);
+        if is_in_way && (arm_moves || self.waited < PATIENCE) {
+            self.waits_until = now + HESITATES;
+        }
+        let stops = now < self.waits_until;
+        let change = by.as_secs_f64() / if stops { -STOPS_S } else { STARTS_S };
+        self.pace = (self.pace + change).clamp(0.0, 1.0);
+        let lost = Span::from_secs_f64(by.as_secs_f64() * (1.0 - self.pace));
         if stops {
             self.waited += by;
-            self.picker.wait(now, by);
+        }
+        if lost > Span::ZERO {
+            self.picker.wait(now, lost);
         }
         stops
     }
