@@ -522,6 +522,10 @@ impl Names<'_> {
                 Some(station) => format!("the queue of station {} is full", station.name),
                 None => "the queue of its station is full".into(),
             },
+            Why::HandInOpening(s) => match self.map.stations.get(s) {
+                Some(station) => format!("stands while a hand is in the opening of station {}", station.name),
+                None => "stands while a hand is in the opening of its station".into(),
+            },
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => {
                 "cannot drive: repair it, push it onto a free node, or take it off the floor".into()

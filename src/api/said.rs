@@ -67,6 +67,7 @@ fn whys() -> Vec<Why> {
         Why::GivesWay(WorkerId(0)),
         Why::Closed(ClosureId(1)),
         Why::QueueFull(STATION),
+        Why::HandInOpening(STATION),
         Why::NoRoute,
         Why::Failed,
         Why::EmergencyStop,
@@ -92,6 +93,7 @@ fn whys() -> Vec<Why> {
 fn listed(why: Why) {
     match why {
         Why::WaitsFor(..) | Why::GivesWay(_) | Why::Closed(_) | Why::QueueFull(_) | Why::NoRoute => {}
+        Why::HandInOpening(_) => {}
         Why::Failed | Why::EmergencyStop | Why::Manual | Why::Obstructed(_) | Why::Unplugged => {}
         Why::Displaced(_) | Why::BlockedBy(_) | Why::WayObstructed(_) | Why::Silent | Why::Paused => {}
         Why::Maintenance | Why::Leaving | Why::Gone | Why::Stopped | Why::Evacuation => {}

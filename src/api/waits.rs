@@ -161,6 +161,9 @@ impl Names<'_> {
             Why::QueueFull(s) => {
                 (About::Queue, self.map.stations.get(s).map(|s| (s.name.clone(), By::Station)))
             }
+            Why::HandInOpening(s) => {
+                (About::Person, self.map.stations.get(s).map(|s| (s.name.clone(), By::Station)))
+            }
             Why::NoRoute => (About::Route, None),
             Why::Failed => (About::Failed, None),
             Why::EmergencyStop => (About::EmergencyStop, None),

@@ -7,6 +7,7 @@ use super::belief::{ReachBeliefs, ReachPlace};
 use super::face::{FacePlace, PickFace};
 use super::follow::{HandEvent, HandFollower, HeldPiece};
 use super::hands::{HandPoints, HandsSeen};
+use super::phase::{PickPhase, PiecePhases, SpentPhase};
 use crate::reach::PickModel;
 use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
@@ -81,6 +82,10 @@ pub struct Desk {
     warned: [Option<SlotName>; 2],
     /// Where they go, once something of them was seen.
     beliefs: Option<ReachBeliefs>,
+    /// The phases of the piece that is picked now, from which slot.
+    piece: Option<(SlotName, PiecePhases)>,
+    /// A phase that has just ended.
+    spent: Option<SpentPhase>,
 }
 
 impl Desk {
@@ -103,7 +108,43 @@ impl Desk {
                 self.believe(scene, (i, hand), seen);
             }
         }
+        if hands.iter().any(Option::is_some) {
+            self.note_phase(scene.lit, seen.seen);
+        }
         events
+    }
+
+    /// Notes how far the piece of the lit line is.
+    fn note_phase(&mut self, lit: Option<SlotName>, seen: Time) {
+        let Some(lit) = lit else {
+            self.piece = None;
+            return;
+        };
+        let is_fresh = |h: &&HandFollower| h.last().is_some_and(|(at, _)| seen - at < FRESH);
+        let hands = || self.hands.iter().filter(is_fresh);
+        let phase = if self.in_hand(lit) > 0 {
+            PickPhase::Carry
+        } else if hands().any(HandFollower::is_in_slot) {
+            PickPhase::Grasp
+        } else if hands().any(|h| h.velocity().y < -MOVES_MPS) {
+            PickPhase::Reach
+        } else {
+            PickPhase::Search
+        };
+        match &mut self.piece {
+            Some((slot, piece)) if *slot == lit => self.spent = piece.see(phase, seen).or(self.spent),
+            piece => *piece = Some((lit, PiecePhases::begin(phase, seen))),
+        }
+    }
+
+    /// What a hand does with a piece of this slot, and for how long, seconds; nothing if that was not seen of late.
+    pub fn phase(&self, slot: SlotName, now: Time) -> Option<(PickPhase, f64)> {
+        self.piece.as_ref().filter(|(of, _)| *of == slot)?.1.now(now)
+    }
+
+    /// The phase that has ended since this was asked last.
+    pub fn spent(&mut self) -> Option<SpentPhase> {
+        self.spent.take()
     }
 
     /// Whether these hands, seen now, would be a reason for a warning. It costs little and changes nothing.

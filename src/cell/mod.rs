@@ -2,7 +2,7 @@
 //! come.
 //!
 //! Main module: [`arm`] (a robot arm beside the picker). Main types: [`OrderLine`], [`Lines`], [`LineState`],
-//! [`PickPace`], [`Desk`] (hands, from slot to tote). Refuses: to know where robots drive, and to confirm by guessing.
+//! [`PickPace`], [`PickPhase`], [`Desk`] (hands, from slot to tote). Refuses: to know where robots drive, and to confirm by guessing.
 
 mod aim;
 pub mod arm;
@@ -15,6 +15,7 @@ mod follow;
 mod hands;
 mod lines;
 mod pace;
+mod phase;
 
 pub use belief::ReachPlace;
 pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};
@@ -24,8 +25,8 @@ pub use flow::Flow;
 pub use follow::HeldPiece;
 pub use hands::{HandPoints, HandsSeen};
 pub use lines::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines};
-
-pub use pace::{PickPace, Remaining};
+pub use pace::{PickPace, Remaining, VisitSeen};
+pub use phase::PickPhase;
 
 use crate::warehouse::SlotName;
 

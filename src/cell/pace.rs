@@ -5,6 +5,7 @@
 //! station and drawn towards that of all stations while little is known of it. Kept in memory only, and of stations,
 //! not of people. Refuses: to know why a line takes long.
 
+use super::phase::{PhasePace, PickPhase, SpentPhase};
 use super::{LineProgress, LineState, Lines};
 use crate::id::StationId;
 use std::collections::BTreeMap;
@@ -39,12 +40,12 @@ const NORMALS: [f64; 16] = [
 /// The one that nine in ten are below.
 const NINETIETH: f64 = 1.2816;
 
-/// PickSums over lines, the newest counting most.
+/// Sums over lines or phases, the newest counting most.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct PickSums {
-    lines: f64,
-    logs: f64,
-    squares: f64,
+pub(super) struct PickSums {
+    pub lines: f64,
+    pub logs: f64,
+    pub squares: f64,
 }
 
 /// What is known of how long lines take.
@@ -56,6 +57,21 @@ pub struct PickPace {
     stations: BTreeMap<StationId, PickSums>,
     /// What a robot arm takes for a piece, seconds.
     arms: BTreeMap<StationId, f64>,
+    /// What the phases of a piece take.
+    phases: PhasePace,
+}
+
+/// What is seen of the visit that is on, and known of its end.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct VisitSeen {
+    /// For how long the lit line has been on since its last piece, seconds.
+    pub lit_s: f64,
+    /// What the customer said that the whole visit takes, seconds.
+    pub said_s: Option<f64>,
+    /// What a hand does with the piece of the lit line, and for how long, seconds; nothing if no hand is seen.
+    pub piece: Option<(PickPhase, f64)>,
+    /// Whether it ends when the hand is out for the last time, not when the last piece is in its tote.
+    pub ends_out: bool,
 }
 
 /// How long a visit will last from now on, seconds.
@@ -72,7 +88,7 @@ pub struct Remaining {
 }
 
 impl PickSums {
-    fn note(&mut self, log: f64) {
+    pub fn note(&mut self, log: f64) {
         self.lines = self.lines * KEPT + 1.0;
         self.logs = self.logs * KEPT + log;
         self.squares = self.squares * KEPT + log * log;
@@ -122,10 +138,9 @@ impl PickPace {
         (self.middle(station) + self.spread().powi(2) / 2.0).exp()
     }
 
-    /// How long the rest of a visit takes, whose lit line has been at it for `lit_s` since its last piece. `said_s` is
-    /// what the customer said that the whole visit takes.
-    pub fn remaining(&self, station: StationId, lines: &Lines, lit_s: f64, said_s: Option<f64>) -> Remaining {
-        let (mut mean, mut variance) = self.hand(station, lines, lit_s, said_s);
+    /// How long the rest of a visit takes.
+    pub fn remaining(&self, station: StationId, lines: &Lines, seen: VisitSeen) -> Remaining {
+        let (mut mean, mut variance) = self.hand(station, lines, seen);
         // The arm picks at the same time.
         let is_arms = |p: &&LineProgress| p.state == LineState::Arm;
         let pieces: u32 = lines.all().iter().filter(is_arms).map(LineProgress::left).sum();
@@ -138,25 +153,53 @@ impl PickPace {
     }
 
     /// Mean and variance of what the hand takes for its lines.
-    fn hand(&self, station: StationId, lines: &Lines, lit_s: f64, said_s: Option<f64>) -> (f64, f64) {
+    fn hand(&self, station: StationId, lines: &Lines, seen: VisitSeen) -> (f64, f64) {
         let (spread, mean_factor) = (self.spread(), self.mean_factor(station));
         let whole_s: f64 = lines.all().iter().map(|p| usual_s(p.line.quantity, false)).sum();
-        let factor = said_s.map_or(mean_factor, |said_s| said_s / whole_s.max(AT_LEAST_S));
-        let hands = lines.all().iter().filter(|p| p.left() > 0 && p.state != LineState::Arm);
-        hands.fold((0.0, 0.0), |(mean, variance), p| {
+        let factor = seen.said_s.map_or(mean_factor, |said_s| said_s / whole_s.max(AT_LEAST_S));
+        let hands = || lines.all().iter().filter(|p| p.left() > 0 && p.state != LineState::Arm);
+        let is_last = hands().count() == 1;
+        let relative = (spread * spread).exp() - 1.0;
+        hands().fold((0.0, 0.0), |(mean, variance), p| {
             let line_s = factor * usual_s(p.left(), p.pieces > 0);
-            let (m, v) = if p.state == LineState::Lit {
-                rest_of(line_s, spread, lit_s)
-            } else {
-                (line_s, line_s * line_s * ((spread * spread).exp() - 1.0))
+            let (m, v) = match (p.state, seen.piece) {
+                (LineState::Lit, Some(piece)) => {
+                    let further_s = factor * FURTHER_S * f64::from(p.left() - 1);
+                    let ends_out = seen.ends_out && is_last;
+                    let (m, v) = self.piece(station, piece, ends_out.then_some(p.left()));
+                    let scale = factor / mean_factor;
+                    (m * scale + further_s, v * scale * scale + further_s * further_s * relative)
+                }
+                (LineState::Lit, None) => rest_of(line_s, spread, seen.lit_s),
+                _ => (line_s, line_s * line_s * relative),
             };
             (mean + m, variance + v)
         })
     }
 
+    /// Mean and variance of what the piece takes that is picked now. The last of so many pieces need not be carried
+    /// until the hand is out.
+    fn piece(&self, station: StationId, piece: (PickPhase, f64), last_of: Option<u32>) -> (f64, f64) {
+        let carry = (PickPhase::Carry, 0.0);
+        match last_of {
+            Some(1) if piece.0 == PickPhase::Carry => (AT_LEAST_S, 0.0),
+            Some(1) => self.phases.rest(station, piece, PickPhase::Grasp),
+            Some(_) => {
+                let (mean, variance) = self.phases.rest(station, piece, PickPhase::Carry);
+                ((mean - self.phases.rest(station, carry, PickPhase::Carry).0).max(AT_LEAST_S), variance)
+            }
+            None => self.phases.rest(station, piece, PickPhase::Carry),
+        }
+    }
+
+    /// Phases of a piece took so long at a station.
+    pub fn learn_phases(&mut self, station: StationId, spent: &[SpentPhase]) {
+        self.phases.learn(station, spent);
+    }
+
     /// What the hand takes for its lines on average, seconds.
-    pub fn hand_s(&self, station: StationId, lines: &Lines, lit_s: f64, said_s: Option<f64>) -> f64 {
-        self.hand(station, lines, lit_s, said_s).0
+    pub fn hand_s(&self, station: StationId, lines: &Lines, seen: VisitSeen) -> f64 {
+        self.hand(station, lines, seen).0
     }
 
     /// A robot arm took so long for a piece, or for nothing.
@@ -172,7 +215,7 @@ impl PickPace {
 }
 
 /// Mean and variance of what is left of a line that takes `line_s` on average and has been at it for `spent_s`.
-fn rest_of(line_s: f64, spread: f64, spent_s: f64) -> (f64, f64) {
+pub(super) fn rest_of(line_s: f64, spread: f64, spent_s: f64) -> (f64, f64) {
     let middle_s = line_s * (-spread * spread / 2.0).exp();
     let left = NORMALS.iter().map(|z| middle_s * (spread * z).exp() - spent_s).filter(|s| *s > 0.0);
     let (n, sum, squares) = left.fold((0.0, 0.0, 0.0), |(n, a, b), s| (n + 1.0, a + s, b + s * s));
@@ -225,17 +268,30 @@ mod tests {
     #[test]
     fn more_lines_and_more_pieces_take_longer_and_what_is_done_takes_no_more() {
         let pace = PickPace::default();
-        let mean = |quantities: &[u32]| pace.remaining(S, &lines(quantities), 0.0, None).mean_s;
+        let mean = |quantities: &[u32]| {
+            pace.remaining(
+                S,
+                &lines(quantities),
+                VisitSeen { lit_s: 0.0, said_s: None, ..VisitSeen::default() },
+            )
+            .mean_s
+        };
         assert!(mean(&[1]) < mean(&[2]) && mean(&[2]) < mean(&[1, 1]) && mean(&[1, 1]) < mean(&[1, 3, 1]));
         let mut visit = lines(&[1, 3]);
-        let whole = pace.remaining(S, &visit, 0.0, None).mean_s;
+        let whole =
+            pace.remaining(S, &visit, VisitSeen { lit_s: 0.0, said_s: None, ..VisitSeen::default() }).mean_s;
         visit.change(0, LineChange::Done(1)).unwrap();
-        let half = pace.remaining(S, &visit, 0.0, None).mean_s;
+        let half =
+            pace.remaining(S, &visit, VisitSeen { lit_s: 0.0, said_s: None, ..VisitSeen::default() }).mean_s;
         visit.change(1, LineChange::Done(2)).unwrap();
-        let last = pace.remaining(S, &visit, 0.0, None).mean_s;
+        let last =
+            pace.remaining(S, &visit, VisitSeen { lit_s: 0.0, said_s: None, ..VisitSeen::default() }).mean_s;
         assert!(whole > half && half > last && last > 1.0, "{whole} {half} {last}");
         visit.change(1, LineChange::Done(1)).unwrap();
-        assert_eq!(pace.remaining(S, &visit, 0.0, None).p90_s, 0.0);
+        assert_eq!(
+            pace.remaining(S, &visit, VisitSeen { lit_s: 0.0, said_s: None, ..VisitSeen::default() }).p90_s,
+            0.0
+        );
     }
 
     #[test]
@@ -254,7 +310,9 @@ mod tests {
     #[test]
     fn a_line_that_is_overdue_takes_some_time_more_and_never_less_than_a_moment() {
         let pace = PickPace::default();
-        let left = |lit_s: f64| pace.remaining(S, &lines(&[1]), lit_s, None);
+        let left = |lit_s: f64| {
+            pace.remaining(S, &lines(&[1]), VisitSeen { lit_s: lit_s, said_s: None, ..VisitSeen::default() })
+        };
         let mean_s = left(0.0).mean_s;
         assert!(left(4.0).mean_s < mean_s && left(4.0).mean_s > mean_s - 4.0, "what ends soon has ended");
         for lit_s in [5.0, 10.0, 60.0, 600.0] {
@@ -273,7 +331,8 @@ mod tests {
         // Factors spread like the sixteenths themselves, in a mixed order.
         let factor = |i: usize| (0.3 * NORMALS[i * 7 % 16]).exp();
         (0..400).for_each(|i| pace.learn(S, 1, FIRST_S * factor(i)));
-        let r = pace.remaining(S, &lines(&[1]), 0.0, None);
+        let r =
+            pace.remaining(S, &lines(&[1]), VisitSeen { lit_s: 0.0, said_s: None, ..VisitSeen::default() });
         let share = |below: f64| (0..16).filter(|i| FIRST_S * factor(*i) < below).count();
         assert!((1..=2).contains(&share(r.p10_s)) && (7..=9).contains(&share(r.p50_s)), "{r:?}");
         assert!((14..=15).contains(&share(r.p90_s)), "{r:?}");
@@ -283,8 +342,22 @@ mod tests {
     fn what_the_customer_said_of_the_whole_visit_holds_for_what_is_left_of_it_in_proportion() {
         let pace = PickPace::default();
         let mut visit = lines(&[1, 1]);
-        assert!((pace.remaining(S, &visit, 0.0, Some(900.0)).mean_s - 900.0).abs() < 20.0);
+        assert!(
+            (pace
+                .remaining(S, &visit, VisitSeen { lit_s: 0.0, said_s: Some(900.0), ..VisitSeen::default() })
+                .mean_s
+                - 900.0)
+                .abs()
+                < 20.0
+        );
         visit.change(0, LineChange::Done(1)).unwrap();
-        assert!((pace.remaining(S, &visit, 0.0, Some(900.0)).mean_s - 450.0).abs() < 10.0);
+        assert!(
+            (pace
+                .remaining(S, &visit, VisitSeen { lit_s: 0.0, said_s: Some(900.0), ..VisitSeen::default() })
+                .mean_s
+                - 450.0)
+                .abs()
+                < 10.0
+        );
     }
 }

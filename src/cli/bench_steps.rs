@@ -5,12 +5,15 @@
 use super::sim::quantiles;
 use super::{progress, read_map, stopwatch};
 use crate::experiment::steps::{StepSetup, StepsCase, run};
-use crate::warehouse::room_for;
+use crate::warehouse::{room_for, with_cells};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+
+/// Steps until racks stand at stations: five minutes.
+const SETTLED: usize = 6_000;
 
 /// Arguments of `bench steps`.
 #[derive(Args)]
@@ -30,6 +33,9 @@ pub struct StepsArgs {
     /// How many jobs wait.
     #[arg(long, default_value_t = 100_000)]
     jobs: usize,
+    /// How many stations have a robot arm where all of them are work cells.
+    #[arg(long, default_value_t = 8)]
+    arms: usize,
     /// How many assignments are open.
     #[arg(long, default_value_t = 10_000)]
     assignments: usize,
@@ -55,11 +61,16 @@ impl StepsArgs {
         let cases = self.cases();
         let bar = progress(cases.len() as u64, "cases");
         let mut rows = Vec::new();
+        let furnished = Arc::new(with_cells(&warehouse, self.arms));
         for (name, robots, case) in cases {
-            let setup = StepSetup { robots, settle: self.settle, steps: self.steps };
-            let out = run(&warehouse, case, &setup, stopwatch);
+            // Racks have to stand at stations.
+            let has_cells = matches!(case, StepsCase::Lines(_) | StepsCase::Staffed(_));
+            let settle = if has_cells { self.settle.max(SETTLED) } else { self.settle };
+            let setup = StepSetup { robots, settle, steps: self.steps };
+            let out = run(if has_cells { &furnished } else { &warehouse }, case, &setup, stopwatch);
+            let mean_us = out.step_ns.iter().sum::<u64>() as f64 / out.step_ns.len() as f64 / 1000.0;
             rows.push(json!({
-                "case": name, "robots": robots, "open": out.open,
+                "case": name, "robots": robots, "open": out.open, "mean_us": mean_us,
                 "step_us": quantiles(&out.step_ns), "waits_us": quantiles(&out.waits_ns),
             }));
             bar.inc(1);
@@ -78,6 +89,8 @@ impl StepsArgs {
             ("waiting after another job", all, StepsCase::WaitingAfter(self.jobs)),
             ("waiting for one rack", all, StepsCase::WaitingRack(self.jobs)),
             ("all at work", all, StepsCase::Waiting(all * 4)),
+            ("work cells, not staffed", all, StepsCase::Lines(all * 4)),
+            ("work cells, staffed", all, StepsCase::Staffed(all * 4)),
             ("busy, few jobs wait", busy, StepsCase::Waiting(busy * 4)),
             ("busy, many jobs wait", busy, StepsCase::Waiting(self.jobs)),
             ("few assignments", busy, StepsCase::Assignments(10)),
@@ -87,13 +100,14 @@ impl StepsArgs {
 
     fn print(&self, rows: &[Value]) -> anyhow::Result<()> {
         let command = format!(
-            "giveway bench steps --map {} --robots {} --busy {} --closures {} --jobs {} --assignments {} --settle {} \
-             --steps {}",
+            "giveway bench steps --map {} --robots {} --busy {} --closures {} --jobs {} --arms {} --assignments {} \
+             --settle {} --steps {}",
             self.map.display(),
             self.robots,
             self.busy,
             self.closures,
             self.jobs,
+            self.arms,
             self.assignments,
             self.settle,
             self.steps
@@ -105,16 +119,17 @@ impl StepsArgs {
         }
         println!("{command}");
         println!(
-            "{:28} {:>6} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9}",
-            "microseconds a step", "robots", "open", "p50", "p99", "max", "waits p50", "p99"
+            "{:28} {:>6} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "microseconds a step", "robots", "open", "mean", "p50", "p99", "max", "waits p50", "p99"
         );
         for row in rows {
             let name = row["case"].as_str().unwrap_or_default();
             let figure = |of: &str, key: &str| row[of][key].as_f64().unwrap_or_default();
             println!(
-                "{name:28} {:>6} {:>8} {:>9.1} {:>9.1} {:>9.1} {:>9.1} {:>9.1}",
+                "{name:28} {:>6} {:>8} {:>9.1} {:>9.1} {:>9.1} {:>9.1} {:>9.1} {:>9.1}",
                 row["robots"].to_string(),
                 row["open"].to_string(),
+                row["mean_us"].as_f64().unwrap_or_default(),
                 figure("step_us", "p50"),
                 figure("step_us", "p99"),
                 figure("step_us", "max"),

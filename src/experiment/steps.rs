@@ -4,13 +4,14 @@
 //! those of the simulator; only [`Fleet::step`] is timed. Refuses: to look at a clock itself; the caller passes a
 //! stopwatch in.
 
+use crate::cell::{OrderLine, PickedBy};
 use crate::fleet::{AssignmentRequest, Binds, Closure, Fleet, Input, JobKind, JobRequest, Settings};
 use crate::geometry::Spot;
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::sim::{Scenario, World};
 use crate::time::{Span, Time, Window};
-use crate::warehouse::{NodeKind, Warehouse};
+use crate::warehouse::{NodeKind, SlotName, Station, Warehouse};
 use std::sync::Arc;
 
 /// Requests handed in per step while the floor is filled.
@@ -35,6 +36,11 @@ pub enum StepsCase {
     Waiting(usize),
     /// Open assignments of ten workers, who are on the floor.
     Assignments(usize),
+    /// Jobs with order lines that could start at once, on a map with work cells. Nobody's hands are seen there, and a
+    /// button confirms each line.
+    Lines(usize),
+    /// The same, where everybody's hands are seen, and the map's robot arms work.
+    Staffed(usize),
 }
 
 /// What was measured.
@@ -70,8 +76,9 @@ pub fn run(
     stopwatch: fn() -> u64,
 ) -> Measured {
     let text = format!(
-        r#"{{"giveway_scenario": 1, "name": "steps", "map": "-", "robots": {}, "period_ms": 50}}"#,
-        setup.robots
+        r#"{{"giveway_scenario": 1, "name": "steps", "map": "-", "robots": {}, "period_ms": 50{}}}"#,
+        setup.robots,
+        cells(warehouse, case)
     );
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
     // Hours after zero, so that areas can be over already.
@@ -96,6 +103,8 @@ pub fn run(
             measured.step_ns.push(spent);
             measured.waits_ns.push(fleet.waits_ns());
         }
+        world.warn(now, &done.warnings);
+        world.move_arms(&done.arms);
         world.command(now, done.urgent);
         world.command(now, done.commands);
         now += Span::from_millis(50);
@@ -105,6 +114,31 @@ pub fn run(
     measured.step_ns.sort_unstable();
     measured.waits_ns.sort_unstable();
     measured
+}
+
+/// What the scenario says of work cells.
+fn cells(warehouse: &Warehouse, case: StepsCase) -> String {
+    let has_arm = |s: &&Station| s.cell.as_ref().is_some_and(|cell| cell.arm.is_some());
+    match case {
+        StepsCase::Lines(_) => r#", "cells": {"flow": "usual"}"#.to_owned(),
+        StepsCase::Staffed(_) => {
+            let arms = warehouse.stations.iter().filter(has_arm).map(|s| format!("\"{}\"", s.name));
+            format!(r#", "cells": {{"flow": "seen", "arms": [{}]}}"#, arms.collect::<Vec<_>>().join(", "))
+        }
+        _ => String::new(),
+    }
+}
+
+/// Lines for a visit.
+fn lines(i: usize) -> Vec<OrderLine> {
+    let line = |k: usize| OrderLine {
+        slot: SlotName::new((i + k) as u8 % 4, (i / 4 + 2 * k) as u8 % 5),
+        quantity: 1 + ((i + k) % 3) as u32,
+        tote: ["A", "B", "C"][(i + k) % 3].to_owned(),
+        item: None,
+        by: PickedBy::Either,
+    };
+    vec![line(0), line(1), line(2)]
 }
 
 /// What is handed in before anything is measured.
@@ -119,6 +153,14 @@ fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
         StepsCase::Idle => Vec::new(),
         StepsCase::Closures(n) => (0..n).map(|i| close(warehouse, i, now)).collect(),
         StepsCase::Waiting(n) => (0..n).map(|i| submit(i, deliver(i, i * 7919 % racks), &[])).collect(),
+        StepsCase::Lines(n) | StepsCase::Staffed(n) => {
+            let job = |i: usize| {
+                let request =
+                    JobRequest { lines: vec![lines(i)], ..JobRequest::new(deliver(i, i * 7919 % racks)) };
+                Input::Submit { token: i as u64, request: JobRequest { priority: 5, ..request } }
+            };
+            (0..n).map(job).collect()
+        }
         StepsCase::WaitingRack(n) => (0..n).map(|i| submit(i, deliver(0, racks / 2), &[])).collect(),
         StepsCase::WaitingAfter(n) => {
             // A robot that is halted never gets there.

@@ -116,7 +116,9 @@ fn cause(robots: &[RobotView], from: &RobotView) -> WaitCause {
     let mut robot = from;
     for _ in 0..LONGEST_CHAIN {
         let next = match robot.why {
-            Some(Why::WaitsFor(_, Holder::Worker(_)) | Why::GivesWay(_)) => return WaitCause::Person,
+            Some(Why::WaitsFor(_, Holder::Worker(_)) | Why::GivesWay(_) | Why::HandInOpening(_)) => {
+                return WaitCause::Person;
+            }
             Some(Why::Closed(_)) => return WaitCause::Closure,
             Some(Why::QueueFull(_)) => return WaitCause::Station,
             Some(Why::NoRoute) => return WaitCause::NoRoute,

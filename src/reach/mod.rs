@@ -11,7 +11,6 @@ pub mod gaze;
 pub mod mixtures;
 pub mod model;
 pub mod net;
-pub mod phases;
 pub mod places;
 pub mod posture;
 pub mod sample;

@@ -7,7 +7,7 @@ use crate::api::dto::{Names, StationDto};
 use crate::api::text::{job_name, round3, time_text};
 use crate::cell::arm::{ArmActivity, ArmTrouble};
 use crate::cell::{Lines, ReachPlace, Remaining, SeenReach};
-use crate::fleet::{ArmView, StationView, WrongReach};
+use crate::fleet::{ArmView, EndsHeld, StationView, WrongReach};
 use crate::id::{Dense, JobId, RackId, RobotId, StationId};
 use crate::time::Span;
 use crate::warehouse::{ArmMount, Cell, Tote};
@@ -30,6 +30,8 @@ pub struct StationDetailDto {
     pub arm: Option<ArmDto>,
     /// The rack that stands there to be picked from; null if none does.
     pub visit: Option<VisitDto>,
+    /// How well the ends of visits were expected.
+    pub ends: EndsHeldDto,
     /// The line that was not confirmed when its rack left at the last grasp; null if there is none.
     pub unconfirmed: Option<UnconfirmedDto>,
     /// What the person there was warned of a moment ago.
@@ -194,6 +196,30 @@ pub struct VisitDto {
     pub pieces_left: u32,
     /// How long it goes on from now, where the job has lines.
     pub expected_end: Option<ExpectedEndDto>,
+    /// How long it takes from now until the last piece is in its tote: longer than the visit if the rack leaves when
+    /// the hand is out for the last time.
+    pub expected_placed: Option<ExpectedEndDto>,
+}
+
+/// How well the ends of visits at a station were expected when they began, since the server started.
+#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+pub struct EndsHeldDto {
+    /// Visits that were over by then.
+    #[schema(example = 40)]
+    pub visits: u32,
+    /// The share of them that ended between `p10` and `p90`; eight in ten should. Null before the first.
+    #[schema(example = 0.8)]
+    pub held: Option<f64>,
+    /// How far they were off `p50` on average, seconds. Null before the first.
+    #[schema(example = 3.1)]
+    pub off_s: Option<f64>,
+}
+
+impl From<EndsHeld> for EndsHeldDto {
+    fn from(EndsHeld { visits, held, off_s }: EndsHeld) -> EndsHeldDto {
+        let each = |sum: f64| (visits > 0).then(|| round3(sum / f64::from(visits)));
+        EndsHeldDto { visits, held: each(f64::from(held)), off_s: each(off_s) }
+    }
 }
 
 /// How long a visit goes on from now, by how long lines took before; seconds.
@@ -270,6 +296,7 @@ impl Names<'_> {
             totes: cell.map_or_else(Vec::new, |cell| cell.totes.iter().map(|t| tote(cell, t)).collect()),
             arm: cell.and_then(|c| c.arm.as_ref()).map(|mount| arm_dto(mount, seen.arm)),
             visit: seen.robot.zip(seen.job).map(|(robot, job)| self.visit(robot, job, seen)),
+            ends: seen.ends.into(),
             unconfirmed: seen.unconfirmed.as_ref().and_then(|left| {
                 let line = lines_dto(&left.lines, true).swap_remove(left.lines.lit()?);
                 Some(UnconfirmedDto { job: job_name(left.job), line })
@@ -304,6 +331,7 @@ impl Names<'_> {
             lines: seen.lines.as_ref().map_or_else(Vec::new, |lines| lines_dto(lines, true)),
             pieces_left: seen.lines.as_ref().map_or(0, Lines::pieces_left),
             expected_end: seen.left.map(Into::into),
+            expected_placed: seen.placed.map(Into::into),
         }
     }
 }

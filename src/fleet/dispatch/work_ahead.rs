@@ -25,7 +25,9 @@ impl Floor<'_> {
             let Some(job) = self.ledger.jobs.get(&id) else { continue };
             let JobKind::Deliver { station, .. } = job.request.kind else { continue };
             let left = match job.state {
-                JobState::Picking { .. } => self.visits.remaining(id, job, now).map(|left| left.mean_s),
+                JobState::Picking { .. } => {
+                    self.visits.remaining(id, job, self.ends_out(job), now).map(|left| left.mean_s)
+                }
                 _ => self.visits.stay(job).map(Span::as_secs_f64),
             };
             work[station] +=

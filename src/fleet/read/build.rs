@@ -11,6 +11,7 @@ use crate::fleet::state::activity::Activity;
 use crate::fleet::state::arms::ArmView;
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::job::Job;
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
 use crate::geometry::{Point, Pose};
@@ -218,6 +219,8 @@ impl Fleet {
             since: job.and_then(|id| visits.since(id)),
             lines: record.and_then(|(_, job)| job.lines_now().cloned()),
             left: self.visit_left(s, now),
+            placed: self.visit_placed(s, now),
+            ends: visits.ends_held(s),
             has_cell: station.cell.is_some(),
             hears_hands: station.cell.is_some() && self.core.settings.flow.hears_hands(),
             warning: visits.warning(s, now),
@@ -237,9 +240,21 @@ impl Fleet {
         if !self.core.settings.flow.counts_lines() {
             return None;
         }
+        let (id, job) = self.visit_on(station)?;
+        self.core.visits.remaining(id, job, self.floor().ends_out(job), now)
+    }
+
+    /// How long it takes until the last piece of the visit that is on at a station is in its tote: later than the end
+    /// of the visit if the rack leaves at the last grasp.
+    fn visit_placed(&self, station: StationId, now: Time) -> Option<Remaining> {
+        let (id, job) = self.visit_on(station).filter(|_| self.core.settings.flow.counts_lines())?;
+        self.core.visits.remaining(id, job, false, now)
+    }
+
+    fn visit_on(&self, station: StationId) -> Option<(JobId, &Job)> {
         let robot = self.floor().picked_from(station)?;
-        let job = self.core.ledger.robots[robot].task.job()?;
-        self.core.visits.remaining(job, self.core.ledger.jobs.get(&job)?, now)
+        let id = self.core.ledger.robots[robot].task.job()?;
+        Some((id, self.core.ledger.jobs.get(&id)?))
     }
 
     /// The robot arm at a station; nothing where there is none, or it is of no known kind.

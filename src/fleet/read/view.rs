@@ -14,6 +14,7 @@ use crate::fleet::state::io::WrongReach;
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::ledger::{RackAt, Unconfirmed};
 use crate::fleet::state::recurring::RecurringClosure;
+use crate::fleet::state::visits::EndsHeld;
 use crate::fleet::state::why::Why;
 use crate::fleet::state::worker::{ClosureView, WorkerView};
 use crate::fleet::traffic::state::InsertionCounts;
@@ -150,6 +151,10 @@ pub struct StationView {
     pub lines: Option<Lines>,
     /// How long the visit goes on from `now`, if its job has lines.
     pub left: Option<Remaining>,
+    /// How long it takes until the last piece is in its tote.
+    pub placed: Option<Remaining>,
+    /// How well the ends of visits were expected.
+    pub ends: EndsHeld,
     /// The visit whose rack left at the last grasp, until its last line is confirmed.
     pub unconfirmed: Option<Unconfirmed>,
     /// Whether it has a work cell.

@@ -15,7 +15,7 @@ use crate::reach::PickModel;
 use crate::time::{Span, Time};
 
 /// A line for either is the arm's if this share of what the hand takes for its other lines is enough for it …
-const ENOUGH: f64 = 0.9;
+const ENOUGH: f64 = 0.6;
 /// … and goes back to the hand if the visit would end sooner by this, seconds.
 const GAINS_S: f64 = 1.5;
 /// What the arm takes at least from before a slot to the tote, seconds.

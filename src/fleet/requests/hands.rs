@@ -43,7 +43,7 @@ impl Intake<'_> {
         let lit = lit.map(|line| line.slot);
         let model = self.core.settings.picks.clone();
         let scene = DeskScene { face: &face, model: &model, lit, tote };
-        let events = self.core.visits.desk(station).see(scene, seen);
+        let events = self.core.visits.see(scene, seen);
         for event in events {
             match event {
                 DeskEvent::Grasped(slot) if lit.is_some_and(|wanted| wanted != slot) => {
@@ -109,9 +109,8 @@ impl Intake<'_> {
         }
         // Nobody knows where a hand is that was inside when it was seen last: then a button ends the visit.
         let may_be_inside = self.core.visits.desk(station).may_be_inside(face);
-        let leaves = self.core.settings.flow.leaves_at_last_grasp()
+        let leaves = self.core.floor().ends_out(job)
             && !may_be_inside
-            && job.request.then.is_empty()
             && !self.core.ledger.unconfirmed.contains_key(&station);
         let Some(lit) = lines.lit().filter(|_| leaves) else { return };
         let lit = &lines.all()[lit];
@@ -130,13 +129,14 @@ impl Intake<'_> {
         at_hands.extend(self.core.arms.inside());
         if !at_hands.is_empty() {
             let stations = &self.core.warehouse().stations;
-            let nodes: Vec<NodeId> = at_hands.iter().map(|s| stations[*s].node).collect();
+            let nodes: Vec<(NodeId, StationId)> = at_hands.iter().map(|s| (stations[*s].node, *s)).collect();
             let (ledger, floor) = (&self.core.ledger, self.core.floor());
-            let moves = |r: &RobotId| {
-                ledger.chain(*r).visits().take(2).any(|v| nodes.contains(&v.node))
-                    && !floor.is_picked_from(*r)
+            let comes_to = |r: RobotId| {
+                let near = ledger.chain(r).visits().take(2).map(|v| v.node);
+                let at = |node: NodeId| nodes.iter().find(|(n, _)| *n == node).map(|(_, s)| (r, *s));
+                near.filter_map(at).next().filter(|_| !floor.is_picked_from(r))
             };
-            let robots: Vec<RobotId> = ledger.present().filter(moves).collect();
+            let robots: Vec<(RobotId, StationId)> = ledger.present().filter_map(comes_to).collect();
             self.core.visits.stop_at_hands(robots);
         }
         for station in self.core.visits.kept() {

@@ -99,6 +99,7 @@ impl Activity {
             | Why::Closed(_)
             | Why::QueueFull(_)
             | Why::NoRoute
+            | Why::HandInOpening(_)
             | Why::Obstructed(_)
             | Why::Unplugged
             | Why::BlockedBy(_)

@@ -5,8 +5,8 @@
 //! promise anything.
 
 use crate::cell::{
-    Desk, DeskScene, HandsSeen, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace, Remaining,
-    SeenReach,
+    Desk, DeskEvent, DeskScene, HandsSeen, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace,
+    Remaining, SeenReach, VisitSeen,
 };
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::io::WrongReach;
@@ -38,6 +38,19 @@ struct VisitClock {
     whole: bool,
     /// The line that was done last, which nothing has been learned from yet.
     done: Option<DoneLine>,
+    /// When it was expected to end as it began: the time that one in ten ends before, half of them, nine in ten.
+    expected: Option<[Time; 3]>,
+}
+
+/// How well the ends of visits were expected when they began, since the program started.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EndsHeld {
+    /// Visits whose end was expected.
+    pub visits: u32,
+    /// Of these, how many ended between the times that one and nine in ten were to end before.
+    pub held: u32,
+    /// How far they were off the time that half of them were to end before, in all, seconds.
+    pub off_s: f64,
 }
 
 /// A line that is done, and how long it took.
@@ -51,7 +64,7 @@ struct DoneLine {
 
 impl VisitClock {
     fn of(since: Option<Time>, now: Time) -> VisitClock {
-        VisitClock { since, lit: now, last: now, whole: since.is_some(), done: None }
+        VisitClock { since, lit: now, last: now, whole: since.is_some(), done: None, expected: None }
     }
 }
 
@@ -68,10 +81,12 @@ pub(in crate::fleet) struct Visits {
     looked_up: (Time, BTreeMap<StationId, Option<RobotId>>),
     /// Stations whose visit is over but for a hand inside.
     kept: BTreeSet<StationId>,
+    /// How well the ends of visits at each station were expected when they began.
+    held: BTreeMap<StationId, EndsHeld>,
     /// The visit that ended last at each station.
     ended: BTreeMap<StationId, (JobId, Lines, Time)>,
-    /// Robots that must not move because of a hand.
-    at_hands: BTreeSet<RobotId>,
+    /// Robots that must not move because of a hand, with the station of that.
+    at_hands: BTreeMap<RobotId, StationId>,
     /// What was warned of last at each station, and when.
     warned: BTreeMap<StationId, (WrongReach, Time)>,
     /// Lines that were over, and reaches that were warned of.
@@ -123,6 +138,12 @@ impl Visits {
             let (pieces, seconds) = (lines.all()[lit].line.quantity, (at - clock.lit).as_secs_f64());
             self.learn(Some(DoneLine { station, pieces, seconds, at }));
         }
+        if let Some([p10, p50, p90]) = clock.expected {
+            let held = self.held.entry(station).or_default();
+            held.visits += 1;
+            held.held += u32::from(p10 <= at && at <= p90);
+            held.off_s += (at - p50).as_secs_f64().abs();
+        }
         self.ended.insert(station, (id, lines.clone(), at));
     }
 
@@ -162,6 +183,20 @@ impl Visits {
         self.learn(earlier);
     }
 
+    /// A visit is expected to last so long. What was expected first is compared with the end.
+    pub fn expect(&mut self, id: JobId, left: &Remaining, now: Time) {
+        let clock = self.clocks.get_mut(&id).filter(|c| c.since.is_some() && c.expected.is_none());
+        if let Some(clock) = clock {
+            let ends = [left.p10_s, left.p50_s, left.p90_s];
+            clock.expected = Some(ends.map(|s| now + Span::from_secs_f64(s)));
+        }
+    }
+
+    /// How well the ends of visits at a station were expected.
+    pub fn ends_held(&self, station: StationId) -> EndsHeld {
+        self.held.get(&station).copied().unwrap_or_default()
+    }
+
     /// When the rack of a job came to the station where it is, unless that was before the program started.
     pub fn since(&self, id: JobId) -> Option<Time> {
         self.clocks.get(&id)?.since
@@ -171,30 +206,49 @@ impl Visits {
     /// without lines.
     pub fn stay(&self, job: &Job) -> Option<Span> {
         let ((station, said_s), lines) = (station_of(job)?, job.lines_now()?);
-        Some(Span::from_secs_f64(self.pace.remaining(station, lines, 0.0, said_s).mean_s))
+        let seen = VisitSeen { said_s, ..VisitSeen::default() };
+        Some(Span::from_secs_f64(self.pace.remaining(station, lines, seen).mean_s))
     }
 
     /// How long a job's rack stays at the station where it is wanted now, from now on if it is there; nothing for a job
-    /// without lines.
-    pub fn remaining(&self, id: JobId, job: &Job, now: Time) -> Option<Remaining> {
+    /// without lines. A visit ends when the last piece is in its tote, or when the hand is out for the last time.
+    pub fn remaining(&self, id: JobId, job: &Job, ends_out: bool, now: Time) -> Option<Remaining> {
         let ((station, said_s), lines) = (station_of(job)?, job.lines_now()?);
         if let Some(end) = self.told.get(&station).filter(|_| self.clocks.contains_key(&id)) {
             return Some(Remaining::exactly((*end - now).as_secs_f64()));
         }
-        let lit_s = self.clocks.get(&id).map_or(0.0, |clock| (now - clock.last).as_secs_f64());
-        Some(self.pace.remaining(station, lines, lit_s.max(0.0), said_s))
+        let seen = VisitSeen { said_s, ends_out, ..self.seen(id, station, lines, now) };
+        Some(self.pace.remaining(station, lines, seen))
+    }
+
+    /// What is seen of a visit, if it is on.
+    fn seen(&self, id: JobId, station: StationId, lines: &Lines, now: Time) -> VisitSeen {
+        let Some(clock) = self.clocks.get(&id) else { return VisitSeen::default() };
+        let lit = lines.lit().map(|lit| lines.all()[lit].line.slot);
+        let piece = lit.and_then(|slot| self.desks.get(&station)?.phase(slot, now));
+        VisitSeen { lit_s: (now - clock.last).as_secs_f64().max(0.0), piece, ..VisitSeen::default() }
     }
 
     /// How long the hand takes for its lines of a visit from now on, on average, seconds.
     pub fn hand_s(&self, id: JobId, job: &Job, now: Time) -> Option<f64> {
         let ((station, said_s), lines) = (station_of(job)?, job.lines_now()?);
-        let lit_s = self.clocks.get(&id).map_or(0.0, |clock| (now - clock.last).as_secs_f64());
-        Some(self.pace.hand_s(station, lines, lit_s.max(0.0), said_s))
+        let seen = VisitSeen { said_s, ..self.seen(id, station, lines, now) };
+        Some(self.pace.hand_s(station, lines, seen))
     }
 
     /// What the hand takes for so many pieces of one line, and the arm for one piece, on average, seconds.
     pub fn line_s(&self, station: StationId, pieces: u32) -> (f64, f64) {
         (self.pace.line_s(station, pieces), self.pace.arm_piece_s(station))
+    }
+
+    /// Takes in hands at a station, and learns from the phase that they have ended.
+    pub fn see(&mut self, scene: DeskScene<'_>, seen: &HandsSeen) -> SmallVec<[DeskEvent; 4]> {
+        let desk = self.desks.entry(seen.station).or_default();
+        let events = desk.see(scene, seen);
+        if let Some(spent) = desk.spent() {
+            self.pace.learn_phases(seen.station, &[spent]);
+        }
+        events
     }
 
     /// A robot arm took so long for a piece, or for nothing.
@@ -280,13 +334,13 @@ impl Visits {
     }
 
     /// These must not.
-    pub fn stop_at_hands(&mut self, robots: impl IntoIterator<Item = RobotId>) {
+    pub fn stop_at_hands(&mut self, robots: impl IntoIterator<Item = (RobotId, StationId)>) {
         self.at_hands.extend(robots);
     }
 
-    /// Whether a robot must not move because of a hand.
-    pub fn is_at_hands(&self, robot: RobotId) -> bool {
-        self.at_hands.contains(&robot)
+    /// The station because of whose hand a robot must not move.
+    pub fn at_hands(&self, robot: RobotId) -> Option<StationId> {
+        self.at_hands.get(&robot).copied()
     }
 
     /// Somebody at a station is warned.

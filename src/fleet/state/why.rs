@@ -17,6 +17,8 @@ pub enum Why {
     Closed(ClosureId),
     /// The queue of the station it is to go to has no place.
     QueueFull(StationId),
+    /// A hand, or a robot arm, is in the opening of this station, where it stands or is about to come.
+    HandInOpening(StationId),
     /// No route was found yet; it tries again.
     NoRoute,
     /// It cannot drive.

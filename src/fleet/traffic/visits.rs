@@ -23,7 +23,10 @@ pub(in crate::fleet) fn retime_visits(core: &mut Core, now: Time) {
     for robot in core.ledger.present() {
         let Some(job) = visit_of(core, robot) else { continue };
         core.visits.begin(job, now);
-        if let Some(remaining) = core.visits.remaining(job, &core.ledger.jobs[&job], now) {
+        let record = &core.ledger.jobs[&job];
+        let ends_out = core.floor().ends_out(record);
+        if let Some(remaining) = core.visits.remaining(job, record, ends_out, now) {
+            core.visits.expect(job, &remaining, now);
             core.at_hand = Some(robot);
             retime(core, robot, remaining, now);
         }

@@ -41,6 +41,7 @@ impl<'a> RobotWaits<'a> {
             .or_else(|| self.disturbed(robot))
             .or_else(|| self.without_route(robot))
             .or_else(|| self.giving_way(robot))
+            .or_else(|| self.at_hands(robot))
             .or_else(|| self.withheld(robot))
     }
 
@@ -122,6 +123,13 @@ impl<'a> RobotWaits<'a> {
         yielding.to.map(|to| to.worker).or(stands).map(Why::GivesWay)
     }
 
+    /// It was told to stand because of a hand at a station.
+    fn at_hands(&self, robot: RobotId) -> Option<Why> {
+        let chain = self.floor.ledger.chain(robot);
+        let may_drive = chain.first() + 1 < chain.granted();
+        self.floor.visits.at_hands(robot).filter(|_| may_drive).map(Why::HandInOpening)
+    }
+
     /// It is at the end of what it was granted, and gets no more.
     fn withheld(&self, robot: RobotId) -> Option<Why> {
         let chain = self.floor.ledger.chain(robot);
@@ -166,6 +174,8 @@ impl<'a> RobotWaits<'a> {
                 self.traffic.obstructed_until(node).map_or(Edge::Moves, Edge::Until)
             }
             Why::QueueFull(station) => self.turn_at(robot, station),
+            // The hand comes out by itself.
+            Why::HandInOpening(_) => Edge::Moves,
             Why::NoRoute => self.in_the_way(robot).map_or(Edge::NoWay, |r| Edge::On(Party::Robot(r))),
             _ => unreachable!("{why:?} is about the robot itself"),
         }

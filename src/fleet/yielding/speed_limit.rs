@@ -70,7 +70,7 @@ impl Yielding {
         for robot in core.ledger.present().collect::<Vec<_>>() {
             let Some(seen) = core.scene.robot(robot).copied() else { continue };
             let (limit, because) = self.limits(core, people, traffic).limit_for(robot, &present, now);
-            let limit = if core.visits.is_at_hands(robot) { Some(0.0) } else { limit };
+            let limit = if core.visits.at_hands(robot).is_some() { Some(0.0) } else { limit };
             if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > STANDS_MPS) {
                 self.gives_way(core, robot, worker, Reaction::Stopped, now);
             }

@@ -13,7 +13,7 @@ mod stations;
 pub use blocks::Blocks;
 pub use halls::{lab, thesis};
 pub use mixed::mixed;
-pub use stations::stations;
+pub use stations::{stations, with_cells};
 
 use super::Warehouse;
 use crate::time::Span;

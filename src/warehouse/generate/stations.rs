@@ -4,6 +4,7 @@
 
 use super::Blocks;
 use crate::geometry::{Point, Vector};
+use crate::id::NodeId;
 use crate::time::Span;
 use crate::warehouse::cell::{ArmMount, Cell, CellOpening, Place, RackType, Tote};
 use crate::warehouse::{Draft, Warehouse};
@@ -61,13 +62,7 @@ fn rename(draft: &mut Draft, bay: &str, station: &str) {
 
 /// Gives each station its cell and each rack its slots.
 fn furnish(draft: &mut Draft) {
-    let shelf = RackType {
-        name: "shelf".into(),
-        columns: 4,
-        heights_m: vec![0.4, 0.75, 1.1, 1.45, 1.8],
-        width_m: 0.88,
-        face_m: 0.44,
-    };
+    let shelf = shelf();
     draft.racks.iter_mut().for_each(|rack| rack.rack_type = Some(shelf.name.clone()));
     draft.rack_types.push(shelf);
     let at = |name: &str| draft.nodes.iter().find(|n| n.name == name).expect("stations have nodes").at;
@@ -80,6 +75,31 @@ fn furnish(draft: &mut Draft) {
         })
         .collect();
     draft.stations.iter_mut().zip(cells).for_each(|(s, cell)| s.cell = Some(cell));
+}
+
+/// A building with a work cell at every station, an arm at the first few of them, and slots in every rack: for benches.
+pub fn with_cells(warehouse: &Warehouse, arms: usize) -> Warehouse {
+    let mut furnished = warehouse.clone();
+    let shelf = furnished.rack_types.push(shelf());
+    furnished.racks.iter_mut().for_each(|rack| rack.rack_type = Some(shelf));
+    for (i, station) in furnished.stations.iter_mut().enumerate() {
+        let at = |node: NodeId| warehouse.nodes[node].at;
+        let waits = station.queue.first().map_or(at(station.node) - Vector::y(), |queue| at(*queue));
+        let outward = (at(station.node) - waits).normalize();
+        station.cell = Some(cell(at(station.node), outward, i < arms));
+    }
+    furnished
+}
+
+/// The racks of the map, as somebody sees them who picks from them.
+fn shelf() -> RackType {
+    RackType {
+        name: "shelf".into(),
+        columns: 4,
+        heights_m: vec![0.4, 0.75, 1.1, 1.45, 1.8],
+        width_m: 0.88,
+        face_m: 0.44,
+    }
 }
 
 /// The cell of a station whose rack stands at `stands`, `outward` of the hall.

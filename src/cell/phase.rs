@@ -1,0 +1,135 @@
+//! How far a hand is with a piece, and how long each phase of it takes.
+//!
+//! Main types: [`PickPhase`], [`PiecePhases`] (the piece that is picked now), [`PhasePace`] (what was learned). Means are
+//! learned for each station and drawn towards those of all stations while little is known of it. Kept in memory only,
+//! and of stations, not of people. Refuses: to learn from phases that were not seen from beginning to end.
+
+use super::pace::{PickSums, rest_of};
+use crate::id::StationId;
+use crate::time::{Span, Time};
+use std::collections::BTreeMap;
+
+/// What a hand does with a piece, in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PickPhase {
+    /// No hand is on its way yet.
+    Search,
+    /// A hand moves towards the rack.
+    Reach,
+    /// A hand is in a slot.
+    Grasp,
+    /// A hand holds the piece, and brings it to a tote.
+    Carry,
+}
+
+impl PickPhase {
+    /// All of them, in order.
+    pub const ALL: [PickPhase; 4] = [PickPhase::Search, PickPhase::Reach, PickPhase::Grasp, PickPhase::Carry];
+}
+
+/// What the phases take before anything is learned, seconds.
+const USUAL_S: [f64; 4] = [0.5, 0.6, 0.9, 0.9];
+/// The spread of their logarithms before anything is learned, and how many phases that counts for.
+const SPREAD: f64 = 0.6;
+const SPREAD_PHASES: f64 = 10.0;
+/// How many phases the starting value counts for, and how many that of all stations counts for at one of them.
+const START_PHASES: f64 = 5.0;
+const CREW_PHASES: f64 = 8.0;
+/// A phase that is farther off than so many times is a break, and is not learned from.
+const FARTHEST: f64 = 12.0;
+/// Observations farther apart than this leave a gap.
+const GAP: Span = Span::from_millis(450);
+
+/// The phases of the piece that is picked now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PiecePhases {
+    phase: PickPhase,
+    since: Time,
+    seen: Time,
+    /// Whether this phase was seen from its beginning, without a gap.
+    is_whole: bool,
+}
+
+/// A phase that is over, and how long it took, seconds.
+pub type SpentPhase = (PickPhase, f64);
+
+impl PiecePhases {
+    /// A piece is wanted, and nothing of it was seen yet.
+    pub fn begin(phase: PickPhase, now: Time) -> PiecePhases {
+        PiecePhases { phase, since: now, seen: now, is_whole: phase == PickPhase::Search }
+    }
+
+    /// The phase, and for how long it has been on, seconds; nothing if no hand was seen of late.
+    pub fn now(&self, now: Time) -> Option<(PickPhase, f64)> {
+        (now - self.seen < GAP).then(|| (self.phase, (now - self.since).as_secs_f64().max(0.0)))
+    }
+
+    /// A hand is seen in a phase. Gives the phase that is over.
+    pub fn see(&mut self, phase: PickPhase, seen: Time) -> Option<SpentPhase> {
+        let gap = seen - self.seen > GAP;
+        self.seen = seen;
+        if gap {
+            (self.phase, self.since, self.is_whole) = (phase, seen, false);
+            return None;
+        }
+        if phase == self.phase {
+            return None;
+        }
+        let spent = (self.phase, (seen - self.since).as_secs_f64());
+        // A hand that turns back has not ended anything, unless it has put the piece down.
+        let goes_on = phase > self.phase || self.phase == PickPhase::Carry;
+        let is_over = self.is_whole && goes_on;
+        (self.phase, self.since, self.is_whole) = (phase, seen, goes_on);
+        is_over.then_some(spent)
+    }
+}
+
+/// What is known of how long phases take.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PhasePace {
+    crew: [PickSums; 4],
+    residuals: [PickSums; 4],
+    stations: BTreeMap<StationId, [PickSums; 4]>,
+}
+
+impl PhasePace {
+    /// Phases at a station took so long.
+    pub fn learn(&mut self, station: StationId, spent: &[SpentPhase]) {
+        for (phase, seconds) in spent {
+            let k = *phase as usize;
+            let factor = seconds / USUAL_S[k];
+            if factor <= 0.0 || !(1.0 / FARTHEST..FARTHEST).contains(&factor) {
+                continue;
+            }
+            let log = libm::log(factor);
+            let off = log - self.middle(station, k);
+            self.residuals[k].note(off);
+            self.crew[k].note(log);
+            self.stations.entry(station).or_default()[k].note(log);
+        }
+    }
+
+    fn middle(&self, station: StationId, k: usize) -> f64 {
+        let crew = self.crew[k].logs / (START_PHASES + self.crew[k].lines);
+        let own = self.stations.get(&station).map(|all| all[k]).unwrap_or_default();
+        (CREW_PHASES * crew + own.logs) / (CREW_PHASES + own.lines)
+    }
+
+    fn spread(&self, k: usize) -> f64 {
+        let PickSums { lines, squares, .. } = self.residuals[k];
+        ((SPREAD * SPREAD * SPREAD_PHASES + squares) / (SPREAD_PHASES + lines)).sqrt()
+    }
+
+    /// Mean and variance of how long phases from `from` on, until `to` is over, take together, seconds; `from` has been
+    /// on for `spent_s`.
+    pub fn rest(&self, station: StationId, (from, spent_s): (PickPhase, f64), to: PickPhase) -> (f64, f64) {
+        let all = PickPhase::ALL.into_iter().filter(|p| *p >= from && *p <= to);
+        all.fold((0.0, 0.0), |(mean, variance), phase| {
+            let (k, spread) = (phase as usize, self.spread(phase as usize));
+            let whole_s = USUAL_S[k] * libm::exp(self.middle(station, k) + spread * spread / 2.0);
+            let spent_s = if phase == from { spent_s } else { 0.0 };
+            let (m, v) = rest_of(whole_s, spread, spent_s);
+            (mean + m, variance + v)
+        })
+    }
+}
