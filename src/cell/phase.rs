@@ -133,3 +133,75 @@ impl PhasePace {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const S: StationId = StationId(0);
+
+    fn at(ms: i64) -> Time {
+        Time(ms * 1_000)
+    }
+
+    /// Phases that end as these are seen, in milliseconds, every 50 ms; and what is seen last.
+    fn followed(all: &[(PickPhase, i64)]) -> (Vec<SpentPhase>, PiecePhases) {
+        let mut piece = PiecePhases::begin(PickPhase::Search, at(0));
+        let (mut now, mut spent) = (0, Vec::new());
+        for (phase, ms) in all {
+            for _ in 0..ms / 50 {
+                now += 50;
+                spent.extend(piece.see(*phase, at(now)));
+            }
+        }
+        (spent, piece)
+    }
+
+    use PickPhase::{Carry, Grasp, Reach, Search};
+
+    #[test]
+    fn each_phase_of_a_piece_is_told_of_once_it_is_over_with_how_long_it_took() {
+        let (spent, piece) =
+            followed(&[(Search, 500), (Reach, 600), (Grasp, 900), (Carry, 700), (Search, 100)]);
+        let phases: Vec<PickPhase> = spent.iter().map(|(p, _)| *p).collect();
+        assert_eq!(phases, [Search, Reach, Grasp, Carry]);
+        let off = spent.iter().zip([0.55, 0.6, 0.9, 0.7]).map(|((_, s), true_s)| (s - true_s).abs());
+        assert!(off.fold(0.0, f64::max) < 0.051, "{spent:?}");
+        assert_eq!(piece.now(at(2_900)), Some((Search, 0.15)));
+        assert_eq!(piece.now(at(4_000)), None, "it was not seen of late");
+    }
+
+    #[test]
+    fn nothing_is_learned_of_a_hand_that_turns_back_or_was_not_seen() {
+        let (spent, _) = followed(&[(Search, 300), (Reach, 200), (Search, 300), (Reach, 200)]);
+        assert_eq!(
+            spent.iter().map(|(p, _)| *p).collect::<Vec<_>>(),
+            [Search],
+            "the second search began before"
+        );
+        let mut piece = PiecePhases::begin(Search, at(0));
+        assert_eq!(piece.see(Grasp, at(900)), None, "it may have searched and reached meanwhile");
+        assert_eq!(piece.see(Carry, at(1_000)), None, "nobody knows when the grasp began");
+        assert!(piece.see(Search, at(1_300)).is_some());
+    }
+
+    #[test]
+    fn the_rest_shrinks_from_phase_to_phase_and_a_slow_station_is_learned() {
+        let mut pace = PhasePace::default();
+        let rest = |pace: &PhasePace, from| pace.rest(S, (from, 0.0), Carry).0;
+        let all = PickPhase::ALL.map(|phase| rest(&pace, phase));
+        assert!(all.windows(2).all(|pair| pair[0] > pair[1] + 0.3), "{all:?}");
+        assert!(
+            pace.rest(S, (Reach, 0.0), Grasp).0 < rest(&pace, Reach),
+            "the hand is out before it has placed"
+        );
+        let (early, late) = (pace.rest(S, (Grasp, 0.1), Grasp).0, pace.rest(S, (Grasp, 0.7), Grasp).0);
+        assert!(late < early, "{late} after {early}");
+        (0..60).for_each(|_| pace.learn(S, &[(Grasp, 3.0)]));
+        assert!((pace.rest(S, (Grasp, 0.0), Grasp).0 - 3.0).abs() < 0.4);
+        assert!(pace.rest(StationId(1), (Grasp, 0.0), Grasp).0 > 1.5, "others are taken for the crew's");
+        let before = pace.clone();
+        pace.learn(S, &[(Grasp, 90.0)]);
+        assert_eq!(pace, before, "that was a break");
+    }
+}

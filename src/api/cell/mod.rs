@@ -1,9 +1,10 @@
 //! What is picked at a station, on the wire.
 //!
 //! Main type: [`LineDto`]; [`new_lines`] reads lines that customers submit, [`station`] has what happens at one
-//! station, [`socket`] is the feed of that. Refuses: to know who picks.
+//! station, [`socket`] is the feed of that, [`shown`] what recordings keep. Refuses: to know who picks.
 
 pub mod new_lines;
+pub mod shown;
 pub mod socket;
 pub mod station;
 

@@ -114,7 +114,7 @@ pub struct ToteDto {
 }
 
 /// A robot arm.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ArmDto {
     /// What arm it is.
     #[schema(example = "ur10")]
@@ -129,7 +129,7 @@ pub struct ArmDto {
 }
 
 /// What a robot arm does.
-#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ArmStateDto {
     /// It has not been heard of, or its kind is not known: hands pick all lines.
@@ -145,7 +145,7 @@ pub enum ArmStateDto {
 }
 
 /// The line that a robot arm picks.
-#[derive(Clone, Debug, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ArmLineDto {
     /// The job.
     #[schema(example = "j17")]
@@ -202,7 +202,7 @@ pub struct VisitDto {
 }
 
 /// How well the ends of visits at a station were expected when they began, since the server started.
-#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
 pub struct EndsHeldDto {
     /// Visits that were over by then.
     #[schema(example = 40)]

@@ -5,6 +5,7 @@
 use super::forecast::{ForecastDto, forecasts};
 use crate::alarm::Alarm;
 use crate::api::alarms;
+use crate::api::cell::shown::ShownCell;
 use crate::api::dto::{CountersDto, JobCountsDto, Names, RackDto, RobotDto, StationDto};
 use crate::api::people::WorkerDto;
 use crate::api::port::Moment;
@@ -48,13 +49,17 @@ pub struct Beside {
     pub(in crate::api) waiting: usize,
     /// Workers on the floor.
     pub(in crate::api) people: usize,
+    /// What is picked at work cells.
+    pub(in crate::api) cells: Vec<ShownCell>,
 }
 
 impl Beside {
-    fn of(moment: &Moment) -> Beside {
+    fn of(names: &Names<'_>, moment: &Moment) -> Beside {
         let view = &moment.view;
+        let zero = view.now - Span::from_secs_f64(moment.time_s);
         Beside {
-            zero: view.now - Span::from_secs_f64(moment.time_s),
+            zero,
+            cells: names.shown_cells(zero),
             backlog: moment.backlog.clone(),
             waiting: view.robots.iter().filter(|r| waits(r)).count(),
             people: view.workers.iter().filter(|w| w.presence != Presence::Absent).count(),
@@ -90,7 +95,7 @@ impl Frame {
             }),
             alarms: active.iter().map(|a| alarms::row(a, started_s)).collect(),
             time_s: round3(moment.time_s),
-            beside: Beside::of(moment),
+            beside: Beside::of(&names, moment),
         }
     }
 

@@ -5,6 +5,7 @@
 //! A recording is JSON lines, packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin
 //! live feed. Refuses: to compare frames in a way of its own, and to hold back the program that runs the fleet.
 
+mod cells;
 mod file;
 mod folder;
 mod mark;
@@ -101,8 +102,10 @@ impl Recording {
             self.counting.go(last, frame);
         }
         self.version += 1;
+        let is_keyed = at_s - self.keyed_s >= KEY_EVERY_S;
+        lines += &cells::line(self.last.as_deref().filter(|_| !is_keyed), frame).unwrap_or_default();
         // Beside the patch, so that a reader that plays on need not begin anew.
-        if at_s - self.keyed_s >= KEY_EVERY_S {
+        if is_keyed {
             let whole = frame.snapshot(self.version);
             writeln!(lines, "{{\"at\":{at_s},\"key\":{whole}}}").expect("texts take everything");
             self.keyed_s = at_s;

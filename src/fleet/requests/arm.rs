@@ -216,3 +216,43 @@ fn is_sooner_by_hand(line: &LineProgress, takes: TakenBy, spent_s: f64) -> bool 
     };
     line.line.by == PickedBy::Either && line.state == LineState::Arm && is_sooner(takes)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::{Lines, OrderLine};
+
+    fn line(state: LineState, quantity: u32, by: PickedBy) -> LineProgress {
+        let slot = "A1".parse().expect("a slot");
+        let mut lines = Lines::new([OrderLine { slot, quantity, tote: "A".into(), item: None, by }]);
+        if state == LineState::Arm {
+            lines.change(0, LineChange::ToArm).expect("it may be the arm's");
+        }
+        LineProgress { state, ..lines.all()[0].clone() }
+    }
+
+    fn takes(hand_s: f64) -> TakenBy {
+        TakenBy { hand_s, line_s: 4.0, arm_piece_s: 9.0 }
+    }
+
+    #[test]
+    fn a_line_is_the_arms_only_if_the_hand_takes_longer_for_the_others() {
+        let open = line(LineState::Open, 1, PickedBy::Either);
+        assert!(is_for_arm(&open, takes(20.0)) && !is_for_arm(&open, takes(18.0)));
+        assert!(
+            !is_for_arm(&line(LineState::Open, 2, PickedBy::Either), takes(20.0)),
+            "two pieces take longer"
+        );
+        assert!(!is_for_arm(&line(LineState::Open, 1, PickedBy::Hand), takes(60.0)));
+        assert!(!is_for_arm(&line(LineState::Lit, 1, PickedBy::Either), takes(60.0)));
+    }
+
+    #[test]
+    fn a_line_goes_back_to_the_hand_that_would_be_sooner_but_not_the_arms_own() {
+        let arms = line(LineState::Arm, 1, PickedBy::Either);
+        assert!(is_sooner_by_hand(&arms, takes(0.0), 1.0), "the hand has nothing else to do");
+        assert!(!is_sooner_by_hand(&arms, takes(0.0), 6.0), "the arm is nearly done");
+        assert!(!is_sooner_by_hand(&arms, takes(9.0), 1.0), "the hand has enough to do");
+        assert!(!is_sooner_by_hand(&line(LineState::Arm, 1, PickedBy::Arm), takes(0.0), 1.0));
+    }
+}

@@ -209,6 +209,26 @@ fn a_wrong_slot_and_a_wrong_tote_are_warned_of_and_confirm_nothing() {
 }
 
 #[test]
+fn a_visit_is_expected_to_end_sooner_with_each_phase_of_the_hand_and_its_end_is_judged() {
+    let mut cell = CellFloor::new(Flow::Seen, &[("C3", 1, "B")]);
+    let station = |cell: &CellFloor| cell.floor.fleet.view(cell.floor.now).stations[0].clone();
+    let left = |cell: &CellFloor| station(cell).left.expect("lines are counted").mean_s;
+    cell.moves(cell.at, 0.2);
+    let before = left(&cell);
+    cell.moves(cell.front("C3"), 0.6);
+    cell.moves(cell.face.slot(slot("C3")) - FacePlace::new(0.0, 0.12, 0.0), 0.4);
+    cell.moves(cell.at, 0.2);
+    let inside = left(&cell);
+    assert!(inside < before - 0.5, "{inside} after {before}");
+    let placed = station(&cell).placed.expect("lines are counted").mean_s;
+    assert!(placed > inside + 0.3, "the piece is in its tote {placed} later, the hand out {inside}");
+    assert_eq!(station(&cell).ends.visits, 0);
+    cell.moves(cell.front("C3"), 0.4);
+    assert!(cell.is_done());
+    assert_eq!(station(&cell).ends.visits, 1, "its end was expected when it began");
+}
+
+#[test]
 fn hands_call_for_a_step_at_once_only_where_they_would_be_warned_of() {
     let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
     let calls = |cell: &mut CellFloor, name: &str| {
@@ -234,6 +254,7 @@ fn a_robot_that_would_move_at_a_hand_is_stopped_at_once() {
     let robot = cell.floor.fleet.ledger().present().find(|r| cell.floor.fleet.ledger().rack_on(*r).is_some());
     let stopped = cell.floor.fleet.telemetry(robot.expect("the rack leaves")).expect("it says how it is");
     assert_eq!(stopped.limit_mps, Some(0.0), "a hand has come back inside");
+    assert_eq!(cell.floor.fleet.why(robot.unwrap()), Some(Why::HandInOpening(S1)), "it says why");
     cell.moves(cell.front("C3"), 0.4);
     cell.floor.run(3);
     let node = cell.floor.fleet.warehouse().stations[S1].node;

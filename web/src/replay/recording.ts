@@ -24,6 +24,8 @@ export interface Recording {
   between(from: number, to: number): readonly Frame[];
   /** Lists of the jobs that waited round a moment, in order; null while they are fetched. */
   lists(t: number): readonly Listed[] | null;
+  /** Work cells round a moment, in order; null while they are fetched. */
+  cells(t: number): readonly Listed[] | null;
   /** Sums from one moment to another, one for so many seconds at least; or what is wrong, in words. */
   sums(from: number, to: number, step: number): Promise<readonly Sum[] | string>;
   /** A map of heat of the seconds from one moment to another; or what is wrong, in words. */
@@ -59,6 +61,7 @@ export class FileRecording implements Recording {
   frames = (): readonly Frame[] => this.#reel.frames;
   between = (): readonly Frame[] => this.#reel.frames;
   lists = (): readonly Listed[] => this.#reel.lists;
+  cells = (): readonly Listed[] => this.#reel.cells;
   sums = (): Promise<readonly Sum[]> => Promise.resolve(this.#reel.sums);
   heat = (): Promise<string> => Promise.resolve(t('replay.no-heat'));
   refresh = (): Promise<void> => Promise.resolve();
@@ -88,6 +91,7 @@ const AGAIN_MS = 2_000;
 interface Piece {
   frames: readonly Frame[];
   lists: readonly Listed[];
+  cells: readonly Listed[];
   to: number;
 }
 
@@ -160,6 +164,7 @@ export class ServerRecording implements Recording {
   }
 
   lists = (t: number): readonly Listed[] | null => this.#pieces.get(Math.floor(t / PIECE_S))?.lists ?? null;
+  cells = (t: number): readonly Listed[] | null => this.#pieces.get(Math.floor(t / PIECE_S))?.cells ?? null;
 
   async sums(from: number, to: number, step: number): Promise<readonly Sum[] | string> {
     const answer = await this.#api.figures(from, to, step);
@@ -185,9 +190,9 @@ export class ServerRecording implements Recording {
     this.wrong = trouble(answer);
     if (answer.kind !== 'ok') return;
     try {
-      const { frames, lists } = readReel(await linesOf(answer.value));
+      const { frames, lists, cells } = readReel(await linesOf(answer.value));
       this.#pieces.delete(number);
-      this.#pieces.set(number, { frames, lists, to: frames.at(-1)?.at ?? 0 });
+      this.#pieces.set(number, { frames, lists, cells, to: frames.at(-1)?.at ?? 0 });
     } catch (error) {
       this.wrong = error instanceof Error ? error.message : String(error);
     }

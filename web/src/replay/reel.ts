@@ -3,7 +3,7 @@
 import { MARK_KINDS, type FloorMap, type Mark, type Sum } from '../wire';
 import { t } from '../words';
 
-/** The jobs that waited at a moment, in JSON. */
+/** What was so at a moment, in JSON: the jobs that waited, or work cells. */
 export interface Listed {
   at: number;
   text: string;
@@ -25,27 +25,30 @@ export interface Reel {
   marks: Mark[];
   sums: Sum[];
   lists: Listed[];
+  /** Work cells that changed at a moment, in JSON. */
+  cells: Listed[];
 }
 
 /** What makes a reel of what a simulation recorded. */
 const COMMAND = 'giveway replay FILE --reel OUT.reel';
 const noReel = (): Error => new Error(t('reel.none', { command: COMMAND }));
-const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark|sum|waiting)":/;
+const LINE = /^\{"at":(-?[\d.e+]+),"(key|patch|mark|sum|waiting|cells)":/;
 
 /** Reads lines; a last one that was cut off is left out. */
 export function readReel(lines: Iterable<string>): Reel {
   const all = lines[Symbol.iterator]();
-  const reel: Reel = { ...headerOf(all.next().value), frames: [], marks: [], sums: [], lists: [] };
+  const reel: Reel = { ...headerOf(all.next().value), frames: [], marks: [], sums: [], lists: [], cells: [] };
   for (let next = all.next(); !next.done; next = all.next()) {
     const line = next.value;
     const found = LINE.exec(line);
     if (!found || !line.endsWith('}')) continue;
     const at = Number(found[1]);
     const text = line.slice(found[0].length, -1);
-    const kind = found[2] as Frame['kind'] | 'mark' | 'sum' | 'waiting';
+    const kind = found[2] as Frame['kind'] | 'mark' | 'sum' | 'waiting' | 'cells';
     if (kind === 'mark') addMark(reel.marks, text);
     else if (kind === 'sum') addSum(reel.sums, at, text);
     else if (kind === 'waiting') reel.lists.push({ at, text });
+    else if (kind === 'cells') reel.cells.push({ at, text });
     else reel.frames.push({ at, kind, text });
   }
   if (!reel.frames.some((frame) => frame.kind === 'key')) throw new Error(t('reel.no-key'));

@@ -479,7 +479,7 @@ export interface NewClosure {
 export interface StationDetail {
   has_cell: boolean;
   visit: {
-    lines: { n: number; slot: string; tote: string; quantity: number; done: number; state: 'open' | 'lit' | 'done' | 'short' }[];
+    lines: { n: number; slot: string; tote: string; quantity: number; done: number; state: 'open' | 'lit' | 'done' | 'short' | 'undone' | 'arm' }[];
     pieces_left: number;
     expected_end: { p10: number; p50: number; p90: number } | null;
   } | null;

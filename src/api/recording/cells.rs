@@ -1,0 +1,16 @@
+//! Work cells as recordings have them: all of them with a key frame, else those that changed.
+//!
+//! Main function: [`line()`]. Refuses: to keep where hands were.
+
+use crate::api::cell::shown::ShownCell;
+use crate::api::live::Frame;
+use serde_json::{Map, json};
+
+/// The line of a frame, with those of its cells that are not as they were in the `last` one; nothing if all are.
+pub fn line(last: Option<&Frame>, frame: &Frame) -> Option<String> {
+    let before = last.map_or(&[][..], |last| &last.beside.cells);
+    let cells = frame.beside.cells.iter().enumerate();
+    let changed = cells.filter(|(i, cell)| before.get(*i) != Some(*cell)).map(|(_, cell)| cell);
+    let rows: Map<_, _> = changed.map(|cell: &ShownCell| (cell.station.clone(), json!(cell))).collect();
+    (!rows.is_empty()).then(|| format!("{{\"at\":{},\"cells\":{}}}\n", frame.time_s, json!(rows)))
+}
