@@ -85,6 +85,11 @@ impl SimulatedArm {
         }
     }
 
+    /// With another stop.
+    pub fn with_rule(self, rule: StopRule) -> SimulatedArm {
+        SimulatedArm { rule, ..self }
+    }
+
     /// Its angles.
     pub fn joints(&self) -> &Joints {
         &self.joints

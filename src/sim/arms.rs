@@ -3,7 +3,7 @@
 //! Main types: [`SimArms`], [`ArmFigures`]. Each has its own protective stop, which sees the picker's true limbs and
 //! nothing of what was planned. Refuses: to read anything of the fleet but which line a piece is for, to count it.
 
-use super::arm::{ArmStep, SimulatedArm};
+use super::arm::{ArmStep, SimulatedArm, StopRule};
 use super::random::Stream;
 use super::scenario::WorkCells;
 use crate::cell::PickFace;
@@ -25,6 +25,8 @@ const TAKE: Span = Span::from_millis(900);
 const PUT: Span = Span::from_millis(300);
 /// Share of grasps that find nothing.
 const EMPTY: f64 = 0.02;
+/// Its stop leaves so much, metres: a hand that stood still may be as fast as hands are before the arm stands.
+const LEFT_M: f64 = 0.06;
 /// An arm that stands nearer to a person than this does not start, metres: that is a part of its protective stop.
 const START_M: f64 = 0.02;
 
@@ -93,6 +95,7 @@ impl SimArms {
             let face =
                 PickFace::new(cell, warehouse.nodes[place.node].at, warehouse.rack_types.iter().next()?);
             let arm = SimulatedArm::new(ArmKind::named(&mount.kind)?.clone(), base_of(mount), rest());
+            let arm = arm.with_rule(StopRule { left_m: LEFT_M, ..StopRule::default() });
             Some(SimArmPost {
                 station,
                 arm,

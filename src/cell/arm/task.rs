@@ -28,7 +28,7 @@ pub const DELTA: f64 = 0.05;
 /// Links are kept so far from head and trunk, and from arms with that probability, metres: the arm's own stop acts
 /// before they touch.
 const BODY_M: f64 = 0.12;
-const ARMS_M: f64 = 0.03;
+const ARMS_M: f64 = 0.07;
 /// Ways keep so far from the picker, if there is room, metres; else less.
 const CLEAR_M: [f64; 3] = [0.15, 0.08, 0.02];
 /// An arm that came nearer keeps this, metres.
