@@ -27,6 +27,7 @@ mod lost;
 mod messages;
 mod nearest;
 mod order;
+mod passing;
 mod people;
 mod published;
 mod racks;

@@ -38,7 +38,7 @@ pub struct LocalPlanner {
 
 /// No outline comes nearer to the edge of a corridor unless it is nearer, metres: for what lies between two poses that
 /// are looked at.
-const MARGIN_M: f64 = 0.02;
+pub(super) const MARGIN_M: f64 = 0.02;
 /// Poses are looked at so close to one another on an arc, metres and radians, as long as there are few enough.
 const POSES: (f64, f64) = (0.08, 0.08);
 /// At most so many of them.

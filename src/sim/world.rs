@@ -5,6 +5,7 @@
 mod cells;
 mod handover;
 mod incidents;
+mod passing;
 
 use super::announce::Announcements;
 use super::crew::{Crew, TrueWorker};
@@ -22,7 +23,7 @@ use super::walker::{RobotNear, Walker};
 use crate::fleet::{
     Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Service, Telemetry, most_dangerous,
 };
-use crate::geometry::Point;
+use crate::geometry::{Point, Pose};
 use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
@@ -97,6 +98,10 @@ pub struct World {
     hands_inside: Vec<StationId>,
     /// How often a station's guard stopped a robot.
     guard_stops: u64,
+    /// How often robots' own scanners stopped them while they drove.
+    own_stops: u64,
+    /// Where robots were beside the line since the last step, and whether they touched somebody.
+    beside: Vec<(RobotId, Pose)>,
     /// How often robots were pushed elsewhere.
     pushed: u64,
     now: Time,
@@ -158,6 +163,8 @@ impl World {
             moved_at_hands: Vec::new(),
             hands_inside: Vec::new(),
             guard_stops: 0,
+            own_stops: 0,
+            beside: Vec::new(),
             pushed: 0,
             now,
         };
@@ -193,6 +200,7 @@ impl World {
         }
         self.push_robots(from, now);
         self.guard_hands(from);
+        self.show_people(fleet, from);
         self.live(from, now);
         self.note_racks();
         inputs.extend(self.picks(fleet));
@@ -401,6 +409,9 @@ impl World {
                 let gives = self.outages.at(robot.body.node).is_none();
                 let charging = charger && gives && !robot.body.has(Fault::Unplugged);
                 robot.body.advance(at(i), at(i + 1), charging);
+                if robot.body.beside.steers() {
+                    self.beside.push((robot.body.id, robot.body.pose));
+                }
             }
             self.people(at(i), at(i + 1));
         }
@@ -419,7 +430,10 @@ impl World {
         let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
         self.meter.pass_time(people.len(), &robots, to - from);
         for (robot, near) in self.robots.iter_mut().filter(|r| !r.off).zip(&robots) {
+            let was_guarded = robot.body.is_guarded();
             robot.body.scan(to, near.half_m, &places);
+            let stops = robot.body.is_guarded() && !was_guarded && robot.body.speed_mps > 0.0;
+            self.own_stops += u64::from(stops);
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
             for p in &people {
                 let person = MeteredPerson { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
