@@ -82,6 +82,9 @@ pub struct RobotDto<N = String> {
     /// Why it does not go on; null if nothing holds it up.
     #[schema(example = "waiting for A12, held by robot-7")]
     pub why: Option<String>,
+    /// The worker whom it passes beside the line, within the corridor of the lane; null if it keeps to the line.
+    #[schema(example = "w1")]
+    pub passes: Option<String>,
 }
 
 /// One rack.
@@ -299,6 +302,7 @@ impl Names<'_> {
             granted: r.granted.iter().map(|n| node(*n)).collect(),
             held: r.held.iter().map(|n| node(*n)).collect(),
             why: r.why.map(|why| self.why_of(r, why)),
+            passes: r.passes.map(worker_name),
         }
     }
 

@@ -81,6 +81,7 @@ fn scenario(robots: usize) -> Scenario {
         closures: Vec::new(),
         evacuations: Vec::new(),
         policy: HumanAwarePolicy::default(),
+        local_planner: Default::default(),
         model: None,
         learned: crate::human::Model::builtin(),
         picks: crate::reach::PickModel::builtin(),

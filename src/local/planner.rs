@@ -64,6 +64,17 @@ impl LocalPlanner {
         LocalPlanner { outline, spaces, line, room_m, floor, method }
     }
 
+    /// The same floor, but the robot steers for a line that lies so far to the left of the lane, metres; to the right
+    /// where that is negative.
+    pub fn beside(mut self, left_m: f64) -> LocalPlanner {
+        let ahead = (self.line.b - self.line.a).try_normalize(1e-12).unwrap_or(Vector::x());
+        let across = Vector::new(-ahead.y, ahead.x) * left_m;
+        self.line = Segment { a: self.line.a + across, b: self.line.b + across };
+        let (left, right) = self.room_m;
+        self.room_m = ((left - left_m).max(0.0), (right + left_m).max(0.0));
+        self
+    }
+
     /// How to drive for the next period towards a goal within the corridor. Standing is the answer where every motion
     /// would leave the corridor or come too near to somebody.
     pub fn choose(&self, state: &DriveState, goal: Point, people: &[NearPerson<'_>]) -> Twist {

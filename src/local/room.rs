@@ -90,6 +90,24 @@ impl PassingRoom {
         ahead.map(|p| self.across_m(side, p.at) + self.apart_m).fold(0.0, f64::max)
     }
 
+    /// Round those who are ahead of a robot at a place: how far to the left of the line the way past them is, negative
+    /// to the right, and where it is past them. Nothing where nobody is in the way, or there is no room.
+    pub fn round(&self, at: Point, people: &[NearPerson<'_>], doubt: f64) -> Option<(f64, Point)> {
+        let (from_m, left_m) = (self.along_m(at), self.across_m(LineSide::Left, at));
+        let until_m = people.iter().filter(|p| self.is_along(from_m, p.at)).map(|p| self.along_m(p.at));
+        let until_m = until_m.fold(f64::NEG_INFINITY, f64::max) + self.apart_m;
+        // A robot that is on one side of them stays there.
+        let own = if left_m > 0.0 { LineSide::Left } else { LineSide::Right };
+        let is_free = || self.is_free(own, from_m, people, doubt);
+        let stays = (left_m.abs() > self.circle_m && is_free()).then_some(own);
+        let side = stays.or_else(|| self.side(from_m, people, doubt))?;
+        let aside_m = self.aside_m(side, from_m, people);
+        let left_m = if side == LineSide::Left { aside_m } else { -aside_m };
+        let ahead_m = until_m.min(self.line.length());
+        let past = self.line.a + self.ahead() * ahead_m + self.left() * left_m;
+        (aside_m > 0.0 && ahead_m > from_m).then_some((left_m, past))
+    }
+
     /// How much longer the way aside is than the line, metres.
     pub fn detour_m(&self, side: LineSide, from_m: f64, people: &[NearPerson<'_>]) -> f64 {
         2.0 * (self.aside_m(side, from_m, people).hypot(SWING_M) - SWING_M)

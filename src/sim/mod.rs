@@ -46,7 +46,7 @@ pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
     Assignments, Causes, Closing, Demand, Deviations, Faults, FlowWord, Habits, HandSensor, HandSide,
-    KindShare, LineDemand, MethodWord, NodeWindowsWord, Personas, PickerHabits, Rates, Scenario,
-    ScenarioError, SecondTag, SeenGaze, Sensor, Source, TaskSharing, WorkCells, Workers,
+    KindShare, LineDemand, LocalPlannerWord, MethodWord, NodeWindowsWord, Personas, PickerHabits, Rates,
+    Scenario, ScenarioError, SecondTag, SeenGaze, Sensor, Source, TaskSharing, WorkCells, Workers,
 };
 pub use world::{World, starting_places};

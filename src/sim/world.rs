@@ -7,6 +7,7 @@ mod handover;
 mod incidents;
 mod passing;
 
+use self::passing::BesideLog;
 use super::announce::Announcements;
 use super::crew::{Crew, TrueWorker};
 use super::customers::{Customers, FIRST_TOKEN, OrderFileLine};
@@ -23,7 +24,7 @@ use super::walker::{RobotNear, Walker};
 use crate::fleet::{
     Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Service, Telemetry, most_dangerous,
 };
-use crate::geometry::{Point, Pose};
+use crate::geometry::Point;
 use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
@@ -98,10 +99,7 @@ pub struct World {
     hands_inside: Vec<StationId>,
     /// How often a station's guard stopped a robot.
     guard_stops: u64,
-    /// How often robots' own scanners stopped them while they drove.
-    own_stops: u64,
-    /// Where robots were beside the line since the last step, and whether they touched somebody.
-    beside: Vec<(RobotId, Pose)>,
+    beside: BesideLog,
     /// How often robots were pushed elsewhere.
     pushed: u64,
     now: Time,
@@ -163,8 +161,7 @@ impl World {
             moved_at_hands: Vec::new(),
             hands_inside: Vec::new(),
             guard_stops: 0,
-            own_stops: 0,
-            beside: Vec::new(),
+            beside: BesideLog::new(scenario.local_planner.into()),
             pushed: 0,
             now,
         };
@@ -409,9 +406,7 @@ impl World {
                 let gives = self.outages.at(robot.body.node).is_none();
                 let charging = charger && gives && !robot.body.has(Fault::Unplugged);
                 robot.body.advance(at(i), at(i + 1), charging);
-                if robot.body.beside.steers() {
-                    self.beside.push((robot.body.id, robot.body.pose));
-                }
+                self.beside.note(&robot.body);
             }
             self.people(at(i), at(i + 1));
         }
@@ -430,10 +425,7 @@ impl World {
         let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
         self.meter.pass_time(people.len(), &robots, to - from);
         for (robot, near) in self.robots.iter_mut().filter(|r| !r.off).zip(&robots) {
-            let was_guarded = robot.body.is_guarded();
-            robot.body.scan(to, near.half_m, &places);
-            let stops = robot.body.is_guarded() && !was_guarded && robot.body.speed_mps > 0.0;
-            self.own_stops += u64::from(stops);
+            self.beside.scan(&mut robot.body, to, near.half_m, &places);
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
             for p in &people {
                 let person = MeteredPerson { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
@@ -500,6 +492,7 @@ impl World {
         let mut body =
             RobotBody::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
         let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
+        body.beside.method = self.beside.method;
         body.resume(reached, record.acted, record.recalls, rack);
         let stream = |purpose| Stream::new(self.seed, purpose, who);
         let links = LinkFaults::from(&self.faults);

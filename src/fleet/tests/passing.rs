@@ -139,7 +139,7 @@ fn a_robot_stands_when_the_person_turns_into_the_free_side_and_goes_on_when_ther
     let robot = RobotId(0);
     let turns = |floor: &TestFloor, ana: &mut Puppet, after_s: f64| {
         let t = floor.world.truth().next().expect("there is one").1;
-        if turned.is_none() && t.pose.at.y.abs() > 0.8 && t.pose.at.x < 9.0 {
+        if turned.is_none() && t.pose.at.y.abs() > 0.8 && t.pose.at.x < 11.0 {
             side = t.pose.at.y.signum();
             turned = Some(after_s);
             ana.way = vec![Point::new(12.0, 2.4 * side)];

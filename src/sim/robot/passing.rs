@@ -5,10 +5,13 @@
 //! to see people where they truly are: it is told what the fleet believes.
 
 use super::{RobotBody, THERE_M, Target};
+use crate::aware::SLOW_MPS;
 use crate::fleet::{Fault, ForeseenPerson, Waypoint};
 use crate::geometry::{Point, Segment, Vector, wrap_angle};
 use crate::id::NodeId;
-use crate::local::{DriveLimits, DriveState, LocalMethod, LocalPlanner, NearPerson, RobotOutline, Twist};
+use crate::local::{
+    DriveLimits, DriveState, LocalMethod, LocalPlanner, NearPerson, PassingRoom, RobotOutline, Twist,
+};
 use crate::time::{Span, Time};
 use crate::warehouse::{Corridor, Warehouse};
 
@@ -28,6 +31,8 @@ const BEHIND_M: f64 = 0.05;
 const END_M: f64 = 0.06;
 /// A robot that comes to rest so near to the end of its corridor drives there straight, metres.
 const LAST_M: f64 = 0.25;
+/// It goes round people on a side where nobody is more probably in the way than this.
+const DOUBT: f64 = 0.5;
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.02;
 
@@ -172,7 +177,13 @@ impl RobotBody {
         limits.speed_mps = limits.speed_mps.min(self.limit_mps.unwrap_or(f64::INFINITY)).min(lane_mps);
         let planner = LocalPlanner::new(self.footprint(), limits, line, corridor, self.beside.method);
         let near: Vec<NearPerson<'_>> = self.beside.people.iter().map(ForeseenPerson::near).collect();
-        planner.choose(&DriveState { pose: self.pose, twist }, goal, &near)
+        let state = DriveState { pose: self.pose, twist };
+        let slow = DriveLimits { speed_mps: limits.speed_mps.min(SLOW_MPS).max(STANDS_MPS), ..limits };
+        let room = PassingRoom::new(self.footprint(), slow, line, corridor);
+        match room.round(self.pose.at, &near, DOUBT) {
+            Some((left_m, past)) => planner.beside(left_m).choose(&state, past, &near),
+            None => planner.choose(&state, goal, &near),
+        }
     }
 
     /// Passes waypoints, and is on the line again at the last of those beside which it may drive, or before that if it
