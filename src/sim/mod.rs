@@ -7,6 +7,8 @@
 
 mod announce;
 pub mod arm;
+mod beside;
+mod beside_log;
 mod consistency;
 mod crew;
 mod customers;

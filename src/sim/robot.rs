@@ -5,7 +5,7 @@
 
 mod passing;
 
-use self::passing::BesideLine;
+use super::beside::BesideLine;
 use super::guard::Guard;
 use super::walker::BODY_M;
 use crate::fleet::{Act, Command, Fault, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};

@@ -7,8 +7,8 @@ mod handover;
 mod incidents;
 mod passing;
 
-use self::passing::BesideLog;
 use super::announce::Announcements;
+use super::beside_log::BesideLog;
 use super::crew::{Crew, TrueWorker};
 use super::customers::{Customers, FIRST_TOKEN, OrderFileLine};
 use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};

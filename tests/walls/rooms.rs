@@ -38,6 +38,7 @@ const DOORS: [(&str, &str, &[&str]); 2] = [
             "WalkMode",
             "among_robots",
             "drives_up",
+            "foreseen",
             "forecast",
             "goal_of",
             "rest_of_path",

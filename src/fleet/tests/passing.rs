@@ -158,6 +158,37 @@ fn a_robot_stands_when_the_person_turns_into_the_free_side_and_goes_on_when_ther
     assert!(trip.arrived.is_some() && trip.closest_m > 1.0, "{} m", trip.closest_m);
 }
 
+/// Shifts the robot aside while it drives, beside the line or on it, and says which laws that breaks.
+fn shifted(beside: bool, by_m: f64) -> Vec<crate::sim::Violation> {
+    let mut floor = floor(Some(3.5), 55.0, true);
+    let mut ana = floor.hire(Point::new(12.0, 0.0));
+    ana.own = true;
+    (0..400).for_each(|_| _ = floor.walk(&mut ana));
+    let go = JobKind::Go { robot: RobotId(0), node: floor.node("end") };
+    floor.submit(JobRequest { priority: 5, ..JobRequest::new(go) });
+    loop {
+        floor.walk(&mut ana);
+        let seen = floor.world.truth().next().expect("there is one").1;
+        let is_beside = seen.pose.at.y.abs() > 1.5;
+        if seen.speed_mps > 0.3 && seen.pose.at.x > 5.0 && is_beside == beside {
+            floor.world.shift(RobotId(0), crate::geometry::Vector::new(0.0, by_m * seen.pose.at.y.signum()));
+            break;
+        }
+    }
+    let inputs = floor.world.advance(floor.now, &floor.fleet);
+    let step = floor.fleet.step(floor.now, inputs);
+    floor.laws.check(floor.now, &floor.world, &floor.fleet, &step.facts);
+    floor.laws.broken.iter().map(|(_, violation)| violation.clone()).collect()
+}
+
+#[test]
+fn a_robot_that_leaves_its_corridor_or_its_line_breaks_a_law() {
+    use crate::sim::Violation;
+    assert_eq!(shifted(true, 0.0), [], "a robot that passes somebody breaks none");
+    assert_eq!(shifted(true, 3.0), [Violation::LeftCorridor(RobotId(0))], "out of its corridor");
+    assert_eq!(shifted(false, 0.6), [Violation::LeftCorridor(RobotId(0))], "off its line");
+}
+
 #[test]
 fn a_robot_beside_the_line_is_where_it_may_be_and_a_restarted_fleet_finds_it_there() {
     let mut floor = floor(Some(3.5), 55.0, true);

@@ -9,9 +9,7 @@ use crate::aware::SLOW_MPS;
 use crate::fleet::{Fault, ForeseenPerson, Waypoint};
 use crate::geometry::{Point, Segment, Vector, wrap_angle};
 use crate::id::NodeId;
-use crate::local::{
-    DriveLimits, DriveState, LocalMethod, LocalPlanner, NearPerson, PassingRoom, RobotOutline, Twist,
-};
+use crate::local::{DriveLimits, DriveState, LocalPlanner, NearPerson, PassingRoom, RobotOutline, Twist};
 use crate::time::{Span, Time};
 use crate::warehouse::{Corridor, Warehouse};
 
@@ -35,48 +33,6 @@ const LAST_M: f64 = 0.25;
 const DOUBT: f64 = 0.5;
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.02;
-
-/// What a robot may do beside the line, and what it does there.
-#[derive(Debug)]
-pub(in crate::sim) struct BesideLine {
-    /// Whether its kind may leave the line.
-    pub may: bool,
-    /// How it finds its way.
-    pub method: LocalMethod,
-    /// What motors and brakes allow, without and with a rack.
-    pub limits: [DriveLimits; 2],
-    /// People near it, as it was told.
-    pub people: Vec<ForeseenPerson>,
-    /// How it moves, if it is beside the line or about to leave it.
-    twist: Option<Twist>,
-    wanted: Twist,
-    decided: Option<Time>,
-}
-
-impl BesideLine {
-    /// A robot on the line.
-    pub fn new(may: bool, limits: [DriveLimits; 2]) -> BesideLine {
-        BesideLine {
-            may,
-            method: LocalMethod::Improved(Default::default()),
-            limits,
-            people: Vec::new(),
-            twist: None,
-            wanted: Twist::default(),
-            decided: None,
-        }
-    }
-
-    /// Whether it steers by itself.
-    pub fn steers(&self) -> bool {
-        self.twist.is_some()
-    }
-
-    /// It keeps to the line from now on.
-    pub fn end(&mut self) {
-        (self.twist, self.decided) = (None, None);
-    }
-}
 
 /// The corridor of a lane, as a robot drives it that may leave its line.
 fn corridor(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<Corridor> {
@@ -178,7 +134,7 @@ impl RobotBody {
         let planner = LocalPlanner::new(self.footprint(), limits, line, corridor, self.beside.method);
         let near: Vec<NearPerson<'_>> = self.beside.people.iter().map(ForeseenPerson::near).collect();
         let state = DriveState { pose: self.pose, twist };
-        let slow = DriveLimits { speed_mps: limits.speed_mps.min(SLOW_MPS).max(STANDS_MPS), ..limits };
+        let slow = DriveLimits { speed_mps: limits.speed_mps.clamp(STANDS_MPS, SLOW_MPS), ..limits };
         let room = PassingRoom::new(self.footprint(), slow, line, corridor);
         match room.round(self.pose.at, &near, DOUBT) {
             Some((left_m, past)) => planner.beside(left_m).choose(&state, past, &near),
