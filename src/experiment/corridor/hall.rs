@@ -17,14 +17,14 @@ use std::sync::Arc;
 
 /// Ways across the hall, one way each, alternately there and back; so far apart, metres.
 const ROWS: usize = 4;
-const APART_M: f64 = 6.0;
+const APART_M: f64 = 7.5;
 /// Nodes of a way across, so far apart, metres.
 const NODES: usize = 7;
 const STEP_M: f64 = 4.0;
 /// Nodes at both ends of the hall are so far apart, metres.
 const END_STEP_M: f64 = 1.5;
 /// Room on both sides of a way across, metres.
-const SIDE_M: f64 = 2.55;
+const SIDE_M: f64 = 3.3;
 
 /// Whether robots leave the line, and on which map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

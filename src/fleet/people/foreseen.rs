@@ -33,6 +33,13 @@ impl ForeseenPerson {
 }
 
 impl HumanState {
+    /// When a worker who is at work is to be done, if that is known and not over.
+    pub(in crate::fleet) fn done_at(&self, worker: WorkerId, now: Time) -> Option<Time> {
+        let person = self.people.get(worker)?;
+        let done = person.there_since? + person.plan.as_ref()?.stay;
+        (done > now).then_some(done)
+    }
+
     /// Those who may be within so many metres of a place; somebody whose sources do not agree in each place.
     pub(in crate::fleet) fn foreseen(
         &self,

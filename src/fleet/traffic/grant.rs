@@ -125,12 +125,14 @@ fn send(core: &mut Core, yielding: &YieldingState, robot: RobotId, goes_back: bo
     let grant = if goes_back { grant.first_alone() } else { grant };
     let chain = core.ledger.chain(robot);
     let stops = &core.ledger.robots[robot].stops;
+    // It leaves the line only where it has a way back.
+    let may_leave = yielding.of(robot).passing.is_some_and(|p| p.what.to < chain.granted());
     let waypoints = (grant.serials())
         .map(|serial| Waypoint {
             serial,
             node: chain.get(serial).expect("granted visits are held").node,
             act: stops.iter().find(|s| s.serial == serial).map(|s| s.act),
-            passes: yielding.of(robot).passes(serial),
+            passes: may_leave.then(|| yielding.of(robot).passes(serial)).flatten(),
         })
         .collect();
     let recalls = core.ledger.robots[robot].recalls;
@@ -237,7 +239,8 @@ impl Floor<'_> {
 
     /// Whether a robot may not know that it may leave the line to pass somebody: it stands on the line still.
     fn must_hear_of_passing(&self, yielding: &YieldingState, robot: RobotId, now: Time) -> bool {
-        let passing = yielding.of(robot).passing;
+        let granted = self.ledger.chain(robot).granted();
+        let passing = yielding.of(robot).passing.filter(|p| p.what.to < granted);
         let is_new = passing.is_some_and(|p| p.what.since == now);
         let stands = || self.scene.robot(robot).is_some_and(Telemetry::stands);
         is_new || passing.is_some() && stands() && self.scene.told(robot).is_none_or(|t| now - t >= REPEAT)

@@ -8,13 +8,13 @@
 
 use super::state::Yielding;
 use crate::aware::{HumanAwarePolicy, SLOW_MPS};
+use crate::fleet::people::foreseen::ForeseenPerson;
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::binding::STOPPING;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::OFF_ROUTE_M;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::passing::{HeldChoice, Passing, RobotPassing, Stretch, cheapest};
-use crate::fleet::state::yielding::STANDS;
 use crate::geometry::Point;
 use crate::human::Whereabouts;
 use crate::id::{RobotId, WorkerId};
@@ -35,6 +35,12 @@ const FAR_M: f64 = 8.0;
 const LONGEST_M: f64 = 30.0;
 /// A robot that stands between two nodes is looked at this often.
 const AGAIN: Span = Span::from_secs(1);
+/// A robot beside the line stands so long without room.
+const PATIENCE: Span = Span::from_secs(8);
+/// Room to come back to the line behind the keep-out zone of the last person, metres.
+const BACK_M: f64 = 1.0;
+/// Somebody who is done has left the way after so long.
+const LEAVES: Span = Span::from_secs(3);
 /// Starting aside and coming to rest on the line again take this longer than driving, seconds.
 const SWINGS_S: f64 = 2.0;
 
@@ -65,16 +71,14 @@ impl Yielding {
         let chain = floor.ledger.chain(robot);
         let is_there = seen.stands() && seen.reached == chain.first();
         let from = if is_there { chain.first() } else { chain.granted() - 1 };
-        let to = floor.passes_until(robot, from, now)?;
-        let stretch = floor.stretch(robot, from, to)?;
+        let (to, stretch, near) = floor.passes_until(people, robot, from, now)?;
         let limits = floor.passing_limits(robot);
         let room = PassingRoom::new(floor.footprint(robot), limits, stretch.line, stretch.corridor);
         let from_m = if is_there { room.along_m(seen.pose.at) } else { 0.0 };
         if is_there && room.across_m(LineSide::Left, seen.pose.at).abs() > OFF_ROUTE_M {
             return None;
         }
-        let near = people.foreseen(floor, middle(stretch), reach_m(stretch), now);
-        if near.iter().any(|p| !p.is_seen || (p.at - stretch.line.b).norm() < room.needed_m()) {
+        if near.iter().any(|p| !p.is_seen) {
             return None;
         }
         let near: Vec<NearPerson<'_>> = near.iter().map(|p| p.near()).collect();
@@ -84,6 +88,11 @@ impl Yielding {
         let begins = if is_there { now } else { chain.get(from)?.arrive.max(now) };
         let late = (begins + takes - chain.get(to)?.arrive).max(Span::ZERO);
         let stop = floor.ledger.robots[robot].stops.first()?;
+        // Where it is known when somebody is done, waiting until then may be better than it seems.
+        let leaves = people.done_at(worker, now).map(|t| t - now + LEAVES);
+        if leaves.is_some_and(|waits| waits <= late) {
+            return None;
+        }
         let arrives = chain.get(stop.serial)?.arrive + late;
         Some(Prospect { what: Passing { worker, from, to, since: now }, arrives, is_there })
     }
@@ -166,7 +175,7 @@ impl RobotPassing {
     /// Whether the robot drives. After a while without room its own planner decides: somebody who stands there may
     /// leave room that the forecast does not see.
     fn goes(&self, now: Time) -> bool {
-        self.stands_since.is_none_or(|t| now - t > STANDS)
+        self.stands_since.is_none_or(|t| now - t > PATIENCE)
     }
 
     /// How fast the robot may be, near these people, and for whom it stands.
@@ -223,8 +232,15 @@ fn reach_m(stretch: Stretch) -> f64 {
 
 impl Floor<'_> {
     /// The visit at which a robot would be on the line again that leaves it at `from`: the first one behind all people
-    /// who hold it up, if the corridor leads there and nothing else keeps the robot from it.
-    fn passes_until(&self, robot: RobotId, from: u64, now: Time) -> Option<u64> {
+    /// who hold it up, with room to come back to the line, if the corridor leads there and nothing else keeps the robot
+    /// from it. With the people near.
+    fn passes_until(
+        self,
+        people: &HumanState,
+        robot: RobotId,
+        from: u64,
+        now: Time,
+    ) -> Option<(u64, Stretch, Vec<ForeseenPerson>)> {
         let chain = self.ledger.chain(robot);
         let stop = self.ledger.robots[robot].stops.first()?.serial;
         let soon = Window::new(now, now + STOPPING);
@@ -244,8 +260,12 @@ impl Floor<'_> {
             if stretch.line.length() > LONGEST_M || !is_granted && (turn().is_some() || binds(to, false)) {
                 return None;
             }
-            if !binds(to, true) && to > from {
-                return Some(to);
+            if !binds(to, true) {
+                let near = people.foreseen(self, middle(stretch), reach_m(stretch), now);
+                let apart_m = self.regions(robot).keep_out_radius_m(false, 0.0) + BACK_M;
+                if near.iter().all(|p| (p.at - stretch.line.b).norm() >= apart_m) {
+                    return Some((to, stretch, near));
+                }
             }
         }
         None

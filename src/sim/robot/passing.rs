@@ -27,8 +27,11 @@ const ALONG: f64 = 0.03;
 const BEHIND_M: f64 = 0.05;
 /// So near to the end it has arrived, metres.
 const END_M: f64 = 0.06;
-/// A robot that comes to rest so near to the end of its corridor drives there straight, metres.
-const LAST_M: f64 = 0.25;
+/// A robot that comes to rest beside the end of its corridor, with no more than this to drive along the line, drives
+/// there straight, metres …
+const LAST_M: f64 = 1.0;
+/// … if nobody is so near to that way.
+const LAST_CLEAR_M: f64 = 1.5;
 /// It goes round people on a side where nobody is more probably in the way than this.
 const DOUBT: f64 = 0.5;
 /// A robot slower than this stands, metres per second.
@@ -98,6 +101,17 @@ impl RobotBody {
         is_along && self.acting.is_none() && self.somebody_within(NEAR_M)
     }
 
+    /// Whether it stands beside the end and nobody is in the way there. The corridor is convex: straight on it stays
+    /// within.
+    fn drives_last(&self, goal: Target, ahead: Vector) -> bool {
+        let is_next = self.path.front().is_some_and(|t| t.serial == goal.serial);
+        let is_beside = is_next && ahead.dot(&(goal.at - self.pose.at)) < LAST_M;
+        let stands = self.speed_mps < STANDS_MPS && !self.brakes();
+        let way = Segment { a: self.pose.at, b: goal.at };
+        let is_clear = |p: &ForeseenPerson| way.distance_to(p.at) > LAST_CLEAR_M;
+        is_beside && stands && self.beside.people.iter().all(is_clear)
+    }
+
     /// Whether somebody is ahead of it, or beside it, so near.
     fn somebody_within(&self, metres: f64) -> bool {
         let ahead = Vector::new(self.pose.heading.cos(), self.pose.heading.sin());
@@ -130,7 +144,10 @@ impl RobotBody {
     fn choose(&self, twist: Twist, line: Segment, corridor: Corridor, goal: Point) -> Twist {
         let mut limits = self.beside.limits[usize::from(self.rack.is_some())];
         let lane_mps = self.path.front().map_or(f64::INFINITY, |t| t.limit_mps);
-        limits.speed_mps = limits.speed_mps.min(self.limit_mps.unwrap_or(f64::INFINITY)).min(lane_mps);
+        let most_mps = self.limit_mps.unwrap_or(f64::INFINITY).min(lane_mps);
+        // It becomes no slower at once than its brakes allow.
+        let least_mps = twist.speed_mps - limits.brake_mps2 * limits.period_s;
+        limits.speed_mps = limits.speed_mps.min(most_mps).max(least_mps);
         let planner = LocalPlanner::new(self.footprint(), limits, line, corridor, self.beside.method);
         let near: Vec<NearPerson<'_>> = self.beside.people.iter().map(ForeseenPerson::near).collect();
         let state = DriveState { pose: self.pose, twist };
@@ -165,7 +182,7 @@ impl RobotBody {
             self.beside.end();
             self.speed_mps = 0.0;
             self.reach(goal);
-        } else if back || left_m < LAST_M && self.speed_mps < STANDS_MPS && !self.brakes() {
+        } else if back || self.drives_last(goal, ahead) {
             self.beside.end();
             if !back {
                 // It turns to its goal on the spot.
