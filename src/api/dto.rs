@@ -83,7 +83,6 @@ pub struct RobotDto<N = String> {
     #[schema(example = "waiting for A12, held by robot-7")]
     pub why: Option<String>,
     /// The worker whom it passes beside the line, within the corridor of the lane; null if it keeps to the line.
-    #[schema(example = "w1")]
     pub passes: Option<String>,
 }
 
@@ -541,10 +540,8 @@ impl Names<'_> {
                 )
             }
             Why::WayObstructed(n) => {
-                format!(
-                    "waiting for {} to be cleared: a robot reported that something stands there",
-                    self.node(n)
-                )
+                let node = self.node(n);
+                format!("waiting for {node} to be cleared: a robot reported that something stands there")
             }
             Why::Unplugged => "gets no current from its charger: check the plug and the charger".into(),
             Why::Displaced(displacement) => displacement_words(self.map, |r| self.robot(r), displacement),

@@ -1,7 +1,7 @@
 //! Robots that leave the line of a lane to pass people: on which visits, within which corridor, and whether that is the
 //! cheapest of what they can do.
 //!
-//! Main types: [`Passing`], [`RobotPassing`] (with what changes meanwhile), [`Stretch`] (the corridor), [`HeldChoice`];
+//! Main types: [`Passing`], [`RobotPassing`] (with what changes meanwhile), [`PassingStretch`] (the corridor), [`HeldChoice`];
 //! main function: [`cheapest`]. Lost at a restart: a robot that is off the line then is within what it was granted, and
 //! goes back to the line by itself. Refuses: to look at people.
 
@@ -48,7 +48,7 @@ pub(in crate::fleet) struct RobotPassing {
 
 /// Lanes in a row that are one line with a corridor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::fleet) struct Stretch {
+pub(in crate::fleet) struct PassingStretch {
     pub line: Segment,
     /// As the robot drives; as narrow as the narrowest of them.
     pub corridor: Corridor,
@@ -93,31 +93,32 @@ impl RobotKind {
     }
 }
 
-impl Stretch {
+impl PassingStretch {
     /// That of a single lane from one node to the next, if it has a corridor.
-    pub fn of_lane(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<Stretch> {
+    pub fn of_lane(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<PassingStretch> {
         let (_, arc) = warehouse.out(from).find(|(_, arc)| arc.to == to)?;
         let lane = &warehouse.lanes[arc.lane];
         let corridor = lane.corridor?;
         let corridor = if lane.a == from { corridor } else { corridor.reversed() };
         let at = |n| warehouse.nodes[n].at;
-        Some(Stretch { line: Segment { a: at(from), b: at(to) }, corridor })
+        Some(PassingStretch { line: Segment { a: at(from), b: at(to) }, corridor })
     }
 
     /// With the next lane, if that goes straight on.
-    pub fn and(self, next: Stretch) -> Option<Stretch> {
+    pub fn and(self, next: PassingStretch) -> Option<PassingStretch> {
         let is_straight = turn_between(self.line.heading(), next.line.heading()).abs() < STRAIGHT;
         let narrower = |f: fn(&Corridor) -> f64| f(&self.corridor).min(f(&next.corridor));
         let corridor = Corridor { left_m: narrower(|c| c.left_m), right_m: narrower(|c| c.right_m) };
-        is_straight.then_some(Stretch { line: Segment { a: self.line.a, b: next.line.b }, corridor })
+        is_straight.then_some(PassingStretch { line: Segment { a: self.line.a, b: next.line.b }, corridor })
     }
 }
 
 impl Floor<'_> {
     /// The corridor along which a robot drives from one visit to another, if all of these lanes are one line with room.
-    pub fn stretch(&self, robot: RobotId, from: u64, to: u64) -> Option<Stretch> {
+    pub fn stretch(&self, robot: RobotId, from: u64, to: u64) -> Option<PassingStretch> {
         let chain = self.ledger.chain(robot);
-        let lane = |s: u64| Stretch::of_lane(self.warehouse(), chain.get(s)?.node, chain.get(s + 1)?.node);
+        let lane =
+            |s: u64| PassingStretch::of_lane(self.warehouse(), chain.get(s)?.node, chain.get(s + 1)?.node);
         let first = lane(from)?;
         (from + 1..to).try_fold(first, |all, s| all.and(lane(s)?))
     }
@@ -171,7 +172,7 @@ mod tests {
 
     #[test]
     fn lanes_in_a_row_have_the_corridor_of_the_narrowest() {
-        let lane = |a: (f64, f64), b: (f64, f64), left_m, right_m| Stretch {
+        let lane = |a: (f64, f64), b: (f64, f64), left_m, right_m| PassingStretch {
             line: Segment { a: Point::new(a.0, a.1), b: Point::new(b.0, b.1) },
             corridor: Corridor { left_m, right_m },
         };

@@ -14,7 +14,7 @@ use crate::fleet::state::binding::STOPPING;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::OFF_ROUTE_M;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::passing::{HeldChoice, Passing, RobotPassing, Stretch, cheapest};
+use crate::fleet::state::passing::{HeldChoice, Passing, PassingStretch, RobotPassing, cheapest};
 use crate::geometry::Point;
 use crate::human::Whereabouts;
 use crate::id::{RobotId, WorkerId};
@@ -106,7 +106,8 @@ impl Yielding {
         }
     }
 
-    /// A robot that is in somebody's way passes that person, if it can and that is better than waiting. Whether it does.
+    /// A robot that is in somebody's way passes that person, if it can and that is better than waiting. Whether it
+    /// does.
     pub(super) fn pass_instead(
         &mut self,
         core: &mut Core,
@@ -222,11 +223,11 @@ fn has_room(
     }
 }
 
-fn middle(stretch: Stretch) -> Point {
+fn middle(stretch: PassingStretch) -> Point {
     stretch.line.point(0.5)
 }
 
-fn reach_m(stretch: Stretch) -> f64 {
+fn reach_m(stretch: PassingStretch) -> f64 {
     stretch.line.length() / 2.0 + stretch.corridor.widest_m() + FAR_M
 }
 
@@ -240,7 +241,7 @@ impl Floor<'_> {
         robot: RobotId,
         from: u64,
         now: Time,
-    ) -> Option<(u64, Stretch, Vec<ForeseenPerson>)> {
+    ) -> Option<(u64, PassingStretch, Vec<ForeseenPerson>)> {
         let chain = self.ledger.chain(robot);
         let stop = self.ledger.robots[robot].stops.first()?.serial;
         let soon = Window::new(now, now + STOPPING);
