@@ -1,9 +1,9 @@
 //! Robots that leave the line of a lane to pass people: on which visits, within which corridor, and whether that is the
 //! cheapest of what they can do.
 //!
-//! Main types: [`Passing`], [`RobotPassing`] (with what changes meanwhile), [`PassingStretch`] (the corridor), [`HeldChoice`];
-//! main function: [`cheapest`]. Lost at a restart: a robot that is off the line then is within what it was granted, and
-//! goes back to the line by itself. Refuses: to look at people.
+//! Main types: [`Passing`], [`RobotPassing`] (with what changes meanwhile), [`PassingStretch`] (the corridor),
+//! [`HeldChoice`]; main function: [`cheapest`]. Lost at a restart: a robot that is off the line then is within what it
+//! was granted, and goes back to the line by itself. Refuses: to look at people.
 
 use crate::aware::SLOW_MPS;
 use crate::fleet::state::floor::Floor;
