@@ -287,6 +287,7 @@
 //! | poses are thinned (rate limit) | `api/feed/thin.rs` |
 //! | a headset that is silent, a worker who is lost | `human/source.rs`; `aware/effects.rs` (the region grows) |
 //! | how robots pass people beside their line | `local/`; `warehouse/corridor.rs`, `warehouse/check/corridor.rs` |
+//! | whether they do | `fleet/yielding/passing.rs`, `fleet/state/passing.rs`; simulated: `sim/robot/passing.rs` |
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
 //! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; `route/search/constrained.rs` |

@@ -82,6 +82,8 @@ pub struct RobotDto<N = String> {
     /// Why it does not go on; null if nothing holds it up.
     #[schema(example = "waiting for A12, held by robot-7")]
     pub why: Option<String>,
+    /// The worker whom it passes beside the line, within the corridor of the lane; null if it keeps to the line.
+    pub passes: Option<String>,
 }
 
 /// One rack.
@@ -299,6 +301,7 @@ impl Names<'_> {
             granted: r.granted.iter().map(|n| node(*n)).collect(),
             held: r.held.iter().map(|n| node(*n)).collect(),
             why: r.why.map(|why| self.why_of(r, why)),
+            passes: r.passes.map(worker_name),
         }
     }
 
@@ -541,10 +544,8 @@ impl Names<'_> {
                 )
             }
             Why::WayObstructed(n) => {
-                format!(
-                    "waiting for {} to be cleared: a robot reported that something stands there",
-                    self.node(n)
-                )
+                let node = self.node(n);
+                format!("waiting for {node} to be cleared: a robot reported that something stands there")
             }
             Why::Unplugged => "gets no current from its charger: check the plug and the charger".into(),
             Why::Displaced(displacement) => displacement_words(self.map, |r| self.robot(r), displacement),

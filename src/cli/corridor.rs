@@ -2,8 +2,9 @@
 //!
 //! Main type: [`CorridorArgs`]. Refuses: to compute anything itself.
 
+use super::corridor_hall;
 use crate::experiment::corridor::{
-    CorridorArm, CorridorFigures, CorridorReport, CorridorRun, SceneKind, by_angle, corridor,
+    CorridorArm, CorridorFigures, CorridorReport, CorridorRun, HallSetup, SceneKind, by_angle, corridor,
 };
 use crate::experiment::statistics::Interval;
 use clap::Args;
@@ -22,6 +23,18 @@ pub struct CorridorArgs {
     /// Also cross an aisle at five angles with four speeds, so many times each.
     #[arg(long, default_value_t = 0)]
     angles: u64,
+    /// A hall of robots that leave the line to pass people, against the same robots on lines.
+    #[arg(long, conflicts_with = "angles")]
+    hall: bool,
+    /// So many robots in the hall.
+    #[arg(long, default_value_t = 8, requires = "hall")]
+    robots: usize,
+    /// So many people in the hall.
+    #[arg(long, default_value_t = 5, requires = "hall")]
+    workers: usize,
+    /// How long a run in the hall is, seconds.
+    #[arg(long, default_value_t = 1200.0, requires = "hall")]
+    seconds: f64,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -46,6 +59,9 @@ impl CorridorArgs {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         anyhow::ensure!((2..=1000).contains(&self.runs), "--runs must be from 2 to 1000");
         anyhow::ensure!(self.angles <= 1000, "--angles must be from 0 to 1000");
+        if self.hall {
+            return self.hall();
+        }
         let report = corridor(self.seed, self.runs);
         let table = if self.angles > 0 { by_angle(self.seed, self.angles) } else { Vec::new() };
         let in_table = table.iter().flat_map(|(_, _, arms)| arms.iter().flatten());
@@ -70,6 +86,19 @@ impl CorridorArgs {
             println!("\nlaw violations: {violations}");
         }
         Ok(if violations == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    }
+}
+
+impl CorridorArgs {
+    fn hall(self) -> anyhow::Result<ExitCode> {
+        let CorridorArgs { robots, workers, seconds, .. } = self;
+        anyhow::ensure!(
+            (1..=12).contains(&robots),
+            "--robots must be from 1 to 12: the hall has room for so many"
+        );
+        anyhow::ensure!((1..=30).contains(&workers), "--workers must be from 1 to 30");
+        anyhow::ensure!((60.0..=1e6).contains(&seconds), "--seconds must be from 60 to 1000000");
+        corridor_hall::run(HallSetup { robots, workers, seconds }, self.seed, self.runs, self.json)
     }
 }
 

@@ -15,6 +15,7 @@ mod bench_memory;
 mod bench_picks;
 mod bench_steps;
 mod corridor;
+mod corridor_hall;
 mod database;
 mod experiment;
 mod frames;

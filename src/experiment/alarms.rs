@@ -304,6 +304,7 @@ fn scenario(name: &str, (robots, workers): (usize, usize), duration: Span, seed:
         workers: Workers { count: workers, enter_s: 10.0, ..Workers::default() },
         closures: Vec::new(),
         evacuations: Vec::new(),
+        local_planner: Default::default(),
         model: None,
         learned: crate::human::Model::builtin(),
         picks: PickModel::builtin(),

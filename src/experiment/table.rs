@@ -174,6 +174,7 @@ impl TableSetup {
             workers,
             closures: Vec::new(),
             evacuations: Vec::new(),
+            local_planner: Default::default(),
             model: None,
             learned: crate::human::Model::builtin(),
             picks: PickModel::builtin(),

@@ -17,6 +17,7 @@ mod yielding;
 
 pub use crate::aware::zone_answers::ZoneCounts;
 pub use people::forecast::{AHEAD_S, Expected};
+pub use people::foreseen::ForeseenPerson;
 pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
 pub use read::events::{EventKind, EventQuery, EventRow, EventSpan, FloorEvent, floor_event};
@@ -44,6 +45,7 @@ pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, 
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};
+pub use state::passing::Passing;
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::refusal::{Bounded, Refusal};
 pub use state::settings::Settings;
@@ -173,6 +175,7 @@ impl Fleet {
         let ways_out = people.ways_out(core.floor(), now);
         traffic.close_ways_out(core, &ways_out, now);
         failure::note_cut_off(core, now);
+        yielding.follow_passing(core, people, now);
         yielding.turn_halfway(core, people, traffic, now);
         yielding.limit_robots(core, people, traffic, now);
         yielding.revoke_grants(core, people, traffic, now);
@@ -197,14 +200,14 @@ impl Fleet {
     /// Routes, within the step's budget of expansions: for robots that need one; for those that were interrupted, would
     /// drive into a closed area, meet people or wait for others, where a better one is found.
     fn plan(&mut self, now: Time) {
-        let Fleet { core, yielding, traffic, .. } = self;
+        let Fleet { core, people, yielding, traffic, .. } = self;
         if core.ledger.evacuation.is_some() {
             return traffic.clear_ways_out(core, now);
         }
         traffic.plan_needed(core, now);
         yielding.plan_interrupted(core, traffic, now);
         traffic.route_round_closures(core, now);
-        yielding.give_way(core, traffic, now);
+        yielding.give_way(core, people, traffic, now);
         traffic.improve(core, now);
     }
 

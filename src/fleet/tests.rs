@@ -28,6 +28,7 @@ mod lost;
 mod messages;
 mod nearest;
 mod order;
+mod passing;
 mod people;
 mod published;
 mod racks;
@@ -81,6 +82,7 @@ fn scenario(robots: usize) -> Scenario {
         closures: Vec::new(),
         evacuations: Vec::new(),
         policy: HumanAwarePolicy::default(),
+        local_planner: Default::default(),
         model: None,
         learned: crate::human::Model::builtin(),
         picks: crate::reach::PickModel::builtin(),

@@ -36,6 +36,7 @@ fn robot(at: usize, why: Option<Why>) -> RobotView {
         granted: vec![NodeId::at(at)],
         held: vec![],
         why,
+        passes: None,
     }
 }
 

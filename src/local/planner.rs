@@ -38,7 +38,7 @@ pub struct LocalPlanner {
 
 /// No outline comes nearer to the edge of a corridor unless it is nearer, metres: for what lies between two poses that
 /// are looked at.
-const MARGIN_M: f64 = 0.02;
+pub(super) const MARGIN_M: f64 = 0.02;
 /// Poses are looked at so close to one another on an arc, metres and radians, as long as there are few enough.
 const POSES: (f64, f64) = (0.08, 0.08);
 /// At most so many of them.
@@ -62,6 +62,17 @@ impl LocalPlanner {
         let room_m = (room(corridor.left_m), room(corridor.right_m));
         let floor = footprint.free(line, corridor);
         LocalPlanner { outline, spaces, line, room_m, floor, method }
+    }
+
+    /// The same floor, but the robot steers for a line that lies so far to the left of the lane, metres; to the right
+    /// where that is negative.
+    pub fn beside(mut self, left_m: f64) -> LocalPlanner {
+        let ahead = (self.line.b - self.line.a).try_normalize(1e-12).unwrap_or(Vector::x());
+        let across = Vector::new(-ahead.y, ahead.x) * left_m;
+        self.line = Segment { a: self.line.a + across, b: self.line.b + across };
+        let (left, right) = self.room_m;
+        self.room_m = ((left - left_m).max(0.0), (right + left_m).max(0.0));
+        self
     }
 
     /// How to drive for the next period towards a goal within the corridor. Standing is the answer where every motion

@@ -2,8 +2,8 @@
 //!
 //! Main type: [`Guard`]. The field is the robot's square, pushed forward by its stopping distance and half a metre at
 //! least (ISO 3691-4 asks for 0.5 m of clearance; scanners switch longer fields at higher speeds). Like a scanner's
-//! field it counts the robot's own way only, not that people walk. Refuses: to slow down for comfort, and to look
-//! sideways or back: driving away from people is allowed.
+//! field it counts the robot's own way only, not that people walk. A robot beside its line turns as it drives, so it
+//! also looks sideways. Refuses: to slow down for comfort, and to look back: driving away from people is allowed.
 
 use super::walker::BODY_M;
 use crate::geometry::{Point, Vector};
@@ -31,13 +31,13 @@ fn length_m(speed_mps: f64, brake_mps2: f64) -> f64 {
 }
 
 impl Guard {
-    /// Looks at the people around a robot that stands or drives at `at`, bound `ahead`.
+    /// Looks at the people around a robot that stands or drives at `at`, bound `ahead`; sideways, too, if it `turns`.
     #[allow(clippy::too_many_arguments)]
     pub fn look(
         &mut self,
         now: Time,
         at: Point,
-        ahead: Option<Vector>,
+        (ahead, turns): (Option<Vector>, bool),
         speed_mps: f64,
         brake_mps2: f64,
         half_m: f64,
@@ -53,10 +53,13 @@ impl Guard {
         }
         // The square keeps to the map's axes: its extent along the way, and across it.
         let reach = half_m * (way.x.abs() + way.y.abs()) + BODY_M;
+        let stops_m = speed_mps * speed_mps / (2.0 * brake_mps2) + speed_mps * REACTION_S + MARGIN_M;
         let somebody = people.iter().any(|p| {
             let d = p - at;
             let along = d.dot(&way);
-            along > 0.0 && along < reach + length && d.perp(&way).abs() < reach + MARGIN_M
+            let is_ahead = along > 0.0 && along < reach + length && d.perp(&way).abs() < reach + MARGIN_M;
+            let is_aside = turns && along > -BODY_M && d.norm() < half_m + BODY_M + stops_m;
+            is_ahead || is_aside
         });
         self.stopped = match self.stopped {
             _ if somebody => Some((now, length)),
@@ -82,7 +85,7 @@ mod tests {
         let (mut guard, mut x, mut speed) = (Guard::default(), 0.0, 1.5f64);
         for tick in 0..2000 {
             let east = Some(Vector::new(1.0, 0.0));
-            guard.look(Time(tick * 20_000), Point::new(x, 0.0), east, speed, 0.5, HALF_M, &[person]);
+            guard.look(Time(tick * 20_000), Point::new(x, 0.0), (east, false), speed, 0.5, HALF_M, &[person]);
             speed = if guard.stops() { (speed - 0.5 * 0.02).max(0.0) } else { 1.5 };
             x += speed * 0.02;
             if speed == 0.0 {
@@ -107,11 +110,22 @@ mod tests {
     }
 
     #[test]
+    fn a_robot_that_turns_also_stops_for_somebody_close_beside_it() {
+        let stops = |turns: bool, x: f64, y: f64| {
+            let (mut guard, east) = (Guard::default(), Some(Vector::new(1.0, 0.0)));
+            guard.look(Time::ZERO, Point::origin(), (east, turns), 0.5, 0.5, HALF_M, &[Point::new(x, y)]);
+            guard.stops()
+        };
+        assert!(stops(true, 0.0, 0.9) && !stops(false, 0.0, 0.9), "beside it");
+        assert!(!stops(true, 0.0, 1.2) && !stops(true, -0.5, 0.6), "too far aside, and behind it");
+    }
+
+    #[test]
     fn it_may_drive_away_from_a_person_and_restarts_a_second_after_the_field_is_clear() {
         let mut guard = Guard::default();
         let mut look = |s: f64, x: f64, way: f64| {
             let (now, way) = (Time::from_secs_f64(s), Some(Vector::new(way, 0.0)));
-            guard.look(now, Point::origin(), way, 0.0, 1.0, HALF_M, &[Point::new(x, 0.0)]);
+            guard.look(now, Point::origin(), (way, false), 0.0, 1.0, HALF_M, &[Point::new(x, 0.0)]);
             guard.stops()
         };
         assert!(look(0.0, 1.0, 1.0));

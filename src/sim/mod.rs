@@ -9,6 +9,8 @@ mod announce;
 pub mod arm;
 mod arm_row;
 pub mod arms;
+mod beside;
+mod beside_log;
 mod consistency;
 mod crew;
 mod customers;
@@ -49,7 +51,7 @@ pub use laws::Violation;
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
     ArmModeWord, Assignments, Causes, Closing, Demand, Deviations, Faults, FlowWord, Habits, HandSensor,
-    HandSide, KindShare, LineDemand, MethodWord, NodeWindowsWord, Personas, PickerHabits, Rates, Scenario,
-    ScenarioError, SecondTag, SeenGaze, Sensor, Source, TaskSharing, WorkCells, Workers,
+    HandSide, KindShare, LineDemand, LocalPlannerWord, MethodWord, NodeWindowsWord, Personas, PickerHabits,
+    Rates, Scenario, ScenarioError, SecondTag, SeenGaze, Sensor, Source, TaskSharing, WorkCells, Workers,
 };
 pub use world::{World, starting_places};

@@ -3,6 +3,9 @@
 //! Main type: [`RobotBody`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it
 //! was told, and it can always stop before the end of it. Refuses: to know where others are.
 
+mod passing;
+
+use super::beside::BesideLine;
 use super::guard::Guard;
 use super::walker::BODY_M;
 use crate::fleet::{Act, Command, Fault, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
@@ -10,7 +13,7 @@ use crate::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
 use crate::id::{NodeId, RackId, RobotId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
-use crate::warehouse::{Footprint, Warehouse};
+use crate::warehouse::{Corridor, Footprint, Warehouse};
 use std::collections::VecDeque;
 
 /// Longest step of integration, seconds.
@@ -35,6 +38,8 @@ struct Target {
     at: Point,
     act: Option<Act>,
     limit_mps: f64,
+    /// The corridor of the lane that leads there, if the robot may leave its line now.
+    corridor: Option<Corridor>,
 }
 
 /// One robot.
@@ -75,6 +80,8 @@ pub(super) struct RobotBody {
     guard: Guard,
     /// The guard of the station where it is stops it: a hand is inside.
     pub hand_guard: bool,
+    /// What it does beside the line.
+    pub beside: BesideLine,
 }
 
 impl RobotBody {
@@ -109,6 +116,10 @@ impl RobotBody {
             footprints,
             guard: Guard::default(),
             hand_guard: false,
+            beside: BesideLine::new(
+                kind.free_navigation,
+                [false, true].map(|loaded| kind.drive_limits(loaded, f64::INFINITY)),
+            ),
         }
     }
 
@@ -139,6 +150,7 @@ impl RobotBody {
         (self.pose.at, self.node, self.speed_mps) = (at, node, 0.0);
         (self.acting, self.is_halfway) = (None, false);
         self.path.clear();
+        self.beside.end();
     }
 
     /// Whether it has this fault.
@@ -155,6 +167,7 @@ impl RobotBody {
         self.fault = Some((Fault::Manual, until));
         (self.acting, self.is_halfway) = (None, false);
         self.path.clear();
+        self.beside.end();
         self.speed_mps = 0.0;
     }
 
@@ -216,6 +229,7 @@ impl RobotBody {
         self.is_halfway |= !self.path.is_empty();
         self.recalls = number;
         self.path.clear();
+        self.beside.end();
     }
 
     /// An order that ends with the visit that it reached last brings a robot back there that has forgotten its
@@ -224,7 +238,14 @@ impl RobotBody {
         let ends_here = waypoints.last().is_some_and(|w| w.serial == self.reached);
         if ends_here && self.is_halfway && self.path.is_empty() && self.speed_mps == 0.0 {
             let (serial, node, at) = (self.reached, self.node, warehouse.nodes[self.node].at);
-            self.path.push_back(Target { serial, node, at, act: None, limit_mps: f64::INFINITY });
+            self.path.push_back(Target {
+                serial,
+                node,
+                at,
+                act: None,
+                limit_mps: f64::INFINITY,
+                corridor: None,
+            });
         } else if !ends_here && self.returns() {
             if self.speed_mps > 0.0 {
                 return false;
@@ -272,7 +293,11 @@ impl RobotBody {
                 if self.path.is_empty() && !self.is_on_the_way_to(at) {
                     return;
                 }
-                self.path.push_back(Target { serial: w.serial, node: w.node, at, act: w.act, limit_mps });
+                let corridor = self.corridor_of(w, from, warehouse);
+                let (serial, node, act) = (w.serial, w.node, w.act);
+                self.path.push_back(Target { serial, node, at, act, limit_mps, corridor });
+            } else if w.passes.is_some() {
+                self.may_leave_line(w, warehouse);
             }
         }
     }
@@ -308,6 +333,9 @@ impl RobotBody {
     /// Its scanner looks for people: a person in front of it stops it, whatever the fleet says.
     pub fn scan(&mut self, now: Time, half_m: f64, people: &[Point]) {
         let ahead = self.path.front().map(|t| t.at - self.pose.at).and_then(|d| d.try_normalize(THERE_M));
+        let along = Vector::new(self.pose.heading.cos(), self.pose.heading.sin());
+        let ahead = if self.beside.steers() { Some(along) } else { ahead };
+        let ahead = (ahead, self.beside.steers());
         self.guard.look(now, self.pose.at, ahead, self.speed_mps, self.accel(), half_m, people);
     }
 
@@ -320,6 +348,7 @@ impl RobotBody {
     pub fn velocity(&self) -> Vector {
         let ahead = self.path.front().map(|t| t.at - self.pose.at).and_then(|d| d.try_normalize(THERE_M));
         let along = Vector::new(self.pose.heading.cos(), self.pose.heading.sin());
+        let ahead = ahead.filter(|_| !self.beside.steers());
         ahead.unwrap_or(along) * self.speed_mps
     }
 
@@ -352,6 +381,9 @@ impl RobotBody {
     }
 
     fn tick(&mut self, now: Time, dt: f64) {
+        if self.tick_beside(now, dt) {
+            return;
+        }
         let is_obstructed = self.has(Fault::Obstructed) && !self.returns();
         if self.is_immobile() || is_obstructed || self.flat_since.is_some() {
             return self.coast(dt);
@@ -506,7 +538,8 @@ mod tests {
     }
 
     fn drive(w: &Warehouse, first: u64, nodes: &[NodeId], act: Option<Act>, recalls: u64) -> Command {
-        let waypoints = (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act });
+        let waypoints =
+            (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act, passes: None });
         Command::Drive { grant: proof(w, nodes[0]), waypoints: waypoints.collect(), recalls }
     }
 

@@ -5,9 +5,11 @@
 mod cells;
 mod handover;
 mod incidents;
+mod passing;
 
 use super::announce::Announcements;
 use super::arms::SimArms;
+use super::beside_log::BesideLog;
 use super::crew::{Crew, TrueWorker};
 use super::customers::{Customers, FIRST_TOKEN, OrderFileLine};
 use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
@@ -100,6 +102,7 @@ pub struct World {
     hands_inside: Vec<StationId>,
     /// How often a station's guard stopped a robot.
     guard_stops: u64,
+    beside: BesideLog,
     /// How often robots were pushed elsewhere.
     pushed: u64,
     now: Time,
@@ -163,6 +166,7 @@ impl World {
             moved_at_hands: Vec::new(),
             hands_inside: Vec::new(),
             guard_stops: 0,
+            beside: BesideLog::new(scenario.local_planner.into()),
             pushed: 0,
             now,
         };
@@ -198,6 +202,7 @@ impl World {
         }
         self.push_robots(from, now);
         self.guard_hands(from);
+        self.show_people(fleet, from);
         self.live(from, now);
         self.note_racks();
         inputs.extend(self.picks(fleet));
@@ -407,6 +412,7 @@ impl World {
                 let gives = self.outages.at(robot.body.node).is_none();
                 let charging = charger && gives && !robot.body.has(Fault::Unplugged);
                 robot.body.advance(at(i), at(i + 1), charging);
+                self.beside.note(&robot.body);
             }
             self.people(at(i), at(i + 1));
         }
@@ -425,7 +431,7 @@ impl World {
         let places: Vec<Point> = people.iter().map(|p| p.pose.at).collect();
         self.meter.pass_time(people.len(), &robots, to - from);
         for (robot, near) in self.robots.iter_mut().filter(|r| !r.off).zip(&robots) {
-            robot.body.scan(to, near.half_m, &places);
+            self.beside.scan(&mut robot.body, to, near.half_m, &places);
             let (id, speed, brakes) = (robot.body.id, robot.body.speed_mps, robot.body.is_guarded());
             for p in &people {
                 let person = MeteredPerson { worker: p.worker, at: p.pose.at, speed_mps: p.speed_mps };
@@ -492,6 +498,7 @@ impl World {
         let mut body =
             RobotBody::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
         let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
+        body.beside.method = self.beside.method;
         body.resume(reached, record.acted, record.recalls, rack);
         let stream = |purpose| Stream::new(self.seed, purpose, who);
         let links = LinkFaults::from(&self.faults);

@@ -20,7 +20,7 @@ export class ToyFleet {
       return {
         wire: {
           id: `robot-${k + 1}`, x, y, heading: 0, speed: 0, state: 'idle', doing: 'idle', rack: null, job: null,
-          battery: 0.1 + 0.9 * Math.abs(Math.sin(k * 12.9898)), granted: [], held: [], why: null,
+          battery: 0.1 + 0.9 * Math.abs(Math.sin(k * 12.9898)), granted: [], held: [], why: null, passes: null,
         },
         node, way: [], wait: Math.random() * 3, stuck: 0,
       };

@@ -32,7 +32,8 @@ impl Names<'_> {
         let at_s = (self.view.now - zero).as_secs_f64();
         let shown = |(id, seen): (StationId, &StationView)| {
             let detail = self.station_detail(id);
-            let ends = seen.left.filter(|_| seen.lines.is_some()).map(|left| [left.p10_s, left.p50_s, left.p90_s]);
+            let ends =
+                seen.left.filter(|_| seen.lines.is_some()).map(|left| [left.p10_s, left.p50_s, left.p90_s]);
             ShownCell {
                 station: detail.station.id,
                 lines: seen.lines.as_ref().map_or_else(Vec::new, |lines| lines_dto(lines, true)),

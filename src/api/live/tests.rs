@@ -36,6 +36,7 @@ fn robot(name: &str, x: f64) -> RobotView {
         granted: vec![],
         held: vec![],
         why: None,
+        passes: None,
     }
 }
 

@@ -39,6 +39,7 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
         granted: vec![],
         held: vec![],
         why: Some(Why::NoRoute),
+        passes: None,
     };
     let job = |job: u64, kind, after| Pending {
         job: JobId(job),

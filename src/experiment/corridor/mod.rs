@@ -6,11 +6,13 @@
 //! were).
 
 mod drive;
+mod hall;
 mod scanner;
 mod scene;
 mod worker;
 
 pub use drive::{CorridorRun, drive};
+pub use hall::{HallArm, HallReport, HallRun, HallSetup, hall, hall_map, halls};
 pub use scene::{CorridorScene, SceneKind, WorkerWalk};
 
 use super::statistics::{Interval, Summary};

@@ -7,6 +7,7 @@ pub(in crate::fleet) mod blocked;
 pub(in crate::fleet) mod evacuate;
 pub(in crate::fleet) mod evaluate;
 pub(in crate::fleet) mod forecast;
+pub(in crate::fleet) mod foreseen;
 pub(in crate::fleet) mod guidance;
 pub(in crate::fleet) mod intent;
 pub(in crate::fleet) mod intents;

@@ -129,6 +129,7 @@ impl Fleet {
             granted: nodes(chain.first(), chain.granted()),
             held: nodes(chain.granted(), chain.end()),
             why: self.why(r),
+            passes: self.passing(r).map(|p| p.worker),
         }
     }
 

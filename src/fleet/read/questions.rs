@@ -5,13 +5,17 @@
 use crate::cell::HandsSeen;
 use crate::fleet::Fleet;
 use crate::fleet::people::forecast::Expected;
+use crate::fleet::people::foreseen::ForeseenPerson;
 use crate::fleet::requests::hands::calls_for_warning;
 use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::io::Telemetry;
+use crate::fleet::state::passing::Passing;
+use crate::geometry::Point;
 use crate::human::Sighting;
 use crate::human::motion::MotionEstimate;
 use crate::id::{RobotId, WorkerId};
 use crate::time::{Span, Time};
+use crate::warehouse::Hull;
 
 impl Fleet {
     /// Whether a robot stands where, and carries what, the ledger has for it.
@@ -42,6 +46,25 @@ impl Fleet {
     /// forecasts have none.
     pub fn expectations(&self, now: Time) -> Vec<Expected> {
         self.people.expectations(self.floor(), now)
+    }
+
+    /// Where people within so many metres of a place are and will be, as the fleet believes: what a robot that passes
+    /// them is told.
+    pub fn people_near(&self, at: Point, within_m: f64, now: Time) -> Vec<ForeseenPerson> {
+        self.people.foreseen(self.floor(), at, within_m, now)
+    }
+
+    /// Whom a robot passes beside the line, if it does.
+    pub fn passing(&self, robot: RobotId) -> Option<Passing> {
+        self.yielding.state.of(robot).passing.map(|p| p.what)
+    }
+
+    /// What a robot that passes somebody may take of the floor: the corridor from where it was last on a node to where
+    /// it is on the line again.
+    pub fn passing_floor(&self, robot: RobotId) -> Option<Hull> {
+        let what = self.passing(robot)?;
+        let stretch = self.floor().stretch(robot, self.core.ledger.chain(robot).first(), what.to)?;
+        Some(self.floor().footprint(robot).free(stretch.line, stretch.corridor))
     }
 
     /// What is known of how each worker moves, at the newest pose that was taken in.

@@ -20,7 +20,7 @@ use crate::fleet::state::worker::{ClosureView, WorkerView};
 use crate::fleet::traffic::state::InsertionCounts;
 use crate::geometry::Pose;
 use crate::human::HorizonCoverage;
-use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, SeriesId, StationId};
+use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::{NodeKind, Warehouse};
 use smallvec::SmallVec;
@@ -117,6 +117,8 @@ pub struct RobotView {
     pub held: Vec<NodeId>,
     /// Why it does not go on, if it does not.
     pub why: Option<Why>,
+    /// Whom it passes beside the line, if it does.
+    pub passes: Option<WorkerId>,
 }
 
 /// The five states of a robot.

@@ -65,6 +65,26 @@ impl Floor<'_> {
 
     /// The condition that keeps a visit from being granted, if one does.
     pub(in crate::fleet) fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
+        self.holds_back_where(robot, visit, |_| true, now)
+    }
+
+    /// The same for a robot that passes people.
+    pub(in crate::fleet) fn holds_back_besides_people(
+        &self,
+        robot: RobotId,
+        visit: &Visit,
+        now: Time,
+    ) -> Option<Condition> {
+        self.holds_back_where(robot, visit, |c| !matches!(c.cause, Cause::Worker(_)), now)
+    }
+
+    fn holds_back_where(
+        &self,
+        robot: RobotId,
+        visit: &Visit,
+        counts: impl Fn(&Condition) -> bool,
+        now: Time,
+    ) -> Option<Condition> {
         let conditions = self.conditions(robot);
         if conditions.of(visit.node).is_empty() {
             return None;
@@ -78,7 +98,8 @@ impl Floor<'_> {
             Effect::NoEntryOrExit => c.window.overlaps(soon),
             Effect::SoftCost(_) | Effect::Slow(_) => false,
         };
-        conditions.binding(visit.node, self.at(visit.node), &exemptions).find(binds).copied()
+        let mut binding = conditions.binding(visit.node, self.at(visit.node), &exemptions);
+        binding.find(|c| counts(c) && binds(c)).copied()
     }
 
     /// Where the holds ahead of a robot share places with people and closures: at each place the one that is there the

@@ -377,6 +377,8 @@ pub struct Waypoint {
     pub node: NodeId,
     /// What to do there before going on.
     pub act: Option<Act>,
+    /// Whom the robot may pass on the way there within the corridor of the lane; nothing where it keeps to the line.
+    pub passes: Option<WorkerId>,
 }
 
 /// The answer to a request. It may be sent once the facts of its step are durable.

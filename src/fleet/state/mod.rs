@@ -22,6 +22,7 @@ pub(in crate::fleet) mod kind;
 pub mod ledger;
 pub mod life;
 pub(in crate::fleet) mod needs;
+pub(in crate::fleet) mod passing;
 pub(in crate::fleet) mod planners;
 pub mod recurring;
 pub mod refusal;

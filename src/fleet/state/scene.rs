@@ -51,6 +51,8 @@ pub struct Scene {
     faulty: BTreeSet<RobotId>,
     /// Robots that have stood for [`KEPT`] though they may drive.
     kept: BTreeSet<RobotId>,
+    /// Robots that pass people beside the line: they may stand there without anything that keeps them.
+    passing: BTreeSet<RobotId>,
     /// Robots that cannot go on from where they stand.
     displaced: BTreeMap<RobotId, Displaced>,
     /// Since when anything could be seen.
@@ -91,6 +93,7 @@ impl Scene {
         *self.robot_mut(robot) = RobotSeen::default();
         self.faulty.remove(&robot);
         self.kept.remove(&robot);
+        self.passing.remove(&robot);
         self.displaced.remove(&robot);
     }
 
@@ -145,7 +148,15 @@ impl Scene {
     /// Whether something keeps a robot from driving, likewise.
     pub fn is_kept_from_driving(&self, robot: RobotId, now: Time) -> bool {
         let Some(seen) = self.fit(robot, now) else { return false };
-        seen.fault == Some(Fault::Obstructed) || self.kept.contains(&robot)
+        seen.fault == Some(Fault::Obstructed) || self.kept.contains(&robot) && !self.passing.contains(&robot)
+    }
+
+    /// A robot passes people beside the line from now on, or does not any more.
+    pub fn set_passing(&mut self, robot: RobotId, passes: bool) {
+        match passes {
+            true => _ = self.passing.insert(robot),
+            false => _ = self.passing.remove(&robot),
+        }
     }
 
     /// Whether a robot was heard of lately.

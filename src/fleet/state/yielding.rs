@@ -5,6 +5,7 @@
 
 use crate::aware::zone_answers::{self, OpenZone, ZoneAnswer, ZoneCounts};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::passing::RobotPassing;
 use crate::fleet::state::worker::Reaction;
 use crate::id::{IdVec, NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time};
@@ -51,6 +52,10 @@ pub(in crate::fleet) struct RobotYielding {
     pub rerouted: Option<Time>,
     /// The zone that it is to share with a worker.
     zone: Option<OpenZone>,
+    /// Whom it passes beside the line.
+    pub passing: Option<RobotPassing>,
+    /// When it last looked for room to pass somebody from between two nodes.
+    pub passing_looked: Option<Time>,
 }
 
 impl RobotYielding {
@@ -62,6 +67,12 @@ impl RobotYielding {
     /// Whether it was told to stand.
     pub fn is_told_to_stand(&self) -> bool {
         self.limit_mps() == Some(0.0)
+    }
+
+    /// The worker whom it passes on the lane that leads to a visit, if it does there.
+    pub fn passes(&self, serial: u64) -> Option<WorkerId> {
+        let what = self.passing?.what;
+        (what.from < serial && serial <= what.to).then_some(what.worker)
     }
 
     /// For how long it has been giving way.
@@ -95,6 +106,11 @@ impl YieldingState {
     /// Robots that give way to a worker, each with which one and how.
     pub fn giving_way(&self) -> impl Iterator<Item = (RobotId, GivesWay)> {
         self.robots.pairs().filter_map(|(robot, y)| Some((robot, y.to?)))
+    }
+
+    /// Robots that pass a worker beside the line.
+    pub fn passing(&self) -> impl Iterator<Item = (RobotId, RobotPassing)> {
+        self.robots.pairs().filter_map(|(robot, y)| Some((robot, y.passing?)))
     }
 
     /// Robots that stand still to yield to a worker.

@@ -254,6 +254,7 @@ impl Floor<'_> {
                 let lane = Segment { a: place(s), b: place(s + 1) };
                 lane.distance_to(seen.pose.at) <= OFF_ROUTE_M
             })
+            || self.is_within_corridor(seen.robot, from..to, seen.pose.at)
     }
 
     /// Whether the rack on a robot is the one that was on it before, or after, what it may be doing just now.

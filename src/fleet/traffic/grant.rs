@@ -8,7 +8,7 @@ use crate::aware::SLOW_MPS;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Moved};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::{Command, Waypoint};
+use crate::fleet::state::io::{Command, Telemetry, Waypoint};
 use crate::fleet::state::yielding::YieldingState;
 use crate::fleet::traffic::state::{Direction, Traffic, Withheld};
 use crate::id::{RobotId, WorkerId};
@@ -58,8 +58,9 @@ impl Traffic {
                 false => extend_grant(core, yielding, robot, now),
             };
             let granted = core.ledger.chain(robot).granted() > before;
-            if granted || (goes_back || !stays) && core.floor().must_repeat(robot, now) {
-                send(core, robot, goes_back, now);
+            let is_passing = core.floor().must_hear_of_passing(yielding, robot, now);
+            if granted || is_passing || (goes_back || !stays) && core.floor().must_repeat(robot, now) {
+                send(core, yielding, robot, goes_back, now);
             }
         }
     }
@@ -81,7 +82,9 @@ fn grant_ahead(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: T
     let mut ahead = floor.granted_ahead_m(robot);
     let enough = floor.needed_ahead_m(robot, yielding.of(robot).limit_mps());
     let mut withheld = None;
-    while ahead < enough {
+    let passes = |serial| yielding.of(robot).passes(serial).is_some();
+    // Whoever passes somebody is granted all of the way until behind that person at once.
+    while ahead < enough || passes(serial) {
         withheld = floor.withholds(yielding, robot, serial, now);
         if withheld.is_some() {
             break;
@@ -117,16 +120,19 @@ fn go_on_early(core: &mut Core, robot: RobotId, now: Time) -> bool {
 }
 
 /// Sends everything granted from where the robot is; to one that is to go back there, nothing beyond.
-fn send(core: &mut Core, robot: RobotId, goes_back: bool, now: Time) {
+fn send(core: &mut Core, yielding: &YieldingState, robot: RobotId, goes_back: bool, now: Time) {
     let grant = core.ledger.timeline().granted(Holder::Robot(robot)).expect("every robot stands somewhere");
     let grant = if goes_back { grant.first_alone() } else { grant };
     let chain = core.ledger.chain(robot);
     let stops = &core.ledger.robots[robot].stops;
+    // It leaves the line only where it has a way back.
+    let may_leave = yielding.of(robot).passing.is_some_and(|p| p.what.to < chain.granted());
     let waypoints = (grant.serials())
         .map(|serial| Waypoint {
             serial,
             node: chain.get(serial).expect("granted visits are held").node,
             act: stops.iter().find(|s| s.serial == serial).map(|s| s.act),
+            passes: may_leave.then(|| yielding.of(robot).passes(serial)).flatten(),
         })
         .collect();
     let recalls = core.ledger.robots[robot].recalls;
@@ -167,6 +173,10 @@ impl Floor<'_> {
         }
         let turn = self.ledger.timeline().waits_for(Holder::Robot(robot), serial);
         let turn = turn.map(|(resource, holder)| Withheld::Turn(resource, holder));
+        if yielding.of(robot).passes(serial).is_some() {
+            let other = || self.holds_back_besides_people(robot, visit, now);
+            return turn.or_else(|| other().map(|c| Withheld::Condition(c.cause, Some(c.window.end()))));
+        }
         let soon = visit.enter <= now + EARLY;
         let asked = if turn.is_some() { visit.enter <= now } else { soon };
         if !asked {
@@ -225,6 +235,15 @@ impl Floor<'_> {
         let knows = self.scene.robot(robot).is_some_and(|t| t.known + 1 >= granted);
         let pause = if knows { REMIND } else { REPEAT };
         (!knows || at_stop) && self.scene.told(robot).is_none_or(|t| now - t >= pause)
+    }
+
+    /// Whether a robot may not know that it may leave the line to pass somebody: it stands on the line still.
+    fn must_hear_of_passing(&self, yielding: &YieldingState, robot: RobotId, now: Time) -> bool {
+        let granted = self.ledger.chain(robot).granted();
+        let passing = yielding.of(robot).passing.filter(|p| p.what.to < granted);
+        let is_new = passing.is_some_and(|p| p.what.since == now);
+        let stands = || self.scene.robot(robot).is_some_and(Telemetry::stands);
+        is_new || passing.is_some() && stands() && self.scene.told(robot).is_none_or(|t| now - t >= REPEAT)
     }
 
     /// Distance from the visit before to this one, metres.

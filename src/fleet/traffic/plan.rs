@@ -9,6 +9,7 @@ use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
 use crate::fleet::state::needs::Need;
+use crate::fleet::state::passing::{HeldChoice, cheapest};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{IdVec, NodeId, RobotId};
@@ -222,22 +223,24 @@ impl Traffic {
     }
 
     /// Looks for a route that avoids people; takes it where it is earlier than what is left of the old one after the
-    /// wait. Whether it was taken.
+    /// wait, and than passing them, if the robot can. What is best.
     pub(in crate::fleet) fn reroute(
         &mut self,
         core: &mut Core,
         robot: RobotId,
-        waited: Span,
+        (waited, passes): (Span, Option<Time>),
         now: Time,
-    ) -> bool {
-        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return false };
+    ) -> HeldChoice {
+        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return HeldChoice::Wait };
         let planned = core.floor().expected(robot, stop.serial, waited, now);
         let stages = core.floor().stages_left(robot);
         let found = self.search(core, robot, &stages, now).ok();
-        let Some(route) = found.filter(|route| reached(route) + WORTH < planned) else { return false };
-        commit(core, robot, route);
-        self.tally.replans += 1;
-        true
+        let choice = cheapest(planned, found.as_ref().map(reached), passes);
+        if let (HeldChoice::Reroute, Some(route)) = (choice, found) {
+            commit(core, robot, route);
+            self.tally.replans += 1;
+        }
+        choice
     }
 
     /// Plans an interrupted robot anew; the old route stands where the new one is no earlier.

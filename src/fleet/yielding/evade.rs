@@ -7,9 +7,11 @@
 
 use crate::aware::zone_answers::ZoneAnswer;
 use crate::aware::{Answer, HumanAwarePolicy, Zone};
+use crate::fleet::people::state::HumanState;
 use crate::fleet::state::binding::STOPPING;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::passing::HeldChoice;
 use crate::fleet::state::worker::Reaction;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::state::Yielding;
@@ -54,7 +56,13 @@ impl Decision {
 
 impl Yielding {
     /// Looks at all robots whose holds a worker touches, and changes the routes of those that would wait for long.
-    pub(in crate::fleet) fn give_way(&mut self, core: &mut Core, traffic: &mut Traffic, now: Time) {
+    pub(in crate::fleet) fn give_way(
+        &mut self,
+        core: &mut Core,
+        people: &HumanState,
+        traffic: &mut Traffic,
+        now: Time,
+    ) {
         if core.restrictions.conditions.is_empty() {
             // There is nobody to give way to: what was noted of earlier waiting says nothing about the next one.
             self.state.no_worker_is_near(now);
@@ -85,8 +93,9 @@ impl Yielding {
                 _ if self.procedure.holds(robot) || floor.scene.fit(robot, now).is_none() => None,
                 _ => self.has_stood_for_long(floor, robot, now),
             };
-            if let Some(worker) = from {
-                self.change_route(core, traffic, robot, worker, now);
+            match from {
+                Some(worker) => self.change_route(core, people, traffic, (robot, worker), now),
+                None => self.pass_from_between(core, people, robot, now),
             }
         }
     }
@@ -164,13 +173,14 @@ impl Yielding {
         long.filter(|w| !floor.restrictions.let_pass.contains(w))
     }
 
-    /// Looks for a route that does not meet the worker, and takes it where it is better than waiting.
+    /// Looks for a route that does not meet the worker, and takes it where it is better than waiting and than passing
+    /// the worker within the corridor.
     fn change_route(
         &mut self,
         core: &mut Core,
+        people: &HumanState,
         traffic: &mut Traffic,
-        robot: RobotId,
-        worker: WorkerId,
+        (robot, worker): (RobotId, WorkerId),
         now: Time,
     ) {
         let last = self.state.of(robot).rerouted;
@@ -184,12 +194,19 @@ impl Yielding {
         }
         self.state.of_mut(robot).rerouted = Some(now);
         let floor = core.floor();
-        if self.must_leave(floor, robot, now).is_some() && !self.leads_off(floor, robot, now) {
+        let must_leave = self.must_leave(floor, robot, now).is_some() && !self.leads_off(floor, robot, now);
+        if must_leave && self.pass_instead(core, people, (robot, worker), now) {
+            return;
+        }
+        if must_leave {
             return self.evade(core, traffic, robot, worker, now);
         }
         let waited = self.state.of(robot).waited(now);
-        if traffic.reroute(core, robot, waited, now) {
-            self.gives_way(core, robot, worker, Reaction::Rerouted, now);
+        let prospect = self.prospect(core.floor(), people, (robot, worker), now);
+        match (traffic.reroute(core, robot, (waited, prospect.map(|p| p.arrives)), now), prospect) {
+            (HeldChoice::Reroute, _) => self.gives_way(core, robot, worker, Reaction::Rerouted, now),
+            (HeldChoice::Pass, Some(prospect)) => self.pass(core, robot, prospect),
+            _ => {}
         }
     }
 

@@ -8,6 +8,7 @@ mod arrive;
 pub(in crate::fleet) mod encounters;
 pub(in crate::fleet) mod evade;
 pub(in crate::fleet) mod halfway;
+mod passing;
 pub(in crate::fleet) mod petkovic2021;
 pub(in crate::fleet) mod speed_limit;
 pub(in crate::fleet) mod state;

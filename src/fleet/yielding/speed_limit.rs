@@ -99,7 +99,9 @@ impl Yielding {
     ) {
         for robot in self.state.standing() {
             let stood_for = self.state.stood_for(robot, now);
-            let stood_for = stood_for.filter(|w| !core.restrictions.let_pass.contains(w));
+            // One that passes somebody is beside the line, and goes on from there.
+            let passes = self.state.of(robot).passing.is_some();
+            let stood_for = stood_for.filter(|w| !passes && !core.restrictions.let_pass.contains(w));
             let Some(w) = stood_for.and_then(|w| people.whereabouts(w, now)) else {
                 continue;
             };
@@ -165,6 +167,9 @@ impl SpeedLimits<'_> {
         }
         if present.is_empty() {
             return (None, None);
+        }
+        if let Some(passing) = self.yielding.of(robot).passing {
+            return passing.limit(self.floor, robot, present, now);
         }
         let at = self.floor.place_of(robot);
         let speed = seen.map_or(0.0, |t| t.speed_mps);

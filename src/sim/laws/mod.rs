@@ -3,6 +3,7 @@
 //! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes.
 //! Refuses: to mend anything; one violation fails the run.
 
+mod corridors;
 mod evacuation;
 mod jobs;
 mod places;
@@ -21,6 +22,7 @@ use crate::fleet::{Fact, Fleet, JobState, Ledger};
 use crate::geometry::{Point, axis_distance};
 use crate::id::{JobId, RackId, RobotId, StationId};
 use crate::time::Time;
+use corridors::CorridorLaws;
 use jobs::{JobLaws, why_undrained};
 use std::collections::BTreeSet;
 use waits::WaitLaws;
@@ -46,6 +48,7 @@ pub struct Laws {
     jobs: JobLaws,
     places: PlaceLaws,
     waits: WaitLaws,
+    corridors: CorridorLaws,
     steps: u64,
     reach_m: f64,
     /// What was broken, and when; the first hundred.
@@ -70,6 +73,7 @@ impl Laws {
             jobs: JobLaws::new(fleet),
             places: PlaceLaws::default(),
             waits: WaitLaws::default(),
+            corridors: CorridorLaws::default(),
             steps: 0,
             reach_m: 2.0 * fleet.warehouse().widest_half_m() - SLACK_M,
             broken: Vec::new(),
@@ -105,6 +109,8 @@ impl Laws {
         let broken = self.places.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.waits.check(now, world, fleet);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
+        let broken = self.corridors.check(world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         evacuation::entered(fleet, facts).into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.progress.check(now, fleet);

@@ -60,6 +60,8 @@ pub enum Violation {
     NotSo(RobotId, Why),
     /// A robot was let onto the way of a worker to a door.
     OntoWayOut(RobotId, NodeId),
+    /// A robot was outside of the corridor that it was granted, or off its line without one.
+    LeftCorridor(RobotId),
     /// The ledger is not the fold of the facts.
     Fold,
 }
@@ -126,6 +128,9 @@ impl fmt::Display for Violation {
                     "robot {} was let onto node {n:?}, which is on the way of somebody to a door",
                     r.0 + 1
                 )
+            }
+            Violation::LeftCorridor(r) => {
+                write!(f, "robot {} left its line, or the corridor that it was granted", r.0 + 1)
             }
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }

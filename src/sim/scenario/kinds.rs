@@ -6,6 +6,7 @@
 use super::check::{ScenarioError, check};
 use crate::fleet::{Charging, RobotKind, USUAL_KIND};
 use crate::geometry::Point;
+use crate::local::{ImprovedWeights, LocalMethod, TraditionalWeights};
 use crate::route::Kinematics;
 use crate::time::Span;
 use crate::warehouse::Footprint;
@@ -130,6 +131,26 @@ pub(super) fn read(
         }
     }
     kinds.into_iter().enumerate().map(|(i, kind)| kind.share(i)).collect()
+}
+
+/// [`LocalMethod`] as files name it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LocalPlannerWord {
+    /// The improved dynamic window.
+    #[default]
+    Improved,
+    /// The traditional one.
+    Traditional,
+}
+
+impl From<LocalPlannerWord> for LocalMethod {
+    fn from(word: LocalPlannerWord) -> LocalMethod {
+        match word {
+            LocalPlannerWord::Improved => LocalMethod::Improved(ImprovedWeights::default()),
+            LocalPlannerWord::Traditional => LocalMethod::Traditional(TraditionalWeights::default()),
+        }
+    }
 }
 
 /// A kind that none of the scenario's robots are of. `figures` is an object like `fleet`.

@@ -18,7 +18,7 @@ pub use closures::Closing;
 pub use evacuations::Evacuation;
 pub use faults::Faults;
 pub use habits::Habits;
-pub use kinds::KindShare;
+pub use kinds::{KindShare, LocalPlannerWord};
 pub use workforce::{
     Assignments, Causes, Deviations, MethodWord, NodeWindowsWord, Personas, Rates, SecondTag, Sensor, Source,
     TaskSharing, Workers,
@@ -72,6 +72,8 @@ pub struct Scenario {
     pub evacuations: Vec<Evacuation>,
     /// How the fleet gives way to people.
     pub policy: HumanAwarePolicy,
+    /// How robots find their way that leave the line to pass people.
+    pub local_planner: LocalPlannerWord,
     /// File with what was learned about people, relative to the scenario; the built-in figures where absent.
     pub model: Option<String>,
     /// What is in it.
@@ -135,6 +137,8 @@ struct File {
     evacuations: Vec<Evacuation>,
     #[serde(default)]
     arm: PolicyWord,
+    #[serde(default)]
+    local_planner: LocalPlannerWord,
     #[serde(default)]
     model: Option<String>,
 }
@@ -217,6 +221,7 @@ impl Scenario {
             closures: file.closures,
             evacuations: file.evacuations,
             policy: file.arm.into(),
+            local_planner: file.local_planner,
             model: file.model,
             learned: Model::builtin(),
             picks: PickModel::builtin(),

@@ -84,6 +84,8 @@ export interface Robot {
   /** Nodes kept for it further on, which it may not enter yet. */
   held: number[];
   why: string | null;
+  /** The worker whom it passes beside the line; null in recordings of earlier versions. */
+  passes: string | null;
 }
 /** One robot with what the feed leaves out. */
 export interface RobotDetail {

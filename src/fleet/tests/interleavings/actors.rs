@@ -109,7 +109,7 @@ impl StepRobot {
     fn learn(&mut self, waypoints: &[Waypoint]) {
         let ends_here = waypoints.last().is_some_and(|w| w.serial == self.reached);
         if ends_here && self.has_forgotten && self.path.is_empty() && self.speed_mps == 0.0 {
-            self.path.push_back(Waypoint { serial: self.reached, node: self.node, act: None });
+            self.path.push_back(Waypoint { serial: self.reached, node: self.node, act: None, passes: None });
         } else if !ends_here && self.returns() {
             if self.speed_mps > 0.0 {
                 return;

@@ -1,0 +1,64 @@
+//! Where the people near a place are and will be in the next seconds, for robots that pass them.
+//!
+//! Main type: [`ForeseenPerson`]. Refuses: to guess where somebody walks who is not seen.
+
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::floor::Floor;
+use crate::geometry::{Point, Vector};
+use crate::human::{Mixture, Presence};
+use crate::id::WorkerId;
+use crate::local::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson};
+use crate::time::{Span, Time};
+
+/// One person near a place, as the fleet believes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForeseenPerson {
+    /// Who.
+    pub worker: WorkerId,
+    /// Where the person most probably is now.
+    pub at: Point,
+    /// How the person moves, metres per second.
+    pub velocity: Vector,
+    /// Where the person will be, [`AHEAD_STEP_S`] from now and so on; nothing for one who is not seen.
+    pub ahead: Vec<Mixture>,
+    /// Whether the person is seen now, and in one place.
+    pub is_seen: bool,
+}
+
+impl ForeseenPerson {
+    /// The same for the local planner.
+    pub fn near(&self) -> NearPerson<'_> {
+        NearPerson { at: self.at, velocity: self.velocity, ahead: &self.ahead }
+    }
+}
+
+impl HumanState {
+    /// When a worker who is at work is to be done, if that is known and not over.
+    pub(in crate::fleet) fn done_at(&self, worker: WorkerId, now: Time) -> Option<Time> {
+        let person = self.people.get(worker)?;
+        let done = person.there_since? + person.plan.as_ref()?.stay;
+        (done > now).then_some(done)
+    }
+
+    /// Those who may be within so many metres of a place; somebody whose sources do not agree in each place.
+    pub(in crate::fleet) fn foreseen(
+        &self,
+        floor: Floor<'_>,
+        at: Point,
+        within_m: f64,
+        now: Time,
+    ) -> Vec<ForeseenPerson> {
+        let step = Span::from_secs_f64(AHEAD_STEP_S);
+        let doubted: Vec<WorkerId> = self.others(now).into_iter().map(|(worker, _)| worker).collect();
+        let mut near = self.places(now);
+        near.retain(|(_, w)| (w.at - at).norm() - w.reach_m <= within_m);
+        let person = |(worker, w): (WorkerId, crate::human::Whereabouts)| {
+            let is_seen = w.presence == Presence::Tracked && !doubted.contains(&worker);
+            let moments = if is_seen { AHEAD_STEPS } else { 0 };
+            let forecast = |k: usize| self.forecast(floor, worker, now + step * k as i64);
+            let ahead = (1..=moments).map_while(forecast).collect();
+            ForeseenPerson { worker, at: w.at, velocity: w.velocity, ahead, is_seen }
+        };
+        near.into_iter().map(person).collect()
+    }
+}

@@ -1,0 +1,184 @@
+//! Robots that leave the line of a lane to pass people: on which visits, within which corridor, and whether that is the
+//! cheapest of what they can do.
+//!
+//! Main types: [`Passing`], [`RobotPassing`] (with what changes meanwhile), [`PassingStretch`] (the corridor),
+//! [`HeldChoice`]; main function: [`cheapest`]. Lost at a restart: a robot that is off the line then is within what it
+//! was granted, and goes back to the line by itself. Refuses: to look at people.
+
+use crate::aware::SLOW_MPS;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::kind::RobotKind;
+use crate::geometry::{Point, Segment, turn_between};
+use crate::id::{NodeId, RobotId, WorkerId};
+use crate::local::DriveLimits;
+use crate::time::{Span, Time};
+use crate::warehouse::{Corridor, Warehouse};
+
+/// Something else has to be better than waiting by so much.
+const WORTH: Span = Span::from_secs(1);
+/// Lanes whose headings differ by less than this are one line, radians.
+const STRAIGHT: f64 = 1e-3;
+/// Robots beside the line turn no faster than this, radians per second …
+const TURN_RPS: f64 = 1.2;
+/// … and gain and lose that in about half a second.
+const TURN_ACCEL_RPS2: f64 = 2.5;
+/// From one choice of the local planner to the next, seconds, which is also how old what it sees may be.
+const PERIOD_S: f64 = 0.1;
+
+/// A robot may leave the line to pass a worker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Passing {
+    /// Whom it passes.
+    pub worker: WorkerId,
+    /// Serial number of the visit from which on it may leave the line …
+    pub from: u64,
+    /// … and of the one at which it is on the line again.
+    pub to: u64,
+    /// Since when.
+    pub since: Time,
+}
+
+/// The same, with what changes meanwhile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) struct RobotPassing {
+    pub what: Passing,
+    /// Since when there has been no room; the robot stands.
+    pub stands_since: Option<Time>,
+}
+
+/// Lanes in a row that are one line with a corridor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::fleet) struct PassingStretch {
+    pub line: Segment,
+    /// As the robot drives; as narrow as the narrowest of them.
+    pub corridor: Corridor,
+}
+
+/// What a robot does that people hold up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) enum HeldChoice {
+    /// It waits until they have left.
+    Wait,
+    /// It takes another route.
+    Reroute,
+    /// It goes round them within the corridor.
+    Pass,
+}
+
+/// What is cheapest, by when the robot reaches its next stop: if it waits, by another route, and by passing, as far as
+/// these are possible.
+pub(in crate::fleet) fn cheapest(waits: Time, reroutes: Option<Time>, passes: Option<Time>) -> HeldChoice {
+    let is_worth = |t: &Time| *t + WORTH < waits;
+    match (reroutes.filter(is_worth), passes.filter(is_worth)) {
+        (None, None) => HeldChoice::Wait,
+        (Some(reroutes), Some(passes)) if passes < reroutes => HeldChoice::Pass,
+        (Some(_), _) => HeldChoice::Reroute,
+        (None, Some(_)) => HeldChoice::Pass,
+    }
+}
+
+impl RobotKind {
+    /// What motors and brakes of a robot allow that leaves the line, at this speed at most.
+    pub fn drive_limits(&self, loaded: bool, speed_mps: f64) -> DriveLimits {
+        let k = &self.kinematics;
+        DriveLimits {
+            speed_mps: speed_mps.min(k.top_mps(loaded)),
+            accel_mps2: k.accel_mps2(loaded),
+            brake_mps2: k.accel_mps2(loaded),
+            turn_rps: k.turn_radps.min(TURN_RPS),
+            turn_accel_rps2: TURN_ACCEL_RPS2,
+            react_s: k.reaction.as_secs_f64() + 2.0 * PERIOD_S,
+            period_s: PERIOD_S,
+        }
+    }
+}
+
+impl PassingStretch {
+    /// That of a single lane from one node to the next, if it has a corridor.
+    pub fn of_lane(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<PassingStretch> {
+        let (_, arc) = warehouse.out(from).find(|(_, arc)| arc.to == to)?;
+        let lane = &warehouse.lanes[arc.lane];
+        let corridor = lane.corridor?;
+        let corridor = if lane.a == from { corridor } else { corridor.reversed() };
+        let at = |n| warehouse.nodes[n].at;
+        Some(PassingStretch { line: Segment { a: at(from), b: at(to) }, corridor })
+    }
+
+    /// With the next lane, if that goes straight on.
+    pub fn and(self, next: PassingStretch) -> Option<PassingStretch> {
+        let is_straight = turn_between(self.line.heading(), next.line.heading()).abs() < STRAIGHT;
+        let narrower = |f: fn(&Corridor) -> f64| f(&self.corridor).min(f(&next.corridor));
+        let corridor = Corridor { left_m: narrower(|c| c.left_m), right_m: narrower(|c| c.right_m) };
+        is_straight.then_some(PassingStretch { line: Segment { a: self.line.a, b: next.line.b }, corridor })
+    }
+}
+
+impl Floor<'_> {
+    /// The corridor along which a robot drives from one visit to another, if all of these lanes are one line with room.
+    pub fn stretch(&self, robot: RobotId, from: u64, to: u64) -> Option<PassingStretch> {
+        let chain = self.ledger.chain(robot);
+        let lane =
+            |s: u64| PassingStretch::of_lane(self.warehouse(), chain.get(s)?.node, chain.get(s + 1)?.node);
+        let first = lane(from)?;
+        (from + 1..to).try_fold(first, |all, s| all.and(lane(s)?))
+    }
+
+    /// What motors and brakes of a robot allow that passes somebody.
+    pub fn passing_limits(&self, robot: RobotId) -> DriveLimits {
+        self.kind(robot).drive_limits(self.ledger.rack_on(robot).is_some(), SLOW_MPS)
+    }
+
+    /// Whether a place is within the corridor of a lane that a robot was granted and that it may leave the line of.
+    pub fn is_within_corridor(&self, robot: RobotId, serials: std::ops::Range<u64>, at: Point) -> bool {
+        if !self.kind(robot).free_navigation {
+            return false;
+        }
+        serials.into_iter().filter_map(|s| self.stretch(robot, s, s + 1)).any(|lane| {
+            let way = lane.line.b - lane.line.a;
+            let (along, across) = (way.dot(&(at - lane.line.a)), way.perp(&(at - lane.line.a)) / way.norm());
+            let reaches = (0.0..=way.norm_squared()).contains(&along);
+            reaches && (-lane.corridor.right_m..=lane.corridor.left_m).contains(&across)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(seconds: f64) -> Time {
+        Time::from_secs_f64(seconds)
+    }
+
+    #[test]
+    fn a_robot_passes_where_that_is_earlier_than_waiting_and_going_another_way() {
+        assert_eq!(cheapest(at(30.0), None, Some(at(20.0))), HeldChoice::Pass);
+        assert_eq!(cheapest(at(30.0), Some(at(25.0)), Some(at(20.0))), HeldChoice::Pass);
+    }
+
+    #[test]
+    fn it_waits_where_people_have_left_sooner() {
+        assert_eq!(cheapest(at(15.0), None, Some(at(20.0))), HeldChoice::Wait);
+        assert_eq!(cheapest(at(15.0), Some(at(18.0)), Some(at(20.0))), HeldChoice::Wait);
+        assert_eq!(cheapest(at(20.5), Some(at(20.0)), Some(at(20.0))), HeldChoice::Wait, "hardly better");
+    }
+
+    #[test]
+    fn it_takes_another_route_where_that_is_earlier_than_passing_or_there_is_no_room() {
+        assert_eq!(cheapest(at(30.0), Some(at(18.0)), Some(at(20.0))), HeldChoice::Reroute);
+        assert_eq!(cheapest(at(30.0), Some(at(20.0)), Some(at(20.0))), HeldChoice::Reroute, "as soon");
+        assert_eq!(cheapest(at(30.0), Some(at(25.0)), None), HeldChoice::Reroute);
+    }
+
+    #[test]
+    fn lanes_in_a_row_have_the_corridor_of_the_narrowest() {
+        let lane = |a: (f64, f64), b: (f64, f64), left_m, right_m| PassingStretch {
+            line: Segment { a: Point::new(a.0, a.1), b: Point::new(b.0, b.1) },
+            corridor: Corridor { left_m, right_m },
+        };
+        let first = lane((0.0, 0.0), (3.0, 0.0), 2.0, 1.0);
+        let both = first.and(lane((3.0, 0.0), (5.0, 0.0), 1.5, 3.0)).expect("straight on");
+        assert_eq!(both, lane((0.0, 0.0), (5.0, 0.0), 1.5, 1.0));
+        assert_eq!(first.and(lane((3.0, 0.0), (3.0, 2.0), 2.0, 2.0)), None, "a bend");
+    }
+}

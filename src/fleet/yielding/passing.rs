@@ -1,0 +1,300 @@
+//! Robots that go round people instead of waiting for them: on lanes with a corridor, if their kind may leave the line.
+//!
+//! Three things are compared by when the robot reaches its next stop: it waits until the people have left, as far as
+//! the regions around them tell; it takes another route; it passes them within the corridor, slowly and with a detour.
+//! Passing is possible only where a side of everybody is free for the robot and the safe distance, the corridor goes on
+//! until behind them, and no other robot comes first there. All of it is granted at once. While there is no room the
+//! robot stands where it is. Refuses: to steer the robot, and to be a safety function.
+
+use super::state::Yielding;
+use crate::aware::{HumanAwarePolicy, SLOW_MPS};
+use crate::fleet::people::foreseen::ForeseenPerson;
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::binding::STOPPING;
+use crate::fleet::state::core::Core;
+use crate::fleet::state::displaced::OFF_ROUTE_M;
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::passing::{HeldChoice, Passing, PassingStretch, RobotPassing, cheapest};
+use crate::geometry::Point;
+use crate::human::Whereabouts;
+use crate::id::{RobotId, WorkerId};
+use crate::local::{LineSide, NearPerson, PassingRoom};
+use crate::route::{Cause, Effect};
+use crate::time::{Span, Time, Window};
+use crate::timeline::Holder;
+
+/// A side is free where nobody is more probably in the way than this …
+const DOUBT: f64 = 0.25;
+/// … and stays so for a robot that has begun to pass until somebody is more probably in the way than this.
+const DOUBT_ON: f64 = 0.5;
+/// A robot farther off the line than this is on one side of it, metres.
+const ASIDE_M: f64 = 0.3;
+/// People farther from the corridor than this mean nothing for passing, metres.
+const FAR_M: f64 = 8.0;
+/// No stretch is longer, metres.
+const LONGEST_M: f64 = 30.0;
+/// A robot that stands between two nodes is looked at this often.
+const AGAIN: Span = Span::from_secs(1);
+/// A robot beside the line stands so long without room.
+const PATIENCE: Span = Span::from_secs(8);
+/// Room to come back to the line behind the keep-out zone of the last person, metres.
+const BACK_M: f64 = 1.0;
+/// Somebody who is done has left the way after so long.
+const LEAVES: Span = Span::from_secs(3);
+/// Starting aside and coming to rest on the line again take this longer than driving, seconds.
+const SWINGS_S: f64 = 2.0;
+
+/// What passing would be like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Prospect {
+    what: Passing,
+    /// When the robot would reach its next stop.
+    pub arrives: Time,
+    /// Whether it stands where that begins.
+    is_there: bool,
+}
+
+impl Yielding {
+    /// What it would be like if a robot passed those who hold it up; nothing where it cannot.
+    pub(super) fn prospect(
+        &self,
+        floor: Floor<'_>,
+        people: &HumanState,
+        (robot, worker): (RobotId, WorkerId),
+        now: Time,
+    ) -> Option<Prospect> {
+        let may_leave = floor.kind(robot).free_navigation && self.state.of(robot).passing.is_none();
+        if !may_leave || floor.settings.policy != HumanAwarePolicy::Giveway {
+            return None;
+        }
+        let seen = floor.scene.fit(robot, now)?;
+        let chain = floor.ledger.chain(robot);
+        let is_there = seen.stands() && seen.reached == chain.first();
+        let from = if is_there { chain.first() } else { chain.granted() - 1 };
+        let (to, stretch, near) = floor.passes_until(people, robot, from, now)?;
+        let limits = floor.passing_limits(robot);
+        let room = PassingRoom::new(floor.footprint(robot), limits, stretch.line, stretch.corridor);
+        let from_m = if is_there { room.along_m(seen.pose.at) } else { 0.0 };
+        if is_there && room.across_m(LineSide::Left, seen.pose.at).abs() > OFF_ROUTE_M {
+            return None;
+        }
+        if near.iter().any(|p| !p.is_seen) {
+            return None;
+        }
+        let near: Vec<NearPerson<'_>> = near.iter().map(|p| p.near()).collect();
+        let side = room.side(from_m, &near, DOUBT)?;
+        let detour_m = room.detour_m(side, from_m, &near);
+        let takes = floor.passing_takes(robot, room.along_m(stretch.line.b) - from_m, detour_m);
+        let begins = if is_there { now } else { chain.get(from)?.arrive.max(now) };
+        let late = (begins + takes - chain.get(to)?.arrive).max(Span::ZERO);
+        let stop = floor.ledger.robots[robot].stops.first()?;
+        // Where it is known when somebody is done, waiting until then may be better than it seems.
+        let leaves = people.done_at(worker, now).map(|t| t - now + LEAVES);
+        if leaves.is_some_and(|waits| waits <= late) {
+            return None;
+        }
+        let arrives = chain.get(stop.serial)?.arrive + late;
+        Some(Prospect { what: Passing { worker, from, to, since: now }, arrives, is_there })
+    }
+
+    /// The robot passes if that is what was chosen and it stands where that begins; else it drives there first.
+    pub(super) fn pass(&mut self, core: &mut Core, robot: RobotId, prospect: Prospect) {
+        if prospect.is_there {
+            let passing = RobotPassing { what: prospect.what, stands_since: None };
+            self.state.of_mut(robot).passing = Some(passing);
+            core.scene.set_passing(robot, true);
+        }
+    }
+
+    /// A robot that is in somebody's way passes that person, if it can and that is better than waiting. Whether it
+    /// does.
+    pub(super) fn pass_instead(
+        &mut self,
+        core: &mut Core,
+        people: &HumanState,
+        (robot, worker): (RobotId, WorkerId),
+        now: Time,
+    ) -> bool {
+        let Some(prospect) = self.prospect(core.floor(), people, (robot, worker), now) else { return false };
+        let until = core.floor().region_ends(robot, prospect.what, now);
+        let Some(planned) = core.floor().planned_stop(robot) else { return false };
+        let waits = planned + (until - now).max(self.state.of(robot).waited(now));
+        let passes = cheapest(waits, None, Some(prospect.arrives)) == HeldChoice::Pass;
+        if passes {
+            self.pass(core, robot, prospect);
+        }
+        passes
+    }
+
+    /// A robot that stands for somebody between two nodes can go on past them, or wait: there is no other route from
+    /// there.
+    pub(super) fn pass_from_between(
+        &mut self,
+        core: &mut Core,
+        people: &HumanState,
+        robot: RobotId,
+        now: Time,
+    ) {
+        let floor = core.floor();
+        let chain = floor.ledger.chain(robot);
+        let noted = self.state.of(robot);
+        let looked = noted.passing_looked.is_some_and(|t| now - t < AGAIN);
+        let Some(standing) = noted.stands else { return };
+        if looked || !floor.kind(robot).free_navigation || chain.first() + 1 == chain.granted() {
+            return;
+        }
+        self.state.of_mut(robot).passing_looked = Some(now);
+        let Some(prospect) = self.prospect(core.floor(), people, (robot, standing.worker), now) else {
+            return;
+        };
+        let until = core.floor().region_ends(robot, prospect.what, now);
+        let Some(planned) = core.floor().planned_stop(robot) else { return };
+        let waits = planned + (until - now).max(now - standing.since);
+        if cheapest(waits, None, Some(prospect.arrives)) == HeldChoice::Pass {
+            self.pass(core, robot, prospect);
+        }
+    }
+
+    /// Whether there is still room for robots that pass somebody; those that are past everybody are on the line again.
+    pub(in crate::fleet) fn follow_passing(&mut self, core: &mut Core, people: &HumanState, now: Time) {
+        let passing: Vec<(RobotId, RobotPassing)> = self.state.passing().collect();
+        for (robot, mut passing) in passing {
+            let chain = core.ledger.chain(robot);
+            if chain.first() >= passing.what.to || chain.granted() <= passing.what.to {
+                self.state.of_mut(robot).passing = None;
+                core.scene.set_passing(robot, false);
+                continue;
+            }
+            let has_room = has_room(core.floor(), people, (robot, passing), now);
+            passing.stands_since = if has_room { None } else { passing.stands_since.or(Some(now)) };
+            self.state.of_mut(robot).passing = Some(passing);
+        }
+    }
+}
+
+impl RobotPassing {
+    /// Whether the robot drives. After a while without room its own planner decides: somebody who stands there may
+    /// leave room that the forecast does not see.
+    fn goes(&self, now: Time) -> bool {
+        self.stands_since.is_none_or(|t| now - t > PATIENCE)
+    }
+
+    /// How fast the robot may be, near these people, and for whom it stands.
+    pub(super) fn limit(
+        &self,
+        floor: Floor<'_>,
+        robot: RobotId,
+        present: &[(WorkerId, Whereabouts)],
+        now: Time,
+    ) -> (Option<f64>, Option<WorkerId>) {
+        if !self.goes(now) {
+            return (Some(0.0), Some(self.what.worker));
+        }
+        let (at, loaded) = (floor.place_of(robot), floor.ledger.rack_on(robot).is_some());
+        let limits = present.iter().filter_map(|(_, w)| {
+            let distance_m = (at - w.at).norm() - w.reach_m;
+            floor.regions(robot).limit_mps(distance_m, loaded, w.sigma_m)
+        });
+        (limits.reduce(f64::min), None)
+    }
+}
+
+/// Whether there is room ahead of a robot that passes somebody, on the side on which it is if it is on one.
+fn has_room(
+    floor: Floor<'_>,
+    people: &HumanState,
+    (robot, passing): (RobotId, RobotPassing),
+    now: Time,
+) -> bool {
+    let from = floor.ledger.chain(robot).first();
+    let Some(stretch) = floor.stretch(robot, from, passing.what.to) else { return false };
+    let limits = floor.passing_limits(robot);
+    let room = PassingRoom::new(floor.footprint(robot), limits, stretch.line, stretch.corridor);
+    let near = people.foreseen(floor, middle(stretch), reach_m(stretch), now);
+    let near: Vec<NearPerson<'_>> = near.iter().map(|p| p.near()).collect();
+    let at = floor.place_of(robot);
+    let (from_m, left_m) = (room.along_m(at), room.across_m(LineSide::Left, at));
+    let doubt = if passing.stands_since.is_none() { DOUBT_ON } else { DOUBT };
+    let is_free = |side| room.is_free(side, from_m, &near, doubt);
+    match left_m {
+        m if m > ASIDE_M => is_free(LineSide::Left),
+        m if m < -ASIDE_M => is_free(LineSide::Right),
+        _ => is_free(LineSide::Left) || is_free(LineSide::Right),
+    }
+}
+
+fn middle(stretch: PassingStretch) -> Point {
+    stretch.line.point(0.5)
+}
+
+fn reach_m(stretch: PassingStretch) -> f64 {
+    stretch.line.length() / 2.0 + stretch.corridor.widest_m() + FAR_M
+}
+
+impl Floor<'_> {
+    /// The visit at which a robot would be on the line again that leaves it at `from`: the first one behind all people
+    /// who hold it up, with room to come back to the line, if the corridor leads there and nothing else keeps the robot
+    /// from it. With the people near.
+    fn passes_until(
+        self,
+        people: &HumanState,
+        robot: RobotId,
+        from: u64,
+        now: Time,
+    ) -> Option<(u64, PassingStretch, Vec<ForeseenPerson>)> {
+        let chain = self.ledger.chain(robot);
+        let stop = self.ledger.robots[robot].stops.first()?.serial;
+        let soon = Window::new(now, now + STOPPING);
+        let binds = |serial: u64, by_people: bool| {
+            let node = chain.get(serial).map(|v| v.node);
+            node.is_some_and(|n| {
+                self.conditions(robot).of(n).iter().any(|c| {
+                    let hard = matches!(c.effect, Effect::Closed | Effect::NoEntryOrExit);
+                    hard && c.window.overlaps(soon) && matches!(c.cause, Cause::Worker(_)) == by_people
+                })
+            })
+        };
+        for to in from + 1..=stop {
+            let stretch = self.stretch(robot, from, to)?;
+            let is_granted = to < chain.granted();
+            let turn = || self.ledger.timeline().waits_for(Holder::Robot(robot), to);
+            if stretch.line.length() > LONGEST_M || !is_granted && (turn().is_some() || binds(to, false)) {
+                return None;
+            }
+            if !binds(to, true) {
+                let near = people.foreseen(self, middle(stretch), reach_m(stretch), now);
+                let apart_m = self.regions(robot).keep_out_radius_m(false, 0.0) + BACK_M;
+                if near.iter().all(|p| (p.at - stretch.line.b).norm() >= apart_m) {
+                    return Some((to, stretch, near));
+                }
+            }
+        }
+        None
+    }
+
+    /// How long passing takes: slowly within the keep-out zone of somebody, both before and behind, and aside.
+    fn passing_takes(&self, robot: RobotId, length_m: f64, detour_m: f64) -> Span {
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let near_m = length_m.min(2.0 * self.regions(robot).keep_out_radius_m(loaded, 0.0));
+        let top_mps = self.kinematics(robot).top_mps(loaded);
+        let slow_mps = SLOW_MPS.min(top_mps);
+        let seconds = (near_m + detour_m) / slow_mps + (length_m - near_m) / top_mps + SWINGS_S;
+        Span::from_secs_f64(seconds)
+    }
+
+    /// When a robot reaches its next stop, as planned.
+    fn planned_stop(&self, robot: RobotId) -> Option<Time> {
+        let stop = self.ledger.robots[robot].stops.first()?;
+        self.ledger.chain(robot).get(stop.serial).map(|v| v.arrive)
+    }
+
+    /// Until when people are expected to hold a robot up between two visits.
+    fn region_ends(&self, robot: RobotId, what: Passing, now: Time) -> Time {
+        let chain = self.ledger.chain(robot);
+        let nodes = (what.from..=what.to).filter_map(|s| chain.get(s)).map(|v| v.node);
+        let hard = nodes.flat_map(|n| self.conditions(robot).of(n)).filter(|c| {
+            matches!(c.effect, Effect::Closed | Effect::NoEntryOrExit) && matches!(c.cause, Cause::Worker(_))
+        });
+        hard.map(|c| c.window.end()).fold(now, Time::max)
+    }
+}

@@ -1,0 +1,51 @@
+//! What a simulated robot may do beside the line, and what it does there.
+//!
+//! Main type: [`BesideLine`]. Refuses: to steer; `robot/passing.rs` does.
+
+use crate::fleet::ForeseenPerson;
+use crate::local::{DriveLimits, LocalMethod, Twist};
+use crate::time::Time;
+
+/// What a robot may do beside the line, and what it does there.
+#[derive(Debug)]
+pub(super) struct BesideLine {
+    /// Whether its kind may leave the line.
+    pub may: bool,
+    /// How it finds its way.
+    pub method: LocalMethod,
+    /// What motors and brakes allow, without and with a rack.
+    pub limits: [DriveLimits; 2],
+    /// People near it, as it was told.
+    pub people: Vec<ForeseenPerson>,
+    /// How it moves, if it is beside the line or about to leave it.
+    pub twist: Option<Twist>,
+    /// How it is to move.
+    pub wanted: Twist,
+    /// When it decided that.
+    pub decided: Option<Time>,
+}
+
+impl BesideLine {
+    /// A robot on the line.
+    pub fn new(may: bool, limits: [DriveLimits; 2]) -> BesideLine {
+        BesideLine {
+            may,
+            method: LocalMethod::Improved(Default::default()),
+            limits,
+            people: Vec::new(),
+            twist: None,
+            wanted: Twist::default(),
+            decided: None,
+        }
+    }
+
+    /// Whether it steers by itself.
+    pub fn steers(&self) -> bool {
+        self.twist.is_some()
+    }
+
+    /// It keeps to the line from now on.
+    pub fn end(&mut self) {
+        (self.twist, self.decided) = (None, None);
+    }
+}

@@ -1,0 +1,194 @@
+//! A simulated robot beside the line: it passes people within the corridor that it was granted, by the local planner.
+//!
+//! Adds to [`RobotBody`]. It leaves the line only where somebody is near and the order says that it may, and it is on
+//! the line again at the end of that. Its own scanner and the station's guard stop it as they do on the line. Refuses:
+//! to see people where they truly are: it is told what the fleet believes.
+
+use super::{RobotBody, THERE_M, Target};
+use crate::aware::SLOW_MPS;
+use crate::fleet::{Fault, ForeseenPerson, Waypoint};
+use crate::geometry::{Point, Segment, Vector, wrap_angle};
+use crate::id::NodeId;
+use crate::local::{DriveLimits, DriveState, LocalPlanner, NearPerson, PassingRoom, RobotOutline, Twist};
+use crate::time::{Span, Time};
+use crate::warehouse::{Corridor, Warehouse};
+
+/// It decides this often.
+const PERIOD: Span = Span::from_millis(100);
+/// It leaves the line only if somebody is nearer than this …
+const NEAR_M: f64 = 6.0;
+/// … and keeps to it again when nobody is nearer than this.
+const CLEAR_M: f64 = 7.0;
+/// A robot nearer to the line than this is on it, metres …
+const ON_LINE_M: f64 = 0.02;
+/// … if it also heads along it, radians.
+const ALONG: f64 = 0.03;
+/// A node is behind a robot beside the line when all of the robot is, and so much more, metres.
+const BEHIND_M: f64 = 0.05;
+/// So near to the end it has arrived, metres.
+const END_M: f64 = 0.06;
+/// A robot that comes to rest beside the end of its corridor, with no more than this to drive along the line, drives
+/// there straight, metres …
+const LAST_M: f64 = 1.0;
+/// … if nobody is so near to that way.
+const LAST_CLEAR_M: f64 = 1.5;
+/// It goes round people on a side where nobody is more probably in the way than this.
+const DOUBT: f64 = 0.5;
+/// A robot slower than this stands, metres per second.
+const STANDS_MPS: f64 = 0.02;
+
+/// The corridor of a lane, as a robot drives it that may leave its line.
+fn corridor(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<Corridor> {
+    let (_, arc) = warehouse.out(from).find(|(_, arc)| arc.to == to)?;
+    let lane = &warehouse.lanes[arc.lane];
+    lane.corridor.map(|c| if lane.a == from { c } else { c.reversed() })
+}
+
+impl RobotBody {
+    /// Whether it may leave the line where it is, or soon.
+    pub fn may_pass(&self) -> bool {
+        self.path.front().is_some_and(|t| t.corridor.is_some())
+    }
+
+    /// The corridor of the lane to a waypoint, if the order says that the robot may leave its line and it can.
+    pub(super) fn corridor_of(&self, w: &Waypoint, from: NodeId, warehouse: &Warehouse) -> Option<Corridor> {
+        w.passes.filter(|_| self.beside.may).and_then(|_| corridor(warehouse, from, w.node))
+    }
+
+    /// It may leave the line on its way to a waypoint that it knows already.
+    pub(super) fn may_leave_line(&mut self, w: &Waypoint, warehouse: &Warehouse) {
+        let Some(i) = self.path.iter().position(|t| t.serial == w.serial) else { return };
+        let from = if i == 0 { self.stood_on } else { self.path[i - 1].node };
+        self.path[i].corridor = self.corridor_of(w, from, warehouse);
+    }
+
+    /// Lives for a moment beside the line, if it is there or leaves it now. Whether it does.
+    pub(super) fn tick_beside(&mut self, now: Time, dt: f64) -> bool {
+        if !self.begins() {
+            return false;
+        }
+        let Some((line, corridor, goal)) = self.ahead() else {
+            self.beside.end();
+            return false;
+        };
+        let before = self.beside.twist.unwrap_or(Twist { speed_mps: self.speed_mps, turn_rps: 0.0 });
+        let twist = if self.brakes() {
+            self.beside.decided = None;
+            let speed_mps = (before.speed_mps - self.accel() * dt).max(0.0);
+            let share = if before.speed_mps > 0.0 { speed_mps / before.speed_mps } else { 0.0 };
+            Twist { speed_mps, turn_rps: before.turn_rps * share }
+        } else {
+            if self.beside.decided.is_none_or(|t| now - t >= PERIOD) {
+                self.beside.wanted = self.choose(before, line, corridor, goal.at);
+                self.beside.decided = Some(now);
+            }
+            self.beside.wanted
+        };
+        self.pose = twist.moved(self.pose, dt);
+        (self.speed_mps, self.beside.twist) = (twist.speed_mps, Some(twist));
+        self.get_on(line, goal);
+        true
+    }
+
+    /// Whether it steers by itself from now on: it does already, or heads along the line towards somebody near.
+    fn begins(&mut self) -> bool {
+        if self.beside.steers() {
+            return true;
+        }
+        let Some(next) = self.path.front().filter(|t| t.corridor.is_some()) else { return false };
+        let way = Segment { a: self.pose.at, b: next.at };
+        let is_along = way.length() > THERE_M && wrap_angle(way.heading() - self.pose.heading).abs() < ALONG;
+        is_along && self.acting.is_none() && self.somebody_within(NEAR_M)
+    }
+
+    /// Whether it stands beside the end and nobody is in the way there. The corridor is convex: straight on it stays
+    /// within.
+    fn drives_last(&self, goal: Target, ahead: Vector) -> bool {
+        let is_next = self.path.front().is_some_and(|t| t.serial == goal.serial);
+        let is_beside = is_next && ahead.dot(&(goal.at - self.pose.at)) < LAST_M;
+        let stands = self.speed_mps < STANDS_MPS && !self.brakes();
+        let way = Segment { a: self.pose.at, b: goal.at };
+        let is_clear = |p: &ForeseenPerson| way.distance_to(p.at) > LAST_CLEAR_M;
+        is_beside && stands && self.beside.people.iter().all(is_clear)
+    }
+
+    /// Whether somebody is ahead of it, or beside it, so near.
+    fn somebody_within(&self, metres: f64) -> bool {
+        let ahead = Vector::new(self.pose.heading.cos(), self.pose.heading.sin());
+        let is_near = |p: &ForeseenPerson| {
+            let to = p.at - self.pose.at;
+            to.norm() < metres && to.dot(&ahead) > -1.0
+        };
+        self.beside.people.iter().any(is_near)
+    }
+
+    /// Whatever keeps a robot from driving on the line does so beside it.
+    fn brakes(&self) -> bool {
+        let is_out = self.is_immobile() || self.has(Fault::Obstructed) || self.flat_since.is_some();
+        is_out || self.guard.stops() || self.hand_guard || self.limit_mps == Some(0.0)
+    }
+
+    /// The line of the lanes ahead whose corridor it may use, the narrowest of these, and the last of its waypoints
+    /// there.
+    fn ahead(&self) -> Option<(Segment, Corridor, Target)> {
+        let mut all = self.path.iter().map_while(|t| Some((*t, t.corridor?)));
+        let (mut goal, mut corridor) = all.next()?;
+        for (target, next) in all {
+            corridor.left_m = corridor.left_m.min(next.left_m);
+            corridor.right_m = corridor.right_m.min(next.right_m);
+            goal = target;
+        }
+        Some((Segment { a: self.stood_at, b: goal.at }, corridor, goal))
+    }
+
+    fn choose(&self, twist: Twist, line: Segment, corridor: Corridor, goal: Point) -> Twist {
+        let mut limits = self.beside.limits[usize::from(self.rack.is_some())];
+        let lane_mps = self.path.front().map_or(f64::INFINITY, |t| t.limit_mps);
+        let most_mps = self.limit_mps.unwrap_or(f64::INFINITY).min(lane_mps);
+        // It becomes no slower at once than its brakes allow.
+        let least_mps = twist.speed_mps - limits.brake_mps2 * limits.period_s;
+        limits.speed_mps = limits.speed_mps.min(most_mps).max(least_mps);
+        let planner = LocalPlanner::new(self.footprint(), limits, line, corridor, self.beside.method);
+        let near: Vec<NearPerson<'_>> = self.beside.people.iter().map(ForeseenPerson::near).collect();
+        let state = DriveState { pose: self.pose, twist };
+        let slow = DriveLimits { speed_mps: limits.speed_mps.clamp(STANDS_MPS, SLOW_MPS), ..limits };
+        let room = PassingRoom::new(self.footprint(), slow, line, corridor);
+        match room.round(self.pose.at, &near, DOUBT) {
+            Some((left_m, past)) => planner.beside(left_m).choose(&state, past, &near),
+            None => planner.choose(&state, goal, &near),
+        }
+    }
+
+    /// Passes waypoints, and is on the line again at the last of those beside which it may drive, or before that if it
+    /// is on the line and nobody is near.
+    fn get_on(&mut self, line: Segment, goal: Target) {
+        let ahead = (line.b - line.a).normalize();
+        let circle_m = RobotOutline::of(self.footprint()).circle_m();
+        let off_m = ahead.perp(&(self.pose.at - line.a)).abs();
+        while let Some(next) = self.path.front().copied().filter(|t| t.serial < goal.serial) {
+            let behind_m = ahead.dot(&(self.pose.at - next.at));
+            let needed_m = if off_m <= ON_LINE_M { 0.0 } else { circle_m + BEHIND_M };
+            if behind_m < needed_m {
+                break;
+            }
+            let at = self.pose.at;
+            self.reach(next);
+            self.pose.at = at;
+        }
+        let left_m = (goal.at - self.pose.at).norm();
+        let along = wrap_angle(line.heading() - self.pose.heading).abs() < ALONG;
+        let back = off_m <= ON_LINE_M && along && !self.somebody_within(CLEAR_M);
+        if self.path.front().is_some_and(|t| t.serial == goal.serial) && left_m < END_M {
+            self.beside.end();
+            self.speed_mps = 0.0;
+            self.reach(goal);
+        } else if back || self.drives_last(goal, ahead) {
+            self.beside.end();
+            if !back {
+                // It turns to its goal on the spot.
+                self.speed_mps = 0.0;
+                self.path.front_mut().expect("it has not arrived").corridor = None;
+            }
+        }
+    }
+}
