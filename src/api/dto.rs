@@ -4,7 +4,7 @@
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
 use super::cell::{LineDto, lines_dto};
-use super::text::{closure_name, job_name, round3, time_text, worker_name};
+use super::text::{closure_name, hand_words, job_name, round3, time_text, worker_name};
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::alarm::displacement_words;
 use crate::fleet::{
@@ -525,10 +525,7 @@ impl Names<'_> {
                 Some(station) => format!("the queue of station {} is full", station.name),
                 None => "the queue of its station is full".into(),
             },
-            Why::HandInOpening(s) => match self.map.stations.get(s) {
-                Some(station) => format!("stands while a hand is in the opening of station {}", station.name),
-                None => "stands while a hand is in the opening of its station".into(),
-            },
+            Why::HandInOpening(s) => hand_words(self.map.stations.get(s)),
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => {
                 "cannot drive: repair it, push it onto a free node, or take it off the floor".into()

@@ -103,10 +103,8 @@ impl Desk {
     /// Takes in hands. Gives what happened, in order. Observations that come out of order are dropped.
     pub fn see(&mut self, scene: DeskScene<'_>, seen: &HandsSeen) -> SmallVec<[DeskEvent; 4]> {
         let (events, hands) = self.follow(scene, seen);
-        for (i, hand) in hands.iter().enumerate() {
-            if let Some(hand) = hand {
-                self.believe(scene, (i, hand), seen);
-            }
+        for (i, hand) in hands.iter().enumerate().filter_map(|(i, hand)| Some((i, hand.as_ref()?))) {
+            self.believe(scene, (i, hand), seen);
         }
         if hands.iter().any(Option::is_some) {
             self.note_phase(scene.lit, seen.seen);

@@ -1,8 +1,8 @@
 //! How far a hand is with a piece, and how long each phase of it takes.
 //!
-//! Main types: [`PickPhase`], [`PiecePhases`] (the piece that is picked now), [`PhasePace`] (what was learned). Means are
-//! learned for each station and drawn towards those of all stations while little is known of it. Kept in memory only,
-//! and of stations, not of people. Refuses: to learn from phases that were not seen from beginning to end.
+//! Main types: [`PickPhase`], [`PiecePhases`] (the piece that is picked now), [`PhasePace`] (what was learned). Means
+//! are learned for each station and drawn towards those of all stations while little is known of it. Kept in memory
+//! only, and of stations, not of people. Refuses: to learn from phases that were not seen from beginning to end.
 
 use super::pace::{PickSums, rest_of};
 use crate::id::StationId;

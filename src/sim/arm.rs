@@ -62,6 +62,8 @@ pub struct SimulatedArm {
 
 /// Farther than this from where the arm is no trajectory begins, radians.
 const OFF_RAD: f64 = 0.02;
+/// A person who does not come nearer may be so near to an arm that starts, metres.
+const RESTS_M: f64 = 0.02;
 /// Slower than this they do not come nearer.
 const COMES_NEARER_MPS: f64 = 0.01;
 
@@ -180,7 +182,8 @@ impl SimulatedArm {
                 let apart_m = nearest.apart_m - link.radius_m - limb.radius_m;
                 let left_m = apart_m - arm_m - person.max(0.0) * takes_s;
                 let comes_nearer = arm + person >= COMES_NEARER_MPS;
-                let enough_m = self.rule.left_m + if comes_nearer { self.rule.hysteresis_m } else { 0.0 };
+                // What rests beside it holds it only if it touches it nearly, or neither would ever go away.
+                let enough_m = if comes_nearer { self.rule.left_m + self.rule.hysteresis_m } else { RESTS_M };
                 is_clear &= left_m > enough_m;
                 if comes_nearer {
                     least = least.min(left_m);

@@ -214,6 +214,15 @@ fn obstacles(face: &PickFace) -> Vec<Capsule> {
     all
 }
 
+/// Numbers of `0..1`, the same ones for each seed.
+pub(super) fn numbers(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
+    move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

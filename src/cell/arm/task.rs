@@ -14,7 +14,7 @@ use super::pace::{RunAhead, STANDS_BY, WayRun};
 use super::risk::overlap_probability;
 use super::seam::{ArmSeam, ArmTrouble};
 use super::sight::PickerAhead;
-use super::site::{ArmSite, SlotAccess, rest};
+use super::site::{ArmSite, SlotAccess, numbers, rest};
 use super::space::{ArmSpace, ArmWay};
 use super::trees::rrt_connect;
 use crate::cell::PickFace;
@@ -592,14 +592,5 @@ impl<'a> BesidePicker<'a> {
         }
         let links = self.links(q, self.arms_m);
         picker.arms.get(step).map_or(0.0, |limbs| overlap_probability(&links, limbs))
-    }
-}
-
-/// Numbers of `0..1`, the same ones for each seed.
-fn numbers(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
     }
 }
