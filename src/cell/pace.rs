@@ -311,7 +311,7 @@ mod tests {
     fn a_line_that_is_overdue_takes_some_time_more_and_never_less_than_a_moment() {
         let pace = PickPace::default();
         let left = |lit_s: f64| {
-            pace.remaining(S, &lines(&[1]), VisitSeen { lit_s: lit_s, said_s: None, ..VisitSeen::default() })
+            pace.remaining(S, &lines(&[1]), VisitSeen { lit_s, said_s: None, ..VisitSeen::default() })
         };
         let mean_s = left(0.0).mean_s;
         assert!(left(4.0).mean_s < mean_s && left(4.0).mean_s > mean_s - 4.0, "what ends soon has ended");

@@ -1,6 +1,6 @@
 //! The robot arms at work cells: what each picks, what was seen of the picker beside it, and what is wrong with it.
 //!
-//! Main types: [`Arms`], [`ArmPost`], [`ArmView`]. Lost at a restart: lines that were an arm's are given to the hand or
+//! Main types: `Arms`, `ArmPost`, [`ArmView`]. Lost at a restart: lines that were an arm's are given to the hand or
 //! taken anew then. Refuses: to move anything; `requests` asks each arm what it does next.
 
 use crate::cell::arm::{ArmActivity, ArmKind, PickerSight, StationArm};
