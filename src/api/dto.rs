@@ -8,8 +8,8 @@ use super::text::{closure_name, hand_words, job_name, round3, time_text, worker_
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::alarm::displacement_words;
 use crate::fleet::{
-    Counts, Job, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotChoice, RobotState, RobotView,
-    View, Visiting, Why,
+    Counts, Job, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotChoice, RobotView, View,
+    Visiting, Why,
 };
 use crate::id::{Dense, NodeId, RobotId, StationId};
 use crate::time::Time;
@@ -289,7 +289,7 @@ impl Names<'_> {
             speed: round3(r.speed_mps),
             activity: r.activity.word(),
             since: r.since,
-            state: state_word(r.state),
+            state: RobotStateDto::from(r.state).word(),
             doing: DoingDto::from(r.doing).word(),
             kind: r.kind.clone(),
             maintenance: r.maintenance,
@@ -578,11 +578,6 @@ const PAUSED: &str = "paused by hand";
 /// The words for the states of a job, in order of life.
 pub const JOB_STATES: [&str; 7] =
     ["waiting", "assigned", "carrying", "picking", "done", "cancelled", "failed"];
-
-/// The word for a robot's state.
-pub fn state_word(s: RobotState) -> &'static str {
-    RobotStateDto::from(s).word()
-}
 
 fn why_failed(why: JobFailure, node_name: impl Fn(NodeId) -> String) -> String {
     match why {

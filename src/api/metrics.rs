@@ -3,8 +3,9 @@
 //! Main type: [`Metrics`]: a value, so that two servers in one test do not share it. Refuses: labels without
 //! a bound.
 
-use super::dto::{JobCountsDto, state_word};
+use super::dto::JobCountsDto;
 use super::port::Moment;
+use super::words::RobotStateDto;
 use crate::alarm::Alarm;
 use crate::fleet::{Activity, FeedCounts, InsertionCounts, Presence, View};
 use prometheus_client::encoding::EncodeLabelSet;
@@ -329,7 +330,8 @@ impl Metrics {
             self.jobs.get_or_create(&label(state)).set(n.cast_signed());
         }
         for state in ["idle", "busy", "free", "interrupted", "failed", "gone"] {
-            let n = moment.view.robots.iter().filter(|r| state_word(r.state) == state).count();
+            let n =
+                moment.view.robots.iter().filter(|r| RobotStateDto::from(r.state).word() == state).count();
             self.robots.get_or_create(&label(state)).set(n as i64);
         }
         self.look_at_activities(&moment.view);

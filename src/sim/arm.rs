@@ -250,16 +250,16 @@ mod tests {
         assert_eq!(arm.joints(), &HOME);
     }
 
+    /// Someone stands where it would turn to.
+    fn in_its_way(arm: &SimulatedArm) -> [Capsule; 1] {
+        let tip = SimulatedArm::new(arm.kind.clone(), arm.base, turning()[7]).tip();
+        [Capsule { a: tip, b: tip + nalgebra::Vector3::z() * 0.3, radius_m: 0.05 }]
+    }
+
     #[test]
     fn its_own_stop_holds_it_before_it_touches_and_lets_go_of_what_leads_away() {
-        let mut arm = arm();
-        // Someone stands where it would turn to.
-        let tip = {
-            let mut other = SimulatedArm::new(arm.kind.clone(), arm.base, turning()[7]);
-            other.advance(0.01, &[]);
-            other.tip()
-        };
-        let person = [Capsule { a: tip, b: tip + nalgebra::Vector3::z() * 0.3, radius_m: 0.05 }];
+        let mut arm = arm().with_rule(StopRule { left_m: RESTS_M / 2.0, ..StopRule::default() });
+        let person = in_its_way(&arm);
         assert!(arm.follow(&turning(), CYCLE_S));
         let steps: Vec<ArmStep> = (0..150).map(|_| arm.advance(0.01, &person)).collect();
         assert_eq!(steps.iter().filter(|s| s.stopped).count(), 1);
@@ -273,5 +273,24 @@ mod tests {
         (0..100).for_each(|_| _ = arm.advance(0.01, &person));
         assert!(arm.joints()[0] < here[0] - 0.1);
         assert!((arm.tip() - Point3::origin()).norm() > 0.1);
+    }
+
+    #[test]
+    fn who_rests_beside_it_does_not_hold_it_for_ever_and_it_stops_again_before_it_touches_them() {
+        let mut arm = arm().with_rule(StopRule { left_m: 2.0 * RESTS_M, ..StopRule::default() });
+        let person = in_its_way(&arm);
+        let mut stops = 0;
+        for k in 0..1000 {
+            if k % 100 == 0 {
+                let here = *arm.joints();
+                let mut on = turning();
+                on.iter_mut().enumerate().for_each(|(k, q)| q[0] = here[0] + 0.02 * (k + 1) as f64);
+                arm.follow(&on, CYCLE_S);
+            }
+            let step = arm.advance(0.01, &person);
+            stops += u32::from(step.stopped);
+            assert!(step.distance_m > 0.0 && !step.contact, "step {k}: {} m", step.distance_m);
+        }
+        assert!(stops > 2, "{stops}");
     }
 }
