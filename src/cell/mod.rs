@@ -2,8 +2,8 @@
 //! come.
 //!
 //! Main module: [`arm`] (a robot arm beside the picker). Main types: [`OrderLine`], [`Lines`], [`LineState`],
-//! [`PickPace`], [`PickPhase`], [`Desk`] (hands, from slot to tote). Refuses: to know where robots drive, and to confirm
-//! by guessing.
+//! [`PickPace`], [`PickPhase`], [`Desk`] (hands, from slot to tote). Refuses: to know where robots drive, and to
+//! confirm by guessing.
 
 mod aim;
 pub mod arm;

@@ -296,12 +296,14 @@ mod tests {
 
     #[test]
     fn arms_at_two_stations_pick_without_a_broken_law_and_one_seed_gives_one_row() {
-        let setup = setup();
+        let mut setup = setup();
         assert_eq!(setup.stations_with_arm(), ["S1", "S2"]);
+        // A short visit has nothing for an arm: the hand is done before it would be.
+        setup.scenario.cells.as_mut().expect("it has cells").lines.per_visit = [6, 12];
         let run = || setup.run_with_arms(14, ArmModeWord::Predictive, 3);
         let row = run();
         assert_eq!((row.law_violations, row.arms.contacts), (0, 0), "{:?}", row.broken);
-        assert!(row.arms.pieces > 10 && row.arms.lines > 50, "{row:?}");
+        assert!(row.arms.pieces > 5 && row.arms.lines > 50, "{row:?}");
         assert_eq!(row, run());
     }
 

@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn its_own_stop_holds_it_before_it_touches_and_lets_go_of_what_leads_away() {
-        let mut arm = arm().with_rule(StopRule { left_m: RESTS_M / 2.0, ..StopRule::default() });
+        let mut arm = arm().with_rule(StopRule { left_m: 0.0, ..StopRule::default() });
         let person = in_its_way(&arm);
         assert!(arm.follow(&turning(), CYCLE_S));
         let steps: Vec<ArmStep> = (0..150).map(|_| arm.advance(0.01, &person)).collect();

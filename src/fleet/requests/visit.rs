@@ -7,7 +7,7 @@ use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Reply;
-use crate::fleet::state::job::{Job, JobState};
+use crate::fleet::state::job::JobState;
 use crate::fleet::state::refusal::Refusal;
 use crate::id::{JobId, RobotId, StationId};
 use crate::time::Time;
@@ -121,11 +121,6 @@ impl Intake<'_> {
 }
 
 impl Floor<'_> {
-    /// Whether the rack of a job leaves its station when the hand is out for the last time: it is wanted nowhere else.
-    pub(in crate::fleet) fn ends_out(&self, job: &Job) -> bool {
-        self.settings.flow.leaves_at_last_grasp() && job.request.then.is_empty()
-    }
-
     /// The robot that stands at a station with a rack to pick from.
     pub(in crate::fleet) fn picked_from(&self, station: StationId) -> Option<RobotId> {
         let node = self.warehouse().stations[station].node;

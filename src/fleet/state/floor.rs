@@ -3,6 +3,7 @@
 //! Main type: [`Floor`]. Each room adds the questions that it answers. Refuses: to know of people, routes to come, or
 //! anything else that a room keeps to itself.
 
+use super::job::Job;
 use super::kind::RobotKind;
 use super::ledger::Ledger;
 use super::regions::KindRegions;
@@ -113,6 +114,11 @@ impl<'a> Floor<'a> {
     pub fn place_of(&self, robot: RobotId) -> Point {
         let node = self.warehouse().nodes[self.ledger.node_of(robot)].at;
         self.scene.robot(robot).map_or(node, |t| t.pose.at)
+    }
+
+    /// Whether the rack of a job leaves its station when the hand is out for the last time: it is wanted nowhere else.
+    pub fn ends_out(self, job: &Job) -> bool {
+        self.settings.flow.leaves_at_last_grasp() && job.request.then.is_empty()
     }
 
     /// Tells whether a person can be at a place at all.
