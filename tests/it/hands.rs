@@ -7,6 +7,7 @@ use crate::lines::{rack, scenario, until};
 use crate::recovery::Program;
 use giveway::cell::{FacePlace, PickFace};
 use giveway::id::StationId;
+use giveway::warehouse::Warehouse;
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -23,7 +24,11 @@ pub struct Wearer {
 impl Wearer {
     /// In front of a station of the map `stations`.
     pub async fn at(at: SocketAddr, station: StationId) -> Wearer {
-        let w = giveway::warehouse::stations();
+        Wearer::before(at, &giveway::warehouse::stations(), station).await
+    }
+
+    /// In front of a station of a map.
+    pub async fn before(at: SocketAddr, w: &Warehouse, station: StationId) -> Wearer {
         let (place, rack) = (&w.stations[station], w.rack_types.iter().next().unwrap());
         let cell = place.cell.as_ref().unwrap();
         let face = PickFace::new(cell, w.nodes[place.node].at, rack);

@@ -10,8 +10,8 @@ use giveway::id::StationId;
 use giveway::server::{Server, SimulatedFloor};
 use giveway::sim::Scenario;
 use giveway::time::Span;
-use giveway::warehouse::formats;
-use serde_json::json;
+use giveway::warehouse::{Warehouse, formats};
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -249,8 +249,8 @@ const WEARERS: usize = 40;
 const PICKING: usize = 4;
 
 /// Reaches into a wrong slot again and again.
-async fn reach(at: SocketAddr, station: StationId) -> u64 {
-    let mut wearer = Wearer::at(at, station).await;
+async fn reach(at: SocketAddr, map: Arc<Warehouse>, station: StationId) -> u64 {
+    let mut wearer = Wearer::before(at, &map, station).await;
     let (began, mut reaches) = (Instant::now(), 0);
     let slots = ["B2", "D4", "A3"].map(|name| wearer.face.slot(name.parse().unwrap()));
     while began.elapsed() < Duration::from_secs(seconds()) {
@@ -297,24 +297,29 @@ async fn stroll(at: SocketAddr, i: usize, [from, to]: [[f64; 2]; 2]) {
 #[ignore = "a measurement"]
 async fn forty_headsets_with_hands_of_which_four_reach_into_wrong_slots() {
     let folder = Folder::new();
-    let mut scenario = Scenario::parse(include_str!("../../scenarios/stations.json")).unwrap();
-    scenario.demand = giveway::sim::Demand::None;
-    scenario.cells.as_mut().expect("it has cells").pickers = Some(Vec::new());
-    let map = Arc::new(giveway::warehouse::stations());
+    let mut scenario = Scenario::parse(&read("scenarios/kiva-100.json")).unwrap();
+    scenario.robots = ROBOTS;
+    let (map, _) =
+        formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
+    let map = Arc::new(giveway::warehouse::with_cells(&map, 0));
     let (low, high) = map.bounds();
-    let (racks, stations) = (map.racks.clone(), map.stations.clone());
-    let floor = SimulatedFloor { scenario, map, lines: Vec::new() };
+    let picked: Vec<_> = map.stations.iter().take(PICKING).cloned().collect();
+    let racks: Vec<_> = map.racks.iter().take(PICKING).cloned().collect();
+    let floor = SimulatedFloor { scenario, map: map.clone(), lines: Vec::new() };
     let server = Server::start(&config(&folder), floor).await.unwrap();
     let at = server.address();
-    for (rack, station) in racks.iter().zip(stations.iter()) {
-        let lines = json!([{"slot": "C3", "quantity": 1, "tote": "B"}]);
-        let job = json!({"kind": "deliver", "rack": rack.name, "station": station.name, "pick_s": 900, "lines": lines});
+    for (rack, station) in racks.iter().zip(&picked) {
+        let job = json!({
+            "kind": "deliver", "rack": rack.name, "station": station.name, "pick_s": 900, "priority": 9,
+            "lines": [{"slot": "C3", "quantity": 1, "tote": "B"}],
+        });
         let answer = post(at, None, &job).await.unwrap();
         assert_eq!(answer.status, 201, "{answer:?}");
     }
-    for station in stations.iter() {
+    for station in &picked {
         let path = format!("/v1/stations/{}", station.name);
-        crate::lines::until(at, "a rack", &path, |s| !s["visit"].is_null()).await;
+        let has_lines = |s: &Value| s["visit"]["lines"].as_array().is_some_and(|l| !l.is_empty());
+        crate::lines::until(at, "lines", &path, has_lines).await;
     }
     let strolls: Vec<_> = (PICKING..WEARERS)
         .map(|i| {
@@ -322,7 +327,8 @@ async fn forty_headsets_with_hands_of_which_four_reach_into_wrong_slots() {
             tokio::spawn(stroll(at, i, [[low.x + 8.0, y], [high.x - 8.0, y]]))
         })
         .collect();
-    let picks: Vec<_> = (0..PICKING).map(|s| tokio::spawn(reach(at, StationId(s as u32)))).collect();
+    let picks: Vec<_> =
+        (0..PICKING).map(|s| tokio::spawn(reach(at, map.clone(), StationId(s as u32)))).collect();
     let mut reaches = 0;
     for pick in picks {
         reaches += pick.await.unwrap();
@@ -332,8 +338,7 @@ async fn forty_headsets_with_hands_of_which_four_reach_into_wrong_slots() {
     }
     let metrics = get(at, "/metrics").await.text;
     println!(
-        "{WEARERS} headsets with hands, {} robots, {reaches} reaches into wrong slots in {} s",
-        24,
+        "{WEARERS} headsets with hands, {ROBOTS} robots, {reaches} reaches into wrong slots in {} s",
         seconds()
     );
     metrics.lines().filter(|l| l.starts_with("giveway_hand")).for_each(|l| println!("{l}"));
