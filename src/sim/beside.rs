@@ -23,6 +23,10 @@ pub(super) struct BesideLine {
     pub wanted: Twist,
     /// When it decided that.
     pub decided: Option<Time>,
+    /// Since when it has stood although nothing but its own planner keeps it.
+    pub stuck: Option<Time>,
+    /// It keeps to the line until then.
+    pub on_line_until: Time,
 }
 
 impl BesideLine {
@@ -36,6 +40,8 @@ impl BesideLine {
             twist: None,
             wanted: Twist::default(),
             decided: None,
+            stuck: None,
+            on_line_until: Time::ZERO,
         }
     }
 
@@ -46,6 +52,6 @@ impl BesideLine {
 
     /// It keeps to the line from now on.
     pub fn end(&mut self) {
-        (self.twist, self.decided) = (None, None);
+        (self.twist, self.decided, self.stuck) = (None, None, None);
     }
 }

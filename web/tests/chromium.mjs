@@ -51,9 +51,9 @@ export function listen(page, complaints, meant = () => false) {
 /** A request that the server refused: the browser logs it, and the page tells the user. */
 export const isRefusal = (message) => /status of 4(00|04|09|22)\b/.test(message.text());
 
-/** The server was killed while the page was open. */
+/** The server was killed while the page was open, and loads its journal when it is back. */
 export const isLostLink = (message) =>
-  /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to/.test(message.text());
+  /ERR_CONNECTION_REFUSED|ERR_CONNECTION_RESET|WebSocket connection to|status of 503/.test(message.text());
 
 /** That the accessibility checker axe finds nothing wrong with a page. */
 export async function assertAccessible(page, look) {

@@ -34,6 +34,11 @@ const LAST_M: f64 = 1.0;
 const LAST_CLEAR_M: f64 = 1.5;
 /// It goes round people on a side where nobody is more probably in the way than this.
 const DOUBT: f64 = 0.5;
+/// A robot whose planner finds no way from the line for so long keeps to the line: it stands in somebody's way as long
+/// as it tries …
+const TRIES: Span = Span::from_secs(8);
+/// … and does not leave it again for so long.
+const KEEPS_TO_LINE: Span = Span::from_secs(30);
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.02;
 
@@ -64,7 +69,7 @@ impl RobotBody {
 
     /// Lives for a moment beside the line, if it is there or leaves it now. Whether it does.
     pub(super) fn tick_beside(&mut self, now: Time, dt: f64) -> bool {
-        if !self.begins() {
+        if !self.begins(now) {
             return false;
         }
         let Some((line, corridor, goal)) = self.ahead() else {
@@ -84,21 +89,23 @@ impl RobotBody {
             }
             self.beside.wanted
         };
+        let is_stuck = twist.speed_mps < STANDS_MPS && !self.brakes();
+        self.beside.stuck = if is_stuck { self.beside.stuck.or(Some(now)) } else { None };
         self.pose = twist.moved(self.pose, dt);
         (self.speed_mps, self.beside.twist) = (twist.speed_mps, Some(twist));
-        self.get_on(line, goal);
+        self.get_on(line, goal, now);
         true
     }
 
     /// Whether it steers by itself from now on: it does already, or heads along the line towards somebody near.
-    fn begins(&mut self) -> bool {
+    fn begins(&mut self, now: Time) -> bool {
         if self.beside.steers() {
             return true;
         }
         let Some(next) = self.path.front().filter(|t| t.corridor.is_some()) else { return false };
         let way = Segment { a: self.pose.at, b: next.at };
         let is_along = way.length() > THERE_M && wrap_angle(way.heading() - self.pose.heading).abs() < ALONG;
-        is_along && self.acting.is_none() && self.somebody_within(NEAR_M)
+        is_along && now >= self.beside.on_line_until && self.acting.is_none() && self.somebody_within(NEAR_M)
     }
 
     /// Whether it stands beside the end and nobody is in the way there. The corridor is convex: straight on it stays
@@ -161,7 +168,7 @@ impl RobotBody {
 
     /// Passes waypoints, and is on the line again at the last of those beside which it may drive, or before that if it
     /// is on the line and nobody is near.
-    fn get_on(&mut self, line: Segment, goal: Target) {
+    fn get_on(&mut self, line: Segment, goal: Target, now: Time) {
         let ahead = (line.b - line.a).normalize();
         let circle_m = RobotOutline::of(self.footprint()).circle_m();
         let off_m = ahead.perp(&(self.pose.at - line.a)).abs();
@@ -178,12 +185,16 @@ impl RobotBody {
         let left_m = (goal.at - self.pose.at).norm();
         let along = wrap_angle(line.heading() - self.pose.heading).abs() < ALONG;
         let back = off_m <= ON_LINE_M && along && !self.somebody_within(CLEAR_M);
+        let gives_up = off_m <= ON_LINE_M && self.beside.stuck.is_some_and(|t| now - t > TRIES);
         if self.path.front().is_some_and(|t| t.serial == goal.serial) && left_m < END_M {
             self.beside.end();
             self.speed_mps = 0.0;
             self.reach(goal);
-        } else if back || self.drives_last(goal, ahead) {
+        } else if back || gives_up || self.drives_last(goal, ahead) {
             self.beside.end();
+            if gives_up {
+                self.beside.on_line_until = now + KEEPS_TO_LINE;
+            }
             if !back {
                 // It turns to its goal on the spot.
                 self.speed_mps = 0.0;
