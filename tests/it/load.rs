@@ -172,14 +172,20 @@ fn told(what: &str, mut ms: Vec<f64>) {
     println!("{what:<48} n={n:<6} p50={p50:<7} p99={p99:<7} max={:<7} ms", text(1.0));
 }
 
+/// A scenario of the repository with its map.
+fn shipped(name: &str) -> (Scenario, Warehouse) {
+    let root = env!("CARGO_MANIFEST_DIR");
+    let read = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();
+    let scenario = Scenario::parse(&read(&format!("scenarios/{name}.json"))).unwrap();
+    let (map, _) =
+        formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
+    (scenario, map)
+}
+
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 #[ignore = "a measurement"]
 async fn twenty_headsets_at_60_hz_beside_200_robots() {
-    let root = env!("CARGO_MANIFEST_DIR");
-    let read = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();
-    let mut scenario = Scenario::parse(&read("scenarios/kiva-100.json")).unwrap();
-    let (map, _) =
-        formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
+    let (mut scenario, map) = shipped("kiva-100");
     scenario.robots = ROBOTS;
     scenario.period = Span::from_millis(PERIOD_MS);
     let (low, high) = map.bounds();
@@ -297,10 +303,8 @@ async fn stroll(at: SocketAddr, i: usize, [from, to]: [[f64; 2]; 2]) {
 #[ignore = "a measurement"]
 async fn forty_headsets_with_hands_of_which_four_reach_into_wrong_slots() {
     let folder = Folder::new();
-    let mut scenario = Scenario::parse(&read("scenarios/kiva-100.json")).unwrap();
+    let (mut scenario, map) = shipped("kiva-100");
     scenario.robots = ROBOTS;
-    let (map, _) =
-        formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
     let map = Arc::new(giveway::warehouse::with_cells(&map, 0));
     let (low, high) = map.bounds();
     let picked: Vec<_> = map.stations.iter().take(PICKING).cloned().collect();
@@ -410,11 +414,7 @@ async fn a_turn(at: SocketAddr, dashboards: usize, each: Duration) -> (f64, f64)
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 #[ignore = "a measurement"]
 async fn two_hundred_dashboards_beside_800_robots() {
-    let root = env!("CARGO_MANIFEST_DIR");
-    let read = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();
-    let scenario = Scenario::parse(&read("scenarios/kiva-800.json")).unwrap();
-    let (map, _) =
-        formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
+    let (scenario, map) = shipped("kiva-800");
     let folder = Folder::new();
     let floor = SimulatedFloor { scenario, map: Arc::new(map), lines: Vec::new() };
     let server = Server::start(&config(&folder), floor).await.unwrap();
