@@ -5,6 +5,8 @@
 //! monitored stop protects people, and what is decided here makes it needed less often. Refuses: clocks, chance, and
 //! paths that were not checked.
 
+mod backoff;
+mod beside;
 mod capsule;
 mod choice;
 mod grip;

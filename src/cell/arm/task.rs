@@ -5,17 +5,18 @@
 //! or goes back, the first of these that meets nobody. Refuses: to move an arm that is silent, late or reports what
 //! cannot be; to pick a piece nobody asked for; and to be a safety function: the arm's own stop protects people.
 
+use super::backoff::StopBackoff;
+use super::beside::{BesidePicker, space_beside};
 use super::capsule::{Capsule, least_distance_m};
 use super::choice::{Choice, choose};
 use super::grip::{ArmGrip, ArmOrder, ArmSaid, GripAct, Gripped};
 use super::kinematics::{ArmKind, Joints, between, joint_distance};
 use super::mpc::{ArmGoal, ArmPlan, HORIZON};
 use super::pace::{RunAhead, STANDS_BY, WayRun};
-use super::risk::overlap_probability;
 use super::seam::{ArmSeam, ArmTrouble};
 use super::sight::PickerAhead;
 use super::site::{ArmSite, SlotAccess, numbers, rest};
-use super::space::{ArmSpace, ArmWay};
+use super::space::ArmWay;
 use super::trees::rrt_connect;
 use crate::cell::PickFace;
 use crate::id::StationId;
@@ -25,14 +26,8 @@ use std::sync::Arc;
 
 /// Motion is risky if any step, until the arm could stand, meets the picker's arms with more than this probability.
 pub const DELTA: f64 = 0.05;
-/// Links are kept so far from head and trunk, and from arms with that probability, metres: the arm's own stop acts
-/// before they touch.
-const BODY_M: f64 = 0.12;
-const ARMS_M: f64 = 0.07;
 /// Ways keep so far from the picker, if there is room, metres; else less.
 const CLEAR_M: [f64; 3] = [0.15, 0.08, 0.02];
-/// An arm that came nearer keeps this, metres.
-const NEAR_M: f64 = 0.01;
 /// After so many cycles in which it did not get on, it looks for another way.
 const BLOCKED: u32 = 15;
 /// An arm that its own stop holds leaves so far at once, radians.
@@ -152,6 +147,8 @@ pub struct StationArm {
     blocked: u32,
     /// For how many cycles it has been at this stage.
     cycles: u32,
+    /// What its own stop did at this stage.
+    backoff: StopBackoff,
     /// The second that was sent last.
     plan: ArmPlan,
     grip: Option<ArmGrip>,
@@ -184,6 +181,7 @@ impl StationArm {
             leaves: false,
             blocked: 0,
             cycles: 0,
+            backoff: StopBackoff::default(),
             plan: ArmPlan::standing(&rest()),
             grip: None,
             grips: 0,
@@ -202,6 +200,7 @@ impl StationArm {
         self.was_heard = true;
         self.seam.take(now, said.report).ok()?;
         (self.due, self.may_search, self.is_vouched) = (true, true, false);
+        self.backoff.note(said.report.is_stopped && self.stage != ArmStage::Rest);
         if said.report.is_stopped {
             // What it was following is over.
             (self.plan, self.run, self.leaves) = (ArmPlan::standing(&said.report.joints), None, false);
@@ -311,6 +310,7 @@ impl StationArm {
         self.access = self.site.as_mut().and_then(|site| site.slot(task.slot));
         (self.task, self.stage, self.gives_up) = (Some(task), ArmStage::ToSlot, false);
         (self.searches, self.cycles) = (0, 0);
+        self.backoff.got_on();
         self.leave_way();
     }
 
@@ -375,7 +375,12 @@ impl StationArm {
         if self.stage == ArmStage::Rest && self.stands() {
             return None;
         }
-        let plan = self.decide(&present, around);
+        let plan = match self.backoff.waits() {
+            // The person goes first: what it was doing comes to its end, and it stands there.
+            true if self.stands() => return None,
+            true => self.brakes(),
+            false => self.decide(&present, around),
+        };
         self.order(now, plan, None)
     }
 
@@ -418,6 +423,7 @@ impl StationArm {
             other => other,
         };
         (self.run, self.leaves, self.searches, self.cycles) = (None, false, 0, 0);
+        self.backoff.got_on();
     }
 
     /// Where this stage ends.
@@ -492,6 +498,13 @@ impl StationArm {
         Some(ArmOrder { station: self.station, trajectory, grip: None })
     }
 
+    /// Comes to a stand.
+    fn brakes(&mut self) -> ArmPlan {
+        let Some(run) = &self.run else { return self.plan.a_cycle_later() };
+        let ahead = run.ahead(0.0);
+        self.take(&ahead)
+    }
+
     fn take(&mut self, ahead: &RunAhead) -> ArmPlan {
         self.run.as_mut().expect("it is on its way").take(ahead);
         ahead.plan
@@ -543,54 +556,5 @@ impl StationArm {
             (self.gives_up, self.searches) = (self.task.is_some(), 0);
         }
         found
-    }
-}
-
-/// A place with a picker in it, thickened by so much.
-fn space_beside(space: &ArmSpace, picker: Option<&PickerAhead>, clear_m: f64) -> ArmSpace {
-    let mut space = space.clone();
-    let limbs = |p: &PickerAhead| p.arms.first().map_or_else(Vec::new, |limbs| limbs.capsules(clear_m));
-    let body = |c: &Capsule| Capsule { radius_m: c.radius_m + clear_m, ..*c };
-    if let Some(picker) = picker {
-        space.obstacles.extend(limbs(picker));
-        space.obstacles.extend(picker.body.iter().map(body));
-    }
-    space
-}
-
-/// An arm beside a picker in one cycle.
-struct BesidePicker<'a> {
-    space: &'a ArmSpace,
-    picker: Option<&'a PickerAhead>,
-    /// What is kept from head and trunk, and from arms, metres: less where the arm is nearer already.
-    body_m: f64,
-    arms_m: f64,
-}
-
-impl<'a> BesidePicker<'a> {
-    fn new(space: &'a ArmSpace, picker: Option<&'a PickerAhead>, present: &Joints) -> BesidePicker<'a> {
-        let mut beside = BesidePicker { space, picker, body_m: BODY_M, arms_m: ARMS_M };
-        let Some(picker) = picker else { return beside };
-        let links = beside.links(present, 0.0);
-        beside.body_m = (least_distance_m(&links, &picker.body) - NEAR_M).clamp(NEAR_M, BODY_M);
-        if picker.arms.first().is_some_and(|a| overlap_probability(&beside.links(present, ARMS_M), a) > DELTA)
-        {
-            beside.arms_m = NEAR_M;
-        }
-        beside
-    }
-
-    fn links(&self, q: &Joints, margin_m: f64) -> Vec<Capsule> {
-        self.space.kind.capsules(&self.space.kind.pose(&self.space.base, q), margin_m)
-    }
-
-    /// The probability that the arm meets the picker with these angles at a step of a trajectory.
-    fn risk(&self, q: &Joints, step: usize) -> f64 {
-        let Some(picker) = self.picker else { return 0.0 };
-        if least_distance_m(&self.links(q, 0.0), &picker.body) < self.body_m {
-            return 1.0;
-        }
-        let links = self.links(q, self.arms_m);
-        picker.arms.get(step).map_or(0.0, |limbs| overlap_probability(&links, limbs))
     }
 }

@@ -131,6 +131,29 @@ fn an_arm_takes_lines_that_the_hand_will_not_need_and_never_the_lit_one() {
 }
 
 #[test]
+fn an_arm_that_its_own_stop_holds_again_and_again_stands_long_enough_for_the_person_to_get_on() {
+    let mut cell = ArmFloor::new(&[("D3", 1, "C", PickedBy::Arm), ("A1", 1, "A", Hand)]);
+    let (mut moved, mut stood, mut longest, mut held) = (0, 0, 0, 0);
+    for _ in 0..600 {
+        let before = cell.joints;
+        cell.say(Some(ArmReport { is_stopped: held > 0, ..cell.report() }));
+        // Whenever it has moved for half a second, its stop holds it for as long.
+        moved = if cell.joints == before { 0 } else { moved + 1 };
+        stood = if cell.joints == before { stood + 1 } else { 0 };
+        longest = longest.max(stood);
+        held = if held > 0 {
+            held - 1
+        } else if moved >= 5 {
+            5
+        } else {
+            0
+        };
+    }
+    assert!(longest > 40, "it stood for {} s at most", f64::from(longest) / 10.0);
+    cell.until("it rests in the end", 2000, |c| c.arm().activity == ArmActivity::Idle);
+}
+
+#[test]
 fn the_lines_of_an_arm_in_trouble_go_to_the_hand_and_it_gets_no_trajectory() {
     let mut far = rest();
     far[2] = 4.0;
