@@ -3,6 +3,8 @@
 //! Main type: [`StopBackoff`]. A person does not reach past an arm that moves, and an arm that leaves and comes back
 //! moves all the time: both would wait for ever. Refuses: to shorten what the arm's own stop asks for.
 
+use super::kinematics::{Joints, joint_distance};
+
 /// After so many stops of one stage it still goes on at once.
 const AT_ONCE: u32 = 2;
 /// Then it stands for so many cycles, twice as many after each further stop …
@@ -10,10 +12,15 @@ const FIRST: u32 = 10;
 /// … up to `FIRST` shifted by this: 8 s.
 const DOUBLINGS: u32 = 3;
 
+/// A stop counts if the arm went so far since the last one, radians: an arm that stands anyway does not wait longer
+/// because people pass it.
+const MOVED_RAD: f64 = 0.05;
+
 /// How long an arm stands after its own stop.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct StopBackoff {
-    is_held: bool,
+    /// Where it was when its stop held it last at this stage.
+    held_at: Option<Joints>,
     /// Stops since the stage began.
     stops: u32,
     /// For how many cycles it is to stand.
@@ -21,18 +28,19 @@ pub(super) struct StopBackoff {
 }
 
 impl StopBackoff {
-    /// Takes in whether the arm's own stop holds it.
-    pub fn note(&mut self, is_held: bool) {
-        if is_held && !self.is_held {
-            self.stops += 1;
-            if let Some(more) = self.stops.checked_sub(AT_ONCE + 1) {
-                self.waits = FIRST << more.min(DOUBLINGS);
-            }
+    /// Its own stop holds it here.
+    pub fn hold(&mut self, here: &Joints) {
+        if self.held_at.is_some_and(|at| joint_distance(&at, here) < MOVED_RAD) {
+            return;
         }
-        self.is_held = is_held;
+        self.held_at = Some(*here);
+        self.stops += 1;
+        if let Some(more) = self.stops.checked_sub(AT_ONCE + 1) {
+            self.waits = FIRST << more.min(DOUBLINGS);
+        }
     }
 
-    /// Whether it is to stand in this cycle, which nothing else holds.
+    /// A cycle passes, held or not. Whether the arm is to stand in it.
     pub fn waits(&mut self) -> bool {
         let is_to_stand = self.waits > 0;
         self.waits = self.waits.saturating_sub(1);
@@ -41,7 +49,7 @@ impl StopBackoff {
 
     /// The arm has got on.
     pub fn got_on(&mut self) {
-        (self.stops, self.waits) = (0, 0);
+        *self = StopBackoff::default();
     }
 }
 
@@ -52,14 +60,14 @@ mod tests {
     #[test]
     fn an_arm_stands_twice_as_long_after_each_further_stop_until_it_has_got_on() {
         let mut backoff = StopBackoff::default();
-        let stand = |backoff: &mut StopBackoff| {
-            (0..3).for_each(|_| backoff.note(true));
-            backoff.note(false);
+        let stand = |backoff: &mut StopBackoff, at: f64| {
+            (0..3).for_each(|_| backoff.hold(&[at; 6]));
             (0..).take_while(|_| backoff.waits()).count()
         };
-        let stood: Vec<usize> = (0..8).map(|_| stand(&mut backoff)).collect();
+        let stood: Vec<usize> = (0..8).map(|k| stand(&mut backoff, f64::from(k % 2))).collect();
         assert_eq!(stood, [0, 0, 10, 20, 40, 80, 80, 80]);
+        assert_eq!(stand(&mut backoff, 1.0), 0, "it has not moved since");
         backoff.got_on();
-        assert_eq!(stand(&mut backoff), 0);
+        assert_eq!(stand(&mut backoff, 1.0), 0);
     }
 }

@@ -200,7 +200,9 @@ impl StationArm {
         self.was_heard = true;
         self.seam.take(now, said.report).ok()?;
         (self.due, self.may_search, self.is_vouched) = (true, true, false);
-        self.backoff.note(said.report.is_stopped && self.stage != ArmStage::Rest);
+        if said.report.is_stopped && self.stage != ArmStage::Rest {
+            self.backoff.hold(&said.report.joints);
+        }
         if said.report.is_stopped {
             // What it was following is over.
             (self.plan, self.run, self.leaves) = (ArmPlan::standing(&said.report.joints), None, false);
@@ -346,6 +348,7 @@ impl StationArm {
         if self.cycles > LONGEST && self.task.is_some() {
             (self.gives_up, self.cycles) = (true, 0);
         }
+        let lets_pass = self.backoff.waits();
         let present = *self.seam.joints()?;
         if self.stage == ArmStage::Rest && joint_distance(&rest(), &present) > THERE_RAD {
             // It evaded somebody, or was moved.
@@ -375,7 +378,7 @@ impl StationArm {
         if self.stage == ArmStage::Rest && self.stands() {
             return None;
         }
-        let plan = match self.backoff.waits() {
+        let plan = match lets_pass {
             // The person goes first: what it was doing comes to its end, and it stands there.
             true if self.stands() => return None,
             true => self.brakes(),
