@@ -7,8 +7,9 @@ use super::kinematics::Joints;
 use super::risk::overlap_probability;
 use super::sight::PickerAhead;
 use super::space::ArmSpace;
-use super::task::DELTA;
 
+/// Motion is risky if any step, until the arm could stand, meets the picker's arms with more than this probability.
+pub const DELTA: f64 = 0.05;
 /// Links are kept so far from head and trunk, and from arms with that probability, metres: the arm's own stop acts
 /// before they touch.
 const BODY_M: f64 = 0.12;

@@ -25,6 +25,7 @@ mod space;
 mod task;
 mod trees;
 
+pub use beside::DELTA;
 pub use capsule::{Capsule, Nearest, least_distance_m};
 pub use choice::{Choice, choose};
 pub use grip::{ArmGrip, ArmOrder, ArmSaid, GripAct, Gripped};
@@ -50,5 +51,5 @@ pub use seam::{
 pub use sight::{PickerAhead, PickerSight};
 pub use site::{ArmSite, SlotAccess, base_of, rest};
 pub use space::{ArmSpace, ArmWay, CHECK_MARGIN_M, CHECK_RAD};
-pub use task::{ArmActivity, ArmDeed, ArmMode, ArmTask, DELTA, StationArm, Surroundings, TASK_SAMPLES};
+pub use task::{ArmActivity, ArmDeed, ArmMode, ArmTask, StationArm, Surroundings, TASK_SAMPLES};
 pub use trees::{rrt, rrt_connect, rrt_star};

@@ -6,7 +6,7 @@
 //! cannot be; to pick a piece nobody asked for; and to be a safety function: the arm's own stop protects people.
 
 use super::backoff::StopBackoff;
-use super::beside::{BesidePicker, space_beside};
+use super::beside::{BesidePicker, DELTA, space_beside};
 use super::capsule::{Capsule, least_distance_m};
 use super::choice::{Choice, choose};
 use super::grip::{ArmGrip, ArmOrder, ArmSaid, GripAct, Gripped};
@@ -24,8 +24,6 @@ use crate::time::Time;
 use crate::warehouse::{ArmMount, SlotName};
 use std::sync::Arc;
 
-/// Motion is risky if any step, until the arm could stand, meets the picker's arms with more than this probability.
-pub const DELTA: f64 = 0.05;
 /// Ways keep so far from the picker, if there is room, metres; else less.
 const CLEAR_M: [f64; 3] = [0.15, 0.08, 0.02];
 /// After so many cycles in which it did not get on, it looks for another way.
