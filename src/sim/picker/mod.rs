@@ -47,6 +47,10 @@ const PATIENCE: Span = Span::from_millis(1500);
 const HESITATES: Span = Span::from_millis(250);
 const STOPS_S: f64 = 0.1;
 const STARTS_S: f64 = 0.4;
+/// Who rests so near to an arm that it may not start steps back after this time, for this time.
+const RESTS_IN_IT_M: f64 = 0.02;
+const RESTS_IN_IT: Span = Span::from_secs(1);
+const STEPS_BACK: Span = Span::from_secs(3);
 
 /// A robot that truly stands at a station with a rack.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +73,8 @@ struct PickerPlace {
     there: Span,
     /// How long the hands have waited for an arm that is in their way.
     waited: Span,
+    /// How long the person has rested in an arm that stands.
+    rests: Span,
     /// Until when they wait, and the share of their speed that they have.
     waits_until: Time,
     pace: f64,
@@ -102,8 +108,8 @@ impl Pickers {
             let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
             let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
             let idle = Span::ZERO;
-            let (visit, there, waited, waits_until, pace) = (None, idle, idle, now, 1.0);
-            Some(PickerPlace { station, picker, watch, visit, idle, there, waited, waits_until, pace })
+            let (visit, there, waited, rests, waits_until, pace) = (None, idle, idle, idle, now, 1.0);
+            Some(PickerPlace { station, picker, watch, visit, idle, there, waited, rests, waits_until, pace })
         };
         let all = cells.pickers_in(warehouse).into_iter().enumerate().filter_map(stand).collect();
         Pickers { all, flow }
@@ -184,9 +190,22 @@ impl Pickers {
 impl PickerPlace {
     /// Whether the hands stop because an arm is in their way that moves, or has stood there for not too long.
     fn give_way(&mut self, now: Time, by: Span, (links, arm_moves): (&[Capsule], bool)) -> bool {
-        let apart = |at: Time| least_distance_m(&self.picker.limbs(at), links);
+        let apart = |at: Time| least_distance_m(&self.picker.limbs_there(at), links);
+        if self.picker.is_away() {
+            if arm_moves && apart(now) < 2.0 * GIVES_WAY_M {
+                self.picker.step_back(now + HESITATES);
+            }
+            return false;
+        }
         let (here_m, soon_m) = (apart(now), LOOKS_AHEAD.map(|ahead| apart(now + ahead)));
         let soon_m = soon_m.into_iter().fold(f64::INFINITY, f64::min);
+        let rests_in_it = here_m < RESTS_IN_IT_M && !arm_moves && self.picker.is_idle();
+        self.rests = if rests_in_it { self.rests + by } else { Span::ZERO };
+        if self.rests >= RESTS_IN_IT {
+            self.rests = Span::ZERO;
+            self.picker.step_back(now + STEPS_BACK);
+            return false;
+        }
         let is_in_way = soon_m < GIVES_WAY_M && soon_m < here_m;
         if !is_in_way && soon_m > 2.0 * GIVES_WAY_M {
             self.waited = Span::ZERO;

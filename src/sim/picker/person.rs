@@ -171,13 +171,20 @@ impl SimPicker {
         FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m - BENDS * low_m)
     }
 
-    /// Arms, head and trunk; nothing of a person who is away.
-    pub fn limbs(&self, now: Time) -> Vec<Capsule> {
-        if self.is_away() {
-            return Vec::new();
-        }
+    /// Steps back, out of reach, until then; somebody who is back already stays there.
+    pub fn step_back(&mut self, until: Time) {
+        self.away = self.away.max(Some(until));
+    }
+
+    /// Arms, head and trunk where they are, or would be if the person were there.
+    pub fn limbs_there(&self, now: Time) -> Vec<Capsule> {
         let grips = [0, 1].map(|i| self.hands[i].at(now));
         limbs(&self.face, self.habits.height_m, self.head(now), grips)
+    }
+
+    /// Arms, head and trunk; nothing of a person who is away.
+    pub fn limbs(&self, now: Time) -> Vec<Capsule> {
+        if self.is_away() { Vec::new() } else { self.limbs_there(now) }
     }
 
     /// The hands stop for so long.
