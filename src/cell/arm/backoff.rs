@@ -1,4 +1,4 @@
-//! An arm that its own stop holds again and again lets the person go first.
+//! After repeated protective stops an arm stands for a while, so that the person goes first.
 //!
 //! Main type: [`StopBackoff`]. A person does not reach past an arm that moves, and an arm that leaves and comes back
 //! moves all the time: both would wait for ever. Refuses: to shorten what the arm's own stop asks for.
@@ -7,7 +7,7 @@ use super::kinematics::{Joints, joint_distance};
 
 /// After so many stops of one stage it still goes on at once.
 const AT_ONCE: u32 = 2;
-/// Then it stands for so many cycles, twice as many after each further stop …
+/// Then it stands for this number of cycles, doubled after each further stop …
 const FIRST: u32 = 10;
 /// … up to `FIRST` shifted by this: 8 s.
 const DOUBLINGS: u32 = 3;

@@ -171,7 +171,7 @@ impl SimPicker {
         FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m - BENDS * low_m)
     }
 
-    /// Steps back, out of reach, until then; somebody who is back already stays there.
+    /// Steps back, out of reach, until then; a person who is away longer anyway stays away.
     pub fn step_back(&mut self, until: Time) {
         self.away = self.away.max(Some(until));
     }
