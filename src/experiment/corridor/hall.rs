@@ -29,8 +29,10 @@ const SIDE_M: f64 = 3.3;
 /// Whether robots leave the line, and on which map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum HallArm {
-    /// Lanes have corridors, and robots may leave the line.
+    /// Lanes have corridors, and robots may leave the line, by the improved dynamic window.
     Free,
+    /// The same, by the traditional dynamic window.
+    Traditional,
     /// Lanes have corridors, and robots keep to the line.
     Lines,
     /// Lanes have no corridors.
@@ -39,12 +41,13 @@ pub enum HallArm {
 
 impl HallArm {
     /// All of them.
-    pub const ALL: [HallArm; 3] = [HallArm::Free, HallArm::Lines, HallArm::NoCorridors];
+    pub const ALL: [HallArm; 4] = [HallArm::Free, HallArm::Traditional, HallArm::Lines, HallArm::NoCorridors];
 
     /// Its name in reports.
     pub fn name(self) -> &'static str {
         match self {
             HallArm::Free => "free",
+            HallArm::Traditional => "free_traditional",
             HallArm::Lines => "lines",
             HallArm::NoCorridors => "lines_no_corridors",
         }
@@ -117,9 +120,9 @@ impl HallReport {
         Interval::of_pairs(&of(ours), &of(theirs))
     }
 
-    /// How often a law was broken, over all arms.
-    pub fn law_violations(&self) -> u64 {
-        self.runs.iter().flat_map(|(_, runs)| runs).map(|r| r.law_violations).sum()
+    /// How often a law was broken in the runs of an arm.
+    pub fn law_violations(&self, arm: HallArm) -> u64 {
+        self.of(arm).iter().map(|r| r.law_violations).sum()
     }
 }
 
@@ -171,11 +174,12 @@ pub fn hall(setup: HallSetup, arm: HallArm, seed: u64) -> HallRun {
 /// Robots and people of the hall.
 fn hall_scenario(setup: HallSetup, arm: HallArm) -> Scenario {
     let HallSetup { robots, workers, seconds } = setup;
-    let (free, backlog) = (arm == HallArm::Free, 2 * robots);
+    let (free, backlog) = (matches!(arm, HallArm::Free | HallArm::Traditional), 2 * robots);
+    let planner = if arm == HallArm::Traditional { "traditional" } else { "improved" };
     let places = ["r1n3", "r0n2", "r2n4", "r3n3", "r0n4", "r1n2", "r3n2", "r2n3", "r1n4", "r0n3", "r2n2"];
     let text = format!(
         r#"{{"giveway_scenario": 1, "name": "hall", "map": "", "robots": {robots}, "duration_s": {seconds},
-            "jobs": {{"backlog": {backlog}}},
+            "jobs": {{"backlog": {backlog}}}, "local_planner": "{planner}",
             "fleet": {{"footprint": {{"circle_m": 0.35}}, "free_navigation": {free}}},
             "workers": {{"count": {workers}, "enter_s": 10, "deviations": {{"causes": "all"}},
                 "assignments": {{"list": {{"places": {places:?}, "stay_s": 25}}}},

@@ -293,3 +293,64 @@ pub(super) fn has_lines(fleet: &Fleet, robot: RobotId) -> bool {
     let job = ledger.robots.get(robot).and_then(|record| record.task.job());
     job.and_then(|job| ledger.jobs.get(&job)).is_some_and(|job| job.lines_now().is_some())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sim::Scenario;
+    use crate::warehouse::stations;
+
+    const TICK: Span = Span::from_millis(50);
+
+    /// A person at `S1` who has nothing to pick and never goes away.
+    fn idle_person() -> PickerPlace {
+        let mut scenario = Scenario::parse(include_str!("../../../scenarios/stations.json")).unwrap();
+        let cells = scenario.cells.as_mut().unwrap();
+        for habits in cells.pickers.iter_mut().flatten() {
+            habits.away_per_hour = 0.0;
+        }
+        Pickers::new(&stations(), cells, 1, Time::ZERO).all.swap_remove(0)
+    }
+
+    /// Goes on for so long beside an arm. Whether the person is away at the end.
+    fn passes(
+        stand: &mut PickerPlace,
+        now: &mut Time,
+        seconds: f64,
+        (links, moves): (&[Capsule], bool),
+    ) -> bool {
+        let until = *now + Span::from_secs_f64(seconds);
+        while *now < until {
+            let from = *now;
+            *now += TICK;
+            stand.give_way(*now, TICK, (links, moves));
+            stand.live((from, *now), &StationScreen::default(), (0, false));
+        }
+        stand.picker.is_away()
+    }
+
+    #[test]
+    fn who_rests_in_an_arm_that_stands_steps_back_and_comes_back_when_it_does_not_move_there() {
+        let (mut stand, mut now) = (idle_person(), Time::ZERO);
+        let arm = stand.picker.limbs(now);
+        assert!(!passes(&mut stand, &mut now, 0.9, (&arm, false)), "too soon");
+        assert!(passes(&mut stand, &mut now, 0.2, (&arm, false)), "the person rests in the arm");
+        assert!(stand.picker.limbs(now).is_empty(), "nothing of the person is in its way");
+        assert!(passes(&mut stand, &mut now, 10.0, (&arm, true)), "the arm moves where the person would be");
+        assert!(
+            !passes(&mut stand, &mut now, 0.5, (&arm, false)),
+            "the person is back beside an arm that stands"
+        );
+    }
+
+    #[test]
+    fn who_rests_beside_an_arm_or_before_one_that_moves_stays() {
+        let (mut stand, mut now) = (idle_person(), Time::ZERO);
+        let there = stand.picker.limbs(now);
+        assert!(!passes(&mut stand, &mut now, 5.0, (&there, true)), "an arm that moves gives way itself");
+        let far = nalgebra::Vector3::new(0.0, 0.0, 5.0);
+        let aside = |link: &Capsule| Capsule { a: link.a + far, b: link.b + far, ..*link };
+        let beside: Vec<Capsule> = there.iter().map(aside).collect();
+        assert!(!passes(&mut stand, &mut now, 5.0, (&beside, false)), "the arm is elsewhere");
+    }
+}
