@@ -1,7 +1,8 @@
-//! Robot arms that get no trajectory: silent, late, or reporting what cannot be.
+//! Robot arms that get no trajectory, since they are silent, late, or report what cannot be; and arms that do not come
+//! out of the opening.
 //!
 //! Main function: [`conditions`]. Refuses: to report an arm that was never heard of, which is off, and one whose own
-//! protective stop holds it, which ends by itself.
+//! protective stop holds it for a moment, which ends by itself.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind};
 use super::kind::AlarmKind;
@@ -13,22 +14,80 @@ use crate::id::{Dense, StationId};
 pub(super) fn conditions(fleet: &Fleet, view: &View) -> Vec<AlarmCondition> {
     let map = fleet.warehouse();
     let condition = |(i, station): (usize, &crate::fleet::StationView)| {
-        let ArmActivity::Trouble(why) = station.arm?.activity else { return None };
+        let arm = station.arm.as_ref()?;
         let place = &map.stations[StationId::at(i)];
-        let said = match why {
-            ArmTrouble::Stopped => return None,
-            ArmTrouble::Silent => "is silent",
-            ArmTrouble::Late => "sends its reports too late",
-            ArmTrouble::Joints => "reports joints that it cannot have",
-            ArmTrouble::Jump => "reports joints that it cannot have come to",
+        let text = match wrong_with(arm.activity) {
+            Some(said) => {
+                format!(
+                    "the robot arm at {} {said}: it gets no trajectory, the picker has its lines.",
+                    place.name
+                )
+            }
+            None if arm.is_stuck_inside => {
+                format!(
+                    "the robot arm at {} has not moved in the opening for a minute: no rack comes or leaves.",
+                    place.name
+                )
+            }
+            None => return None,
         };
-        let text = format!(
-            "the robot arm at {} {said}: it gets no trajectory, the picker has its lines.",
-            place.name
-        );
         let subject = AlarmSubject::new(SubjectKind::Station, place.name.clone());
         let one = AlarmCondition::new(AlarmKind::ArmTrouble, subject, text);
         Some(one.at(map.nodes[place.node].at))
     };
     view.stations.iter().enumerate().filter_map(condition).collect()
+}
+
+/// Why an arm gets no trajectory, in words; nothing of one whose own stop holds it.
+fn wrong_with(activity: ArmActivity) -> Option<&'static str> {
+    let ArmActivity::Trouble(why) = activity else { return None };
+    match why {
+        ArmTrouble::Stopped => None,
+        ArmTrouble::Silent => Some("is silent"),
+        ArmTrouble::Late => Some("sends its reports too late"),
+        ArmTrouble::Joints => Some("reports joints that it cannot have"),
+        ArmTrouble::Jump => Some("reports joints that it cannot have come to"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::{ArmView, Settings};
+    use crate::time::Time;
+    use crate::warehouse::stations;
+    use std::sync::Arc;
+
+    /// What is said of the arm at the first station.
+    fn said(activity: ArmActivity, is_stuck_inside: bool) -> Option<String> {
+        let fleet = Fleet::new(Arc::new(stations()), Settings::default());
+        let mut view = fleet.view(Time::ZERO);
+        view.stations[0].arm = Some(ArmView { activity, line: None, is_stuck_inside });
+        let found = conditions(&fleet, &view);
+        assert!(found.iter().all(|c| c.kind == AlarmKind::ArmTrouble));
+        found.into_iter().next().map(|c| c.text)
+    }
+
+    #[test]
+    fn an_arm_in_trouble_or_stuck_in_the_opening_is_an_alarm_and_one_that_waits_or_was_never_heard_of_is_not()
+    {
+        let well = [
+            ArmActivity::Off,
+            ArmActivity::Idle,
+            ArmActivity::Moving,
+            ArmActivity::Trouble(ArmTrouble::Stopped),
+        ];
+        for activity in well {
+            assert_eq!(said(activity, false), None, "{activity:?}");
+        }
+        for why in [ArmTrouble::Silent, ArmTrouble::Late, ArmTrouble::Joints, ArmTrouble::Jump] {
+            assert!(
+                said(ArmActivity::Trouble(why), false).unwrap().contains("it gets no trajectory"),
+                "{why}"
+            );
+        }
+        for activity in [ArmActivity::Moving, ArmActivity::Trouble(ArmTrouble::Stopped)] {
+            assert!(said(activity, true).unwrap().contains("has not moved in the opening"), "{activity:?}");
+        }
+    }
 }

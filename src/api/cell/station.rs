@@ -140,6 +140,8 @@ pub enum ArmStateDto {
     Moving,
     /// Its own protective stop holds it.
     Stopped,
+    /// It has not moved in the opening for a minute: no rack comes or leaves.
+    Stuck,
     /// It gets no trajectory, and hands pick its lines.
     Trouble,
 }
@@ -248,6 +250,8 @@ fn arm_dto(mount: &ArmMount, arm: Option<ArmView>) -> ArmDto {
         ArmActivity::Trouble(ArmTrouble::Stopped) => (ArmStateDto::Stopped, Some(ArmTrouble::Stopped)),
         ArmActivity::Trouble(why) => (ArmStateDto::Trouble, Some(why)),
     };
+    let is_stuck = arm.is_some_and(|arm| arm.is_stuck_inside);
+    let state = if is_stuck && state != ArmStateDto::Trouble { ArmStateDto::Stuck } else { state };
     let line = arm.and_then(|arm| arm.line);
     ArmDto {
         kind: mount.kind.clone(),

@@ -22,6 +22,7 @@ mod seam;
 mod sight;
 mod site;
 mod space;
+mod stand;
 mod task;
 mod trees;
 

@@ -17,10 +17,11 @@ use super::seam::{ArmSeam, ArmTrouble};
 use super::sight::PickerAhead;
 use super::site::{ArmSite, SlotAccess, numbers, rest};
 use super::space::ArmWay;
+use super::stand::ArmStand;
 use super::trees::rrt_connect;
 use crate::cell::PickFace;
 use crate::id::StationId;
-use crate::time::Time;
+use crate::time::{Span, Time};
 use crate::warehouse::{ArmMount, SlotName};
 use std::sync::Arc;
 
@@ -40,6 +41,8 @@ const LONGEST: u32 = 200;
 const SEARCHES: u64 = 12;
 /// Tries to make a way shorter.
 const SHORTENED: usize = 40;
+/// An arm that stands in the opening for so long is stuck: a stage that takes long is given up before.
+const STUCK: Span = Span::from_secs(60);
 /// Where an arm that evades is drawn to, so far along its way, radians.
 const CARROT_RAD: f64 = 0.8;
 
@@ -147,6 +150,7 @@ pub struct StationArm {
     cycles: u32,
     /// What its own stop did at this stage.
     backoff: StopBackoff,
+    stand: ArmStand,
     /// The second that was sent last.
     plan: ArmPlan,
     grip: Option<ArmGrip>,
@@ -180,6 +184,7 @@ impl StationArm {
             blocked: 0,
             cycles: 0,
             backoff: StopBackoff::default(),
+            stand: ArmStand::default(),
             plan: ArmPlan::standing(&rest()),
             grip: None,
             grips: 0,
@@ -198,6 +203,7 @@ impl StationArm {
         self.was_heard = true;
         self.seam.take(now, said.report).ok()?;
         (self.due, self.may_search, self.is_vouched) = (true, true, false);
+        self.stand.see(&said.report.joints, now);
         if said.report.is_stopped && self.stage != ArmStage::Rest {
             self.backoff.hold(&said.report.joints);
         }
@@ -279,6 +285,12 @@ impl StationArm {
     pub fn is_inside(&self) -> bool {
         let joints = self.seam.joints().filter(|_| self.stage != ArmStage::Rest && !self.is_vouched);
         self.site.as_ref().zip(joints).is_some_and(|(site, joints)| site.is_inside(joints))
+    }
+
+    /// Whether it has stood in the opening, or beyond it, for so long that somebody should look: no rack comes or leaves
+    /// meanwhile.
+    pub fn is_stuck_inside(&self, now: Time) -> bool {
+        self.is_inside() && self.stand.since().is_some_and(|since| now - since >= STUCK)
     }
 
     /// A person vouches that it is not in the opening, though nobody has heard of it.

@@ -33,6 +33,8 @@ pub struct ArmView {
     pub activity: ArmActivity,
     /// The line that it picks: of which job, and its number, from 0.
     pub line: Option<(JobId, usize)>,
+    /// Whether it has not moved in the opening for a minute.
+    pub is_stuck_inside: bool,
 }
 
 /// All arms of a building, by their stations.
@@ -81,6 +83,7 @@ impl Arms {
     /// The arm at a station as it is shown.
     pub fn view(&self, station: StationId, now: Time) -> Option<ArmView> {
         let post = self.all.get(&station)?;
-        Some(ArmView { activity: post.arm.activity(now), line: post.line })
+        let ArmPost { arm, line, .. } = post;
+        Some(ArmView { activity: arm.activity(now), line: *line, is_stuck_inside: arm.is_stuck_inside(now) })
     }
 }

@@ -178,7 +178,7 @@ fn the_lines_of_an_arm_in_trouble_go_to_the_hand_and_it_gets_no_trajectory() {
         cell.step();
         (0..5).for_each(|_| cell.say(says(cell.floor.now)));
         assert_eq!(cell.lines(), [(Lit, 0), (Open, 0)], "{why}");
-        assert_eq!(cell.arm(), ArmView { activity: ArmActivity::Trouble(why), line: None });
+        assert_eq!((cell.arm().activity, cell.arm().line), (ArmActivity::Trouble(why), None));
         assert!(cell.got <= got + 3, "{why}: no further trajectory");
         let got = cell.got;
         (0..8).for_each(|_| cell.say(says(cell.floor.now)));
@@ -227,4 +227,23 @@ fn no_rack_leaves_while_an_arm_is_inside_until_it_comes_out_or_a_person_vouches_
             cell.until("it comes out", 200, |c| c.is_over());
         }
     }
+}
+
+#[test]
+fn an_arm_that_does_not_move_in_the_opening_for_a_minute_is_stuck_until_it_moves() {
+    let mut cell = ArmFloor::new(&[("A1", 1, "A", Hand), ("D3", 1, "C", PickedBy::Arm)]);
+    cell.until("it is inside", 200, |c| c.floor.fleet.core.arms.is_inside(S1));
+    let held = cell.joints;
+    let stands = |cell: &mut ArmFloor, seconds: i64| {
+        let until = cell.floor.now + Span::from_secs(seconds);
+        while cell.floor.now < until {
+            cell.joints = held;
+            cell.say(Some(ArmReport { is_stopped: true, ..cell.report() }));
+        }
+        cell.arm().is_stuck_inside
+    };
+    assert!(!stands(&mut cell, 55), "it may go on soon");
+    assert!(stands(&mut cell, 10));
+    cell.joints = held;
+    cell.until("it moves again", 100, |c| !c.arm().is_stuck_inside);
 }

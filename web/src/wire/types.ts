@@ -485,7 +485,7 @@ export interface StationDetail {
     pieces_left: number;
     expected_end: { p10: number; p50: number; p90: number } | null;
   } | null;
-  arm: { state: 'off' | 'idle' | 'moving' | 'stopped' | 'trouble'; line: { job: string; n: number } | null } | null;
+  arm: { state: 'off' | 'idle' | 'moving' | 'stopped' | 'stuck' | 'trouble'; line: { job: string; n: number } | null } | null;
   /** How well the ends of visits were expected as they began. */
   ends: { visits: number; held: number | null; off_s: number | null };
   warnings: { slot: string | null; tote: string | null }[];
