@@ -145,12 +145,12 @@ impl Desk {
         self.spent.take()
     }
 
-    /// Whether these hands, seen now, would be a reason for a warning. It costs little and changes nothing.
-    pub fn would_warn(&self, scene: DeskScene<'_>, seen: &HandsSeen) -> bool {
+    /// What these hands, seen now, would do that is a reason for a warning. It costs little and changes nothing.
+    pub fn would_warn(&self, scene: DeskScene<'_>, seen: &HandsSeen) -> Option<DeskEvent> {
         // Beliefs are large, and warnings are not made of them.
         let mut desk = Desk { beliefs: None, ..*self };
         let (events, _) = desk.follow(scene, seen);
-        events.iter().any(|event| match event {
+        events.into_iter().find(|event| match event {
             DeskEvent::AimsAt(_) => true,
             DeskEvent::Grasped(slot) => scene.lit.is_some_and(|lit| lit != *slot),
             DeskEvent::Placed(piece, tote) => {

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`DriveLoop`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for
 //! the next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are
-//! told, leave in the turn that decided them. Orders and answers leave when the journal has the facts behind them;
+//! told, leave in the turn that decided them; a warning of a hand leaves before its turn. Orders and answers leave when the journal has the facts behind them;
 //! where it has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
 //! Refuses: locks, waiting for the database, and decisions of its own.
 
@@ -120,14 +120,19 @@ impl DriveLoop {
         self.world
     }
 
-    /// Turns at once where a pose calls for a stop, or hands for a warning, and the loop has rested.
+    /// Turns at once where a pose calls for a stop, or hands for a warning, and the loop has rested. The warning itself
+    /// does not wait for that: the turn repeats it, which the headset does not notice.
     fn listen(&mut self, heard: &HeardSighting, published: &mut Time) {
         let now = self.clock.now();
-        if self.rescue.is_broken() || self.pace.called.is_some() {
+        if self.rescue.is_broken() {
             return;
         }
-        let is_wrong = || self.inbox.hands_of(heard).is_some_and(|h| self.fleet.calls_for_warning(&h, now));
-        if self.fleet.calls_for_stop(&heard.sighting, now) || is_wrong() {
+        let warning = self.inbox.hands_of(heard).and_then(|hands| self.fleet.warning_of(&hands, now));
+        self.feeds.warn(warning.as_slice());
+        if self.pace.called.is_some() {
+            return;
+        }
+        if warning.is_some() || self.fleet.calls_for_stop(&heard.sighting, now) {
             self.pace.called = Some(heard.received);
             if now >= self.pace.rests {
                 self.turn_early(published);

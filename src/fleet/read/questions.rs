@@ -6,9 +6,9 @@ use crate::cell::HandsSeen;
 use crate::fleet::Fleet;
 use crate::fleet::people::forecast::Expected;
 use crate::fleet::people::foreseen::ForeseenPerson;
-use crate::fleet::requests::hands::calls_for_warning;
+use crate::fleet::requests::hands::warning_of;
 use crate::fleet::state::displaced::Displacement;
-use crate::fleet::state::io::Telemetry;
+use crate::fleet::state::io::{CellWarning, Telemetry};
 use crate::fleet::state::passing::Passing;
 use crate::geometry::Point;
 use crate::human::Sighting;
@@ -79,8 +79,8 @@ impl Fleet {
         self.yielding.calls_for_stop(&self.core, &self.people, &self.traffic, sighting, now)
     }
 
-    /// Whether a step that took in these hands now would warn of them.
-    pub fn calls_for_warning(&self, seen: &HandsSeen, now: Time) -> bool {
-        calls_for_warning(&self.core, seen, now)
+    /// What a step that took in these hands now would warn of.
+    pub fn warning_of(&self, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
+        warning_of(&self.core, seen, now)
     }
 }

@@ -158,20 +158,25 @@ impl Intake<'_> {
     }
 }
 
-/// Whether a step that took in these hands now would warn of them.
-pub(in crate::fleet) fn calls_for_warning(core: &Core, seen: &HandsSeen, now: Time) -> bool {
+/// What a step that took in these hands now would warn of.
+pub(in crate::fleet) fn warning_of(core: &Core, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
     let station = seen.station;
     if station.ix() >= core.warehouse().stations.len() || !core.settings.flow.hears_hands() {
-        return false;
+        return None;
     }
     if seen.seen > now + AHEAD || !core.visits.can_be_wrong(seen) {
-        return false;
+        return None;
     }
     let floor = core.floor();
     let job = floor.picked_from(station).and_then(|robot| floor.ledger.robots[robot].task.job());
     let lit = job.and_then(|job| floor.lit_line(station, job));
     let tote = lit.as_ref().map(|line| line.tote).or(floor.unconfirmed_line(station).map(|line| line.tote));
-    core.visits.would_warn(&core.settings.picks, (lit.map(|line| line.slot), tote), seen)
+    let expected = (lit.map(|line| line.slot), tote);
+    let wrong = match core.visits.would_warn(&core.settings.picks, expected, seen)? {
+        DeskEvent::AimsAt(slot) | DeskEvent::Grasped(slot) => WrongReach::Slot(slot),
+        DeskEvent::Placed(_, tote) => WrongReach::Tote(tote),
+    };
+    Some(CellWarning { station, person: seen.person, wrong, seen: seen.seen })
 }
 
 impl Floor<'_> {

@@ -356,17 +356,14 @@ impl Visits {
         seen.hands.iter().flatten().map(|hand| face.of(hand.grip())).any(|at| face.is_near(at))
     }
 
-    /// Whether these hands, seen now, would be warned of.
+    /// What these hands, seen now, would be warned of.
     pub fn would_warn(
         &self,
         model: &Arc<PickModel>,
         (lit, tote): (Option<SlotName>, Option<usize>),
         seen: &HandsSeen,
-    ) -> bool {
-        let (Some(desk), Some((_, face))) = (self.desks.get(&seen.station), self.faces.get(&seen.station))
-        else {
-            return false;
-        };
+    ) -> Option<DeskEvent> {
+        let (desk, (_, face)) = self.desks.get(&seen.station).zip(self.faces.get(&seen.station))?;
         desk.would_warn(DeskScene { face, model, lit, tote }, seen)
     }
 

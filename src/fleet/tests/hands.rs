@@ -229,19 +229,23 @@ fn a_visit_is_expected_to_end_sooner_with_each_phase_of_the_hand_and_its_end_is_
 }
 
 #[test]
-fn hands_call_for_a_step_at_once_only_where_they_would_be_warned_of() {
+fn hands_can_be_warned_of_before_the_step_and_only_where_it_would_warn() {
     let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
-    let calls = |cell: &mut CellFloor, name: &str| {
+    let warning = |cell: &mut CellFloor, name: &str| {
         cell.moves(cell.front(name), 0.6);
-        assert!(!cell.floor.fleet.calls_for_warning(&cell.seen(cell.floor.now), cell.floor.now), "it is far");
+        assert_eq!(
+            cell.floor.fleet.warning_of(&cell.seen(cell.floor.now), cell.floor.now),
+            None,
+            "it is far"
+        );
         cell.at = cell.face.slot(slot(name)) - FacePlace::new(0.0, 0.06, 0.0);
         let now = cell.floor.now + Span::from_millis(150);
-        let calls = cell.floor.fleet.calls_for_warning(&cell.seen(now), now);
+        let warning = cell.floor.fleet.warning_of(&cell.seen(now), now);
         cell.at = cell.front(name);
-        calls
+        warning.map(|w| w.wrong)
     };
-    assert!(calls(&mut cell, "B2"));
-    assert!(!calls(&mut cell, "C3"), "that is the lit one");
+    assert_eq!(warning(&mut cell, "B2"), Some(WrongReach::Slot(slot("B2"))));
+    assert_eq!(warning(&mut cell, "C3"), None, "that is the lit one");
     assert_eq!(cell.warnings, [], "asking changes nothing");
 }
 
