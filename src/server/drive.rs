@@ -2,9 +2,9 @@
 //!
 //! Main type: [`DriveLoop`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for
 //! the next tick: the loop turns at once, and rests after that for as long as it took. Stops, and what workers are
-//! told, leave in the turn that decided them; a warning of a hand leaves before its turn. Orders and answers leave when the journal has the facts behind them;
-//! where it has none of them for so long that no more may wait, every robot is told to stand and the floor goes on.
-//! Refuses: locks, waiting for the database, and decisions of its own.
+//! told, leave in the turn that decided them; warnings of hands leave before it. Orders and answers leave when the
+//! journal has the facts behind them; where it has none of them for so long that no more may wait, every robot is told
+//! to stand and the floor goes on. Refuses: locks, waiting for the database, and decisions of its own.
 
 use super::ahead::LastForecasts;
 use super::clock::Clock;
@@ -22,7 +22,7 @@ use crate::api::alarms::Alarms;
 use crate::api::feed::hub::{Feeds, HeardSighting};
 use crate::api::metrics::Metrics;
 use crate::api::port::{Moment, QUESTIONS_AT_ONCE, Question};
-use crate::fleet::{Command, Fleet, Guidance, Input};
+use crate::fleet::{CellWarning, Command, Fleet, Guidance, Input};
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
 use crate::store::Store;
@@ -120,14 +120,14 @@ impl DriveLoop {
         self.world
     }
 
-    /// Turns at once where a pose calls for a stop, or hands for a warning, and the loop has rested. The warning itself
-    /// does not wait for that: the turn repeats it, which the headset does not notice.
+    /// Turns at once where a pose calls for a stop, or hands for a warning, and the loop has rested.
     fn listen(&mut self, heard: &HeardSighting, published: &mut Time) {
         let now = self.clock.now();
         if self.rescue.is_broken() {
             return;
         }
-        let warning = self.inbox.hands_of(heard).and_then(|hands| self.fleet.warning_of(&hands, now));
+        let hands = self.inbox.hands_of(heard);
+        let warning = hands.and_then(|hands| self.fleet.warning_of(&hands, now));
         self.feeds.warn(warning.as_slice());
         if self.pace.called.is_some() {
             return;
@@ -138,6 +138,19 @@ impl DriveLoop {
                 self.turn_early(published);
             }
         }
+    }
+
+    /// Warnings of hands do not wait for the step that is to come: a headset does not notice that it repeats them.
+    fn warn_ahead(&self, heard: &[Input], now: Time) {
+        let mut warnings: Vec<CellWarning> = Vec::new();
+        for input in heard {
+            let Input::Hands(hands) = input else { continue };
+            // The first observation that calls for it says since when it is known.
+            if warnings.iter().all(|w| w.person != hands.person) {
+                warnings.extend(self.fleet.warning_of(hands, now));
+            }
+        }
+        self.feeds.warn(&warnings);
     }
 
     /// Turns before its time, and rests then for as long as that took, whatever pose calls.
@@ -159,8 +172,10 @@ impl DriveLoop {
         let refusing = self.refuses();
         let mut inputs = self.inbox.drain(refusing);
         inputs.extend(self.world.advance(now, &self.fleet));
+        let before = inputs.len();
         self.inbox.look(&mut inputs);
         let looked = self.clock.now();
+        self.warn_ahead(&inputs[before..], looked);
         let mut warned = false;
         if self.journal.is_full() {
             self.halt(now, &inputs);
