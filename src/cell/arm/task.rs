@@ -287,8 +287,8 @@ impl StationArm {
         self.site.as_ref().zip(joints).is_some_and(|(site, joints)| site.is_inside(joints))
     }
 
-    /// Whether it has stood in the opening, or beyond it, for so long that somebody should look: no rack comes or leaves
-    /// meanwhile.
+    /// Whether it has stood in the opening, or beyond it, for so long that somebody should look: meanwhile no rack
+    /// comes or leaves.
     pub fn is_stuck_inside(&self, now: Time) -> bool {
         self.is_inside() && self.stand.since().is_some_and(|since| now - since >= STUCK)
     }
