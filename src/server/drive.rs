@@ -142,14 +142,11 @@ impl DriveLoop {
 
     /// Warnings of hands do not wait for the step that is to come: a headset does not notice that it repeats them.
     fn warn_ahead(&self, heard: &[Input], now: Time) {
-        let mut warnings: Vec<CellWarning> = Vec::new();
-        for input in heard {
-            let Input::Hands(hands) = input else { continue };
-            // The first observation that calls for it says since when it is known.
-            if warnings.iter().all(|w| w.person != hands.person) {
-                warnings.extend(self.fleet.warning_of(hands, now));
-            }
-        }
+        let warning = |input: &Input| match input {
+            Input::Hands(hands) => self.fleet.warning_of(hands, now),
+            _ => None,
+        };
+        let warnings: Vec<CellWarning> = heard.iter().filter_map(warning).collect();
         self.feeds.warn(&warnings);
     }
 

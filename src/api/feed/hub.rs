@@ -323,6 +323,8 @@ impl Feeds {
             let Some(slot) = slots.get(WorkerId(warning.person)) else { continue };
             slot.told.send_if_modified(|told| {
                 let cell = told.cell.as_mut().filter(|cell| cell.station == warning.station);
+                // The first observation says since when it is known; what is told already is told once.
+                let cell = cell.filter(|cell| cell.warning != Some(warning.wrong));
                 let warned = (Some(warning.wrong), Some(warning.seen));
                 cell.map(|cell| (cell.warning, cell.warned_of) = warned).is_some()
             });
