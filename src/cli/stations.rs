@@ -229,6 +229,7 @@ fn arm(rows: &[StationsRow]) -> Value {
         "wrong_totes": sum(|r| r.wrong_totes),
         "wrong_totes_warned": share(sum(|r| r.wrong_totes_warned), sum(|r| r.wrong_totes)),
         "wrong_confirmed_per_1000": per_1000(sum(|r| r.wrong_confirmed), all),
+        "wrong_by_hand_per_1000": per_1000(sum(|r| r.wrong_by_hand), all),
         "false_warnings_per_1000": per_1000(sum(|r| r.false_warnings), all),
         "dismissed_early_per_1000": per_1000(sum(|r| r.dismissed_early), visits),
         "guard_stops_per_1000": per_1000(sum(|r| r.guard_stops), visits),

@@ -49,6 +49,8 @@ pub struct StationsRow {
     pub wrong_totes_warned: u64,
     /// Lines that were confirmed though they were not so in the end.
     pub wrong_confirmed: u64,
+    /// Those of them for which no button was pressed: the hand alone confirmed them.
+    pub wrong_by_hand: u64,
     /// Warnings of what was right.
     pub false_warnings: u64,
     /// Racks that left while pieces were still to be taken.
@@ -274,7 +276,10 @@ impl Ledgered {
         let is_wrong = |(line, (pieces, _)): &(&(JobId, usize), &(u32, Time))| {
             truth.get(*line).is_none_or(|t| t.right != *pieces || t.wrong > 0)
         };
-        row.wrong_confirmed = settled.filter(is_wrong).count() as u64;
+        let wrong: Vec<_> = settled.filter(is_wrong).collect();
+        let is_pressed = |line: &(JobId, usize)| truth.get(line).is_some_and(|t| t.is_pressed);
+        row.wrong_confirmed = wrong.len() as u64;
+        row.wrong_by_hand = wrong.iter().filter(|(line, _)| !is_pressed(line)).count() as u64;
         row.guard_stops = sim.world.guard_stops();
         let outcome = sim.outcome();
         (row.law_violations, row.broken) = (outcome.law_violations, outcome.broken);

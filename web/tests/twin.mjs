@@ -96,8 +96,9 @@ await check('Keys walk as fast as people do, and not through racks', async () =>
     assert(!map.obstacles.some((o) => inside(now, o)), `it is in the racks, at ${now}`);
   }
   await page.keyboard.up('w');
+  // On a busy machine a pose may be late for a moment.
+  await soon('the worker', async () => (await me())?.presence === 'tracked');
   const worker = await me();
-  assert(worker.presence === 'tracked', worker.presence);
   const { feed } = await ask(`/v1/workers/${worker.id}`);
   assert(feed.jumps === 0 && feed.absurd === 0 && feed.taken > 20, JSON.stringify(feed));
   return `${gone.toFixed(2)} m; ${feed.taken} poses taken`;

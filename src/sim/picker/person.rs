@@ -483,6 +483,7 @@ impl SimPicker {
             false => LineChange::Done(line.left),
         };
         self.figures.presses += 1;
+        self.figures.lines.entry((claim.job, claim.n)).or_default().is_pressed = true;
         if let Some(line) = screen.lit.as_ref().filter(is_it) {
             return Some(StationOrder::Line(line.n, change(line)));
         }

@@ -39,6 +39,8 @@ pub struct TrueLine {
     pub right: u32,
     /// Wrong pieces, or pieces in a wrong tote.
     pub wrong: u32,
+    /// Whether a button was pressed for it.
+    pub is_pressed: bool,
 }
 
 /// What truly happened at one station.
