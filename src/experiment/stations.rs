@@ -318,6 +318,9 @@ mod tests {
             let row = setup().run(14, flow, 3);
             assert!(row.lines > 100, "{flow:?}: {row:?}");
             assert_eq!(row.law_violations, 0, "{flow:?}: {:?}", row.broken);
+            if [FlowWord::Usual, FlowWord::Counted].contains(&flow) {
+                assert!(row.wrong_confirmed > 0 && row.wrong_by_hand == 0, "{flow:?}: {row:?}");
+            }
             if flow == FlowWord::Seen {
                 assert_eq!(row, setup().run(14, flow, 3));
                 assert!((row.presses as f64) < 0.3 * row.lines as f64, "hands confirm most lines: {row:?}");
