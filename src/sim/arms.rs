@@ -286,11 +286,13 @@ mod tests {
     use crate::warehouse::stations;
     use std::sync::Arc;
 
+    /// Long visits: with the usual short ones an arm puts down a piece in ten minutes or so.
     fn scenario(mode: ArmModeWord, seconds: i64) -> Scenario {
         let mut scenario = Scenario::parse(include_str!("../../scenarios/stations.json")).unwrap();
         (scenario.robots, scenario.duration, scenario.drain) = (14, Span::from_secs(seconds), Span::ZERO);
         let cells = scenario.cells.as_mut().unwrap();
         (cells.arms, cells.arm_mode) = (vec!["S1".into(), "S2".into()], mode);
+        cells.lines.per_visit = [6, 12];
         scenario
     }
 

@@ -13,8 +13,8 @@ const FIRST: u32 = 10;
 const DOUBLINGS: u32 = 3;
 
 /// A stop counts if the arm went so far since the last one, radians: an arm that stands anyway does not wait longer
-/// because people pass it.
-const MOVED_RAD: f64 = 0.05;
+/// because people pass it, but one that is held whenever it has just started does.
+const MOVED_RAD: f64 = 0.005;
 
 /// How long an arm stands after its own stop.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,5 +69,15 @@ mod tests {
         assert_eq!(stand(&mut backoff, 1.0), 0, "it has not moved since");
         backoff.got_on();
         assert_eq!(stand(&mut backoff, 1.0), 0);
+    }
+
+    #[test]
+    fn an_arm_that_is_held_whenever_it_has_just_started_stands_longer_and_longer() {
+        let mut backoff = StopBackoff::default();
+        let mut stood = |k: u32| {
+            backoff.hold(&[0.004 * f64::from(k); 6]);
+            (0..).take_while(|_| backoff.waits()).count()
+        };
+        assert_eq!((0..6).map(&mut stood).collect::<Vec<usize>>(), [0, 0, 10, 20, 40, 80]);
     }
 }
