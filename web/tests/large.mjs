@@ -1,5 +1,7 @@
-// The map editor with a large hall: a stroke, a drag of a place and a move of the plan, in frames a second.
+// The map editor with a large hall: what a stroke, a drag of a place and a move of the plan cost the page.
 // node web/tests/large.mjs PROGRAM
+// What is asserted is the page's processor time, which other programs on the machine do not stretch; frames a second
+// are printed.
 import { mkdtempSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -12,10 +14,10 @@ if (!program) {
   console.error('Say which program to start: node web/tests/large.mjs target/debug/giveway');
   process.exit(2);
 }
-/** Frames a second below which drawing feels slow. */
-const LEAST = 20;
-/** How long the page may stand still when a stroke ends, milliseconds. */
-const LONGEST_MS = 400;
+/** What a frame may cost while something is dragged, milliseconds: above it, drawing feels slow. */
+const FRAME_MS = 50;
+/** What the page may work when a stroke ends, milliseconds. */
+const END_MS = 400;
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 const server = await serve(program, 'scenarios/lab.json', mkdtempSync(join(tmpdir(), 'giveway-large-')));
@@ -26,8 +28,13 @@ listen(page, complaints);
 const sheet = page.getByRole('application');
 const status = page.locator('section', { has: page.getByRole('heading', { name: 'Check' }) }).getByRole('status');
 
-/** Frames a second, and the longest pause between two frames, while `run` runs. */
-async function frames(run) {
+// In processor time of the page's main thread.
+const devtools = await page.context().newCDPSession(page);
+await devtools.send('Performance.enable', { timeDomain: 'threadTicks' });
+const worked = async () => 1000 * (await devtools.send('Performance.getMetrics')).metrics.find((m) => m.name === 'TaskDuration').value;
+
+/** What the page works while `run` runs, in all and per frame, milliseconds; and how many frames a second it shows. */
+async function cost(run) {
   await page.evaluate(() => {
     globalThis.times = [];
     const note = (at) => {
@@ -36,13 +43,15 @@ async function frames(run) {
     };
     globalThis.noting = requestAnimationFrame(note);
   });
+  const before = await worked();
   await run();
+  const ms = (await worked()) - before;
   const times = await page.evaluate(() => {
     cancelAnimationFrame(globalThis.noting);
     return globalThis.times;
   });
-  const gaps = times.slice(1).map((at, i) => at - times[i]);
-  return { rate: (1000 * gaps.length) / (times.at(-1) - times[0]), longest: Math.max(...gaps) };
+  assert(times.length > 1, 'the page showed no frames');
+  return { ms, perFrame: ms / times.length, rate: (1000 * (times.length - 1)) / (times.at(-1) - times[0]) };
 }
 
 /** Drags over the sheet for about two seconds, as a hand does: sixty moves a second at most. */
@@ -51,13 +60,13 @@ async function drag([x0, y0], [x1, y1], steps = 90) {
   const at = (t) => [box.x + box.width * (x0 + (x1 - x0) * t), box.y + box.height * (y0 + (y1 - y0) * t)];
   await page.mouse.move(...at(0));
   await page.mouse.down();
-  const moving = await frames(async () => {
+  const moving = await cost(async () => {
     for (let i = 1; i <= steps; i++) {
       await page.mouse.move(...at(i / steps));
       await page.waitForTimeout(8);
     }
   });
-  const ending = await frames(async () => {
+  const ending = await cost(async () => {
     await page.mouse.up();
     await page.waitForTimeout(900);
   });
@@ -66,8 +75,8 @@ async function drag([x0, y0], [x1, y1], steps = 90) {
 
 const tool = (name) => page.getByRole('navigation', { name: 'Tools' }).getByRole('button', { name }).click();
 function fast({ moving, ending }) {
-  const said = `${moving.rate.toFixed(0)} frames a second, ${ending.longest.toFixed(0)} ms at the end`;
-  assert(moving.rate >= LEAST && ending.longest <= LONGEST_MS, said);
+  const said = `${moving.perFrame.toFixed(1)} ms of processor time a frame, ${ending.ms.toFixed(0)} ms at the end; ${moving.rate.toFixed(0)} frames a second`;
+  assert(moving.perFrame <= FRAME_MS && ending.ms <= END_MS, said);
   return said;
 }
 
@@ -98,12 +107,13 @@ await check('Dragging a place is smooth, and so is its end', async () => {
   return fast(await drag([0.5, 0.5], [0.6, 0.7]));
 });
 await check('Undoing it is smooth', async () => {
-  const { rate, longest } = await frames(async () => {
+  const { ms, rate } = await cost(async () => {
     for (let i = 0; i < 3; i++) await page.getByRole('button', { name: 'Undo' }).click();
     await page.waitForTimeout(600);
   });
-  assert(longest <= LONGEST_MS, `${longest.toFixed(0)} ms`);
-  return `${rate.toFixed(0)} frames a second, ${longest.toFixed(0)} ms at most`;
+  const said = `${ms.toFixed(0)} ms of processor time; ${rate.toFixed(0)} frames a second`;
+  assert(ms <= 3 * END_MS, said);
+  return said;
 });
 await check('The page logs no error', async () => {
   assert(complaints.length === 0, complaints.join(' | '));
