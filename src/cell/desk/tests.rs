@@ -1,0 +1,274 @@
+//! Hands at a work cell, followed from slot to tote, on films of one hand.
+
+use super::*;
+use crate::cell::HandPoints;
+use crate::id::StationId;
+use crate::warehouse::stations;
+
+/// Observations of a right hand that goes from place to place, 60 a second; the left one rests.
+struct Film {
+    face: Arc<PickFace>,
+    desk: Desk,
+    now: Time,
+    at: FacePlace,
+    person: u32,
+    events: Vec<DeskEvent>,
+}
+
+/// Nothing is lit.
+const LIT: Option<(SlotName, usize)> = None;
+
+impl Film {
+    fn new() -> Film {
+        let w = stations();
+        let (station, rack) = (&w.stations[StationId(0)], w.rack_types.iter().next().unwrap());
+        let face = PickFace::new(station.cell.as_ref().unwrap(), w.nodes[station.node].at, rack);
+        let (desk, at, now) = (Desk::default(), FacePlace::new(0.22, 0.95, 0.95), Time::from_secs_f64(10.0));
+        let face = Arc::new(face);
+        Film { face, desk, now, at, person: 0, events: Vec::new() }
+    }
+
+    fn hand(&self, at: FacePlace) -> HandPoints {
+        let place = |back: f64| self.face.on_map(at + FacePlace::new(0.0, back, 0.0));
+        HandPoints { wrist: place(0.17), palm: place(0.09), tips: [place(0.0); 2] }
+    }
+
+    fn look(&mut self, lit: Option<(SlotName, usize)>, hands: [Option<FacePlace>; 2]) {
+        let hands = hands.map(|at| at.map(|at| self.hand(at)));
+        let (station, person, seen) = (StationId(0), self.person, self.now);
+        let head = self.face.on_map(FacePlace::new(0.0, 1.05, 1.6));
+        let seen = HandsSeen { station, person, seen, head, facing: None, hands };
+        let (lit, tote) = (lit.map(|(slot, _)| slot), lit.map(|(_, tote)| tote));
+        let scene = DeskScene { face: &self.face, model: &PickModel::builtin(), lit, tote };
+        self.events.extend(self.desk.see(scene, &seen));
+        self.now += Span::from_millis(16);
+    }
+
+    /// The hand moves by a smooth step, and is seen or not.
+    fn moves(&mut self, lit: Option<(SlotName, usize)>, to: FacePlace, seconds: f64, is_seen: bool) {
+        self.begins_to_move(lit, to, (seconds, 1.0), is_seen);
+    }
+
+    /// The same for the first share of the time.
+    fn begins_to_move(
+        &mut self,
+        lit: Option<(SlotName, usize)>,
+        to: FacePlace,
+        (seconds, share): (f64, f64),
+        is_seen: bool,
+    ) {
+        let (from, n) = (self.at, (seconds / 0.016) as usize);
+        for i in 1..=(n as f64 * share) as usize {
+            let t = i as f64 / n as f64;
+            self.at = from + (to - from) * (t * t * (3.0 - 2.0 * t));
+            let left = FacePlace::new(-0.22, 0.95, 0.95);
+            if is_seen {
+                self.look(lit, [Some(left), Some(self.at)]);
+            } else {
+                self.now += Span::from_millis(16);
+            }
+        }
+    }
+
+    /// A hand picks from a slot and comes out again.
+    fn picks(&mut self, lit: Option<(SlotName, usize)>, slot: SlotName) {
+        let front = self.face.slot(slot) + FacePlace::new(0.0, 0.3, 0.0);
+        let inside = self.face.slot(slot) - FacePlace::new(0.0, 0.12, 0.0);
+        self.moves(lit, front, 0.5, true);
+        self.moves(lit, inside, 0.4, true);
+        self.moves(lit, inside, 0.4, true);
+        self.moves(lit, front, 0.4, true);
+    }
+
+    fn puts(&mut self, lit: Option<(SlotName, usize)>, tote: usize, is_seen: bool) {
+        let rim = self.face.tote(tote).unwrap();
+        self.moves(lit, rim, 0.7, is_seen);
+        self.moves(lit, rim, 0.2, true);
+    }
+}
+
+fn slot(name: &str) -> SlotName {
+    name.parse().unwrap()
+}
+
+fn put(name: &str, sure: bool, tote: usize) -> DeskEvent {
+    DeskEvent::Placed(HeldPiece { from: slot(name), sure, is_of_before: false }, tote)
+}
+
+#[test]
+fn a_piece_is_followed_from_its_slot_to_its_tote() {
+    let mut film = Film::new();
+    for (name, tote) in [("C3", 1), ("A1", 0), ("D5", 2)] {
+        film.events.clear();
+        film.picks(LIT, slot(name));
+        assert_eq!(film.desk.in_hand(slot(name)), 1, "{name}");
+        film.puts(LIT, tote, true);
+        let placed = put(name, true, tote);
+        assert_eq!(film.events, [DeskEvent::Grasped(slot(name)), placed], "{name}");
+        assert_eq!(film.desk.in_hand(slot(name)), 0);
+    }
+}
+
+#[test]
+fn a_hand_that_was_not_seen_on_its_way_confirms_nothing() {
+    let mut film = Film::new();
+    film.picks(LIT, slot("C3"));
+    film.puts(LIT, 1, false);
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), put("C3", false, 1)]);
+}
+
+#[test]
+fn a_hand_on_its_way_to_a_wrong_slot_is_warned_of_once_and_before_it_has_a_piece() {
+    let lit = Some((slot("B2"), 0));
+    for name in ["C2", "B3", "A4"] {
+        let mut film = Film::new();
+        let front = film.face.slot(slot(name)) + FacePlace::new(0.0, 0.3, 0.0);
+        film.moves(lit, front, 0.5, true);
+        film.moves(lit, film.face.slot(slot(name)) - FacePlace::new(0.0, 0.08, 0.0), 0.4, true);
+        assert_eq!(film.events, [DeskEvent::AimsAt(slot(name))], "{name}");
+    }
+    let mut film = Film::new();
+    film.picks(lit, slot("B2"));
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("B2"))], "the right slot is no reason for a warning");
+}
+
+#[test]
+fn a_piece_that_goes_from_a_wrong_tote_to_the_right_one_counts_there() {
+    let lit = Some((slot("C3"), 2));
+    let mut film = Film::new();
+    film.picks(lit, slot("C3"));
+    film.puts(lit, 0, true);
+    film.puts(lit, 2, true);
+    let placed = |tote| put("C3", true, tote);
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed(0), placed(2)]);
+}
+
+#[test]
+fn a_piece_where_it_belongs_counts_once_however_often_a_hand_comes_back_to_its_tote() {
+    let lit = Some((slot("C3"), 2));
+    let mut film = Film::new();
+    film.picks(lit, slot("C3"));
+    for _ in 0..3 {
+        film.puts(lit, 2, true);
+        film.moves(lit, FacePlace::new(0.0, 0.9, 1.1), 0.5, true);
+    }
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), put("C3", true, 2)]);
+}
+
+#[test]
+fn a_piece_of_the_rack_before_is_none_of_the_rack_that_is_there() {
+    let mut film = Film::new();
+    film.picks(LIT, slot("C3"));
+    film.desk.begin();
+    assert_eq!(film.desk.in_hand(slot("C3")), 0, "nobody has taken anything from this rack");
+    film.puts(LIT, 1, true);
+    let before = HeldPiece { from: slot("C3"), sure: true, is_of_before: true };
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), DeskEvent::Placed(before, 1)]);
+}
+
+#[test]
+fn a_hand_that_went_in_and_was_not_seen_since_may_be_there_still() {
+    let mut film = Film::new();
+    film.moves(LIT, film.face.slot(slot("C3")), 0.6, true);
+    film.now += Span::from_secs(5);
+    assert!(!film.desk.is_inside(&film.face, film.now), "it is not seen any more");
+    assert!(film.desk.may_be_inside(&film.face));
+}
+
+#[test]
+fn a_hand_of_a_second_person_inside_is_not_forgotten_when_the_first_is_seen_again() {
+    let mut film = Film::new();
+    film.look(LIT, [None, Some(film.at)]);
+    film.person = 1;
+    film.look(LIT, [None, Some(film.face.slot(slot("C3")))]);
+    film.person = 0;
+    film.look(LIT, [None, Some(film.at)]);
+    assert!(film.desk.is_inside(&film.face, film.now));
+}
+
+#[test]
+fn hands_of_two_persons_confirm_nothing_until_one_has_been_alone_for_a_while() {
+    let mut film = Film::new();
+    film.picks(LIT, slot("C3"));
+    film.person = 1;
+    film.puts(LIT, 1, true);
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))], "whose piece is it?");
+    film.now += Span::from_secs(3);
+    film.events.clear();
+    film.picks(LIT, slot("A1"));
+    film.puts(LIT, 0, true);
+    assert_eq!(film.events.len(), 2, "{:?}", film.events);
+}
+
+#[test]
+fn jumps_swaps_and_points_that_are_none_are_not_believed() {
+    let mut film = Film::new();
+    film.picks(LIT, slot("C3"));
+    let (left, elsewhere) = (FacePlace::new(-0.22, 0.95, 0.95), film.face.tote(1).unwrap());
+    for _ in 0..6 {
+        film.look(LIT, [Some(left), Some(elsewhere)]);
+    }
+    assert_eq!(film.desk.in_hand(slot("C3")), 1, "a jump puts nothing down");
+    let at = film.at;
+    for _ in 0..20 {
+        film.look(LIT, [Some(at), Some(left)]);
+    }
+    film.puts(LIT, 2, true);
+    let placed = put("C3", true, 2);
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed], "left was taken for right");
+    let before = film.desk.clone();
+    let mut bad = film.hand(left);
+    bad.palm.x = f64::NAN;
+    let seen = HandsSeen {
+        station: StationId(0),
+        person: 0,
+        seen: film.now,
+        facing: None,
+        head: bad.wrist,
+        hands: [Some(bad), None],
+    };
+    let scene = DeskScene { face: &film.face, model: &PickModel::builtin(), lit: None, tote: None };
+    assert!(film.desk.see(scene, &seen).is_empty());
+    assert_eq!(film.desk.hands, before.hands);
+}
+
+#[test]
+fn where_a_hand_goes_is_told_before_it_is_there_and_of_hands_at_rest_nothing() {
+    for name in ["A2", "B4", "C3", "D5"] {
+        let mut film = Film::new();
+        let (lit, inside) =
+            (Some((slot(name), 1)), film.face.slot(slot(name)) - FacePlace::new(0.0, 0.1, 0.0));
+        film.moves(lit, film.at, 0.6, true);
+        assert!(film.desk.reaches(film.now).is_empty(), "it rests");
+        film.begins_to_move(lit, inside, (0.8, 0.7), true);
+        let told = film.desk.reaches(film.now);
+        let best = told.iter().max_by(|a, b| a.probability.total_cmp(&b.probability)).expect("it moves");
+        assert_eq!((best.place, best.is_left), (ReachPlace::Slot(slot(name)), false), "{told:?}");
+        assert!(told.iter().map(|t| t.probability).sum::<f64>() <= 1.0 + 1e-9, "{told:?}");
+        film.now += Span::from_secs(2);
+        assert!(film.desk.reaches(film.now).is_empty(), "nobody knows any more");
+    }
+}
+
+#[test]
+fn a_hand_that_carries_a_piece_is_expected_at_its_tote() {
+    let lit = Some((slot("C3"), 2));
+    let mut film = Film::new();
+    film.picks(lit, slot("C3"));
+    let rim = film.face.tote(2).unwrap();
+    film.begins_to_move(lit, rim, (0.7, 0.7), true);
+    let told = film.desk.reaches(film.now);
+    let best = told.iter().max_by(|a, b| a.probability.total_cmp(&b.probability)).expect("it moves");
+    assert_eq!(best.place, ReachPlace::Tote(2), "{told:?}");
+}
+
+#[test]
+fn what_is_seen_late_or_twice_changes_nothing() {
+    let mut film = Film::new();
+    film.picks(LIT, slot("C3"));
+    let before = film.desk.clone();
+    film.now = film.now - Span::from_millis(200);
+    let inside = film.face.slot(slot("A1")) - FacePlace::new(0.0, 0.1, 0.0);
+    film.look(LIT, [None, Some(inside)]);
+    assert_eq!(film.desk, before);
+}
