@@ -3,10 +3,9 @@
 //! Main function: [`aims_wrong`]. Refuses: to name a slot while the lit one is likely enough.
 
 use super::face::{FacePlace, PickFace};
+use super::share::LitShare;
 use crate::warehouse::SlotName;
 
-/// Who picks goes to the lit slot this often, before anything is seen of the hand.
-const LIT: f64 = 0.985;
 /// What a warning for nothing costs, relative to one that does not come: warned is where the odds of a wrong slot
 /// against the lit one are above it.
 const COST: f64 = 60.0;
@@ -23,19 +22,30 @@ const MOVES_MPS: f64 = 0.15;
 const FAR_M: f64 = 0.12;
 
 /// The slot that is the likeliest one where a hand goes, if the odds of all others together against the lit one are
-/// high enough for a warning.
-pub fn aims_wrong(face: &PickFace, lit: SlotName, at: FacePlace, velocity: FacePlace) -> Option<SlotName> {
+/// high enough for a warning. The person goes to the lit slot with the probability `share`, before anything is seen of
+/// the hand.
+pub(super) fn aims_wrong(
+    face: &PickFace,
+    (lit, share): (SlotName, LitShare),
+    at: FacePlace,
+    velocity: FacePlace,
+) -> Option<SlotName> {
     let left_m = -face.depth_m(at);
     if -velocity.y < MOVES_MPS || left_m > FAR_M {
         return None;
     }
     let to_face_s = (left_m.max(0.0) / -velocity.y).min(ON_MOST_S);
-    let by = |on_s: f64| wrong_by(face, lit, at + velocity * on_s, left_m);
+    let by = |on_s: f64| wrong_by(face, (lit, share.get()), at + velocity * on_s, left_m);
     by(to_face_s).and(by(ON_S))
 }
 
 /// The same, where a hand would be in front of a slot at this place.
-fn wrong_by(face: &PickFace, lit: SlotName, lands: FacePlace, left_m: f64) -> Option<SlotName> {
+fn wrong_by(
+    face: &PickFace,
+    (lit, share): (SlotName, f64),
+    lands: FacePlace,
+    left_m: f64,
+) -> Option<SlotName> {
     let sigma_m = NEAR_M + PER_M * left_m.max(0.0);
     let likely = |front: FacePlace| {
         let off = (lands - front).xz().norm() / sigma_m;
@@ -53,6 +63,6 @@ fn wrong_by(face: &PickFace, lit: SlotName, lands: FacePlace, left_m: f64) -> Op
             best = Some((slot, w));
         }
     }
-    let odds = others / count * (1.0 - LIT) / (of_lit * LIT);
+    let odds = others / count * (1.0 - share) / (of_lit * share);
     (odds > COST).then_some(best?.0)
 }

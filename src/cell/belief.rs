@@ -30,8 +30,9 @@ pub enum ReachPlace {
     Tote(usize),
 }
 
-/// What a hand is expected to do next: both decide which place is lit for it.
-type Expected = (Option<SlotName>, Option<usize>);
+/// What a hand is expected to do next: slot and tote decide which place is lit for it, and the last is the probability
+/// that it goes there.
+type Expected = (Option<SlotName>, Option<usize>, f64);
 
 /// One hand.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,7 +81,7 @@ impl ReachBeliefs {
     pub fn see(
         &mut self,
         (hand, points): (usize, &HandPoints),
-        (lit, tote): Expected,
+        (lit, tote, share): Expected,
         carries: bool,
         seen: &HandsSeen,
     ) {
@@ -102,12 +103,12 @@ impl ReachBeliefs {
         let Some(sample) = lengths.sample(seen.seen.as_secs_f64(), &head, &arm) else { return };
         let expected = if carries { tote.map(ReachPlace::Tote) } else { lit.map(ReachPlace::Slot) };
         if self.hands[hand].is_stale || self.hands[hand].lit != expected {
-            self.tell_places(hand, expected);
+            self.tell_places(hand, expected, share);
         }
         self.hands[hand].tracker.follow(sample);
     }
 
-    fn tell_places(&mut self, hand: usize, lit: Option<ReachPlace>) {
+    fn tell_places(&mut self, hand: usize, lit: Option<ReachPlace>, share: f64) {
         let target = |place: &ReachPlace| {
             let (ends, looks) = match *place {
                 ReachPlace::Slot(slot) => (self.face.slot(slot) + self.ends.0, self.face.slot(slot)),
@@ -121,8 +122,9 @@ impl ReachBeliefs {
         };
         let targets: Vec<ReachTarget> = self.places.iter().map(target).collect();
         let index = lit.and_then(|lit| self.places.iter().position(|place| *place == lit));
+        let lit_share = index.map(|index| (index, share));
         let watched = &mut self.hands[hand];
-        watched.tracker.set_places(&targets, index);
+        watched.tracker.set_places(&targets, lit_share);
         (watched.lit, watched.is_stale) = (lit, false);
     }
 

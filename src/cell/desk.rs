@@ -8,6 +8,8 @@ use super::face::{FacePlace, PickFace};
 use super::follow::{HandEvent, HandFollower, HeldPiece};
 use super::hands::{HandPoints, HandsSeen};
 use super::phase::{PickPhase, PiecePhases, SpentPhase};
+use super::share::LitShare;
+use super::soon::is_inside_soon;
 use crate::reach::PickModel;
 use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
@@ -19,8 +21,6 @@ const STALE: Span = Span::from_secs(1);
 /// A hand that is so deep in a slot is in that one, metres; so near to its edge it may belong to the one beside.
 const DEEP_M: f64 = 0.05;
 const EDGE_M: f64 = 0.03;
-/// A hand is expected where it will be after so long if it goes on as it does, seconds.
-const SOON_S: f64 = 0.3;
 /// A hand that was seen within this time is shown on its way …
 const FRESH: Span = Span::from_millis(500);
 /// … while it is faster than this, metres per second, or in a slot.
@@ -72,7 +72,7 @@ pub struct Desk {
     hands: [HandFollower; 2],
     /// Whose hands were seen last, and when.
     person: Option<(u32, Time)>,
-    /// Nothing is confirmed by hand before.
+    /// Somebody else was there: nothing is confirmed by hand before.
     crowded_until: Option<Time>,
     /// When somebody's hand was inside while several persons' hands were seen.
     crowd_inside: Option<Time>,
@@ -80,6 +80,10 @@ pub struct Desk {
     strayed: [Option<(HeldPiece, usize)>; 2],
     /// For each hand the slot that was warned of while it goes there.
     warned: [Option<SlotName>; 2],
+    /// The slot in which each hand has grasped last, and where it was deepest in it, until its piece is in a tote.
+    grasped: [Option<(SlotName, FacePlace)>; 2],
+    /// How often this person goes to the lit slot.
+    share: LitShare,
     /// Where they go, once something of them was seen.
     beliefs: Option<ReachBeliefs>,
     /// The phases of the piece that is picked now, from which slot.
@@ -172,9 +176,9 @@ impl Desk {
             Some((person, at)) if person != seen.person && seen.seen - at < STALE => {
                 self.crowded_until = Some(seen.seen + ALONE);
                 self.hands = Default::default();
-                self.beliefs = None;
+                self.forget_person();
             }
-            Some((person, _)) if person != seen.person => self.beliefs = None,
+            Some((person, _)) if person != seen.person => self.forget_person(),
             _ => {}
         }
         self.person = Some((seen.person, seen.seen));
@@ -188,7 +192,7 @@ impl Desk {
             let Some(at) = hand.map(|h| face.of(h.grip())) else { continue };
             let event = self.hands[i].see(face, at, seen.seen);
             // What a hand does in a crowd counts for nothing, but must not be taken for what it did before.
-            let event = event.and_then(|event| self.took(i, event, scene.tote));
+            let event = event.and_then(|event| self.took(i, event, scene));
             if !is_alone {
                 self.crowd_inside = Some(seen.seen).filter(|_| face.is_inside(at)).or(self.crowd_inside);
                 *hand = None;
@@ -209,7 +213,7 @@ impl Desk {
         let beliefs = self.beliefs.get_or_insert_with(|| ReachBeliefs::new(scene.model, scene.face));
         beliefs.turn_to(scene.face);
         let carries = self.hands[i].held().is_some();
-        beliefs.see((i, hand), (scene.lit, scene.tote), carries, seen);
+        beliefs.see((i, hand), (scene.lit, scene.tote, self.share.get()), carries, seen);
     }
 
     /// Where hands that are on their way go, with probabilities of at least 0.05.
@@ -227,30 +231,39 @@ impl Desk {
         (0..2).filter(is_moving).flat_map(of).collect()
     }
 
-    /// What a hand's deed means. A hand that stops where it put a piece that belongs elsewhere may take it out again,
-    /// and one that comes from there to the wanted tote brings it. What lies where it belongs counts once.
-    fn took(&mut self, hand: usize, event: HandEvent, wanted: Option<usize>) -> Option<DeskEvent> {
+    /// What a hand's deed means. A hand that stops once more where it put a piece that belongs elsewhere takes it out
+    /// again; one that goes to the wanted tote without that brings nothing that anybody has seen. What lies where it
+    /// belongs counts once.
+    fn took(&mut self, hand: usize, event: HandEvent, scene: DeskScene<'_>) -> Option<DeskEvent> {
         match event {
             HandEvent::Grasped(slot, deepest) => {
                 self.strayed[hand] = None;
-                if let Some(beliefs) = &mut self.beliefs {
-                    beliefs.learn(slot, deepest);
+                self.grasped[hand] = Some((slot, deepest));
+                // A reach that was warned of was counted then.
+                if let Some(lit) = scene.lit.filter(|_| self.warned[hand].is_none()) {
+                    self.share.learn(lit == slot);
                 }
                 Some(DeskEvent::Grasped(slot))
             }
             HandEvent::Placed(piece, tote) => {
-                self.strayed[hand] = wanted.filter(|wanted| *wanted != tote).map(|_| (piece, tote));
+                self.strayed[hand] = scene.tote.filter(|wanted| *wanted != tote).map(|_| (piece, tote));
+                let reached = self.grasped[hand].take().filter(|_| piece.sure && scene.tote == Some(tote));
+                if let Some(((slot, deepest), beliefs)) = reached.zip(self.beliefs.as_mut()) {
+                    beliefs.learn(slot, deepest);
+                }
                 Some(DeskEvent::Placed(piece, tote))
             }
             HandEvent::Searched(tote) => {
-                let (piece, there) = self.strayed[hand].take()?;
-                if there == tote {
-                    self.hands[hand].take_up(piece);
-                    return None;
-                }
-                Some(DeskEvent::Placed(piece, tote)).filter(|_| wanted == Some(tote))
+                let (piece, _) = self.strayed[hand].take_if(|(_, there)| *there == tote)?;
+                self.hands[hand].take_up(piece);
+                None
             }
         }
+    }
+
+    /// Another person is here.
+    fn forget_person(&mut self) {
+        (self.beliefs, self.share, self.grasped) = (None, LitShare::default(), [None; 2]);
     }
 
     /// Whether left and right have changed places since they were seen last.
@@ -271,13 +284,14 @@ impl Desk {
             let nearer = FacePlace::new(at.x + to_lit.x, at.y, at.z + to_lit.z);
             face.slot_at(nearer).filter(|slot| *slot != lit && face.depth_m(at) > DEEP_M)
         } else if follower.velocity().y < 0.0 {
-            aims_wrong(face, lit, at, follower.velocity())
+            aims_wrong(face, (lit, self.share), at, follower.velocity())
         } else {
             self.warned[hand] = None;
             return None;
         };
         let slot = slot.filter(|_| self.warned[hand].is_none())?;
         self.warned[hand] = Some(slot);
+        self.share.learn(false);
         Some(slot)
     }
 
@@ -287,14 +301,26 @@ impl Desk {
         self.hands.iter().filter(|h| h.held().is_some_and(of)).count() as u32
     }
 
+    /// A second person is in the workplace: whose hand does what is not known.
+    pub fn note_company(&mut self, now: Time) {
+        self.crowded_until = self.crowded_until.max(Some(now + ALONE));
+    }
+
+    /// Nobody's hand is inside, as a person says: what was seen of hands before says nothing any more.
+    pub fn forget_hands(&mut self) {
+        self.hands = Default::default();
+        self.crowd_inside = None;
+    }
+
     /// Whether hands were seen within the last second.
     pub fn sees(&self, now: Time) -> bool {
         self.person.is_some_and(|(_, at)| now - at < STALE)
     }
 
-    /// Whether a hand is in the opening or beyond it, or will be there in a moment, as far as hands are seen.
+    /// Whether a hand is in the opening or beyond it, or will be there within 0.3 s with a probability of at least 0.1, as
+    /// far as hands are seen.
     pub fn comes_inside(&self, face: &PickFace, now: Time) -> bool {
-        self.is_any(now, |at, velocity| face.is_inside(at) || face.is_inside(at + velocity * SOON_S))
+        self.is_any(now, |at, velocity| is_inside_soon(face, at, velocity))
     }
 
     /// Whether a hand is in the opening or beyond it, as far as hands are seen.

@@ -157,7 +157,17 @@ impl PickFace {
 
     /// Whether a hand at this place is in the opening or beyond it, where the rack may not move.
     pub fn is_inside(&self, at: FacePlace) -> bool {
-        at.y < self.opening_m + OUTSIDE_M && at.x.abs() < self.width_m
+        self.outside_m(at) < 0.0 && self.is_beside_rack(at)
+    }
+
+    /// How far outside of the opening a place is, on the picker's side, metres; less than 0 inside.
+    pub fn outside_m(&self, at: FacePlace) -> f64 {
+        at.y - (self.opening_m + OUTSIDE_M)
+    }
+
+    /// Whether a place is no farther to the side than a rack that comes or goes can be.
+    pub fn is_beside_rack(&self, at: FacePlace) -> bool {
+        at.x.abs() < self.width_m
     }
 }
 

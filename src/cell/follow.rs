@@ -14,6 +14,9 @@ const ERR_M: f64 = 0.05;
 /// After a gap of this length nobody knows what the hand did meanwhile; in a shorter one it cannot have been in another
 /// slot or tote and back.
 const GAP: Span = Span::from_millis(450);
+/// The start and the end of a quick way take so long together, seconds, and its middle is so fast, metres per second.
+const QUICK_S: f64 = 0.25;
+const QUICK_MPS: f64 = 1.5;
 /// After a gap of this length its velocity is not known.
 const STEADY: Span = Span::from_millis(120);
 /// A hand that has been in a slot for less than this has passed through and grasped nothing.
@@ -22,6 +25,12 @@ const GRASP: Span = Span::from_millis(150);
 const STOPS_MPS: f64 = 0.45;
 /// Velocities are averaged over about this long, seconds.
 const SMOOTH_S: f64 = 0.04;
+
+/// A hand that goes straight over this way, metres, takes so long if it is quick, seconds: whoever takes no longer has
+/// not been in another slot or tote meanwhile.
+fn quick_s(way_m: f64) -> f64 {
+    QUICK_S + way_m / QUICK_MPS
+}
 
 /// What a hand has done.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +68,8 @@ struct SlotStay {
 pub struct HandFollower {
     last: Option<(Time, FacePlace)>,
     velocity: FacePlace,
+    /// Whether its velocity is known.
+    is_steady: bool,
     stay: Option<SlotStay>,
     tote: Option<usize>,
     held: Option<HeldPiece>,
@@ -120,10 +131,11 @@ impl HandFollower {
             let moved = (at - before) / seconds;
             let share = if gap < STEADY { seconds / (seconds + SMOOTH_S) } else { 1.0 };
             self.velocity += (moved - self.velocity) * share;
+            self.is_steady = true;
         } else {
-            self.velocity = FacePlace::zeros();
-            self.stay = None;
-            self.held = self.held.map(|held| HeldPiece { sure: false, ..held });
+            let is_direct = self.last.is_some_and(|(_, before)| seconds <= quick_s((at - before).norm()));
+            (self.velocity, self.is_steady, self.stay) = (FacePlace::zeros(), false, None);
+            self.held = self.held.map(|held| HeldPiece { sure: held.sure && is_direct, ..held });
         }
         self.last = Some((seen, at));
         self.slots(face, at, seen).or_else(|| self.totes(face, at))
@@ -152,7 +164,7 @@ impl HandFollower {
         if tote.is_none() {
             self.tote = None;
         }
-        let tote = tote.filter(|_| self.velocity.norm() < STOPS_MPS && self.tote.is_none())?;
+        let tote = tote.filter(|_| self.is_steady && self.velocity.norm() < STOPS_MPS && self.tote.is_none())?;
         self.tote = Some(tote);
         Some(self.held.take().map_or(HandEvent::Searched(tote), |held| HandEvent::Placed(held, tote)))
     }

@@ -17,6 +17,8 @@ mod hands;
 mod lines;
 mod pace;
 mod phase;
+mod share;
+mod soon;
 
 pub use belief::ReachPlace;
 pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};

@@ -56,16 +56,15 @@ impl SlotTracker {
         }
     }
 
-    /// The places from now on, and which of them is lit, if one is. Places need no history: what was seen of the hand
-    /// counts for all of them.
-    pub fn set_places(&mut self, targets: &[ReachTarget], lit: Option<usize>) {
+    /// The places from now on, and which of them is lit, if one is, with the share of reaches that go to it. Places need
+    /// no history: what was seen of the hand counts for all of them.
+    pub fn set_places(&mut self, targets: &[ReachTarget], lit: Option<(usize, f64)>) {
         self.targets.clear();
         self.targets.extend_from_slice(targets);
         let others = targets.len().saturating_sub(1).max(1) as f64;
-        let share = self.model.slots.lit.clamp(0.01, 0.99);
         let prior = |i: usize| match lit {
-            Some(lit) if lit == i => share * (1.0 - NONE),
-            Some(_) => (1.0 - share) * (1.0 - NONE) / others,
+            Some((lit, share)) if lit == i => share * (1.0 - NONE),
+            Some((_, share)) => (1.0 - share) * (1.0 - NONE) / others,
             None => (1.0 - NONE) / targets.len() as f64,
         };
         self.priors.clear();
@@ -292,7 +291,7 @@ mod tests {
     #[test]
     fn a_lit_place_is_expected_until_the_hand_says_otherwise() {
         let mut tracker = SlotTracker::new(PickModel::builtin());
-        tracker.set_places(&rack(), Some(3));
+        tracker.set_places(&rack(), Some((3, 0.95)));
         tracker.observe(on_the_way(&rack()[5], -0.4));
         assert!(tracker.probabilities()[3] > 0.5);
         (1..=70).for_each(|k| tracker.observe(on_the_way(&rack()[5], f64::from(k) / 60.0 - 0.4)));

@@ -133,14 +133,54 @@ fn a_hand_on_its_way_to_a_wrong_slot_is_warned_of_once_and_before_it_has_a_piece
 }
 
 #[test]
-fn a_piece_that_goes_from_a_wrong_tote_to_the_right_one_counts_there() {
+fn a_piece_in_a_wrong_tote_counts_in_the_right_one_once_the_hand_has_been_back_for_it() {
     let lit = Some((slot("C3"), 2));
     let mut film = Film::new();
     film.picks(lit, slot("C3"));
     film.puts(lit, 0, true);
-    film.puts(lit, 2, true);
     let placed = |tote| put("C3", true, tote);
+    film.puts(lit, 2, true);
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed(0)], "what is in the hand is a guess");
+    film.puts(lit, 0, true);
+    film.puts(lit, 2, true);
     assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed(0), placed(2)]);
+}
+
+#[test]
+fn the_first_glimpse_after_a_gap_is_no_stop_in_a_tote() {
+    let mut film = Film::new();
+    film.picks(LIT, slot("C3"));
+    let (rim, left) = (film.face.tote(1).unwrap(), FacePlace::new(-0.22, 0.95, 0.95));
+    film.now += Span::from_millis(700);
+    film.look(LIT, [Some(left), Some(rim)]);
+    assert_eq!(film.desk.in_hand(slot("C3")), 1, "it may be passing: {:?}", film.events);
+    film.look(LIT, [Some(left), Some(rim)]);
+    film.look(LIT, [Some(left), Some(rim)]);
+    assert_eq!(film.events.last(), Some(&put("C3", true, 1)), "so quick a way leads nowhere else");
+}
+
+#[test]
+fn a_second_person_beside_the_picker_keeps_hands_from_confirming_anything() {
+    let mut film = Film::new();
+    film.picks(LIT, slot("C3"));
+    film.desk.note_company(film.now);
+    film.puts(LIT, 1, true);
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))]);
+}
+
+#[test]
+fn how_often_somebody_goes_to_the_lit_slot_is_learned_of_this_person_alone() {
+    let lit = Some((slot("B2"), 0));
+    let mut film = Film::new();
+    let before = film.desk.share.get();
+    for _ in 0..3 {
+        film.picks(lit, slot("C2"));
+    }
+    assert!(film.desk.share.get() < before - 0.01, "{} after {before}", film.desk.share.get());
+    film.now += Span::from_secs(5);
+    film.person = 1;
+    film.look(lit, [None, Some(film.at)]);
+    assert_eq!(film.desk.share.get(), before, "that is somebody else");
 }
 
 #[test]
