@@ -164,7 +164,8 @@ impl HandFollower {
         if tote.is_none() {
             self.tote = None;
         }
-        let tote = tote.filter(|_| self.is_steady && self.velocity.norm() < STOPS_MPS && self.tote.is_none())?;
+        let tote =
+            tote.filter(|_| self.is_steady && self.velocity.norm() < STOPS_MPS && self.tote.is_none())?;
         self.tote = Some(tote);
         Some(self.held.take().map_or(HandEvent::Searched(tote), |held| HandEvent::Placed(held, tote)))
     }

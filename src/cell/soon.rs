@@ -41,7 +41,8 @@ mod tests {
 
     fn face() -> PickFace {
         let w = stations();
-        let (station, rack) = (&w.stations[StationId(0)], w.rack_types.iter().next().expect("racks have a type"));
+        let (station, rack) =
+            (&w.stations[StationId(0)], w.rack_types.iter().next().expect("racks have a type"));
         PickFace::new(station.cell.as_ref().expect("it has a cell"), w.nodes[station.node].at, rack)
     }
 

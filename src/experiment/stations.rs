@@ -318,6 +318,7 @@ mod tests {
             let row = setup().run(14, flow, 3);
             assert!(row.lines > 100, "{flow:?}: {row:?}");
             assert_eq!(row.law_violations, 0, "{flow:?}: {:?}", row.broken);
+            assert_eq!(row.guard_stops, 0, "{flow:?}: no robot drives towards a hand");
             if [FlowWord::Usual, FlowWord::Counted].contains(&flow) {
                 assert!(row.wrong_confirmed > 0 && row.wrong_by_hand == 0, "{flow:?}: {row:?}");
             }

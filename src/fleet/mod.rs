@@ -138,6 +138,7 @@ impl Fleet {
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
         self.core.at_hand = None;
         self.traffic.effort = Effort::of_a_step(&self.core);
+        self.note_workplaces(now);
         let lost = self.people.lost(now);
         let heard = requests::absorb(&mut self.core, (&self.people.walkways, &lost), now, inputs);
         #[cfg(test)]
@@ -154,6 +155,15 @@ impl Fleet {
         self.note_waits(now);
         waits::note_activities(&mut self.core, now);
         std::mem::take(&mut self.core.out)
+    }
+
+    /// Who is in the workplaces of stations: two persons where hands are followed, or somebody whose headset is silent.
+    fn note_workplaces(&mut self, now: Time) {
+        let Fleet { core, people, .. } = self;
+        people.note_used(core.visits.used(), now);
+        if core.settings.flow.hears_hands() {
+            people.in_company(now).into_iter().for_each(|station| core.visits.note_company(station, now));
+        }
     }
 
     /// What people, closed areas and displaced robots mean for robots: stops and speed limits, which leave at once, and

@@ -391,6 +391,10 @@ impl RobotBody {
         if self.acting.is_some() {
             return self.act(now);
         }
+        // It does not turn either.
+        if self.hand_guard {
+            return self.coast(dt);
+        }
         let Some(next) = self.path.front().copied() else { return };
         let way = Segment { a: self.pose.at, b: next.at };
         if way.length() < THERE_M {
@@ -403,10 +407,16 @@ impl RobotBody {
             return;
         }
         match self.limit_mps {
-            _ if self.guard.stops() || self.hand_guard => self.coast(dt),
+            _ if self.guard.stops() => self.coast(dt),
             Some(0.0) => self.coast(dt),
             limit => self.drive(dt, next.limit_mps.min(limit.unwrap_or(f64::INFINITY))),
         }
+    }
+
+    /// Whether it would move now if no guard held it.
+    pub fn would_move(&self) -> bool {
+        let is_told = self.limit_mps != Some(0.0) && self.acting.is_none();
+        is_told && !self.is_immobile() && self.flat_since.is_none() && !self.path.is_empty()
     }
 
     /// Broken or told to stop: it comes to rest on the way it was on.
@@ -515,86 +525,4 @@ impl RobotBody {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::id::BodyId;
-    use crate::timeline::{Holder, Reserved, Timeline};
-    use crate::warehouse::lab;
-    use std::sync::Arc;
-
-    fn proof(warehouse: &Warehouse, node: NodeId) -> Reserved {
-        let mut timeline = Timeline::new(Arc::new(warehouse.clone()), Span::from_millis(100));
-        let stands = crate::fleet::state::ledger::stand(node, Time::ZERO);
-        timeline.reserve(Holder::Robot(RobotId(0)), vec![stands]).expect("nobody else is there")
-    }
-
-    /// A robot on a node of the laboratory, and the nodes of a lane that begins there.
-    fn body_on_a_lane(w: &Warehouse) -> (RobotBody, [NodeId; 2]) {
-        let arc = w.arcs.iter().next().expect("a lane of the laboratory");
-        let footprints = [false, true].map(|loaded| w.footprint(BodyId(0), loaded).clone());
-        let at = w.nodes[arc.from].at;
-        let body = RobotBody::new(RobotId(0), arc.from, at, 1.0, (&RobotKind::default(), footprints));
-        (body, [arc.from, arc.to])
-    }
-
-    fn drive(w: &Warehouse, first: u64, nodes: &[NodeId], act: Option<Act>, recalls: u64) -> Command {
-        let waypoints =
-            (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act, passes: None });
-        Command::Drive { grant: proof(w, nodes[0]), waypoints: waypoints.collect(), recalls }
-    }
-
-    #[test]
-    fn a_robot_that_forgot_its_way_between_two_nodes_goes_to_either_and_turns_only_when_it_stands() {
-        let w = lab();
-        let (mut body, [home, next]) = body_on_a_lane(&w);
-        let mut now = Time::ZERO;
-        let mut live = |body: &mut RobotBody, seconds: f64| {
-            let from = now;
-            now += Span::from_secs_f64(seconds);
-            body.advance(from, now, false);
-            (body.pose.at - w.nodes[home].at).norm()
-        };
-        body.obey(&drive(&w, 0, &[home, next], None, 0), &w);
-        while live(&mut body, 0.1) < 0.3 {}
-        body.obey(&Command::Revoke { reached: 0, number: 1 }, &w);
-        assert_eq!((body.recalls, body.known()), (0, 1), "it drives");
-        body.obey(&Command::Limit(Some(0.0)), &w);
-        let stood = live(&mut body, 2.0);
-        body.obey(&Command::Revoke { reached: 0, number: 1 }, &w);
-        body.obey(&Command::Limit(None), &w);
-        assert_eq!((body.recalls, body.known(), live(&mut body, 1.0)), (1, 0, stood), "it stays where it is");
-        body.obey(&drive(&w, 0, &[home, next], None, 0), &w);
-        assert_eq!(live(&mut body, 1.0), stood, "an order from before");
-        body.obey(&drive(&w, 0, &[home], None, 1), &w);
-        let back = live(&mut body, 2.5);
-        body.obey(&drive(&w, 0, &[home, next], None, 1), &w);
-        assert!(back < stood && body.returns(), "it does not turn round while it drives");
-        body.obey(&Command::Limit(Some(0.0)), &w);
-        live(&mut body, 2.0);
-        body.obey(&drive(&w, 0, &[home, next], None, 1), &w);
-        body.obey(&Command::Limit(None), &w);
-        live(&mut body, 10.0);
-        assert_eq!((body.reached, body.node), (1, next));
-    }
-
-    #[test]
-    fn a_robot_that_was_pushed_ignores_orders_for_where_it_was_and_takes_the_one_for_where_it_is() {
-        let w = lab();
-        let (mut body, [home, next]) = body_on_a_lane(&w);
-        let far = |n: &NodeId| (w.nodes[*n].at - w.nodes[home].at).norm() > 3.0;
-        let away = w.nodes.ids().find(far).expect("the laboratory is larger than that");
-        body.put(w.nodes[away].at, away);
-        assert!(body.is_astray());
-        body.obey(&drive(&w, 0, &[home, next], Some(Act::Lift(RackId(0))), 0), &w);
-        body.obey(&Command::Revoke { reached: 0, number: 1 }, &w);
-        body.advance(Time::ZERO, Time::from_secs_f64(5.0), false);
-        let said = body.report(Time::ZERO);
-        assert_eq!((said.reached, said.known, said.rack, said.recalls), (0, 0, None, 0));
-        assert_eq!(said.pose.at, w.nodes[away].at, "it stays where it was put");
-        body.obey(&drive(&w, 7, &[away], None, 0), &w);
-        assert_eq!((body.reached, body.node, body.is_astray()), (7, away, false));
-        body.put(w.nodes[home].at, home);
-        body.obey(&drive(&w, 7, &[away], None, 0), &w);
-        assert!(body.is_astray(), "the same order says nothing about where it was put next");
-    }
-}
+mod tests;

@@ -5,6 +5,7 @@
 mod cells;
 mod handover;
 mod incidents;
+mod motion_before;
 mod passing;
 
 use super::announce::Announcements;
@@ -30,6 +31,7 @@ use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, StationId, Worker
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
+use motion_before::MotionBefore;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -55,8 +57,8 @@ struct SimRobot {
     tries: u32,
     /// Whether it was switched off and taken away.
     off: bool,
-    /// How fast it was at the beginning of the step.
-    speed_before: f64,
+    /// How it stood or moved at the beginning of the step.
+    before: MotionBefore,
     /// How far its clock is ahead.
     clock: Span,
     /// Whether it says that it gets no current because its charger gives none to any robot.
@@ -506,6 +508,7 @@ impl World {
         let clock = if skew_s > 0.0 { stream(7).between(-skew_s, skew_s) } else { 0.0 };
         SimRobot {
             had: body.rack,
+            before: MotionBefore::of(&body),
             body,
             orders: Link::new(links, stream(1), stream(9)),
             reports: Link::new(links, stream(2), stream(12)),
@@ -517,7 +520,6 @@ impl World {
             push_on: None,
             tries: 0,
             off: record.is_gone(),
-            speed_before: 0.0,
         }
     }
 

@@ -10,10 +10,10 @@ use crate::fleet::state::worker::{Guidance, GuidanceReason};
 use crate::geometry::{Point, inside};
 use crate::human::motion::Motion;
 use crate::human::{Coverage, Follower, Hypothesis, Method, Presence, Track, Whereabouts};
-use crate::id::{AssignmentId, IdVec, RobotId, WorkerId};
+use crate::id::{AssignmentId, IdVec, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
 use crate::warehouse::walkway::Walkways;
+use crate::warehouse::{Cell, Warehouse};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -25,6 +25,9 @@ const LINGERS_M: f64 = 4.0;
 
 /// A person slower than this stands, more or less, metres per second.
 pub(in crate::fleet) const STROLL_MPS: f64 = 0.3;
+
+/// Somebody who presses a button at a station is there for so long.
+const USED: Span = Span::from_secs(120);
 
 /// How a worker's walk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -163,6 +166,15 @@ pub(in crate::fleet) enum Led {
     },
 }
 
+/// Where the picker of a station stands.
+#[derive(Clone, Debug)]
+struct Workplace {
+    station: StationId,
+    outline: Vec<Point>,
+    /// Whether a button was pressed there of late.
+    is_used: bool,
+}
+
 /// All that is kept in mind about people.
 #[derive(Clone, Debug)]
 pub(in crate::fleet) struct HumanState {
@@ -176,8 +188,8 @@ pub(in crate::fleet) struct HumanState {
     pub barred: Barred,
     /// Robots for which people have stood aside lately, with when they were asked last.
     pub passed: BTreeMap<RobotId, Time>,
-    /// Outlines of the workplaces of stations, which guards keep apart from robots.
-    workplaces: Arc<[Vec<Point>]>,
+    /// The workplaces of stations, which guards keep apart from robots.
+    workplaces: Vec<Workplace>,
     /// What people mean for robots of each kind, in this step.
     pub(super) conditions: KindConditions,
 }
@@ -186,9 +198,14 @@ impl HumanState {
     /// Nothing is known of any worker.
     pub fn new(warehouse: &Warehouse, regions: &KindRegions, method: Method) -> HumanState {
         let walkways = Arc::new(Walkways::of(warehouse));
-        let cells = warehouse.stations.iter().filter_map(|s| s.cell.as_ref());
+        let workplace = |(station, cell): (StationId, &Cell)| Workplace {
+            station,
+            outline: cell.workplace.clone(),
+            is_used: false,
+        };
+        let cells = warehouse.stations.pairs().filter_map(|(id, s)| Some(workplace((id, s.cell.as_ref()?))));
         HumanState {
-            workplaces: cells.map(|cell| cell.workplace.clone()).collect(),
+            workplaces: cells.collect(),
             intents: Intents::new(warehouse, walkways.clone(), method),
             afoot: Afoot::new(warehouse, walkways.clone()),
             walkways,
@@ -232,9 +249,26 @@ impl HumanState {
         present
     }
 
-    /// Whether a worker is seen in the workplace of a station.
+    /// Whether a worker is seen in the workplace of a station; or was seen there last, before the headset went silent,
+    /// and buttons are pressed there.
     pub fn is_at_workplace(&self, place: &Whereabouts) -> bool {
-        place.presence == Presence::Tracked && self.workplaces.iter().any(|w| inside(w, place.at))
+        let is_seen = place.presence == Presence::Tracked;
+        self.workplaces.iter().any(|w| (is_seen || w.is_used) && inside(&w.outline, place.at))
+    }
+
+    /// Notes at which stations buttons are pressed.
+    pub fn note_used(&mut self, used: &BTreeMap<StationId, Time>, now: Time) {
+        for workplace in &mut self.workplaces {
+            workplace.is_used = used.get(&workplace.station).is_some_and(|at| now - *at < USED);
+        }
+    }
+
+    /// Stations in whose workplace two persons are seen, or more.
+    pub fn in_company(&self, now: Time) -> Vec<StationId> {
+        let seen = self.people.iter().filter_map(|p| p.track.whereabouts(now));
+        let seen: Vec<Point> = seen.filter(|w| w.presence == Presence::Tracked).map(|w| w.at).collect();
+        let is_shared = |w: &&Workplace| seen.iter().filter(|at| inside(&w.outline, **at)).nth(1).is_some();
+        self.workplaces.iter().filter(is_shared).map(|w| w.station).collect()
     }
 
     /// Every worker on the floor, where the worker most probably is.

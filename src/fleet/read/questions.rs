@@ -13,7 +13,7 @@ use crate::fleet::state::passing::Passing;
 use crate::geometry::Point;
 use crate::human::Sighting;
 use crate::human::motion::MotionEstimate;
-use crate::id::{RobotId, WorkerId};
+use crate::id::{RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::Hull;
 
@@ -26,6 +26,11 @@ impl Fleet {
     /// Why a robot cannot go on from where it stands, if that is so.
     pub fn displacement(&self, robot: RobotId) -> Option<Displacement> {
         self.floor().displacement(robot)
+    }
+
+    /// Whether a hand is seen in the opening of a station or in the rack there.
+    pub fn sees_hand_inside(&self, station: StationId, now: Time) -> bool {
+        self.core.visits.sees_inside(station, now)
     }
 
     /// Whether a robot stands at its station and the pick has not ended.

@@ -10,6 +10,7 @@ use crate::cell::{LineChange, LineProgress, LineState, PickedBy};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::requests::visit::OnVisit;
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{JobId, StationId};
 use crate::reach::PickModel;
 use crate::time::{Span, Time};
@@ -44,7 +45,8 @@ impl Intake<'_> {
         let Some(visit) = visit.filter(|_| self.is_arms(job, line)) else { return };
         match deed {
             ArmDeed::Placed => {
-                let noted = self.change_line(visit.robot, (line, LineChange::Done(1)), now);
+                let noted =
+                    self.change_line(visit.robot, (line, LineChange::Done(1)), ConfirmedBy::Hand, now);
                 debug_assert!(noted.is_ok(), "the arm's line waits for a piece");
             }
             ArmDeed::FoundNothing => self.give_to(LineChange::ToHand, job, line, now),

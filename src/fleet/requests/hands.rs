@@ -12,6 +12,7 @@ use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{CellWarning, WrongReach};
 use crate::fleet::state::job::JobState;
+use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
@@ -84,11 +85,15 @@ impl Intake<'_> {
             return self.warn(seen, WrongReach::Tote(tote), now);
         }
         let WaitingLine { job, line, .. } = wanted;
+        let by_hand = (ConfirmedBy::Hand, 1);
+        if !piece.sure || self.core.visits.is_confirmed(station, (job, line), by_hand, now) {
+            return;
+        }
+        self.core.visits.note_confirmed(station, (job, line), by_hand, now);
         let change = LineChange::Done(1);
         match of_this {
-            _ if !piece.sure => {}
             Some(visit) => {
-                let noted = self.change_line(visit.robot, (line, change), now);
+                let noted = self.change_line(visit.robot, (line, change), ConfirmedBy::Hand, now);
                 debug_assert!(noted.is_ok(), "a lit line waits for a piece");
             }
             None => self.core.record(Fact::LineChanged { job, line, change, at: now }),
@@ -99,16 +104,20 @@ impl Intake<'_> {
     /// in hands that are out of the opening.
     fn let_go(&mut self, station: StationId, face: &PickFace, now: Time) {
         let Some(visit) = self.visit_at(station, now) else { return };
-        if self.core.visits.desk(station).comes_inside(face, now) || self.core.arms.is_inside(station) {
+        let visits = &mut self.core.visits;
+        if visits.desk(station).comes_inside(face, now)
+            || visits.is_shared(station, now)
+            || self.core.arms.is_inside(station)
+        {
             return;
         }
         let job = &self.core.ledger.jobs[&visit.job];
         let Some(lines) = job.lines_now() else { return };
-        if lines.are_over() {
-            return self.end_pick(visit.robot, JobState::Done, now);
-        }
         // Nobody knows where a hand is that was inside when it was seen last: then a button ends the visit.
         let may_be_inside = self.core.visits.desk(station).may_be_inside(face);
+        if lines.are_over() && !may_be_inside {
+            return self.end_pick(visit.robot, JobState::Done, now);
+        }
         let leaves = self.core.floor().ends_out(job)
             && !may_be_inside
             && !self.core.ledger.unconfirmed.contains_key(&station);
@@ -121,8 +130,8 @@ impl Intake<'_> {
         }
     }
 
-    /// Lets racks go that were kept because of hands which are seen no more, and notes which robots must not move
-    /// because of others.
+    /// Lets racks go that were kept because of hands which are out, and notes which robots must not move because of
+    /// others.
     pub(super) fn let_kept_go(&mut self, now: Time) {
         self.core.visits.begin_hands();
         let mut at_hands = self.core.visits.hands_inside(now);
@@ -140,7 +149,7 @@ impl Intake<'_> {
             self.core.visits.stop_at_hands(robots);
         }
         for station in self.core.visits.kept() {
-            if self.is_hand_inside(station, now) {
+            if self.may_hand_be_inside(station, now) {
                 continue;
             }
             self.core.visits.keep(station, false);

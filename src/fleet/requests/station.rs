@@ -13,6 +13,7 @@ use crate::fleet::state::io::Reply;
 use crate::fleet::state::io::StationOrder;
 use crate::fleet::state::job::{JobFailure, JobState};
 use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{Dense, RobotId, StationId};
 use crate::time::Time;
 
@@ -28,6 +29,9 @@ impl Intake<'_> {
         if station.ix() >= self.core.warehouse().stations.len() {
             return Err(Refusal::UnknownPlace);
         }
+        if !matches!(order, StationOrder::Pause | StationOrder::Resume) {
+            self.core.visits.note_use(station, now);
+        }
         let paused = self.core.ledger.paused_stations.contains_key(&station);
         match order {
             StationOrder::Pause if !paused => self.core.record(Fact::StationPaused { station, at: now }),
@@ -36,6 +40,7 @@ impl Intake<'_> {
             StationOrder::Done | StationOrder::Short | StationOrder::Release => {
                 let robot = self.core.floor().picked_from(station).ok_or(Refusal::NothingToPick(station))?;
                 self.vouch_for_arm(station, now);
+                self.core.visits.desk(station).forget_hands();
                 self.settle_lines(robot, order == StationOrder::Done, now);
                 let state = match order {
                     StationOrder::Short => JobState::Failed(JobFailure::Short),
@@ -64,7 +69,7 @@ impl Intake<'_> {
         now: Time,
     ) -> Result<Reply, Refusal> {
         let noted = if let Some(robot) = self.core.floor().picked_from(station) {
-            self.change_line(robot, (line, change), now)
+            self.press(robot, station, (line, change), now)
         } else if let Some(noted) = self.hear_of_last(station, (Some(line), change), now) {
             noted
         } else {
@@ -77,6 +82,35 @@ impl Intake<'_> {
             return Ok(Reply::LineNoted { token, job, line, outcome, state, pieces });
         };
         Ok(noted?.reply(token))
+    }
+
+    /// A button for a line of the visit that is on. Pieces that the hand has just confirmed are not confirmed again.
+    fn press(
+        &mut self,
+        robot: RobotId,
+        station: StationId,
+        (line, change): (usize, LineChange),
+        now: Time,
+    ) -> Result<NotedLine, Refusal> {
+        let Some((job, lines)) = self.lines_under(robot) else {
+            return self.change_line(robot, (line, change), ConfirmedBy::Button, now);
+        };
+        let LineChange::Done(pieces) = change else {
+            return self.change_line(robot, (line, change), ConfirmedBy::Button, now);
+        };
+        let by_button = (ConfirmedBy::Button, pieces);
+        let known = lines.all().get(line).map(|p| (p.state, p.pieces));
+        if let Some((state, pieces)) = known
+            && state == LineState::Lit
+            && self.core.visits.is_confirmed(station, (job, line), by_button, now)
+        {
+            return Ok(NotedLine { job, line, outcome: LineOutcome::Already, state, pieces });
+        }
+        let noted = self.change_line(robot, (line, change), ConfirmedBy::Button, now)?;
+        if noted.outcome == LineOutcome::Changed {
+            self.core.visits.note_confirmed(station, (job, line), by_button, now);
+        }
+        Ok(noted)
     }
 
     /// What is said about the line that was not confirmed when its rack left, if there is one: about that with this

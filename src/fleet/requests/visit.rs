@@ -9,6 +9,7 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Reply;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{JobId, RobotId, StationId};
 use crate::time::Time;
 use std::sync::Arc;
@@ -45,11 +46,13 @@ impl Intake<'_> {
     }
 
     /// Changes a line of the visit for which a robot is picked from. The visit ends with its last line, unless a hand
-    /// is inside: then when it is out.
+    /// is inside: then when it is out. Of a hand that was inside when it was seen last nobody knows where it is, unless a
+    /// button is pressed.
     pub(super) fn change_line(
         &mut self,
         robot: RobotId,
         (line, change): (usize, LineChange),
+        by: ConfirmedBy,
         now: Time,
     ) -> Result<NotedLine, Refusal> {
         let Some((job, lines)) = self.lines_under(robot) else {
@@ -62,7 +65,7 @@ impl Intake<'_> {
         }
         if lines.are_over() {
             let station = self.core.floor().station_of(robot);
-            match station.filter(|station| self.is_hand_inside(*station, now)) {
+            match station.filter(|station| self.keeps_rack(*station, by, now)) {
                 Some(station) => self.core.visits.keep(station, true),
                 None => self.end_pick(robot, JobState::Done, now),
             }
@@ -71,8 +74,19 @@ impl Intake<'_> {
         Ok(NotedLine { job, line, outcome, state, pieces })
     }
 
+    /// Whether the rack at a station stays although its lines are over.
+    fn keeps_rack(&mut self, station: StationId, by: ConfirmedBy, now: Time) -> bool {
+        match by {
+            ConfirmedBy::Hand => self.may_hand_be_inside(station, now),
+            ConfirmedBy::Button => self.is_hand_inside(station, now),
+        }
+    }
+
     /// Ends the pick at which a robot stands: its job ends so, if it is not over already, and the robot may leave.
     pub(super) fn end_pick(&mut self, robot: RobotId, state: JobState, now: Time) {
+        if let Some(station) = self.core.floor().station_of(robot) {
+            self.core.visits.keep(station, false);
+        }
         self.core.record(Fact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
         self.heard.left_early.push(robot);
         if let Task::Deliver { job, rack, store, .. } = self.core.ledger.robots[robot].task {
@@ -111,12 +125,22 @@ impl Intake<'_> {
         self.core.visits.face(warehouse, station, rack).cloned()
     }
 
-    /// Whether a hand is seen inside, or the robot arm is, while the rack at a station is to leave: it waits until both
-    /// are out.
+    /// Whether a hand is seen inside, or the robot arm is, or two persons are there, while the rack at a station is to
+    /// leave: it waits until that is over.
     pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
         let visit = self.visit_at(station, now);
         let Some(face) = self.face(station, visit) else { return false };
-        self.core.visits.desk(station).is_inside(&face, now) || self.core.arms.is_inside(station)
+        self.core.visits.desk(station).is_inside(&face, now)
+            || self.core.arms.is_inside(station)
+            || self.core.visits.is_shared(station, now)
+    }
+
+    /// The same, or a hand was inside when it was seen last and nobody has said since that it is out.
+    pub(super) fn may_hand_be_inside(&mut self, station: StationId, now: Time) -> bool {
+        let visit = self.visit_at(station, now);
+        let lost_inside =
+            self.face(station, visit).is_some_and(|face| self.core.visits.desk(station).may_be_inside(&face));
+        lost_inside || self.is_hand_inside(station, now)
     }
 }
 

@@ -63,7 +63,7 @@ impl Core {
             regions,
             storage: Storage::new(warehouse),
             scene: Scene::default(),
-            visits: Visits::default(),
+            visits: Visits::new(settings.flow.counts_lines()),
             arms: Arms::new(warehouse),
             out: Step::default(),
             at_hand: None,

@@ -22,6 +22,10 @@ use std::sync::Arc;
 
 /// A warning is shown for so long.
 const WARNED: Span = Span::from_secs(2);
+/// For so long a station counts as shared after two persons were seen there.
+const SHARED: Span = Span::from_millis(500);
+/// A piece that hand and button both confirm within this time is the same one.
+const SAME_PIECE: Span = Span::from_secs(2);
 /// For so long after a visit a button for one of its lines is known to be for that.
 const ENDED: Span = Span::from_secs(3);
 
@@ -53,6 +57,24 @@ pub struct EndsHeld {
     pub off_s: f64,
 }
 
+/// Who says that pieces are in their tote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) enum ConfirmedBy {
+    /// The hand, as it was seen.
+    Hand,
+    /// A button, a scanner or a scale.
+    Button,
+}
+
+/// Pieces of a line that were confirmed a moment ago.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ConfirmedPieces {
+    line: (JobId, usize),
+    by: ConfirmedBy,
+    pieces: u32,
+    at: Time,
+}
+
 /// A line that is done, and how long it took.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct DoneLine {
@@ -72,6 +94,14 @@ impl VisitClock {
 #[derive(Clone, Debug, Default)]
 pub(in crate::fleet) struct Visits {
     pace: PickPace,
+    /// Whether the pace of lines is learned at all.
+    learns: bool,
+    /// Stations where two persons were in the workplace, and when they were seen there last.
+    shared: BTreeMap<StationId, Time>,
+    /// When a button was pressed last at each station.
+    used: BTreeMap<StationId, Time>,
+    /// What was confirmed last at each station.
+    confirmed: BTreeMap<StationId, ConfirmedPieces>,
     clocks: BTreeMap<JobId, VisitClock>,
     /// The hands at each station.
     desks: BTreeMap<StationId, Desk>,
@@ -104,6 +134,65 @@ fn station_of(job: &Job) -> Option<(StationId, Option<f64>)> {
 }
 
 impl Visits {
+    /// Of stations where nothing was picked yet. `learns` says whether the pace of lines is learned.
+    pub fn new(learns: bool) -> Visits {
+        Visits { learns, ..Visits::default() }
+    }
+
+    /// Two persons are in the workplace of a station.
+    pub fn note_company(&mut self, station: StationId, now: Time) {
+        self.shared.insert(station, now);
+        self.desks.entry(station).or_default().note_company(now);
+    }
+
+    /// Whether two persons are in the workplace of a station: nobody knows whose hand is where.
+    pub fn is_shared(&self, station: StationId, now: Time) -> bool {
+        self.shared.get(&station).is_some_and(|at| now - *at < SHARED)
+    }
+
+    /// Somebody at a station pressed a button.
+    pub fn note_use(&mut self, station: StationId, now: Time) {
+        self.used.insert(station, now);
+    }
+
+    /// When a button was pressed last at each station.
+    pub fn used(&self) -> &BTreeMap<StationId, Time> {
+        &self.used
+    }
+
+    /// Whether these pieces of a line are the ones that hand or button, whichever this is not, has just confirmed. Asked
+    /// of a piece by hand, it is counted off.
+    pub fn is_confirmed(
+        &mut self,
+        station: StationId,
+        line: (JobId, usize),
+        (by, pieces): (ConfirmedBy, u32),
+        now: Time,
+    ) -> bool {
+        let is_it = |c: &&mut ConfirmedPieces| c.line == line && c.by != by && now - c.at < SAME_PIECE;
+        match self.confirmed.get_mut(&station).filter(is_it) {
+            Some(c) if by == ConfirmedBy::Hand && c.pieces > 0 => {
+                c.pieces -= 1;
+                true
+            }
+            Some(c) => by == ConfirmedBy::Button && c.pieces == pieces,
+            None => false,
+        }
+    }
+
+    /// Pieces of a line are confirmed. Several by hand within a moment are so many.
+    pub fn note_confirmed(
+        &mut self,
+        station: StationId,
+        line: (JobId, usize),
+        (by, pieces): (ConfirmedBy, u32),
+        now: Time,
+    ) {
+        let is_it = |c: &&ConfirmedPieces| c.line == line && c.by == by && now - c.at < SAME_PIECE;
+        let before = self.confirmed.get(&station).filter(is_it).map_or(0, |c| c.pieces);
+        self.confirmed.insert(station, ConfirmedPieces { line, by, pieces: before + pieces, at: now });
+    }
+
     /// Takes a fact in, before the ledger does.
     pub fn note(&mut self, ledger: &Ledger, fact: &Fact) {
         match fact {
@@ -148,7 +237,7 @@ impl Visits {
     }
 
     fn learn(&mut self, done: Option<DoneLine>) {
-        if let Some(DoneLine { station, pieces, seconds, .. }) = done {
+        if let Some(DoneLine { station, pieces, seconds, .. }) = done.filter(|_| self.learns) {
             self.pace.learn(station, pieces, seconds);
         }
     }
@@ -319,13 +408,20 @@ impl Visits {
         self.told.insert(station, at);
     }
 
-    /// Stations where a hand is in the opening or beyond it, or will be in a moment.
+    /// Stations where a hand is in the opening or beyond it, or will be in a moment, or two persons are.
     pub fn hands_inside(&self, now: Time) -> Vec<StationId> {
         let comes = |(station, desk): (&StationId, &Desk)| {
             let (_, face) = self.faces.get(station).filter(|_| desk.sees(now))?;
             desk.comes_inside(face, now).then_some(*station)
         };
-        self.desks.iter().filter_map(comes).collect()
+        let shared = self.shared.keys().copied().filter(|s| self.is_shared(*s, now));
+        self.desks.iter().filter_map(comes).chain(shared).collect()
+    }
+
+    /// Whether a hand is seen in the opening of a station or beyond it.
+    pub fn sees_inside(&self, station: StationId, now: Time) -> bool {
+        let known = self.desks.get(&station).zip(self.faces.get(&station));
+        known.is_some_and(|(desk, (_, face))| desk.is_inside(face, now))
     }
 
     /// Forgets which robots must not move because of hands.

@@ -182,13 +182,70 @@ fn a_rack_does_not_leave_while_a_hand_is_inside() {
 }
 
 #[test]
-fn a_rack_that_waits_for_a_hand_leaves_when_the_hand_has_not_been_seen_for_a_second() {
+fn a_rack_that_waits_for_a_hand_stays_when_the_hand_is_lost_inside_until_it_is_seen_outside() {
     let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
     cell.enters("C3");
     cell.say(StationOrder::Line(0, LineChange::Done(1)));
     assert!(!cell.is_done());
-    cell.floor.run(2);
+    cell.floor.run(5);
+    assert!(!cell.is_done(), "nobody knows where the hand is");
+    cell.at = cell.front("C3");
+    cell.moves(cell.at, 0.3);
     assert!(cell.is_done());
+}
+
+#[test]
+fn a_rack_that_is_kept_for_a_hand_nobody_sees_any_more_leaves_by_a_button() {
+    for order in [StationOrder::Release, StationOrder::Line(0, LineChange::Done(1))] {
+        let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
+        cell.enters("C3");
+        cell.say(StationOrder::Line(0, LineChange::Done(1)));
+        cell.floor.run(5);
+        assert!(!cell.is_done());
+        cell.say(order);
+        assert!(cell.is_done(), "{order:?}");
+    }
+}
+
+#[test]
+fn a_piece_that_hand_and_button_confirm_counts_once_whoever_is_first() {
+    let again = StationOrder::Line(0, LineChange::Done(1));
+    let mut cell = CellFloor::new(Flow::Hand, &[("C3", 3, "B")]);
+    cell.grasps("C3");
+    cell.puts(1);
+    let noted = cell.say(again);
+    let already = |pieces| {
+        move |noted: &Reply| match noted {
+            Reply::LineNoted { outcome, pieces: now, .. } => {
+                *outcome == LineOutcome::Already && *now == pieces
+            }
+            _ => false,
+        }
+    };
+    assert!(already(1)(&noted), "{noted:?}");
+    cell.floor.run(3);
+    assert!(matches!(cell.say(again), Reply::LineNoted { outcome: LineOutcome::Changed, pieces: 2, .. }));
+    let mut cell = CellFloor::new(Flow::Hand, &[("C3", 3, "B")]);
+    cell.grasps("C3");
+    let noted = cell.say(again);
+    assert!(matches!(noted, Reply::LineNoted { outcome: LineOutcome::Changed, pieces: 1, .. }), "{noted:?}");
+    cell.puts(1);
+    assert_eq!(cell.lines(), [(LineState::Lit, 1)], "that is the piece for which the button was pressed");
+}
+
+#[test]
+fn in_the_usual_flow_no_pace_is_learned() {
+    for (flow, learns) in [(Flow::Usual, false), (Flow::Counted, true)] {
+        let mut cell = CellFloor::new(flow, &[("C3", 1, "B"), ("A1", 1, "A")]);
+        let before = cell.floor.fleet.core.visits.line_s(S1, 2).0;
+        cell.floor.run(30);
+        cell.say(StationOrder::Line(0, LineChange::Done(1)));
+        cell.floor.run(30);
+        cell.say(StationOrder::Line(1, LineChange::Done(1)));
+        cell.floor.run(1);
+        let after = cell.floor.fleet.core.visits.line_s(S1, 2).0;
+        assert_eq!(before != after, learns, "{flow:?}: {before} then {after}");
+    }
 }
 
 #[test]

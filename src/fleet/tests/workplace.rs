@@ -52,3 +52,39 @@ fn whoever_steps_out_of_the_workplace_is_a_worker_like_any_other() {
     }
     assert!(out, "she stands where racks stand, and nothing comes of it");
 }
+
+/// The middle of the workplace of the first station, a little to one side.
+fn place_beside(floor: &TestFloor, aside_m: f64) -> Point {
+    let cell = floor.fleet.warehouse().stations[StationId(0)].cell.clone().expect("it is a work cell");
+    let middle = cell.workplace.iter().map(|p| p.coords).sum::<Vector>() / cell.workplace.len() as f64;
+    Point::from(middle) + Vector::new(aside_m, aside_m)
+}
+
+#[test]
+fn no_robot_moves_at_the_opening_while_two_persons_are_in_the_workplace() {
+    let (mut floor, mut ana) = at_work();
+    let mut ben = floor.hire(place_beside(&floor, 0.2));
+    ben.own = true;
+    let job = floor.submit(request(deliver(3)));
+    for _ in 0..1200 {
+        floor.step(vec![ana.sighting(floor.now), ben.sighting(floor.now)]);
+        assert!(!floor.is(job, "picking"), "the rack came beside two persons");
+    }
+    let robot = floor.fleet.ledger().jobs[&job].state.robot().expect("a robot is on its way");
+    assert_eq!(floor.fleet.why(robot), Some(Why::HandInOpening(StationId(0))), "it says why");
+}
+
+#[test]
+fn a_picker_whose_headset_goes_silent_stops_nobody_while_buttons_are_pressed() {
+    for presses in [false, true] {
+        let (mut floor, _) = at_work();
+        let mut stopped = false;
+        for i in 0..600 {
+            let pressed = Input::Station { token: 9, station: StationId(0), order: StationOrder::Done };
+            let inputs = if presses && i % 100 == 0 { vec![pressed] } else { Vec::new() };
+            floor.step(inputs);
+            stopped |= restricts(&floor);
+        }
+        assert_eq!(stopped, !presses, "with buttons: {presses}");
+    }
+}

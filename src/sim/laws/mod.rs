@@ -5,6 +5,7 @@
 
 mod corridors;
 mod evacuation;
+mod hands;
 mod jobs;
 mod places;
 mod progress;
@@ -20,9 +21,10 @@ pub use waits::untrue;
 use super::world::World;
 use crate::fleet::{Fact, Fleet, JobState, Ledger};
 use crate::geometry::{Point, axis_distance};
-use crate::id::{JobId, RackId, RobotId, StationId};
+use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
 use corridors::CorridorLaws;
+use hands::HandLaws;
 use jobs::{JobLaws, why_undrained};
 use std::collections::BTreeSet;
 use waits::WaitLaws;
@@ -43,7 +45,7 @@ pub struct Laws {
     progress: ProgressLaws,
     run_over: usize,
     misplaced: usize,
-    moved_at_hands: usize,
+    hands: HandLaws,
     arms: (usize, usize),
     jobs: JobLaws,
     places: PlaceLaws,
@@ -68,7 +70,7 @@ impl Laws {
             progress: ProgressLaws::default(),
             run_over: 0,
             misplaced: 0,
-            moved_at_hands: 0,
+            hands: HandLaws::default(),
             arms: (0, 0),
             jobs: JobLaws::new(fleet),
             places: PlaceLaws::default(),
@@ -102,7 +104,8 @@ impl Laws {
         self.check_grants(now, world, fleet);
         self.check_jobs(now, facts, fleet);
         self.check_racks(now, world);
-        self.check_hands(now, world);
+        let broken = self.hands.check(now, world, fleet);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
         self.check_arms(now, world);
         let broken = self.jobs.check(now, world, fleet, facts);
         broken.into_iter().for_each(|v| self.break_law(now, v));
@@ -169,14 +172,6 @@ impl Laws {
         let new: Vec<(RobotId, RackId)> = all[self.misplaced..].to_vec();
         self.misplaced = all.len();
         new.into_iter().for_each(|(r, k)| self.break_law(now, Violation::Misplaced(r, k)));
-    }
-
-    /// No rack enters or leaves an opening while a hand is inside.
-    fn check_hands(&mut self, now: Time, world: &World) {
-        let all = world.moved_at_hands();
-        let new: Vec<(RobotId, StationId)> = all[self.moved_at_hands..].to_vec();
-        self.moved_at_hands = all.len();
-        new.into_iter().for_each(|(r, s)| self.break_law(now, Violation::MovedAtHand(r, s)));
     }
 
     /// No arm that moves touches a person, and no line is picked by arm and hand.

@@ -34,8 +34,10 @@ pub enum Violation {
     DoneTwice(JobId),
     /// A rack was lifted where it did not stand, or set down onto another one.
     Misplaced(RobotId, RackId),
-    /// A robot began to move at a station while somebody's hand was in the opening or in its rack.
+    /// A robot moved at a station while somebody's hand was in the opening or in its rack.
     MovedAtHand(RobotId, StationId),
+    /// The guard of a station alone held a robot at a hand that the fleet saw.
+    LeftToGuard(RobotId, StationId),
     /// The robot arm of a station touched a person while it moved.
     ArmTouched(StationId),
     /// Arm and hand together put down more pieces of a line than were ordered.
@@ -80,7 +82,10 @@ impl fmt::Display for Violation {
                 write!(f, "robot {} lifted rack {k:?} where it was not, or set it onto another one", r.0 + 1)
             }
             Violation::MovedAtHand(r, s) => {
-                write!(f, "robot {} began to move at station {} while a hand was inside", r.0 + 1, s.0 + 1)
+                write!(f, "robot {} moved at station {} while a hand was inside", r.0 + 1, s.0 + 1)
+            }
+            Violation::LeftToGuard(r, s) => {
+                write!(f, "only the guard of station {} held robot {} at a hand", s.0 + 1, r.0 + 1)
             }
             Violation::ArmTouched(s) => {
                 write!(f, "the arm of station {} touched a person while it moved", s.0 + 1)
@@ -97,13 +102,7 @@ impl fmt::Display for Violation {
             Violation::NothingDelivered => {
                 write!(f, "jobs wait and robots can drive, but nothing was delivered for {DELIVERS:?}")
             }
-            Violation::NotDrained(jobs, racks, whys) => {
-                let whys = whys.join("; ");
-                write!(
-                    f,
-                    "the floor did not drain: {jobs} jobs are open, {racks} racks are not in storage: {whys}"
-                )
-            }
+            Violation::NotDrained(jobs, racks, whys) => write_undrained(f, (*jobs, *racks), whys),
             Violation::RunOver(r, w) => {
                 write!(f, "robot {} drove into worker {} and did not brake", r.0 + 1, w + 1)
             }
@@ -123,11 +122,7 @@ impl fmt::Display for Violation {
             }
             Violation::NotSo(r, why) => write!(f, "robot {} does not wait because of {why:?}", r.0 + 1),
             Violation::OntoWayOut(r, n) => {
-                write!(
-                    f,
-                    "robot {} was let onto node {n:?}, which is on the way of somebody to a door",
-                    r.0 + 1
-                )
+                write!(f, "robot {} was let onto node {n:?}, which is on somebody's way to a door", r.0 + 1)
             }
             Violation::LeftCorridor(r) => {
                 write!(f, "robot {} left its line, or the corridor that it was granted", r.0 + 1)
@@ -135,4 +130,13 @@ impl fmt::Display for Violation {
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }
     }
+}
+
+fn write_undrained(
+    f: &mut fmt::Formatter<'_>,
+    (jobs, racks): (usize, usize),
+    whys: &[String],
+) -> fmt::Result {
+    let whys = whys.join("; ");
+    write!(f, "the floor did not drain: {jobs} jobs are open, {racks} racks are not in storage: {whys}")
 }

@@ -3,6 +3,7 @@
 //! Refuses: to let the fleet know of the guard: it stops robots whatever the fleet says.
 
 use super::World;
+use super::motion_before::MotionBefore;
 use crate::cell::arm::ArmOrder;
 use crate::fleet::{CellWarning, Fleet, Input};
 use crate::id::{RobotId, StationId};
@@ -58,9 +59,8 @@ impl World {
         self.hands_inside = pickers.hands_inside(to).collect();
         self.hands_inside.extend(self.arms.iter().flat_map(SimArms::inside));
         for station in before.into_iter().filter(|s| self.hands_inside.contains(s)) {
-            let started =
-                |r: &&super::SimRobot| r.body.speed_mps > STANDS_MPS && r.speed_before <= STANDS_MPS;
-            let robot = self.robots.iter().filter(|r| self.is_at(r, station)).find(started);
+            let moved = |r: &&super::SimRobot| r.before.has_moved(&r.body);
+            let robot = self.robots.iter().filter(|r| self.is_at(r, station)).find(moved);
             self.moved_at_hands.extend(robot.map(|r| (r.body.id, station)));
         }
         inputs
@@ -76,7 +76,7 @@ impl World {
             let is_guarded = inside.iter().any(|s| self.is_at(robot, *s));
             let robot = &mut self.robots[i];
             self.guard_stops += u64::from(is_guarded && !robot.body.hand_guard && robot.body.speed_mps > 0.0);
-            (robot.body.hand_guard, robot.speed_before) = (is_guarded, robot.body.speed_mps);
+            (robot.body.hand_guard, robot.before) = (is_guarded, MotionBefore::of(&robot.body));
         }
     }
 
@@ -125,6 +125,13 @@ impl World {
     /// Who picks at work cells, if somebody does.
     pub fn pickers(&self) -> Option<&Pickers> {
         self.pickers.as_ref()
+    }
+
+    /// Robots at stations where a hand is inside which would move if no guard held them: for the laws.
+    pub fn held_at_hands(&self) -> impl Iterator<Item = (RobotId, StationId)> {
+        let at = |robot: &super::SimRobot| self.hands_inside.iter().copied().find(|s| self.is_at(robot, *s));
+        let held = self.robots.iter().filter(|r| r.body.hand_guard && r.body.would_move());
+        held.filter_map(move |r| Some((r.body.id, at(r)?)))
     }
 
     /// Robots that moved at a station while a hand was inside: for the laws.

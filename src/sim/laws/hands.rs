@@ -1,0 +1,42 @@
+//! The law about hands in openings: no rack comes or goes while one is inside, and the fleet does not leave that to the
+//! guards of stations.
+//!
+//! Main type: [`HandLaws`]. Refuses: to blame the fleet for a hand that nobody has seen; the guard is there for that.
+
+use super::super::world::World;
+use super::violation::Violation;
+use crate::fleet::Fleet;
+use crate::id::{RobotId, StationId};
+use crate::time::{Span, Time};
+use std::collections::BTreeMap;
+
+/// A robot is told within this that a hand is seen inside, whatever messages were lost.
+const TOLD: Span = Span::from_secs(3);
+
+/// What robots did at hands.
+#[derive(Debug, Default)]
+pub(super) struct HandLaws {
+    moved: usize,
+    /// Robots that a guard alone holds at a hand which the fleet sees, since when.
+    held: BTreeMap<RobotId, Time>,
+}
+
+impl HandLaws {
+    pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
+        let all = world.moved_at_hands();
+        let mut broken: Vec<Violation> =
+            all[self.moved..].iter().map(|(r, s)| Violation::MovedAtHand(*r, *s)).collect();
+        self.moved = all.len();
+        let held: Vec<(RobotId, StationId)> =
+            world.held_at_hands().filter(|(_, s)| fleet.sees_hand_inside(*s, now)).collect();
+        self.held.retain(|robot, _| held.iter().any(|(r, _)| r == robot));
+        for (robot, station) in held {
+            let since = self.held.entry(robot).or_insert(now);
+            if now - *since > TOLD {
+                *since = now;
+                broken.push(Violation::LeftToGuard(robot, station));
+            }
+        }
+        broken
+    }
+}

@@ -1,0 +1,56 @@
+//! How a robot stood or moved at the beginning of a step, to tell what it has done since.
+//!
+//! Main type: [`MotionBefore`]. Refuses: to say why it moved.
+
+use crate::geometry::Pose;
+use crate::sim::robot::RobotBody;
+
+/// A robot that moved or turned by less than this stood still, metres or radians.
+const STANDS: f64 = 1e-6;
+
+/// A robot at the beginning of a step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MotionBefore {
+    pose: Pose,
+    speed_mps: f64,
+}
+
+impl MotionBefore {
+    /// As it is now.
+    pub fn of(robot: &RobotBody) -> MotionBefore {
+        MotionBefore { pose: robot.pose, speed_mps: robot.speed_mps }
+    }
+
+    /// Whether the robot has moved or turned since, other than to brake.
+    pub fn has_moved(&self, robot: &RobotBody) -> bool {
+        let (to, turned) = (robot.pose.at - self.pose.at, robot.pose.heading - self.pose.heading);
+        let brakes = robot.speed_mps < self.speed_mps - STANDS;
+        !brakes && (to.norm() > STANDS || turned.abs() > STANDS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::id::{BodyId, RobotId};
+    use crate::warehouse::{RobotKind, lab};
+
+    #[test]
+    fn a_robot_that_drives_or_turns_has_moved_and_one_that_stands_or_brakes_has_not() {
+        let w = lab();
+        let (node, place) = w.nodes.pairs().next().expect("the laboratory has nodes");
+        let footprints = [false, true].map(|loaded| w.footprint(BodyId(0), loaded).clone());
+        let robot = RobotBody::new(RobotId(0), node, place.at, 1.0, (&RobotKind::default(), footprints));
+        let has_moved = |change: fn(&mut RobotBody)| {
+            let mut later = robot.clone();
+            later.speed_mps = 0.5;
+            let before = MotionBefore::of(&later);
+            change(&mut later);
+            before.has_moved(&later)
+        };
+        assert!(!has_moved(|_| {}));
+        assert!(has_moved(|robot| robot.pose.at.x += 0.05));
+        assert!(has_moved(|robot| robot.pose.heading += 0.05));
+        assert!(!has_moved(|robot| (robot.pose.at.x, robot.speed_mps) = (robot.pose.at.x + 0.05, 0.4)));
+    }
+}
