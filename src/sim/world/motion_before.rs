@@ -32,21 +32,22 @@ impl MotionBefore {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fleet::RobotKind;
     use crate::id::{BodyId, RobotId};
-    use crate::warehouse::{RobotKind, lab};
+    use crate::warehouse::lab;
 
     #[test]
     fn a_robot_that_drives_or_turns_has_moved_and_one_that_stands_or_brakes_has_not() {
         let w = lab();
         let (node, place) = w.nodes.pairs().next().expect("the laboratory has nodes");
-        let footprints = [false, true].map(|loaded| w.footprint(BodyId(0), loaded).clone());
-        let robot = RobotBody::new(RobotId(0), node, place.at, 1.0, (&RobotKind::default(), footprints));
         let has_moved = |change: fn(&mut RobotBody)| {
-            let mut later = robot.clone();
-            later.speed_mps = 0.5;
-            let before = MotionBefore::of(&later);
-            change(&mut later);
-            before.has_moved(&later)
+            let footprints = [false, true].map(|loaded| w.footprint(BodyId(0), loaded).clone());
+            let kind = RobotKind::default();
+            let mut robot = RobotBody::new(RobotId(0), node, place.at, 1.0, (&kind, footprints));
+            robot.speed_mps = 0.5;
+            let before = MotionBefore::of(&robot);
+            change(&mut robot);
+            before.has_moved(&robot)
         };
         assert!(!has_moved(|_| {}));
         assert!(has_moved(|robot| robot.pose.at.x += 0.05));
