@@ -124,8 +124,9 @@ impl Desk {
         };
         let is_fresh = |h: &&HandFollower| h.last().is_some_and(|(at, _)| seen - at < FRESH);
         let hands = || self.hands.iter().filter(is_fresh);
+        let places = |h: &HandFollower| h.is_over_tote() && h.held().is_some_and(|held| held.from == lit);
         let phase = if self.in_hand(lit) > 0 {
-            PickPhase::Carry
+            if hands().any(places) { PickPhase::Place } else { PickPhase::Carry }
         } else if hands().any(HandFollower::is_in_slot) {
             PickPhase::Grasp
         } else if hands().any(|h| h.velocity().y < -MOVES_MPS) {
@@ -317,8 +318,8 @@ impl Desk {
         self.person.is_some_and(|(_, at)| now - at < STALE)
     }
 
-    /// Whether a hand is in the opening or beyond it, or will be there within 0.3 s with a probability of at least 0.1, as
-    /// far as hands are seen.
+    /// Whether a hand is in the opening or beyond it, or will be there within 0.3 s with a probability of at least 0.1,
+    /// as far as hands are seen.
     pub fn comes_inside(&self, face: &PickFace, now: Time) -> bool {
         self.is_any(now, |at, velocity| is_inside_soon(face, at, velocity))
     }

@@ -15,8 +15,8 @@ const ERR_M: f64 = 0.05;
 /// slot or tote and back.
 const GAP: Span = Span::from_millis(450);
 /// The start and the end of a quick way take so long together, seconds, and its middle is so fast, metres per second.
-const QUICK_S: f64 = 0.25;
-const QUICK_MPS: f64 = 1.5;
+const QUICK_S: f64 = 0.2;
+const QUICK_MPS: f64 = 2.0;
 /// After a gap of this length its velocity is not known.
 const STEADY: Span = Span::from_millis(120);
 /// A hand that has been in a slot for less than this has passed through and grasped nothing.
@@ -71,7 +71,10 @@ pub struct HandFollower {
     /// Whether its velocity is known.
     is_steady: bool,
     stay: Option<SlotStay>,
+    /// The tote in which it has stopped.
     tote: Option<usize>,
+    /// Whether it is in a tote or just above one.
+    is_over_tote: bool,
     held: Option<HeldPiece>,
 }
 
@@ -94,6 +97,11 @@ impl HandFollower {
     /// Whether it is in a slot.
     pub fn is_in_slot(&self) -> bool {
         self.stay.is_some()
+    }
+
+    /// Whether it is in a tote or just above one.
+    pub fn is_over_tote(&self) -> bool {
+        self.is_over_tote
     }
 
     /// It holds a piece again that it had put down.
@@ -161,6 +169,7 @@ impl HandFollower {
 
     fn totes(&mut self, face: &PickFace, at: FacePlace) -> Option<HandEvent> {
         let tote = face.tote_at(at);
+        self.is_over_tote = tote.is_some();
         if tote.is_none() {
             self.tote = None;
         }

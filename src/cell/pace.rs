@@ -180,15 +180,16 @@ impl PickPace {
     /// Mean and variance of what the piece takes that is picked now. The last of so many pieces need not be carried
     /// until the hand is out.
     fn piece(&self, station: StationId, piece: (PickPhase, f64), last_of: Option<u32>) -> (f64, f64) {
-        let carry = (PickPhase::Carry, 0.0);
+        let until_out = (PickPhase::Carry, 0.0);
         match last_of {
-            Some(1) if piece.0 == PickPhase::Carry => (AT_LEAST_S, 0.0),
+            Some(1) if piece.0 >= PickPhase::Carry => (AT_LEAST_S, 0.0),
             Some(1) => self.phases.rest(station, piece, PickPhase::Grasp),
             Some(_) => {
-                let (mean, variance) = self.phases.rest(station, piece, PickPhase::Carry);
-                ((mean - self.phases.rest(station, carry, PickPhase::Carry).0).max(AT_LEAST_S), variance)
+                let (mean, variance) = self.phases.rest(station, piece, PickPhase::Place);
+                let carry_s = self.phases.rest(station, until_out, PickPhase::Place).0;
+                ((mean - carry_s).max(AT_LEAST_S), variance)
             }
-            None => self.phases.rest(station, piece, PickPhase::Carry),
+            None => self.phases.rest(station, piece, PickPhase::Place),
         }
     }
 
@@ -217,14 +218,15 @@ impl PickPace {
 /// Mean and variance of what is left of a line that takes `line_s` on average and has been at it for `spent_s`.
 pub(super) fn rest_of(line_s: f64, spread: f64, spent_s: f64) -> (f64, f64) {
     let middle_s = line_s * (-spread * spread / 2.0).exp();
+    let least_s = AT_LEAST_S.min(line_s / 2.0);
     let left = NORMALS.iter().map(|z| middle_s * (spread * z).exp() - spent_s).filter(|s| *s > 0.0);
     let (n, sum, squares) = left.fold((0.0, 0.0, 0.0), |(n, a, b), s| (n + 1.0, a + s, b + s * s));
     if n == 0.0 {
-        let mean = (spent_s * OVERDUE).max(AT_LEAST_S);
+        let mean = (spent_s * OVERDUE).max(least_s);
         return (mean, mean * mean);
     }
     let mean: f64 = sum / n;
-    (mean.max(AT_LEAST_S), (squares / n - mean * mean).max(0.0))
+    (mean.max(least_s), (squares / n - mean * mean).max(0.0))
 }
 
 impl Remaining {

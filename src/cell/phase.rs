@@ -20,15 +20,18 @@ pub enum PickPhase {
     Grasp,
     /// A hand holds the piece, and brings it to a tote.
     Carry,
+    /// The hand with the piece is in a tote, and has not put it down yet.
+    Place,
 }
 
 impl PickPhase {
     /// All of them, in order.
-    pub const ALL: [PickPhase; 4] = [PickPhase::Search, PickPhase::Reach, PickPhase::Grasp, PickPhase::Carry];
+    pub const ALL: [PickPhase; 5] =
+        [PickPhase::Search, PickPhase::Reach, PickPhase::Grasp, PickPhase::Carry, PickPhase::Place];
 }
 
 /// What the phases take before anything is learned, seconds.
-const USUAL_S: [f64; 4] = [0.5, 0.6, 0.9, 0.9];
+const USUAL_S: [f64; 5] = [0.5, 0.6, 0.9, 0.8, 0.1];
 /// The spread of their logarithms before anything is learned, and how many phases that counts for.
 const SPREAD: f64 = 0.6;
 const SPREAD_PHASES: f64 = 10.0;
@@ -77,7 +80,8 @@ impl PiecePhases {
         }
         let spent = (self.phase, (seen - self.since).as_secs_f64());
         // A hand that turns back has not ended anything, unless it has put the piece down.
-        let goes_on = phase > self.phase || self.phase == PickPhase::Carry;
+        let has_put = self.phase >= PickPhase::Carry && phase < PickPhase::Carry;
+        let goes_on = phase > self.phase || has_put;
         let is_over = self.is_whole && goes_on;
         (self.phase, self.since, self.is_whole) = (phase, seen, goes_on);
         is_over.then_some(spent)
@@ -87,9 +91,9 @@ impl PiecePhases {
 /// What is known of how long phases take.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PhasePace {
-    crew: [PickSums; 4],
-    residuals: [PickSums; 4],
-    stations: BTreeMap<StationId, [PickSums; 4]>,
+    crew: [PickSums; 5],
+    residuals: [PickSums; 5],
+    stations: BTreeMap<StationId, [PickSums; 5]>,
 }
 
 impl PhasePace {
@@ -157,18 +161,25 @@ mod tests {
         (spent, piece)
     }
 
-    use PickPhase::{Carry, Grasp, Reach, Search};
+    use PickPhase::{Carry, Grasp, Place, Reach, Search};
 
     #[test]
     fn each_phase_of_a_piece_is_told_of_once_it_is_over_with_how_long_it_took() {
         let (spent, piece) =
-            followed(&[(Search, 500), (Reach, 600), (Grasp, 900), (Carry, 700), (Search, 100)]);
+            followed(&[(Search, 500), (Reach, 600), (Grasp, 900), (Carry, 600), (Place, 100), (Search, 100)]);
         let phases: Vec<PickPhase> = spent.iter().map(|(p, _)| *p).collect();
-        assert_eq!(phases, [Search, Reach, Grasp, Carry]);
-        let off = spent.iter().zip([0.55, 0.6, 0.9, 0.7]).map(|((_, s), true_s)| (s - true_s).abs());
+        assert_eq!(phases, PickPhase::ALL);
+        let off = spent.iter().zip([0.55, 0.6, 0.9, 0.6, 0.1]).map(|((_, s), true_s)| (s - true_s).abs());
         assert!(off.fold(0.0, f64::max) < 0.051, "{spent:?}");
         assert_eq!(piece.now(at(2_900)), Some((Search, 0.15)));
         assert_eq!(piece.now(at(4_000)), None, "it was not seen of late");
+    }
+
+    #[test]
+    fn a_hand_that_passes_over_a_tote_with_its_piece_has_not_put_it_down() {
+        let (spent, _) =
+            followed(&[(Search, 500), (Reach, 600), (Grasp, 900), (Carry, 300), (Place, 50), (Carry, 300)]);
+        assert!(spent.iter().all(|(phase, _)| *phase != Place), "{spent:?}");
     }
 
     #[test]
@@ -188,9 +199,9 @@ mod tests {
     #[test]
     fn the_rest_shrinks_from_phase_to_phase_and_a_slow_station_is_learned() {
         let mut pace = PhasePace::default();
-        let rest = |pace: &PhasePace, from| pace.rest(S, (from, 0.0), Carry).0;
+        let rest = |pace: &PhasePace, from| pace.rest(S, (from, 0.0), Place).0;
         let all = PickPhase::ALL.map(|phase| rest(&pace, phase));
-        assert!(all.windows(2).all(|pair| pair[0] > pair[1] + 0.3), "{all:?}");
+        assert!(all[..4].windows(2).all(|pair| pair[0] > pair[1] + 0.3), "{all:?}");
         assert!(
             pace.rest(S, (Reach, 0.0), Grasp).0 < rest(&pace, Reach),
             "the hand is out before it has placed"

@@ -19,8 +19,6 @@ use std::process::ExitCode;
 
 /// Word for the built-in model in place of a file.
 const BUILTIN: &str = "builtin";
-/// Share of reaches that go to the lit slot, where nothing else is known.
-const LIT: f64 = 0.95;
 
 /// Which places are candidates.
 #[derive(Clone, Copy, ValueEnum)]
@@ -120,7 +118,6 @@ impl PicksArgs {
                     ends: END_COURSE,
                     published: true,
                     drawn: PickModel::builtin().gaze.drawn,
-                    lit: LIT,
                 };
                 in_parallel(folds(&recording), None, |f| fold(&recording, slots, f, &course, |_| ()))
             }
@@ -253,7 +250,6 @@ impl LearnPicksArgs {
             ends,
             published: self.simulated.is_none(),
             drawn,
-            lit: LIT,
         };
         let learned = learn_picks(&lessons, &course, |what| eprintln!("learning {what}"));
         write(Some(&self.out), &learned.to_json())?;

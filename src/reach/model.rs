@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::{Arc, LazyLock};
 
 /// Of the form of the file.
-pub const PICK_MODEL_VERSION: u32 = 1;
+pub const PICK_MODEL_VERSION: u32 = 2;
 /// Classes of speed.
 pub const CLASSES: usize = SPEED_CLASSES.len() + 1;
 
@@ -71,10 +71,6 @@ pub struct SlotModel {
     pub sharpness: f64,
     /// Score of "none of these places".
     pub none: f64,
-    /// Share of reaches that go to the lit slot.
-    pub lit: f64,
-    /// Weight of palm mixtures beside the nets, where places have some.
-    pub mixture_share: f64,
     /// Sharpness per metre of the rule by distance of the finger tip.
     pub hand_rule: f64,
     /// Sharpness of the rule by distance of head ray and place.
@@ -183,14 +179,10 @@ impl SlotModel {
         if let Some(fault) = self.nets.iter().find_map(EndNet::fault) {
             return Some(fault);
         }
-        let is_share = |s: f64| (0.0..=1.0).contains(&s);
         let is_sharp = |s: f64| (1e-3..=1e3).contains(&s);
         let sharp = [self.sharpness, self.hand_rule, self.head_rule];
-        if !sharp.into_iter().all(is_sharp) || self.none.abs() > 1e3 {
-            return Some("sharpness and rules must be from 0.001 to 1000, none within 1000".into());
-        }
-        let shares = is_share(self.lit) && is_share(self.mixture_share);
-        (!shares).then(|| "lit and mixture_share must be from 0 to 1".to_owned())
+        let is_sound = sharp.into_iter().all(is_sharp) && self.none.abs() <= 1e3;
+        (!is_sound).then(|| "sharpness and rules must be from 0.001 to 1000, none within 1000".into())
     }
 }
 

@@ -56,8 +56,8 @@ impl SlotTracker {
         }
     }
 
-    /// The places from now on, and which of them is lit, if one is, with the share of reaches that go to it. Places need
-    /// no history: what was seen of the hand counts for all of them.
+    /// The places from now on, and which of them is lit, if one is, with the share of reaches that go to it. Places
+    /// need no history: what was seen of the hand counts for all of them.
     pub fn set_places(&mut self, targets: &[ReachTarget], lit: Option<(usize, f64)>) {
         self.targets.clear();
         self.targets.extend_from_slice(targets);

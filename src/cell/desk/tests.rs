@@ -151,12 +151,12 @@ fn the_first_glimpse_after_a_gap_is_no_stop_in_a_tote() {
     let mut film = Film::new();
     film.picks(LIT, slot("C3"));
     let (rim, left) = (film.face.tote(1).unwrap(), FacePlace::new(-0.22, 0.95, 0.95));
-    film.now += Span::from_millis(700);
+    film.now += Span::from_millis(600);
     film.look(LIT, [Some(left), Some(rim)]);
     assert_eq!(film.desk.in_hand(slot("C3")), 1, "it may be passing: {:?}", film.events);
     film.look(LIT, [Some(left), Some(rim)]);
     film.look(LIT, [Some(left), Some(rim)]);
-    assert_eq!(film.events.last(), Some(&put("C3", true, 1)), "so quick a way leads nowhere else");
+    assert!(matches!(film.events.last(), Some(DeskEvent::Placed(_, 1))), "{:?}", film.events);
 }
 
 #[test]

@@ -202,7 +202,7 @@ fn ask_slots(part: &mut PickPart, item: &ReachItem, names: &[String], learned: &
     add("head", &at_parts(item, &head_scores(item)), slots.head_rule);
     let nets: Vec<Vec<Vec<f64>>> =
         slots.nets.iter().map(|net| at_parts(item, &end_scores(net, item))).collect();
-    let mut ours = mean_scores(&nets);
+    let ours = mean_scores(&nets);
     if let Some(published) = &learned.published {
         for variant in PlaceVariant::ALL {
             if let Some(net) = published.net(variant, item.targets.len()) {
@@ -214,10 +214,12 @@ fn ask_slots(part: &mut PickPart, item: &ReachItem, names: &[String], learned: &
             add("mixtures", &mixture_scores(item, &mixtures, None), published.observed);
             let ahead = mixture_scores(item, &mixtures, Some(&learned.model.arm));
             add("mixtures_ahead", &ahead, published.ahead);
-            let share = slots.mixture_share;
-            for (ours, ahead) in ours.iter_mut().zip(ahead) {
-                ours.iter_mut().zip(ahead).for_each(|(o, a)| *o = *o * (1.0 - share) + a * share);
-            }
+            let [share, sharpness] = published.both;
+            let weigh = |(ours, ahead): (&Vec<f64>, &Vec<f64>)| -> Vec<f64> {
+                ours.iter().zip(ahead).map(|(o, a)| o * (1.0 - share) + a * share).collect()
+            };
+            let both: Vec<Vec<f64>> = ours.iter().zip(&ahead).map(weigh).collect();
+            add("giveway_with_mixtures", &both, sharpness);
         }
     }
     add("giveway", &ours, slots.sharpness);

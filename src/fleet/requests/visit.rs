@@ -46,8 +46,8 @@ impl Intake<'_> {
     }
 
     /// Changes a line of the visit for which a robot is picked from. The visit ends with its last line, unless a hand
-    /// is inside: then when it is out. Of a hand that was inside when it was seen last nobody knows where it is, unless a
-    /// button is pressed.
+    /// is inside: then when it is out. Of a hand that was inside when it was seen last nobody knows where it is, until
+    /// a button is pressed.
     pub(super) fn change_line(
         &mut self,
         robot: RobotId,

@@ -160,8 +160,8 @@ impl Visits {
         &self.used
     }
 
-    /// Whether these pieces of a line are the ones that hand or button, whichever this is not, has just confirmed. Asked
-    /// of a piece by hand, it is counted off.
+    /// Whether these pieces of a line are the ones that hand or button, whichever this is not, has just confirmed.
+    /// Asked of a piece by hand, it is counted off.
     pub fn is_confirmed(
         &mut self,
         station: StationId,

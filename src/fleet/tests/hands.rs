@@ -4,6 +4,7 @@ use super::*;
 use crate::cell::{
     FacePlace, Flow, HandPoints, HandsSeen, LineChange, LineOutcome, LineState, OrderLine, PickFace, PickedBy,
 };
+use crate::fleet::state::visits::Visits;
 use crate::warehouse::{SlotName, stations};
 
 /// A floor with a rack at station S1 whose lines are picked by hand.
@@ -32,6 +33,7 @@ impl CellFloor {
         };
         let mut floor = TestFloor::new(stations(), &scenario(2));
         floor.fleet.core.settings.flow = flow;
+        floor.fleet.core.visits = Visits::new(flow.counts_lines());
         let kind = JobKind::Deliver { rack: RackId(3), station: S1, pick: Some(Span::from_secs(900)) };
         let lines = vec![lines.iter().map(line).collect()];
         let job = floor.submit(JobRequest { lines, ..request(kind) });
@@ -261,6 +263,9 @@ fn a_wrong_slot_and_a_wrong_tote_are_warned_of_and_confirm_nothing() {
     assert_eq!(cell.warnings, [WrongReach::Tote(0)]);
     assert_eq!(cell.lines(), [(LineState::Lit, 0)], "the right piece in a wrong tote");
     assert_eq!(cell.floor.fleet.view(cell.floor.now).stations[0].warning, Some(WrongReach::Tote(0)));
+    cell.puts(1);
+    assert!(!cell.is_done(), "nobody has seen what was taken out of the wrong tote");
+    cell.puts(0);
     cell.puts(1);
     assert!(cell.is_done(), "it is put right");
 }

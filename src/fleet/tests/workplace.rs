@@ -63,7 +63,8 @@ fn place_beside(floor: &TestFloor, aside_m: f64) -> Point {
 #[test]
 fn no_robot_moves_at_the_opening_while_two_persons_are_in_the_workplace() {
     let (mut floor, mut ana) = at_work();
-    let mut ben = floor.hire(place_beside(&floor, 0.2));
+    let beside = place_beside(&floor, 0.2);
+    let mut ben = floor.hire_as("Ben", beside);
     ben.own = true;
     let job = floor.submit(request(deliver(3)));
     for _ in 0..1200 {

@@ -36,8 +36,6 @@ pub struct PickCourse {
     pub published: bool,
     /// Share of the way that gaze is drawn to probable places, where it cannot be learned.
     pub drawn: f64,
-    /// Share of reaches that go to the lit slot.
-    pub lit: f64,
 }
 
 /// Weights of mixtures beside the nets that are tried.
@@ -59,19 +57,11 @@ pub fn learn_picks(lessons: &PickLessons, course: &PickCourse, mut tell: impl Fn
         sharpness_of(&lessons.items.iter().enumerate().map(scored).collect::<Vec<_>>())
     };
     let with_mixtures = course.published && !lessons.places.is_empty();
-    let (mixture_share, mixed) = if with_mixtures {
-        tell("palm mixtures");
-        share_of_mixtures(lessons, &left_out, &arm)
-    } else {
-        (0.0, left_out)
-    };
-    let sharpness = sharpness_of(&mixed);
+    let sharpness = sharpness_of(&left_out);
     let slots = SlotModel {
         nets,
         sharpness,
-        none: none_of(&mixed, sharpness),
-        lit: course.lit,
-        mixture_share,
+        none: none_of(&left_out, sharpness),
         hand_rule: of_rule(hand_scores),
         head_rule: of_rule(head_scores),
     };
@@ -83,12 +73,17 @@ pub fn learn_picks(lessons: &PickLessons, course: &PickCourse, mut tell: impl Fn
         seed: course.seed,
         people: lessons.present().into_iter().map(|p| lessons.people[p].clone()).collect(),
         folds: slots.nets.len(),
-        left_out: scores_of(lessons, &mixed, sharpness, &forecasts, &arm),
+        left_out: scores_of(lessons, &left_out, sharpness, &forecasts, &arm),
         gaze: GazeModel { weights: fit_gaze(&pairs), drawn: course.drawn },
         slots,
         arm,
     };
-    let published = with_mixtures.then(|| learn_published(lessons, &model, &pairs, course.seed, &mut tell));
+    let published = with_mixtures.then(|| {
+        tell("palm mixtures beside the nets");
+        let both = share_of_mixtures(lessons, &left_out, &model.arm);
+        let published = learn_published(lessons, &model, &pairs, course.seed, &mut tell);
+        PublishedPicks { both, ..published }
+    });
     LearnedPicks { model, published }
 }
 
@@ -162,8 +157,8 @@ pub fn candidates_of<'a>(
     item.places.iter().map(|p| mixtures.iter().find(|m| m.place == names[*p])).collect()
 }
 
-/// How much mixtures help the nets on people left out, and the scores of both together.
-fn share_of_mixtures(lessons: &PickLessons, left_out: &[Scored], arm: &ArmModel) -> (f64, Vec<Scored>) {
+/// The weight with which mixtures help the nets most on people left out, and the sharpness of both together.
+fn share_of_mixtures(lessons: &PickLessons, left_out: &[Scored], arm: &ArmModel) -> [f64; 2] {
     const GROUPS: usize = 2;
     let by_group: Vec<Vec<PalmMixture>> =
         (0..GROUPS).map(|g| mixtures_of(lessons, |p| lessons.group(p, GROUPS) != g)).collect();
@@ -182,10 +177,10 @@ fn share_of_mixtures(lessons: &PickLessons, left_out: &[Scored], arm: &ArmModel)
     };
     let tried = MIXED.map(|share| {
         let both = both(share);
-        (surprise(&both, sharpness_of(&both)), share)
+        let sharpness = sharpness_of(&both);
+        (surprise(&both, sharpness), [share, sharpness])
     });
-    let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |b| b.1);
-    if best == 0.0 { (0.0, left_out.to_vec()) } else { (best, both(best)) }
+    tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or([0.0, 1.0], |best| best.1)
 }
 
 /// Both scores, weighted.
@@ -252,7 +247,7 @@ fn learn_published(
         net.layers.iter_mut().for_each(|l| l.round());
         net
     });
-    PublishedPicks { nets, mixtures, observed, ahead, seq2seq, bones, vae, gaze }
+    PublishedPicks { nets, mixtures, observed, ahead, both: [0.0, 1.0], seq2seq, bones, vae, gaze }
 }
 
 /// A variant, its sharpness from a net that was learned from half of the people and asked about the others.

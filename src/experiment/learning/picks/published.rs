@@ -37,6 +37,9 @@ pub struct PublishedPicks {
     pub observed: f64,
     /// Sharpness of observed and forecast palm points.
     pub ahead: f64,
+    /// Weight of palm mixtures beside the nets of what runs that helps people left out most, and the sharpness of both
+    /// together.
+    pub both: [f64; 2],
     /// Sequence to sequence.
     pub seq2seq: SeqToSeq,
     /// Bones.
