@@ -9,10 +9,11 @@ use crate::warehouse::SlotName;
 /// What a warning for nothing costs, relative to one that does not come: warned is where the odds of a wrong slot
 /// against the lit one are above it.
 const COST: f64 = 60.0;
-/// Where a hand is in front of its slot is known this well at the face, metres, and so much less for each metre
-/// before it.
+/// Where a hand goes is known this well of one that is at the face and moves straight in, metres, and so much less for
+/// each metre before the face and for each metre that it would still move sideways.
 const NEAR_M: f64 = 0.05;
-const PER_M: f64 = 0.3;
+const PER_M: f64 = 0.06;
+const PER_SIDE: f64 = 0.35;
 /// It goes on sideways for so long as it does now, seconds, or until it is at the face, but not longer than this. A
 /// wrong slot must be the likelier one by both: hands pass other slots on their way along the rack.
 const ON_S: f64 = 0.08;
@@ -35,7 +36,11 @@ pub(super) fn aims_wrong(
         return None;
     }
     let to_face_s = (left_m.max(0.0) / -velocity.y).min(ON_MOST_S);
-    let by = |on_s: f64| wrong_by(face, (lit, share.get()), at + velocity * on_s, left_m);
+    let by = |on_s: f64| {
+        let aside_m = (velocity * on_s).xz().norm();
+        let sigma_m = NEAR_M + PER_M * left_m.max(0.0) + PER_SIDE * aside_m;
+        wrong_by(face, (lit, share.get()), at + velocity * on_s, sigma_m)
+    };
     by(to_face_s).and(by(ON_S))
 }
 
@@ -44,9 +49,8 @@ fn wrong_by(
     face: &PickFace,
     (lit, share): (SlotName, f64),
     lands: FacePlace,
-    left_m: f64,
+    sigma_m: f64,
 ) -> Option<SlotName> {
-    let sigma_m = NEAR_M + PER_M * left_m.max(0.0);
     let likely = |front: FacePlace| {
         let off = (lands - front).xz().norm() / sigma_m;
         (-off * off / 2.0).exp()
