@@ -231,3 +231,34 @@ fn lines_that_are_done_one_by_one_teach_the_pace_and_lines_confirmed_at_once_do_
     assert_eq!(taught(Some(StationOrder::Done)), Span::ZERO);
     assert_eq!(taught(Some(StationOrder::Release)), Span::ZERO);
 }
+
+/// A delivery of a rack to a station, with so many lines of three pieces.
+fn lines_for(rack: u32, station: u32, count: u8) -> JobRequest {
+    let line = |i: u8| line(["A1", "B1", "C1", "A2", "B2", "C2", "A3", "B3"][usize::from(i)], 3, "A");
+    let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: None };
+    JobRequest { lines: vec![(0..count).map(line).collect()], ..request(kind) }
+}
+
+#[test]
+fn seconds_of_work_and_not_racks_decide_for_which_station_the_next_rack_is_fetched() {
+    for busy in [0, 1] {
+        let mut floor = TestFloor::new(stations(), &scenario(3));
+        // One rack is on its way to each station: eight lines to one, one line to the other.
+        let first = [0, 1].map(|s| floor.submit(lines_for(3 + s, s, if s == busy { 8 } else { 1 })));
+        floor.until(60, "both have a robot", |f| first.iter().all(|job| !f.is(*job, "waiting")));
+        let inputs =
+            [0, 1].map(|s| Input::Submit { token: 20 + u64::from(s), request: lines_for(5 + s, s, 1) });
+        let replies = floor.step(inputs.into()).replies;
+        let next: Vec<JobId> = replies.iter().filter_map(accepted).collect();
+        floor.until(60, "one of them has the third robot", |f| next.iter().any(|job| !f.is(*job, "waiting")));
+        let waits = next.iter().position(|job| floor.is(*job, "waiting")).expect("there are three robots");
+        assert_eq!(waits as u32, busy, "that station has work for a minute");
+    }
+}
+
+fn accepted(reply: &Reply) -> Option<JobId> {
+    match reply {
+        Reply::Accepted { job, .. } => Some(*job),
+        _ => None,
+    }
+}
