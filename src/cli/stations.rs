@@ -317,3 +317,40 @@ fn print_pairs(paired: &Value, pairs: &[(&str, &str)]) {
         println!("{one} - {other}: {} ({} to {})", n(&relative["mean"]), n(low), n(high));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_report_has_every_key_that_other_programs_read() {
+        let row = StationsRow { hours: 1.0, lines: 100, visits: 30, wrong: 2, ..StationsRow::default() };
+        let rows = [row.clone(), row];
+        let report = scenario(24, &[rows.as_slice(); 5]);
+        let arms = report["arms"].as_object().expect("one of each flow");
+        assert!(["usual", "counted", "hand", "seen", "known"].iter().all(|flow| arms.contains_key(*flow)));
+        let keys = [
+            "lines_per_hour",
+            "picker_idle",
+            "robot_wait_s",
+            "wrong",
+            "wrong_warned",
+            "warned_lead_s",
+            "wrong_confirmed_per_1000",
+            "false_warnings_per_1000",
+            "dismissed_early_per_1000",
+            "end_cov80",
+        ];
+        let missing = keys.into_iter().filter(|key| arms["seen"].get(key).is_none());
+        assert_eq!(missing.collect::<Vec<_>>(), [""; 0]);
+        for pair in ["seen-usual", "counted-usual", "hand-counted", "seen-hand", "known-seen"] {
+            let relative = &report["paired"][pair]["relative"];
+            assert_eq!((&relative["mean"], relative["ci95"].as_array().map(Vec::len)), (&json!(0.0), Some(2)));
+        }
+        let with_arm = with_arm(&rows, &[rows.as_slice(); 3]);
+        for mode in ["turns", "reactive", "predictive"] {
+            assert!(with_arm[mode]["protective_stops_per_hour"].is_number(), "{with_arm}");
+            assert_eq!(with_arm[mode]["contacts"], 0);
+        }
+    }
+}
