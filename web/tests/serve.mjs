@@ -1,17 +1,31 @@
-// A server of its own for a test: started with a scenario, stopped with everything that it wrote.
+// A server of its own for a test: started with a scenario, stopped with everything that it wrote, or killed.
 import { spawn } from 'node:child_process';
 import { rmSync } from 'node:fs';
 
-/** Starts the program with a scenario and a database in a folder that is removed at the end. */
-export async function serve(program, scenario, scratch) {
-  const server = spawn(program, ['serve', '--scenario', scenario, '--listen', '127.0.0.1:0', '--database', `${scratch}/db.sqlite`]);
+/**
+ * Starts the program with a scenario and a database in a folder that is removed when it is stopped. One that was killed
+ * can be started again on the same database and port.
+ */
+export async function serve(program, scenario, scratch, port = 0) {
+  const server = spawn(program, [
+    'serve', '--scenario', scenario, '--listen', `127.0.0.1:${port}`, '--database', `${scratch}/db.sqlite`,
+  ]);
   let log = '';
   server.stderr.on('data', (text) => { log += text; });
   server.stdout.on('data', (text) => { log += text; });
   const ended = new Promise((done) => { server.once('exit', done); });
+  const ends = async (signal) => {
+    server.kill(signal);
+    await ended;
+  };
+  process.once('exit', () => server.kill('SIGKILL'));
   for (let i = 0; i < 300; i++) {
-    const at = /^Giveway is at (http:\/\/[^/]*)\/$/m.exec(log)?.[1];
-    if (at) return { url: at, stop: async () => { server.kill('SIGTERM'); await ended; rmSync(scratch, { recursive: true, force: true }); } };
+    const url = /^Giveway is at (http:\/\/[^/]*)\/$/m.exec(log)?.[1];
+    const stop = async () => {
+      await ends('SIGTERM');
+      rmSync(scratch, { recursive: true, force: true });
+    };
+    if (url) return { url, stop, kill: () => ends('SIGKILL') };
     if (server.exitCode !== null) break;
     await new Promise((done) => { setTimeout(done, 200); });
   }

@@ -1,13 +1,13 @@
 // The display of a picking station in a real browser, against a real server that this test starts itself, kills in the
 // middle of a visit and starts again: node tests/station.mjs PATH_TO_GIVEWAY. Each check prints a sentence.
-import { spawn } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
 import {
   PATIENCE, assert, assertAccessible, check, finish, isLostLink, isRefusal, listen, openBrowser, until,
 } from './chromium.mjs';
+import { serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -36,7 +36,7 @@ const lines = [
   { slot: 'B3', quantity: 1, tote },
 ];
 
-let server = await start(0);
+let server = await serve(program, `${scratch}/cells.json`, scratch);
 const { url } = server;
 const browser = await openBrowser();
 const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: 'dark' });
@@ -177,6 +177,7 @@ await check('A scan of the lit slot confirms one piece, and the tote is checked'
 await check('What is missing is said with a key, and undone with a button that names the slot', async () => {
   await page.keyboard.press('m');
   await becomes(4, 'short 0');
+  await isLit('B3');
   await page.getByRole('button', { name: 'Undo C2' }).click();
   await isLit('C2');
   assert((await states())[3] === 'lit 0', (await states()).join());
@@ -201,7 +202,7 @@ await check('A server that was killed is said plainly, and nothing can be presse
   return page.locator('.old').innerText();
 });
 await check('When it is back, the same lines are there, and the display went on by itself', async () => {
-  server = await start(Number(new URL(url).port));
+  server = await serve(program, `${scratch}/cells.json`, scratch, new URL(url).port);
   await isLit('C2');
   const after = await page.locator('.lines li').allInnerTexts();
   assert(after.join('|') === before.join('|'), `${after.join('; ')} instead of ${before.join('; ')}`);
@@ -229,26 +230,5 @@ await check('A rack is let go only after a question', async () => {
 });
 await check('Nothing was complained about', () => assert(complaints.length === 0, complaints.join(' | ')));
 
-await server.kill();
-rmSync(scratch, { recursive: true, force: true });
+await server.stop();
 await finish(browser);
-
-/** Starts the program on a port, 0 for any. */
-async function start(port) {
-  const child = spawn(program, [
-    'serve', '--scenario', `${scratch}/cells.json`, '--listen', `127.0.0.1:${port}`,
-    '--database', `${scratch}/db.sqlite`,
-  ], { stdio: ['ignore', 'pipe', 'inherit'] });
-  const ended = new Promise((done) => { child.once('exit', done); });
-  process.on('exit', () => child.kill('SIGKILL'));
-  const address = await new Promise((found, failed) => {
-    let text = '';
-    child.stdout.on('data', (more) => {
-      text += more;
-      const at = /^Giveway is at (http:\/\/[^/]+)\/$/m.exec(text)?.[1];
-      if (at) found(at);
-    });
-    child.once('exit', (code) => failed(new Error(`the server ended with ${code}: ${text}`)));
-  });
-  return { url: address, kill: async () => { child.kill('SIGKILL'); await ended; } };
-}

@@ -75,7 +75,7 @@ export class Board {
   }
 
   #bigWords({ visit }: Station, mistake: Mistake | null): Node[] {
-    if (mistake) return [words('title', mistakeTitle(mistake)), words('wide', mistakeHelp(mistake))];
+    if (mistake) return [nameOf(mistake), words('title', mistakeTitle(mistake)), words('wide', mistakeHelp(mistake))];
     if (!visit) return [words('title', t('none.heading')), this.#soon];
     const [lit, next] = [litOf(visit), nextOf(visit)];
     if (!lit) {
@@ -133,6 +133,14 @@ function sentence({ visit }: Station): string {
   const { slot, tote, item } = lit;
   const count = leftOf(lit);
   return item === null ? t('take', { count, slot, tote }) : t('take.item', { count, slot, tote, item });
+}
+
+/** A cross and what is wrong, to be read from afar; a long name stands in the sentence below alone. */
+function nameOf({ is }: Mistake): HTMLElement {
+  const isShort = is !== null && is.length <= 4;
+  const name = make('p', { className: 'named', ariaHidden: 'true' });
+  if (isShort) name.append(make('span', { textContent: is }));
+  return name;
 }
 
 const mistakeTitle = ({ kind, is }: Mistake): string =>

@@ -30,11 +30,18 @@ interface Said {
   isWrong: boolean;
 }
 
-/** Two strokes through a box: nobody takes that for anything but wrong. */
-const cross = ({ x, y, width, height }: Box): SVGElement => {
-  const [a, b, c, d] = [x + 0.02, y + 0.02, x + width - 0.02, y + height - 0.02];
-  return shape('path', { d: `M${a} ${b} L${c} ${d} M${c} ${b} L${a} ${d}`, class: 'cross' });
-};
+/** A name that is read from afar, and a cross that leaves it alone: below it, or beside it where there is more room. */
+function wrongWords({ name, x, y, width, height }: Box): SVGElement[] {
+  const isWide = width > height;
+  const [left, down] = isWide ? [0.33, 0.5] : [0.5, 0.29];
+  const [cx, cy, r] = isWide ? [0.73, 0.5, height * 0.2] : [0.5, 0.7, width * 0.22];
+  const size = Math.min(width * (isWide ? 0.75 : 1) / Math.max(2, name.length), height * (isWide ? 0.65 : 0.35));
+  const across = `l${2 * r} ${2 * r} m0 ${-2 * r} l${-2 * r} ${2 * r}`;
+  return [
+    words(name, x + width * left, y + height * down + size * 0.36, size, 'name'),
+    shape('path', { d: `M${x + width * cx - r} ${y + height * cy - r} ${across}`, class: 'cross' }),
+  ];
+}
 
 /** A tick for what is done; for what is missing, a circle with a stroke through it. */
 function sign({ x, y, width, height }: Box, mark: Mark | 'plain'): SVGElement[] {
@@ -52,7 +59,9 @@ function cell(place: Box, kind: 'slot' | 'tote', { mark, count, isWrong }: Said)
   const small = Math.min(width * (name.length > 2 ? 0.34 : 0.46), height * 0.3);
   const large = Math.min(width * (count !== null && count > 99 ? 0.42 : 0.6), height * 0.5);
   const parts = [box(place, 0.008, { class: 'ground' })];
-  if (count !== null) {
+  if (isWrong) {
+    parts.push(...wrongWords(place));
+  } else if (count !== null) {
     parts.push(words(name, x + width / 2, y + height * 0.33, small, 'name'));
     parts.push(words(String(count), x + width / 2, y + height * 0.84, large, 'count'));
   } else if (kind === 'tote' || mark === 'plain' || mark === 'open' || mark === 'next') {
@@ -61,7 +70,6 @@ function cell(place: Box, kind: 'slot' | 'tote', { mark, count, isWrong }: Said)
   } else {
     parts.push(words(name, x + width / 2, y + height * 0.36, small, 'name'), ...sign(place, mark));
   }
-  if (isWrong) parts.push(cross(place));
   const wrong = isWrong ? { 'data-wrong': '' } : {};
   return shape('g', { class: `${kind} ${mark}`, 'data-name': name, 'data-mark': mark, ...wrong }, ...parts);
 }
@@ -83,7 +91,9 @@ export function drawRack(station: Station, mistake: Mistake | null): SVGElement 
     const probability = Math.max(0, ...reach.filter((one) => one[kind] === place.name).map((one) => one.probability));
     const width = reachWidth(probability);
     const more = { class: 'reach', 'stroke-width': width, 'data-reach': place.name };
-    return width === 0 ? [] : [box(place, 0.008 + width / 2, more)];
+    // The frame of a wrong place says more.
+    const isWrong = mistake?.kind === `wrong_${kind}` && mistake.is === place.name;
+    return width === 0 || isWrong ? [] : [box(place, 0.008 + width / 2, more)];
   });
   const { body } = drawing;
   // Where no slots are known, the rack has its name; where no rack is, a dashed line says where it will be.
@@ -91,9 +101,11 @@ export function drawRack(station: Station, mistake: Mistake | null): SVGElement 
   const isBare = drawing.slots.length === 0 && visit?.rack;
   const title = isBare ? [words(visit.rack ?? '', 0, body.y + body.height / 2, 0.2, 'name')] : [];
   const label = lit ? t('face.take', { slot: lit.slot, tote: lit.tote }) : t('face');
-  // Those that are lit are drawn over the edges of their neighbours.
-  const isLit = (one: SVGElement): number => Number(one.classList.contains('lit'));
-  const inOrder = [...slots, ...below].sort((a, b) => isLit(a) - isLit(b));
+  // Those that are lit are drawn over the edges of their neighbours, and what is wrong over all.
+  const rank = ({ classList, dataset }: SVGElement): number =>
+    ('wrong' in dataset ? 2 : Number(classList.contains('lit')));
+  const inOrder = [...slots, ...below].sort((a, b) => rank(a) - rank(b));
   const seen = { viewBox: drawing.view.join(' '), role: 'img', 'aria-label': label, class: 'face' };
-  return shape('svg', seen, outline, ...title, ...inOrder, ...hands(drawing.slots, 'slot'), ...hands(drawing.totes, 'tote'));
+  const reaches = [...hands(drawing.slots, 'slot'), ...hands(drawing.totes, 'tote')];
+  return shape('svg', seen, outline, ...title, ...inOrder, ...reaches);
 }
