@@ -11,7 +11,7 @@ use std::process::Command;
 use std::{env, fs, io};
 
 /// What the page is built from, below `web/`.
-const INPUTS: [&str; 15] = [
+const INPUTS: [&str; 16] = [
     "src",
     "public",
     "index.html",
@@ -19,6 +19,7 @@ const INPUTS: [&str; 15] = [
     "docs.html",
     "signin.html",
     "editor.html",
+    "station.html",
     "package.json",
     "package-lock.json",
     "vite.config.ts",
