@@ -65,6 +65,7 @@ impl JointGate {
 
 #[cfg(test)]
 mod tests {
+    use super::super::wire::HandSaid;
     use super::*;
 
     const HEAD: [f64; 3] = [1.0, 2.0, 1.6];
@@ -76,7 +77,7 @@ mod tests {
     }
 
     fn refused(gate: &mut JointGate, right: Option<Vec<[f64; 4]>>, ms: i64) -> (u64, bool) {
-        let said = HandsSaid { l: None, r: right.clone() };
+        let said = HandsSaid { l: None, r: right.clone().map(HandSaid::Joints) };
         let mut senses = Senses { hands: [None, right.filter(|r| r.len() <= 32)], ..Senses::default() };
         let count = gate.pass(Some(&said), &mut senses, Place::from(HEAD), Time(ms * 1000));
         (count, senses.hands[1].is_some())

@@ -35,8 +35,8 @@ use tokio::task::JoinSet;
 use tokio::time::timeout;
 
 /// What is said of hands that cannot be.
-const NO_HAND: &str = "a hand is left out: its joints are too many, far from each other or from any shoulder, or have \
-                       not moved at all for a second";
+const NO_HAND: &str = "a hand is left out: a joint is no four numbers, or its joints are too many, far from each other \
+                       or from any shoulder, or have not moved at all for a second";
 
 /// How long a message may be: both hands with all joints, twice.
 const MESSAGE: usize = 32 * 1024;

@@ -8,7 +8,7 @@ use super::FAR_M;
 use super::align::{Alignment, Misfit, PointPair};
 use super::clock::ClockSync;
 use super::pose::{self, Gaze, Hand, facing, plan, rotation};
-use super::wire::{AnchorSaid, PoseFrame, PoseSaid, QualitySaid};
+use super::wire::{AnchorSaid, HandSaid, PoseFrame, PoseSaid, QualitySaid};
 use crate::geometry::{Point, Vector};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
@@ -388,8 +388,8 @@ fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
         let [x, y, z] = pose::place(alignment, [x, y, z]);
         sound.then_some([x, y, z, radius])
     };
-    let hand = |joints: &Vec<[f64; 4]>| -> Option<Hand> {
-        if joints.len() > MOST_JOINTS { None } else { joints.iter().map(joint).collect() }
+    let hand = |said: &HandSaid| -> Option<Hand> {
+        said.joints().filter(|joints| joints.len() <= MOST_JOINTS)?.iter().map(joint).collect()
     };
     let hands = said
         .hands

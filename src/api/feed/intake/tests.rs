@@ -2,6 +2,7 @@
 
 use super::super::clock::Exchange;
 use super::*;
+use crate::api::feed::wire::HandsSaid;
 
 const NOW: Time = Time(1_800_000_000_000_000);
 
@@ -152,6 +153,28 @@ fn who_is_lost_need_not_make_a_place_up() {
     let before = intake.take(&pose(2), NOW).unwrap().sighting;
     let s = intake.take(&lost(3), NOW).unwrap().sighting;
     assert_eq!((s.at, s.heading, s.quality), (before.at, before.heading, Quality::Lost));
+}
+
+#[test]
+fn a_hand_that_cannot_be_read_or_has_too_many_joints_is_left_out_alone() {
+    let joint = [2.2, 1.2, -3.0, 0.01];
+    let good = || Some(HandSaid::Joints(vec![joint; 25]));
+    let bad = [
+        HandSaid::Unreadable(serde::de::IgnoredAny),
+        HandSaid::Joints(vec![joint; 33]),
+        HandSaid::Joints(vec![[f64::NAN, 1.2, -3.0, 0.01]; 25]),
+        HandSaid::Joints(vec![[2.2, 1.2, -3.0, -0.01]; 25]),
+    ];
+    for hand in bad {
+        for hands in
+            [HandsSaid { l: Some(hand.clone()), r: good() }, HandsSaid { l: good(), r: Some(hand.clone()) }]
+        {
+            let is_good = [hands.l == good(), hands.r == good()];
+            let said = PoseSaid { hands: Some(hands), ..pose(1) };
+            let taken = intake(PoseFrame::Map).take(&said, NOW).expect("the pose counts");
+            assert_eq!((taken.fault, taken.senses.hands.map(|hand| hand.is_some())), (None, is_good));
+        }
+    }
 }
 
 #[test]
