@@ -36,7 +36,7 @@ use tokio::time::timeout;
 
 /// What is said of hands that cannot be.
 const NO_HAND: &str = "a hand is left out: a joint is no four numbers, or its joints are too many, far from each other \
-                       or from any shoulder, or have not moved at all for a second";
+                       or from any shoulder, or have not moved at all for a second, or left and right changed places";
 
 /// How long a message may be: both hands with all joints, twice.
 const MESSAGE: usize = 32 * 1024;
@@ -345,7 +345,8 @@ impl Session<'_> {
         let fault = match self.intake.take(said, received) {
             Ok(mut taken) => {
                 let head = head_of(&taken.sighting, &taken.senses);
-                let refused = self.joints.pass(said.hands.as_ref(), &mut taken.senses, head, received);
+                let times = (taken.sighting.seen, received);
+                let refused = self.joints.pass(said.hands.as_ref(), &mut taken.senses, head, times);
                 if refused > 0 {
                     self.api.metrics.hands_refused.inc_by(refused);
                     self.warn("hands", refused, NO_HAND).await?;
