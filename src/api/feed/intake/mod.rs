@@ -81,6 +81,8 @@ pub struct TakenPose {
 pub struct Senses {
     /// Where somebody looks.
     pub gaze: Option<Gaze>,
+    /// Where the head points by its own rotation: map x, map y, height; of length one.
+    pub ahead: Option<[f64; 3]>,
     /// Joints of the left and the right hand.
     pub hands: [Option<Hand>; 2],
     /// Charge of the device, 0 to 1.
@@ -383,6 +385,7 @@ fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
         let dir = pose::direction(alignment, g.dir)?;
         Some(Gaze { kind: g.kind, origin: pose::place(alignment, g.origin), dir })
     });
+    let ahead = said.quat.and_then(rotation).and_then(|q| pose::direction(alignment, pose::ahead(q).into()));
     let joint = |&[x, y, z, radius]: &[f64; 4]| {
         let sound = near(&[x, y, z]) && (0.0..1.0).contains(&radius);
         let [x, y, z] = pose::place(alignment, [x, y, z]);
@@ -396,7 +399,7 @@ fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
         .as_ref()
         .map_or([None, None], |h| [h.l.as_ref().and_then(hand), h.r.as_ref().and_then(hand)]);
     let battery = said.battery.filter(|b| (0.0..=1.0).contains(b));
-    Senses { gaze, hands, battery }
+    Senses { gaze, ahead, hands, battery }
 }
 
 #[cfg(test)]

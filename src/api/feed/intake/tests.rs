@@ -156,6 +156,25 @@ fn who_is_lost_need_not_make_a_place_up() {
 }
 
 #[test]
+fn where_the_head_points_is_turned_like_the_frame_and_has_its_pitch() {
+    let mut intake = intake(PoseFrame::Device);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let mark =
+        PointPair { device: Vector::zeros(), map: Point::new(10.0, 5.0), weight: 1.0, turn: Some(quarter) };
+    intake.align(&[mark], true).unwrap();
+    let mut ahead = |seq, quat| {
+        let said = PoseSaid { epoch: 2, quat, ..pose(seq) };
+        intake.take(&said, NOW).unwrap().senses.ahead.map(nalgebra::Vector3::from)
+    };
+    // Half a right angle down.
+    let half = std::f64::consts::FRAC_PI_8;
+    let down = ahead(1, Some([-half.sin(), 0.0, 0.0, half.cos()])).expect("it is known");
+    let expected = nalgebra::Vector3::new(-0.5f64.sqrt(), 0.0, -0.5f64.sqrt());
+    assert!((down - expected).norm() < 1e-9, "the map's -x, and down: {down:?}");
+    assert_eq!(ahead(2, None), None);
+}
+
+#[test]
 fn a_hand_that_cannot_be_read_or_has_too_many_joints_is_left_out_alone() {
     let joint = [2.2, 1.2, -3.0, 0.01];
     let good = || Some(HandSaid::Joints(vec![joint; 25]));
