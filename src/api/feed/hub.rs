@@ -70,8 +70,11 @@ fn facing_of(sighting: &Sighting, senses: &Senses) -> Option<Vector3<f64>> {
 }
 
 impl HeardHands {
-    /// What a pose says of hands; nothing where it says nothing.
+    /// What a pose says of hands; nothing where it says nothing, or where the fleet drops it as late or repeated.
     fn of(sighting: &Sighting, senses: &Senses) -> Option<HeardHands> {
+        if sighting.seq == 0 {
+            return None;
+        }
         let hands = [0, 1].map(|i| senses.hands[i].as_ref().and_then(hand_points));
         hands.iter().any(Option::is_some).then(|| HeardHands {
             head: head_of(sighting, senses),
@@ -239,7 +242,10 @@ impl Feeds {
         slot.epoch += u32::from(begins);
         slot.feed = Some((connection.number, sighting.epoch, received));
         sighting.epoch = slot.epoch;
-        (slot.carried.senses, slot.carried.received) = (senses, Some(received));
+        slot.carried.received = Some(received);
+        if sighting.seq > 0 {
+            slot.carried.senses = senses;
+        }
         drop(slots);
         self.inbox.try_send(HeardSighting { received, sighting, hands }).is_ok()
     }
@@ -460,6 +466,19 @@ mod tests {
         let level = facing(None, None, turned).expect("the heading alone");
         assert!((level[0] + 1.0).abs() < 1e-9 && level[1].abs() < 1e-9 && level[2] == 0.0, "{level:?}");
         assert_eq!(facing(None, None, None), None);
+    }
+
+    #[test]
+    fn a_pose_that_the_fleet_drops_as_late_brings_no_hands_and_hides_none() {
+        let (feeds, mut heard) = feeds();
+        let connection = feeds.sit(ANNA).unwrap();
+        let senses =
+            |x: f64| Senses { hands: [None, Some(vec![[x, 0.0, 1.2, 0.01]; 25])], ..Senses::default() };
+        for (seq, x, comes) in [(1, 0.3, true), (0, 0.4, false)] {
+            feeds.hand(&connection, sighting(1, seq), senses(x), Time(0));
+            assert_eq!(heard.try_recv().unwrap().hands.is_some(), comes, "{seq}");
+            assert_eq!(feeds.carried(ANNA).unwrap().senses, senses(0.3), "{seq}");
+        }
     }
 
     #[test]

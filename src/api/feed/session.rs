@@ -5,7 +5,7 @@
 
 use super::clock::{Exchange, PingOutcome};
 use super::hub::{Connection, Told, head_of};
-use super::intake::{PoseIntake, pairs};
+use super::intake::{PoseIntake, TakenPose, pairs};
 use super::joints::JointGate;
 use super::lights::{CellLightsDto, CellTold};
 use super::message::FeedMessage;
@@ -344,12 +344,9 @@ impl Session<'_> {
         self.api.metrics.poses_received.inc();
         let fault = match self.intake.take(said, received) {
             Ok(mut taken) => {
-                let head = head_of(&taken.sighting, &taken.senses);
-                let times = (taken.sighting.seen, received);
-                let refused = self.joints.pass(said.hands.as_ref(), &mut taken.senses, head, times);
-                if refused > 0 {
-                    self.api.metrics.hands_refused.inc_by(refused);
-                    self.warn("hands", refused, NO_HAND).await?;
+                // What is late comes after what is known of hands already.
+                if taken.fault.is_none() {
+                    self.drop_hands(said, &mut taken, received).await?;
                 }
                 self.heading = taken.sighting.heading;
                 if self.handed.len() == RECENT {
@@ -370,6 +367,23 @@ impl Session<'_> {
             Some(fault) => self.warn(fault.word(), 1, fault.text()).await,
             None => Ok(()),
         }
+    }
+
+    /// Leaves hands out that cannot be, and says so.
+    async fn drop_hands(
+        &mut self,
+        said: &PoseSaid,
+        taken: &mut TakenPose,
+        received: Time,
+    ) -> Result<(), SessionEnd> {
+        let head = head_of(&taken.sighting, &taken.senses);
+        let times = (taken.sighting.seen, received);
+        let refused = self.joints.pass(said.hands.as_ref(), &mut taken.senses, head, times);
+        if refused == 0 {
+            return Ok(());
+        }
+        self.api.metrics.hands_refused.inc_by(refused);
+        self.warn("hands", refused, NO_HAND).await
     }
 
     async fn unreadable(&mut self, text: &str) -> Result<(), SessionEnd> {
