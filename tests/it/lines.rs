@@ -111,6 +111,52 @@ async fn lines_are_confirmed_over_http_and_a_kill_in_mid_visit_loses_none_and_do
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_line_that_was_confirmed_is_given_back_and_one_that_is_over_counts_once() {
+    let folder = Folder::new();
+    let program = Program::with(&folder, &scenario(&folder));
+    let at = program.address;
+    let lines =
+        json!([{"slot": "C3", "quantity": 2, "tote": "B"}, {"slot": "A1", "quantity": 3, "tote": "A"}]);
+    let made = post(at, None, &wanted(lines)).await.unwrap().json();
+    let job = format!("/v1/jobs/{}", made["id"].as_str().unwrap());
+    until(at, "the rack is there", "/v1/stations/S1", |s| !s["visit"].is_null()).await;
+    let answer = |n: u64, state: &str, done: u64, changed: bool| json!({"job": made["id"], "n": n, "state": state, "done": done, "changed": changed});
+    let seen = async |pieces_left: u64, expected: [(String, u64); 2]| {
+        let so = |s: &Value| s["visit"]["pieces_left"] == pieces_left && states(&s["visit"]) == expected;
+        until(at, &format!("{pieces_left} pieces are left: {expected:?}"), "/v1/stations/S1", so).await;
+    };
+
+    assert_eq!(say(at, "1", json!({"done": 2})).await.json(), answer(1, "done", 2, true));
+    seen(3, [is("done", 2), is("lit", 0)]).await;
+    for again in [json!({"done": 2}), json!({"done": 1}), json!({"short": true})] {
+        assert_eq!(say(at, "1", again).await.json(), answer(1, "done", 2, false), "it is so already");
+    }
+    seen(3, [is("done", 2), is("lit", 0)]).await;
+
+    let back = say(at, "1", json!({"undo": true})).await.json();
+    assert_eq!(back, answer(1, "lit", 0, true), "it is picked anew, before lines that have not begun");
+    seen(5, [is("lit", 0), is("open", 0)]).await;
+    assert_eq!(
+        say(at, "1", json!({"undo": true})).await.json(),
+        answer(1, "lit", 0, false),
+        "nothing is left to give"
+    );
+    say(at, "1", json!({"done": 2})).await.json();
+    assert_eq!(say(at, "2", json!({"done": 1})).await.json(), answer(2, "lit", 1, true));
+    let back = say(at, "1", json!({"undo": true})).await.json();
+    assert_eq!(back, answer(1, "undone", 0, true), "what has begun goes on first");
+    seen(4, [is("undone", 0), is("lit", 1)]).await;
+
+    say(at, "2", json!({"done": 2})).await.json();
+    seen(2, [is("lit", 0), is("done", 3)]).await;
+    assert_eq!(get(at, &job).await.json()["state"], "picking", "the visit goes on");
+    assert_eq!(say(at, "1", json!({"done": 2})).await.json(), answer(1, "done", 2, true));
+    let over = until(at, "the job is over", &job, |j| j["state"] == "done").await;
+    assert_eq!(states(&over), [is("done", 2), is("done", 3)]);
+    program.kill();
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn lines_that_cannot_be_picked_are_refused_by_name_and_the_job_is_not_taken() {
     let folder = Folder::new();
     let scenario = scenario(&folder);

@@ -20,6 +20,7 @@ use crate::human::{Presence, Sighting, SourceId};
 use crate::id::{Dense, IdVec, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::{Place, Warehouse};
+use nalgebra::Vector3;
 use std::sync::{Mutex, MutexGuard};
 use tokio::sync::{mpsc, watch};
 
@@ -50,7 +51,7 @@ pub struct HeardHands {
     /// The middle of the head, as well as it is known.
     pub head: Place,
     /// Where it points, where that is known.
-    pub facing: Option<nalgebra::Vector3<f64>>,
+    pub facing: Option<Vector3<f64>>,
     /// Left and right.
     pub hands: [Option<HandPoints>; 2],
 }
@@ -60,15 +61,24 @@ pub(super) fn head_of(sighting: &Sighting, senses: &Senses) -> Place {
     Place::from(senses.gaze.map_or([sighting.at.x, sighting.at.y, HEAD_M], |gaze| gaze.origin))
 }
 
+/// Where the head of who is seen points. Eyes turn in a head: only a ray of the head says that; without one the pose
+/// does, and where that has a heading alone, the head is level.
+fn facing_of(sighting: &Sighting, senses: &Senses) -> Option<Vector3<f64>> {
+    let ray = senses.gaze.filter(|gaze| gaze.kind == GazeKind::Head).map(|gaze| gaze.dir);
+    let level = || sighting.heading.map(|heading| [heading.cos(), heading.sin(), 0.0]);
+    ray.or(senses.ahead).or_else(level).map(Vector3::from)
+}
+
 impl HeardHands {
-    /// What a pose says of hands; nothing where it says nothing.
+    /// What a pose says of hands; nothing where it says nothing, or where the fleet drops it as late or repeated.
     fn of(sighting: &Sighting, senses: &Senses) -> Option<HeardHands> {
+        if sighting.seq == 0 {
+            return None;
+        }
         let hands = [0, 1].map(|i| senses.hands[i].as_ref().and_then(hand_points));
-        // Eyes turn in a head: only a ray of the head says where that points.
-        let facing = senses.gaze.filter(|gaze| gaze.kind == GazeKind::Head).map(|gaze| gaze.dir.into());
-        hands.iter().any(Option::is_some).then_some(HeardHands {
+        hands.iter().any(Option::is_some).then(|| HeardHands {
             head: head_of(sighting, senses),
-            facing,
+            facing: facing_of(sighting, senses),
             hands,
         })
     }
@@ -232,7 +242,10 @@ impl Feeds {
         slot.epoch += u32::from(begins);
         slot.feed = Some((connection.number, sighting.epoch, received));
         sighting.epoch = slot.epoch;
-        (slot.carried.senses, slot.carried.received) = (senses, Some(received));
+        slot.carried.received = Some(received);
+        if sighting.seq > 0 {
+            slot.carried.senses = senses;
+        }
         drop(slots);
         self.inbox.try_send(HeardSighting { received, sighting, hands }).is_ok()
     }
@@ -358,6 +371,7 @@ impl Feeds {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pose::Gaze;
     use super::*;
     use crate::geometry::Point;
     use crate::human::Quality;
@@ -425,6 +439,46 @@ mod tests {
         assert_eq!(feeds.report(report(ANNA), Time(4_000_000)), Ok(()));
         assert_eq!(feeds.carried(ANNA).unwrap().senses.battery, None, "long ago");
         assert_eq!(feeds.report(report(WorkerId(7)), Time(0)), Err(Untaken::Unknown));
+    }
+
+    #[test]
+    fn hands_come_with_where_the_head_points_by_its_ray_else_by_the_pose() {
+        let (feeds, mut heard) = feeds();
+        let connection = feeds.sit(ANNA).unwrap();
+        let hand = Some(vec![[0.3, 0.0, 1.2, 0.01]; 25]);
+        let gaze = |kind| Some(Gaze { kind, origin: [0.0, 0.0, 1.7], dir: [1.0, 0.0, 0.0] });
+        let ahead = Some([0.0, 0.8, -0.6]);
+        let mut facing = |gaze: Option<Gaze>, ahead, heading| {
+            let senses = Senses { gaze, ahead, hands: [None, hand.clone()], battery: None };
+            feeds.hand(&connection, Sighting { heading, ..sighting(1, 1) }, senses, Time(0));
+            heard
+                .try_recv()
+                .unwrap()
+                .hands
+                .expect("one hand is seen")
+                .facing
+                .map(|ahead| [ahead.x, ahead.y, ahead.z])
+        };
+        let turned = Some(std::f64::consts::PI);
+        assert_eq!(facing(gaze(GazeKind::Head), ahead, turned), Some([1.0, 0.0, 0.0]), "its ray");
+        assert_eq!(facing(gaze(GazeKind::Eye), ahead, turned), ahead, "eyes turn in the head");
+        assert_eq!(facing(None, ahead, turned), ahead, "the pose, with its pitch");
+        let level = facing(None, None, turned).expect("the heading alone");
+        assert!((level[0] + 1.0).abs() < 1e-9 && level[1].abs() < 1e-9 && level[2] == 0.0, "{level:?}");
+        assert_eq!(facing(None, None, None), None);
+    }
+
+    #[test]
+    fn a_pose_that_the_fleet_drops_as_late_brings_no_hands_and_hides_none() {
+        let (feeds, mut heard) = feeds();
+        let connection = feeds.sit(ANNA).unwrap();
+        let senses =
+            |x: f64| Senses { hands: [None, Some(vec![[x, 0.0, 1.2, 0.01]; 25])], ..Senses::default() };
+        for (seq, x, comes) in [(1, 0.3, true), (0, 0.4, false)] {
+            feeds.hand(&connection, sighting(1, seq), senses(x), Time(0));
+            assert_eq!(heard.try_recv().unwrap().hands.is_some(), comes, "{seq}");
+            assert_eq!(feeds.carried(ANNA).unwrap().senses, senses(0.3), "{seq}");
+        }
     }
 
     #[test]

@@ -1,10 +1,12 @@
-//! Hands that cannot be: joints that belong to no hand, a hand that no arm reaches, a hand that does not even tremble.
+//! Hands that cannot be: joints that belong to no hand, a hand that no arm reaches, a hand that does not even tremble,
+//! hands that are taken for one another.
 //!
 //! Main type: [`JointGate`]. Such a hand is not seen, and the pose counts all the same. Refuses: hands of other joint
 //! counts than WebXR's, which nobody reads.
 
 use super::intake::Senses;
-use super::pose::hand_points;
+use super::pose::{Hand, hand_points};
+use super::swap::SwapWatch;
 use super::wire::HandsSaid;
 use crate::cell::HandPoints;
 use crate::time::{Span, Time};
@@ -20,6 +22,8 @@ const FROZEN: Span = Span::from_secs(1);
 pub struct JointGate {
     /// Where each hand was, and since when exactly there.
     same: [Option<(HandPoints, Time)>; 2],
+    /// Whether each is taken for the other.
+    swaps: SwapWatch,
 }
 
 impl JointGate {
@@ -29,13 +33,11 @@ impl JointGate {
         said: Option<&HandsSaid>,
         senses: &mut Senses,
         head: Place,
-        received: Time,
+        (seen, received): (Time, Time),
     ) -> u64 {
         let given = said.map_or([false; 2], |said| [said.l.is_some(), said.r.is_some()]);
-        let mut refused = 0;
-        for (i, given) in given.into_iter().enumerate() {
-            let points = senses.hands[i].as_ref().and_then(hand_points);
-            let is_known = senses.hands[i].is_some();
+        for (i, hand) in senses.hands.iter_mut().enumerate() {
+            let points = hand.as_ref().and_then(hand_points);
             let is_wrong = points.is_some_and(|points| {
                 self.is_frozen(i, points, received)
                     || !points.is_sound()
@@ -44,12 +46,13 @@ impl JointGate {
             if points.is_none() {
                 self.same[i] = None;
             }
-            if is_wrong || given && !is_known {
-                senses.hands[i] = None;
-                refused += 1;
-            }
+            *hand = hand.take().filter(|_| !is_wrong);
         }
-        refused
+        let palm = |hand: &Option<Hand>| hand.as_ref().and_then(hand_points).map(|points| points.palm);
+        if self.swaps.are_swapped([0, 1].map(|i| palm(&senses.hands[i])), seen) {
+            senses.hands = [None, None];
+        }
+        (0..2).filter(|i| given[*i] && senses.hands[*i].is_none()).count() as u64
     }
 
     fn is_frozen(&mut self, hand: usize, points: HandPoints, received: Time) -> bool {
@@ -65,6 +68,7 @@ impl JointGate {
 
 #[cfg(test)]
 mod tests {
+    use super::super::wire::HandSaid;
     use super::*;
 
     const HEAD: [f64; 3] = [1.0, 2.0, 1.6];
@@ -76,9 +80,10 @@ mod tests {
     }
 
     fn refused(gate: &mut JointGate, right: Option<Vec<[f64; 4]>>, ms: i64) -> (u64, bool) {
-        let said = HandsSaid { l: None, r: right.clone() };
+        let said = HandsSaid { l: None, r: right.clone().map(HandSaid::Joints) };
         let mut senses = Senses { hands: [None, right.filter(|r| r.len() <= 32)], ..Senses::default() };
-        let count = gate.pass(Some(&said), &mut senses, Place::from(HEAD), Time(ms * 1000));
+        let at = Time(ms * 1000);
+        let count = gate.pass(Some(&said), &mut senses, Place::from(HEAD), (at, at));
         (count, senses.hands[1].is_some())
     }
 
@@ -102,5 +107,23 @@ mod tests {
         }
         assert_eq!(refused(&mut gate, hand([1.4, 2.2, 1.2]), 1000), (1, false));
         assert_eq!(refused(&mut gate, hand([1.4, 2.2, 1.2001]), 1020), (0, true));
+    }
+
+    #[test]
+    fn neither_of_two_hands_that_change_places_at_once_is_seen_until_they_change_back() {
+        let mut gate = JointGate::default();
+        let mut seen = |left: f64, right: f64, ms: i64| {
+            let hands = [left, right].map(|x| hand([x, 2.3, 1.2]));
+            let [l, r] = hands.clone().map(|hand| hand.map(HandSaid::Joints));
+            let mut senses = Senses { hands, ..Senses::default() };
+            let (said, at) = (HandsSaid { l, r }, Time(ms * 1000));
+            let count = gate.pass(Some(&said), &mut senses, Place::from(HEAD), (at, at));
+            (count, senses.hands.map(|hand| hand.is_some()))
+        };
+        assert_eq!(seen(0.8, 1.3, 0), (0, [true; 2]));
+        assert_eq!(seen(1.3, 0.8, 20), (2, [false; 2]));
+        assert_eq!(seen(1.31, 0.81, 40), (2, [false; 2]));
+        assert_eq!(seen(0.81, 1.31, 60), (0, [true; 2]));
+        assert_eq!(seen(0.82, 4.0, 80), (1, [true, false]), "one that no arm reaches is left out alone");
     }
 }

@@ -107,3 +107,25 @@ impl CellLightsDto {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+
+    #[test]
+    fn hands_are_asked_for_in_a_workplace_that_hears_them_and_nowhere_else() {
+        let map = crate::warehouse::stations();
+        let outline = &map.stations[StationId(0)].cell.as_ref().unwrap().workplace;
+        let middle = Point::from(outline.iter().map(|p| p.coords).sum::<Vector>() / outline.len() as f64);
+        let asked = |hears_hands: bool, at: Point| {
+            let station = StationView { hears_hands, ..StationView::default() };
+            let view = View { stations: vec![station; map.stations.len()], ..View::default() };
+            let lights = CellLightsDto::new(CellTold::at(&view, &map, at).as_ref(), &map);
+            (lights.station, lights.hands)
+        };
+        assert_eq!(asked(true, middle), (Some("S1".to_owned()), true));
+        assert_eq!(asked(false, middle), (Some("S1".to_owned()), false), "buttons alone confirm there");
+        assert_eq!(asked(true, middle + Vector::new(0.0, 100.0)), (None, false));
+    }
+}

@@ -28,9 +28,14 @@ pub fn rotation(q: [f64; 4]) -> Option<UnitQuaternion<f64>> {
     close.then(|| UnitQuaternion::from_quaternion(q))
 }
 
+/// Where a head of this rotation points, in the device's axes.
+pub fn ahead(rotation: UnitQuaternion<f64>) -> Vector3<f64> {
+    rotation * Vector3::new(0.0, 0.0, -1.0)
+}
+
 /// Where somebody faces in the device's floor plan, radians; nothing where they look almost straight up or down.
 pub fn facing(rotation: UnitQuaternion<f64>) -> Option<f64> {
-    let ahead = rotation * Vector3::new(0.0, 0.0, -1.0);
+    let ahead = ahead(rotation);
     let level = ahead.x.hypot(ahead.z);
     (ahead.y.abs().atan2(level) <= STEEP).then(|| (-ahead.z).atan2(ahead.x))
 }

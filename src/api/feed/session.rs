@@ -5,7 +5,7 @@
 
 use super::clock::{Exchange, PingOutcome};
 use super::hub::{Connection, Told, head_of};
-use super::intake::{PoseIntake, pairs};
+use super::intake::{PoseIntake, TakenPose, pairs};
 use super::joints::JointGate;
 use super::lights::{CellLightsDto, CellTold};
 use super::message::FeedMessage;
@@ -35,8 +35,8 @@ use tokio::task::JoinSet;
 use tokio::time::timeout;
 
 /// What is said of hands that cannot be.
-const NO_HAND: &str = "a hand is left out: its joints are too many, far from each other or from any shoulder, or have \
-                       not moved at all for a second";
+const NO_HAND: &str = "a hand is left out: a joint is no four numbers, or its joints are too many, far from each other \
+                       or from any shoulder, or have not moved at all for a second, or left and right changed places";
 
 /// How long a message may be: both hands with all joints, twice.
 const MESSAGE: usize = 32 * 1024;
@@ -344,11 +344,9 @@ impl Session<'_> {
         self.api.metrics.poses_received.inc();
         let fault = match self.intake.take(said, received) {
             Ok(mut taken) => {
-                let head = head_of(&taken.sighting, &taken.senses);
-                let refused = self.joints.pass(said.hands.as_ref(), &mut taken.senses, head, received);
-                if refused > 0 {
-                    self.api.metrics.hands_refused.inc_by(refused);
-                    self.warn("hands", refused, NO_HAND).await?;
+                // What is late comes after what is known of hands already.
+                if taken.fault.is_none() {
+                    self.drop_hands(said, &mut taken, received).await?;
                 }
                 self.heading = taken.sighting.heading;
                 if self.handed.len() == RECENT {
@@ -369,6 +367,23 @@ impl Session<'_> {
             Some(fault) => self.warn(fault.word(), 1, fault.text()).await,
             None => Ok(()),
         }
+    }
+
+    /// Leaves hands out that cannot be, and says so.
+    async fn drop_hands(
+        &mut self,
+        said: &PoseSaid,
+        taken: &mut TakenPose,
+        received: Time,
+    ) -> Result<(), SessionEnd> {
+        let head = head_of(&taken.sighting, &taken.senses);
+        let times = (taken.sighting.seen, received);
+        let refused = self.joints.pass(said.hands.as_ref(), &mut taken.senses, head, times);
+        if refused == 0 {
+            return Ok(());
+        }
+        self.api.metrics.hands_refused.inc_by(refused);
+        self.warn("hands", refused, NO_HAND).await
     }
 
     async fn unreadable(&mut self, text: &str) -> Result<(), SessionEnd> {

@@ -247,3 +247,73 @@ async fn an_acknowledgement_is_kept_for_those_who_ask() {
     let carried = stage.feeds.carried(ANNA).unwrap();
     assert_eq!((carried.acknowledged, carried.connected), (Some(12), true));
 }
+
+/// Joints of a hand in WebXR axes, near somebody who is at 3, 4.
+fn joints(x: f64) -> Value {
+    json!((0..25).map(|i| [x + 0.004 * f64::from(i), 1.2, -4.3, 0.01]).collect::<Vec<_>>())
+}
+
+#[tokio::test]
+async fn a_null_joint_drops_its_hand_alone_and_the_wearer_is_told() {
+    let mut stage = TestServer::new().await;
+    let mut anna = stage.connect("map").await;
+    anna.next("clock").await;
+    let mut unknown = joints(3.2);
+    unknown[7][1] = Value::Null;
+    let mut short = joints(3.2);
+    short[7].as_array_mut().unwrap().pop();
+    for (seq, bad) in [unknown, short, json!("here")].into_iter().enumerate() {
+        let hands = json!({"l": joints(2.8 + 0.01 * seq as f64), "r": bad});
+        let at =
+            json!({"type": "pose", "epoch": 1, "seq": seq + 1, "t": 5000.0 + seq as f64, "at": [3.0, 4.0]});
+        let mut pose = at.clone();
+        pose["hands"] = hands;
+        anna.say(pose).await;
+        let heard = stage.heard.recv().await.unwrap();
+        assert_eq!(heard.sighting.at, Point::new(3.0, 4.0), "the pose counts");
+        let hands = heard.hands.expect("the left hand counts").hands;
+        assert_eq!(hands.map(|hand| hand.is_some()), [true, false]);
+    }
+    let warning = anna.next("warning").await;
+    assert_eq!((&warning["code"], &warning["count"]), (&json!("hands"), &json!(1)), "the first at once");
+    assert!(warning["text"].as_str().unwrap().contains("no four numbers"), "{warning}");
+    let text = stage.metrics.text(&Moment::default());
+    assert!(text.contains("giveway_hands_refused_total 3"), "{text}");
+    assert!(!text.contains("unreadable"), "{text}");
+}
+
+#[tokio::test]
+async fn hands_that_cannot_be_are_not_seen_and_the_wearer_is_told() {
+    let mut stage = TestServer::new().await;
+    let mut anna = stage.connect("map").await;
+    anna.next("clock").await;
+    let (step_ms, mut ms) = (250, 0);
+    let many = json!(vec![[3.2, 1.2, -4.3, 0.01]; 40]);
+    let mut frames = vec![
+        ("both hands", 50, joints(2.8), joints(3.2), [true, true]),
+        ("left and right changed places", 50, joints(3.21), joints(2.81), [false, false]),
+        ("and changed back", 50, joints(2.8), joints(3.2), [true, true]),
+        ("too many joints", 50, joints(2.81), many, [true, false]),
+        ("far from any shoulder", 50, joints(2.8), joints(6.0), [true, false]),
+    ];
+    for i in 0..5 {
+        let left = joints(2.8 + 0.001 * f64::from(i));
+        frames.push(("the right one does not tremble", step_ms, left, joints(3.2), [true, i < 4]));
+    }
+    for (seq, (what, after_ms, l, r, expected)) in frames.into_iter().enumerate() {
+        stage.clock.fetch_add(Span::from_millis(after_ms).0, Ordering::Relaxed);
+        ms += after_ms;
+        let (t, hands) = (5000 + ms, json!({"l": l, "r": r}));
+        let pose =
+            json!({"type": "pose", "epoch": 1, "seq": seq + 1, "t": t, "at": [3.0, 4.0], "hands": hands});
+        anna.say(pose).await;
+        let heard = stage.heard.recv().await.unwrap();
+        let hands = heard.hands.map_or([false; 2], |heard| heard.hands.map(|hand| hand.is_some()));
+        assert_eq!((heard.sighting.at, hands), (Point::new(3.0, 4.0), expected), "{what}");
+    }
+    let warning = anna.next("warning").await;
+    assert_eq!((&warning["code"], &warning["count"]), (&json!("hands"), &json!(2)), "{warning}");
+    assert!(warning["text"].as_str().unwrap().contains("left and right changed places"), "{warning}");
+    let text = stage.metrics.text(&Moment::default());
+    assert!(text.contains("giveway_hands_refused_total 5"), "{text}");
+}

@@ -3,6 +3,7 @@
 //! Main types: [`HeadsetMessage`], [`PoseSaid`], [`AnchorSaid`]. Unknown keys are ignored, so that newer headsets can
 //! talk to older servers. Refuses: to judge numbers; [`super::intake`] does.
 
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -157,9 +158,31 @@ pub enum GazeKind {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, ToSchema)]
 pub struct HandsSaid {
     /// Left.
-    pub l: Option<Vec<[f64; 4]>>,
+    #[schema(value_type = Option<Vec<[f64; 4]>>)]
+    pub l: Option<HandSaid>,
     /// Right.
-    pub r: Option<Vec<[f64; 4]>>,
+    #[schema(value_type = Option<Vec<[f64; 4]>>)]
+    pub r: Option<HandSaid>,
+}
+
+/// One hand. What is no hand spoils neither the other hand nor the pose.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged)]
+pub enum HandSaid {
+    /// Its joints.
+    Joints(Vec<[f64; 4]>),
+    /// No joints: a number is missing, or one too many, or null, as browsers write what is not a number.
+    Unreadable(IgnoredAny),
+}
+
+impl HandSaid {
+    /// Its joints, where all of them can be read.
+    pub fn joints(&self) -> Option<&[[f64; 4]]> {
+        match self {
+            HandSaid::Joints(joints) => Some(joints),
+            HandSaid::Unreadable(_) => None,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -189,5 +212,30 @@ mod tests {
         for bad in [r#"{"type":"jump"}"#, "{}", r#"{"type":"pose","epoch":-1}"#] {
             assert!(serde_json::from_str::<HeadsetMessage>(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn a_hand_with_a_joint_that_is_no_four_numbers_is_unreadable_and_nothing_else_is() {
+        let joint = "[1.0, 1.2, -4.2, 0.012]";
+        let long = format!("[{joint}, [1, 1, 1, 0.01, 0]]");
+        for bad in
+            ["[[null, 1, 1, 0.01]]", "[[1, 1, 1]]", &long, r#"[["1", 1, 1, 0.01]]"#, "[null]", "7", "{}"]
+        {
+            for (l, r) in [(bad, format!("[{joint}]")), (&format!("[{joint}]"), bad.to_owned())] {
+                let hands = format!(r#"{{"l": {l}, "r": {r}}}"#);
+                let text = format!(r#"{{"type": "pose", "epoch": 1, "seq": 2, "t": 3, "hands": {hands}}}"#);
+                let HeadsetMessage::Pose(pose) = serde_json::from_str(&text).expect("the pose can be read")
+                else {
+                    panic!("{text}")
+                };
+                let said = pose.hands.expect("hands");
+                let joints =
+                    [said.l.as_ref(), said.r.as_ref()].map(|hand| hand.expect("it is there").joints());
+                let good: &[[f64; 4]] = &[[1.0, 1.2, -4.2, 0.012]];
+                assert_eq!(joints, if l == bad { [None, Some(good)] } else { [Some(good), None] }, "{text}");
+            }
+        }
+        let none = serde_json::from_str::<HandsSaid>(r#"{"l": null}"#).unwrap();
+        assert_eq!(none, HandsSaid::default(), "a hand that is null is not there");
     }
 }

@@ -8,7 +8,7 @@ use super::FAR_M;
 use super::align::{Alignment, Misfit, PointPair};
 use super::clock::ClockSync;
 use super::pose::{self, Gaze, Hand, facing, plan, rotation};
-use super::wire::{AnchorSaid, PoseFrame, PoseSaid, QualitySaid};
+use super::wire::{AnchorSaid, HandSaid, PoseFrame, PoseSaid, QualitySaid};
 use crate::geometry::{Point, Vector};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
@@ -81,6 +81,8 @@ pub struct TakenPose {
 pub struct Senses {
     /// Where somebody looks.
     pub gaze: Option<Gaze>,
+    /// Where the head points by its own rotation: map x, map y, height; of length one.
+    pub ahead: Option<[f64; 3]>,
     /// Joints of the left and the right hand.
     pub hands: [Option<Hand>; 2],
     /// Charge of the device, 0 to 1.
@@ -383,20 +385,21 @@ fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
         let dir = pose::direction(alignment, g.dir)?;
         Some(Gaze { kind: g.kind, origin: pose::place(alignment, g.origin), dir })
     });
+    let ahead = said.quat.and_then(rotation).and_then(|q| pose::direction(alignment, pose::ahead(q).into()));
     let joint = |&[x, y, z, radius]: &[f64; 4]| {
         let sound = near(&[x, y, z]) && (0.0..1.0).contains(&radius);
         let [x, y, z] = pose::place(alignment, [x, y, z]);
         sound.then_some([x, y, z, radius])
     };
-    let hand = |joints: &Vec<[f64; 4]>| -> Option<Hand> {
-        if joints.len() > MOST_JOINTS { None } else { joints.iter().map(joint).collect() }
+    let hand = |said: &HandSaid| -> Option<Hand> {
+        said.joints().filter(|joints| joints.len() <= MOST_JOINTS)?.iter().map(joint).collect()
     };
     let hands = said
         .hands
         .as_ref()
         .map_or([None, None], |h| [h.l.as_ref().and_then(hand), h.r.as_ref().and_then(hand)]);
     let battery = said.battery.filter(|b| (0.0..=1.0).contains(b));
-    Senses { gaze, hands, battery }
+    Senses { gaze, ahead, hands, battery }
 }
 
 #[cfg(test)]

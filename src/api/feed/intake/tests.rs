@@ -2,6 +2,7 @@
 
 use super::super::clock::Exchange;
 use super::*;
+use crate::api::feed::wire::HandsSaid;
 
 const NOW: Time = Time(1_800_000_000_000_000);
 
@@ -152,6 +153,47 @@ fn who_is_lost_need_not_make_a_place_up() {
     let before = intake.take(&pose(2), NOW).unwrap().sighting;
     let s = intake.take(&lost(3), NOW).unwrap().sighting;
     assert_eq!((s.at, s.heading, s.quality), (before.at, before.heading, Quality::Lost));
+}
+
+#[test]
+fn where_the_head_points_is_turned_like_the_frame_and_has_its_pitch() {
+    let mut intake = intake(PoseFrame::Device);
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let mark =
+        PointPair { device: Vector::zeros(), map: Point::new(10.0, 5.0), weight: 1.0, turn: Some(quarter) };
+    intake.align(&[mark], true).unwrap();
+    let mut ahead = |seq, quat| {
+        let said = PoseSaid { epoch: 2, quat, ..pose(seq) };
+        intake.take(&said, NOW).unwrap().senses.ahead.map(nalgebra::Vector3::from)
+    };
+    // Half a right angle down.
+    let half = std::f64::consts::FRAC_PI_8;
+    let down = ahead(1, Some([-half.sin(), 0.0, 0.0, half.cos()])).expect("it is known");
+    let expected = nalgebra::Vector3::new(-0.5f64.sqrt(), 0.0, -0.5f64.sqrt());
+    assert!((down - expected).norm() < 1e-9, "the map's -x, and down: {down:?}");
+    assert_eq!(ahead(2, None), None);
+}
+
+#[test]
+fn a_hand_that_cannot_be_read_or_has_too_many_joints_is_left_out_alone() {
+    let joint = [2.2, 1.2, -3.0, 0.01];
+    let good = || Some(HandSaid::Joints(vec![joint; 25]));
+    let bad = [
+        HandSaid::Unreadable(serde::de::IgnoredAny),
+        HandSaid::Joints(vec![joint; 33]),
+        HandSaid::Joints(vec![[f64::NAN, 1.2, -3.0, 0.01]; 25]),
+        HandSaid::Joints(vec![[2.2, 1.2, -3.0, -0.01]; 25]),
+    ];
+    for hand in bad {
+        for hands in
+            [HandsSaid { l: Some(hand.clone()), r: good() }, HandsSaid { l: good(), r: Some(hand.clone()) }]
+        {
+            let is_good = [hands.l == good(), hands.r == good()];
+            let said = PoseSaid { hands: Some(hands), ..pose(1) };
+            let taken = intake(PoseFrame::Map).take(&said, NOW).expect("the pose counts");
+            assert_eq!((taken.fault, taken.senses.hands.map(|hand| hand.is_some())), (None, is_good));
+        }
+    }
 }
 
 #[test]
