@@ -18,7 +18,7 @@ pub(super) fn inside_soon(face: &PickFace, at: FacePlace, velocity: FacePlace) -
         return 1.0;
     }
     let goes = velocity * SOON_S;
-    let way_m = goes.norm();
+    let way_m = FacePlace::new(goes.x, goes.y.min(0.0), goes.z).norm();
     let ends = if goes.y < 0.0 { at + goes } else { at };
     if !face.is_beside_rack(ends) {
         return 0.0;

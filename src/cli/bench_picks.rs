@@ -73,7 +73,8 @@ impl BenchPicksArgs {
             let report = json!({
                 "workers": self.workers, "slots": self.slots, "samples": times.len(),
                 "sample_us": {"p50": at(0.5), "p99": at(0.99)}, "core_share": core_share,
-                "forecast_us": quantiles(&forecasts), "mpc_us": quantiles(&mpc_us), "planner_us": quantiles(&planner_us),
+                "forecast_us": quantiles(&forecasts), "mpc_us": quantiles(&mpc_us),
+                "planner_us": quantiles(&planner_us),
                 "allocations_per_sample": per_sample,
             });
             println!("{}", serde_json::to_string_pretty(&report)?);

@@ -345,7 +345,10 @@ mod tests {
         assert_eq!(missing.collect::<Vec<_>>(), [""; 0]);
         for pair in ["seen-usual", "counted-usual", "hand-counted", "seen-hand", "known-seen"] {
             let relative = &report["paired"][pair]["relative"];
-            assert_eq!((&relative["mean"], relative["ci95"].as_array().map(Vec::len)), (&json!(0.0), Some(2)));
+            assert_eq!(
+                (&relative["mean"], relative["ci95"].as_array().map(Vec::len)),
+                (&json!(0.0), Some(2))
+            );
         }
         let with_arm = with_arm(&rows, &[rows.as_slice(); 3]);
         for mode in ["turns", "reactive", "predictive"] {

@@ -246,7 +246,7 @@ mod tests {
         };
         type Change<'a> = &'a dyn Fn(&mut serde_json::Value);
         let wrong: [(&str, Change); 5] = [
-            ("version 2", &|v| v["model"]["version"] = 2.into()),
+            ("version 1", &|v| v["model"]["version"] = 1.into()),
             ("slots: a memory of 7 inputs", &|v| {
                 v["model"]["slots"]["nets"][0]["memory"]["inputs"] = 7.into()
             }),

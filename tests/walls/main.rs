@@ -36,7 +36,7 @@ const AROUND: [&str; 2] = ["sim", "experiment"];
 const EDGE: [&str; 5] = ["store", "api", "vda5050", "server", "cli"];
 
 /// Files of `src/api/feed` that are numbers in, numbers out, though they stand at the edge.
-const PURE_FEED: [&str; 6] = ["align", "clock", "intake", "pose", "thin", "warn"];
+const PURE_FEED: [&str; 8] = ["align", "clock", "intake", "joints", "pose", "swap", "thin", "warn"];
 
 const FILE_LINES: usize = 600;
 const FUNCTION_LINES: usize = 70;

@@ -113,7 +113,9 @@ fn a_piece_is_followed_from_its_slot_to_its_tote() {
 fn a_hand_that_was_not_seen_on_its_way_confirms_nothing() {
     let mut film = Film::new();
     film.picks(LIT, slot("C3"));
-    film.puts(LIT, 1, false);
+    let rim = film.face.tote(1).unwrap();
+    film.moves(LIT, rim, 1.5, false);
+    film.moves(LIT, rim, 0.2, true);
     assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), put("C3", false, 1)]);
 }
 

@@ -20,6 +20,11 @@ use crate::warehouse::SlotName;
 /// Clocks of headsets may be ahead by so much.
 const AHEAD: Span = Span::from_millis(200);
 
+/// A robot that is told to stop brakes after so long, seconds, and stands so far before an opening that its rack is not
+/// in it, metres.
+const BRAKES_AFTER_S: f64 = 0.3;
+const STOPS_BEFORE_M: f64 = 1.2;
+
 /// A line that waits for a piece.
 struct WaitingLine {
     job: JobId,
@@ -139,13 +144,9 @@ impl Intake<'_> {
         if !at_hands.is_empty() {
             let stations = &self.core.warehouse().stations;
             let nodes: Vec<(NodeId, StationId)> = at_hands.iter().map(|s| (stations[*s].node, *s)).collect();
-            let (ledger, floor) = (&self.core.ledger, self.core.floor());
-            let comes_to = |r: RobotId| {
-                let near = ledger.chain(r).visits().take(2).map(|v| v.node);
-                let at = |node: NodeId| nodes.iter().find(|(n, _)| *n == node).map(|(_, s)| (r, *s));
-                near.filter_map(at).next().filter(|_| !floor.is_picked_from(r))
-            };
-            let robots: Vec<(RobotId, StationId)> = ledger.present().filter_map(comes_to).collect();
+            let floor = self.core.floor();
+            let comes = |r: RobotId| Some((r, floor.comes_to(r, &nodes)?));
+            let robots: Vec<(RobotId, StationId)> = self.core.ledger.present().filter_map(comes).collect();
             self.core.visits.stop_at_hands(robots);
         }
         for station in self.core.visits.kept() {
@@ -189,6 +190,27 @@ pub(in crate::fleet) fn warning_of(core: &Core, seen: &HandsSeen, now: Time) -> 
 }
 
 impl Floor<'_> {
+    /// The station among these, with their nodes, at which a robot is that is not picked from, or to which it will have
+    /// come unless it brakes now.
+    fn comes_to(&self, robot: RobotId, nodes: &[(NodeId, StationId)]) -> Option<StationId> {
+        let speed_mps = self.scene.robot(robot).map_or(0.0, |seen| seen.speed_mps);
+        let loaded = self.ledger.rack_on(robot).is_some();
+        let brakes_m = self.kinematics(robot).braking_m(speed_mps, loaded);
+        let reach_m = brakes_m + speed_mps * BRAKES_AFTER_S + STOPS_BEFORE_M;
+        let (mut at, mut way_m) = (self.place_of(robot), 0.0);
+        for (n, visit) in self.ledger.chain(robot).visits().enumerate() {
+            let next = self.warehouse().nodes[visit.node].at;
+            (way_m, at) = (way_m + (next - at).norm(), next);
+            if n > 1 && way_m > reach_m {
+                return None;
+            }
+            if let Some((_, station)) = nodes.iter().find(|(node, _)| *node == visit.node) {
+                return Some(*station).filter(|_| !self.is_picked_from(robot));
+            }
+        }
+        None
+    }
+
     /// The line that is lit at a station in the visit for a job.
     fn lit_line(&self, station: StationId, job: JobId) -> Option<WaitingLine> {
         self.waiting(station, job, self.ledger.jobs.get(&job)?.lines_now()?)
