@@ -41,7 +41,7 @@ pub struct StationsRow {
     pub wrong: u64,
     /// Those.
     pub wrong_warned: u64,
-    /// How long before the hand was in, seconds.
+    /// How long before the finger tips passed the rack's face, seconds; less than 0 after it.
     pub warned_lead_s: Vec<f64>,
     /// Pieces put into wrong totes, and those of them that were warned of.
     pub wrong_totes: u64,
@@ -51,7 +51,7 @@ pub struct StationsRow {
     pub wrong_confirmed: u64,
     /// Those of them for which no button was pressed: the hand alone confirmed them.
     pub wrong_by_hand: u64,
-    /// Warnings of what was right.
+    /// Warnings of what was right, or of another place than the wrong one.
     pub false_warnings: u64,
     /// Racks that left while pieces were still to be taken.
     pub dismissed_early: u64,

@@ -3,6 +3,7 @@
 //! Main types: [`Pickers`], [`SimPicker`], [`PickFigures`]. Refuses: to read anything of the fleet that is not on the
 //! screen of the station.
 
+pub mod eyes;
 pub mod limbs;
 pub mod motion;
 pub mod path;
@@ -31,6 +32,7 @@ use watch::HandWatch;
 /// Purposes of streams of random numbers.
 const PERSON: u64 = 61;
 const WATCH: u64 = 62;
+const TREMOR: u64 = 64;
 /// What pickers say carries a token of its own.
 const TOKEN: u64 = FIRST_TOKEN | 1 << 58;
 /// Steps in which the rest of a visit is foreseen, and how far at most.
@@ -104,7 +106,7 @@ impl Pickers {
             let (station, place) = warehouse.stations.pairs().find(|(_, s)| s.name == habits.station)?;
             let rack_type = warehouse.rack_types.iter().next()?;
             let face = PickFace::new(place.cell.as_ref()?, warehouse.nodes[place.node].at, rack_type);
-            let random = Stream::new(seed, PERSON, i as u64);
+            let random = [PERSON, TREMOR].map(|purpose| Stream::new(seed, purpose, i as u64));
             let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
             let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
             let idle = Span::ZERO;
@@ -265,7 +267,7 @@ impl PickerPlace {
         while at < now + FARTHEST && lines.lit().is_some() {
             at += FORESEEN;
             let lit = shown(job, &lines, &tote);
-            let said = picker.advance(at, &StationScreen { lit, last: None, is_here: true });
+            let said = picker.advance(at, &StationScreen { lit, is_here: true, ..StationScreen::default() });
             for (_, order) in said {
                 if let StationOrder::Line(n, change) = order {
                     let _ = lines.change(n, change);
