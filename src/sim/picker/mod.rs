@@ -33,6 +33,8 @@ use watch::HandWatch;
 const PERSON: u64 = 61;
 const WATCH: u64 = 62;
 const TREMOR: u64 = 64;
+/// A server sends a warning so long after the hands came that it is about, as measured through its sockets.
+const SENDS: Span = Span::from_millis(26);
 /// What pickers say carries a token of its own.
 const TOKEN: u64 = FIRST_TOKEN | 1 << 58;
 /// Steps in which the rest of a visit is foreseen, and how far at most.
@@ -170,10 +172,11 @@ impl Pickers {
         self.all.iter().filter_map(|s| s.picker.figures.lines.get(&line)).map(|l| l.right).sum()
     }
 
-    /// Somebody is warned.
+    /// Somebody will be warned, as soon as a server would have sent that.
     pub(super) fn warn(&mut self, now: Time, warning: &CellWarning) {
         if let Some(stand) = self.all.iter_mut().find(|s| s.station == warning.station) {
-            stand.picker.warn(now, warning.wrong);
+            let came = stand.watch.came_at(warning.seen);
+            stand.picker.warn(came.map_or(now, |came| now.max(came + SENDS)), warning.wrong);
         }
     }
 
@@ -343,6 +346,24 @@ mod tests {
             !passes(&mut stand, &mut now, 0.5, (&arm, false)),
             "the person is back beside an arm that stands"
         );
+    }
+
+    #[test]
+    fn a_warning_is_heard_no_sooner_than_a_server_sends_it_after_the_hands_came() {
+        let mut stand = idle_person();
+        let (face, truth) = (stand.picker.face().clone(), stand.picker.truth(Time::ZERO));
+        (0..10).for_each(|_| stand.watch.look((stand.station, 0), &face, &truth));
+        let now = Time::from_secs_f64(0.5);
+        let seen = stand.watch.come(now).last().expect("something has come").seen;
+        let (station, came) = (stand.station, stand.watch.came_at(seen).expect("it has come"));
+        let wrong = crate::fleet::WrongReach::Tote(0);
+        let mut pickers = Pickers { all: vec![stand], flow: Flow::Seen };
+        pickers.warn(came, &CellWarning { station, person: 0, wrong, seen });
+        let mut heard = |at: Time| {
+            pickers.all[0].picker.advance(at, &StationScreen::default());
+            pickers.all[0].picker.figures.false_warnings
+        };
+        assert_eq!((heard(came + SENDS - Span(1)), heard(came + SENDS)), (0, 1));
     }
 
     #[test]

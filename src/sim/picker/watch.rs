@@ -21,6 +21,8 @@ const WRIST_M: f64 = 0.17;
 /// Eyes are measured this well, radians in each of yaw and pitch: 1 degree off in the median, as those of the recorded
 /// wearer are.
 const EYES_RAD: f64 = 0.015;
+/// When hands came is known for so long.
+const REMEMBERS: Span = Span::from_secs(1);
 
 /// Where a picker truly is at one instant, in the frame of the face.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +48,8 @@ pub struct HandWatch {
     jump: FacePlace,
     /// What was seen and has not come yet, with when it comes.
     under_way: Vec<(Time, HandsSeen)>,
+    /// When hands were seen that came of late, and when they came.
+    came: Vec<(Time, Time)>,
 }
 
 impl HandWatch {
@@ -61,6 +65,7 @@ impl HandWatch {
             jumps_until: never,
             jump,
             under_way: vec![],
+            came: vec![],
         }
     }
 
@@ -152,7 +157,14 @@ impl HandWatch {
             std::mem::take(&mut self.under_way).into_iter().partition(|(at, _)| *at <= now);
         self.under_way = left;
         come.sort_by_key(|(at, _)| *at);
+        self.came.retain(|(_, at)| now - *at < REMEMBERS);
+        self.came.extend(come.iter().map(|(at, hands)| (hands.seen, *at)));
         come.into_iter().map(|(_, seen)| seen).collect()
+    }
+
+    /// When hands came that were seen then, if that was a moment ago.
+    pub fn came_at(&self, seen: Time) -> Option<Time> {
+        self.came.iter().find(|(of, _)| *of == seen).map(|(_, at)| *at)
     }
 }
 
@@ -208,5 +220,22 @@ mod tests {
         off.sort_by(f64::total_cmp);
         assert!((off[150] - 1.0).abs() < 0.15, "median {}", off[150]);
         assert!((off[270] - 2.0).abs() < 0.4, "nine in ten {}", off[270]);
+    }
+
+    #[test]
+    fn a_headset_knows_when_what_it_saw_has_come() {
+        let mut watch = HandWatch::new(
+            HandSensor { loss: 0.0, ..HandSensor::default() },
+            Stream::new(1, 99, 0),
+            Time::ZERO,
+        );
+        (0..30).for_each(|_| watch.look((StationId(0), 0), &face(), &TRUTH));
+        let now = Time::from_secs_f64(0.4);
+        let come = watch.come(now);
+        for seen in come.iter().map(|hands| hands.seen) {
+            let came = watch.came_at(seen).expect("it has come");
+            assert!(seen <= came && came <= now);
+        }
+        assert!(come.len() > 10 && watch.came_at(Time(1)).is_none());
     }
 }
