@@ -59,6 +59,8 @@ pub struct StationsRow {
     pub guard_stops: u64,
     /// How often buttons were pressed.
     pub presses: u64,
+    /// How often one was pressed to let a rack go of which nothing was left to pick.
+    pub released: u64,
     /// How often an expected end was compared with the true one, and how often that was between its 10 % and 90 %
     /// quantiles.
     pub ends: u64,
@@ -259,6 +261,7 @@ impl Ledgered {
             row.false_warnings += figures.false_warnings;
             row.dismissed_early += figures.dismissed_early;
             row.presses += figures.presses;
+            row.released += figures.released;
             truth.extend(figures.lines.iter().map(|(line, true_line)| (*line, *true_line)));
         }
         row.picker_idle = idle.as_secs_f64() / there.as_secs_f64().max(1e-9);
@@ -318,6 +321,7 @@ mod tests {
             let row = setup().run(14, flow, 3);
             assert!(row.lines > 100, "{flow:?}: {row:?}");
             assert_eq!(row.law_violations, 0, "{flow:?}: {:?}", row.broken);
+            assert_eq!(row.released, 0, "{flow:?}: no rack is stuck in the usual course");
             if [FlowWord::Usual, FlowWord::Counted].contains(&flow) {
                 assert!(row.wrong_confirmed > 0 && row.wrong_by_hand == 0, "{flow:?}: {row:?}");
             }

@@ -71,6 +71,8 @@ struct PickerPlace {
     station: StationId,
     picker: SimPicker,
     watch: HandWatch,
+    /// Whether an arm picks there, too. Then nobody says that a rack may go: it would say that the arm is out of it.
+    has_arm: bool,
     /// The visit that was on when it was looked at last.
     visit: Option<JobId>,
     idle: Span,
@@ -109,11 +111,24 @@ impl Pickers {
             let rack_type = warehouse.rack_types.iter().next()?;
             let face = PickFace::new(place.cell.as_ref()?, warehouse.nodes[place.node].at, rack_type);
             let random = [PERSON, TREMOR].map(|purpose| Stream::new(seed, purpose, i as u64));
+            let has_arm = cells.arms.contains(&habits.station);
             let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
             let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
             let idle = Span::ZERO;
             let (visit, there, waited, rests, waits_until, pace) = (None, idle, idle, idle, now, 1.0);
-            Some(PickerPlace { station, picker, watch, visit, idle, there, waited, rests, waits_until, pace })
+            Some(PickerPlace {
+                station,
+                picker,
+                watch,
+                has_arm,
+                visit,
+                idle,
+                there,
+                waited,
+                rests,
+                waits_until,
+                pace,
+            })
         };
         let all = cells.pickers_in(warehouse).into_iter().enumerate().filter_map(stand).collect();
         Pickers { all, flow }
@@ -129,7 +144,8 @@ impl Pickers {
         let mut inputs = Vec::new();
         for (i, stand) in self.all.iter_mut().enumerate() {
             let here = standing.get(&stand.station).filter(|s| fleet.is_picked_from(s.robot));
-            let screen = screen(fleet, stand.station, here.map(|h| h.robot));
+            let mut screen = screen(fleet, stand.station, here.map(|h| h.robot));
+            screen.is_over &= !stand.has_arm;
             let visit = screen.lit.map(|line| line.job);
             if visit.is_some() && visit != stand.visit {
                 stand.visit = visit;
@@ -364,6 +380,24 @@ mod tests {
             pickers.all[0].picker.figures.false_warnings
         };
         assert_eq!((heard(came + SENDS - Span(1)), heard(came + SENDS)), (0, 1));
+    }
+
+    #[test]
+    fn a_rack_with_nothing_left_to_pick_is_let_go_after_three_seconds_and_one_with_lines_is_not() {
+        let is_let_go = |is_over: bool, seconds: f64| {
+            let mut stand = idle_person();
+            let screen = StationScreen { is_here: true, is_over, ..StationScreen::default() };
+            let until = Time::from_secs_f64(seconds);
+            let mut at = Time::ZERO;
+            let mut said = Vec::new();
+            while at < until {
+                at += TICK;
+                said.extend(stand.picker.advance(at, &screen));
+            }
+            said.iter().any(|(_, order)| *order == StationOrder::Release)
+        };
+        assert!(!is_let_go(true, 2.95) && is_let_go(true, 6.0));
+        assert!(!is_let_go(false, 60.0), "the arm may be at work");
     }
 
     #[test]

@@ -28,6 +28,8 @@ const PUT_S: f64 = 0.25;
 const PRESS_S: f64 = 0.12;
 /// A line that is still lit so long after its last piece was put down is confirmed by the button, seconds.
 const ASKED_S: f64 = 0.8;
+/// A rack that still stands there so long after its last line was over is let go by the button.
+const STUCK: Span = Span::from_secs(3);
 /// Spread of the logarithm of the time in a slot.
 const RUMMAGE_SPREAD: f64 = 0.35;
 /// So high above the floor the screen is, over the opening, metres.
@@ -64,6 +66,8 @@ enum PickButton {
     Done,
     /// Pieces are missing.
     Short,
+    /// The rack may go.
+    LetGo,
 }
 
 /// A line whose pieces are all put down, as far as the picker knows.
@@ -91,6 +95,8 @@ pub struct SimPicker {
     until: Time,
     work: Option<LineWork>,
     claim: Option<ClaimedLine>,
+    /// Since when a rack stands there of which nothing is left to pick.
+    stuck: Option<Time>,
     /// Warnings that are on their way, with when they come.
     warnings: Vec<(Time, WrongReach)>,
     /// When the person acts on a warning, and which.
@@ -126,6 +132,7 @@ impl SimPicker {
             until: now,
             work: None,
             claim: None,
+            stuck: None,
             warnings: Vec::new(),
             react: None,
             astray: None,
@@ -306,7 +313,12 @@ impl SimPicker {
         if at >= self.goes_away {
             self.away = Some(at + Span::from_secs_f64(self.random.exponential(self.habits.away_s)));
             self.hands = [0, 1].map(|i| HandPath::rest(rests_at(i), at));
+            self.stuck = None;
             return;
+        }
+        self.stuck = screen.is_over.then(|| self.stuck.unwrap_or(at));
+        if self.stuck.take_if(|since| at - *since >= STUCK).is_some() {
+            return self.go_press(at, PickButton::LetGo);
         }
         match screen.lit.filter(|_| screen.is_here) {
             Some(line) => self.begin(at, line),
@@ -383,6 +395,10 @@ impl SimPicker {
 
     /// What the button says, of what is on the screen.
     fn press(&mut self, at: Time, button: PickButton, screen: &StationScreen) -> Option<StationOrder> {
+        if button == PickButton::LetGo {
+            self.figures.released += u64::from(screen.is_over);
+            return screen.is_over.then_some(StationOrder::Release);
+        }
         let claim = self.claim.as_mut()?;
         claim.since = at;
         let is_it = |line: &&ShownLine| (line.job, line.n) == (claim.job, claim.n);

@@ -67,6 +67,8 @@ pub struct PickFigures {
     pub dismissed_early: u64,
     /// How often a button was pressed.
     pub presses: u64,
+    /// How often it was pressed to let a rack go of which nothing was left to pick.
+    pub released: u64,
 }
 
 impl LineWork {
