@@ -8,6 +8,8 @@ pub mod limbs;
 pub mod motion;
 pub mod path;
 pub mod person;
+#[cfg(test)]
+mod rates;
 pub mod screen;
 pub mod watch;
 pub mod work;
