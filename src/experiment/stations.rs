@@ -41,7 +41,7 @@ pub struct StationsRow {
     pub wrong: u64,
     /// Those.
     pub wrong_warned: u64,
-    /// How long before the hand was in, seconds.
+    /// How long before the finger tips passed the rack's face, seconds; less than 0 after it.
     pub warned_lead_s: Vec<f64>,
     /// Pieces put into wrong totes, and those of them that were warned of.
     pub wrong_totes: u64,
@@ -51,7 +51,7 @@ pub struct StationsRow {
     pub wrong_confirmed: u64,
     /// Those of them for which no button was pressed: the hand alone confirmed them.
     pub wrong_by_hand: u64,
-    /// Warnings of what was right.
+    /// Warnings of what was right, or of another place than the wrong one.
     pub false_warnings: u64,
     /// Racks that left while pieces were still to be taken.
     pub dismissed_early: u64,
@@ -59,6 +59,8 @@ pub struct StationsRow {
     pub guard_stops: u64,
     /// How often buttons were pressed.
     pub presses: u64,
+    /// How often one was pressed to let a rack go of which nothing was left to pick.
+    pub released: u64,
     /// How often an expected end was compared with the true one, and how often that was between its 10 % and 90 %
     /// quantiles.
     pub ends: u64,
@@ -259,6 +261,7 @@ impl Ledgered {
             row.false_warnings += figures.false_warnings;
             row.dismissed_early += figures.dismissed_early;
             row.presses += figures.presses;
+            row.released += figures.released;
             truth.extend(figures.lines.iter().map(|(line, true_line)| (*line, *true_line)));
         }
         row.picker_idle = idle.as_secs_f64() / there.as_secs_f64().max(1e-9);
@@ -319,6 +322,7 @@ mod tests {
             assert!(row.lines > 100, "{flow:?}: {row:?}");
             assert_eq!(row.law_violations, 0, "{flow:?}: {:?}", row.broken);
             assert_eq!(row.guard_stops, 0, "{flow:?}: no robot drives towards a hand");
+            assert!(row.released * 20 <= row.visits, "{flow:?}: few racks wait for a button: {row:?}");
             if [FlowWord::Usual, FlowWord::Counted].contains(&flow) {
                 assert!(row.wrong_confirmed > 0 && row.wrong_by_hand == 0, "{flow:?}: {row:?}");
             }

@@ -3,10 +3,13 @@
 //! Main types: [`Pickers`], [`SimPicker`], [`PickFigures`]. Refuses: to read anything of the fleet that is not on the
 //! screen of the station.
 
+pub mod eyes;
 pub mod limbs;
 pub mod motion;
 pub mod path;
 pub mod person;
+#[cfg(test)]
+mod rates;
 pub mod screen;
 pub mod watch;
 pub mod work;
@@ -31,6 +34,9 @@ use watch::HandWatch;
 /// Purposes of streams of random numbers.
 const PERSON: u64 = 61;
 const WATCH: u64 = 62;
+const TREMOR: u64 = 64;
+/// A server sends a warning so long after the hands came that it is about, as measured through its sockets.
+const SENDS: Span = Span::from_millis(26);
 /// What pickers say carries a token of its own.
 const TOKEN: u64 = FIRST_TOKEN | 1 << 58;
 /// Steps in which the rest of a visit is foreseen, and how far at most.
@@ -67,6 +73,8 @@ struct PickerPlace {
     station: StationId,
     picker: SimPicker,
     watch: HandWatch,
+    /// Whether an arm picks there, too. Then nobody says that a rack may go: it would say that the arm is out of it.
+    has_arm: bool,
     /// The visit that was on when it was looked at last.
     visit: Option<JobId>,
     idle: Span,
@@ -104,12 +112,25 @@ impl Pickers {
             let (station, place) = warehouse.stations.pairs().find(|(_, s)| s.name == habits.station)?;
             let rack_type = warehouse.rack_types.iter().next()?;
             let face = PickFace::new(place.cell.as_ref()?, warehouse.nodes[place.node].at, rack_type);
-            let random = Stream::new(seed, PERSON, i as u64);
+            let random = [PERSON, TREMOR].map(|purpose| Stream::new(seed, purpose, i as u64));
+            let has_arm = cells.arms.contains(&habits.station);
             let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
             let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
             let idle = Span::ZERO;
             let (visit, there, waited, rests, waits_until, pace) = (None, idle, idle, idle, now, 1.0);
-            Some(PickerPlace { station, picker, watch, visit, idle, there, waited, rests, waits_until, pace })
+            Some(PickerPlace {
+                station,
+                picker,
+                watch,
+                has_arm,
+                visit,
+                idle,
+                there,
+                waited,
+                rests,
+                waits_until,
+                pace,
+            })
         };
         let all = cells.pickers_in(warehouse).into_iter().enumerate().filter_map(stand).collect();
         Pickers { all, flow }
@@ -125,7 +146,8 @@ impl Pickers {
         let mut inputs = Vec::new();
         for (i, stand) in self.all.iter_mut().enumerate() {
             let here = standing.get(&stand.station).filter(|s| fleet.is_picked_from(s.robot));
-            let screen = screen(fleet, stand.station, here.map(|h| h.robot));
+            let mut screen = screen(fleet, stand.station, here.map(|h| h.robot));
+            screen.is_over &= !stand.has_arm;
             let visit = screen.lit.map(|line| line.job);
             if visit.is_some() && visit != stand.visit {
                 stand.visit = visit;
@@ -168,10 +190,11 @@ impl Pickers {
         self.all.iter().filter_map(|s| s.picker.figures.lines.get(&line)).map(|l| l.right).sum()
     }
 
-    /// Somebody is warned.
+    /// Somebody will be warned, as soon as a server would have sent that.
     pub(super) fn warn(&mut self, now: Time, warning: &CellWarning) {
         if let Some(stand) = self.all.iter_mut().find(|s| s.station == warning.station) {
-            stand.picker.warn(now, warning.wrong);
+            let came = stand.watch.came_at(warning.seen);
+            stand.picker.warn(came.map_or(now, |came| now.max(came + SENDS)), warning.wrong);
         }
     }
 
@@ -265,7 +288,7 @@ impl PickerPlace {
         while at < now + FARTHEST && lines.lit().is_some() {
             at += FORESEEN;
             let lit = shown(job, &lines, &tote);
-            let said = picker.advance(at, &StationScreen { lit, last: None, is_here: true });
+            let said = picker.advance(at, &StationScreen { lit, is_here: true, ..StationScreen::default() });
             for (_, order) in said {
                 if let StationOrder::Line(n, change) = order {
                     let _ = lines.change(n, change);
@@ -341,6 +364,42 @@ mod tests {
             !passes(&mut stand, &mut now, 0.5, (&arm, false)),
             "the person is back beside an arm that stands"
         );
+    }
+
+    #[test]
+    fn a_warning_is_heard_no_sooner_than_a_server_sends_it_after_the_hands_came() {
+        let mut stand = idle_person();
+        let (face, truth) = (stand.picker.face().clone(), stand.picker.truth(Time::ZERO));
+        (0..10).for_each(|_| stand.watch.look((stand.station, 0), &face, &truth));
+        let now = Time::from_secs_f64(0.5);
+        let seen = stand.watch.come(now).last().expect("something has come").seen;
+        let (station, came) = (stand.station, stand.watch.came_at(seen).expect("it has come"));
+        let wrong = crate::fleet::WrongReach::Tote(0);
+        let mut pickers = Pickers { all: vec![stand], flow: Flow::Seen };
+        pickers.warn(came, &CellWarning { station, person: 0, wrong, seen });
+        let mut heard = |at: Time| {
+            pickers.all[0].picker.advance(at, &StationScreen::default());
+            pickers.all[0].picker.figures.false_warnings
+        };
+        assert_eq!((heard(came + SENDS - Span(1)), heard(came + SENDS)), (0, 1));
+    }
+
+    #[test]
+    fn a_rack_with_nothing_left_to_pick_is_let_go_after_three_seconds_and_one_with_lines_is_not() {
+        let is_let_go = |is_over: bool, seconds: f64| {
+            let mut stand = idle_person();
+            let screen = StationScreen { is_here: true, is_over, ..StationScreen::default() };
+            let until = Time::from_secs_f64(seconds);
+            let mut at = Time::ZERO;
+            let mut said = Vec::new();
+            while at < until {
+                at += TICK;
+                said.extend(stand.picker.advance(at, &screen));
+            }
+            said.iter().any(|(_, order)| *order == StationOrder::Release)
+        };
+        assert!(!is_let_go(true, 2.95) && is_let_go(true, 6.0));
+        assert!(!is_let_go(false, 60.0), "the arm may be at work");
     }
 
     #[test]

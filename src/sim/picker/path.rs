@@ -24,6 +24,8 @@ const MEND_SHARE: f64 = 0.22;
 const MISS: f64 = 0.06;
 /// Ways bend sideways by this share of their length, in the mean square.
 const BEND: f64 = 0.09;
+/// A place on a way is looked for in so many steps.
+const PARTS: i64 = 64;
 
 /// One movement of a hand.
 #[derive(Clone, Debug)]
@@ -88,6 +90,18 @@ impl HandPath {
         let s = self.progress(t.clamp(0.0, 1.0));
         let (r, [a, b]) = (1.0 - s, self.via);
         self.from * (r * r * r) + a * (3.0 * r * r * s) + b * (3.0 * r * s * s) + self.to * (s * s * s)
+    }
+
+    /// When the hand first is where it is asked for, on its way or at its end.
+    pub fn first(&self, is_there: impl Fn(FacePlace) -> bool) -> Option<Time> {
+        let part = |i: i64| self.start + Span((self.end - self.start).0 * i / PARTS);
+        let found = (0..=PARTS).find(|i| is_there(self.at(part(*i))))?;
+        let (mut before, mut there) = (part((found - 1).max(0)), part(found));
+        while there - before > Span(1) {
+            let middle = before + Span((there - before).0 / 2);
+            *(if is_there(self.at(middle)) { &mut there } else { &mut before }) = middle;
+        }
+        Some(if is_there(self.at(before)) { before } else { there })
     }
 
     fn progress(&self, t: f64) -> f64 {
@@ -163,6 +177,21 @@ mod tests {
             let path = HandPath::new([from, to], [None; 2], Time(5), 1.0, &mut random);
             assert!((path.at(Time(0)) - from).norm() < 1e-9 && (path.at(Time::MAX) - to).norm() < 1e-9);
             assert!((path.at(path.end() - Span(1)) - to).norm() < 1e-3);
+        }
+    }
+
+    #[test]
+    fn when_a_hand_first_is_somewhere_is_found_to_the_microsecond() {
+        let mut random = Stream::new(3, 77, 0);
+        for _ in 0..100 {
+            let ends = [FacePlace::new(0.7, 0.9, 0.8), FacePlace::new(0.1, 0.32, 1.4)];
+            let path = HandPath::new(ends, [None; 2], Time(5), 1.0, &mut random);
+            let is_in = |at: FacePlace| at.y <= 0.44;
+            let first = path.first(is_in).expect("it ends there");
+            assert!(is_in(path.at(first)) && !is_in(path.at(first - Span(1))));
+            assert!(first < path.end());
+            assert_eq!(path.first(|at| at.y > 0.5), Some(Time(5)), "it starts there");
+            assert_eq!(path.first(|at| at.y < 0.2), None);
         }
     }
 }

@@ -3,10 +3,14 @@
 //! Main types: [`SimPicker`], [`StationScreen`]. Refuses: to know what the fleet believes; it sees the screen, the rack
 //! and the totes.
 
+mod reach;
+mod warned;
+
+use super::eyes::Eyes;
 use super::limbs::limbs;
 use super::path::HandPath;
 use super::screen::{ShownLine, StationScreen};
-use super::watch::{TruePicker, angles_of};
+use super::watch::TruePicker;
 use super::work::{LineWork, PickFigures};
 use crate::cell::arm::Capsule;
 use crate::cell::{FacePlace, LineChange, PickFace};
@@ -17,48 +21,53 @@ use crate::sim::{HandSide, PickerHabits};
 use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
 
-/// How deep behind the face pieces lie, metres; and in front of it a hand is straight ahead of its slot.
-const PIECE_M: f64 = 0.12;
-const AHEAD_M: f64 = 0.22;
 /// Where the picker stands, metres from the rack's middle.
 const STANDS_M: f64 = 1.05;
-/// A hand that carries a piece takes so much longer than one that reaches, as moves to a place do beside reaches in
-/// MTM-1 (Maynard, Stegemerten and Schwab 1948).
-const CARRIES: f64 = 1.15;
-/// Where both hands pick, the other one is so far beside, metres.
-const BESIDE_M: f64 = 0.04;
 /// How long a hand is in a tote (a light position and a release in MTM-1) and at a button, seconds.
 const PUT_S: f64 = 0.25;
 const PRESS_S: f64 = 0.12;
-/// A person who was warned acts so much later, seconds; and so many do.
-const REACTS_S: f64 = 0.25;
-const REACTS: f64 = 0.95;
 /// A line that is still lit so long after its last piece was put down is confirmed by the button, seconds.
 const ASKED_S: f64 = 0.8;
+/// A rack that still stands there so long after its last line was over is let go by the button.
+const STUCK: Span = Span::from_secs(3);
 /// Spread of the logarithm of the time in a slot.
 const RUMMAGE_SPREAD: f64 = 0.35;
-/// How far the eyes are ahead of the hand, seconds; and what the head does of it, in yaw and in pitch.
-const LEAD_S: f64 = 0.2;
-const TURNS: [f64; 2] = [0.7, 0.4];
+/// So high above the floor the screen is, over the opening, metres.
+const SCREEN_M: f64 = 2.15;
 /// Who reaches lower than this bends, by so much of it; metres.
 const BENDS_BELOW_M: f64 = 1.0;
 const BENDS: f64 = 0.45;
-/// Warnings so soon after a hand was astray are about that, seconds.
-const ASTRAY_S: f64 = 1.0;
+/// A head that is lowered so faces down by so much, radians for each metre: about a third of what the trunk bows if it
+/// does all of that; knees and neck do the rest. Recorded people stood upright.
+const NODS: f64 = 0.9;
 
 /// What comes when the present movement or stay is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Next {
     Look,
-    Redirect,
+    /// The hand sets out, towards another slot first where one is named.
+    SetOut(Option<SlotName>),
+    /// It was on its way to this slot.
+    Redirect(SlotName),
     Enter,
     Out,
-    PutBack,
+    PutBack(SlotName),
     Over(usize),
     Put(usize),
     TakeUp(usize),
-    Press(bool),
-    Pressed(bool),
+    Press(PickButton),
+    Pressed(PickButton),
+}
+
+/// What a press of the button says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PickButton {
+    /// The line is done.
+    Done,
+    /// Pieces are missing.
+    Short,
+    /// The rack may go.
+    LetGo,
 }
 
 /// A line whose pieces are all put down, as far as the picker knows.
@@ -67,7 +76,7 @@ struct ClaimedLine {
     job: JobId,
     n: usize,
     since: Time,
-    is_short: bool,
+    button: PickButton,
 }
 
 /// A simulated person who picks.
@@ -77,16 +86,23 @@ pub struct SimPicker {
     /// Whether each line is confirmed by a button.
     presses: bool,
     random: Stream,
+    /// How hands shake is drawn apart, so that a person acts in the same way whether somebody looks or not.
+    tremor: Stream,
     face: PickFace,
     hands: [HandPath; 2],
+    eyes: Eyes,
     next: Next,
     until: Time,
     work: Option<LineWork>,
     claim: Option<ClaimedLine>,
+    /// Since when a rack stands there of which nothing is left to pick.
+    stuck: Option<Time>,
+    /// Warnings that are on their way, with when they come.
+    warnings: Vec<(Time, WrongReach)>,
     /// When the person acts on a warning, and which.
     react: Option<(Time, WrongReach)>,
-    /// When the hand was on a wrong way last.
-    astray: Time,
+    /// When the hand was on a wrong way last, and where that led.
+    astray: Option<(Time, WrongReach)>,
     away: Option<Time>,
     goes_away: Time,
     /// What truly happened.
@@ -94,12 +110,12 @@ pub struct SimPicker {
 }
 
 impl SimPicker {
-    /// A person who stands before a rack's face.
+    /// A person who stands before a rack's face; one of the streams is for what they do, the other for how they shake.
     pub fn new(
         habits: PickerHabits,
         presses: bool,
         face: PickFace,
-        mut random: Stream,
+        [mut random, tremor]: [Stream; 2],
         now: Time,
     ) -> SimPicker {
         let goes_away = next_away(&habits, now, &mut random);
@@ -108,14 +124,18 @@ impl SimPicker {
             habits,
             presses,
             random,
+            tremor,
+            eyes: Eyes::new(screen_over(&face), now),
             face,
             hands,
             next: Next::Look,
             until: now,
             work: None,
             claim: None,
+            stuck: None,
+            warnings: Vec::new(),
             react: None,
-            astray: Time::ZERO,
+            astray: None,
             away: None,
             goes_away,
             figures: PickFigures::default(),
@@ -155,20 +175,26 @@ impl SimPicker {
 
     /// Where the person is.
     pub fn truth(&mut self, now: Time) -> TruePicker {
-        let (hand, head) = (&self.hands[self.main()], self.head(now));
-        let (yaw, pitch) = angles_of(hand.at(now + Span::from_secs_f64(LEAD_S)) - head);
+        let head = self.head(now);
+        self.eyes.follow(now, head);
+        let ([yaw, pitch], looks) = (self.eyes.faces(now, head), self.eyes.looks(head));
+        let faces = [yaw, pitch - NODS * self.lowered_m(now)];
         let shakes = |at: FacePlace, random: &mut Stream, m: f64| {
             at + FacePlace::new(random.normal(), random.normal(), random.normal()) * m
         };
         let grips = [0, 1].map(|i| self.hands[i].at(now));
-        let grips = grips.map(|at| shakes(at, &mut self.random, self.habits.tremor_m));
-        TruePicker { head, faces: [TURNS[0] * yaw, TURNS[1] * pitch], grips }
+        let grips = grips.map(|at| shakes(at, &mut self.tremor, self.habits.tremor_m));
+        TruePicker { head, faces, looks, grips }
     }
 
-    /// Where the middle of the head is: who reaches low bends down.
+    /// Where the middle of the head is.
     fn head(&self, now: Time) -> FacePlace {
-        let low_m = (BENDS_BELOW_M - self.hands[self.main()].at(now).z).max(0.0);
-        FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m - BENDS * low_m)
+        FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m - self.lowered_m(now))
+    }
+
+    /// By how much the head is lower than that of who stands upright, metres: who reaches low bends down.
+    fn lowered_m(&self, now: Time) -> f64 {
+        BENDS * (BENDS_BELOW_M - self.hands[self.main()].at(now).z).max(0.0)
     }
 
     /// Steps back, out of reach, until then; a person who is away longer anyway stays away.
@@ -192,6 +218,7 @@ impl SimPicker {
         if self.until > now {
             self.hands.iter_mut().filter(|hand| hand.end() > now).for_each(|hand| hand.delay(by));
             self.until += by;
+            self.eyes.delay(by);
         }
     }
 
@@ -202,80 +229,21 @@ impl SimPicker {
         }
     }
 
-    /// The screen warns.
-    pub fn warn(&mut self, now: Time, wrong: WrongReach) {
-        let is_wrong = match wrong {
-            WrongReach::Slot(_) => self.is_astray(now),
-            WrongReach::Tote(_) => self.is_wrong_tote() || now - self.astray < Span::from_secs_f64(ASTRAY_S),
-        };
-        self.figures.note_warning(wrong, is_wrong, self.work.as_mut(), now);
-        if is_wrong && self.react.is_none() && self.random.happens_of(REACTS) {
-            self.react = Some((now + Span::from_secs_f64(REACTS_S), wrong));
-        }
-    }
-
-    /// Whether a piece is in a wrong tote, or about to be.
-    fn is_wrong_tote(&self) -> bool {
-        match (self.next, &self.work) {
-            (Next::Over(tote) | Next::Put(tote), Some(work)) => tote != work.line.tote,
-            _ => self.figures.is_wrong_tote(self.work.as_ref(), self.claim.map(|c| (c.job, c.n))),
-        }
-    }
-
-    fn is_astray(&self, now: Time) -> bool {
-        let aims = self.work.as_ref().is_some_and(|w| w.aims_at != w.line.slot);
-        aims || self.next == Next::PutBack || now - self.astray < Span::from_secs_f64(ASTRAY_S)
-    }
-
     /// Lives until `now`. Gives what the person says, with when.
     pub fn advance(&mut self, now: Time, screen: &StationScreen) -> Vec<(Time, StationOrder)> {
         let mut said = Vec::new();
         loop {
-            let reacts = self.react.filter(|(at, _)| *at <= self.until && *at <= now);
-            if let Some((at, wrong)) = reacts {
-                self.react = None;
-                self.mend(at, wrong);
-            } else if self.until <= now {
-                let at = self.until;
-                said.extend(self.go_on(at, now, screen).map(|order| (at, order)));
-            } else {
+            while self.is_warned_until(now.min(self.until)) {}
+            if self.until > now {
                 return said;
             }
+            let at = self.until;
+            said.extend(self.go_on(at, now, screen).map(|order| (at, order)));
         }
     }
 
     fn stay(&mut self, at: Time, seconds: f64, next: Next) {
         (self.until, self.next) = (at + Span::from_secs_f64(seconds), next);
-    }
-
-    /// Moves a hand, and the other one with it where both pick.
-    fn reach(&mut self, at: Time, to: FacePlace, next: Next) {
-        let main = self.main();
-        let both = self.work.as_ref().is_some_and(|w| w.both_hands);
-        let mut ends = at;
-        for i in [main, 1 - main] {
-            let other = i != main;
-            if other && !both {
-                self.rest(i, at);
-                continue;
-            }
-            let side_m = if i == 0 { -BESIDE_M } else { BESIDE_M };
-            let aside = FacePlace::new(if other { side_m } else { 0.0 }, 0.0, 0.0);
-            let (from, to) = (self.hands[i].at(at), to + aside);
-            let ways = [self.straight_out(from), self.straight_out(to)];
-            let pace = self.habits.pace * if matches!(next, Next::Over(_)) { CARRIES } else { 1.0 };
-            self.hands[i] = HandPath::new([from, to], ways, at, pace, &mut self.random);
-            ends = ends.max(self.hands[i].end());
-        }
-        (self.until, self.next) = (ends, next);
-    }
-
-    fn piece_in(&self, slot: SlotName) -> FacePlace {
-        self.face.slot(slot) - FacePlace::new(0.0, PIECE_M, 0.0)
-    }
-
-    fn button(&self) -> FacePlace {
-        FacePlace::new(0.5, self.face.opening_m() + 0.15, 1.2)
     }
 
     fn go_on(&mut self, at: Time, now: Time, screen: &StationScreen) -> Option<StationOrder> {
@@ -284,16 +252,18 @@ impl SimPicker {
                 self.look(at, now, screen);
                 None
             }
-            Next::Redirect => {
-                let slot = self.work.as_ref().expect("it goes to a slot").line.slot;
-                self.astray = at;
-                self.aim(at, slot);
+            Next::SetOut(first) => {
+                self.set_out(at, first);
+                None
+            }
+            Next::Redirect(from) => {
+                self.redirect(at, from);
                 None
             }
             Next::Enter => self.enter(at, screen),
             Next::Out => self.come_out(at),
-            Next::PutBack => {
-                self.astray = at;
+            Next::PutBack(slot) => {
+                self.astray = Some((at, WrongReach::Slot(slot)));
                 self.aim_anew(at);
                 None
             }
@@ -308,13 +278,13 @@ impl SimPicker {
                 self.carry(at, tote);
                 None
             }
-            Next::Press(is_short) => {
-                self.stay(at, PRESS_S, Next::Pressed(is_short));
+            Next::Press(button) => {
+                self.stay(at, PRESS_S, Next::Pressed(button));
                 None
             }
-            Next::Pressed(is_short) => {
+            Next::Pressed(button) => {
                 self.stay(at, 0.0, Next::Look);
-                self.press(at, is_short, screen)
+                self.press(at, button, screen)
             }
         }
     }
@@ -335,96 +305,49 @@ impl SimPicker {
             if ![screen.lit, screen.last].iter().flatten().any(is_it) {
                 self.claim = None;
             } else if at - claim.since >= Span::from_secs_f64(ASKED_S) {
-                return self.reach(at, self.button(), Next::Press(claim.is_short));
+                return self.go_press(at, claim.button);
             } else {
-                return;
+                return self.turn_eyes(at, screen_over(&self.face));
             }
         }
         if at >= self.goes_away {
             self.away = Some(at + Span::from_secs_f64(self.random.exponential(self.habits.away_s)));
             self.hands = [0, 1].map(|i| HandPath::rest(rests_at(i), at));
+            self.stuck = None;
             return;
+        }
+        self.stuck = screen.is_over.then(|| self.stuck.unwrap_or(at));
+        if self.stuck.take_if(|since| at - *since >= STUCK).is_some() {
+            return self.go_press(at, PickButton::LetGo);
         }
         match screen.lit.filter(|_| screen.is_here) {
             Some(line) => self.begin(at, line),
-            None => [0, 1].into_iter().for_each(|hand| self.rest(hand, at)),
+            None => {
+                self.turn_eyes(at, screen_over(&self.face));
+                [0, 1].into_iter().for_each(|hand| self.rest(hand, at));
+            }
         }
-    }
-
-    /// A hand goes to where it rests, if it is not on its way there.
-    fn rest(&mut self, hand: usize, at: Time) {
-        let from = self.hands[hand].at(at);
-        if self.hands[hand].to() != rests_at(hand) {
-            let leaves = self.straight_out(from);
-            let (ends, pace) = ([from, rests_at(hand)], self.habits.pace);
-            self.hands[hand] = HandPath::new(ends, [leaves, None], at, pace, &mut self.random);
-        }
-    }
-
-    /// Where a hand is straight ahead of the slot in which it is; nothing of one that is in none.
-    fn straight_out(&self, at: FacePlace) -> Option<FacePlace> {
-        (self.face.depth_m(at) > 0.0).then(|| FacePlace::new(at.x, at.y + PIECE_M + AHEAD_M, at.z))
     }
 
     fn begin(&mut self, at: Time, line: ShownLine) {
         let (h, random) = (&self.habits, &mut self.random);
-        let mut looks_s = h.looks_first_s * (0.3 * random.normal()).exp() * h.pace;
+        let looks_s = h.looks_first_s * (0.3 * random.normal()).exp() * h.pace;
         let (missing, both) = (random.happens_of(h.missing), random.happens_of(h.both_hands));
-        if random.happens_of(h.wanders) {
-            looks_s *= 2.0;
-        }
         self.work = Some(LineWork::new(line, missing, both && line.left >= 2));
-        self.aim_anew(at + Span::from_secs_f64(looks_s));
-    }
-
-    /// A reach for a piece: to the slot, or to a wrong one, or first towards another.
-    fn aim_anew(&mut self, at: Time) {
-        let slot = self.work.as_ref().expect("a line is picked").line.slot;
-        let (mistakes, changes) = (self.habits.mispick, self.habits.changes_mind);
-        if self.random.happens_of(mistakes) {
-            let wrong = self.another(slot);
-            self.figures.begin_wrong(self.work.as_mut().expect("a line is picked"));
-            self.aim(at, wrong);
-        } else if self.random.happens_of(changes) {
-            let other = self.another(slot);
-            self.aim(at, other);
-            let whole = (self.until - at).as_secs_f64();
-            self.work.as_mut().expect("a line is picked").aims_at = slot;
-            self.astray = at + Span::from_secs_f64(0.5 * whole);
-            let before_s = self.random.between(0.3, 0.5) * whole;
-            self.stay(at, before_s, Next::Redirect);
-        } else {
-            self.aim(at, slot);
-        }
-    }
-
-    /// A slot beside another one.
-    fn another(&mut self, slot: SlotName) -> SlotName {
-        let beside = |s: SlotName| {
-            let apart = s.column().abs_diff(slot.column()) + s.row().abs_diff(slot.row());
-            (1..=2).contains(&apart)
-        };
-        let all: Vec<SlotName> = self.face.slots().map(|(s, _)| s).filter(|s| beside(*s)).collect();
-        if all.is_empty() { slot } else { all[self.random.below(all.len())] }
-    }
-
-    fn aim(&mut self, at: Time, slot: SlotName) {
-        self.work.as_mut().expect("a line is picked").aims_at = slot;
-        let to = self.piece_in(slot);
-        self.reach(at, to, Next::Enter);
+        let (first, glances_s) = self.choose(at);
+        self.stay(at, looks_s + glances_s, Next::SetOut(first));
     }
 
     /// The hand is in a slot. If the rack has left meanwhile, there is nothing.
     fn enter(&mut self, at: Time, screen: &StationScreen) -> Option<StationOrder> {
-        let work = self.work.as_mut().expect("a line is picked");
         if !screen.is_here {
+            self.note_lead(at);
+            let ShownLine { job, n, .. } = self.work.take().expect("a line is picked").line;
             self.figures.dismissed_early += 1;
-            self.claim = Some(ClaimedLine { job: work.line.job, n: work.line.n, since: at, is_short: true });
-            self.work = None;
+            self.claim = Some(ClaimedLine { job, n, since: at, button: PickButton::Short });
             self.stay(at, 0.0, Next::Look);
             return None;
         }
-        work.hand_in = Some(at);
         let spread = (RUMMAGE_SPREAD * self.random.normal()).exp();
         self.stay(at, self.habits.rummage_s * spread * self.habits.pace, Next::Out);
         None
@@ -434,13 +357,15 @@ impl SimPicker {
     fn come_out(&mut self, at: Time) -> Option<StationOrder> {
         let work = self.work.as_mut().expect("a line is picked");
         if work.finds_nothing() {
-            self.claim = Some(ClaimedLine { job: work.line.job, n: work.line.n, since: at, is_short: true });
+            let (ShownLine { job, n, .. }, button) = (work.line, PickButton::Short);
+            self.claim = Some(ClaimedLine { job, n, since: at, button });
             self.work = None;
-            self.reach(at, self.button(), Next::Press(true));
+            self.go_press(at, button);
             return None;
         }
         work.grasp();
-        self.figures.came_out(work, at);
+        self.note_lead(at);
+        let work = self.work.as_mut().expect("a line is picked");
         let (right, totes) = (work.line.tote, self.face.totes());
         let wrong = totes > 1 && self.random.happens_of(self.habits.mistote);
         let tote = if wrong { (right + 1 + self.random.below(totes - 1)) % totes } else { right };
@@ -449,20 +374,15 @@ impl SimPicker {
         None
     }
 
-    fn carry(&mut self, at: Time, tote: usize) {
-        let rim = self.face.tote(tote).expect("the line names a tote of the station");
-        self.reach(at, rim - FacePlace::new(0.0, 0.0, 0.05), Next::Over(tote));
-    }
-
     fn put(&mut self, at: Time, tote: usize) -> Option<StationOrder> {
         let work = self.work.as_mut().expect("a line is picked");
         self.figures.put(work, tote);
         if work.is_filled() {
-            let line = work.line;
-            self.claim = Some(ClaimedLine { job: line.job, n: line.n, since: at, is_short: false });
+            let (ShownLine { job, n, .. }, button) = (work.line, PickButton::Done);
+            self.claim = Some(ClaimedLine { job, n, since: at, button });
             if self.presses {
                 self.work = None;
-                self.reach(at, self.button(), Next::Press(false));
+                self.go_press(at, button);
             } else {
                 self.stay(at, 0.0, Next::Look);
                 self.figures.finished = self.work.take();
@@ -474,13 +394,17 @@ impl SimPicker {
     }
 
     /// What the button says, of what is on the screen.
-    fn press(&mut self, at: Time, is_short: bool, screen: &StationScreen) -> Option<StationOrder> {
+    fn press(&mut self, at: Time, button: PickButton, screen: &StationScreen) -> Option<StationOrder> {
+        if button == PickButton::LetGo {
+            self.figures.released += u64::from(screen.is_over);
+            return screen.is_over.then_some(StationOrder::Release);
+        }
         let claim = self.claim.as_mut()?;
         claim.since = at;
         let is_it = |line: &&ShownLine| (line.job, line.n) == (claim.job, claim.n);
-        let change = |line: &ShownLine| match is_short {
-            true => LineChange::Short,
-            false => LineChange::Done(line.left),
+        let change = |line: &ShownLine| match button {
+            PickButton::Short => LineChange::Short,
+            _ => LineChange::Done(line.left),
         };
         self.figures.presses += 1;
         self.figures.lines.entry((claim.job, claim.n)).or_default().is_pressed = true;
@@ -489,44 +413,11 @@ impl SimPicker {
         }
         screen.last.as_ref().filter(is_it).map(|line| StationOrder::Last(change(line)))
     }
+}
 
-    /// Acts on a warning, if it is not too late.
-    fn mend(&mut self, at: Time, wrong: WrongReach) {
-        match (wrong, self.next) {
-            (WrongReach::Slot(_), Next::Enter | Next::Out) => {
-                let Some(work) = self.work.as_mut().filter(|w| w.aims_at != w.line.slot) else { return };
-                let (slot, hand_in) = (work.line.slot, work.hand_in.unwrap_or(self.until));
-                self.figures.note_lead_of(work, hand_in);
-                self.astray = at;
-                self.aim(at, slot);
-            }
-            (WrongReach::Slot(_), Next::Over(_)) => {
-                // The wrong piece goes back, and the right one is fetched.
-                let Some(work) = self.work.as_mut().filter(|w| w.aims_at != w.line.slot) else { return };
-                work.drop_pieces();
-                let (slot, line) = (work.aims_at, work.line.slot);
-                work.aims_at = line;
-                self.astray = at;
-                let to = self.piece_in(slot);
-                self.reach(at, to, Next::PutBack);
-            }
-            (WrongReach::Tote(_), Next::Over(tote) | Next::Put(tote)) => {
-                let right = self.work.as_ref().expect("a piece is in hand").line.tote;
-                if tote != right {
-                    self.astray = at;
-                    self.carry(at, right);
-                }
-            }
-            (WrongReach::Tote(tote), Next::Look | Next::Enter | Next::Redirect | Next::Press(_)) => {
-                let work = self.work.take().or_else(|| self.figures.finished.take());
-                let Some(work) = work.filter(|w| w.misplaced == Some(tote)) else { return };
-                (self.work, self.claim) = (Some(work), None);
-                let rim = self.face.tote(tote).expect("it was put there");
-                self.reach(at, rim - FacePlace::new(0.0, 0.0, 0.05), Next::TakeUp(tote));
-            }
-            _ => {}
-        }
-    }
+/// Where the screen is, over the opening to a rack.
+fn screen_over(face: &PickFace) -> FacePlace {
+    FacePlace::new(0.0, face.opening_m(), SCREEN_M)
 }
 
 fn rests_at(hand: usize) -> FacePlace {

@@ -31,6 +31,8 @@ pub struct StationScreen {
     pub last: Option<ShownLine>,
     /// Whether a rack stands there.
     pub is_here: bool,
+    /// Whether a rack stands there of which all lines are over.
+    pub is_over: bool,
 }
 
 /// What the screen of a station shows.
@@ -45,6 +47,7 @@ pub(super) fn screen(fleet: &Fleet, station: StationId, robot: Option<RobotId>) 
         lit: visit.and_then(|(id, lines)| shown(id, lines, &tote)),
         last: ledger.unconfirmed.get(&station).and_then(|u| shown(u.job, &u.lines, &tote)),
         is_here: robot.is_some(),
+        is_over: visit.is_some_and(|(_, lines)| lines.are_over()),
     }
 }
 

@@ -1,12 +1,12 @@
 //! How a headset sees the hands of a simulated picker.
 //!
 //! Main type: [`HandWatch`]. What it gives is late, noisy, sometimes missing, swapped or elsewhere; the hands are where
-//! they are. Refuses: to change what is true.
+//! they are. Of gaze it gives what its kind knows of it. Refuses: to change what is true.
 
 use crate::cell::{FacePlace, HandPoints, HandsSeen, PickFace};
 use crate::id::StationId;
-use crate::sim::HandSensor;
 use crate::sim::random::Stream;
+use crate::sim::{HandSensor, SeenGaze};
 use crate::time::{Span, Time};
 use crate::warehouse::Place;
 
@@ -18,6 +18,11 @@ const JUMP_M: f64 = 0.5;
 /// From the finger tips to palm and wrist, metres.
 const PALM_M: f64 = 0.09;
 const WRIST_M: f64 = 0.17;
+/// Eyes are measured this well, radians in each of yaw and pitch: 1 degree off in the median, as those of the recorded
+/// wearer are.
+const EYES_RAD: f64 = 0.015;
+/// When hands came is known for so long.
+const REMEMBERS: Span = Span::from_secs(1);
 
 /// Where a picker truly is at one instant, in the frame of the face.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +31,8 @@ pub struct TruePicker {
     pub head: FacePlace,
     /// Where the head faces: yaw to the right of straight at the rack and pitch up, radians.
     pub faces: [f64; 2],
+    /// Where the eyes look, in the same way.
+    pub looks: [f64; 2],
     /// Where the finger tips of the left and the right hand are.
     pub grips: [FacePlace; 2],
 }
@@ -41,6 +48,8 @@ pub struct HandWatch {
     jump: FacePlace,
     /// What was seen and has not come yet, with when it comes.
     under_way: Vec<(Time, HandsSeen)>,
+    /// When hands were seen that came of late, and when they came.
+    came: Vec<(Time, Time)>,
 }
 
 impl HandWatch {
@@ -56,6 +65,7 @@ impl HandWatch {
             jumps_until: never,
             jump,
             under_way: vec![],
+            came: vec![],
         }
     }
 
@@ -84,10 +94,20 @@ impl HandWatch {
         let late_ms = self.sensor.delay_ms + self.sensor.jitter_ms * self.random.normal();
         let comes = now + Span::from_secs_f64(late_ms.max(0.0) / 1000.0);
         let head = face.on_map(truth.head);
-        let [yaw, pitch] = truth.faces;
-        let ahead = FacePlace::new(yaw.sin() * pitch.cos(), -yaw.cos() * pitch.cos(), pitch.sin());
-        let facing = Some(face.on_map(truth.head + ahead) - head);
+        let facing = self.gaze(truth).map(|[yaw, pitch]| {
+            let ahead = FacePlace::new(yaw.sin() * pitch.cos(), -yaw.cos() * pitch.cos(), pitch.sin());
+            face.on_map(truth.head + ahead) - head
+        });
         self.under_way.push((comes, HandsSeen { station, person, seen: now, head, facing, hands }));
+    }
+
+    /// Yaw and pitch of the ray that this kind of headset sends, if it sends one.
+    fn gaze(&mut self, truth: &TruePicker) -> Option<[f64; 2]> {
+        match self.sensor.gaze {
+            SeenGaze::None => None,
+            SeenGaze::Head => Some(truth.faces),
+            SeenGaze::Eyes => Some(truth.looks.map(|angle| angle + EYES_RAD * self.random.normal())),
+        }
     }
 
     fn go_wrong(&mut self, now: Time, period: f64) {
@@ -137,11 +157,85 @@ impl HandWatch {
             std::mem::take(&mut self.under_way).into_iter().partition(|(at, _)| *at <= now);
         self.under_way = left;
         come.sort_by_key(|(at, _)| *at);
+        self.came.retain(|(_, at)| now - *at < REMEMBERS);
+        self.came.extend(come.iter().map(|(at, hands)| (hands.seen, *at)));
         come.into_iter().map(|(_, seen)| seen).collect()
+    }
+
+    /// When hands came that were seen then, if that was a moment ago.
+    pub fn came_at(&self, seen: Time) -> Option<Time> {
+        self.came.iter().find(|(of, _)| *of == seen).map(|(_, at)| *at)
     }
 }
 
 /// Yaw to the right of straight at the rack, and pitch up, of a direction in the frame of the face; radians.
 pub fn angles_of(off: FacePlace) -> (f64, f64) {
     (off.x.atan2(-off.y), off.z.atan2(off.xy().norm()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::warehouse::stations;
+
+    const TRUTH: TruePicker = TruePicker {
+        head: FacePlace::new(0.0, 1.05, 1.63),
+        faces: [0.14, -0.2],
+        looks: [0.2, -0.5],
+        grips: [FacePlace::new(-0.22, 0.8, 1.2), FacePlace::new(0.1, 0.7, 1.2)],
+    };
+
+    fn face() -> PickFace {
+        let w = stations();
+        let (station, rack) = (&w.stations[StationId(0)], w.rack_types.iter().next().unwrap());
+        PickFace::new(station.cell.as_ref().unwrap(), w.nodes[station.node].at, rack)
+    }
+
+    /// What a headset of this kind sends of a person who does not move.
+    fn seen_by(gaze: SeenGaze) -> Vec<HandsSeen> {
+        let sensor = HandSensor { gaze, loss: 0.0, ..HandSensor::default() };
+        let mut watch = HandWatch::new(sensor, Stream::new(1, 99, 0), Time::ZERO);
+        (0..300).for_each(|_| watch.look((StationId(0), 0), &face(), &TRUTH));
+        watch.come(Time::from_secs_f64(60.0))
+    }
+
+    /// Yaw and pitch of the ray of an observation.
+    fn ray(seen: &HandsSeen) -> Option<[f64; 2]> {
+        let (yaw, pitch) = angles_of(face().direction(seen.facing?));
+        Some([yaw, pitch])
+    }
+
+    #[test]
+    fn each_kind_of_gaze_sends_its_own_ray_and_none_sends_no_ray() {
+        assert!(seen_by(SeenGaze::None).iter().all(|seen| seen.facing.is_none()));
+        for seen in seen_by(SeenGaze::Head) {
+            let [yaw, pitch] = ray(&seen).expect("it sends where the head faces");
+            assert!((yaw - 0.14).abs() < 1e-9 && (pitch + 0.2).abs() < 1e-9);
+        }
+        let off = |seen: &HandsSeen| {
+            let [yaw, pitch] = ray(seen).expect("it sends where the eyes look");
+            (yaw - 0.2).hypot(pitch + 0.5).to_degrees()
+        };
+        let mut off: Vec<f64> = seen_by(SeenGaze::Eyes).iter().map(off).collect();
+        off.sort_by(f64::total_cmp);
+        assert!((off[150] - 1.0).abs() < 0.15, "median {}", off[150]);
+        assert!((off[270] - 2.0).abs() < 0.4, "nine in ten {}", off[270]);
+    }
+
+    #[test]
+    fn a_headset_knows_when_what_it_saw_has_come() {
+        let mut watch = HandWatch::new(
+            HandSensor { loss: 0.0, ..HandSensor::default() },
+            Stream::new(1, 99, 0),
+            Time::ZERO,
+        );
+        (0..30).for_each(|_| watch.look((StationId(0), 0), &face(), &TRUTH));
+        let now = Time::from_secs_f64(0.4);
+        let come = watch.come(now);
+        for seen in come.iter().map(|hands| hands.seen) {
+            let came = watch.came_at(seen).expect("it has come");
+            assert!(seen <= came && came <= now);
+        }
+        assert!(come.len() > 10 && watch.came_at(Time(1)).is_none());
+    }
 }

@@ -19,8 +19,6 @@ pub struct LineWork {
     pub both_hands: bool,
     /// Where the hand goes.
     pub aims_at: SlotName,
-    /// When it was in a slot.
-    pub hand_in: Option<Time>,
     /// The tote where a piece was put last that belongs elsewhere.
     pub misplaced: Option<usize>,
     /// When a warning about the present reach came.
@@ -54,7 +52,8 @@ pub struct PickFigures {
     pub wrong: u64,
     /// Those of them.
     pub wrong_warned: u64,
-    /// How long before the hand was in a wrong slot the warning came, seconds; less than 0 after it.
+    /// How long before the finger tips passed the rack's face on their way into a wrong slot the warning came, seconds;
+    /// less than 0 after it.
     pub warned_lead_s: Vec<f64>,
     /// Pieces put into a wrong tote, and those of them that were warned of.
     pub wrong_totes: u64,
@@ -62,12 +61,14 @@ pub struct PickFigures {
     pub wrong_totes_warned: u64,
     /// Whether the tote of the last piece was warned of.
     tote_is_warned: bool,
-    /// Warnings of what was right.
+    /// Warnings of what was right, or of another place than the wrong one.
     pub false_warnings: u64,
     /// Racks that left while pieces were still to be taken from them.
     pub dismissed_early: u64,
     /// How often a button was pressed.
     pub presses: u64,
+    /// How often it was pressed to let a rack go of which nothing was left to pick.
+    pub released: u64,
 }
 
 impl LineWork {
@@ -78,7 +79,6 @@ impl LineWork {
             line,
             // An empty hand does not go to the tote.
             both_hands: both_hands && line.left >= 2 + u32::from(is_missing),
-            hand_in: None,
             misplaced: None,
             warned: None,
             is_missing,
@@ -119,11 +119,11 @@ impl LineWork {
 impl PickFigures {
     /// A reach to a wrong slot begins.
     pub fn begin_wrong(&mut self, work: &mut LineWork) {
-        (work.warned, work.hand_in) = (None, None);
+        work.warned = None;
         self.wrong += 1;
     }
 
-    /// A warning came.
+    /// A warning came. `is_right` says whether it names the place where the hand is, or goes, and should not.
     pub fn note_warning(
         &mut self,
         wrong: WrongReach,
@@ -133,7 +133,9 @@ impl PickFigures {
     ) {
         match (wrong, work) {
             _ if !is_right => self.false_warnings += 1,
-            (WrongReach::Slot(_), Some(work)) if work.aims_at != work.line.slot && work.in_hand == 0 => {
+            (WrongReach::Slot(slot), Some(work))
+                if work.aims_at == slot && slot != work.line.slot && work.in_hand == 0 =>
+            {
                 if work.warned.is_none() {
                     self.wrong_warned += 1;
                 }
@@ -147,24 +149,17 @@ impl PickFigures {
         }
     }
 
-    /// Whether the piece put down last for a line went into a wrong tote.
-    pub fn is_wrong_tote(&self, work: Option<&LineWork>, claim: Option<(JobId, usize)>) -> bool {
-        let of = |w: &LineWork| w.misplaced.is_some();
+    /// Whether the piece put down last for a line went into this tote, which is a wrong one.
+    pub fn is_misplaced(&self, tote: usize, work: Option<&LineWork>, claim: Option<(JobId, usize)>) -> bool {
+        let of = |w: &LineWork| w.misplaced == Some(tote);
         let done = self.finished.as_ref().filter(|w| claim == Some((w.line.job, w.line.n)));
         work.is_some_and(of) || done.is_some_and(of)
     }
 
-    /// Pieces are out of the rack.
-    pub fn came_out(&mut self, work: &mut LineWork, at: Time) {
-        if work.aims_at != work.line.slot {
-            self.note_lead_of(work, work.hand_in.unwrap_or(at));
-        }
-        work.hand_in = None;
-    }
-
-    /// How long before a hand was, or would have been, in a wrong slot a warning came, if one came.
-    pub fn note_lead_of(&mut self, work: &mut LineWork, hand_in: Time) {
-        self.warned_lead_s.extend(work.warned.take().map(|warned| (hand_in - warned).as_secs_f64()));
+    /// The warning of a reach to a wrong slot, if one came, is counted with how long before this it came: the finger
+    /// tips passed, or would have passed, the rack's face.
+    pub fn note_lead_of(&mut self, work: &mut LineWork, passes: Time) {
+        self.warned_lead_s.extend(work.warned.take().map(|warned| (passes - warned).as_secs_f64()));
     }
 
     /// Pieces are carried to a tote, which may be a wrong one.

@@ -106,7 +106,7 @@ pub struct PickerHabits {
     pub height_m: f64,
     /// How long the eyes search before the first reach of a line, seconds.
     pub looks_first_s: f64,
-    /// Share of reaches before which the eyes wander first, for as long again.
+    /// Share of reaches in whose beginning the eyes are on another slot first.
     pub wanders: f64,
     /// Share of reaches to a wrong slot.
     pub mispick: f64,
@@ -159,20 +159,20 @@ pub struct HandSensor {
     pub swaps_per_hour: f64,
     /// How often an hour a hand is seen elsewhere, for a tenth of a second.
     pub jumps_per_hour: f64,
-    /// What is known of where the eyes look.
+    /// Which ray it sends of where the picker looks.
     pub gaze: SeenGaze,
 }
 
-/// What a headset knows of where the eyes look.
+/// Which ray a headset sends of where its wearer looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SeenGaze {
-    /// Nothing.
+    /// None.
     None,
     /// Where the head faces.
     #[default]
     Head,
-    /// Where the eyes look.
+    /// Where the eyes look, as it measures them.
     Eyes,
 }
 
