@@ -25,6 +25,8 @@ const EDGE_M: f64 = 0.03;
 const FRESH: Span = Span::from_millis(500);
 /// … while it is faster than this, metres per second, or in a slot.
 const MOVES_MPS: f64 = 0.2;
+/// A hand that was seen within this time has not left the view just now.
+const GONE: Span = Span::from_millis(150);
 /// Places are told of from this probability on.
 const LIKELY: f64 = 0.05;
 /// For so long after two persons' hands were seen nothing is confirmed by hand.
@@ -267,10 +269,22 @@ impl Desk {
         (self.beliefs, self.share, self.grasped) = (None, LitShare::default(), [None; 2]);
     }
 
-    /// Whether left and right have changed places since they were seen last.
+    /// Whether left and right have changed places since they were seen last: neither can be where it is said to be; or
+    /// one alone is seen, which nobody had in view, where the other one was a moment ago.
     fn are_swapped(&self, grips: &[Option<FacePlace>; 2], seen: Time) -> bool {
+        let silent = |hand: usize| self.hands[hand].last().map_or(STALE, |(at, _)| seen - at);
+        let takes_place = |hand: usize, at: FacePlace| {
+            let other = &self.hands[1 - hand];
+            silent(hand) >= FRESH && silent(1 - hand) < GONE && other.can_be_at(at, seen)
+        };
         let can =
             |hand: usize, at: Option<FacePlace>| at.is_none_or(|at| self.hands[hand].can_be_at(at, seen));
+        if let [Some(at), None] = *grips {
+            return takes_place(0, at);
+        }
+        if let [None, Some(at)] = *grips {
+            return takes_place(1, at);
+        }
         let [a, b] = *grips;
         !(can(0, a) && can(1, b)) && can(0, b) && can(1, a)
     }
@@ -311,6 +325,12 @@ impl Desk {
     pub fn forget_hands(&mut self) {
         self.hands = Default::default();
         self.crowd_inside = None;
+    }
+
+    /// The same of hands that are not seen now.
+    pub fn forget_lost(&mut self, now: Time) {
+        let is_lost = |hand: &&mut HandFollower| hand.last().is_some_and(|(at, _)| now - at >= STALE);
+        self.hands.iter_mut().filter(is_lost).for_each(|hand| *hand = HandFollower::default());
     }
 
     /// Whether hands were seen within the last second.

@@ -162,6 +162,28 @@ fn the_first_glimpse_after_a_gap_is_no_stop_in_a_tote() {
 }
 
 #[test]
+fn a_hand_that_is_taken_for_the_other_one_while_it_alone_is_seen_stays_the_same_hand() {
+    let mut film = Film::new();
+    let (front, inside) = {
+        let at = film.face.slot(slot("C3"));
+        (at + FacePlace::new(0.0, 0.3, 0.0), at - FacePlace::new(0.0, 0.12, 0.0))
+    };
+    let mut look = |from: FacePlace, to: FacePlace, seconds: f64, as_left: bool| {
+        let n = (seconds / 0.016) as usize;
+        for i in 1..=n {
+            let at = from + (to - from) * (i as f64 / n as f64);
+            film.look(LIT, if as_left { [Some(at), None] } else { [None, Some(at)] });
+        }
+    };
+    look(front, inside, 0.5, false);
+    look(inside, inside, 0.3, true);
+    look(inside, inside, 0.2, false);
+    look(inside, front, 0.4, false);
+    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))]);
+    assert!(!film.desk.may_be_inside(&film.face), "no other hand was ever there");
+}
+
+#[test]
 fn a_second_person_beside_the_picker_keeps_hands_from_confirming_anything() {
     let mut film = Film::new();
     film.picks(LIT, slot("C3"));

@@ -24,6 +24,8 @@ const AHEAD: Span = Span::from_millis(200);
 /// in it, metres.
 const BRAKES_AFTER_S: f64 = 0.3;
 const STOPS_BEFORE_M: f64 = 1.2;
+/// One that is held there stays so until it is farther away by this, metres.
+const STAYS_M: f64 = 0.6;
 
 /// A line that waits for a piece.
 struct WaitingLine {
@@ -138,14 +140,14 @@ impl Intake<'_> {
     /// Lets racks go that were kept because of hands which are out, and notes which robots must not move because of
     /// others.
     pub(super) fn let_kept_go(&mut self, now: Time) {
-        self.core.visits.begin_hands();
+        let held = self.core.visits.begin_hands();
         let mut at_hands = self.core.visits.hands_inside(now);
         at_hands.extend(self.core.arms.inside());
         if !at_hands.is_empty() {
             let stations = &self.core.warehouse().stations;
             let nodes: Vec<(NodeId, StationId)> = at_hands.iter().map(|s| (stations[*s].node, *s)).collect();
             let floor = self.core.floor();
-            let comes = |r: RobotId| Some((r, floor.comes_to(r, &nodes)?));
+            let comes = |r: RobotId| Some((r, floor.comes_to(r, &nodes, held.contains_key(&r))?));
             let robots: Vec<(RobotId, StationId)> = self.core.ledger.present().filter_map(comes).collect();
             self.core.visits.stop_at_hands(robots);
         }
@@ -191,16 +193,20 @@ pub(in crate::fleet) fn warning_of(core: &Core, seen: &HandsSeen, now: Time) -> 
 
 impl Floor<'_> {
     /// The station among these, with their nodes, at which a robot is that is not picked from, or to which it will have
-    /// come unless it brakes now.
-    fn comes_to(&self, robot: RobotId, nodes: &[(NodeId, StationId)]) -> Option<StationId> {
+    /// come unless it brakes now. One that is held already stays held a little farther away.
+    fn comes_to(&self, robot: RobotId, nodes: &[(NodeId, StationId)], is_held: bool) -> Option<StationId> {
         let speed_mps = self.scene.robot(robot).map_or(0.0, |seen| seen.speed_mps);
         let loaded = self.ledger.rack_on(robot).is_some();
         let brakes_m = self.kinematics(robot).braking_m(speed_mps, loaded);
-        let reach_m = brakes_m + speed_mps * BRAKES_AFTER_S + STOPS_BEFORE_M;
+        let stops_before_m = STOPS_BEFORE_M + if is_held { STAYS_M } else { 0.0 };
+        let reach_m = brakes_m + speed_mps * BRAKES_AFTER_S + stops_before_m;
         let (mut at, mut way_m) = (self.place_of(robot), 0.0);
         for (n, visit) in self.ledger.chain(robot).visits().enumerate() {
-            let next = self.warehouse().nodes[visit.node].at;
-            (way_m, at) = (way_m + (next - at).norm(), next);
+            // It has left the centre of the first one, or is there.
+            if n > 0 {
+                let next = self.warehouse().nodes[visit.node].at;
+                (way_m, at) = (way_m + (next - at).norm(), next);
+            }
             if n > 1 && way_m > reach_m {
                 return None;
             }

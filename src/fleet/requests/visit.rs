@@ -78,7 +78,10 @@ impl Intake<'_> {
     fn keeps_rack(&mut self, station: StationId, by: ConfirmedBy, now: Time) -> bool {
         match by {
             ConfirmedBy::Hand => self.may_hand_be_inside(station, now),
-            ConfirmedBy::Button => self.is_hand_inside(station, now),
+            ConfirmedBy::Button => {
+                self.core.visits.desk(station).forget_lost(now);
+                self.is_hand_inside(station, now)
+            }
         }
     }
 

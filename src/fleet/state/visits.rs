@@ -424,9 +424,9 @@ impl Visits {
         known.is_some_and(|(desk, (_, face))| desk.is_inside(face, now))
     }
 
-    /// Forgets which robots must not move because of hands.
-    pub fn begin_hands(&mut self) {
-        self.at_hands.clear();
+    /// Robots that were not to move because of hands: until it is said anew, all may.
+    pub fn begin_hands(&mut self) -> BTreeMap<RobotId, StationId> {
+        std::mem::take(&mut self.at_hands)
     }
 
     /// These must not.

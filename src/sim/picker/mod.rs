@@ -58,6 +58,9 @@ const RESTS_IN_IT_M: f64 = 0.02;
 const RESTS_IN_IT: Span = Span::from_secs(1);
 const STEPS_BACK: Span = Span::from_secs(3);
 
+/// The button for a line that is over already: who presses it says that nothing is left to do.
+const AGAIN: StationOrder = StationOrder::Line(0, LineChange::Done(1));
+
 /// A robot that truly stands at a station with a rack.
 #[derive(Clone, Copy, Debug)]
 pub struct StandingRack {
@@ -146,8 +149,7 @@ impl Pickers {
         let mut inputs = Vec::new();
         for (i, stand) in self.all.iter_mut().enumerate() {
             let here = standing.get(&stand.station).filter(|s| fleet.is_picked_from(s.robot));
-            let mut screen = screen(fleet, stand.station, here.map(|h| h.robot));
-            screen.is_over &= !stand.has_arm;
+            let screen = screen(fleet, stand.station, here.map(|h| h.robot));
             let visit = screen.lit.map(|line| line.job);
             if visit.is_some() && visit != stand.visit {
                 stand.visit = visit;
@@ -160,7 +162,10 @@ impl Pickers {
             }
             let said = stand.live((from, to), &screen, (i as u32, self.flow.hears_hands()));
             let station = stand.station;
-            inputs.extend(said.into_iter().map(|order| Input::Station { token: TOKEN, station, order }));
+            // Who lets a rack go beside an arm would say that the arm is out, too.
+            let lets_go = if stand.has_arm { AGAIN } else { StationOrder::Release };
+            let said = said.into_iter().map(|o| if o == StationOrder::Release { lets_go } else { o });
+            inputs.extend(said.map(|order| Input::Station { token: TOKEN, station, order }));
             inputs.extend(stand.watch.come(to).into_iter().map(Input::Hands));
         }
         inputs
