@@ -76,7 +76,7 @@ struct PickerPlace {
     station: StationId,
     picker: SimPicker,
     watch: HandWatch,
-    /// Whether an arm picks there, too. Then nobody says that a rack may go: it would say that the arm is out of it.
+    /// Whether an arm picks there, too. Then nobody lets a rack go by saying that all is out of it.
     has_arm: bool,
     /// The visit that was on when it was looked at last.
     visit: Option<JobId>,
