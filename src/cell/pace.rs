@@ -40,6 +40,12 @@ const NORMALS: [f64; 16] = [
 /// The one that nine in ten are below.
 const NINETIETH: f64 = 1.2816;
 
+/// How much each end of a visit widens or narrows the spread of ends, as a logarithm, and how far that goes.
+const WIDENS: f64 = 0.02;
+const WIDEST: f64 = 1.0;
+/// Share of ends that are to be between the time that one and that nine in ten end before.
+const BETWEEN: f64 = 0.8;
+
 /// Sums over lines or phases, the newest counting most.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct PickSums {
@@ -55,6 +61,8 @@ pub struct PickPace {
     /// How far lines were off what was expected of their station.
     residuals: PickSums,
     stations: BTreeMap<StationId, PickSums>,
+    /// By how much more than lines and phases say ends of visits are spread, as a logarithm.
+    wider: f64,
     /// What a robot arm takes for a piece, seconds.
     arms: BTreeMap<StationId, f64>,
     /// What the phases of a piece take.
@@ -149,7 +157,7 @@ impl PickPace {
             let spread = self.spread();
             (mean, variance) = (arm_s, variance.max(arm_s * arm_s * ((spread * spread).exp() - 1.0)));
         }
-        Remaining::of(mean, variance)
+        Remaining::of(mean, variance, self.wider.exp())
     }
 
     /// Mean and variance of what the hand takes for its lines.
@@ -203,6 +211,14 @@ impl PickPace {
         self.hand(station, lines, seen).0
     }
 
+    /// A visit has ended between the times that one and nine in ten were to end before, or not. Narrow expectations widen
+    /// until they hold eight in ten (adaptive conformal inference: Gibbs and Candès 2021, equation 2): wrong slots,
+    /// missing pieces and buttons are in no model of lines and phases.
+    pub fn learn_end(&mut self, held: bool) {
+        let off = if held { BETWEEN - 1.0 } else { BETWEEN };
+        self.wider = (self.wider + WIDENS * off).clamp(-WIDEST, WIDEST);
+    }
+
     /// A robot arm took so long for a piece, or for nothing.
     pub fn learn_arm(&mut self, station: StationId, seconds: f64) {
         let mean = self.arms.entry(station).or_insert(ARM_PIECE_S);
@@ -236,14 +252,14 @@ impl Remaining {
         Remaining { mean_s: s, p10_s: s, p50_s: s, p90_s: s }
     }
 
-    /// The lognormal distribution of this mean and variance.
-    fn of(mean_s: f64, variance: f64) -> Remaining {
+    /// The lognormal distribution of this mean and variance, with a spread that is so many times as wide.
+    fn of(mean_s: f64, variance: f64, wider: f64) -> Remaining {
         if mean_s <= 0.0 {
             return Remaining { mean_s: 0.0, p10_s: 0.0, p50_s: 0.0, p90_s: 0.0 };
         }
         let square = (variance / (mean_s * mean_s)).ln_1p();
         let p50_s = mean_s * (-square / 2.0).exp();
-        let off = (NINETIETH * square.sqrt()).exp();
+        let off = (NINETIETH * square.sqrt() * wider).exp();
         Remaining { mean_s, p10_s: p50_s / off, p50_s, p90_s: p50_s * off }
     }
 }
@@ -338,6 +354,25 @@ mod tests {
         let share = |below: f64| (0..16).filter(|i| FIRST_S * factor(*i) < below).count();
         assert!((1..=2).contains(&share(r.p10_s)) && (7..=9).contains(&share(r.p50_s)), "{r:?}");
         assert!((14..=15).contains(&share(r.p90_s)), "{r:?}");
+    }
+
+    #[test]
+    fn expectations_that_hold_too_few_ends_widen_until_they_hold_eight_in_ten() {
+        let mut pace = PickPace::default();
+        let visit = lines(&[1, 2]);
+        // Ends are spread twice as far as the pace of lines says.
+        let (mut held, mut counted) = (0, 0);
+        for i in 0..4000 {
+            let r = pace.remaining(S, &visit, VisitSeen::default());
+            let end_s = r.p50_s * (0.9 * NORMALS[i * 7 % 16]).exp();
+            let is_held = (r.p10_s..=r.p90_s).contains(&end_s);
+            pace.learn_end(is_held);
+            if i >= 1000 {
+                (held, counted) = (held + u32::from(is_held), counted + 1);
+            }
+        }
+        let share = f64::from(held) / f64::from(counted);
+        assert!((0.77..0.83).contains(&share), "{share}");
     }
 
     #[test]

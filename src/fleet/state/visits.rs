@@ -44,6 +44,8 @@ struct VisitClock {
     done: Option<DoneLine>,
     /// When it was expected to end as it began: the time that one in ten ends before, half of them, nine in ten.
     expected: Option<[Time; 3]>,
+    /// When it was expected to end after the last change of a line, and when that was: one in ten before, nine in ten.
+    newest: Option<([Time; 2], Time)>,
 }
 
 /// How well the ends of visits were expected when they began, since the program started.
@@ -86,7 +88,15 @@ struct DoneLine {
 
 impl VisitClock {
     fn of(since: Option<Time>, now: Time) -> VisitClock {
-        VisitClock { since, lit: now, last: now, whole: since.is_some(), done: None, expected: None }
+        VisitClock {
+            since,
+            lit: now,
+            last: now,
+            whole: since.is_some(),
+            done: None,
+            expected: None,
+            newest: None,
+        }
     }
 }
 
@@ -232,8 +242,19 @@ impl Visits {
             held.visits += 1;
             held.held += u32::from(p10 <= at && at <= p90);
             held.off_s += (at - p50).as_secs_f64().abs();
+            self.learn_end([p10, p90], at);
+        }
+        if let Some((ends, _)) = clock.newest.filter(|(_, seen)| clock.since.is_some_and(|s| *seen > s)) {
+            self.learn_end(ends, at);
         }
         self.ended.insert(station, (id, lines.clone(), at));
+    }
+
+    /// Exact ends that an experiment tells teach nothing.
+    fn learn_end(&mut self, [p10, p90]: [Time; 2], at: Time) {
+        if self.learns && p10 < p90 {
+            self.pace.learn_end(p10 <= at && at <= p90);
+        }
     }
 
     fn learn(&mut self, done: Option<DoneLine>) {
@@ -272,12 +293,14 @@ impl Visits {
         self.learn(earlier);
     }
 
-    /// A visit is expected to last so long. What was expected first is compared with the end.
+    /// A visit is expected to last so long. What was expected when it began, and after the last change of a line, is
+    /// compared with the end.
     pub fn expect(&mut self, id: JobId, left: &Remaining, now: Time) {
-        let clock = self.clocks.get_mut(&id).filter(|c| c.since.is_some() && c.expected.is_none());
-        if let Some(clock) = clock {
-            let ends = [left.p10_s, left.p50_s, left.p90_s];
-            clock.expected = Some(ends.map(|s| now + Span::from_secs_f64(s)));
+        let Some(clock) = self.clocks.get_mut(&id).filter(|c| c.since.is_some()) else { return };
+        let [p10, p50, p90] = [left.p10_s, left.p50_s, left.p90_s].map(|s| now + Span::from_secs_f64(s));
+        clock.expected = clock.expected.or(Some([p10, p50, p90]));
+        if clock.newest.is_none_or(|(_, at)| at < clock.last) {
+            clock.newest = Some(([p10, p90], now));
         }
     }
 
