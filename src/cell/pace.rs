@@ -364,7 +364,8 @@ mod tests {
         let (mut held, mut counted) = (0, 0);
         for i in 0..4000 {
             let r = pace.remaining(S, &visit, VisitSeen::default());
-            let end_s = r.p50_s * (0.9 * NORMALS[i * 7 % 16]).exp();
+            let share = (0.5 + f64::from(i) * 0.618_034).fract().clamp(1e-3, 0.999);
+            let end_s = r.p50_s * (0.5 * (share / (1.0 - share)).ln()).exp();
             let is_held = (r.p10_s..=r.p90_s).contains(&end_s);
             pace.learn_end(is_held);
             if i >= 1000 {
