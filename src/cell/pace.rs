@@ -211,9 +211,9 @@ impl PickPace {
         self.hand(station, lines, seen).0
     }
 
-    /// A visit has ended between the times that one and nine in ten were to end before, or not. Narrow expectations widen
-    /// until they hold eight in ten (adaptive conformal inference: Gibbs and Candès 2021, equation 2): wrong slots,
-    /// missing pieces and buttons are in no model of lines and phases.
+    /// A visit has ended between the times that one and nine in ten were to end before, or not. Narrow expectations
+    /// widen until they hold eight in ten (adaptive conformal inference: Gibbs and Candès 2021, equation 2): wrong
+    /// slots, missing pieces and buttons are in no model of lines and phases.
     pub fn learn_end(&mut self, held: bool) {
         let off = if held { BETWEEN - 1.0 } else { BETWEEN };
         self.wider = (self.wider + WIDENS * off).clamp(-WIDEST, WIDEST);
