@@ -321,13 +321,7 @@ impl Desk {
         self.crowded_until = self.crowded_until.max(Some(now + ALONE));
     }
 
-    /// Nobody's hand is inside, as a person says: what was seen of hands before says nothing any more.
-    pub fn forget_hands(&mut self) {
-        self.hands = Default::default();
-        self.crowd_inside = None;
-    }
-
-    /// The same of hands that are not seen now.
+    /// No hand that is not seen now is inside, as a person says.
     pub fn forget_lost(&mut self, now: Time) {
         let is_lost = |hand: &&mut HandFollower| hand.last().is_some_and(|(at, _)| now - at >= STALE);
         self.hands.iter_mut().filter(is_lost).for_each(|hand| *hand = HandFollower::default());

@@ -40,7 +40,7 @@ impl Intake<'_> {
             StationOrder::Done | StationOrder::Short | StationOrder::Release => {
                 let robot = self.core.floor().picked_from(station).ok_or(Refusal::NothingToPick(station))?;
                 self.vouch_for_arm(station, now);
-                self.core.visits.desk(station).forget_hands();
+                self.core.visits.desk(station).forget_lost(now);
                 self.settle_lines(robot, order == StationOrder::Done, now);
                 let state = match order {
                     StationOrder::Short => JobState::Failed(JobFailure::Short),

@@ -210,6 +210,21 @@ fn a_rack_that_is_kept_for_a_hand_nobody_sees_any_more_leaves_by_a_button() {
 }
 
 #[test]
+fn a_rack_that_is_let_go_by_a_button_stands_while_a_hand_is_seen_inside() {
+    for order in [StationOrder::Release, StationOrder::Done] {
+        let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
+        cell.enters("C3");
+        let station = cell.floor.fleet.warehouse().stations[S1].node;
+        let robot =
+            cell.floor.fleet.ledger().present().find(|r| cell.floor.fleet.ledger().node_of(*r) == station);
+        let robot = robot.expect("it is picked from");
+        cell.say(order);
+        assert!(cell.is_done(), "{order:?}");
+        assert_eq!(cell.floor.fleet.core.visits.at_hands(robot), Some(S1), "in the same step: {order:?}");
+    }
+}
+
+#[test]
 fn a_piece_that_hand_and_button_confirm_counts_once_whoever_is_first() {
     let again = StationOrder::Line(0, LineChange::Done(1));
     let mut cell = CellFloor::new(Flow::Hand, &[("C3", 3, "B")]);
