@@ -4,6 +4,7 @@
 //! nothing of what was planned. Refuses: to read anything of the fleet but which line a piece is for, to count it.
 
 use super::arm::{ArmStep, SimulatedArm, StopRule};
+use super::picker::ArmSeen;
 use super::random::Stream;
 use super::scenario::WorkCells;
 use crate::cell::PickFace;
@@ -144,17 +145,18 @@ impl SimArms {
         }
     }
 
-    /// The links of the arm at a station, and whether they move.
-    pub fn links(&self, station: StationId) -> Option<(Vec<Capsule>, bool)> {
-        self.all.iter().find(|p| p.station == station).map(|p| (p.arm.links(), !p.stands))
+    /// What a person sees of the arm at a station.
+    pub fn seen(&self, station: StationId) -> Option<ArmSeen> {
+        let seen = |p: &SimArmPost| {
+            let links = p.arm.links();
+            ArmSeen { is_inside: p.is_inside(&links), links, moves: !p.stands }
+        };
+        self.all.iter().find(|p| p.station == station).map(seen)
     }
 
     /// Stations in whose opening, or rack, an arm is.
     pub fn inside(&self) -> impl Iterator<Item = StationId> {
-        let is_inside = |p: &&SimArmPost| {
-            p.arm.links().iter().skip(1).any(|l| [l.a, l.b].iter().any(|at| p.face.is_inside(p.face.of(*at))))
-        };
-        self.all.iter().filter(is_inside).map(|p| p.station)
+        self.all.iter().filter(|p| p.is_inside(&p.arm.links())).map(|p| p.station)
     }
 
     /// Everything goes on for a tick beside people with these limbs.
@@ -256,6 +258,11 @@ impl SimArms {
 }
 
 impl SimArmPost {
+    /// Whether any link but the base is in the opening or beyond it.
+    fn is_inside(&self, links: &[Capsule]) -> bool {
+        links.iter().skip(1).any(|l| [l.a, l.b].iter().any(|at| self.face.is_inside(self.face.of(*at))))
+    }
+
     /// A grip goes on. Gives the line for which a piece was put down.
     fn grip(&mut self, now: Time, fleet: &Fleet, has_rack: bool) -> Option<(JobId, usize)> {
         let is_done = |number: u64| self.gripped.is_some_and(|(done, _)| done == number);

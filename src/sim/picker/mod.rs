@@ -3,6 +3,7 @@
 //! Main types: [`Pickers`], [`SimPicker`], [`PickFigures`]. Refuses: to read anything of the fleet that is not on the
 //! screen of the station.
 
+pub mod beside_arm;
 pub mod eyes;
 pub mod limbs;
 pub mod motion;
@@ -14,6 +15,7 @@ pub mod screen;
 pub mod watch;
 pub mod work;
 
+pub use beside_arm::ArmSeen;
 pub use person::SimPicker;
 pub use screen::{ShownLine, StationScreen};
 pub use work::{PickFigures, TrueLine};
@@ -21,12 +23,13 @@ pub use work::{PickFigures, TrueLine};
 use super::customers::FIRST_TOKEN;
 use super::random::Stream;
 use super::scenario::WorkCells;
-use crate::cell::arm::{Capsule, least_distance_m};
+use crate::cell::arm::Capsule;
 use crate::cell::{Flow, LineChange, PickFace};
 use crate::fleet::{CellWarning, Fleet, Input, StationOrder};
 use crate::id::{JobId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
+use beside_arm::BesideArm;
 use screen::{screen, shown};
 use std::collections::BTreeMap;
 use watch::HandWatch;
@@ -42,21 +45,6 @@ const TOKEN: u64 = FIRST_TOKEN | 1 << 58;
 /// Steps in which the rest of a visit is foreseen, and how far at most.
 const FORESEEN: Span = Span::from_millis(20);
 const FARTHEST: Span = Span::from_secs(1200);
-
-/// People look so far ahead whether an arm is in the way of their hands, keep so far from it, metres, and wait for so
-/// long until they reach past an arm that stands.
-const LOOKS_AHEAD: [Span; 3] = [Span::from_millis(60), Span::from_millis(120), Span::from_millis(180)];
-const GIVES_WAY_M: f64 = 0.08;
-const PATIENCE: Span = Span::from_millis(1500);
-/// Who waits does so for at least this long. A hand takes so long to come to a stand, and so long until it is as fast
-/// as before, seconds.
-const HESITATES: Span = Span::from_millis(250);
-const STOPS_S: f64 = 0.1;
-const STARTS_S: f64 = 0.4;
-/// Who rests so near to an arm that it may not start steps back after this time, for this time.
-const RESTS_IN_IT_M: f64 = 0.02;
-const RESTS_IN_IT: Span = Span::from_secs(1);
-const STEPS_BACK: Span = Span::from_secs(3);
 
 /// The button for a line that is over already: who presses it says that nothing is left to do.
 const AGAIN: StationOrder = StationOrder::Line(0, LineChange::Done(1));
@@ -82,13 +70,7 @@ struct PickerPlace {
     visit: Option<JobId>,
     idle: Span,
     there: Span,
-    /// How long the hands have waited for an arm that is in their way.
-    waited: Span,
-    /// How long the person has rested in an arm that stands.
-    rests: Span,
-    /// Until when they wait, and the share of their speed that they have.
-    waits_until: Time,
-    pace: f64,
+    beside_arm: BesideArm,
 }
 
 /// Everybody who picks.
@@ -120,20 +102,8 @@ impl Pickers {
             let picker = SimPicker::new(habits, !flow.hears_hands(), face, random, now);
             let watch = HandWatch::new(cells.sensor, Stream::new(seed, WATCH, i as u64), now);
             let idle = Span::ZERO;
-            let (visit, there, waited, rests, waits_until, pace) = (None, idle, idle, idle, now, 1.0);
-            Some(PickerPlace {
-                station,
-                picker,
-                watch,
-                has_arm,
-                visit,
-                idle,
-                there,
-                waited,
-                rests,
-                waits_until,
-                pace,
-            })
+            let (visit, there, beside_arm) = (None, idle, BesideArm::new(now));
+            Some(PickerPlace { station, picker, watch, has_arm, visit, idle, there, beside_arm })
         };
         let all = cells.pickers_in(warehouse).into_iter().enumerate().filter_map(stand).collect();
         Pickers { all, flow }
@@ -176,10 +146,11 @@ impl Pickers {
         &mut self,
         now: Time,
         by: Span,
-        arm: impl Fn(StationId) -> Option<(Vec<Capsule>, bool)>,
+        arm: impl Fn(StationId) -> Option<ArmSeen>,
     ) -> Vec<StationId> {
         let gives_way = |stand: &mut PickerPlace| {
-            arm(stand.station).is_some_and(|(links, moves)| stand.give_way(now, by, (&links, moves)))
+            let PickerPlace { station, picker, beside_arm, .. } = stand;
+            arm(*station).is_some_and(|arm| beside_arm.give_way(picker, now, by, &arm))
         };
         self.all.iter_mut().filter_map(|stand| gives_way(stand).then_some(stand.station)).collect()
     }
@@ -216,44 +187,6 @@ impl Pickers {
 }
 
 impl PickerPlace {
-    /// Whether the hands stop because an arm is in their way that moves, or has stood there for not too long.
-    fn give_way(&mut self, now: Time, by: Span, (links, arm_moves): (&[Capsule], bool)) -> bool {
-        let apart = |at: Time| least_distance_m(&self.picker.limbs_there(at), links);
-        if self.picker.is_away() {
-            if arm_moves && apart(now) < 2.0 * GIVES_WAY_M {
-                self.picker.step_back(now + HESITATES);
-            }
-            return false;
-        }
-        let (here_m, soon_m) = (apart(now), LOOKS_AHEAD.map(|ahead| apart(now + ahead)));
-        let soon_m = soon_m.into_iter().fold(f64::INFINITY, f64::min);
-        let rests_in_it = here_m < RESTS_IN_IT_M && !arm_moves && self.picker.is_idle();
-        self.rests = if rests_in_it { self.rests + by } else { Span::ZERO };
-        if self.rests >= RESTS_IN_IT {
-            self.rests = Span::ZERO;
-            self.picker.step_back(now + STEPS_BACK);
-            return false;
-        }
-        let is_in_way = soon_m < GIVES_WAY_M && soon_m < here_m;
-        if !is_in_way && soon_m > 2.0 * GIVES_WAY_M {
-            self.waited = Span::ZERO;
-        }
-        if is_in_way && (arm_moves || self.waited < PATIENCE) {
-            self.waits_until = now + HESITATES;
-        }
-        let stops = now < self.waits_until;
-        let change = by.as_secs_f64() / if stops { -STOPS_S } else { STARTS_S };
-        self.pace = (self.pace + change).clamp(0.0, 1.0);
-        let lost = Span::from_secs_f64(by.as_secs_f64() * (1.0 - self.pace));
-        if stops {
-            self.waited += by;
-        }
-        if lost > Span::ZERO {
-            self.picker.wait(now, lost);
-        }
-        stops
-    }
-
     /// Gives what the person says.
     fn live(
         &mut self,
@@ -341,17 +274,12 @@ mod tests {
     }
 
     /// Goes on for so long beside an arm. Whether the person is away at the end.
-    fn passes(
-        stand: &mut PickerPlace,
-        now: &mut Time,
-        seconds: f64,
-        (links, moves): (&[Capsule], bool),
-    ) -> bool {
+    fn passes(stand: &mut PickerPlace, now: &mut Time, seconds: f64, arm: &ArmSeen) -> bool {
         let until = *now + Span::from_secs_f64(seconds);
         while *now < until {
             let from = *now;
             *now += TICK;
-            stand.give_way(*now, TICK, (links, moves));
+            stand.beside_arm.give_way(&mut stand.picker, *now, TICK, arm);
             stand.live((from, *now), &StationScreen::default(), (0, false));
         }
         stand.picker.is_away()
@@ -360,15 +288,38 @@ mod tests {
     #[test]
     fn who_rests_in_an_arm_that_stands_steps_back_and_comes_back_when_it_does_not_move_there() {
         let (mut stand, mut now) = (idle_person(), Time::ZERO);
-        let arm = stand.picker.limbs(now);
-        assert!(!passes(&mut stand, &mut now, 0.9, (&arm, false)), "too soon");
-        assert!(passes(&mut stand, &mut now, 0.2, (&arm, false)), "the person rests in the arm");
+        let stands = ArmSeen { links: stand.picker.limbs(now), moves: false, is_inside: false };
+        let moves = ArmSeen { moves: true, ..stands.clone() };
+        assert!(!passes(&mut stand, &mut now, 0.9, &stands), "too soon");
+        assert!(passes(&mut stand, &mut now, 0.2, &stands), "the person rests in the arm");
         assert!(stand.picker.limbs(now).is_empty(), "nothing of the person is in its way");
-        assert!(passes(&mut stand, &mut now, 10.0, (&arm, true)), "the arm moves where the person would be");
-        assert!(
-            !passes(&mut stand, &mut now, 0.5, (&arm, false)),
-            "the person is back beside an arm that stands"
-        );
+        assert!(passes(&mut stand, &mut now, 10.0, &moves), "the arm moves where the person would be");
+        assert!(!passes(&mut stand, &mut now, 0.5, &stands), "the person is back beside an arm that stands");
+    }
+
+    #[test]
+    fn who_has_nothing_to_pick_makes_room_for_an_arm_that_stands_in_the_opening_until_it_is_out() {
+        let (mut stand, mut now) = (idle_person(), Time::ZERO);
+        // It is 30 cm from the trunk at least.
+        let aside = |c: &Capsule| {
+            let by = nalgebra::Vector3::new(0.0, 0.0, 2.0);
+            Capsule { a: c.a + by, b: c.b + by, ..*c }
+        };
+        let far: Vec<Capsule> = stand.picker.limbs(now).iter().map(aside).collect();
+        let by_m = crate::cell::arm::least_distance_m(&stand.picker.limbs(now), &far) - 0.3;
+        let near = |c: &Capsule| {
+            let by = nalgebra::Vector3::new(0.0, 0.0, -by_m);
+            Capsule { a: c.a + by, b: c.b + by, ..*c }
+        };
+        let stands = ArmSeen { links: far.iter().map(near).collect(), moves: false, is_inside: true };
+        let moves = ArmSeen { moves: true, ..stands.clone() };
+        let out = ArmSeen { is_inside: false, ..moves.clone() };
+        assert!(!passes(&mut stand, &mut now, 4.9, &stands), "too soon");
+        assert!(passes(&mut stand, &mut now, 0.2, &stands), "the person makes room");
+        assert!(passes(&mut stand, &mut now, 10.0, &moves), "it is on its way out");
+        assert!(!passes(&mut stand, &mut now, 0.5, &out), "the person is back");
+        assert!(!passes(&mut stand, &mut now, 20.0, &out), "an arm that is out, or moves, asks for no room");
+        assert!(!passes(&mut stand, &mut now, 4.9, &stands), "it has just come to a stand");
     }
 
     #[test]

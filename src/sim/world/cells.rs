@@ -32,7 +32,7 @@ fn beside_arms(
     let (mut inputs, mut at) = (Vec::new(), from);
     while at < to {
         let next = (at + BESIDE).min(to);
-        let waiting = pickers.give_way(at, next - at, |station| arms.links(station));
+        let waiting = pickers.give_way(at, next - at, |station| arms.seen(station));
         waiting.into_iter().for_each(|station| arms.note_waiting(station, next - at));
         inputs.extend(pickers.advance((at, next), standing, fleet));
         arms.advance(next - at, |station| pickers.limbs(station, next));
