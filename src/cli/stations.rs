@@ -7,6 +7,7 @@ use super::people::exit;
 use super::sim::{Setup, read_pick_model};
 use crate::experiment::stations::{StationsRow, StationsSetup};
 use crate::experiment::statistics::{Interval, Summary};
+use crate::sim::picker::WarnedLead;
 use crate::sim::{ArmModeWord, FlowWord, Scenario};
 use crate::time::Span;
 use crate::warehouse::room_for;
@@ -216,8 +217,11 @@ fn arm(rows: &[StationsRow]) -> Value {
     let lines = Summary::of(&rows.iter().map(rate).collect::<Vec<_>>());
     let (all, visits) = (sum(|r| r.lines), sum(|r| r.visits));
     let per_1000 = |n: u64, of: u64| 1000.0 * n as f64 / of.max(1) as f64;
-    let mut leads: Vec<f64> = rows.iter().flat_map(|r| r.warned_lead_s.iter().copied()).collect();
-    leads.sort_by(f64::total_cmp);
+    let lead_p50 = |of: fn(&WarnedLead) -> f64| {
+        let mut leads: Vec<f64> = rows.iter().flat_map(|r| r.warned_leads.iter().map(of)).collect();
+        leads.sort_by(f64::total_cmp);
+        leads.get(leads.len() / 2).copied()
+    };
     json!({
         "lines_per_hour": {"mean": lines.mean, "sd": lines.sd},
         "visits": visits,
@@ -225,7 +229,7 @@ fn arm(rows: &[StationsRow]) -> Value {
         "robot_wait_s": mean(|r| r.robot_wait_s),
         "wrong": sum(|r| r.wrong),
         "wrong_warned": share(sum(|r| r.wrong_warned), sum(|r| r.wrong)),
-        "warned_lead_s": {"p50": leads.get(leads.len() / 2)},
+        "warned_lead_s": {"p50": lead_p50(|l| l.face_s), "to_piece_p50": lead_p50(|l| l.piece_s)},
         "wrong_totes": sum(|r| r.wrong_totes),
         "wrong_totes_warned": share(sum(|r| r.wrong_totes_warned), sum(|r| r.wrong_totes)),
         "wrong_confirmed_per_1000": per_1000(sum(|r| r.wrong_confirmed), all),

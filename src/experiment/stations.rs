@@ -5,7 +5,7 @@
 use crate::cell::{Flow, LineOutcome, Lines};
 use crate::fleet::{Fact, Fleet, JobKind, JobState, Task};
 use crate::id::{Dense, JobId, StationId};
-use crate::sim::picker::TrueLine;
+use crate::sim::picker::{TrueLine, WarnedLead};
 use crate::sim::{ArmModeWord, FlowWord, Scenario, Simulation};
 use crate::time::{Span, Time};
 use crate::warehouse::{Station, Warehouse};
@@ -41,8 +41,8 @@ pub struct StationsRow {
     pub wrong: u64,
     /// Those.
     pub wrong_warned: u64,
-    /// How long before the finger tips passed the rack's face, seconds; less than 0 after it.
-    pub warned_lead_s: Vec<f64>,
+    /// How long before a hand was in a wrong slot the warning of that came.
+    pub warned_leads: Vec<WarnedLead>,
     /// Pieces put into wrong totes, and those of them that were warned of.
     pub wrong_totes: u64,
     /// Those.
@@ -255,7 +255,7 @@ impl Ledgered {
             (there, idle) = (there + time.there, idle + time.idle);
             row.wrong += figures.wrong;
             row.wrong_warned += figures.wrong_warned;
-            row.warned_lead_s.extend(&figures.warned_lead_s);
+            row.warned_leads.extend(&figures.warned_leads);
             row.wrong_totes += figures.wrong_totes;
             row.wrong_totes_warned += figures.wrong_totes_warned;
             row.false_warnings += figures.false_warnings;

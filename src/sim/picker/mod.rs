@@ -18,7 +18,7 @@ pub mod work;
 pub use beside_arm::ArmSeen;
 pub use person::SimPicker;
 pub use screen::{ShownLine, StationScreen};
-pub use work::{PickFigures, TrueLine};
+pub use work::{PickFigures, TrueLine, WarnedLead};
 
 use super::customers::FIRST_TOKEN;
 use super::random::Stream;

@@ -3,6 +3,7 @@
 use super::person::SimPicker;
 use super::screen::{ShownLine, StationScreen};
 use super::watch::{TruePicker, angles_of};
+use super::work::WarnedLead;
 use crate::cell::{FacePlace, LineChange, PickFace};
 use crate::fleet::{StationOrder, WrongReach};
 use crate::id::{JobId, StationId};
@@ -334,18 +335,22 @@ fn a_warning_of_a_right_reach_is_false_and_of_a_slot_just_left_is_right() {
 }
 
 #[test]
-fn the_lead_of_a_warning_is_measured_to_when_the_finger_tips_pass_the_face() {
+fn the_lead_of_a_warning_is_measured_to_when_the_finger_tips_pass_the_face_and_to_when_they_are_at_the_piece()
+{
     for seed in 10..20 {
         let mut shift = PickerShift::new(PickerHabits { mispick: 1.0, ..steady() }, seed);
         let aimed = shift.until_wrong();
         let passes = shift.passes(|face, at| face.depth_m(at) >= 0.0);
         let warned = passes - Span::from_millis(100);
         shift.picker.warn(warned, WrongReach::Slot(aimed));
-        while shift.picker.figures.warned_lead_s.is_empty() {
+        let deepest = shift.passes(|face, at| face.depth_m(at) >= 0.11);
+        while shift.picker.figures.warned_leads.is_empty() {
             shift.step();
         }
-        let lead_s = shift.picker.figures.warned_lead_s[0];
-        assert!((lead_s - 0.1).abs() < 0.0015, "{lead_s}");
+        let WarnedLead { face_s, piece_s } = shift.picker.figures.warned_leads[0];
+        assert!((face_s - 0.1).abs() < 0.0015, "{face_s}");
+        let near_s = (deepest - warned).as_secs_f64();
+        assert!(piece_s > near_s && piece_s < near_s + 0.25, "{piece_s}, 1 cm before it {near_s}");
     }
 }
 
@@ -364,5 +369,5 @@ fn a_warning_that_comes_when_the_piece_is_out_counts_as_none() {
     }
     let found = &shift.picker.figures;
     assert_eq!((found.wrong, found.wrong_warned, found.false_warnings), (1, 0, 0));
-    assert!(found.warned_lead_s.is_empty());
+    assert!(found.warned_leads.is_empty());
 }

@@ -41,6 +41,15 @@ pub struct TrueLine {
     pub is_pressed: bool,
 }
 
+/// How long before a hand was in a wrong slot a warning came; less than 0 after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WarnedLead {
+    /// Before the finger tips passed the rack's face, seconds.
+    pub face_s: f64,
+    /// Before they were at the piece, seconds.
+    pub piece_s: f64,
+}
+
 /// What truly happened at one station.
 #[derive(Clone, Debug, Default)]
 pub struct PickFigures {
@@ -52,9 +61,8 @@ pub struct PickFigures {
     pub wrong: u64,
     /// Those of them.
     pub wrong_warned: u64,
-    /// How long before the finger tips passed the rack's face on their way into a wrong slot the warning came, seconds;
-    /// less than 0 after it.
-    pub warned_lead_s: Vec<f64>,
+    /// How long before a hand was in a wrong slot the warning of that came.
+    pub warned_leads: Vec<WarnedLead>,
     /// Pieces put into a wrong tote, and those of them that were warned of.
     pub wrong_totes: u64,
     /// Those of them.
@@ -156,10 +164,14 @@ impl PickFigures {
         work.is_some_and(of) || done.is_some_and(of)
     }
 
-    /// The warning of a reach to a wrong slot, if one came, is counted with how long before this it came: the finger
-    /// tips passed, or would have passed, the rack's face.
-    pub fn note_lead_of(&mut self, work: &mut LineWork, passes: Time) {
-        self.warned_lead_s.extend(work.warned.take().map(|warned| (passes - warned).as_secs_f64()));
+    /// The warning of a reach to a wrong slot, if one came, is counted with how long before two instants it came: when
+    /// the finger tips passed the rack's face, and when they were at the piece, or would have been.
+    pub fn note_lead_of(&mut self, work: &mut LineWork, [passes, arrives]: [Time; 2]) {
+        let lead = |warned: Time| WarnedLead {
+            face_s: (passes - warned).as_secs_f64(),
+            piece_s: (arrives - warned).as_secs_f64(),
+        };
+        self.warned_leads.extend(work.warned.take().map(lead));
     }
 
     /// Pieces are carried to a tote, which may be a wrong one.

@@ -197,7 +197,16 @@ impl SimPicker {
     /// When the finger tips of the first hand that reaches into the rack pass its face, or would.
     pub(super) fn passes_face(&self) -> Option<Time> {
         let is_in = |place| self.face.depth_m(place) >= 0.0;
+        self.reaching().filter_map(|hand| hand.first(is_in)).min()
+    }
+
+    /// When the finger tips of the first hand that reaches into the rack are, or would be, at a piece.
+    pub(super) fn is_at_piece(&self) -> Option<Time> {
+        self.reaching().map(HandPath::end).min()
+    }
+
+    fn reaching(&self) -> impl Iterator<Item = &HandPath> {
         let reaches = |i: &usize| *i == self.main() || self.picks_with_both();
-        (0..2).filter(reaches).filter_map(|i| self.hands[i].first(is_in)).min()
+        (0..2).filter(reaches).map(|i| &self.hands[i])
     }
 }

@@ -69,12 +69,13 @@ impl SimPicker {
         }
     }
 
-    /// A reach that was warned of is counted, if it was to a wrong slot, with when the hand passed the face, or would.
+    /// A reach that was warned of is counted, if it was to a wrong slot, with when the hand passed the face and was at
+    /// the piece, or would have been.
     pub(super) fn note_lead(&mut self, now: Time) {
-        let passes = self.passes_face().unwrap_or(now);
+        let ends = [self.passes_face(), self.is_at_piece()].map(|at| at.unwrap_or(now));
         let wrong = self.work.as_mut().filter(|w| w.aims_at != w.line.slot);
         if let Some(work) = wrong {
-            self.figures.note_lead_of(work, passes);
+            self.figures.note_lead_of(work, ends);
         }
     }
 
