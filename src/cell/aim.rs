@@ -2,6 +2,7 @@
 //!
 //! Main function: [`aims_wrong`]. Refuses: to name a slot while the lit one is likely enough.
 
+use super::eyes::LookedAt;
 use super::face::{FacePlace, PickFace};
 use super::share::LitShare;
 use crate::warehouse::SlotName;
@@ -21,25 +22,28 @@ const ON_MOST_S: f64 = 0.25;
 /// Hands that do not come nearer are not judged, metres per second, and neither are those farther than this, metres.
 const MOVES_MPS: f64 = 0.15;
 const FAR_M: f64 = 0.12;
+/// … or than this, where the eyes are measured.
+const LOOKED_FAR_M: f64 = 0.25;
 
 /// The slot that is the likeliest one where a hand goes, if the odds of all others together against the lit one are
 /// high enough for a warning. The person goes to the lit slot with the probability `share`, before anything is seen of
-/// the hand.
+/// the hand; the hand is here and moves so, and the eyes, where they are measured, rest on something.
 pub(super) fn aims_wrong(
     face: &PickFace,
     (lit, share): (SlotName, LitShare),
-    at: FacePlace,
-    velocity: FacePlace,
+    (at, velocity): (FacePlace, FacePlace),
+    looked: Option<LookedAt>,
 ) -> Option<SlotName> {
     let left_m = -face.depth_m(at);
-    if -velocity.y < MOVES_MPS || left_m > FAR_M {
+    let far_m = if looked.is_some() { LOOKED_FAR_M } else { FAR_M };
+    if -velocity.y < MOVES_MPS || left_m > far_m {
         return None;
     }
     let to_face_s = (left_m.max(0.0) / -velocity.y).min(ON_MOST_S);
     let by = |on_s: f64| {
         let aside_m = (velocity * on_s).xz().norm();
         let sigma_m = NEAR_M + PER_M * left_m.max(0.0) + PER_SIDE * aside_m;
-        wrong_by(face, (lit, share.get()), at + velocity * on_s, sigma_m)
+        wrong_by(face, (lit, share.get()), (at + velocity * on_s, sigma_m), looked)
     };
     by(to_face_s).and(by(ON_S))
 }
@@ -48,12 +52,12 @@ pub(super) fn aims_wrong(
 fn wrong_by(
     face: &PickFace,
     (lit, share): (SlotName, f64),
-    lands: FacePlace,
-    sigma_m: f64,
+    (lands, sigma_m): (FacePlace, f64),
+    looked: Option<LookedAt>,
 ) -> Option<SlotName> {
     let likely = |front: FacePlace| {
         let off = (lands - front).xz().norm() / sigma_m;
-        (-off * off / 2.0).exp()
+        (-off * off / 2.0).exp() * looked.map_or(1.0, |looked| looked.ratio(front))
     };
     let (mut of_lit, mut others, mut count, mut best) = (0.0, 0.0, 0.0, None);
     for (slot, front) in face.slots() {

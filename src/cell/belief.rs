@@ -3,12 +3,14 @@
 //! Main types: [`ReachBeliefs`], [`ReachPlace`]. Shoulders and elbows follow from head and hands; where this person's
 //! hand ends in a slot is learned from each grasp, and kept no longer than hands are seen. Refuses: to decide anything.
 
+use super::eyes::LookedAt;
 use super::face::{FacePlace, PickFace};
 use super::hands::{HandPoints, HandsSeen};
 use crate::reach::posture::{BodyLengths, SeenArm, SeenHead};
 use crate::reach::sample::angles;
 use crate::reach::{ArmPoint, PickModel, ReachTarget, SlotTracker};
 use crate::warehouse::SlotName;
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// A hand ends so far behind a slot's front before anything was learned, metres …
@@ -136,10 +138,23 @@ impl ReachBeliefs {
         self.hands.iter_mut().for_each(|hand| hand.is_stale = true);
     }
 
-    /// Places with the probability that a hand goes there; what is missing to one is that of no place.
-    pub fn probabilities(&self, hand: usize) -> impl Iterator<Item = (ReachPlace, f64)> {
-        let known = self.hands[hand].tracker.probabilities().iter().copied();
-        self.places.iter().copied().zip(known)
+    /// Places with the probability that a hand goes there, given where the eyes rest, if they are measured; what is
+    /// missing to one is that of no place.
+    pub fn probabilities(&self, hand: usize, looked: Option<LookedAt>) -> SmallVec<[(ReachPlace, f64); 24]> {
+        let known = self.hands[hand].tracker.probabilities();
+        let middle = |place: &ReachPlace| match *place {
+            ReachPlace::Slot(slot) => self.face.slot(slot),
+            ReachPlace::Tote(tote) => self.face.tote(tote).expect("it is a tote of this face"),
+        };
+        let ratio = |place: &ReachPlace| looked.map_or(1.0, |looked| looked.ratio(middle(place)));
+        let pairs = self.places.iter().zip(known);
+        let mut all: SmallVec<[_; 24]> = pairs.map(|(place, p)| (*place, p * ratio(place))).collect();
+        let no_place = (1.0 - known.iter().sum::<f64>()).max(0.0);
+        let sum = no_place + all.iter().map(|(_, p)| p).sum::<f64>();
+        if looked.is_some() && sum > 0.0 {
+            all.iter_mut().for_each(|(_, p)| *p /= sum);
+        }
+        all
     }
 }
 

@@ -4,6 +4,7 @@
 
 use super::aim::aims_wrong;
 use super::belief::{ReachBeliefs, ReachPlace};
+use super::eyes::{Fixation, LookedAt};
 use super::face::{FacePlace, PickFace};
 use super::follow::{HandEvent, HandFollower, HeldPiece};
 use super::hands::{HandPoints, HandsSeen};
@@ -86,6 +87,8 @@ pub struct Desk {
     grasped: [Option<(SlotName, FacePlace)>; 2],
     /// How often this person goes to the lit slot.
     share: LitShare,
+    /// Where the eyes rest, where they are measured, and where the head is.
+    eyes: Option<(Fixation, FacePlace)>,
     /// Where they go, once something of them was seen.
     beliefs: Option<ReachBeliefs>,
     /// The phases of the piece that is picked now, from which slot.
@@ -185,6 +188,10 @@ impl Desk {
             _ => {}
         }
         self.person = Some((seen.person, seen.seen));
+        self.eyes = seen.eyes.map(|ray| {
+            let (before, now_s) = (self.eyes.map(|(eyes, _)| eyes), seen.seen.as_secs_f64());
+            (Fixation::then(before, face.direction(ray), now_s), face.of(seen.head))
+        });
         let is_alone = self.crowded_until.is_none_or(|until| seen.seen >= until);
         let mut hands = seen.hands.map(|hand| hand.filter(HandPoints::is_sound));
         let grips = hands.map(|hand| hand.map(|h| face.of(h.grip())));
@@ -222,13 +229,14 @@ impl Desk {
     /// Where hands that are on their way go, with probabilities of at least 0.05.
     pub fn reaches(&self, now: Time) -> SmallVec<[SeenReach; 4]> {
         let Some(beliefs) = &self.beliefs else { return SmallVec::new() };
+        let looked = self.looked_at(now);
         let is_moving = |i: &usize| {
             let hand = &self.hands[*i];
             let is_fresh = hand.last().is_some_and(|(seen, _)| now - seen < FRESH);
             is_fresh && (hand.velocity().norm() > MOVES_MPS || hand.is_in_slot())
         };
         let of = |i: usize| {
-            let likely = beliefs.probabilities(i).filter(|(_, p)| *p >= LIKELY);
+            let likely = beliefs.probabilities(i, looked).into_iter().filter(|(_, p)| *p >= LIKELY);
             likely.map(move |(place, probability)| SeenReach { is_left: i == 0, place, probability })
         };
         (0..2).filter(is_moving).flat_map(of).collect()
@@ -264,8 +272,15 @@ impl Desk {
         }
     }
 
+    /// What the eyes rest on, where they are measured.
+    fn looked_at(&self, now: Time) -> Option<LookedAt> {
+        let (eyes, head) = self.eyes.as_ref()?;
+        eyes.from(*head, now.as_secs_f64())
+    }
+
     /// Another person is here.
     fn forget_person(&mut self) {
+        self.eyes = None;
         (self.beliefs, self.share, self.grasped) = (None, LitShare::default(), [None; 2]);
     }
 
@@ -292,14 +307,14 @@ impl Desk {
     /// The wrong slot to which a hand goes, once for each reach.
     fn aims(&mut self, face: &PickFace, hand: usize, lit: SlotName) -> Option<SlotName> {
         let follower = &self.hands[hand];
-        let (_, at) = follower.last()?;
+        let (seen, at) = follower.last()?;
         let slot = if follower.is_in_slot() {
             // At the edge of a slot beside the lit one it may still be on its way there.
             let to_lit = (face.slot(lit) - at).try_normalize(1e-6).unwrap_or_default() * EDGE_M;
             let nearer = FacePlace::new(at.x + to_lit.x, at.y, at.z + to_lit.z);
             face.slot_at(nearer).filter(|slot| *slot != lit && face.depth_m(at) > DEEP_M)
         } else if follower.velocity().y < 0.0 {
-            aims_wrong(face, (lit, self.share), at, follower.velocity())
+            aims_wrong(face, (lit, self.share), (at, follower.velocity()), self.looked_at(seen))
         } else {
             self.warned[hand] = None;
             return None;

@@ -48,6 +48,8 @@ pub struct HandsSeen {
     pub head: Place,
     /// Where the head points, of length one; nothing where that is not known.
     pub facing: Option<nalgebra::Vector3<f64>>,
+    /// Where the eyes look, of length one; nothing where they are not measured.
+    pub eyes: Option<nalgebra::Vector3<f64>>,
     /// Left and right hand; nothing of one that is not seen.
     pub hands: [Option<HandPoints>; 2],
 }

@@ -10,6 +10,7 @@ pub mod arm;
 mod belief;
 mod check;
 mod desk;
+mod eyes;
 mod face;
 mod flow;
 mod follow;

@@ -123,10 +123,10 @@ impl Inbox {
     /// The hands of a person in a workplace, if they were seen.
     pub fn hands_of(&self, heard: &HeardSighting) -> Option<HandsSeen> {
         let HeardSighting { sighting, hands, .. } = heard;
-        let HeardHands { head, facing, hands } = (*hands)?;
+        let HeardHands { head, facing, eyes, hands } = (*hands)?;
         let (station, _) = self.workplaces.iter().find(|(_, outline)| inside(outline, sighting.at))?;
         let (person, seen) = (sighting.worker.0, sighting.seen);
-        Some(HandsSeen { station: *station, person, seen, head, facing, hands })
+        Some(HandsSeen { station: *station, person, seen, head, facing, eyes, hands })
     }
 
     /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Nor are

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 /// Wrist, palm, two finger tips: three numbers each.
 type HandRow = [f64; 12];
 
-/// Station, person, seen, head, left hand, right hand, where the head points.
+/// Station, person, seen, head, left hand, right hand, where the head points, where the eyes look.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct HandsRow(
     u32,
@@ -20,6 +20,7 @@ pub(super) struct HandsRow(
     [f64; 3],
     Option<HandRow>,
     Option<HandRow>,
+    #[serde(default)] Option<[f64; 3]>,
     #[serde(default)] Option<[f64; 3]>,
 );
 
@@ -40,19 +41,20 @@ fn hand(row: HandRow) -> HandPoints {
 impl From<&HandsSeen> for HandsRow {
     fn from(s: &HandsSeen) -> HandsRow {
         let [left, right] = s.hands.map(|h| h.as_ref().map(row));
-        let facing = s.facing.map(|ahead| [ahead.x, ahead.y, ahead.z]);
-        HandsRow(s.station.0, s.person, s.seen.0, [s.head.x, s.head.y, s.head.z], left, right, facing)
+        let [facing, eyes] = [s.facing, s.eyes].map(|ray| ray.map(<[f64; 3]>::from));
+        HandsRow(s.station.0, s.person, s.seen.0, [s.head.x, s.head.y, s.head.z], left, right, facing, eyes)
     }
 }
 
 impl From<HandsRow> for HandsSeen {
-    fn from(HandsRow(station, person, seen, [x, y, z], left, right, facing): HandsRow) -> HandsSeen {
+    fn from(HandsRow(station, person, seen, [x, y, z], left, right, facing, eyes): HandsRow) -> HandsSeen {
         HandsSeen {
             station: StationId(station),
             person,
             seen: Time(seen),
             head: Place::new(x, y, z),
             facing: facing.map(Into::into),
+            eyes: eyes.map(Into::into),
             hands: [left.map(hand), right.map(hand)],
         }
     }

@@ -52,6 +52,8 @@ pub struct HeardHands {
     pub head: Place,
     /// Where it points, where that is known.
     pub facing: Option<Vector3<f64>>,
+    /// Where the eyes look, where they are measured.
+    pub eyes: Option<Vector3<f64>>,
     /// Left and right.
     pub hands: [Option<HandPoints>; 2],
 }
@@ -69,6 +71,11 @@ fn facing_of(sighting: &Sighting, senses: &Senses) -> Option<Vector3<f64>> {
     ray.or(senses.ahead).or_else(level).map(Vector3::from)
 }
 
+/// Where the eyes look: an estimated ray is none of theirs.
+fn eyes_of(senses: &Senses) -> Option<Vector3<f64>> {
+    senses.gaze.filter(|gaze| gaze.kind == GazeKind::Eye).map(|gaze| gaze.dir.into())
+}
+
 impl HeardHands {
     /// What a pose says of hands; nothing where it says nothing, or where the fleet drops it as late or repeated.
     fn of(sighting: &Sighting, senses: &Senses) -> Option<HeardHands> {
@@ -79,6 +86,7 @@ impl HeardHands {
         hands.iter().any(Option::is_some).then(|| HeardHands {
             head: head_of(sighting, senses),
             facing: facing_of(sighting, senses),
+            eyes: eyes_of(senses),
             hands,
         })
     }
@@ -442,23 +450,22 @@ mod tests {
     }
 
     #[test]
-    fn hands_come_with_where_the_head_points_by_its_ray_else_by_the_pose() {
+    fn hands_come_with_where_the_head_points_by_its_ray_else_by_the_pose_and_with_measured_eyes() {
         let (feeds, mut heard) = feeds();
         let connection = feeds.sit(ANNA).unwrap();
         let hand = Some(vec![[0.3, 0.0, 1.2, 0.01]; 25]);
         let gaze = |kind| Some(Gaze { kind, origin: [0.0, 0.0, 1.7], dir: [1.0, 0.0, 0.0] });
         let ahead = Some([0.0, 0.8, -0.6]);
-        let mut facing = |gaze: Option<Gaze>, ahead, heading| {
+        let mut heard_of = |gaze: Option<Gaze>, ahead, heading| {
             let senses = Senses { gaze, ahead, hands: [None, hand.clone()], battery: None };
             feeds.hand(&connection, Sighting { heading, ..sighting(1, 1) }, senses, Time(0));
-            heard
-                .try_recv()
-                .unwrap()
-                .hands
-                .expect("one hand is seen")
-                .facing
-                .map(|ahead| [ahead.x, ahead.y, ahead.z])
+            heard.try_recv().unwrap().hands.expect("one hand is seen")
         };
+        let mut eyes = |kind| heard_of(gaze(kind), ahead, None).eyes.map(<[f64; 3]>::from);
+        assert_eq!(eyes(GazeKind::Eye), Some([1.0, 0.0, 0.0]));
+        assert_eq!([eyes(GazeKind::Head), eyes(GazeKind::Estimated)], [None; 2], "never passed off as eyes");
+        let mut facing =
+            |gaze: Option<Gaze>, ahead, heading| heard_of(gaze, ahead, heading).facing.map(<[f64; 3]>::from);
         let turned = Some(std::f64::consts::PI);
         assert_eq!(facing(gaze(GazeKind::Head), ahead, turned), Some([1.0, 0.0, 0.0]), "its ray");
         assert_eq!(facing(gaze(GazeKind::Eye), ahead, turned), ahead, "eyes turn in the head");

@@ -11,7 +11,7 @@ use super::lights::{CellLightsDto, CellTold};
 use super::message::FeedMessage;
 use super::thin::RateLimiter;
 use super::warn::Warnings;
-use super::wire::{AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid, VERSIONS};
+use super::wire::{self, AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid, VERSIONS};
 use crate::api::auth::TOKEN_ENDED;
 use crate::api::called::Called;
 use crate::api::error::Problem;
@@ -278,7 +278,7 @@ impl Session<'_> {
             Some(Ok(Message::Binary(_))) => return self.unreadable("messages are JSON texts").await,
             Some(Ok(Message::Close(_)) | Err(_)) | None => return Err(SessionEnd::Gone),
         };
-        let said = match serde_json::from_str::<HeadsetMessage>(&text) {
+        let said = match wire::read(&text) {
             Ok(said) => said,
             Err(e) => return self.unreadable(&format!("not a message of this feed: {e}")).await,
         };

@@ -185,9 +185,72 @@ impl HandSaid {
     }
 }
 
+/// Reads a message. Some libraries write a number that is none as `NaN` or `Infinity`, which is no JSON: that is read as
+/// `null`, so that one joint does not spoil a pose.
+pub fn read(text: &str) -> serde_json::Result<HeadsetMessage> {
+    serde_json::from_str(text).or_else(|error| match without_unknown_numbers(text) {
+        Some(text) => serde_json::from_str(&text),
+        None => Err(error),
+    })
+}
+
+/// The text with `null` for each `NaN` and `Infinity` outside of strings; nothing if it has none.
+fn without_unknown_numbers(text: &str) -> Option<String> {
+    let (mut rest, mut out, mut found) = (text, String::with_capacity(text.len()), false);
+    while let Some(at) = rest.find(['"', 'N', 'I', '-']) {
+        let (before, here) = rest.split_at(at);
+        out.push_str(before);
+        let unknown =
+            ["NaN", "Infinity", "-Infinity", "-NaN"].into_iter().find(|word| here.starts_with(word));
+        let taken = match unknown {
+            Some(word) => {
+                found = true;
+                out.push_str("null");
+                word.len()
+            }
+            None => {
+                let taken = if here.starts_with('"') { string_length(here) } else { 1 };
+                out.push_str(&here[..taken]);
+                taken
+            }
+        };
+        rest = &here[taken..];
+    }
+    out.push_str(rest);
+    found.then_some(out)
+}
+
+/// How long the string is with which a text begins, quotes counted; all of the text if it does not end.
+fn string_length(text: &str) -> usize {
+    let (mut escaped, bytes) = (false, text.as_bytes());
+    for (i, byte) in bytes.iter().enumerate().skip(1) {
+        match byte {
+            b'"' if !escaped => return i + 1,
+            b'\\' => escaped = !escaped,
+            _ => escaped = false,
+        }
+    }
+    text.len()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_that_are_none_are_read_as_null_outside_of_strings_and_spoil_nothing_else() {
+        let read_as = |text: &str| without_unknown_numbers(text);
+        assert_eq!(read_as(r#"[NaN, -Infinity, Infinity,-1.5]"#).unwrap(), r#"[null, null, null,-1.5]"#);
+        assert_eq!(read_as(r#"{"a":"NaN","b\"NaN":-1}"#), None);
+        assert_eq!(read_as(r#"{"é\\":NaN}"#).unwrap(), r#"{"é\\":null}"#);
+        assert_eq!(read_as(r#"{"open"#), None);
+        let text = r#"{"type": "pose", "epoch": 1, "seq": 2, "t": 3, "pos": [1, 2, 3],
+            "hands": {"l": [[NaN, 1, 1, 0.01]], "r": [[1, 1, 1, 0.01]]}}"#;
+        let HeadsetMessage::Pose(pose) = read(text).unwrap() else { panic!("{text}") };
+        let hands = pose.hands.expect("hands");
+        assert_eq!([hands.l, hands.r].map(|hand| hand.unwrap().joints().is_some()), [false, true]);
+        assert!(read("{NaN").is_err() && read("").is_err());
+    }
 
     #[test]
     fn messages_are_read_as_docs_show_them_and_with_keys_of_tomorrow() {

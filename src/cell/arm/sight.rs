@@ -244,6 +244,7 @@ mod tests {
                 seen: at(frame),
                 head,
                 facing: None,
+                eyes: None,
                 hands,
             });
         }

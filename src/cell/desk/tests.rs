@@ -12,6 +12,8 @@ struct Film {
     now: Time,
     at: FacePlace,
     person: u32,
+    /// What the eyes rest on, where they are measured.
+    eyes_on: Option<FacePlace>,
     events: Vec<DeskEvent>,
 }
 
@@ -25,7 +27,7 @@ impl Film {
         let face = PickFace::new(station.cell.as_ref().unwrap(), w.nodes[station.node].at, rack);
         let (desk, at, now) = (Desk::default(), FacePlace::new(0.22, 0.95, 0.95), Time::from_secs_f64(10.0));
         let face = Arc::new(face);
-        Film { face, desk, now, at, person: 0, events: Vec::new() }
+        Film { face, desk, now, at, person: 0, eyes_on: None, events: Vec::new() }
     }
 
     fn hand(&self, at: FacePlace) -> HandPoints {
@@ -37,7 +39,8 @@ impl Film {
         let hands = hands.map(|at| at.map(|at| self.hand(at)));
         let (station, person, seen) = (StationId(0), self.person, self.now);
         let head = self.face.on_map(FacePlace::new(0.0, 1.05, 1.6));
-        let seen = HandsSeen { station, person, seen, head, facing: None, hands };
+        let eyes = self.eyes_on.map(|at| (self.face.on_map(at) - head).normalize());
+        let seen = HandsSeen { station, person, seen, head, facing: None, eyes, hands };
         let (lit, tote) = (lit.map(|(slot, _)| slot), lit.map(|(_, tote)| tote));
         let scene = DeskScene { face: &self.face, model: &PickModel::builtin(), lit, tote };
         self.events.extend(self.desk.see(scene, &seen));
@@ -288,6 +291,7 @@ fn jumps_swaps_and_points_that_are_none_are_not_believed() {
         person: 0,
         seen: film.now,
         facing: None,
+        eyes: None,
         head: bad.wrist,
         hands: [Some(bad), None],
     };
@@ -324,6 +328,33 @@ fn a_hand_that_carries_a_piece_is_expected_at_its_tote() {
     let told = film.desk.reaches(film.now);
     let best = told.iter().max_by(|a, b| a.probability.total_cmp(&b.probability)).expect("it moves");
     assert_eq!(best.place, ReachPlace::Tote(2), "{told:?}");
+}
+
+#[test]
+fn eyes_that_rest_on_a_wrong_slot_are_a_warning_sooner_but_none_without_a_hand_that_goes_there() {
+    // How far before the face the hand is when the warning comes, on its way to the slot beside the lit one.
+    let warned_m = |eyes_on: Option<&str>, goes_to: &str| {
+        let mut film = Film::new();
+        film.eyes_on = eyes_on.map(|name| film.face.slot(slot(name)));
+        let inside = film.face.slot(slot(goes_to)) - FacePlace::new(0.0, 0.12, 0.0);
+        (0..20).for_each(|_| film.moves(Some((slot("C3"), 1)), film.at, 0.016, true));
+        for step in 1..=60 {
+            let share = f64::from(step) / 60.0;
+            let to = film.at + (inside - film.at) * (1.0 / (61.0 - f64::from(step)));
+            film.moves(Some((slot("C3"), 1)), to, 0.016, true);
+            if film.events.iter().any(|event| matches!(event, DeskEvent::AimsAt(_))) {
+                assert_eq!(film.events, [DeskEvent::AimsAt(slot(goes_to))], "at {share}");
+                return Some(-film.face.depth_m(film.at));
+            }
+        }
+        None
+    };
+    let (seen, unseen) = (warned_m(Some("C4"), "C4").unwrap(), warned_m(None, "C4").unwrap());
+    assert!(seen > unseen + 0.02, "{seen} m with eyes, {unseen} m without");
+    let elsewhere = warned_m(Some("A1"), "C4").unwrap();
+    assert!((elsewhere - unseen).abs() < 0.06, "eyes wander: {elsewhere} m, {unseen} m");
+    assert_eq!(warned_m(Some("C4"), "C3"), None, "a hand that goes right");
+    assert_eq!(warned_m(Some("C3"), "C3"), None);
 }
 
 #[test]

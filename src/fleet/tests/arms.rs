@@ -70,7 +70,15 @@ impl ArmFloor {
             Some(HandPoints { wrist: place(0.17), palm: place(0.09), tips: [place(0.0); 2] })
         };
         let (seen, head) = (self.floor.now, self.face.on_map(FacePlace::new(-0.3, 1.05, 1.6)));
-        HandsSeen { station: S1, person: 0, seen, head, facing: None, hands: [hand(-0.5), hand(-0.2)] }
+        HandsSeen {
+            station: S1,
+            person: 0,
+            seen,
+            head,
+            facing: None,
+            eyes: None,
+            hands: [hand(-0.5), hand(-0.2)],
+        }
     }
 
     fn lines(&self) -> Vec<(LineState, u32)> {

@@ -66,7 +66,7 @@ impl CellFloor {
         let place = |back: f64| self.face.on_map(self.at + FacePlace::new(0.0, back, 0.0));
         let hand = HandPoints { wrist: place(0.17), palm: place(0.09), tips: [place(0.0); 2] };
         let head = self.face.on_map(FacePlace::new(0.0, 1.05, 1.6));
-        HandsSeen { station: S1, person: 0, seen, head, facing: None, hands: [None, Some(hand)] }
+        HandsSeen { station: S1, person: 0, seen, head, facing: None, eyes: None, hands: [None, Some(hand)] }
     }
 
     fn front(&self, name: &str) -> FacePlace {

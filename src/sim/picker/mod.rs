@@ -258,6 +258,7 @@ pub(super) fn has_lines(fleet: &Fleet, robot: RobotId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cell::arm::least_distance_m;
     use crate::sim::Scenario;
     use crate::warehouse::stations;
 
@@ -285,6 +286,12 @@ mod tests {
         stand.picker.is_away()
     }
 
+    /// The same, so much higher.
+    fn raised(all: &[Capsule], by_m: f64) -> Vec<Capsule> {
+        let by = nalgebra::Vector3::new(0.0, 0.0, by_m);
+        all.iter().map(|c| Capsule { a: c.a + by, b: c.b + by, ..*c }).collect()
+    }
+
     #[test]
     fn who_rests_in_an_arm_that_stands_steps_back_and_comes_back_when_it_does_not_move_there() {
         let (mut stand, mut now) = (idle_person(), Time::ZERO);
@@ -300,18 +307,9 @@ mod tests {
     #[test]
     fn who_has_nothing_to_pick_makes_room_for_an_arm_that_stands_in_the_opening_until_it_is_out() {
         let (mut stand, mut now) = (idle_person(), Time::ZERO);
-        // It is 30 cm from the trunk at least.
-        let aside = |c: &Capsule| {
-            let by = nalgebra::Vector3::new(0.0, 0.0, 2.0);
-            Capsule { a: c.a + by, b: c.b + by, ..*c }
-        };
-        let far: Vec<Capsule> = stand.picker.limbs(now).iter().map(aside).collect();
-        let by_m = crate::cell::arm::least_distance_m(&stand.picker.limbs(now), &far) - 0.3;
-        let near = |c: &Capsule| {
-            let by = nalgebra::Vector3::new(0.0, 0.0, -by_m);
-            Capsule { a: c.a + by, b: c.b + by, ..*c }
-        };
-        let stands = ArmSeen { links: far.iter().map(near).collect(), moves: false, is_inside: true };
+        let limbs = stand.picker.limbs(now);
+        let apart_m = least_distance_m(&limbs, &raised(&limbs, 2.0));
+        let stands = ArmSeen { links: raised(&limbs, 2.0 - apart_m + 0.3), moves: false, is_inside: true };
         let moves = ArmSeen { moves: true, ..stands.clone() };
         let out = ArmSeen { is_inside: false, ..moves.clone() };
         assert!(!passes(&mut stand, &mut now, 4.9, &stands), "too soon");
@@ -361,11 +359,9 @@ mod tests {
     #[test]
     fn who_rests_beside_an_arm_or_before_one_that_moves_stays() {
         let (mut stand, mut now) = (idle_person(), Time::ZERO);
-        let there = stand.picker.limbs(now);
-        assert!(!passes(&mut stand, &mut now, 5.0, (&there, true)), "an arm that moves gives way itself");
-        let far = nalgebra::Vector3::new(0.0, 0.0, 5.0);
-        let aside = |link: &Capsule| Capsule { a: link.a + far, b: link.b + far, ..*link };
-        let beside: Vec<Capsule> = there.iter().map(aside).collect();
-        assert!(!passes(&mut stand, &mut now, 5.0, (&beside, false)), "the arm is elsewhere");
+        let there = ArmSeen { links: stand.picker.limbs(now), moves: true, is_inside: false };
+        assert!(!passes(&mut stand, &mut now, 5.0, &there), "an arm that moves gives way itself");
+        let beside = ArmSeen { links: raised(&there.links, 5.0), moves: false, ..there };
+        assert!(!passes(&mut stand, &mut now, 5.0, &beside), "the arm is elsewhere");
     }
 }

@@ -341,16 +341,17 @@ fn the_lead_of_a_warning_is_measured_to_when_the_finger_tips_pass_the_face_and_t
         let mut shift = PickerShift::new(PickerHabits { mispick: 1.0, ..steady() }, seed);
         let aimed = shift.until_wrong();
         let passes = shift.passes(|face, at| face.depth_m(at) >= 0.0);
+        let deepest = shift.passes(|face, at| face.depth_m(at) >= 0.11);
         let warned = passes - Span::from_millis(100);
         shift.picker.warn(warned, WrongReach::Slot(aimed));
-        let deepest = shift.passes(|face, at| face.depth_m(at) >= 0.11);
         while shift.picker.figures.warned_leads.is_empty() {
             shift.step();
         }
         let WarnedLead { face_s, piece_s } = shift.picker.figures.warned_leads[0];
         assert!((face_s - 0.1).abs() < 0.0015, "{face_s}");
         let near_s = (deepest - warned).as_secs_f64();
-        assert!(piece_s > near_s && piece_s < near_s + 0.25, "{piece_s}, 1 cm before it {near_s}");
+        // The last centimetre is slow.
+        assert!(piece_s > near_s && piece_s < near_s + 0.6, "{piece_s}, 1 cm before it {near_s}");
     }
 }
 

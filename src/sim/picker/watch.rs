@@ -94,20 +94,19 @@ impl HandWatch {
         let late_ms = self.sensor.delay_ms + self.sensor.jitter_ms * self.random.normal();
         let comes = now + Span::from_secs_f64(late_ms.max(0.0) / 1000.0);
         let head = face.on_map(truth.head);
-        let facing = self.gaze(truth).map(|[yaw, pitch]| {
+        let ray = |[yaw, pitch]: [f64; 2]| {
             let ahead = FacePlace::new(yaw.sin() * pitch.cos(), -yaw.cos() * pitch.cos(), pitch.sin());
             face.on_map(truth.head + ahead) - head
-        });
-        self.under_way.push((comes, HandsSeen { station, person, seen: now, head, facing, hands }));
+        };
+        let facing = (self.sensor.gaze != SeenGaze::None).then(|| ray(truth.faces));
+        let eyes = self.eyes(truth).map(ray);
+        self.under_way.push((comes, HandsSeen { station, person, seen: now, head, facing, eyes, hands }));
     }
 
-    /// Yaw and pitch of the ray that this kind of headset sends, if it sends one.
-    fn gaze(&mut self, truth: &TruePicker) -> Option<[f64; 2]> {
-        match self.sensor.gaze {
-            SeenGaze::None => None,
-            SeenGaze::Head => Some(truth.faces),
-            SeenGaze::Eyes => Some(truth.looks.map(|angle| angle + EYES_RAD * self.random.normal())),
-        }
+    /// Yaw and pitch of the eyes, if this kind of headset measures them.
+    fn eyes(&mut self, truth: &TruePicker) -> Option<[f64; 2]> {
+        let measures = self.sensor.gaze == SeenGaze::Eyes;
+        measures.then(|| truth.looks.map(|angle| angle + EYES_RAD * self.random.normal()))
     }
 
     fn go_wrong(&mut self, now: Time, period: f64) {
@@ -199,21 +198,22 @@ mod tests {
         watch.come(Time::from_secs_f64(60.0))
     }
 
-    /// Yaw and pitch of the ray of an observation.
-    fn ray(seen: &HandsSeen) -> Option<[f64; 2]> {
-        let (yaw, pitch) = angles_of(face().direction(seen.facing?));
-        Some([yaw, pitch])
+    /// Yaw and pitch of a ray of an observation.
+    fn angles_on_map(ray: Option<nalgebra::Vector3<f64>>) -> [f64; 2] {
+        let (yaw, pitch) = angles_of(face().direction(ray.expect("it is sent")));
+        [yaw, pitch]
     }
 
     #[test]
-    fn each_kind_of_gaze_sends_its_own_ray_and_none_sends_no_ray() {
-        assert!(seen_by(SeenGaze::None).iter().all(|seen| seen.facing.is_none()));
-        for seen in seen_by(SeenGaze::Head) {
-            let [yaw, pitch] = ray(&seen).expect("it sends where the head faces");
+    fn a_headset_sends_where_the_head_faces_and_one_that_measures_eyes_where_they_look() {
+        assert!(seen_by(SeenGaze::None).iter().all(|seen| (seen.facing, seen.eyes) == (None, None)));
+        assert!(seen_by(SeenGaze::Head).iter().all(|seen| seen.eyes.is_none()));
+        for seen in [SeenGaze::Head, SeenGaze::Eyes].into_iter().flat_map(seen_by) {
+            let [yaw, pitch] = angles_on_map(seen.facing);
             assert!((yaw - 0.14).abs() < 1e-9 && (pitch + 0.2).abs() < 1e-9);
         }
         let off = |seen: &HandsSeen| {
-            let [yaw, pitch] = ray(seen).expect("it sends where the eyes look");
+            let [yaw, pitch] = angles_on_map(seen.eyes);
             (yaw - 0.2).hypot(pitch + 0.5).to_degrees()
         };
         let mut off: Vec<f64> = seen_by(SeenGaze::Eyes).iter().map(off).collect();

@@ -46,7 +46,7 @@ pub struct TrueLine {
 pub struct WarnedLead {
     /// Before the finger tips passed the rack's face, seconds.
     pub face_s: f64,
-    /// Before they were at the piece, seconds.
+    /// Before they came to rest at the piece, seconds.
     pub piece_s: f64,
 }
 
@@ -165,7 +165,7 @@ impl PickFigures {
     }
 
     /// The warning of a reach to a wrong slot, if one came, is counted with how long before two instants it came: when
-    /// the finger tips passed the rack's face, and when they were at the piece, or would have been.
+    /// the finger tips passed the rack's face, and when they came to rest at the piece, or would have.
     pub fn note_lead_of(&mut self, work: &mut LineWork, [passes, arrives]: [Time; 2]) {
         let lead = |warned: Time| WarnedLead {
             face_s: (passes - warned).as_secs_f64(),

@@ -200,7 +200,7 @@ impl SimPicker {
         self.reaching().filter_map(|hand| hand.first(is_in)).min()
     }
 
-    /// When the finger tips of the first hand that reaches into the rack are, or would be, at a piece.
+    /// When the finger tips of the first hand that reaches into the rack come, or would come, to rest at a piece.
     pub(super) fn is_at_piece(&self) -> Option<Time> {
         self.reaching().map(HandPath::end).min()
     }
