@@ -42,6 +42,7 @@ mod people;
 mod privacy;
 mod publish;
 mod recovery;
+mod reports;
 mod robots;
 mod roles;
 mod run;

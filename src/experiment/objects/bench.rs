@@ -218,6 +218,11 @@ impl ObjectsBench {
                         lstm = said;
                     }
                 }
+                RowKind::Narrow(narrow) => {
+                    let choice = FeatureChoice { narrow, ..choice_of(table) };
+                    let net = self.learn(number, r, (PlaceVariant::Mlp, SHARED), &choice, learned);
+                    judged.iter().for_each(|m| add(m, &net.probabilities(m), &mut tally));
+                }
                 RowKind::Enhanced => {
                     judged.iter().zip(&lstm).for_each(|(m, p)| enhanced(m, p, &mut tally));
                 }

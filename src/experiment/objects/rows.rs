@@ -15,6 +15,8 @@ pub enum RowKind {
     Sharpened(usize),
     /// A net with so large a state.
     Net(PlaceVariant, usize),
+    /// The net `mlp` with a narrow layer of this width.
+    Narrow(usize),
     /// The net `lstm`, overruled by eyes; in the thesis' Figure 5.5, not in its table.
     Enhanced,
 }
@@ -64,6 +66,9 @@ pub fn rows_of(table: ObjectTable) -> Vec<ObjectRow> {
             ours("all_32", RowKind::Net(All, 32)),
             ours("enhanced", RowKind::Enhanced),
             ours("gaze_sharpened", RowKind::Sharpened(GAZE)),
+            ours("mlp_1", RowKind::Narrow(1)),
+            ours("mlp_4", RowKind::Narrow(4)),
+            ours("mlp_8", RowKind::Narrow(8)),
         ],
         ObjectTable::Tables => vec![
             rule("hand", HAND, 129.9, 296.2),
@@ -88,9 +93,10 @@ pub fn choice_of(table: ObjectTable) -> FeatureChoice {
 }
 
 /// Pairs of rows whose differences are told, where both are there.
-pub const PAIRS: [(&str, &str); 10] = [
+pub const PAIRS: [(&str, &str); 11] = [
     ("lstm", "rnn"),
     ("lstm", "mlp"),
+    ("mlp_8", "mlp"),
     ("lstm", "full"),
     ("full", "all"),
     ("full", "all_32"),
