@@ -30,6 +30,9 @@ const MOVES_MPS: f64 = 0.2;
 const GONE: Span = Span::from_millis(150);
 /// Places are told of from this probability on.
 const LIKELY: f64 = 0.05;
+/// Hands that were seen within this time are those of somebody who is seen while picking: between two pieces they may
+/// be out of view.
+const OF_LATE: Span = Span::from_secs(10);
 /// For so long after two persons' hands were seen nothing is confirmed by hand.
 const ALONE: Span = Span::from_secs(2);
 
@@ -345,6 +348,11 @@ impl Desk {
     /// Whether hands were seen within the last second.
     pub fn sees(&self, now: Time) -> bool {
         self.person.is_some_and(|(_, at)| now - at < STALE)
+    }
+
+    /// Whether hands were seen within the last 10 s, so that they may confirm lines.
+    pub fn saw_of_late(&self, now: Time) -> bool {
+        self.person.is_some_and(|(_, at)| now - at < OF_LATE)
     }
 
     /// Whether a hand is in the opening or beyond it, or will be there within 0.3 s with a probability of at least 0.1,

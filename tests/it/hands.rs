@@ -73,6 +73,11 @@ impl Wearer {
     }
 
     async fn picks(&mut self, slot: &str, tote: usize) {
+        self.grasps(slot).await;
+        self.puts(tote).await;
+    }
+
+    async fn grasps(&mut self, slot: &str) {
         let front = self.face.slot(slot.parse().unwrap());
         let ahead = front + FacePlace::new(0.0, 0.35, 0.0);
         let inside = front - FacePlace::new(0.0, 0.12, 0.0);
@@ -80,6 +85,9 @@ impl Wearer {
         self.moves(inside, 0.5).await;
         self.moves(inside, 0.5).await;
         self.moves(ahead, 0.5).await;
+    }
+
+    async fn puts(&mut self, tote: usize) {
         let rim = self.face.tote(tote).unwrap();
         self.moves(rim, 0.8).await;
         self.moves(rim, 0.3).await;
@@ -117,6 +125,7 @@ async fn hands_of_a_headset_confirm_a_line_without_a_button_and_a_wrong_slot_is_
     wearer.moves(front - FacePlace::new(0.0, 0.08, 0.0), 0.5).await;
     let seen = get(at, "/v1/stations/S1").await.json();
     assert_eq!(seen["warnings"], json!([{"kind": "wrong_slot", "slot": "C2", "tote": null}]), "{seen}");
+    assert_eq!(seen["hands_seen"], true, "{seen}");
     let warning = loop {
         let told = wearer.headset.next("cell").await;
         if !told["warning"].is_null() {
@@ -132,7 +141,14 @@ async fn hands_of_a_headset_confirm_a_line_without_a_button_and_a_wrong_slot_is_
     wearer.picks("A2", 0).await;
     let seen = get(at, "/v1/stations/S1").await.json();
     assert_eq!(seen["visit"]["lines"][1]["done"], 1, "{seen}");
-    wearer.picks("A2", 0).await;
+    wearer.grasps("A2").await;
+    let asked = |s: &Value| !s["unconfirmed"].is_null();
+    let asked = until(at, "the rack leaves at the last grasp", "/v1/stations/S1", asked).await;
+    assert_eq!(
+        (&asked["unconfirmed"]["job"], &asked["unconfirmed"]["line"]["slot"]),
+        (&made["id"], &json!("A2"))
+    );
+    wearer.puts(0).await;
     let job = format!("/v1/jobs/{}", made["id"].as_str().unwrap());
     let over = until(at, "the job is over", &job, |j| j["state"] == "done").await;
     assert_eq!(over["lines"][1]["done"], 2, "the last piece is confirmed in its tote: {over}");

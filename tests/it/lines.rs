@@ -80,6 +80,11 @@ async fn lines_are_confirmed_over_http_and_a_kill_in_mid_visit_loses_none_and_do
     assert_eq!(totes, ["A", "B", "C"]);
     assert_eq!(there["visit"]["face"]["columns"], 4);
     assert!(there["visit"]["expected_end"]["p10"].as_f64() < there["visit"]["expected_end"]["p90"].as_f64());
+    let placed = &there["visit"]["expected_placed"];
+    assert!(placed["p50"].as_f64() >= there["visit"]["expected_end"]["p50"].as_f64(), "{there}");
+    assert_eq!((&there["hands_seen"], &there["unconfirmed"]), (&json!(false), &Value::Null), "{there}");
+    assert_eq!(there["ends"], json!({"visits": 0, "held": null, "off_s": null}), "no visit was over yet");
+    assert_eq!((&there["arm"]["state"], &there["arm"]["line"]), (&json!("off"), &Value::Null), "{there}");
     assert_eq!(states(&there["visit"]), [is("lit", 0), is("open", 0), is("open", 0)]);
 
     let said = say(at, "1", json!({"done": 2})).await.json();
@@ -105,7 +110,9 @@ async fn lines_are_confirmed_over_http_and_a_kill_in_mid_visit_loses_none_and_do
     assert_eq!(say(at, "3", json!({"done": 2})).await.json()["state"], "done");
     let over = until(at, "the job is over", &job, |j| j["state"] == "done").await;
     assert_eq!(states(&over), [is("done", 2), is("short", 0), is("done", 3)]);
-    until(at, "the rack has left", "/v1/stations/S1", |s| s["robot"].is_null() && s["visit"].is_null()).await;
+    let left =
+        until(at, "the rack has left", "/v1/stations/S1", |s| s["robot"].is_null() && s["visit"].is_null());
+    assert!(left.await["next"].is_null(), "nothing else was ordered");
     say(at, "3", json!({"undo": true})).await.problem(409);
     program.kill();
 }

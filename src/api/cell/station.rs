@@ -36,6 +36,8 @@ pub struct StationDetailDto {
     pub unconfirmed: Option<UnconfirmedDto>,
     /// What the person there was warned of a moment ago.
     pub warnings: Vec<CellWarningDto>,
+    /// Whether hands were seen there within the last 10 s. If not, only buttons and scanners confirm lines.
+    pub hands_seen: bool,
     /// Where hands that are on their way go, most likely; places below a probability of 0.05 are left out.
     pub reach: Vec<SeenReachDto>,
     /// The rack that comes next; null if none is on its way.
@@ -306,6 +308,7 @@ impl Names<'_> {
                 Some(UnconfirmedDto { job: job_name(left.job), line })
             }),
             warnings: seen.warning.iter().map(|wrong| warning_dto(*wrong, cell)).collect(),
+            hands_seen: seen.saw_hands,
             reach: seen.reaches.iter().map(|reach| reach_dto(reach, cell)).collect(),
             next: seen.next.map(|(robot, at)| NextRackDto {
                 rack: self.rack_on(robot).map(|k| self.map.racks[k].name.clone()),

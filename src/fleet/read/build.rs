@@ -224,6 +224,7 @@ impl Fleet {
             ends: visits.ends_held(s),
             has_cell: station.cell.is_some(),
             hears_hands: station.cell.is_some() && self.core.settings.flow.hears_hands(),
+            saw_hands: visits.saw_hands(s, now),
             warning: visits.warning(s, now),
             arm: self.arm(s, now),
             reaches: visits.reaches(s, now),

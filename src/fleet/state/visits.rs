@@ -491,6 +491,11 @@ impl Visits {
         self.desks.get(&station).map(|desk| desk.reaches(now)).unwrap_or_default()
     }
 
+    /// Whether hands were seen at a station of late.
+    pub fn saw_hands(&self, station: StationId, now: Time) -> bool {
+        self.desks.get(&station).is_some_and(|desk| desk.saw_of_late(now))
+    }
+
     /// How many lines were over, and how many reaches warned of, since the program started.
     pub fn counted(&self) -> [u64; 2] {
         self.counted

@@ -163,6 +163,9 @@ fn a_button_decides_where_the_hand_was_not_seen_on_its_way_to_the_tote() {
     assert!(!cell.floor.fleet.ledger().unconfirmed.is_empty(), "nothing is confirmed by guessing");
     let view = cell.floor.fleet.view(cell.floor.now);
     assert!(view.stations[0].unconfirmed.is_some(), "the cell asks");
+    let saw =
+        |after_s| cell.floor.fleet.view(cell.floor.now + Span::from_secs(after_s)).stations[0].saw_hands;
+    assert!(saw(1) && !saw(11), "after a while without hands it says so");
     let noted = cell.say(StationOrder::Last(LineChange::Done(1)));
     assert!(matches!(noted, Reply::LineNoted { outcome: LineOutcome::Changed, line: 0, pieces: 1, .. }));
     assert!(cell.floor.fleet.ledger().unconfirmed.is_empty());

@@ -36,7 +36,7 @@ export class Board {
 
   /** Shows a state; `age_ms` is how long ago the server said it. */
   show(station: Station, mistake: Mistake | null, age_ms: number): void {
-    const { visit, paused, id, robot, served, totes, reach } = station;
+    const { visit, paused, id, robot, served, totes, reach, hands_seen } = station;
     const rack = visit?.rack ?? null;
     this.#once(this.bar, [id, rack, robot, served], () => [
       make('h1', { textContent: t('bar.station', { id }) }),
@@ -48,7 +48,7 @@ export class Board {
     // Not by its expected end, which is another one in every message.
     const shown = [visit?.lines, visit?.face, rack, visit === null, totes, reach, mistake];
     this.#once(this.rack, shown, () => [drawRack(station, mistake)]);
-    this.#once(this.big, [visit?.lines, visit?.rack, mistake, visit === null], () => this.#bigWords(station, mistake));
+    this.#once(this.big, [visit?.lines, visit?.rack, mistake, visit === null, hands_seen], () => this.#bigWords(station, mistake));
     this.#showLines(visit?.lines ?? []);
     this.paused.hidden = paused === null;
     write(this.paused, paused === null ? '' : t('paused', { time: clockTime(paused) }));
@@ -74,7 +74,7 @@ export class Board {
     write(this.#soon, soon);
   }
 
-  #bigWords({ visit }: Station, mistake: Mistake | null): Node[] {
+  #bigWords({ visit, hands_seen }: Station, mistake: Mistake | null): Node[] {
     if (mistake) return [nameOf(mistake), words('title', mistakeTitle(mistake)), words('wide', mistakeHelp(mistake))];
     if (!visit) return [words('title', t('none.heading')), this.#soon];
     const [lit, next] = [litOf(visit), nextOf(visit)];
@@ -94,6 +94,7 @@ export class Board {
       ...(lit.done === 0 ? [] : [words('of', t('big.of', { done: lit.done, count: lit.quantity }))]),
       ...(lit.by === 'arm' ? [words('arm', t('big.arm'))] : []),
       words('then', then),
+      words('hands', t(hands_seen ? 'big.hands' : 'big.hands.none')),
     ];
   }
 

@@ -54,6 +54,8 @@ export interface Station {
   unconfirmed: { job: string; line: Line } | null;
   next: { rack: string; robot: string; in_s: number } | null;
   arm: { kind: string } | null;
+  /** Whether hands were seen of late, so that lines may be confirmed without a button. */
+  hands_seen: boolean;
   /** Where hands most likely go: a slot or a tote. */
   reach: readonly { hand: 'left' | 'right'; slot: string | null; tote: string | null; probability: number }[];
   warnings: readonly Warning[];
@@ -72,6 +74,6 @@ export function readStation(text: string): Station | null {
   if (typeof given.now !== 'string' || typeof given.id !== 'string') return null;
   return {
     robot: null, queue: [], served: 0, picking: false, paused: null, has_cell: false, totes: [], visit: null, unconfirmed: null,
-    next: null, arm: null, reach: [], warnings: [], ...given, now: given.now, id: given.id,
+    next: null, arm: null, hands_seen: false, reach: [], warnings: [], ...given, now: given.now, id: given.id,
   };
 }
