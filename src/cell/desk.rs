@@ -10,7 +10,7 @@ use super::follow::{HandEvent, HandFollower, HeldPiece};
 use super::hands::{HandPoints, HandsSeen};
 use super::phase::{PickPhase, PiecePhases, SpentPhase};
 use super::share::LitShare;
-use super::soon::is_inside_soon;
+use super::soon::{STAYS, inside_soon};
 use crate::reach::PickModel;
 use crate::time::{Span, Time};
 use crate::warehouse::SlotName;
@@ -358,12 +358,24 @@ impl Desk {
     /// Whether a hand is in the opening or beyond it, or will be there within 0.3 s with a probability of at least 0.1,
     /// as far as hands are seen.
     pub fn comes_inside(&self, face: &PickFace, now: Time) -> bool {
-        self.is_any(now, |at, velocity| is_inside_soon(face, at, velocity))
+        self.inside_soon(face, now) >= STAYS
+    }
+
+    /// The probability that one of the hands that are seen is in the opening or beyond it, or will be within 0.3 s.
+    pub fn inside_soon(&self, face: &PickFace, now: Time) -> f64 {
+        if self.crowd_inside.is_some_and(|seen| now - seen < STALE) {
+            return 1.0;
+        }
+        let of = |hand: &HandFollower| {
+            let (_, at) = hand.last().filter(|(seen, _)| now - *seen < STALE)?;
+            Some(inside_soon(face, at, hand.velocity()))
+        };
+        self.hands.iter().filter_map(of).fold(0.0, f64::max)
     }
 
     /// Whether a hand is in the opening or beyond it, as far as hands are seen.
     pub fn is_inside(&self, face: &PickFace, now: Time) -> bool {
-        self.is_any(now, |at, _| face.is_inside(at))
+        self.is_any(now, |at| face.is_inside(at))
     }
 
     /// Whether a hand was inside when it was seen last, however long ago: it may be there still.
@@ -371,14 +383,10 @@ impl Desk {
         self.hands.iter().any(|h| h.last().is_some_and(|(_, at)| face.is_inside(at)))
     }
 
-    fn is_any(&self, now: Time, is: impl Fn(FacePlace, FacePlace) -> bool) -> bool {
+    fn is_any(&self, now: Time, is: impl Fn(FacePlace) -> bool) -> bool {
         let is_fresh = |seen: Time| now - seen < STALE;
         let crowd = self.crowd_inside.is_some_and(is_fresh);
-        crowd
-            || self
-                .hands
-                .iter()
-                .any(|h| h.last().is_some_and(|(seen, at)| is_fresh(seen) && is(at, h.velocity())))
+        crowd || self.hands.iter().any(|h| h.last().is_some_and(|(seen, at)| is_fresh(seen) && is(at)))
     }
 }
 

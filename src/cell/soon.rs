@@ -7,7 +7,7 @@ use super::face::{FacePlace, PickFace};
 /// What is foreseen, seconds.
 const SOON_S: f64 = 0.3;
 /// Robots stay where they are from this probability on.
-const STAYS: f64 = 0.1;
+pub(super) const STAYS: f64 = 0.1;
 /// Where a hand is in that time is known this well: of one at rest, metres, and for each metre that it would go.
 const REST_M: f64 = 0.03;
 const PER_M: f64 = 0.35;
@@ -26,11 +26,6 @@ pub(super) fn inside_soon(face: &PickFace, at: FacePlace, velocity: FacePlace) -
     let outside_m = face.outside_m(ends);
     let sigma_m = REST_M + PER_M * way_m;
     0.5 * libm::erfc(outside_m / (sigma_m * std::f64::consts::SQRT_2))
-}
-
-/// Whether a rack must not move because of a hand that is here and moves so.
-pub(super) fn is_inside_soon(face: &PickFace, at: FacePlace, velocity: FacePlace) -> bool {
-    inside_soon(face, at, velocity) >= STAYS
 }
 
 #[cfg(test)]

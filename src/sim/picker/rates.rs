@@ -2,16 +2,17 @@
 
 use super::person::SimPicker;
 use super::screen::{ShownLine, StationScreen};
-use super::watch::{TruePicker, angles_of};
+use super::watch::{HandWatch, TruePicker, angles_of};
 use super::work::WarnedLead;
-use crate::cell::{FacePlace, LineChange, PickFace};
+use crate::cell::{Desk, DeskScene, FacePlace, LineChange, PickFace};
 use crate::fleet::{StationOrder, WrongReach};
 use crate::id::{JobId, StationId};
-use crate::sim::PickerHabits;
+use crate::reach::PickModel;
 use crate::sim::random::Stream;
+use crate::sim::{HandSensor, PickerHabits};
 use crate::time::{Span, Time};
 use crate::warehouse::{SlotName, stations};
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 const STEP: Span = Span::from_millis(10);
 /// The right hand, which picks.
@@ -371,4 +372,72 @@ fn a_warning_that_comes_when_the_piece_is_out_counts_as_none() {
     let found = &shift.picker.figures;
     assert_eq!((found.wrong, found.wrong_warned, found.false_warnings), (1, 0, 0));
     assert!(found.warned_leads.is_empty());
+}
+
+/// What was stated of a hand that is seen, and what came.
+#[derive(Default)]
+struct Foreseen {
+    /// For each part of the probabilities: moments, the sum of what was stated, and how often the hand came inside.
+    parts: [[f64; 3]; 5],
+}
+
+impl Foreseen {
+    /// Probabilities are looked at in these parts.
+    const PARTS: [f64; 5] = [0.0, 0.1, 0.3, 0.6, 0.9];
+    /// So far is foreseen, in steps.
+    const AHEAD: usize = 30;
+
+    /// Somebody picks so many lines and is seen.
+    fn watch(&mut self, seed: u64, lines: u64) {
+        let (face, model) = (Arc::new(FACE.clone()), PickModel::builtin());
+        let mut shift = PickerShift::new(PickerHabits::default(), seed);
+        let mut watch = HandWatch::new(HandSensor::default(), Stream::new(seed, 97, 0), Time::ZERO);
+        let mut desk = Desk::default();
+        let (mut stated, mut inside): (Vec<(usize, [bool; 2], f64)>, Vec<[bool; 2]>) = Default::default();
+        let mut last = [Time::ZERO; 2];
+        while shift.seen.lines < lines {
+            let truth = shift.step();
+            inside.push(truth.grips.map(|at| face.is_inside(at)));
+            while watch.next() <= shift.now {
+                watch.look((StationId(0), 0), &face, &truth);
+            }
+            let (lit, tote) = (Some(shift.line.slot), Some(shift.line.tote));
+            for seen in watch.come(shift.now) {
+                desk.see(DeskScene { face: &face, model: &model, lit, tote }, &seen);
+                let is_seen = seen.hands.map(|hand| hand.is_some());
+                // A hand that was lost a moment ago is held to be where it was: that is no forecast.
+                let is_known = |i: usize| is_seen[i] || seen.seen - last[i] > Span::from_secs(1);
+                if (0..2).all(is_known) {
+                    let step = (seen.seen - Time::ZERO).0 / STEP.0;
+                    stated.push((step as usize, is_seen, desk.inside_soon(&face, seen.seen)));
+                }
+                (0..2).filter(|i| is_seen[*i]).for_each(|i| last[i] = seen.seen);
+            }
+        }
+        for (step, is_seen, p) in stated.into_iter().filter(|s| s.0 + Self::AHEAD < inside.len()) {
+            let of = |at: &[bool; 2]| (0..2).any(|i| is_seen[i] && at[i]);
+            if of(&inside[step]) {
+                continue;
+            }
+            let part = Self::PARTS.iter().rposition(|least| p >= *least).expect("it is not below 0");
+            let came = f64::from(u8::from(inside[step..=step + Self::AHEAD].iter().any(of)));
+            let [n, sum, all] = self.parts[part];
+            self.parts[part] = [n + 1.0, sum + p, all + came];
+        }
+    }
+}
+
+#[test]
+fn hands_that_are_seen_come_inside_no_more_often_than_was_stated_until_they_are_sure_to() {
+    let mut foreseen = Foreseen::default();
+    (30..34).for_each(|seed| foreseen.watch(seed, 60));
+    let shares = foreseen.parts.map(|[n, stated, came]| [n, stated / n, came / n]);
+    println!("moments, stated, found: {shares:.3?}");
+    assert!(shares[0][2] < 0.03, "hands that are not expected do not come: {shares:?}");
+    assert!(shares.iter().all(|[n, ..]| *n > 300.0), "too few to say: {shares:?}");
+    let found: Vec<f64> = shares.iter().map(|[_, _, found]| *found).collect();
+    assert!(found[0] < found[1] && found[1] < found[2] && found[2] < found[3], "{shares:?}");
+    // Hands that rest near the opening are held to be likelier than they are: racks wait rather than move.
+    assert!(found[1] <= shares[1][1] && found[2] <= shares[2][1], "{shares:?}");
+    assert!(found[3] > 0.9 && found[4] > 0.9, "{shares:?}");
 }
