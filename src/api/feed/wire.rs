@@ -185,8 +185,8 @@ impl HandSaid {
     }
 }
 
-/// Reads a message. Some libraries write a number that is none as `NaN` or `Infinity`, which is no JSON: that is read as
-/// `null`, so that one joint does not spoil a pose.
+/// Reads a message. Some libraries write what is not a number as `NaN` or `Infinity`, which is no JSON: that is read
+/// as `null`, so that one joint does not spoil a pose.
 pub fn read(text: &str) -> serde_json::Result<HeadsetMessage> {
     serde_json::from_str(text).or_else(|error| match without_unknown_numbers(text) {
         Some(text) => serde_json::from_str(&text),

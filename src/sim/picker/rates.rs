@@ -393,7 +393,8 @@ impl Foreseen {
         let mut shift = PickerShift::new(PickerHabits::default(), seed);
         let mut watch = HandWatch::new(HandSensor::default(), Stream::new(seed, 97, 0), Time::ZERO);
         let mut desk = Desk::default();
-        let (mut stated, mut inside): (Vec<(usize, [bool; 2], f64)>, Vec<[bool; 2]>) = Default::default();
+        let mut stated: Vec<(usize, [bool; 2], f64)> = Vec::new();
+        let mut inside: Vec<[bool; 2]> = Vec::new();
         let mut last = [Time::ZERO; 2];
         while shift.seen.lines < lines {
             let truth = shift.step();
@@ -432,7 +433,6 @@ fn hands_that_are_seen_come_inside_no_more_often_than_was_stated_until_they_are_
     let mut foreseen = Foreseen::default();
     (30..34).for_each(|seed| foreseen.watch(seed, 60));
     let shares = foreseen.parts.map(|[n, stated, came]| [n, stated / n, came / n]);
-    println!("moments, stated, found: {shares:.3?}");
     assert!(shares[0][2] < 0.03, "hands that are not expected do not come: {shares:?}");
     assert!(shares.iter().all(|[n, ..]| *n > 300.0), "too few to say: {shares:?}");
     let found: Vec<f64> = shares.iter().map(|[_, _, found]| *found).collect();
