@@ -140,7 +140,7 @@ impl ReachBeliefs {
 
     /// Places with the probability that a hand goes there, given where the eyes rest, if they are measured; what is
     /// missing to one is that of no place.
-    pub fn probabilities(&self, hand: usize, looked: Option<LookedAt>) -> SmallVec<[(ReachPlace, f64); 24]> {
+    pub fn probabilities(&self, hand: usize, looked: Option<LookedAt>) -> SmallVec<[(ReachPlace, f64); 32]> {
         let known = self.hands[hand].tracker.probabilities();
         let middle = |place: &ReachPlace| match *place {
             ReachPlace::Slot(slot) => self.face.slot(slot),
@@ -148,7 +148,7 @@ impl ReachBeliefs {
         };
         let ratio = |place: &ReachPlace| looked.map_or(1.0, |looked| looked.ratio(middle(place)));
         let pairs = self.places.iter().zip(known);
-        let mut all: SmallVec<[_; 24]> = pairs.map(|(place, p)| (*place, p * ratio(place))).collect();
+        let mut all: SmallVec<[_; 32]> = pairs.map(|(place, p)| (*place, p * ratio(place))).collect();
         let no_place = (1.0 - known.iter().sum::<f64>()).max(0.0);
         let sum = no_place + all.iter().map(|(_, p)| p).sum::<f64>();
         if looked.is_some() && sum > 0.0 {

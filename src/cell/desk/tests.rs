@@ -358,6 +358,23 @@ fn eyes_that_rest_on_a_wrong_slot_are_a_warning_sooner_but_none_without_a_hand_t
 }
 
 #[test]
+fn eyes_raise_the_probability_of_the_slot_on_which_they_rest_and_lower_that_of_others() {
+    let probability = |eyes_on: Option<&str>| {
+        let (mut film, lit) = (Film::new(), Some((slot("C3"), 1)));
+        film.eyes_on = eyes_on.map(|name| film.face.slot(slot(name)));
+        (0..20).for_each(|_| film.moves(lit, film.at, 0.016, true));
+        let ahead = film.face.slot(slot("C4")) + FacePlace::new(0.0, 0.1, 0.0);
+        film.begins_to_move(lit, ahead, (0.8, 0.6), true);
+        let told = film.desk.reaches(film.now);
+        let right = || told.iter().filter(|reach| !reach.is_left);
+        assert!(right().map(|reach| reach.probability).sum::<f64>() <= 1.0 + 1e-9, "{told:?}");
+        right().filter(|r| r.place == ReachPlace::Slot(slot("C4"))).map(|r| r.probability).sum::<f64>()
+    };
+    let [there, unknown, elsewhere] = [Some("C4"), None, Some("A1")].map(probability);
+    assert!(there > unknown + 0.1 && elsewhere <= unknown, "{there} {unknown} {elsewhere}");
+}
+
+#[test]
 fn what_is_seen_late_or_twice_changes_nothing() {
     let mut film = Film::new();
     film.picks(LIT, slot("C3"));
