@@ -116,7 +116,7 @@ impl Laws {
         let broken = self.corridors.check(world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         evacuation::entered(fleet, facts).into_iter().for_each(|v| self.break_law(now, v));
-        let broken = self.progress.check(now, fleet);
+        let broken = self.progress.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         for fact in facts {
             self.shadow.evolve(fact);

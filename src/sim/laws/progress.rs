@@ -1,18 +1,20 @@
 //! The law that no robot stands for ever: one with a task gets on with it, or waits its turn in a line that moves.
 //!
-//! Main type: [`ProgressLaws`]. A robot behind one that truly cannot drive waits for the person who repairs that one.
-//! Refuses: to excuse a robot because it has any other reason; a line that stands is no excuse.
+//! Main type: [`ProgressLaws`]. A robot behind one that truly cannot drive waits for the person who repairs that one, and
+//! one at a station whose picker is truly away for the picker, with those behind it. Refuses: to excuse a robot because
+//! it has any other reason; a line that stands is no excuse.
 
+use super::super::world::World;
 use super::violation::{STUCK, Violation};
 use crate::fleet::{Edge, Fleet, Party, Task, Why};
-use crate::id::{RobotId, StationId};
+use crate::id::{NodeId, RobotId, StationId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// Every how many steps lines at stations are looked at.
 const LOOKS_EVERY: u64 = 100;
 /// A robot's turn at a station comes within this, however many racks are wanted there; so does the repair of one that
-/// is in its way.
+/// is in its way, and the picker who is away.
 const TURN: Span = Span::from_secs(3600);
 
 /// How far each robot has come, and which stations serve.
@@ -35,10 +37,10 @@ struct Stood {
 }
 
 impl ProgressLaws {
-    pub fn check(&mut self, now: Time, fleet: &Fleet) -> Vec<Violation> {
+    pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
         self.steps += 1;
         if self.steps.is_multiple_of(LOOKS_EVERY) {
-            self.look_at_lines(now, fleet);
+            self.look_at_lines(now, world, fleet);
         }
         let mut broken = Vec::new();
         for (r, record) in fleet.ledger().robots.pairs().filter(|(_, r)| !r.is_gone()) {
@@ -58,8 +60,10 @@ impl ProgressLaws {
     }
 
     /// A robot that waits with its rack until its station has room waits its turn while the station serves others. One
-    /// behind a broken robot waits for the repair.
-    fn look_at_lines(&mut self, now: Time, fleet: &Fleet) {
+    /// behind a broken robot waits for the repair, and one whose picker is away for the picker.
+    fn look_at_lines(&mut self, now: Time, world: &World, fleet: &Fleet) {
+        let away: Vec<StationId> = world.pickers_away().collect();
+        let nodes: Vec<NodeId> = away.iter().map(|s| fleet.warehouse().stations[*s].node).collect();
         for (station, served) in fleet.ledger().served.pairs() {
             let known = self.served.entry(station).or_insert((*served, now));
             if known.0 != *served {
@@ -70,25 +74,62 @@ impl ProgressLaws {
             if now - stood.since > TURN || stood.unexcused == now {
                 continue;
             }
-            let in_line = |s: &StationId| now - self.served[s].1 < STUCK;
+            let in_line = |s: &StationId| now - self.served[s].1 < STUCK || away.contains(s);
             let in_moving_line =
                 matches!(fleet.why(*robot), Some(Why::QueueFull(station)) if in_line(&station));
-            if in_moving_line || is_behind_broken(fleet, *robot) {
+            if in_moving_line || waits_for_people(fleet, *robot, &nodes) {
                 stood.unexcused = now;
             }
         }
     }
 }
 
-/// Whether what a robot waits for leads to one that cannot drive.
-fn is_behind_broken(fleet: &Fleet, robot: RobotId) -> bool {
+/// Whether what a robot waits for leads to one that cannot drive, or to one that is picked from at one of these places,
+/// where nobody is; it may be that robot itself.
+fn waits_for_people(fleet: &Fleet, robot: RobotId, away: &[NodeId]) -> bool {
+    let ledger = fleet.ledger();
     let mut at = robot;
-    for _ in 0..fleet.ledger().robots.len() {
+    for _ in 0..ledger.robots.len() {
+        if away.contains(&ledger.node_of(at)) && fleet.is_picked_from(at) {
+            return true;
+        }
         match fleet.wait(Party::Robot(at)).edge {
-            Edge::On(Party::Robot(next)) if fleet.ledger().robots[next].failed => return true,
+            Edge::On(Party::Robot(next)) if ledger.robots[next].failed => return true,
             Edge::On(Party::Robot(next)) => at = next,
             _ => return false,
         }
     }
     false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sim::{Scenario, Simulation};
+    use crate::warehouse::stations;
+    use std::sync::Arc;
+
+    /// Robots of which the law says that they stood, in half an hour with these pickers.
+    fn stood(change: impl FnOnce(&mut Scenario)) -> usize {
+        let mut scenario = Scenario::parse(include_str!("../../../scenarios/stations.json")).unwrap();
+        (scenario.robots, scenario.duration, scenario.drain) = (14, Span::from_secs(1500), Span::ZERO);
+        change(&mut scenario);
+        let mut sim = Simulation::new(Arc::new(stations()), &scenario, &[], 3, false, || 0);
+        while !sim.is_over() {
+            sim.step();
+        }
+        sim.broken().iter().filter(|(_, v)| matches!(v, Violation::Stuck(..))).count()
+    }
+
+    #[test]
+    fn robots_wait_for_a_picker_who_is_away_and_not_for_one_who_does_nothing() {
+        let away = stood(|scenario| {
+            for habits in scenario.cells.as_mut().unwrap().pickers.iter_mut().flatten() {
+                (habits.away_per_hour, habits.away_s) = (1000.0, 3600.0);
+            }
+        });
+        assert_eq!(away, 0, "each waits for somebody who is away, or behind such a robot");
+        let idle = stood(|scenario| scenario.cells.as_mut().unwrap().pickers = Some(Vec::new()));
+        assert!(idle > 0, "nobody picks, and nobody is away");
+    }
 }

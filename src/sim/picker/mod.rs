@@ -179,6 +179,11 @@ impl Pickers {
         self.all.iter().filter(move |s| s.picker.is_inside(now)).map(|s| s.station)
     }
 
+    /// Stations whose picker is away.
+    pub(super) fn away(&self) -> impl Iterator<Item = StationId> {
+        self.all.iter().filter(|s| s.picker.is_away()).map(|s| s.station)
+    }
+
     /// What truly happened at each station, with how long somebody was there.
     pub fn figures(&self) -> impl Iterator<Item = (StationId, &PickFigures, PickerTime)> {
         let time = |s: &PickerPlace| PickerTime { there: s.there, idle: s.idle };

@@ -127,6 +127,11 @@ impl World {
         self.pickers.as_ref()
     }
 
+    /// Stations whose picker is away: for the laws.
+    pub fn pickers_away(&self) -> impl Iterator<Item = StationId> {
+        self.pickers.iter().flat_map(Pickers::away)
+    }
+
     /// Robots at stations where a hand is inside which would move if no guard held them: for the laws.
     pub fn held_at_hands(&self) -> impl Iterator<Item = (RobotId, StationId)> {
         let at = |robot: &super::SimRobot| self.hands_inside.iter().copied().find(|s| self.is_at(robot, *s));
