@@ -1,8 +1,8 @@
 //! The law that no robot stands for ever: one with a task gets on with it, or waits its turn in a line that moves.
 //!
-//! Main type: [`ProgressLaws`]. A robot behind one that truly cannot drive waits for the person who repairs that one, and
-//! one at a station whose picker is truly away for the picker, with those behind it. Refuses: to excuse a robot because
-//! it has any other reason; a line that stands is no excuse.
+//! Main type: [`ProgressLaws`]. A robot behind one that truly cannot drive waits for the person who repairs that one,
+//! and one at a station whose picker is truly away for the picker, with those behind it. Refuses: to excuse a robot
+//! because it has any other reason; a line that stands is no excuse.
 
 use super::super::world::World;
 use super::violation::{STUCK, Violation};
