@@ -3,7 +3,7 @@
 //! Main types: [`Pickers`], [`SimPicker`], [`PickFigures`]. Refuses: to read anything of the fleet that is not on the
 //! screen of the station.
 
-pub mod beside_arm;
+mod beside_arm;
 pub mod eyes;
 pub mod limbs;
 pub mod motion;
