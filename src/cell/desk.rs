@@ -350,9 +350,10 @@ impl Desk {
         self.person.is_some_and(|(_, at)| now - at < STALE)
     }
 
-    /// Whether hands were seen within the last 10 s, so that they may confirm lines.
+    /// Whether hands were seen within the last 10 s, of one person alone, so that they may confirm lines.
     pub fn saw_of_late(&self, now: Time) -> bool {
-        self.person.is_some_and(|(_, at)| now - at < OF_LATE)
+        let is_alone = self.crowded_until.is_none_or(|until| now >= until);
+        is_alone && self.person.is_some_and(|(_, at)| now - at < OF_LATE)
     }
 
     /// Whether a hand is in the opening or beyond it, or will be there within 0.3 s with a probability of at least 0.1,

@@ -199,7 +199,7 @@ await check('The headset goes with a piece in the hand: nothing is confirmed, an
   assert(await page.locator('[data-reach]').count() === 0, 'the page still shows where the hand goes');
   assert((await states()).slice(0, 2).join() === 'done 1,lit 0', (await states()).join());
   await isLit('A2');
-  await page.getByText('No hands are seen: confirm with the button', { exact: true }).waitFor({ timeout: PATIENCE });
+  await page.getByText('Hands are not followed now: confirm with the button', { exact: true }).waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}station-without-headset.png` });
   await page.keyboard.press('Enter');
   await becomes(2, 'done 1');

@@ -36,7 +36,8 @@ pub struct StationDetailDto {
     pub unconfirmed: Option<UnconfirmedDto>,
     /// What the person there was warned of a moment ago.
     pub warnings: Vec<CellWarningDto>,
-    /// Whether hands were seen there within the last 10 s. If not, only buttons and scanners confirm lines.
+    /// Whether hands were seen there within the last 10 s, of one person alone. If not, only buttons and scanners
+    /// confirm lines.
     pub hands_seen: bool,
     /// Where hands that are on their way go, most likely; places below a probability of 0.05 are left out.
     pub reach: Vec<SeenReachDto>,

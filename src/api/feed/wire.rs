@@ -185,24 +185,24 @@ impl HandSaid {
     }
 }
 
-/// Reads a message. Some libraries write what is not a number as `NaN` or `Infinity`, which is no JSON: that is read
-/// as `null`, so that one joint does not spoil a pose.
+/// Reads a message. Some libraries write `NaN` and `Infinity`, which are not JSON: they are read as `null`, so that one
+/// joint does not spoil a pose.
 pub fn read(text: &str) -> serde_json::Result<HeadsetMessage> {
-    serde_json::from_str(text).or_else(|error| match without_unknown_numbers(text) {
+    serde_json::from_str(text).or_else(|error| match with_null_for_nan(text) {
         Some(text) => serde_json::from_str(&text),
         None => Err(error),
     })
 }
 
-/// The text with `null` for each `NaN` and `Infinity` outside of strings; nothing if it has none.
-fn without_unknown_numbers(text: &str) -> Option<String> {
+/// The text with `null` in place of each `NaN` and `Infinity` outside of strings; nothing if it contains neither.
+fn with_null_for_nan(text: &str) -> Option<String> {
     let (mut rest, mut out, mut found) = (text, String::with_capacity(text.len()), false);
     while let Some(at) = rest.find(['"', 'N', 'I', '-']) {
         let (before, here) = rest.split_at(at);
         out.push_str(before);
-        let unknown =
+        let not_a_number =
             ["NaN", "Infinity", "-Infinity", "-NaN"].into_iter().find(|word| here.starts_with(word));
-        let taken = match unknown {
+        let taken = match not_a_number {
             Some(word) => {
                 found = true;
                 out.push_str("null");
@@ -238,12 +238,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_that_are_none_are_read_as_null_outside_of_strings_and_spoil_nothing_else() {
-        let read_as = |text: &str| without_unknown_numbers(text);
-        assert_eq!(read_as(r#"[NaN, -Infinity, Infinity,-1.5]"#).unwrap(), r#"[null, null, null,-1.5]"#);
-        assert_eq!(read_as(r#"{"a":"NaN","b\"NaN":-1}"#), None);
-        assert_eq!(read_as(r#"{"é\\":NaN}"#).unwrap(), r#"{"é\\":null}"#);
-        assert_eq!(read_as(r#"{"open"#), None);
+    fn nan_and_infinity_are_read_as_null_outside_of_strings_and_spoil_nothing_else() {
+        assert_eq!(
+            with_null_for_nan(r#"[NaN, -Infinity, Infinity,-1.5]"#).unwrap(),
+            r#"[null, null, null,-1.5]"#
+        );
+        assert_eq!(with_null_for_nan(r#"{"a":"NaN","b\"NaN":-1}"#), None);
+        assert_eq!(with_null_for_nan(r#"{"é\\":NaN}"#).unwrap(), r#"{"é\\":null}"#);
+        assert_eq!(with_null_for_nan(r#"{"open"#), None);
         let text = r#"{"type": "pose", "epoch": 1, "seq": 2, "t": 3, "pos": [1, 2, 3],
             "hands": {"l": [[NaN, 1, 1, 0.01]], "r": [[1, 1, 1, 0.01]]}}"#;
         let HeadsetMessage::Pose(pose) = read(text).unwrap() else { panic!("{text}") };

@@ -375,6 +375,16 @@ fn eyes_raise_the_probability_of_the_slot_on_which_they_rest_and_lower_that_of_o
 }
 
 #[test]
+fn hands_are_said_to_be_seen_while_those_of_one_person_alone_are() {
+    let mut film = Film::new();
+    assert!(!film.desk.saw_of_late(film.now));
+    film.moves(LIT, film.at, 0.1, true);
+    assert!(film.desk.saw_of_late(film.now) && !film.desk.saw_of_late(film.now + OF_LATE));
+    film.desk.note_company(film.now);
+    assert!(!film.desk.saw_of_late(film.now), "nobody's hands confirm anything then");
+}
+
+#[test]
 fn what_is_seen_late_or_twice_changes_nothing() {
     let mut film = Film::new();
     film.picks(LIT, slot("C3"));

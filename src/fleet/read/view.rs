@@ -163,7 +163,7 @@ pub struct StationView {
     pub has_cell: bool,
     /// Whether hands of who picks there are of use.
     pub hears_hands: bool,
-    /// Whether hands were seen there of late.
+    /// Whether the hands of one person alone were seen there of late.
     pub saw_hands: bool,
     /// What the person there was warned of a moment ago.
     pub warning: Option<WrongReach>,

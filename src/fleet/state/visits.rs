@@ -491,7 +491,7 @@ impl Visits {
         self.desks.get(&station).map(|desk| desk.reaches(now)).unwrap_or_default()
     }
 
-    /// Whether hands were seen at a station of late.
+    /// Whether the hands of one person alone were seen at a station of late.
     pub fn saw_hands(&self, station: StationId, now: Time) -> bool {
         self.desks.get(&station).is_some_and(|desk| desk.saw_of_late(now))
     }

@@ -54,7 +54,7 @@ pub(super) struct BesideArm {
 }
 
 impl BesideArm {
-    /// Nobody is in anybody's way.
+    /// Neither is in the other's way.
     pub fn new(now: Time) -> BesideArm {
         let none = Span::ZERO;
         BesideArm { waited: none, rests: none, keeps: none, lets_out: false, waits_until: now, pace: 1.0 }

@@ -54,7 +54,7 @@ export interface Station {
   unconfirmed: { job: string; line: Line } | null;
   next: { rack: string; robot: string; in_s: number } | null;
   arm: { kind: string } | null;
-  /** Whether hands were seen of late, so that lines may be confirmed without a button. */
+  /** Whether the hands of one person alone were seen of late, so that lines may be confirmed without a button. */
   hands_seen: boolean;
   /** Where hands most likely go: a slot or a tote. */
   reach: readonly { hand: 'left' | 'right'; slot: string | null; tote: string | null; probability: number }[];
