@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 19] = [
+const RUNS: [(&str, i64); 20] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
@@ -29,6 +29,7 @@ const RUNS: [(&str, i64); 19] = [
     ("people-20", 60),
     ("closure", 1500),
     ("all-jobs", 1800),
+    ("permutations", 1800),
     ("few-chargers", 7200),
     ("shift", 90),
     ("mixed", 3600),
@@ -95,6 +96,11 @@ fn holds(name: &str) {
     assert_eq!(first.law_violations, 0, "{name}: {}", first.broken.join("; "));
     assert!(first.counts.robot_deliveries > 0, "{name}: nothing is delivered in {seconds} s");
     assert_eq!(first.trace_hash, setup.run().trace_hash, "{name}: the second run of the seed differs");
+}
+
+#[test]
+fn robots_that_are_sent_to_one_anothers_places_all_get_there() {
+    holds("permutations");
 }
 
 #[test]
@@ -339,8 +345,9 @@ const OLD_FAILURES: [OldFailure; 8] = [
 #[test]
 fn drawn_floors_on_which_the_fleet_once_panicked_or_stood_keep_their_laws_and_heal() {
     for (seed, minutes, robots, workers, without) in OLD_FAILURES {
-        // These seeds are from before there were deliveries to several stations and jobs given to other robots.
-        let later = [SwarmPart::Stops, SwarmPart::Reassigned];
+        // These seeds are from before there were deliveries to several stations, jobs given to other robots, and robots
+        // sent to one another's places.
+        let later = [SwarmPart::Stops, SwarmPart::Reassigned, SwarmPart::Trades];
         let without = without
             .split(',')
             .filter(|w| !w.is_empty())

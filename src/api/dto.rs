@@ -586,6 +586,10 @@ fn why_failed(why: JobFailure, node_name: impl Fn(NodeId) -> String) -> String {
         }
         JobFailure::Unreachable => "no route leads there, even on an empty floor".into(),
         JobFailure::Short => "the station reported that goods were missing".into(),
+        JobFailure::NoPlaceAside => {
+            "robots want one another's places, and no free place is left at which one of them could make room"
+                .into()
+        }
         JobFailure::RobotGone => "the robot that it names has left the floor".into(),
         JobFailure::MapChanged => "the map was changed and no longer has what this job names".into(),
         JobFailure::StorageTaken(node) => {

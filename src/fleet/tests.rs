@@ -41,6 +41,7 @@ mod shut_in;
 mod station;
 mod stops;
 mod stuck;
+mod trades;
 mod turns;
 mod why;
 mod workplace;

@@ -48,6 +48,13 @@ impl Stream {
         low + (high - low) * self.unit()
     }
 
+    /// Puts items into a random order, each with the same probability (Fisher and Yates).
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
+        for i in (1..items.len()).rev() {
+            items.swap(i, self.below(i + 1));
+        }
+    }
+
     /// Normal with mean 0 and standard deviation 1 (Box and Muller 1958). Always takes two numbers off the stream.
     pub fn normal(&mut self) -> f64 {
         let (u, v) = (1.0 - self.unit(), self.unit());

@@ -112,6 +112,7 @@ pub(super) enum FailureRecord {
     Unreachable,
     StorageTaken(u32),
     Short,
+    NoPlaceAside,
     MapChanged,
     RobotGone,
 }
@@ -260,6 +261,7 @@ impl From<JobFailure> for FailureRecord {
             JobFailure::Predecessor(job) => FailureRecord::Predecessor(job.0),
             JobFailure::Unreachable => FailureRecord::Unreachable,
             JobFailure::Short => FailureRecord::Short,
+            JobFailure::NoPlaceAside => FailureRecord::NoPlaceAside,
             JobFailure::MapChanged => FailureRecord::MapChanged,
             JobFailure::RobotGone => FailureRecord::RobotGone,
             JobFailure::StorageTaken(node) => FailureRecord::StorageTaken(node.0),
@@ -273,6 +275,7 @@ impl From<FailureRecord> for JobFailure {
             FailureRecord::Predecessor(job) => JobFailure::Predecessor(JobId(job)),
             FailureRecord::Unreachable => JobFailure::Unreachable,
             FailureRecord::Short => JobFailure::Short,
+            FailureRecord::NoPlaceAside => JobFailure::NoPlaceAside,
             FailureRecord::MapChanged => JobFailure::MapChanged,
             FailureRecord::RobotGone => JobFailure::RobotGone,
             FailureRecord::StorageTaken(node) => JobFailure::StorageTaken(NodeId(node)),

@@ -202,10 +202,10 @@ pub(in crate::fleet) fn stations_with_enough(
 }
 
 impl Floor<'_> {
-    /// The node itself if the robot may stay there, else some other place to stay.
+    /// The node itself if robots may stay there, whichever robot is there now; else some other place to stay.
     fn stay_for(&self, robot: RobotId, node: NodeId) -> Option<NodeId> {
         let lasting = self.warehouse().nodes[node].kind.is_lasting();
-        if lasting && !self.is_promised(node, robot) { Some(node) } else { self.any_stay(robot) }
+        if lasting { Some(node) } else { self.any_stay(robot) }
     }
 
     /// For each robot, how long its ways to the racks of these jobs take.

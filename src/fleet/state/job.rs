@@ -258,6 +258,8 @@ pub enum JobFailure {
     StorageTaken(NodeId),
     /// The rack came to its station, where goods were missing.
     Short,
+    /// Robots want one another's places, and there is no free place at which one of them could make room.
+    NoPlaceAside,
     /// The robot that it names has left the floor.
     RobotGone,
     /// The map was changed, and no longer has a rack, a station or a node that it names.

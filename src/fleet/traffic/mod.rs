@@ -9,6 +9,7 @@ pub(in crate::fleet) mod evacuation;
 pub(in crate::fleet) mod failure;
 pub(in crate::fleet) mod fence;
 mod first_step;
+mod goal_chain;
 pub(in crate::fleet) mod grant;
 pub(in crate::fleet) mod joint;
 pub(in crate::fleet) mod obstruction;

@@ -115,13 +115,19 @@ impl Traffic {
                 need.fails_since.get_or_insert(now);
                 tracing::debug!(?robot, ?why, tries = need.tries, "no route");
                 if need.tries.is_multiple_of(INSERT_EVERY) {
-                    if self.insert(core, robot, now) {
-                        self.needs.waiting.remove(&robot);
-                    } else {
-                        self.step_out(core, robot, None, now);
-                    }
+                    self.ask_for_room(core, robot, now);
                 }
             }
+        }
+    }
+
+    /// Others make way for a robot that finds no route, or it leaves for a place where it may stay, or a chain of goals
+    /// is broken.
+    fn ask_for_room(&mut self, core: &mut Core, robot: RobotId, now: Time) {
+        if self.insert(core, robot, now) {
+            self.needs.waiting.remove(&robot);
+        } else if !self.step_out(core, robot, None, now) {
+            self.break_goal_chain(core, robot, now);
         }
     }
 

@@ -181,9 +181,10 @@ impl<'a> RobotWaits<'a> {
         }
     }
 
-    /// The robot that an earlier search found in the way of one without a route.
+    /// The robot that keeps the goal of one without a route, or that an earlier search found in its way.
     fn in_the_way(&self, robot: RobotId) -> Option<RobotId> {
-        let other = self.traffic.needs.waiting.get(&robot)?.behind?;
+        let found = self.traffic.needs.waiting.get(&robot)?.behind;
+        let other = self.floor.keeper_of_goal(robot).or(found)?;
         (other != robot && !self.floor.ledger.robots[other].is_gone()).then_some(other)
     }
 

@@ -33,6 +33,8 @@ pub(super) struct Choices {
     /// For what came later, so that older runs repeat.
     later_random: Stream,
     storage: Vec<NodeId>,
+    /// Places where robots may stay.
+    places: Vec<NodeId>,
     /// Tokens of jobs that are to be cancelled when they are accepted, with how long after that.
     doomed: BTreeMap<u64, Span>,
     /// Those of jobs that are to be given to another robot: which one, if any, and how long after acceptance.
@@ -53,6 +55,7 @@ impl Choices {
             random: Stream::new(seed, PURPOSE, 0),
             later_random: Stream::new(seed, PURPOSE, 1),
             storage: warehouse.nodes_where(|k| k == NodeKind::Storage),
+            places: warehouse.nodes_where(NodeKind::is_lasting),
             doomed: BTreeMap::new(),
             moved: BTreeMap::new(),
             accepted: VecDeque::new(),
@@ -141,7 +144,9 @@ impl Choices {
             Some(4) => JobKind::Park { robot },
             Some(5) => {
                 let node = NodeId::at(self.random.below(fleet.warehouse().nodes.len()));
-                JobKind::Go { robot, node }
+                let to_place = self.later_random.happens(h.go_to_places);
+                let place = to_place.then(|| self.places[self.later_random.below(self.places.len())]);
+                JobKind::Go { robot, node: place.unwrap_or(node) }
             }
             _ => {
                 let slow = self.random.happens(h.slow_pick);
@@ -197,7 +202,23 @@ impl Choices {
             said.push(Undone::Station(station, StationOrder::Pause));
             self.later.push((until, Undo::Resume(station)));
         }
+        let trades = self.habits.trades_per_hour * hours;
+        if self.later_random.happens(trades) {
+            said.extend(self.trade(fleet));
+        }
         said
+    }
+
+    /// Sends several robots, half of the time all, to one another's places.
+    fn trade(&mut self, fleet: &Fleet) -> Vec<Undone> {
+        let mut robots: Vec<RobotId> = fleet.ledger().present().collect();
+        self.later_random.shuffle(&mut robots);
+        if robots.len() > 2 && self.later_random.happens(0.5) {
+            robots.truncate(2 + self.later_random.below(robots.len() - 1));
+        }
+        let mut goals: Vec<NodeId> = robots.iter().map(|r| fleet.ledger().node_of(*r)).collect();
+        self.later_random.shuffle(&mut goals);
+        robots.into_iter().zip(goals).map(|(robot, goal)| Undone::Go(robot, goal)).collect()
     }
 
     /// How a pick ends at which a robot stands.
@@ -217,6 +238,7 @@ pub(super) enum Undone {
     Halt(RobotId),
     Release(RobotId),
     Station(StationId, StationOrder),
+    Go(RobotId, NodeId),
 }
 
 impl From<Undo> for Undone {
@@ -239,6 +261,9 @@ impl Undone {
             Undone::Halt(robot) => Input::Halt { token, robot: Some(robot) },
             Undone::Release(robot) => Input::Release { token, robot: Some(robot) },
             Undone::Station(station, order) => Input::Station { token, station, order },
+            Undone::Go(robot, node) => {
+                Input::Submit { token, request: JobRequest::new(JobKind::Go { robot, node }) }
+            }
         }
     }
 }

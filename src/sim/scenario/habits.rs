@@ -39,6 +39,10 @@ pub struct Habits {
     pub more_stops: f64,
     /// Share of jobs that an operator gives to another robot, as long after acceptance as others are cancelled.
     pub reassign: f64,
+    /// Share of `go` jobs that name a place where robots may stay, so that some robot is likely to be there.
+    pub go_to_places: f64,
+    /// How often an hour several robots, or all, are sent to one another's places.
+    pub trades_per_hour: f64,
     /// Share of deliveries at which the picker takes long.
     pub slow_pick: f64,
     /// How long then, seconds.
@@ -74,6 +78,8 @@ impl Default for Habits {
             cancel_after_s: 60.0,
             more_stops: 0.0,
             reassign: 0.0,
+            go_to_places: 0.0,
+            trades_per_hour: 0.0,
             slow_pick: 0.0,
             slow_pick_s: 120.0,
             short: 0.0,
@@ -99,6 +105,7 @@ impl Habits {
             ("customers.cancel", self.cancel),
             ("customers.more_stops", self.more_stops),
             ("customers.reassign", self.reassign),
+            ("customers.go_to_places", self.go_to_places),
             ("customers.slow_pick", self.slow_pick),
             ("customers.short", self.short),
         ] {
@@ -111,6 +118,7 @@ impl Habits {
         ] {
             check(key, number, 0.1..=1e6, "from 0.1 to 1000000")?;
         }
+        check("customers.trades_per_hour", self.trades_per_hour, 0.0..=1e4, "from 0 to 10000")?;
         check("customers.departures_per_hour", self.departures_per_hour, 0.0..=1e4, "from 0 to 10000")?;
         check("customers.away_s", self.away_s, 1.0..=1e6, "from 1 to 1000000")?;
         check("customers.robot_pauses_per_hour", self.robot_pauses_per_hour, 0.0..=1e4, "from 0 to 10000")?;

@@ -57,6 +57,8 @@ pub enum SwarmPart {
     Stops,
     /// Operators give jobs to other robots.
     Reassigned,
+    /// Robots are sent to places where others rest, and to one another's places.
+    Trades,
     /// Operators pause robots and stations.
     Holds,
     /// Robots are taken off the floor and brought back.
@@ -71,7 +73,7 @@ pub enum SwarmPart {
 
 impl SwarmPart {
     /// All of them, in the order in which the shrinking tries them.
-    pub const ALL: [SwarmPart; 28] = [
+    pub const ALL: [SwarmPart; 29] = [
         SwarmPart::Departures,
         SwarmPart::Pushes,
         SwarmPart::Manual,
@@ -91,6 +93,7 @@ impl SwarmPart {
         SwarmPart::Picks,
         SwarmPart::Stops,
         SwarmPart::Reassigned,
+        SwarmPart::Trades,
         SwarmPart::Wishes,
         SwarmPart::Returns,
         SwarmPart::Relocations,
@@ -128,6 +131,7 @@ impl SwarmPart {
             SwarmPart::Picks => "picks",
             SwarmPart::Stops => "stops",
             SwarmPart::Reassigned => "reassigned",
+            SwarmPart::Trades => "trades",
             SwarmPart::Holds => "holds",
             SwarmPart::Departures => "departures",
             SwarmPart::Sensors => "sensors",

@@ -204,6 +204,8 @@ fn more_wanted(case: &SwarmCase, random: &mut Stream, wanted: &mut Value) {
     for (part, key, probability, (low, high)) in [
         (SwarmPart::Stops, "more_stops", 0.4, (0.05, 0.5)),
         (SwarmPart::Reassigned, "reassign", 0.4, (0.05, 0.4)),
+        (SwarmPart::Trades, "go_to_places", 0.5, (0.2, 1.0)),
+        (SwarmPart::Trades, "trades_per_hour", 0.4, (4.0, 60.0)),
     ] {
         let number = at_times(probability, low, high, random);
         wanted[key] = json!(if case.has(part) { number } else { 0.0 });
