@@ -103,6 +103,22 @@ fn robots_that_are_sent_to_one_anothers_places_all_get_there() {
     holds("permutations");
 }
 
+/// Every rack once, in the order of the map: searches of many robots in one part of the floor need more labels than one
+/// budget has, and robots stood for a minute, each said to wait for the other.
+#[test]
+fn a_stock_count_with_four_hundred_robots_keeps_its_laws() {
+    let mut setup = Setup::read("kiva-800");
+    setup.scenario.robots = 400;
+    setup.scenario.demand = Demand::File { path: String::new(), backlog: 1600 };
+    setup.scenario.duration = Span::from_secs(860);
+    setup.scenario.drain = Span::ZERO;
+    let line = |i: usize| OrderFileLine { order: format!("O{i}"), location: format!("L{i}") };
+    setup.lines = (0..setup.warehouse.racks.len()).map(line).collect();
+    let outcome = setup.run();
+    assert_eq!(outcome.law_violations, 0, "{}", outcome.broken.join("; "));
+    assert!(outcome.counts.robot_deliveries > 0);
+}
+
 #[test]
 fn the_laboratory_keeps_its_laws() {
     holds("lab");

@@ -156,6 +156,7 @@ fn unwanted_reason(fleet: &Fleet, view: &View) -> Option<(String, String)> {
                 | JobWhy::StationBlocked(..)
                 | JobWhy::RackBlocked(..)
                 | JobWhy::WayBlocked(_)
+                | JobWhy::WayClosed(_)
                 | JobWhy::RobotLow(_)
                 | JobWhy::NoKind,
             ) => return None,

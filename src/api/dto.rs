@@ -470,6 +470,10 @@ impl Names<'_> {
                     self.with_trouble(r)
                 )
             }
+            JobWhy::WayClosed(c) => {
+                let area = closure_name(c);
+                format!("waiting for closed area {area} to open: it cuts the rack off from its destination")
+            }
             JobWhy::RackBlocked(k, r) => {
                 format!("waiting for rack {}, beneath which stands {}", rack(k), self.with_trouble(r))
             }

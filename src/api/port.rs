@@ -8,10 +8,10 @@ use super::audit::{AuditEntry, AuditQuery};
 use super::caller::{NamedToken, TokenHash, WebSession};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
-    Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, Closure, EncounterQuery, EncounterRow,
-    EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow, NodeOccupancy,
-    RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, ShiftRows,
-    StationOrder, View, Waiting,
+    Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, ClosingEffect, Closure, EncounterQuery,
+    EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow,
+    NodeOccupancy, RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind,
+    ShiftRows, StationOrder, View, Waiting,
 };
 use crate::geometry::Spot;
 use crate::history::{History, LoopTimes};
@@ -209,6 +209,8 @@ pub enum Question {
     Robot(RobotId, oneshot::Sender<WaitChain>),
     /// Why a job does not go on.
     Job(JobId, oneshot::Sender<WaitChain>),
+    /// What closing an area would do.
+    Closing(Closure, oneshot::Sender<AnswerAt<ClosingEffect>>),
     /// What holds the nodes of an area, for so long ahead.
     Occupancy(Area, Span, oneshot::Sender<AnswerAt<Result<Vec<NodeOccupancy>, usize>>>),
 }
@@ -234,6 +236,9 @@ impl Question {
             }
             Question::Job(job, reply) => {
                 let _ = reply.send(AnswerAt { at, what: fleet.job_waits(job, at) });
+            }
+            Question::Closing(area, reply) => {
+                let _ = reply.send(AnswerAt { at, what: fleet.effect_of_closing(&area, at) });
             }
             Question::Occupancy(area, ahead, reply) => {
                 let _ = reply.send(AnswerAt { at, what: fleet.occupancy(area, ahead, at) });

@@ -114,6 +114,7 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("POST", "/v1/assignments/{id}/done", Change),
     ("GET", "/v1/closures", Read),
     ("POST", "/v1/closures", Operate),
+    ("POST", "/v1/closures/preview", Operate),
     ("GET", "/v1/closures/recurring", Read),
     ("GET", "/v1/closures/{id}", Read),
     ("DELETE", "/v1/closures/{id}", Operate),

@@ -116,6 +116,7 @@ fn job_whys() -> Vec<JobWhy> {
         JobWhy::ClosedOff,
         JobWhy::RackBlocked(RACK, ROBOT),
         JobWhy::WayBlocked(ROBOT),
+        JobWhy::WayClosed(ClosureId(1)),
         JobWhy::NoPlace(NodeKind::Charger),
         JobWhy::NoPlace(NodeKind::Parking),
         JobWhy::RobotLow(ROBOT),

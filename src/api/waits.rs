@@ -135,6 +135,7 @@ impl Names<'_> {
                 (About::Station, name)
             }
             JobWhy::ClosedOff => (About::Closed, None),
+            JobWhy::WayClosed(c) => (About::Closure, Some((closure_name(c), By::Closure))),
             JobWhy::RackBlocked(_, r) | JobWhy::WayBlocked(r) => {
                 (About::Blocked, Some((self.robot(r), By::Robot)))
             }

@@ -20,6 +20,7 @@ pub use people::forecast::{AHEAD_S, Expected};
 pub use people::foreseen::ForeseenPerson;
 pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
+pub use read::closing::{Affected, ClosingEffect, NAMED};
 pub use read::events::{EventKind, EventQuery, EventRow, EventSpan, FloorEvent, floor_event};
 pub use read::occupancy::{MOST_NODES, NodeOccupancy};
 pub use read::robot_events::{

@@ -68,7 +68,7 @@ describe('the form for a closed area', () => {
     const target = document.createElement('div');
     const never = (): Promise<never> => new Promise(() => {});
     const mounted = mount(ClosureForm, { target, props: {
-      closures: [], api: { close: never, reopen: never }, notices: new Notices(), onPick: () => {},
+      closures: [], api: { close: never, previewClosure: never, reopen: never }, notices: new Notices(), onPick: () => {},
       onDraw: (asked: Drawing) => { drawing = asked; }, onSketch: (outline: readonly Point[] | null) => { sketch = outline; },
     } });
     flushSync();

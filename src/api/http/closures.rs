@@ -2,6 +2,7 @@
 //!
 //! Main type: [`NewClosure`]. Refuses: areas of nothing, and times that are over.
 
+use super::closing::{ClosingEffectDto, effect_of};
 use super::lists::{Paging, is_wanted, page, read_words, refuse_wrong};
 use super::recurring::NewRecurrence;
 use crate::api::Api;
@@ -57,6 +58,16 @@ pub struct NewClosure {
     binds: Option<String>,
     /// Closed again and again. `from` and `until` then say between which times occurrences begin.
     recurs: Option<NewRecurrence>,
+}
+
+/// What was closed, and what that does.
+#[derive(Serialize, ToSchema)]
+pub struct JustClosedDto {
+    /// The area.
+    #[serde(flatten)]
+    closed: ClosedDto,
+    /// What closing it does to robots, racks and jobs, as things stood.
+    effect: ClosingEffectDto,
 }
 
 /// What was closed: an area once, or again and again.
@@ -133,7 +144,7 @@ pub async fn list(
     params(("Idempotency-Key" = Option<String>, Header,
         description = "Your own key, up to 255 characters: a repeat gets the same answer and makes nothing")),
     responses(
-    (status = 201, description = "Closed and durable", body = ClosedDto, headers(("Location" = String))),
+    (status = 201, description = "Closed and durable", body = JustClosedDto, headers(("Location" = String))),
     (status = 409, description = "The request with this key is still in progress, or its outcome is not known",
      body = Problem, content_type = "application/problem+json"),
     (status = 422, body = Problem, content_type = "application/problem+json"),
@@ -144,17 +155,22 @@ pub async fn list(
 pub async fn close(
     Called(api): Called,
     JsonBody(new): JsonBody<NewClosure>,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<ClosedDto>), Problem> {
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JustClosedDto>), Problem> {
     let (area, recurrence) = new.read(&api)?;
+    let effect = effect_of(&api, &area).await?;
     if let Some(recurrence) = recurrence {
-        return recur(&api, RecurringClosure::new(area, recurrence)).await;
+        return recur(&api, RecurringClosure::new(area, recurrence), effect).await;
     }
     match api.ask(What::Close(area.clone())).await? {
         Reply::Closed { closure, .. } => {
             let moment = api.moment();
             let dto = Names { map: &api.map, view: &moment.view }.closure(closure, &area, (api.now)());
             let place = format!("/v1/closures/{}", closure_name(closure));
-            Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(ClosedDto::Once(dto))))
+            Ok((
+                StatusCode::CREATED,
+                [(header::LOCATION, place)],
+                Json(JustClosedDto { closed: ClosedDto::Once(dto), effect }),
+            ))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
@@ -164,14 +180,19 @@ pub async fn close(
 async fn recur(
     api: &Api,
     closure: RecurringClosure,
-) -> Result<(StatusCode, [(HeaderName, String); 1], Json<ClosedDto>), Problem> {
+    effect: ClosingEffectDto,
+) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JustClosedDto>), Problem> {
     match api.ask(What::Recur(closure.clone())).await? {
         Reply::Recurs { series, .. } => {
             let moment = api.moment();
             let names = Names { map: &api.map, view: &moment.view };
             let dto = names.recurring(series, &closure, (api.now)());
             let place = format!("/v1/closures/{}", series_name(series));
-            Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(ClosedDto::Recurring(dto))))
+            Ok((
+                StatusCode::CREATED,
+                [(header::LOCATION, place)],
+                Json(JustClosedDto { closed: ClosedDto::Recurring(dto), effect }),
+            ))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
         _ => Err(Problem::internal()),
@@ -229,7 +250,7 @@ fn parse_id(text: &str) -> Result<ClosedId, Problem> {
 }
 
 impl NewClosure {
-    fn read(&self, api: &Api) -> Result<(Closure, Option<Recurrence>), Problem> {
+    pub(super) fn read(&self, api: &Api) -> Result<(Closure, Option<Recurrence>), Problem> {
         let mut errors = Vec::new();
         let mut nodes = Vec::new();
         let outline = match (&self.outline, &self.nodes) {

@@ -8,6 +8,7 @@ mod assignments;
 mod asyncapi;
 mod audit;
 mod batch;
+mod closing;
 mod closures;
 mod encounters;
 mod evacuation;
@@ -195,6 +196,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(assignments::get, assignments::cancel))
         .routes(routes!(assignments::finish))
         .routes(routes!(closures::list, closures::close))
+        .routes(routes!(closing::preview))
         .routes(routes!(recurring::list))
         .routes(routes!(closures::get, closures::reopen))
         .routes(routes!(evacuation::get, evacuation::begin, evacuation::end))

@@ -7,6 +7,7 @@
 pub(in crate::fleet) mod area;
 pub(in crate::fleet) mod backlog;
 pub(in crate::fleet) mod build;
+pub(in crate::fleet) mod closing;
 pub(in crate::fleet) mod events;
 pub(in crate::fleet) mod occupancy;
 mod questions;

@@ -7,7 +7,7 @@ use crate::aware::zone_answers::ZoneCounts;
 use crate::cell::{Lines, Remaining, SeenReach};
 use crate::fleet::state::activity::{Activity, Doing};
 use crate::fleet::state::arms::ArmView;
-use crate::fleet::state::cut_off::CutOff;
+use crate::fleet::state::cut_off::{Cut, CutOff};
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::io::WrongReach;
@@ -20,7 +20,7 @@ use crate::fleet::state::worker::{ClosureView, WorkerView};
 use crate::fleet::traffic::state::InsertionCounts;
 use crate::geometry::Pose;
 use crate::human::HorizonCoverage;
-use crate::id::{BodyId, Dense, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
+use crate::id::{BodyId, ClosureId, Dense, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::Time;
 use crate::warehouse::{NodeKind, Warehouse};
 use smallvec::SmallVec;
@@ -206,12 +206,25 @@ pub enum JobWhy {
     RackBlocked(RackId, RobotId),
     /// A robot that cannot drive stands on the only way to the rack, or to where it is to go.
     WayBlocked(RobotId),
+    /// This closed area cuts the rack off from where it is to go.
+    WayClosed(ClosureId),
     /// No charger, or no parking place, is free.
     NoPlace(NodeKind),
     /// The robot that the customer named has too little charge for it.
     RobotLow(RobotId),
     /// The robot at work on it does not go on.
     Robot(RobotId, Why),
+}
+
+/// What is on the only way of a job.
+impl From<Cut> for JobWhy {
+    fn from(cut: Cut) -> JobWhy {
+        match cut {
+            Cut::Robot(robot) => JobWhy::WayBlocked(robot),
+            Cut::Closure(closure) => JobWhy::WayClosed(closure),
+            Cut::Obstruction(_) => JobWhy::ClosedOff,
+        }
+    }
 }
 
 impl View {
@@ -283,8 +296,10 @@ impl View {
             JobKind::Deliver { station, .. }
                 if self.cut_off.blocks_for_long(*station, self.now).is_some() =>
             {
-                let robot = self.cut_off.blocks_for_long(*station, self.now)?;
-                return Some(JobWhy::StationBlocked(*station, robot));
+                return Some(match self.cut_off.blocks_for_long(*station, self.now)? {
+                    Cut::Robot(robot) => JobWhy::StationBlocked(*station, robot),
+                    cut @ (Cut::Closure(_) | Cut::Obstruction(_)) => cut.into(),
+                });
             }
             JobKind::Deliver { station, .. } if self.full.contains(station) => {
                 return Some(JobWhy::StationFull(*station));
@@ -296,8 +311,8 @@ impl View {
             _ if closed(&node) => return Some(JobWhy::ClosedOff),
             _ => {}
         }
-        if let Some(robot) = self.cut_off.blocks_job(map, kind, node) {
-            return Some(JobWhy::WayBlocked(robot));
+        if let Some(cut) = self.cut_off.blocks_job(map, kind, node) {
+            return Some(cut.into());
         }
         let stays = |r: &RobotView| r.held.last().or(r.granted.last()) == Some(&node);
         let blocked = self.robots.iter().position(stays).map(|r| JobWhy::RackBlocked(rack, RobotId::at(r)));
@@ -310,7 +325,7 @@ impl View {
     fn out_of_reach(&self, map: &Warehouse, node: NodeId, fits: impl Fn(&BodyId) -> bool) -> Option<JobWhy> {
         let mut free = self.free_at.iter().filter(|(body, _)| fits(body));
         let none = !self.cut_off.is_empty() && free.all(|(_, here)| !self.cut_off.may_fetch(*here, node));
-        if none { self.cut_off.first_met(map, node).map(JobWhy::WayBlocked) } else { None }
+        if none { self.cut_off.first_met(map, node).map(JobWhy::from) } else { None }
     }
 
     /// The robot that carries a rack, or is on its way to it.

@@ -148,6 +148,7 @@ impl Fleet {
             | JobWhy::StationFull(_)
             | JobWhy::StationPaused(_)
             | JobWhy::ClosedOff
+            | JobWhy::WayClosed(_)
             | JobWhy::NoPlace(_) => None,
         };
         let until = None;

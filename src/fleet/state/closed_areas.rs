@@ -40,6 +40,8 @@ pub(in crate::fleet) struct Areas {
     open: BTreeMap<ClosureId, ClosedArea>,
     /// Nodes that are closed, or will be soon, with when that begins.
     closing: BTreeMap<NodeId, Time>,
+    /// The closure of each, the first of several.
+    by: BTreeMap<NodeId, ClosureId>,
     /// Storage nodes beside those whose racks have no other way out.
     cut_off: BTreeMap<NodeId, Time>,
     changes: u64,
@@ -111,6 +113,11 @@ impl Areas {
         self.closing.get(&node).copied()
     }
 
+    /// Nodes that are closed by hand, or will be soon, with the closure of each.
+    pub fn closed_by(&self) -> &BTreeMap<NodeId, ClosureId> {
+        &self.by
+    }
+
     /// Nodes that are closed by hand, or will be soon, and those that are cut off by that.
     pub fn nodes(&self) -> impl Iterator<Item = NodeId> + '_ {
         self.closing.keys().chain(self.cut_off.keys()).copied()
@@ -124,9 +131,11 @@ impl Areas {
     fn note_closing(&mut self, warehouse: &Warehouse, now: Time) {
         let soon = Window::new(now, now + SOON);
         self.closing.clear();
-        for area in self.open.values().filter(|a| a.window.overlaps(soon)) {
+        self.by.clear();
+        for (id, area) in self.open.iter().filter(|(_, a)| a.window.overlaps(soon)) {
             let start = area.window.start();
             for node in &area.nodes {
+                self.by.entry(*node).or_insert(*id);
                 self.closing.entry(*node).and_modify(|t| *t = start.min(*t)).or_insert(start);
             }
         }
@@ -166,7 +175,7 @@ pub(in crate::fleet) fn storage_behind<'a>(
 }
 
 /// The nodes of a closed area, each once.
-fn nodes_of(area: &Closure, warehouse: &Warehouse) -> Vec<NodeId> {
+pub(in crate::fleet) fn nodes_of(area: &Closure, warehouse: &Warehouse) -> Vec<NodeId> {
     let outline: Vec<Point> = area.outline.iter().map(|s| Point::from(*s)).collect();
     let mut nodes = if area.nodes.is_empty() { nodes_in(warehouse, &outline) } else { area.nodes.clone() };
     nodes.sort_unstable();

@@ -1,14 +1,15 @@
-//! What robots that cannot drive cut off: stations to which no rack comes past them, and storage whose racks do not
-//! come out.
+//! What robots that cannot drive, and closed areas, cut off: stations to which no rack comes past them, and storage
+//! whose racks do not come out.
 //!
-//! Main type: [`CutOff`]. It is found out anew only when a robot breaks down, is repaired or stands elsewhere: a few
-//! walks over the floor, which leave out what these robots hold. Kinds of robots are not told apart, and lanes that
-//! are in conflict with a hold count as open. Refuses: to plan: that a place is not cut off is no promise of a route.
+//! Main types: [`CutOff`], [`Cut`]. It is found out anew only when a robot breaks down, is repaired or stands elsewhere,
+//! and when an area is closed or opened: a few walks over the floor, which leave out what is held. Kinds of robots are
+//! not told apart, and lanes that are in conflict with a hold count as open. Refuses: to plan: that a place is not cut
+//! off is no promise of a route.
 
 use crate::fleet::state::job::JobKind;
 use crate::fleet::state::ledger::Ledger;
 use crate::fleet::state::scene::Scene;
-use crate::id::{ArcId, IdVec, NodeId, RobotId, StationId};
+use crate::id::{ArcId, ClosureId, IdVec, NodeId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::{Arc, NodeKind, Warehouse};
 use std::collections::{BTreeMap, VecDeque};
@@ -16,23 +17,45 @@ use std::collections::{BTreeMap, VecDeque};
 /// A station that has been blocked for this long is blocked for long: racks for it wait in storage, not on robots.
 const LONG: Span = Span::from_secs(60);
 
-/// A robot that cannot drive, and since when it has blocked a station.
+/// What no robot gets past.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Cut {
+    /// This robot, which cannot drive.
+    Robot(RobotId),
+    /// This area, which is closed or will be soon.
+    Closure(ClosureId),
+    /// What stands on this node, as a robot reported; it is tried again, so it cuts no job off.
+    Obstruction(NodeId),
+}
+
+/// What has blocked a station, and since when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Blocker {
-    robot: RobotId,
+    cut: Cut,
     since: Time,
 }
 
-/// What robots that cannot drive cut off.
+impl Blocker {
+    /// A robot may drive on in a moment. How long an area stays closed is known, and that is long.
+    fn is_for_long(&self, now: Time) -> bool {
+        match self.cut {
+            Cut::Robot(_) => now - self.since > LONG,
+            Cut::Closure(_) => true,
+            Cut::Obstruction(_) => false,
+        }
+    }
+}
+
+/// What robots that cannot drive, and closed areas, cut off.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutOff {
-    /// Nodes on which such a robot may stand, or which it blocks.
-    held: BTreeMap<NodeId, RobotId>,
+    /// Nodes that are closed, or on which such a robot may stand, or which it blocks.
+    held: BTreeMap<NodeId, Cut>,
     /// Stations to which no rack comes, or from which none gets away.
     blocked: BTreeMap<StationId, Blocker>,
     /// What the others are joined to.
     open: BTreeMap<StationId, Region>,
-    storage: BTreeMap<NodeId, RobotId>,
+    storage: BTreeMap<NodeId, Cut>,
 }
 
 /// What a station is joined to: nodes from which robots get there, without and with a rack, and to which they get from
@@ -44,34 +67,75 @@ struct Region {
 }
 
 impl CutOff {
-    /// Looks again; nothing if nothing has changed.
-    pub(in crate::fleet) fn anew(&self, ledger: &Ledger, scene: &Scene, now: Time) -> Option<CutOff> {
-        let held = held_by_failed(ledger, scene);
-        if held == self.held {
-            return None;
-        }
+    /// Looks again; nothing if nothing has changed. `closed` are the nodes of closed areas.
+    pub(in crate::fleet) fn anew(
+        &self,
+        ledger: &Ledger,
+        scene: &Scene,
+        closed: &BTreeMap<NodeId, ClosureId>,
+        now: Time,
+    ) -> Option<CutOff> {
+        let mut held = held_by_failed(ledger, scene);
+        // A closure ends at a known time, a broken robot may stay for longer.
+        closed.iter().for_each(|(n, c)| {
+            held.entry(*n).or_insert(Cut::Closure(*c));
+        });
+        if held == self.held { None } else { Some(self.with(ledger.warehouse(), held, now)) }
+    }
+
+    /// What would be cut off if these nodes were closed as well.
+    pub(in crate::fleet) fn with_closed(
+        &self,
+        w: &Warehouse,
+        nodes: &[NodeId],
+        closure: ClosureId,
+        now: Time,
+    ) -> CutOff {
+        let mut held = self.held.clone();
+        held.extend(nodes.iter().map(|n| (*n, Cut::Closure(closure))));
+        self.with(w, held, now)
+    }
+
+    fn with(&self, w: &Warehouse, held: BTreeMap<NodeId, Cut>, now: Time) -> CutOff {
         let mut found = CutOff { held, ..CutOff::default() };
         if found.held.is_empty() {
-            return Some(found);
+            return found;
         }
-        let w = ledger.warehouse();
         let walks = FloorWalks { w, held: &found.held, into: incoming(w) };
         for station in w.stations.ids() {
             match walks.blocks(station) {
-                Some(robot) => {
+                Some(cut) => {
                     let since = self.blocked.get(&station).map_or(now, |b| b.since);
-                    found.blocked.insert(station, Blocker { robot, since });
+                    found.blocked.insert(station, Blocker { cut, since });
                 }
                 None => found.open.extend([(station, walks.region(station))]),
             }
         }
         found.storage = walks.storage(&found.open);
-        Some(found)
+        found
     }
 
-    /// The robot that has blocked a station for long.
-    pub fn blocks_for_long(&self, station: StationId, now: Time) -> Option<RobotId> {
-        self.blocked.get(&station).filter(|b| now - b.since > LONG).map(|b| b.robot)
+    /// Stations to which no rack comes, or from which none gets away.
+    pub fn blocked(&self) -> impl Iterator<Item = StationId> + '_ {
+        self.blocked.keys().copied()
+    }
+
+    /// What has blocked a station for long.
+    pub fn blocks_for_long(&self, station: StationId, now: Time) -> Option<Cut> {
+        self.blocked.get(&station).filter(|b| b.is_for_long(now)).map(|b| b.cut)
+    }
+
+    /// Whether a robot that stands on a node gets to no storage node, past nothing that is held: with a rack, it can set
+    /// that down nowhere else.
+    pub fn traps(&self, w: &Warehouse, here: NodeId) -> bool {
+        if self.held.is_empty() || w.kind(here) == NodeKind::Storage {
+            return false;
+        }
+        // It may leave a closed area in which it stands.
+        let mut held = self.held.clone();
+        held.remove(&here);
+        let walks = FloorWalks { w, held: &held, into: IdVec::new() };
+        !walks.walk([here], LaneSense::Forward, true, |n| w.kind(n) == NodeKind::Storage).ended
     }
 
     /// Stations that have been blocked for long.
@@ -79,12 +143,12 @@ impl CutOff {
         self.blocked.keys().copied().filter(move |s| self.blocks_for_long(*s, now).is_some())
     }
 
-    /// Storage nodes that are cut off from all stations, with the robot that cuts each off.
-    pub fn storage(&self) -> &BTreeMap<NodeId, RobotId> {
+    /// Storage nodes that are cut off from all stations, with what cuts each off.
+    pub fn storage(&self) -> &BTreeMap<NodeId, Cut> {
         &self.storage
     }
 
-    /// Whether no robot holds anything that it cannot leave.
+    /// Whether nothing is closed, and no robot holds anything that it cannot leave.
     pub fn is_empty(&self) -> bool {
         self.held.is_empty()
     }
@@ -106,10 +170,10 @@ impl CutOff {
         self.open.is_empty() || self.open.values().any(|r| r.from[0][here] && r.to[node])
     }
 
-    /// The robot that stands between a rack and where a job is to bring it. A blocked station is another matter.
-    pub fn blocks_job(&self, w: &Warehouse, kind: &JobKind, rack_at: NodeId) -> Option<RobotId> {
-        if let Some(robot) = self.storage.get(&rack_at) {
-            return Some(*robot);
+    /// What is between a rack and where a job is to bring it. A blocked station is another matter.
+    pub fn blocks_job(&self, w: &Warehouse, kind: &JobKind, rack_at: NodeId) -> Option<Cut> {
+        if let Some(cut) = self.storage.get(&rack_at) {
+            return Some(*cut);
         }
         let goes_on = match *kind {
             JobKind::Deliver { station, .. } => self.open.get(&station).is_none_or(|r| r.from[1][rack_at]),
@@ -119,15 +183,45 @@ impl CutOff {
         if goes_on { None } else { self.first_met(w, rack_at) }
     }
 
-    /// The first of these robots on the ways of a rack from a node, else any.
-    pub fn first_met(&self, w: &Warehouse, node: NodeId) -> Option<RobotId> {
+    /// The first cut on the ways of a rack from a node, else any.
+    pub fn first_met(&self, w: &Warehouse, node: NodeId) -> Option<Cut> {
         let walks = FloorWalks { w, held: &self.held, into: IdVec::new() };
         walks.walk([node], LaneSense::Forward, true, |_| false).met.or(self.held.values().next().copied())
+    }
+
+    /// Whether this still keeps robots away.
+    pub fn has(&self, cut: Cut) -> bool {
+        self.held.values().any(|c| *c == cut)
+    }
+
+    /// The first cut on the ways of a robot from where it is to a node, if none of them leads there past all of them
+    /// and past what robots found `obstructed`.
+    pub fn between(
+        &self,
+        w: &Warehouse,
+        (here, goal): (NodeId, NodeId),
+        loaded: bool,
+        obstructed: impl Iterator<Item = NodeId>,
+    ) -> Option<Cut> {
+        let mut held: BTreeMap<NodeId, Cut> = obstructed.map(|n| (n, Cut::Obstruction(n))).collect();
+        held.extend(self.held.iter().map(|(n, cut)| (*n, *cut)));
+        held.remove(&here);
+        if held.is_empty() {
+            return None;
+        }
+        let walks = FloorWalks { w, held: &held, into: incoming(w) };
+        let (start, end, along) = match w.kind(goal).reserved_for() {
+            // The places of a station are for robots bound for it: back from there.
+            Some(_) => (goal, here, LaneSense::Back),
+            None => (here, goal, LaneSense::Forward),
+        };
+        let walk = walks.walk([start], along, loaded, |n| n == end);
+        if walk.ended { None } else { walk.met }
     }
 }
 
 /// Nodes on which robots that cannot drive may stand, or which they block.
-fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, RobotId> {
+fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, Cut> {
     let w = ledger.warehouse();
     let mut held = BTreeMap::new();
     for robot in ledger.present().filter(|r| ledger.robots[*r].failed) {
@@ -137,16 +231,16 @@ fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, RobotId> {
         let off = scene.displaced(robot).map_or(&[][..], |d| &d.nodes);
         for node in own.chain(off.iter().copied()) {
             let beside = w.conflicts(w.node_resource(node)).iter().filter_map(|r| w.resource(*r).ok());
-            held.extend(beside.chain([node]).map(|n| (n, robot)));
+            held.extend(beside.chain([node]).map(|n| (n, Cut::Robot(robot))));
         }
     }
     held
 }
 
-/// FloorWalks over the floor that leave out what robots which cannot drive hold.
+/// Walks over the floor that leave out what is held.
 struct FloorWalks<'a> {
     w: &'a Warehouse,
-    held: &'a BTreeMap<NodeId, RobotId>,
+    held: &'a BTreeMap<NodeId, Cut>,
     /// The arcs that end at each node.
     into: IdVec<NodeId, Vec<ArcId>>,
 }
@@ -159,8 +253,8 @@ enum LaneSense {
 }
 
 impl FloorWalks<'_> {
-    /// The robot past which no rack comes from storage to a station, or from there to storage.
-    fn blocks(&self, station: StationId) -> Option<RobotId> {
+    /// What no rack passes on its way from storage to a station, or from there to storage.
+    fn blocks(&self, station: StationId) -> Option<Cut> {
         let node = self.w.stations[station].node;
         let is_end = |n: NodeId| self.w.kind(n) == NodeKind::Storage;
         [LaneSense::Forward, LaneSense::Back].into_iter().find_map(|along| {
@@ -176,18 +270,18 @@ impl FloorWalks<'_> {
         Region { from, to: seen(LaneSense::Forward, false) }
     }
 
-    /// Storage nodes from which no rack comes to a station that is open, or which no robot reaches from there; with the
-    /// robot that is in the way. If no station is open, those that robots hold.
-    fn storage(&self, open: &BTreeMap<StationId, Region>) -> BTreeMap<NodeId, RobotId> {
+    /// Storage nodes from which no rack comes to a station that is open, or which no robot reaches from there; with
+    /// what is in the way. If no station is open, those that are held.
+    fn storage(&self, open: &BTreeMap<StationId, Region>) -> BTreeMap<NodeId, Cut> {
         let is_storage = |n: &NodeId| self.w.kind(*n) == NodeKind::Storage;
         let held = self.held.iter().filter(|(n, _)| is_storage(n));
-        let mut cut_off: BTreeMap<NodeId, RobotId> = held.map(|(n, r)| (*n, *r)).collect();
+        let mut cut_off: BTreeMap<NodeId, Cut> = held.map(|(n, r)| (*n, *r)).collect();
         let is_joined = |n: NodeId| open.is_empty() || open.values().any(|r| r.from[1][n] && r.to[n]);
         for n in self.w.nodes.ids().filter(|n| is_storage(n) && !is_joined(*n)) {
             let out = self.walk([n], LaneSense::Forward, true, |_| false);
             let met = out.met.or_else(|| self.walk([n], LaneSense::Back, false, |_| false).met);
-            // If no robot was met, no way leads there on a floor without broken robots either.
-            cut_off.extend(met.map(|robot| (n, robot)));
+            // If nothing was met, no way leads there on an open floor either.
+            cut_off.extend(met.map(|cut| (n, cut)));
         }
         cut_off
     }
@@ -208,8 +302,8 @@ impl FloorWalks<'_> {
             if walk.seen[n] {
                 continue;
             }
-            if let Some(robot) = self.held.get(&n) {
-                walk.met = walk.met.or(Some(*robot));
+            if let Some(cut) = self.held.get(&n) {
+                walk.met = walk.met.or(Some(*cut));
                 continue;
             }
             walk.seen[n] = true;
@@ -236,8 +330,8 @@ impl FloorWalks<'_> {
 /// What a walk found.
 struct FloorWalk {
     seen: IdVec<NodeId, bool>,
-    /// The first robot that it met.
-    met: Option<RobotId>,
+    /// The first cut that it met.
+    met: Option<Cut>,
     /// Whether it came to where it was to end.
     ended: bool,
 }

@@ -2,6 +2,7 @@
 //!
 //! Main type: [`Needs`]. Refuses: to look for routes.
 
+use super::cut_off::Cut;
 use super::floor::Floor;
 use super::tickets::{LAPSE, Ticket, Tickets};
 use crate::id::{IdVec, RobotId, StationId};
@@ -19,6 +20,8 @@ pub(in crate::fleet) struct Need {
     /// The robot most in the way of the route that it would have if others made way, when that was looked at last; one
     /// that cannot drive if there is no route past it.
     pub behind: Option<RobotId>,
+    /// What cut the robot off from its goal when its last search failed.
+    pub cut: Option<Cut>,
 }
 
 /// Robots that need a route, and when each looked for a better one last.

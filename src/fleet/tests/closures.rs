@@ -79,36 +79,89 @@ fn an_aisle_is_used_before_and_after_its_hour_and_empty_meanwhile() {
     assert!(floor.done() > 60, "{}", floor.done());
 }
 
+/// A node, closed from now on.
+fn closed(floor: &TestFloor, names: &[&str], until: Time) -> Closure {
+    let nodes = names.iter().map(|n| floor.node(n)).collect();
+    let window = Window::new(floor.now, until);
+    Closure { outline: Vec::new(), nodes, window, reason: "oil".into(), binds: Binds::Robots, series: None }
+}
+
 #[test]
-fn a_robot_that_waits_for_an_area_goes_on_at_once_when_it_is_opened_early() {
-    let mut floor = TestFloor::lab(1);
-    let w = floor.fleet.warehouse().clone();
-    let queue = w.node_named("R100").expect("it is the queue of the station");
-    let station = StationId(0);
-    let window = Window::new(seconds(0.0), seconds(600.0));
-    let at = w.nodes[queue].at;
-    let corners = [(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)];
-    let outline = corners.iter().map(|(x, y)| Point::new(at.x + x, at.y + y).into()).collect();
-    let closure = floor.close(Closure {
-        outline,
-        nodes: Vec::new(),
-        window,
-        reason: "oil".into(),
-        binds: Binds::Robots,
-        series: None,
-    });
-    let job = floor.submit(request(JobKind::Deliver { rack: RackId(3), station, pick: None }));
-    floor.run(120);
-    assert!(floor.state(job).is_some(), "it cannot be served while the way there is closed");
-    assert!(!floor.promised(RobotId::at(0)).is_empty(), "its route leads through the area, afterwards");
-    let place = |f: &TestFloor| f.world.truth().next().expect("there is one robot").1.pose.at;
-    let waits = place(&floor);
-    floor.run(5);
-    assert!((place(&floor) - waits).norm() < 0.01, "it stands");
+fn a_rack_is_not_lifted_while_a_closed_area_cuts_its_station_off_and_goes_at_once_when_that_is_opened() {
+    let mut floor = TestFloor::small(1);
+    let closure = floor.close(closed(&floor, &["a2"], Time::MAX));
+    let deliver = request(JobKind::Deliver { rack: RackId(0), station: StationId(0), pick: None });
+    let job = floor.submit(deliver);
+    floor.run(60);
+    assert_eq!(
+        (floor.state(job), floor.why_job(job)),
+        (Some(JobState::Waiting), Some(JobWhy::WayClosed(closure)))
+    );
+    assert_eq!(floor.where_is(RobotId(0)), floor.node("c"), "the robot stays free");
+    let go = floor.go(RobotId(0), floor.node("s1"));
+    floor.until(60, "it does its other jobs", |f| f.state(go).is_none());
     floor.step(vec![Input::Reopen { token: 6, closure }]);
-    floor.until(2, "it goes on", |f| (place(f) - waits).norm() > 0.02);
-    floor.until(200, "it is served", |f| f.state(job).is_none());
-    assert!(floor.now < seconds(400.0), "long before the area was to be opened");
+    floor.until(2, "it begins", |f| f.is(job, "assigned"));
+    floor.until_over(120);
+}
+
+#[test]
+fn a_robot_with_a_rack_sets_it_down_when_a_closed_area_cuts_its_station_off() {
+    let mut floor = TestFloor::small(1);
+    let deliver = request(JobKind::Deliver { rack: RackId(0), station: StationId(0), pick: None });
+    let job = floor.submit(deliver);
+    floor.until(60, "it carries the rack", |f| f.is(job, "carrying"));
+    let closure = floor.close(closed(&floor, &["w", "a2"], Time::MAX));
+    floor.until(90, "it gives the job back and sets the rack down", |f| {
+        f.is(job, "waiting") && matches!(f.rack(0), RackAt::Stored(_))
+    });
+    assert_eq!(floor.why_job(job), Some(JobWhy::WayClosed(closure)));
+    floor.step(vec![Input::Reopen { token: 6, closure }]);
+    floor.until_over(200);
+    assert_eq!(floor.story(job).last(), Some(&"done"));
+}
+
+#[test]
+fn before_an_area_is_closed_it_is_said_what_that_cuts_off_and_which_jobs_are_under_way_through_it() {
+    let mut floor = TestFloor::small(1);
+    let area = closed(&floor, &["a2"], Time::MAX);
+    let deliver = request(JobKind::Deliver { rack: RackId(0), station: StationId(0), pick: None });
+    let waits = floor.submit(deliver.clone());
+    let effect = floor.fleet.effect_of_closing(&area, floor.now);
+    assert_eq!((effect.nodes, effect.stations), (1, vec![StationId(0)]));
+    assert_eq!(effect.under_way.total + effect.waiting.total, 1, "{waits:?}");
+    floor.until(60, "it is carried", |f| f.is(waits, "carrying"));
+    let next = floor.submit(JobRequest {
+        kind: JobKind::Deliver { rack: RackId(1), station: StationId(0), pick: None },
+        ..deliver
+    });
+    floor.run(1);
+    let effect = floor.fleet.effect_of_closing(&area, floor.now);
+    assert_eq!((effect.under_way.first, effect.waiting.first), (vec![(waits, RobotId(0))], vec![next]));
+    assert!(
+        effect.clear.is_some_and(|at| floor.now < at && at < floor.now + Span::from_secs(120)),
+        "{:?}",
+        effect.clear
+    );
+    let harmless = closed(&floor, &["p"], Time::MAX);
+    let effect = floor.fleet.effect_of_closing(&harmless, floor.now);
+    assert_eq!((effect.stations, effect.racks.total, effect.waiting.total), (vec![], 0, 0));
+}
+
+#[test]
+fn a_robot_that_a_closed_area_shuts_in_is_named_before_and_names_the_area_after() {
+    let mut floor = TestFloor::small(1);
+    let deliver = request(JobKind::Deliver { rack: RackId(0), station: StationId(0), pick: None });
+    let job = floor.submit(deliver);
+    floor.until(120, "it is at the station", |f| f.is(job, "picking"));
+    let area = closed(&floor, &["a2"], Time::MAX);
+    let effect = floor.fleet.effect_of_closing(&area, floor.now);
+    assert_eq!(effect.trapped.first, vec![RobotId(0)], "the lane out of the station leads through the area");
+    let closure = floor.close(area);
+    floor.run(30);
+    assert_eq!(floor.fleet.why(RobotId(0)), Some(Why::Closed(closure)));
+    floor.step(vec![Input::Reopen { token: 6, closure }]);
+    floor.until_over(120);
 }
 
 #[test]

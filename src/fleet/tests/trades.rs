@@ -13,15 +13,15 @@ const FULL: &str = "
     C...C";
 
 impl TestFloor {
-    fn small(robots: usize) -> TestFloor {
+    pub(super) fn small(robots: usize) -> TestFloor {
         TestFloor::new(json::parse(SMALL).expect("a map"), &scenario(robots))
     }
 
-    fn go(&mut self, robot: RobotId, node: NodeId) -> JobId {
+    pub(super) fn go(&mut self, robot: RobotId, node: NodeId) -> JobId {
         self.submit(request(JobKind::Go { robot, node }))
     }
 
-    fn where_is(&self, robot: RobotId) -> NodeId {
+    pub(super) fn where_is(&self, robot: RobotId) -> NodeId {
         self.fleet.ledger().node_of(robot)
     }
 
@@ -95,4 +95,23 @@ fn where_there_is_no_place_to_make_room_one_job_fails_and_says_so() {
         jobs.iter().filter_map(|j| floor.progress(*j).last()).map(|(s, _)| s).collect();
     let failed = states.iter().filter(|s| **s == JobState::Failed(JobFailure::NoPlaceAside)).count();
     assert!(failed >= 1, "{states:?}");
+}
+
+#[test]
+fn a_search_that_gives_up_looks_farther_next_time() {
+    // Fewer labels than the route has nodes.
+    let mut floor = TestFloor::new(thesis(), &scenario(1));
+    floor.fleet = Fleet::new(
+        floor.fleet.warehouse().clone(),
+        Settings { expansions_per_plan: 12, ..scenario(1).settings() },
+    );
+    floor.laws = Laws::new(&floor.fleet);
+    floor.world = World::new(floor.fleet.warehouse().clone(), &scenario(1), &[], 1, &floor.fleet, Time::ZERO);
+    floor.now = Time::ZERO;
+    floor.step(vec![]);
+    let far =
+        floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Storage).pop().expect("the hall has storage");
+    let job = floor.go(RobotId(0), far);
+    floor.until_over(120);
+    floor.assert_done_once(&[job]);
 }

@@ -16,8 +16,8 @@ use crate::fleet::state::worker::Closure;
 use crate::fleet::state::yielding::STANDS;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
-use crate::id::{ClosureId, NodeId, RobotId, SeriesId};
-use crate::route::{COME_OUT, Cause, Condition, Conditions, Effect};
+use crate::id::{ClosureId, JobId, NodeId, RackId, RobotId, SeriesId};
+use crate::route::{COME_OUT, Cause, Condition, Conditions, Effect, Stage};
 use crate::time::{Span, Time, Window};
 use std::collections::BTreeMap;
 
@@ -131,7 +131,22 @@ impl Traffic {
         match self.search(core, robot, &stages, now) {
             Ok(route) => commit(core, robot, route),
             Err(_) if task != old => core.record(Fact::Tasked { robot, task: old }),
-            Err(_) => {}
+            Err(_) => self.set_down_instead(core, robot, now),
+        }
+    }
+
+    /// A robot with a rack whose job is cut off for long brings the rack to storage that it can reach, and gives the
+    /// job back: it would stand with the rack until the area is opened.
+    fn set_down_instead(&mut self, core: &mut Core, robot: RobotId, now: Time) {
+        let floor = core.floor();
+        let Some((job, rack)) = floor.carries_in_vain(robot, now) else { return };
+        let store = floor.best_storage(robot, rack, floor.ledger.node_of(robot), 0);
+        let lift = floor.kinematics(robot).lift;
+        let stage = Stage { loaded: true, stay: lift, ..Stage::to_stay(store) };
+        if let Ok(route) = self.search(core, robot, &[stage], now) {
+            let task = Task::Store { job: None, rack, store };
+            core.progress(job, JobState::Waiting, Some((robot, task)), now);
+            commit(core, robot, route);
         }
     }
 }
@@ -172,6 +187,19 @@ impl Floor<'_> {
         })
     }
 
+    /// The job and the rack of a robot that carries it, if a closed area or a broken robot cuts it off for long from
+    /// where it is to go.
+    fn carries_in_vain(&self, robot: RobotId, now: Time) -> Option<(JobId, RackId)> {
+        let (job, rack) = match self.ledger.robots[robot].task {
+            Task::Deliver { job, rack, .. } | Task::Store { job: Some(job), rack, .. } => (job, rack),
+            Task::Idle | Task::Fetch { .. } | Task::Store { .. } | Task::Move { .. } => return None,
+        };
+        let (cut_off, kind) = (&self.restrictions.cut_off, &self.ledger.jobs[&job].request.kind);
+        let here = self.ledger.node_of(robot);
+        let is_blocked = kind.station().is_some_and(|s| cut_off.blocks_for_long(s, now).is_some());
+        (is_blocked || cut_off.blocks_job(self.warehouse(), kind, here).is_some()).then_some((job, rack))
+    }
+
     /// Whether a robot on its way to a rack would not be out with it before the way is closed.
     fn fetches_too_late(&self, robot: RobotId, now: Time) -> bool {
         let record = &self.ledger.robots[robot];
@@ -187,10 +215,10 @@ impl Floor<'_> {
     fn task_elsewhere(&self, robot: RobotId) -> Task {
         let here = self.ledger.node_of(robot);
         match self.ledger.robots[robot].task {
-            Task::Deliver { job, rack, station, store } if self.is_closing(store) => {
+            Task::Deliver { job, rack, station, store } if self.is_no_end(robot, store) => {
                 Task::Deliver { job, rack, station, store: self.best_storage(robot, rack, station, 0) }
             }
-            Task::Store { job: None, rack, store } if self.is_closing(store) => {
+            Task::Store { job: None, rack, store } if self.is_no_end(robot, store) => {
                 Task::Store { job: None, rack, store: self.best_storage(robot, rack, here, 0) }
             }
             Task::Move { job: None, goal, stay, purpose } if goal == stay && self.is_closing(stay) => {
@@ -199,6 +227,11 @@ impl Floor<'_> {
             }
             task => task,
         }
+    }
+
+    /// Whether a storage node is closed, will be soon, or is cut off from a robot.
+    fn is_no_end(&self, robot: RobotId, store: NodeId) -> bool {
+        self.is_closing(store) || self.restrictions.cut_off.is_between(self.ledger.node_of(robot), store)
     }
 
     /// Whether a robot has a route of which something may be changed.

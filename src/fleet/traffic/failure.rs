@@ -37,9 +37,11 @@ pub(in crate::fleet) fn give_up(core: &mut Core, robot: RobotId, now: Time) {
     truncate_behind(core, robot);
 }
 
-/// Notes which stations and storage nodes robots that cannot drive cut off. To be called in every step.
+/// Notes which stations and storage nodes robots that cannot drive, and closed areas, cut off. To be called in every
+/// step.
 pub(in crate::fleet) fn note_cut_off(core: &mut Core, now: Time) {
-    if let Some(anew) = core.restrictions.cut_off.anew(&core.ledger, &core.scene, now) {
+    let closed = core.restrictions.areas.closed_by();
+    if let Some(anew) = core.restrictions.cut_off.anew(&core.ledger, &core.scene, closed, now) {
         core.restrictions.cut_off = anew.into();
     }
 }

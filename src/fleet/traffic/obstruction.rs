@@ -66,6 +66,11 @@ impl Traffic {
         self.obstructions.get(&node).map(|found| found.until)
     }
 
+    /// Nodes that are closed because robots could not get there.
+    pub(super) fn obstructed(&self) -> impl Iterator<Item = NodeId> + '_ {
+        self.obstructions.keys().copied()
+    }
+
     /// Places before which a robot reported an obstacle and from which it has turned away since; with the robot, and
     /// since when.
     pub(in crate::fleet) fn left_obstacles<'a>(

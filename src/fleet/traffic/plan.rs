@@ -5,6 +5,7 @@
 //! a). Refuses: to let the time of day decide how much is planned.
 
 use crate::fleet::state::core::Core;
+use crate::fleet::state::cut_off::Cut;
 use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
@@ -20,6 +21,8 @@ use crate::timeline::{Holder, Visit};
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
 const RETRY_MAX: Span = Span::from_millis(6400);
+/// So often is the budget of a search doubled.
+const DOUBLINGS: u32 = 4;
 /// After every so many failed searches, others are asked to make way.
 const INSERT_EVERY: u32 = 3;
 /// A robot that waits this long for another looks for a better way.
@@ -84,7 +87,8 @@ impl Traffic {
     fn in_need(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
         for robot in core.ledger.present() {
             if core.floor().lacks_route(robot) {
-                let fresh = Need { since: now, next_try: now, tries: 0, fails_since: None, behind: None };
+                let fresh =
+                    Need { since: now, next_try: now, tries: 0, fails_since: None, behind: None, cut: None };
                 self.needs.waiting.entry(robot).or_insert(fresh);
             } else {
                 self.needs.waiting.remove(&robot);
@@ -109,10 +113,12 @@ impl Traffic {
             }
             Err(why) => {
                 self.tally.failures += 1;
+                let cut = core.floor().cut_before_goal(robot, self.obstructed());
                 let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
                 need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
                 need.tries += 1;
                 need.fails_since.get_or_insert(now);
+                need.cut = cut;
                 tracing::debug!(?robot, ?why, tries = need.tries, "no route");
                 if need.tries.is_multiple_of(INSERT_EVERY) {
                     self.ask_for_room(core, robot, now);
@@ -155,6 +161,13 @@ impl Traffic {
         }
     }
 
+    /// Labels that a search for a robot may expand: twice as many after each one that failed. On a crowded floor a route
+    /// may be farther from the first labels than one budget reaches; with the same one, the search would fail for ever.
+    fn budget(&self, core: &Core, robot: RobotId) -> u32 {
+        let tries = self.needs.waiting.get(&robot).map_or(0, |need| need.tries);
+        core.settings.expansions_per_plan << tries.min(DOUBLINGS)
+    }
+
     /// A route from where the robot's grants end.
     pub(in crate::fleet) fn search(
         &mut self,
@@ -183,7 +196,7 @@ impl Traffic {
         debug_assert!(!core.ledger.robots[robot].failed, "{robot:?} has failed and goes nowhere");
         let holder = Holder::Robot(robot);
         let ready = now.max(from.arrive) + core.settings.period;
-        let (budget, exemptions) = (core.settings.expansions_per_plan, core.floor().exemptions(robot, now));
+        let (budget, exemptions) = (self.budget(core, robot), core.floor().exemptions(robot, now));
         let body = core.floor().body(robot);
         let conditions = core.restrictions.conditions.of(body);
         let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions: &exemptions };
@@ -279,6 +292,14 @@ impl Traffic {
 }
 
 impl Floor<'_> {
+    /// What cuts a robot off from the next goal of its task, if something does.
+    fn cut_before_goal(&self, robot: RobotId, obstructed: impl Iterator<Item = NodeId>) -> Option<Cut> {
+        let stages = self.stages(robot);
+        let (here, next) = (self.ledger.node_of(robot), stages.first()?);
+        let cut_off = &self.restrictions.cut_off;
+        cut_off.between(self.warehouse(), (here, next.goal), next.loaded, obstructed)
+    }
+
     fn is_relocation(&self, job: Option<crate::id::JobId>) -> bool {
         let kind = job.and_then(|j| self.ledger.jobs.get(&j)).map(|j| j.request.kind);
         matches!(kind, Some(JobKind::Relocate { .. }))

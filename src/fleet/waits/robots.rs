@@ -3,6 +3,7 @@
 //! Main type: [`RobotWaits`]. Reasons that a person has to end come first, since they hold whatever else is so.
 //! Refuses: to walk a chain: one robot, one reason.
 
+use crate::fleet::state::cut_off::Cut;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
@@ -105,8 +106,21 @@ impl<'a> RobotWaits<'a> {
         full.map(Why::QueueFull).or_else(in_vain)
     }
 
-    /// Its searches fail: because of a robot that cannot drive, or of others that can.
+    /// Its searches fail: because of a closed area, of something that stands in the way, of a robot that cannot drive,
+    /// or of others that can.
     fn no_route(&self, robot: RobotId) -> Why {
+        let cut = self.traffic.needs.waiting.get(&robot).and_then(|need| need.cut);
+        match cut {
+            Some(Cut::Obstruction(node)) if self.traffic.obstructed_until(node).is_some() => {
+                return Why::WayObstructed(node);
+            }
+            Some(cut) if self.floor.restrictions.cut_off.has(cut) => match cut {
+                Cut::Closure(closure) => return Why::Closed(closure),
+                Cut::Robot(broken) => return Why::BlockedBy(broken),
+                Cut::Obstruction(_) => {}
+            },
+            _ => {}
+        }
         let broken = self.in_the_way(robot).filter(|r| self.floor.ledger.robots[*r].failed);
         broken.map_or(Why::NoRoute, Why::BlockedBy)
     }
@@ -166,10 +180,11 @@ impl<'a> RobotWaits<'a> {
             Why::WaitsFor(_, Holder::Worker(worker)) | Why::GivesWay(worker) => {
                 Edge::On(Party::Worker(worker))
             }
-            Why::Closed(_) => match self.traffic.withheld(robot) {
-                Some(Withheld::Condition(_, Some(until))) if !until.is_forever() => Edge::Until(until),
-                _ => Edge::Operator,
-            },
+            Why::Closed(closure) => {
+                let area = self.floor.ledger.closures.get(&closure);
+                let end = area.map(|area| area.window.end()).filter(|end| !end.is_forever());
+                end.map_or(Edge::Operator, Edge::Until)
+            }
             Why::Obstructed(node) | Why::WayObstructed(node) => {
                 self.traffic.obstructed_until(node).map_or(Edge::Moves, Edge::Until)
             }

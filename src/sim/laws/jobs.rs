@@ -199,6 +199,7 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
             let people = || !ledger.workers.is_empty();
             !ledger.closures.is_empty() || people() || displaced() || fleet.has_obstructions()
         }
+        JobWhy::WayClosed(closure) => ledger.closures.contains_key(&closure),
         JobWhy::RackBlocked(rack, robot) => {
             let last = ledger.chain(robot).last().map(|v| v.node);
             matches!((world.racks()[rack], last), (RackAt::Stored(a), Some(b)) if a == b)

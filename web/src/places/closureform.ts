@@ -1,6 +1,6 @@
 // The form for a closed area without its looks: the request made of what somebody typed.
-import type { Binds, Closure, NewClosure, Point } from '../wire';
-import { t, wordsBy } from '../words';
+import type { Affected, Binds, ClosingEffect, Closure, NewClosure, Point } from '../wire';
+import { listed, t, timeOfDay, wordsBy } from '../words';
 
 export interface ClosureValues {
   reason: string;
@@ -53,6 +53,29 @@ const clock = (t: Date) => `${two(t.getHours())}:${two(t.getMinutes())}`;
 function offset(t: Date): string {
   const ahead = -t.getTimezoneOffset();
   return `${ahead < 0 ? '-' : '+'}${two(Math.floor(Math.abs(ahead) / 60))}:${two(Math.abs(ahead) % 60)}`;
+}
+
+/** What closing an area does, a line each; grave is what stands until it is opened. */
+export function effectWords(effect: ClosingEffect): { words: string; grave: boolean }[] {
+  if (effect.nodes === 0) return [{ words: t('closure.effect.none'), grave: true }];
+  const { stations, racks, trapped, waiting, under_way: passing, clear_at } = effect;
+  const lines = [{ words: t('closure.effect.nodes', { count: effect.nodes }), grave: false }];
+  const add = (words: string, grave = true) => lines.push({ words, grave });
+  if (stations.length > 0) add(t('closure.effect.stations', { count: stations.length, names: listed(stations) }));
+  if (racks.total > 0) add(t('closure.effect.racks', { count: racks.total, names: namesOf(racks) }));
+  if (trapped.total > 0) add(t('closure.effect.trapped', { names: namesOf(trapped) }));
+  if (waiting.total > 0) add(t('closure.effect.waiting', { count: waiting.total, names: namesOf(waiting) }));
+  if (passing.total > 0) {
+    add(t('closure.effect.passing', { count: passing.total, names: namesOf(passing), time: timeOfDay(clear_at) }), false);
+  }
+  return lines;
+}
+
+/** The first names, and how many more there are. */
+function namesOf({ total, first }: Affected): string {
+  const shown = first.slice(0, 6);
+  const names = listed(shown);
+  return total > shown.length ? t('closure.effect.more', { names, count: total - shown.length }) : names;
 }
 
 /** The request that closes an area again as it was. */

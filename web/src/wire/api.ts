@@ -4,7 +4,7 @@ import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type { ShiftReport } from './report';
 import type {
-  AlarmPage, AlarmRecord, AuditPage, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
+  AlarmPage, AlarmRecord, AuditPage, ClosingEffect, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
   Problem, RobotDetail, RobotHistoryPage, RobotKind, StationDetail, Timelines, Why, WorkerDetail,
 } from './types';
 
@@ -32,6 +32,7 @@ export class Api {
   cancel = (id: string) => this.#ask<Job>('DELETE', `/v1/jobs/${encodeURIComponent(id)}`);
 
   why = (kind: 'robot' | 'job', id: string) => this.#ask<Why>('GET', `/v1/${kind}s/${encodeURIComponent(id)}/why`);
+  previewClosure = (area: NewClosure) => this.#ask<ClosingEffect>('POST', '/v1/closures/preview', {}, area);
   close = (area: NewClosure) => this.#ask<Closure>('POST', '/v1/closures', {}, area);
   reopen = (id: string) => this.#ask<null>('DELETE', `/v1/closures/${encodeURIComponent(id)}`);
 

@@ -477,6 +477,25 @@ export interface NewClosure {
   recurs?: { from: string; to: string; utc_offset: string };
 }
 
+/** Some things, the first of them by name. */
+export interface Affected {
+  total: number;
+  first: string[];
+}
+/** What closing an area does to robots, racks and jobs. */
+export interface ClosingEffect {
+  nodes: number;
+  /** Stations that no rack reaches, or leaves. */
+  stations: string[];
+  racks: Affected;
+  trapped: Affected;
+  /** Jobs that wait until it is opened. */
+  waiting: Affected;
+  /** Jobs whose robots are to pass it, until `clear_at`. */
+  under_way: Affected;
+  clear_at: string | null;
+}
+
 /** What is picked at a station now. */
 export interface StationDetail {
   has_cell: boolean;
