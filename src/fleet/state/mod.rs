@@ -29,6 +29,7 @@ pub mod refusal;
 pub(in crate::fleet) mod regions;
 pub(in crate::fleet) mod restrictions;
 pub mod scene;
+pub(in crate::fleet) mod robot_clock;
 pub(in crate::fleet) mod settings;
 mod stays;
 pub(in crate::fleet) mod storage;
