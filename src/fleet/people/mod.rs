@@ -15,6 +15,7 @@ pub(in crate::fleet) mod keep_out;
 mod last_places;
 mod lets_pass;
 mod nearest;
+pub(in crate::fleet) mod message;
 mod on_time;
 mod open_work;
 pub(in crate::fleet) mod report;
