@@ -299,6 +299,9 @@
 //! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
 //! | people who let a robot pass | `fleet/people/lets_pass.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
+//! | how long a message to a worker stands, standoffs | `fleet/people/message.rs`; laws: `sim/laws/calm.rs` |
+//! | which robots were replanned, because of whom | `fleet/waits/replans.rs`; as events: `fleet/read/events.rs` |
+//! | which report of a robot is the newest; its clock | `fleet/state/robot_clock.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
 //! | which method does that (`method`), goals on tiles | `sim/scenario/workforce.rs`; `human/tiles.rs` |
 //! | which object a person fetches | `experiment/objects/`; nets: `experiment/learning/picks/places.rs` |
