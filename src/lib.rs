@@ -284,6 +284,7 @@
 //! | where people walk | `warehouse/walkway/` |
 //! | which observations are believed; what a deviation is | `human/source.rs`; `human/deviation.rs` |
 //! | which of several sources is believed, and where else a worker may be | `human/track.rs` |
+//! | marks, frames of headsets, axes in another order | `api/feed/align.rs`, `course.rs`; tried out: `conventions.rs` |
 //! | poses are thinned (rate limit) | `api/feed/thin.rs` |
 //! | a headset that is silent, a worker who is lost | `human/source.rs`; `aware/effects.rs` (the region grows) |
 //! | how robots pass people beside their line | `local/`; `warehouse/corridor.rs`, `warehouse/check/corridor.rs` |
@@ -298,6 +299,9 @@
 //! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
 //! | people who let a robot pass | `fleet/people/lets_pass.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
+//! | how long a message to a worker stands, standoffs | `fleet/people/message.rs`; laws: `sim/laws/calm.rs` |
+//! | which robots were replanned, because of whom | `fleet/waits/replans.rs`; as events: `fleet/read/events.rs` |
+//! | which report of a robot is the newest; its clock | `fleet/state/robot_clock.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `experiment/stories/` |
 //! | which method does that (`method`), goals on tiles | `sim/scenario/workforce.rs`; `human/tiles.rs` |
 //! | which object a person fetches | `experiment/objects/`; nets: `experiment/learning/picks/places.rs` |
@@ -362,9 +366,9 @@
 //!   one dead headset closed a hall within ten seconds, and robots stood behind racks that the worker could not have
 //!   walked round. The wearer is told to stand meanwhile, and robots see a person who walked farther as they see
 //!   everybody without a headset: Giveway is no safety function.
-//! - *A worker may be at several places.* Sources that contradict one another, and the places before and after a jump,
-//!   all keep robots away ([`human::Track::others`]). [`human::Whereabouts`] is the best one: forecasts, encounters and
-//!   guidance know only that.
+//! - *A worker may be at several places.* Sources that contradict one another, the places before and after a jump, and
+//!   both sides of marks that lie on one line all keep robots away ([`human::Track::others`]).
+//!   [`human::Whereabouts`] is the best one: forecasts, encounters and guidance know only that.
 
 pub mod alarm;
 #[cfg(feature = "edge")]

@@ -85,6 +85,7 @@ impl StandingFloor {
 
     fn sighting(&self, at: Point) -> Sighting {
         Sighting {
+            mirror: None,
             worker: WorkerId(0),
             source: SourceId::Tag,
             seen: self.now,

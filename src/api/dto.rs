@@ -4,6 +4,7 @@
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
 
 use super::cell::{LineDto, lines_dto};
+use super::replans::ReplannedDto;
 use super::text::{closure_name, hand_words, job_name, round3, time_text, worker_name};
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::alarm::displacement_words;
@@ -84,6 +85,8 @@ pub struct RobotDto<N = String> {
     pub why: Option<String>,
     /// The worker whom it passes beside the line, within the corridor of the lane; null if it keeps to the line.
     pub passes: Option<String>,
+    /// Because of whom or what it got another way last, and when; null if it has not since the server started.
+    pub replanned: Option<ReplannedDto>,
 }
 
 /// One rack.
@@ -302,6 +305,7 @@ impl Names<'_> {
             held: r.held.iter().map(|n| node(*n)).collect(),
             why: r.why.map(|why| self.why_of(r, why)),
             passes: r.passes.map(worker_name),
+            replanned: self.replanned(r),
         }
     }
 

@@ -4,11 +4,16 @@
 
 use super::caller::Role;
 use super::dto::Names;
+use super::replans::{ReplanCauseDto, ReplannedDto};
 use super::text::{alarm_name, assignment_name, closure_name, job_name, time_text, worker_name};
-use crate::fleet::{EventKind, EventRow};
+use crate::fleet::{EventDetails, EventKind, EventRow, ReplanCause, RobotView};
+use crate::geometry::{Point, Spot};
 use crate::id::{AssignmentId, ClosureId, Dense, JobId, RobotId, StationId};
 use serde::Serialize;
 use utoipa::ToSchema;
+
+/// A node within this of a place is at it, metres.
+const SAME_M: f64 = 0.02;
 
 /// Something that happened.
 #[derive(Clone, Debug, Serialize, ToSchema)]
@@ -17,7 +22,8 @@ pub struct EventDto {
     pub seq: i64,
     /// When, RFC 3339.
     pub at: String,
-    /// What it is about: job, robot, fleet, station, worker, assignment, closure, alarm or encounter.
+    /// What it is about: job, robot, fleet, station, worker, assignment, closure, alarm, encounter,
+    /// robot_replanned, worker_deviated or worker_goal.
     #[schema(example = "job")]
     pub kind: &'static str,
     /// The job, robot, station, worker, assignment, closure or alarm; null for the fleet and for encounters.
@@ -28,10 +34,11 @@ pub struct EventDto {
     pub old: Option<String>,
     /// The state since then. Of a job, its state; if that is the same as before, something else about the job was
     /// changed. Of a robot, what happened last, as in its history. Of a station paused or resumed. Of a worker
-    /// registered, on_floor, deviated, lost_near or left. Of an assignment waiting, given, walking, working, done or
+    /// registered, on_floor, lost_near or left. Of an assignment waiting, given, walking, working, done or
     /// cancelled. Of a closure closed or reopened. Of an alarm active, acknowledged or cleared. Of the fleet
     /// fleet_stopped, fleet_resumed, evacuation_began or evacuation_ended. Of an encounter what the fleet did about the
-    /// robot.
+    /// robot. Of a robot that was replanned, the kind of `cause`; of a worker who left the path, deviated; of a
+    /// worker's goal, goal.
     #[schema(example = "done")]
     pub new: String,
     /// The robot that has to do with it.
@@ -46,6 +53,81 @@ pub struct EventDto {
     pub reference: Option<String>,
     /// Of an alarm, its text.
     pub text: Option<String>,
+    /// Of a robot that was replanned and of a worker's goal, what they are about.
+    #[serde(flatten)]
+    pub details: EventDetailsDto,
+}
+
+/// What an event tells besides a state; absent from other events.
+#[derive(Clone, Debug, Default, Serialize, ToSchema)]
+pub struct EventDetailsDto {
+    /// Of a robot that was replanned: because of whom or what.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub cause: Option<ReplanCauseDto>,
+    /// Its way before, the nodes ahead of it in order, at most 40.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub was: Option<Vec<String>>,
+    /// Its way since, likewise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub now: Option<Vec<String>>,
+    /// Of a worker's goal: where it is, metres.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub goal: Option<[f64; 2]>,
+    /// How probable that goal was then, 0 to 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub probability: Option<f64>,
+}
+
+impl Names<'_> {
+    /// Because of whom or what a robot got another way.
+    pub fn replan_cause(&self, cause: ReplanCause) -> ReplanCauseDto {
+        let id = match cause {
+            ReplanCause::Worker(worker) => Some(worker_name(worker)),
+            ReplanCause::Closure(closure) => Some(closure_name(closure)),
+            ReplanCause::Robot(robot) => Some(self.robot(robot)),
+            ReplanCause::Obstruction => None,
+        };
+        ReplanCauseDto { kind: cause.word(), id }
+    }
+
+    /// Because of whom or what a robot got another way last.
+    pub(super) fn replanned(&self, robot: &RobotView) -> Option<ReplannedDto> {
+        let (cause, at) = robot.replanned?;
+        Some(ReplannedDto { cause: self.replan_cause(cause), at: time_text(at) })
+    }
+
+    /// What an event tells besides a state.
+    pub fn event_details(&self, details: Option<EventDetails>) -> EventDetailsDto {
+        match details {
+            None => EventDetailsDto::default(),
+            Some(EventDetails::Replanned { cause, was, now }) => EventDetailsDto {
+                cause: Some(self.replan_cause(cause)),
+                was: Some(self.places(&was)),
+                now: Some(self.places(&now)),
+                ..EventDetailsDto::default()
+            },
+            Some(EventDetails::Goal { place, percent }) => EventDetailsDto {
+                goal: Some([place.x_mm, place.y_mm].map(|mm| mm as f64 / 1000.0)),
+                probability: Some(f64::from(percent) / 100.0),
+                ..EventDetailsDto::default()
+            },
+        }
+    }
+
+    /// Names of the nodes at these places; of a place at which the map has none any more, its coordinates.
+    fn places(&self, spots: &[Spot]) -> Vec<String> {
+        let name = |spot: &Spot| {
+            let at = Point::from(*spot);
+            let node = self.map.nodes_within(at, SAME_M).first().copied();
+            node.map_or_else(|| format!("{}, {}", at.x, at.y), |node| self.node(node))
+        };
+        spots.iter().map(name).collect()
+    }
 }
 
 /// An event with names, as this role sees it.
@@ -56,9 +138,10 @@ pub fn event(names: Names<'_>, role: Role, row: EventRow) -> EventDto {
     let subject = row.subject.unwrap_or(0);
     let id = match row.kind {
         EventKind::Job => Some(job_name(JobId(subject))),
-        EventKind::Robot => row.robot.and_then(robot),
+        EventKind::Robot | EventKind::RobotReplanned => row.robot.and_then(robot),
         EventKind::Station => row.text.clone().or_else(|| station(u32::try_from(subject).ok()?)),
-        EventKind::Worker => row.worker.map(worker_name),
+        EventKind::Worker | EventKind::WorkerDeviated => row.worker.map(worker_name),
+        EventKind::WorkerGoal => row.worker.map(worker_name),
         EventKind::Assignment => Some(assignment_name(AssignmentId(subject))),
         EventKind::Closure => Some(closure_name(ClosureId(subject))),
         EventKind::Alarm => Some(alarm_name(subject)),
@@ -75,5 +158,6 @@ pub fn event(names: Names<'_>, role: Role, row: EventRow) -> EventDto {
         worker: row.worker.filter(|_| is_shown).map(worker_name),
         reference: row.reference,
         text: row.text.filter(|_| row.kind == EventKind::Alarm),
+        details: names.event_details(row.details),
     }
 }

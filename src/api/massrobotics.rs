@@ -146,7 +146,19 @@ impl Interop {
         };
         let (heading, accuracy_m) = (Some(wrap_angle(datum.heading(yaw))), USUAL_ACCURACY_M);
         let (source, epoch, at_marks, seq) = (SourceId::Interop, 0, false, 0);
-        Ok(Some(Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality }))
+        Ok(Some(Sighting {
+            worker,
+            source,
+            seen,
+            epoch,
+            at_marks,
+            seq,
+            at,
+            mirror: None,
+            heading,
+            accuracy_m,
+            quality,
+        }))
     }
 }
 

@@ -34,6 +34,7 @@ pub mod pseudonyms;
 pub mod publish;
 pub mod recording;
 mod refusal;
+mod replans;
 mod roles;
 #[cfg(test)]
 mod said;

@@ -9,8 +9,8 @@ use crate::experiment::price::{PriceFloor, Shares};
 use crate::experiment::robot_time::{RobotTime, TimeUse};
 use crate::experiment::statistics::Interval;
 use crate::experiment::table::{ENTER_S, RunRow, TableSetup};
-use crate::sim::NodeWindowsWord;
 use crate::sim::encounter::EncounterFigures;
+use crate::sim::{CalmFigures, NodeWindowsWord};
 use crate::warehouse::{room_for, thesis};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -90,6 +90,16 @@ struct PriceRow<'a> {
     alone: &'a [RunRow],
 }
 
+/// How calm guidance was, for each minute that a worker was on the floor.
+struct CalmRates {
+    /// Messages that replaced another one.
+    changes: f64,
+    /// Stops.
+    stops: f64,
+    /// Share of the time in which a worker was told to stop for a robot that waited for the worker.
+    against: f64,
+}
+
 impl PriceArgs {
     /// Runs all and prints the shares.
     pub fn run(self) -> anyhow::Result<ExitCode> {
@@ -152,15 +162,21 @@ impl PriceArgs {
     fn print(&self, floor: &PriceFloor, rows: &[PriceRow<'_>]) {
         let PriceArgs { runs, seconds, .. } = self;
         println!("{}: {} robots, {runs} runs of {seconds} s: share [95 % interval]", floor.map, floor.robots);
-        println!("workers  policy        robot_share            human_share            standstills");
+        println!(
+            "workers  policy        robot_share            human_share            standstills  messages/min  \
+             stops/min  against"
+        );
         for row in rows {
             println!(
-                "{:>7}  {:10}{}{}{:>10}",
+                "{:>7}  {:10}{}{}{:>10}{:>14.2}{:>11.2}{:>9.4}",
                 row.workers,
                 row.policy.word(),
                 cell(row.shares.robot_share),
                 cell(row.shares.human_share),
-                row.standstills()
+                row.standstills(),
+                row.calm().changes,
+                row.calm().stops,
+                row.calm().against
             );
         }
         let curves: Vec<(String, Vec<&EncounterFigures>)> = rows
@@ -199,6 +215,18 @@ impl PriceRow<'_> {
         self.both.iter().map(|row| row.standstills).sum()
     }
 
+    /// How calm guidance was, for each minute that a worker was on the floor.
+    fn calm(&self) -> CalmRates {
+        let minutes: f64 = self.both.iter().map(|row| row.calm.1).sum();
+        let sum = |of: fn(&CalmFigures) -> f64| self.both.iter().map(|row| of(&row.calm.0)).sum::<f64>();
+        let per = |of: fn(&CalmFigures) -> f64| if minutes > 0.0 { sum(of) / minutes } else { 0.0 };
+        CalmRates {
+            changes: per(|c| c.changes as f64),
+            stops: per(|c| c.stops as f64),
+            against: per(|c| c.against.as_secs_f64() / 60.0),
+        }
+    }
+
     fn met(&self) -> Vec<&EncounterFigures> {
         self.both.iter().map(|row| &row.met).collect()
     }
@@ -210,6 +238,9 @@ impl PriceRow<'_> {
             "robot_share": rings::interval(self.shares.robot_share),
             "human_share": rings::interval(self.shares.human_share),
             "standstills": self.standstills(),
+            "messages_per_worker_minute": self.calm().changes,
+            "stops_per_worker_minute": self.calm().stops,
+            "stopped_for_a_waiting_robot_share": self.calm().against,
             "robot_time": {"beside": time_report(self.both), "alone": time_report(self.alone)},
             "encounters": rings::of_runs(&self.met()),
         })

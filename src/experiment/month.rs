@@ -117,6 +117,7 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
             let seen = now;
             let (source, epoch, at_marks) = (SourceId::Headset, 1, true);
             inputs.push(Input::Sighted(Sighting {
+                mirror: None,
                 worker,
                 source,
                 seen,

@@ -212,6 +212,7 @@ fn sighting(warehouse: &Warehouse, worker: usize, seq: u64, now: Time) -> Input 
     let (heading, accuracy_m, quality) = (Some(0.0), 0.05, Quality::Tracked);
     let (source, at_marks) = (SourceId::Headset, true);
     Input::Sighted(Sighting {
+        mirror: None,
         worker,
         source,
         seen: now,

@@ -13,8 +13,8 @@ use crate::route::Kinematics;
 use crate::sim::detection::Score;
 use crate::sim::encounter::EncounterFigures;
 use crate::sim::{
-    Causes, Demand, Deviations, Faults, Habits, KindShare, NodeWindowsWord, Outcome, Scenario, Sensor,
-    Simulation, Workers,
+    CalmFigures, Causes, Demand, Deviations, Faults, Habits, KindShare, NodeWindowsWord, Outcome, Scenario,
+    Sensor, Simulation, Workers,
 };
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -69,6 +69,8 @@ pub struct RunRow {
     pub met: EncounterFigures,
     /// For how many minutes workers were kept in one spot, of those times that lasted a minute.
     pub standstills: u64,
+    /// How calm guidance was, and for how many minutes workers were on the floor.
+    pub calm: (CalmFigures, f64),
     /// How well deviations were noticed.
     pub score: Score,
     /// Broken laws, in words.
@@ -219,6 +221,7 @@ impl RunRow {
             standstill_share: per(people.standstills, minutes),
             met: people.figures.clone(),
             standstills: people.standstills,
+            calm: (people.calm, minutes),
             score: people.score.clone(),
             broken: outcome.broken.clone(),
             law_violations: outcome.law_violations,

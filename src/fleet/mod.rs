@@ -18,6 +18,7 @@ mod yielding;
 pub use crate::aware::zone_answers::ZoneCounts;
 pub use people::forecast::{AHEAD_S, Expected};
 pub use people::foreseen::ForeseenPerson;
+pub use people::message::{MESSAGE, STANDOFF, severity};
 pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
 pub use read::closing::{Affected, ClosingEffect, NAMED};
@@ -46,6 +47,7 @@ pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, 
 pub use state::keys::{KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};
+pub use state::note::{EventDetails, FloorNote, ReplanCause};
 pub use state::passing::Passing;
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::refusal::{Bounded, Refusal};
@@ -71,6 +73,7 @@ use state::heard::WorkerInput;
 use std::sync::Arc;
 use traffic::state::{Effort, Traffic};
 use traffic::{closures, displaced, failure, fence};
+use waits::replans::Replans;
 use yielding::state::Yielding;
 
 /// The fleet.
@@ -80,6 +83,8 @@ pub struct Fleet {
     people: HumanState,
     yielding: Yielding,
     traffic: Traffic,
+    /// Which robots got another way, because of whom or what.
+    replans: Replans,
     /// How long the last step took to note why robots and people wait, nanoseconds by the stopwatch of the settings.
     waits_ns: u64,
     /// A robot over which the next step panics: for tests of what happens then.
@@ -119,6 +124,7 @@ impl Fleet {
             yielding: Yielding::default(),
             traffic: Traffic::new(&core),
             core,
+            replans: Replans::default(),
             waits_ns: 0,
             #[cfg(test)]
             trap: None,
@@ -155,6 +161,7 @@ impl Fleet {
         self.traffic.grant(&mut self.core, &self.yielding.state, interrupted, now);
         self.note_waits(now);
         waits::note_activities(&mut self.core, now);
+        self.replans.note(&mut self.core, &self.yielding, &self.traffic, now);
         std::mem::take(&mut self.core.out)
     }
 

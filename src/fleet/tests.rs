@@ -35,6 +35,7 @@ mod racks;
 mod reassign;
 mod recall;
 mod recurring;
+mod replans;
 mod restart;
 mod setting_off;
 mod shut_in;

@@ -37,6 +37,7 @@ fn robot(at: usize, why: Option<Why>) -> RobotView {
         held: vec![],
         why,
         passes: None,
+        replanned: None,
     }
 }
 

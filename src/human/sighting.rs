@@ -56,6 +56,9 @@ pub struct Sighting {
     pub seq: u64,
     /// Where, metres.
     pub at: Point,
+    /// Where else, as long as nothing has shown on which side of a line the worker is: the marks of a headset lie on
+    /// one line, and its frame may have an axis exchanged.
+    pub mirror: Option<Point>,
     /// Where the head faces, radians; nothing for tags that know positions only.
     pub heading: Option<f64>,
     /// One standard deviation of the position, metres.

@@ -2,7 +2,8 @@
 //!
 //! Main types: [`SourceTrack`], [`SourceVerdict`]. Late sightings change nothing. A place that nobody can have reached
 //! is doubted until several sightings agree on it; then the source is followed there, and the place that it left is
-//! kept in mind, because either may be the wrong one. Only marks that were touched make a new place true at once.
+//! kept in mind, because either may be the wrong one. Only marks that were touched make a new place true at once. Marks
+//! on one line leave two places open until the map or another source rules one of them out.
 //! Refuses: to compare sources with one another, which the track does.
 
 use super::sighting::{Quality, Sighting};
@@ -42,6 +43,12 @@ pub(super) const HELD: Span = Span::from_secs(30);
 const LEFT_MOST: usize = 2;
 /// A source that has jumped gives way to one that has not for so long.
 const JUMPY: Span = Span::from_secs(300);
+
+/// Two places nearer to one another than this are one, metres.
+const SAME_M: f64 = 0.2;
+
+/// So many sightings in a row whose other place is off the map rule that side out.
+const OFF_MAP: u32 = 10;
 
 /// What a source made of its own sighting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,8 +92,19 @@ pub(super) struct SourceTrack {
     left: Vec<LeftPlace>,
     /// When it jumped last.
     jumped: Option<Time>,
-    /// Whether another source has shown that its jump was wrong.
+    /// Whether another source has shown that its jump was wrong, or that it sees as in a mirror.
     suspected: bool,
+    /// What shows, in this epoch, on which side of its marks the worker is.
+    side: SideTrial,
+}
+
+/// Whether the other side of the marks is ruled out.
+#[derive(Clone, Copy, Debug, Default)]
+struct SideTrial {
+    /// How many sightings in a row had their other place off the map.
+    off_map: u32,
+    /// Whether the map or another source has ruled it out.
+    is_known: bool,
 }
 
 impl SourceTrack {
@@ -126,6 +144,9 @@ impl SourceTrack {
     }
 
     fn accept(&mut self, s: &Sighting, verdict: SourceVerdict) -> SourceVerdict {
+        if self.newest.is_some_and(|n| n.epoch != s.epoch) {
+            self.side = SideTrial::default();
+        }
         if verdict != SourceVerdict::Moved {
             self.memory.clear();
         }
@@ -163,6 +184,33 @@ impl SourceTrack {
         self.left.push(LeftPlace { last: *last, jumped: s.seen, landed: s.at, walked_m: 0.0 });
         self.jumped = Some(s.seen);
         self.accept(s, SourceVerdict::Jumped)
+    }
+
+    /// Notes whether the other place of the newest sighting is on the map: if it is off it for a while, the worker is
+    /// on this side of the marks.
+    pub fn try_side(&mut self, is_on_map: impl Fn(Point) -> bool) {
+        let Some(mirror) = self.newest.and_then(|n| n.mirror) else { return };
+        self.side.off_map = if is_on_map(mirror) { 0 } else { self.side.off_map + 1 };
+        self.side.is_known |= self.side.off_map >= OFF_MAP;
+    }
+
+    /// The newest sighting on the other side of the marks, as long as that is not ruled out.
+    fn mirrored(&self) -> Option<Sighting> {
+        let newest = self.newest.filter(|_| !self.side.is_known)?;
+        newest.mirror.map(|at| Sighting { at, ..newest })
+    }
+
+    /// Where the worker is if the marks of the source lie on one line and its frame has an axis exchanged; nothing if
+    /// that is ruled out, or makes no difference there.
+    pub fn other_side(&self, now: Time) -> Option<Whereabouts> {
+        let (other, here) = (self.mirrored()?, self.whereabouts(now)?);
+        let across = other.at - here.at;
+        let apart_m = across.norm();
+        if apart_m < SAME_M {
+            return None;
+        }
+        let velocity = here.velocity - across * (2.0 * here.velocity.dot(&across) / apart_m.powi(2));
+        Some(Whereabouts { at: other.at, velocity, heading: None, ..here })
     }
 
     /// The source's frame has moved: the way since a jump is measured on from here.
@@ -236,21 +284,25 @@ impl SourceTrack {
         self.suspected
     }
 
-    /// Whether it can bear witness about another source: it knows, and has left no place by a jump.
+    /// Whether it can bear witness about another source: it knows, has left no place by a jump, and is on a known side
+    /// of its marks.
     pub fn is_witness(&self, now: Time) -> bool {
         let knows = self.lost_since.is_none() && self.silent(now).is_some_and(|s| s <= STALE);
-        knows && !self.suspected && self.left(now).next().is_none()
+        knows && !self.suspected && self.left(now).next().is_none() && self.mirrored().is_none()
     }
 
-    /// Hears a witness: which of the places that it jumped from and to is the right one?
+    /// Hears a witness: which of the places that it jumped from and to, or on both sides of its marks, is the right
+    /// one?
     pub fn hear_witness(&mut self, witness: &Sighting, now: Time) {
         let Some(newest) = self.newest.filter(|_| self.silent(now).is_some_and(|s| s <= STALE)) else {
             return;
         };
         let is_here = is_near(&newest, witness, 0.0);
         let is_left = self.left.iter().any(|l| is_near(&l.last, witness, l.reach_m(&newest)));
-        match (is_here, is_left) {
+        let is_across = self.mirrored().is_some_and(|other| is_near(&other, witness, 0.0));
+        match (is_here, is_left || is_across) {
             (true, false) => {
+                self.side.is_known = true;
                 // It was wrong before the jump, and is right now; or it was shown to be wrong and has come back.
                 if !self.suspected && !self.left.is_empty() {
                     self.jumped = None;

@@ -202,6 +202,7 @@ impl Track {
             SourceVerdict::Relocated | SourceVerdict::Jumped => SightingOutcome::Relocated,
         };
         if taken != SightingOutcome::Ignored {
+            self.sources[s.source as usize].try_side(&is_on_map);
             self.remembered = None;
             self.compare(now);
         }
@@ -276,8 +277,9 @@ impl Track {
         silent.or_else(|| self.remembered.map(|place| now - place.seen))
     }
 
-    /// Where else the worker may be: where other sources say that do not agree, and the places that a source left
-    /// without a walk. At most eight: two of each source, and two other sources.
+    /// Where else the worker may be: where other sources say that do not agree, the places that a source left without a
+    /// walk, and the other side of marks that lie on one line. At most eleven: three of each source, and two other
+    /// sources.
     pub fn others(&self, now: Time) -> Vec<Whereabouts> {
         if self.is_vouched() {
             return Vec::new();
@@ -291,6 +293,7 @@ impl Track {
                 continue;
             }
             found.extend(source.left(now));
+            found.extend(source.other_side(now));
             let Some((said, place)) =
                 source.newest().zip(source.whereabouts(now)).filter(|_| id != self.lead)
             else {
@@ -314,6 +317,7 @@ mod tests {
 
     fn sighting(ms: i64, x: f64) -> Sighting {
         Sighting {
+            mirror: None,
             worker: WorkerId(0),
             source: SourceId::Headset,
             seen: Time(ms * 1000),
@@ -480,6 +484,35 @@ mod tests {
             assert!((track.whereabouts(Time(2_000_000)).unwrap().at.x - truth).abs() < 1e-9);
             assert_eq!(track.newest().unwrap().source, leads, "the one that was right");
         }
+    }
+
+    #[test]
+    fn marks_on_one_line_hold_a_worker_to_both_sides_until_the_map_or_another_source_shows_which() {
+        let both = |ms: i64| {
+            let y = 2.0 + 0.001 * ms as f64;
+            Sighting { at: Point::new(1.0, y), mirror: Some(Point::new(1.0, -y)), ..sighting(ms, 0.0) }
+        };
+        let mut track = Track::default();
+        stands(&mut track, 50, 1050, both);
+        let others = track.others(Time(1_000_000));
+        assert_eq!((others.len(), others[0].at), (1, Point::new(1.0, -3.0)));
+        assert!((others[0].velocity - Vector::new(0.0, -1.0)).norm() < 0.01, "it walks there as in a mirror");
+        let tag = |ms: i64, y: f64| Sighting { at: Point::new(1.0, y), ..tag(ms, 0.0) };
+        for (truth, leads) in [(3.05, SourceId::Headset), (-3.05, SourceId::Tag)] {
+            let mut track = track.clone();
+            track.see(&tag(1050, truth), Time(1_050_000), |_| true);
+            stands(&mut track, 1100, 1200, both);
+            assert!(track.others(Time(1_150_000)).is_empty(), "the truth is {truth}");
+            assert_eq!(track.newest().unwrap().source, leads, "the one that was right");
+        }
+        let mut track = Track::default();
+        for ms in (50..1050).step_by(50) {
+            track.see(&both(ms), Time(ms * 1000), |p| p.y > -1.0);
+        }
+        assert!(track.others(Time(1_000_000)).is_empty(), "nobody is off the map");
+        let again = |ms: i64| Sighting { epoch: 1, at_marks: true, ..both(ms) };
+        stands(&mut track, 1050, 1150, again);
+        assert_eq!(track.others(Time(1_100_000)).len(), 1, "other marks begin anew");
     }
 
     #[test]

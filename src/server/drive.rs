@@ -483,6 +483,7 @@ mod tests {
         let ahead = crate::geometry::Vector::new(seen.pose.heading.cos(), seen.pose.heading.sin());
         let now = drive.clock.now();
         let sighting = |seq: u64, at: Point| Sighting {
+            mirror: None,
             worker: WorkerId(0),
             seen: now + Span::from_millis(10 * seq as i64),
             epoch: seq as u32,

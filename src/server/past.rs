@@ -5,9 +5,9 @@
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
-    Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, Fact,
-    GoneNames, Job, JobQuery, JobRow, JobTimes, RobotEventQuery, RobotEventRow, RobotEventSource,
-    RobotJobCounts, ShiftRows, robot_change,
+    Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, EventKind,
+    Fact, FloorEvent, GoneNames, Job, JobQuery, JobRow, JobTimes, RobotEventQuery, RobotEventRow,
+    RobotEventSource, RobotJobCounts, ShiftRows, floor_event, robot_change,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
 use crate::time::Time;
@@ -44,10 +44,26 @@ impl PastLists {
 
 impl Lists {
     fn note(&mut self, fact: &Fact, at: Time) {
-        let Some((robot, change)) = robot_change(fact) else { return };
-        let (source, id) = (RobotEventSource::Change, self.changes.len() as i64 + 1);
-        let word = change.word().to_owned();
-        self.changes.push((robot, RobotEventRow { at, source, id, word, text: None, ended: None }));
+        let id = self.changes.len() as i64 + 1;
+        let row = |source, word: &str, details| RobotEventRow {
+            at,
+            source,
+            id,
+            word: word.to_owned(),
+            text: None,
+            ended: None,
+            details,
+        };
+        let noted = match robot_change(fact) {
+            Some((robot, change)) => (robot, row(RobotEventSource::Change, change.word(), None)),
+            None => match floor_event(fact) {
+                Some(FloorEvent { kind: EventKind::RobotReplanned, new, robot, details, .. }) => {
+                    (robot, row(RobotEventSource::Replan, new, details))
+                }
+                _ => return,
+            },
+        };
+        self.changes.push(noted);
     }
 
     /// What happened to a robot, in no order.
@@ -59,6 +75,7 @@ impl Lists {
             word: row.job.state.word().to_owned(),
             text: Some(row.job.request.kind.word().to_owned()),
             ended: None,
+            details: None,
         });
         let its = |(of, row): &(Option<RobotId>, RobotEventRow)| {
             of.is_none_or(|of| of == robot).then(|| row.clone())

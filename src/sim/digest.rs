@@ -10,9 +10,11 @@ use std::hash::{Hash, Hasher};
 pub struct Digest(Fnv);
 
 impl Digest {
-    /// Takes the facts of one step in.
+    /// Takes the facts of one step in. What is noted for the record alone is no part of what happened: recordings of
+    /// older builds, which noted less, have the same digest.
     pub fn add(&mut self, facts: &[Fact]) {
-        facts.iter().for_each(|f| f.hash(&mut self.0));
+        let promised = facts.iter().filter(|f| !matches!(f, Fact::Noted(_)));
+        promised.for_each(|f| f.hash(&mut self.0));
     }
 
     /// The digest so far.

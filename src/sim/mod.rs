@@ -47,7 +47,7 @@ mod world;
 pub use consistency::{Consistency, NeesFigures};
 pub use customers::{FIRST_TOKEN, OrderFileLine};
 pub use digest::Digest;
-pub use laws::Violation;
+pub use laws::{CalmFigures, Violation};
 pub use run::{JobTally, Outcome, People, Simulation};
 pub use scenario::{
     ArmModeWord, Assignments, Causes, Closing, Demand, Deviations, Faults, FlowWord, Habits, HandSensor,

@@ -459,7 +459,7 @@ fn glimpsed(s: SightingRow) -> Sighting {
         _ => Quality::Lost,
     };
     let (worker, seen, at) = (WorkerId(worker), Time(seen), Point::new(x, y));
-    Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality }
+    Sighting { worker, source, seen, epoch, at_marks, seq, at, mirror: None, heading, accuracy_m, quality }
 }
 
 /// A robot joins. The answer was given when this was recorded.

@@ -8,7 +8,7 @@ use super::customers::OrderFileLine;
 use super::detection::{Score, Watch};
 use super::digest::Digest;
 use super::encounter::EncounterFigures;
-use super::laws::{Laws, Violation, undrained};
+use super::laws::{CalmFigures, Laws, Violation, undrained};
 use super::scenario::Scenario;
 pub use super::tally::JobTally;
 use super::tally::Tallies;
@@ -79,6 +79,8 @@ pub struct People {
     pub score: Score,
     /// How often one was kept in one spot for a minute by robots, or without a way; for each minute of it.
     pub standstills: u64,
+    /// How calm guidance was.
+    pub calm: CalmFigures,
     /// Whether the filter of their motion knew how wrong it was.
     pub consistency: Consistency,
 }
@@ -210,6 +212,7 @@ impl Simulation {
             completed: self.world.completed(),
             score: self.watch.score(logs, self.now),
             standstills: self.laws.standstills(),
+            calm: self.laws.calm(),
             consistency: self.consistency.clone(),
         }
     }

@@ -171,6 +171,7 @@ impl Device {
         let lost = self.resets.lasts(now);
         let tag = self.sensor.source == Source::Tag;
         Sighting {
+            mirror: None,
             worker,
             source: if tag { SourceId::Tag } else { SourceId::Headset },
             seen: now,

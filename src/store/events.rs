@@ -6,9 +6,13 @@
 use super::gone::Gone;
 use super::{Store, StoreError};
 use crate::alarm::Alarm;
-use crate::fleet::{EventKind, EventQuery, EventRow, EventSpan, Fact, floor_event};
+use crate::fleet::{
+    EventDetails, EventKind, EventQuery, EventRow, EventSpan, Fact, ReplanCause, floor_event,
+};
+use crate::geometry::Spot;
 use crate::id::{RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
+use serde::{Deserialize, Serialize};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{QueryBuilder, Row};
 use tokio::sync::watch;
@@ -16,10 +20,12 @@ use tokio::sync::watch;
 /// How long events are kept.
 pub const EVENTS_KEPT: Span = Span::from_secs(7 * 24 * 3600);
 
-/// The state before is that of the last event about the same subject; encounters have none.
-const NOTE: &str = "INSERT INTO events (at, kind, subject, old, new, robot, worker) VALUES ($1, $2, $3, \
-    CASE WHEN $2 = 'encounter' THEN NULL ELSE \
-    (SELECT new FROM events WHERE kind = $2 AND subject IS $3 ORDER BY seq DESC LIMIT 1) END, $4, $5, $6)";
+/// The state before is that of the last event about the same subject, where such events have states ($7). A worker who
+/// is noted on the floor again and again changes no state.
+const NOTE: &str = "INSERT INTO events (at, kind, subject, old, new, robot, worker, text) \
+    SELECT $1, $2, $3, iif($7, prior, NULL), $4, $5, $6, $8 FROM (SELECT \
+    (SELECT new FROM events WHERE kind = $2 AND subject IS $3 ORDER BY seq DESC LIMIT 1) AS prior) \
+    WHERE NOT ($2 = 'worker' AND $4 IS prior)";
 const NOTE_ALARM: &str = "INSERT INTO events (at, kind, subject, old, new, text) \
     SELECT $1, 'alarm', $2, (SELECT new FROM events WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1), \
     $3, $4 WHERE $3 IS NOT (SELECT new FROM events WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1)";
@@ -81,6 +87,8 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) ->
         .bind(event.new)
         .bind(event.robot.map(|r| r.0))
         .bind(event.worker.map(|w| w.0))
+        .bind(event.kind.has_states())
+        .bind(event.details.map(|details| written(&details)))
         .execute(db)
         .await?;
     Ok(true)
@@ -98,12 +106,50 @@ pub(super) async fn note_alarm(db: &mut SqliteConnection, alarm: &Alarm) -> Resu
     Ok(())
 }
 
+/// Details as they are kept: JSON, places in millimetres.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum DetailsRecord {
+    Replanned { cause: String, of: Option<u64>, was: Vec<[i64; 2]>, now: Vec<[i64; 2]> },
+    Goal { place: [i64; 2], percent: u8 },
+}
+
+fn written(details: &EventDetails) -> String {
+    let list = |spots: &[Spot]| spots.iter().map(|s| [s.x_mm, s.y_mm]).collect();
+    let record = match details {
+        EventDetails::Replanned { cause, was, now } => DetailsRecord::Replanned {
+            cause: cause.word().to_owned(),
+            of: cause.number(),
+            was: list(was),
+            now: list(now),
+        },
+        EventDetails::Goal { place, percent } => {
+            DetailsRecord::Goal { place: [place.x_mm, place.y_mm], percent: *percent }
+        }
+    };
+    serde_json::to_string(&record).expect("details are plain")
+}
+
+/// Nothing where they are from a newer version.
+pub(super) fn read_details(text: &str) -> Option<EventDetails> {
+    let spot = |[x_mm, y_mm]: [i64; 2]| Spot { x_mm, y_mm };
+    let list = |spots: Vec<[i64; 2]>| spots.into_iter().map(spot).collect();
+    Some(match serde_json::from_str(text).ok()? {
+        DetailsRecord::Replanned { cause, of, was, now } => {
+            EventDetails::Replanned { cause: ReplanCause::of(&cause, of)?, was: list(was), now: list(now) }
+        }
+        DetailsRecord::Goal { place, percent } => EventDetails::Goal { place: spot(place), percent },
+    })
+}
+
 /// Nothing where the row is from a newer version.
 fn decode(row: &SqliteRow, gone: &Gone) -> Result<Option<EventRow>, sqlx::Error> {
     let Some(kind) = EventKind::of_word(row.try_get("kind")?) else { return Ok(None) };
     let subject = row.try_get::<Option<i64>, _>("subject")?.map(i64::cast_unsigned);
     let station = subject.filter(|_| kind == EventKind::Station).and_then(|id| u32::try_from(id).ok());
     let text = station.and_then(|id| gone.station(StationId(id)));
+    let kept: Option<String> = row.try_get("text")?;
+    let details = kept.as_deref().filter(|_| !kind.has_states()).and_then(read_details);
     Ok(Some(EventRow {
         seq: row.try_get("seq")?,
         at: Time(row.try_get("at")?),
@@ -113,7 +159,8 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<Option<EventRow>, sqlx::Error>
         new: row.try_get("new")?,
         robot: row.try_get::<Option<u32>, _>("robot")?.map(RobotId),
         worker: row.try_get::<Option<u32>, _>("worker")?.map(WorkerId),
-        text: text.or(row.try_get("text")?),
+        text: text.or(kept.filter(|_| kind.has_states())),
         reference: row.try_get("reference")?,
+        details,
     }))
 }

@@ -30,6 +30,7 @@ pub mod ledger_record;
 mod line_record;
 mod lock;
 mod names;
+mod note_record;
 mod opening;
 mod people;
 mod people_record;

@@ -4,6 +4,7 @@
 //! with another meaning: a journal outlives the program that wrote it. Refuses: to guess what a newer version means.
 
 use super::job_record::{JobFactRecord, KindRecord, RequestRecord, StateRecord, TaskRecord};
+use super::note_record::NoteRecord;
 use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, EncounterRecord, LastPlaceRecord, ReactionRecord,
     RecurringRecord,
@@ -274,6 +275,7 @@ enum Record {
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         assignments: Vec<u64>,
     },
+    ForTheRecord(NoteRecord),
 }
 
 /// Robots from before there were kinds are of this one, and it is left out of what is written.
@@ -393,9 +395,10 @@ fn record_assigned(id: AssignmentId, worker: Option<WorkerId>, r: &AssignmentReq
     Record::Assigned { assignment: id.0, worker: worker.map(|w| w.0), request: r.into(), at: at.0 }
 }
 
-/// Where workers are, and what is closed.
+/// Where workers are, what is noted, and what is closed.
 fn of_places(fact: &Fact) -> Record {
     match fact {
+        Fact::Noted(note) => Record::ForTheRecord(note.into()),
         Fact::WorkerNoted { worker, place } => Record::Noted { worker: worker.0, place: (*place).into() },
         Fact::WorkerNarrowed { worker, place, by, at } => {
             Record::Narrowed { worker: worker.0, place: (*place).into(), by: by.clone(), at: at.0 }
@@ -526,6 +529,7 @@ impl From<Record> for Fact {
 
 fn about_places(record: Record) -> Fact {
     match record {
+        Record::ForTheRecord(note) => Fact::Noted(note.into()),
         Record::Noted { worker, place } => {
             Fact::WorkerNoted { worker: WorkerId(worker), place: place.into() }
         }

@@ -2,6 +2,7 @@
 //!
 //! Main functions: [`Store::robot_events`], [`Store::robot_jobs`]. Refuses: names, which others give to ids.
 
+use super::events::read_details;
 use super::{Store, StoreError};
 use crate::fleet::{Fact, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, robot_change};
 use crate::id::RobotId;
@@ -16,7 +17,8 @@ const EVENTS: &str = "SELECT at, source, id, word, text, ended FROM ( \
     SELECT updated AS at, 1 AS source, id, state AS word, kind AS text, NULL AS ended FROM jobs WHERE worker = $1 \
     UNION ALL SELECT since, 2, id, kind, text, cleared FROM alarms WHERE subject_kind = 'robot' AND subject = $2 \
     UNION ALL SELECT at, 3, id, what, NULL, NULL FROM robot_changes WHERE robot = $1 \
-    UNION ALL SELECT at, 3, id, what, NULL, NULL FROM robot_changes WHERE robot IS NULL) \
+    UNION ALL SELECT at, 3, id, what, NULL, NULL FROM robot_changes WHERE robot IS NULL \
+    UNION ALL SELECT at, 4, seq, new, text, NULL FROM events WHERE kind = 'robot_replanned' AND subject = $1) \
     WHERE (at, source, id) < ($3, $4, $5) AND at >= $6 AND at < $7 \
     ORDER BY at DESC, source DESC, id DESC LIMIT $8";
 
@@ -26,7 +28,7 @@ impl Store {
     /// # Errors
     /// Where the database does not answer.
     pub async fn robot_events(&self, q: &RobotEventQuery) -> Result<Vec<RobotEventRow>, StoreError> {
-        let (at, source, id) = q.before.unwrap_or((Time(i64::MAX), RobotEventSource::Change, i64::MAX));
+        let (at, source, id) = q.before.unwrap_or((Time(i64::MAX), RobotEventSource::Replan, i64::MAX));
         let rows = sqlx::query(EVENTS)
             .bind(q.robot.0)
             .bind(&q.name)
@@ -64,12 +66,14 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) ->
 /// Nothing where the row is from a newer version.
 fn decode(row: &SqliteRow) -> Result<Option<RobotEventRow>, sqlx::Error> {
     let Some(source) = RobotEventSource::of_number(row.try_get("source")?) else { return Ok(None) };
+    let text: Option<String> = row.try_get("text")?;
     Ok(Some(RobotEventRow {
         at: Time(row.try_get("at")?),
         source,
         id: row.try_get("id")?,
         word: row.try_get("word")?,
-        text: row.try_get("text")?,
+        details: text.as_deref().filter(|_| source == RobotEventSource::Replan).and_then(read_details),
+        text: text.filter(|_| source != RobotEventSource::Replan),
         ended: row.try_get::<Option<i64>, _>("ended")?.map(Time),
     }))
 }

@@ -3,8 +3,9 @@
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{
     Act, AssignmentQuery, AssignmentRequest, AssignmentState, Binds, Booking, Closure, Encounter,
-    EncounterQuery, Fact, JobFailure, JobKind, JobQuery, JobRequest, JobState, KeptRoute, Moved, Purpose,
-    Reaction, Recurrence, RecurringClosure, Stop, Task, Weekdays,
+    EncounterQuery, EventDetails, EventKind, EventQuery, Fact, FloorNote, JobFailure, JobKind, JobQuery,
+    JobRequest, JobState, KeptRoute, LastPlace, Moved, Purpose, Reaction, Recurrence, RecurringClosure,
+    ReplanCause, RobotEventQuery, RobotEventSource, Stop, Task, Weekdays,
 };
 use giveway::geometry::Spot;
 use giveway::id::{
@@ -185,7 +186,23 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
     facts.extend(REACTIONS.map(met));
     facts.extend(REACTIONS.map(|reaction| Fact::Interrupted { robot, worker, reaction, at }));
     facts.extend(facts_about_closures(&area, at));
+    facts.extend(notes(at));
     facts
+}
+
+/// What is noted for the record.
+fn notes(at: Time) -> Vec<Fact> {
+    let (robot, worker, place) = (RobotId(2), WorkerId(1), Spot { x_mm: 3100, y_mm: -40 });
+    let causes = [
+        ReplanCause::Worker(worker),
+        ReplanCause::Closure(ClosureId(5)),
+        ReplanCause::Robot(RobotId(4)),
+        ReplanCause::Obstruction,
+    ];
+    let replanned =
+        |cause| Fact::Noted(FloorNote::Replanned { robot, cause, was: vec![place; 2], now: vec![place], at });
+    let goal = Fact::Noted(FloorNote::Goal { worker, place, percent: 72, at });
+    causes.map(replanned).into_iter().chain([goal]).collect()
 }
 
 /// For whom an area is closed, what recurs, and evacuations.
@@ -431,4 +448,63 @@ async fn a_full_disk_stops_acknowledgements_and_loses_nothing() {
         assert_eq!(listed.iter().filter(|j| j["id"] == id).count(), 1, "{id}");
     }
     server.stop().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_worker_who_is_noted_again_is_no_event_and_a_replan_is_one_with_both_ways() {
+    let folder = Folder::new();
+    let store = Store::open(&folder.database(), &map()).await.unwrap();
+    let (worker, at) = (WorkerId(1), Time(1_800_000_000_000_000));
+    let place = LastPlace { at: Spot { x_mm: 1, y_mm: 2 }, seen: at, within_mm: None };
+    let noted = Fact::WorkerNoted { worker, place };
+    let facts = vec![
+        Fact::WorkerRegistered { worker, name: "anna".into(), at },
+        noted.clone(),
+        noted.clone(),
+        Fact::Deviated { worker, at },
+        noted.clone(),
+        Fact::WorkerCleared { worker, by: None, at },
+        noted,
+    ];
+    let facts: Vec<Fact> = facts.into_iter().chain(notes(at)).collect();
+    store.append(1, &entries(facts)).await.unwrap();
+    let query = EventQuery { limit: 100, ..EventQuery::default() };
+    let events = store.events(&query).await.unwrap();
+    let states: Vec<(Option<&str>, &str)> = (events.iter().filter(|e| e.kind == EventKind::Worker))
+        .map(|e| (e.old.as_deref(), e.new.as_str()))
+        .collect();
+    let expected = [
+        (None, "registered"),
+        (Some("registered"), "on_floor"),
+        (Some("on_floor"), "left"),
+        (Some("left"), "on_floor"),
+    ];
+    assert_eq!(states, expected);
+    let of = |kind| events.iter().filter(move |e| e.kind == kind);
+    assert_eq!(of(EventKind::WorkerDeviated).count(), 1);
+    let replans: Vec<_> = of(EventKind::RobotReplanned).collect();
+    assert_eq!(
+        replans.iter().map(|e| e.new.as_str()).collect::<Vec<_>>(),
+        ["worker", "closure", "robot", "obstruction"]
+    );
+    let Some(EventDetails::Replanned { cause, was, now }) = &replans[0].details else {
+        panic!("{replans:?}")
+    };
+    assert_eq!((*cause, was.len(), now.len()), (ReplanCause::Worker(worker), 2, 1));
+    assert_eq!((replans[0].old.as_ref(), replans[0].worker), (None, Some(worker)));
+    let goal: Vec<_> = of(EventKind::WorkerGoal).filter_map(|e| e.details.clone()).collect();
+    assert_eq!(goal, [EventDetails::Goal { place: Spot { x_mm: 3100, y_mm: -40 }, percent: 72 }]);
+    let history = RobotEventQuery {
+        robot: RobotId(2),
+        name: "robot-3".into(),
+        from: None,
+        to: None,
+        before: None,
+        limit: 10,
+    };
+    let history = store.robot_events(&history).await.unwrap();
+    assert_eq!(
+        history.iter().filter(|row| row.source == RobotEventSource::Replan && row.details.is_some()).count(),
+        4
+    );
 }

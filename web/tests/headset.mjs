@@ -129,6 +129,7 @@ await check('A token is asked for, then name and marks', async () => {
   await page.getByLabel('Name of the wearer').fill('picker-7');
   await page.getByLabel('First mark').selectOption('R106');
   await page.getByLabel('Second mark').selectOption('R102');
+  await page.getByLabel('Third mark').selectOption('');
   await page.getByText('This is not a safety device').waitFor();
   await shot('sign-in');
 });

@@ -1,6 +1,6 @@
 // The page of a wearer, without browser, network or headset: poses, marks, guidance, arrow, coming back.
 import { beforeEach, describe, expect, test } from 'vitest';
-import { fit, mark, suggest, type Mark, type Marking } from '../src/headset/align';
+import { beside, fit, mark, suggest, type Mark, type Marking } from '../src/headset/align';
 import { aim, multiply } from '../src/headset/arrow';
 import { cellWords, lights, type CellLights } from '../src/headset/cell';
 import { DEAD_MS, type LineEvents } from '../src/headset/feed';
@@ -59,6 +59,18 @@ describe('marks', () => {
     const place = (name: string, x: number) => ({ name, at: [x, 0] as const });
     expect(suggest([place('a', 0), place('b', 5), place('c', 11), place('d', 90)])?.map((p) => p.name)).toEqual(['a', 'c']);
     expect(suggest([place('a', 0)])).toBeNull();
+  });
+  test('the third mark proposed lies beside the line of the first two, and none on it does', () => {
+    const place = (name: string, x: number, y: number) => ({ name, at: [x, y] as const });
+    const two = [place('a', 0, 7), place('b', 12, 7)] as const;
+    const places = [...two, place('on', 6, 7.5), place('near', 6, 12), place('far', 80, 90)];
+    expect(beside(places, [two[0], two[1]])?.name).toBe('near');
+    expect(beside(places.slice(0, 3), [two[0], two[1]])).toBeNull();
+  });
+  test('marks of one floor at different heights are taken again', () => {
+    const raised = (m: Mark, y: number): Mark => ({ ...m, device: [m.device[0], y, m.device[2]] });
+    expect(fit([at('A', [0, 0]), raised(at('B', [10, 0]), 3.5), raised(at('C', [5, 8]), -2)])).toMatchObject({ kind: 'misfit', text: expect.stringContaining('height') });
+    expect(fit([at('A', [0, 0]), raised(at('B', [10, 0]), 0.1)]).kind).toBe('fits');
   });
   test('marks are taken one after the other, asked, refused, taken again, and forgotten when the frame jumps', () => {
     const names = ['A', 'B'];
@@ -142,6 +154,23 @@ describe('guidance', () => {
     // A wait whose length is known is counted; where the connection is lost, nothing is.
     expect(show(guidance({ state: 'stop', reason: 'robot-7 crosses your path', wait_s: 3.2 }), well)).toMatchObject({ kind: 'stop', title: 'WAIT 4 sec', detail: 'Robot-7 crosses your path.' });
     expect(show(guidance({ state: 'stop', wait_s: 3.2 }), { ...well, age_ms: 9_000, link: 'lost' })).toMatchObject({ kind: 'stop', title: 'STOP' });
+  });
+  test('a phone without a connection keeps the task and the path, and says how old they are', () => {
+    const phone: Standing = { ...well, tracking: 'none', age_ms: 65_000, link: 'lost' };
+    const kept = show(guidance(), phone, { id: 'a3', what: 'Count K1', place: 'G6-7' });
+    expect(kept).toMatchObject({ kind: 'offline', tone: 'warn', title: 'No connection', path: guidance().path, next: guidance().next, near: [] });
+    expect(kept.detail).toContain('1:05');
+    expect(show(guidance({ assignment: 'a3' }), phone, { id: 'a3', what: 'Count K1', place: 'G6-7' }).detail).toContain('Count K1 at G6-7');
+    expect(show(guidance(), { ...phone, tracking: 'tracked' }), 'a headset walks on, its path does not').toMatchObject({ path: [] });
+  });
+  test('a phone is told to tap the map, a headset to touch the marks', () => {
+    const lost = guidance({ state: 'stop', cause: { kind: 'not_tracked', robot: null, closure: null } });
+    expect(show(lost, well).detail).toContain('touch the marks');
+    const phone = show(lost, { ...well, tracking: 'none' }).detail;
+    expect(phone).toContain('tap the map');
+    expect(phone).not.toContain('marks');
+    const unsure = guidance({ state: 'stop', cause: { kind: 'place_unsure', robot: 'robot-7', closure: null } });
+    expect(show(unsure, { ...well, tracking: 'none' }).detail).toMatch(/^robot-7 waits .* tap the map/);
   });
   test('without a position or marks there is no path', () => {
     expect(show(guidance(), { ...well, tracking: 'lost' })).toMatchObject({ kind: 'lost', path: [] });

@@ -3,7 +3,7 @@ import type { Robot, Snapshot, Worker } from '../src/wire/types';
 
 export const robot = (id: string, more: Partial<Robot> = {}): Robot => ({
   id, x: 0, y: 0, heading: 0, speed: 0, activity: 'idle', since: '1970-01-01T00:00:00Z', state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1,
-  granted: [], held: [], why: null, passes: null, ...more,
+  granted: [], held: [], why: null, passes: null, replanned: null, ...more,
 });
 
 export const worker = (id: string, more: Partial<Worker> = {}): Worker => ({

@@ -186,7 +186,7 @@ describe('the hall', () => {
     sky: c, floor: c, edge: c, lane: c, blocked: c, closed: [1, 0, 0, 1], places: { charger: [0, 1, 0, 1] }, frame: c, goods: [c, c],
     states: Object.fromEntries([...ACTIVITIES, 'gone'].map((one) => [one, c])) as HallInk['states'], nose: c, person: c, region: c,
   };
-  const row = { heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1, granted: [], held: [], why: null, passes: null };
+  const row = { heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1, granted: [], held: [], why: null, passes: null, replanned: null };
   const floor = (more: object): Mirror => {
     const told = { type: 'snapshot', version: 1, time_s: 0, simulated: true, stations: [], closures: [], jobs: EMPTY.jobs, counters: EMPTY.counters, alarms: [], robots: [], racks: [], workers: [], ...more };
     const reduced = reduce(EMPTY, told as unknown as Snapshot);

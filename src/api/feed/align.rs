@@ -2,8 +2,10 @@
 //!
 //! Main types: [`Alignment`], [`PointPair`], [`Misfit`]. A rotation about the vertical and a shift, no scale: the
 //! least-squares fit of Arun, Huang and Blostein 1987 ("Least-squares fitting of two 3-D point sets") in the plane,
-//! where the singular value decomposition is one arc tangent. Pure. Refuses: pairs that no rigid movement brings
-//! together, and to guess which of two stories is true.
+//! where the singular value decomposition is one arc tangent. Marks that lie on one line fit a frame with an exchanged
+//! axis as well: such an alignment is provisional and knows the line about which the other place lies
+//! ([`Alignment::mirrored`]). Pure. Refuses: pairs that no rigid movement brings together, marks of one floor at
+//! different heights, and to guess which of two stories is true.
 
 use crate::geometry::{Point, Vector, wrap_angle};
 use nalgebra::Rotation2;
@@ -20,6 +22,16 @@ pub const RMS_MAX_M: f64 = 0.15;
 /// Marks must be at least so far apart, metres.
 pub const BASELINE_MIN_M: f64 = 1.0;
 
+/// All marks lie on one floor: their heights may differ by this, metres. Devices drift, and a ring is laid by hand.
+const FLOOR_M: f64 = 0.25;
+
+/// A direction of a mark may differ by this from the one that the places of the marks give, radians: 20 degrees.
+const DIRECTION_MAX: f64 = 0.35;
+
+/// A frame with an exchanged axis is ruled out where the marks would be further off in it than this, metres: twice what
+/// the right one may be off.
+const MIRRORED_MIN_M: f64 = 2.0 * RMS_MAX_M;
+
 /// How well the direction of a single mark is known: two degrees.
 const YAW_ERROR: f64 = 0.035;
 
@@ -35,6 +47,8 @@ pub const MOST_PAIRS: usize = 32;
 pub struct PointPair {
     /// In the device's floor plan, metres.
     pub device: Vector,
+    /// Its height in the device's frame, metres.
+    pub height_m: f64,
     /// On the map, metres.
     pub map: Point,
     /// How much it counts; 1 is usual.
@@ -42,6 +56,8 @@ pub struct PointPair {
     /// How far the device's frame is turned, as this mark alone has it: its direction on the map less its direction
     /// in the device's frame, radians.
     pub turn: Option<f64>,
+    /// Its direction on the map, radians, where both sides know it.
+    pub heading: Option<f64>,
 }
 
 /// Where a device's frame lies in the map: `p = R(theta) a + shift`.
@@ -57,6 +73,11 @@ pub struct Alignment {
     pub heading_error: f64,
     /// Pairs that were left out, by position in the list.
     pub dropped: Vec<usize>,
+    /// Height of the floor in the device's frame, metres.
+    pub floor_m: f64,
+    /// The direction on the map, radians, of the line on which all marks lie; nothing where they rule out that an axis
+    /// of the device's frame is exchanged.
+    line: Option<f64>,
     /// The middle of the marks, and one standard deviation of it, metres.
     centre: Point,
     centre_sigma_m: f64,
@@ -80,6 +101,29 @@ pub enum Misfit {
     /// Distances differ.
     #[error("distances in the device are {0:.3} times those on the map")]
     Scale(f64),
+    /// The floor is not level in the device's frame.
+    #[error(
+        "marks of one floor lie at heights from {low_m:.2} to {high_m:.2} m in the device, number {worst} off the most"
+    )]
+    Heights {
+        /// The lowest, metres.
+        low_m: f64,
+        /// The highest, metres.
+        high_m: f64,
+        /// The one that is off the most, from 0.
+        worst: usize,
+    },
+    /// The marks fit with an axis exchanged, and not without.
+    #[error("the marks fit only as in a mirror: the device exchanges two axes, or counts one backwards")]
+    Mirrored,
+    /// A mark points elsewhere than the places of the marks say.
+    #[error("mark {mark} points {degrees:.0} degrees away from where the marks say that it points")]
+    Direction {
+        /// Which, from 0.
+        mark: usize,
+        /// How far.
+        degrees: f64,
+    },
     /// The marks do not lie as on the map.
     #[error("the marks are {rms_m:.2} m off, number {worst} the most")]
     Residual {
@@ -103,6 +147,15 @@ impl Misfit {
             Misfit::TooClose(_) => "touch marks that are at least 1 m apart, better 10 m",
             Misfit::Scale(_) => {
                 "check that each mark has the right name, and that the device counts in metres"
+            }
+            Misfit::Heights { .. } => {
+                "touch that mark again; if all are wrong, send WebXR axes: x to the right, y up, z backwards, metres"
+            }
+            Misfit::Mirrored => {
+                "send WebXR axes: x to the right, y up, z backwards; from a left-handed frame negate z"
+            }
+            Misfit::Direction { .. } => {
+                "send x, y, z, w of a rotation in WebXR axes, or leave the direction out"
             }
             Misfit::Residual { .. } => "check the name of that mark, and touch it again",
             Misfit::Ambiguous => "touch a fourth mark",
@@ -137,6 +190,8 @@ impl Alignment {
             rms_m: 0.0,
             heading_error: 0.0,
             dropped: Vec::new(),
+            floor_m: 0.0,
+            line: None,
             centre: Point::origin(),
             centre_sigma_m: 0.0,
         }
@@ -146,15 +201,24 @@ impl Alignment {
     /// up to a third of them, where that is what it takes.
     ///
     /// # Errors
-    /// Where no such movement is good enough.
+    /// Where no such movement is good enough, or something else that the marks say contradicts it.
     pub fn fit(pairs: &[PointPair]) -> Result<Alignment, Misfit> {
         check(pairs)?;
-        if let [only] = pairs {
-            return single(only);
-        }
+        let floor_m = floor(pairs)?;
+        let alignment = match pairs {
+            [only] => single(only)?,
+            _ => Alignment::of_places(pairs)?,
+        };
+        alignment.check_directions(pairs)?;
+        Ok(Alignment { floor_m, ..alignment })
+    }
+
+    /// What the places of several marks say.
+    fn of_places(pairs: &[PointPair]) -> Result<Alignment, Misfit> {
         let mut kept: Vec<usize> = (0..pairs.len()).collect();
         let misfit = match fit_if_good(pairs, &kept) {
             Ok(fit) => return Ok(fit),
+            Err(_) if fit_if_good(&mirrored(pairs), &kept).is_ok() => return Err(Misfit::Mirrored),
             Err(misfit) => misfit,
         };
         for _ in 0..pairs.len() / 3 {
@@ -181,6 +245,30 @@ impl Alignment {
         wrap_angle(phi + self.theta)
     }
 
+    /// Whether the marks leave open that an axis of the device's frame is exchanged.
+    pub fn is_provisional(&self) -> bool {
+        self.line.is_some()
+    }
+
+    /// Where a place on the map would be if the device's frame had an axis exchanged: on the other side of the line of
+    /// the marks. Nothing where the marks rule that out.
+    pub fn mirrored(&self, at: Point) -> Option<Point> {
+        let along = self.line.map(|angle| Vector::new(angle.cos(), angle.sin()))?;
+        let from = at - self.centre;
+        Some(self.centre + along * (2.0 * along.dot(&from)) - from)
+    }
+
+    /// The directions of marks say the same as their places.
+    fn check_directions(&self, pairs: &[PointPair]) -> Result<(), Misfit> {
+        for (mark, pair) in pairs.iter().enumerate().filter(|(i, _)| !self.dropped.contains(i)) {
+            let off = pair.turn.map_or(0.0, |turn| wrap_angle(turn - self.theta).abs());
+            if off > DIRECTION_MAX {
+                return Err(Misfit::Direction { mark, degrees: off.to_degrees() });
+            }
+        }
+        Ok(())
+    }
+
     /// What the alignment adds to the uncertainty of a place on the map, one standard deviation, metres: the marks,
     /// the turn times the distance from them, and drift over the way walked since.
     pub fn sigma_m(&self, at: Point, walked_m: f64) -> f64 {
@@ -192,7 +280,7 @@ impl Alignment {
 
 fn check(pairs: &[PointPair]) -> Result<(), Misfit> {
     let sound = |p: &PointPair| {
-        let numbers = [p.device.x, p.device.y, p.map.x, p.map.y, p.turn.unwrap_or(0.0)];
+        let numbers = [p.device.x, p.device.y, p.height_m, p.map.x, p.map.y, p.turn.unwrap_or(0.0)];
         numbers.iter().all(|n| n.abs() <= super::FAR_M) && p.weight > 0.0 && p.weight <= 1000.0
     };
     match pairs {
@@ -200,6 +288,32 @@ fn check(pairs: &[PointPair]) -> Result<(), Misfit> {
         _ if pairs.len() > MOST_PAIRS => Err(Misfit::TooMany(pairs.len())),
         _ => pairs.iter().position(|p| !sound(p)).map_or(Ok(()), |i| Err(Misfit::Absurd(i))),
     }
+}
+
+/// The height of the floor on which all marks lie: the middle one of theirs.
+fn floor(pairs: &[PointPair]) -> Result<f64, Misfit> {
+    let mut heights: Vec<f64> = pairs.iter().map(|p| p.height_m).collect();
+    heights.sort_by(f64::total_cmp);
+    let (low_m, high_m, middle) = (heights[0], heights[heights.len() - 1], heights[heights.len() / 2]);
+    if high_m - low_m <= FLOOR_M {
+        return Ok(middle);
+    }
+    let off = |p: &PointPair| (p.height_m - middle).abs();
+    let worst = pairs.iter().enumerate().max_by(|(_, a), (_, b)| off(a).total_cmp(&off(b)));
+    Err(Misfit::Heights { low_m, high_m, worst: worst.map_or(0, |(i, _)| i) })
+}
+
+/// The same marks in a frame with one axis exchanged.
+fn mirrored(pairs: &[PointPair]) -> Vec<PointPair> {
+    let flip = |p: &PointPair| PointPair { device: Vector::new(p.device.x, -p.device.y), ..*p };
+    pairs.iter().map(flip).collect()
+}
+
+/// The direction on the map of the line of the marks, where a frame with an exchanged axis fits them as well. The
+/// movement with that axis and the one without differ by a reflection about it.
+fn line(pairs: &[PointPair], some: &[usize], theta: f64) -> Option<f64> {
+    let other = solve(&mirrored(pairs), some);
+    (other.rms_m <= MIRRORED_MIN_M).then(|| wrap_angle(theta + other.theta) / 2.0)
 }
 
 fn single(pair: &PointPair) -> Result<Alignment, Misfit> {
@@ -210,6 +324,8 @@ fn single(pair: &PointPair) -> Result<Alignment, Misfit> {
         rms_m: 0.0,
         heading_error: YAW_ERROR,
         dropped: Vec::new(),
+        floor_m: pair.height_m,
+        line: pair.heading,
         centre: pair.map,
         centre_sigma_m: TOUCH_M,
     })
@@ -251,6 +367,8 @@ fn fit_if_good(pairs: &[PointPair], some: &[usize]) -> Result<Alignment, Misfit>
         rms_m: fit.rms_m,
         heading_error: fit.sigma_m / fit.spread_m,
         dropped: (0..pairs.len()).filter(|i| !some.contains(i)).collect(),
+        floor_m: 0.0,
+        line: line(pairs, some, fit.theta),
         centre: fit.centre,
         centre_sigma_m: fit.sigma_m / (some.len() as f64).sqrt(),
     })
@@ -301,7 +419,8 @@ mod tests {
         let back = Rotation2::new(-theta);
         let pair = |m: &(f64, f64)| {
             let map = Point::new(m.0, m.1);
-            PointPair { device: back * (map.coords - shift), map, weight: 1.0, turn: None }
+            let device = back * (map.coords - shift);
+            PointPair { device, height_m: 0.0, map, weight: 1.0, turn: None, heading: None }
         };
         marks.iter().map(pair).collect()
     }
@@ -370,7 +489,7 @@ mod tests {
     fn one_mark_with_its_direction_is_enough_and_one_without_is_not() {
         let mut pairs = seen(1.0, Vector::new(5.0, 6.0), &[(2.0, 3.0)]);
         assert_eq!(Alignment::fit(&pairs), Err(Misfit::TooFew));
-        pairs[0].turn = Some(1.0);
+        (pairs[0].turn, pairs[0].heading) = (Some(1.0), Some(0.5));
         let fit = Alignment::fit(&pairs).unwrap();
         assert!((fit.shift - Vector::new(5.0, 6.0)).norm() < 1e-9);
         assert!((fit.heading(0.5) - 1.5).abs() < 1e-9);
@@ -409,6 +528,46 @@ mod tests {
         let mut absurd = seen(0.0, Vector::zeros(), &HALL);
         absurd[3].device.x = f64::NAN;
         assert_eq!(Alignment::fit(&absurd), Err(Misfit::Absurd(3)));
+    }
+
+    #[test]
+    fn marks_on_one_line_leave_open_on_which_side_of_it_a_place_lies_and_a_third_beside_it_does_not() {
+        let two = Alignment::fit(&seen(0.4, Vector::new(1.0, 2.0), &[(0.0, 7.0), (12.0, 7.0)])).unwrap();
+        assert!(two.is_provisional());
+        let other = two.mirrored(Point::new(6.0, 12.0)).unwrap();
+        assert!((other - Point::new(6.0, 2.0)).norm() < 1e-9, "{other:?}");
+        let on_it = two.mirrored(Point::new(3.0, 7.0)).unwrap();
+        assert!((on_it - Point::new(3.0, 7.0)).norm() < 1e-9, "on the line both are one place");
+        for (aside_m, provisional) in [(0.2, true), (1.0, false), (5.0, false)] {
+            let marks = [(0.0, 7.0), (12.0, 7.0), (6.0, 7.0 + aside_m)];
+            let three = Alignment::fit(&seen(0.4, Vector::new(1.0, 2.0), &marks)).unwrap();
+            assert_eq!(three.is_provisional(), provisional, "{aside_m} m");
+        }
+        let single =
+            PointPair { turn: Some(0.0), heading: Some(0.0), ..seen(0.0, Vector::zeros(), &[(1.0, 1.0)])[0] };
+        let other = Alignment::fit(&[single]).unwrap().mirrored(Point::new(3.0, 2.0)).unwrap();
+        assert!((other - Point::new(3.0, 0.0)).norm() < 1e-9, "about the direction of the mark: {other:?}");
+    }
+
+    #[test]
+    fn marks_that_fit_only_as_in_a_mirror_and_heights_and_directions_that_contradict_are_refused() {
+        let mirror = mirrored(&seen(0.4, Vector::new(1.0, 2.0), &HALL));
+        assert_eq!(Alignment::fit(&mirror), Err(Misfit::Mirrored));
+        assert_eq!(Alignment::fit(&mirror[..3]), Err(Misfit::Mirrored));
+        let mut stairs = seen(0.4, Vector::new(1.0, 2.0), &HALL[..3]);
+        for (pair, height_m) in stairs.iter_mut().zip([0.0, 3.5, -2.0]) {
+            pair.height_m = height_m;
+        }
+        let heights = Misfit::Heights { low_m: -2.0, high_m: 3.5, worst: 1 };
+        assert_eq!(Alignment::fit(&stairs), Err(heights));
+        assert!(heights.to_string().contains("from -2.00 to 3.50 m") && heights.remedy().contains("y up"));
+        let mut level = seen(0.4, Vector::new(1.0, 2.0), &HALL);
+        level.iter_mut().for_each(|p| p.height_m = -1.6);
+        assert_eq!(Alignment::fit(&level).unwrap().floor_m, -1.6, "wherever the device has its origin");
+        level[2].turn = Some(0.4 + 0.2);
+        assert!(Alignment::fit(&level).is_ok(), "a direction is shown by hand");
+        level[2].turn = Some(0.4 + std::f64::consts::FRAC_PI_2);
+        assert!(matches!(Alignment::fit(&level), Err(Misfit::Direction { mark: 2, .. })));
     }
 
     #[test]

@@ -388,6 +388,7 @@ mod tests {
 
     fn sighting(epoch: u32, seq: u64) -> Sighting {
         Sighting {
+            mirror: None,
             worker: ANNA,
             source: SourceId::Headset,
             seen: Time(0),
@@ -496,6 +497,8 @@ mod tests {
             map: Point::origin(),
             weight: 1.0,
             turn: Some(0.0),
+            height_m: 0.0,
+            heading: Some(0.0),
         };
         assert!(feeds.are_new_marks(ANNA, &[mark(1.0)]), "the first ones");
         feeds.note_marks(ANNA, vec![mark(1.0)]);

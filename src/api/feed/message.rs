@@ -56,6 +56,9 @@ pub enum FeedMessage {
         heading_error: f64,
         /// Marks that were left out, by position in the list.
         dropped: Vec<usize>,
+        /// Whether the marks lie on one line and an axis of the device may be exchanged: then robots give way on both
+        /// sides of the line, until a mark beside it, another source or the map shows which is right.
+        provisional: bool,
     },
     /// The marks make no alignment.
     Refused {

@@ -65,10 +65,10 @@ pub fn hand_points(hand: &Hand) -> Option<HandPoints> {
     Some(HandPoints { wrist: wrist?, palm: palm?, tips: [thumb?, index?] })
 }
 
-/// A point of the device's frame as map x, map y, height.
+/// A point of the device's frame as map x, map y, height above the floor of the marks.
 pub fn place(alignment: &Alignment, position: [f64; 3]) -> [f64; 3] {
     let at: Point = alignment.point(plan(position));
-    [at.x, at.y, position[1]]
+    [at.x, at.y, position[1] - alignment.floor_m]
 }
 
 /// A direction of the device's frame in the same axes, of length one; nothing where it has no length.

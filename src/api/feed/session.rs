@@ -5,7 +5,7 @@
 
 use super::clock::{Exchange, PingOutcome};
 use super::hub::{Connection, Told, head_of};
-use super::intake::{PoseIntake, TakenPose, pairs};
+use super::intake::{PoseFault, PoseIntake, TakenPose, pairs};
 use super::joints::JointGate;
 use super::lights::{CellLightsDto, CellTold};
 use super::message::FeedMessage;
@@ -37,6 +37,10 @@ use tokio::time::timeout;
 /// What is said of hands that cannot be.
 const NO_HAND: &str = "a hand is left out: a joint is no four numbers, or its joints are too many, far from each other \
                        or from any shoulder, or have not moved at all for a second, or left and right changed places";
+
+/// What is said of marks that lie on one line.
+const ONE_LINE: &str = "the marks lie on one line, so left and right may be exchanged, and robots keep away from two \
+                        places: touch a mark beside that line, too, at least 1 m from it";
 
 /// How long a message may be: both hands with all joints, twice.
 const MESSAGE: usize = 32 * 1024;
@@ -177,6 +181,16 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
 /// A message as it travels.
 fn text(message: &FeedMessage) -> String {
     serde_json::to_string(message).expect("messages are plain")
+}
+
+/// What is said of marks that do not fit with the others.
+fn left_out(said: &[AnchorSaid], dropped: &[usize]) -> String {
+    let name = |i: &usize| said.get(*i).and_then(|a| a.mark.clone()).unwrap_or_else(|| i.to_string());
+    let names: Vec<String> = dropped.iter().map(name).collect();
+    let names = names.join(", ");
+    format!(
+        "marks that do not fit with the others are left out: {names}; check their names, and touch them again"
+    )
 }
 
 /// Reasons in close frames have room for 123 bytes.
@@ -356,7 +370,7 @@ impl Session<'_> {
                 if !self.api.feeds.hand(&self.connection, taken.sighting, taken.senses, received) {
                     self.api.metrics.refused("full");
                 }
-                taken.fault
+                taken.fault.or(taken.is_askew.then_some(PoseFault::Askew))
             }
             Err(fault) => {
                 self.api.metrics.refused(fault.word());
@@ -445,8 +459,11 @@ impl Session<'_> {
             self.api.feeds.note_marks(self.worker, pairs);
             alignment
         });
+        let (provisional, dropped) =
+            fit.as_ref().map_or((false, Vec::new()), |a| (a.is_provisional(), a.dropped.clone()));
         let answer = match fit {
             Ok(a) => FeedMessage::Aligned {
+                provisional,
                 epoch: self.intake.epoch(),
                 theta: a.theta,
                 shift: [a.shift.x, a.shift.y],
@@ -462,7 +479,11 @@ impl Session<'_> {
                 aligned: self.intake.alignment().is_some(),
             },
         };
-        self.send(answer).await
+        self.send(answer).await?;
+        if !dropped.is_empty() {
+            self.warn("mark-left-out", dropped.len() as u64, &left_out(said, &dropped)).await?;
+        }
+        if provisional { self.warn("one-line", 1, ONE_LINE).await } else { Ok(()) }
     }
 
     /// Sends what is to be picked where the wearer stands, where that changed.

@@ -61,7 +61,7 @@ pub struct EventParams {
     #[param(minimum = 0)]
     after: Option<i64>,
     /// Only these kinds, with commas between them: job, robot, fleet, station, worker, assignment, closure, alarm,
-    /// encounter.
+    /// encounter, robot_replanned, worker_deviated, worker_goal.
     #[param(example = "job,alarm")]
     kind: Option<String>,
     /// How many a page has at most, 1 to 500; 100 if absent. Streams have no limit.
@@ -69,8 +69,10 @@ pub struct EventParams {
 }
 
 /// What happened, in order, for seven days: changes of state of jobs, robots, stations, workers, assignments, closures
-/// and alarms, and encounters. With `Accept: text/event-stream` the events come as a stream of server-sent events, each
-/// with its number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it
+/// and alarms, encounters, robots that got another way because of a worker, a closure or a broken robot
+/// (`robot_replanned`, with both ways), workers who left the path (`worker_deviated`), and where workers are most
+/// probably going (`worker_goal`). With `Accept: text/event-stream` the events come as a stream of server-sent events,
+/// each with its number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it
 /// tells, in one transaction: a reader that goes on after the last number that it has seen misses nothing, also if the
 /// server was killed.
 #[utoipa::path(get, path = "/v1/events", tag = "events", operation_id = "listEvents", params(EventParams,

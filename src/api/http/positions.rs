@@ -169,6 +169,18 @@ impl NewPosition {
         };
         let (at, heading, quality) = (Point::new(self.x, self.y), self.heading, Quality::Tracked);
         let (source, epoch, at_marks, seq) = (SourceId::Tag, 0, false, 0);
-        Ok(Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality })
+        Ok(Sighting {
+            worker,
+            source,
+            seen,
+            epoch,
+            at_marks,
+            seq,
+            at,
+            mirror: None,
+            heading,
+            accuracy_m,
+            quality,
+        })
     }
 }

@@ -10,6 +10,7 @@ use crate::api::alarms::AlarmDto;
 use crate::api::called::Called;
 use crate::api::dto::{Names, Page, RobotDto};
 use crate::api::error::{FieldError, Problem};
+use crate::api::events::EventDetailsDto;
 use crate::api::extract::{Params, PathPart, read_time};
 use crate::api::text::{alarm_name, job_name, round3, time_text};
 use crate::fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
@@ -46,13 +47,14 @@ pub struct RobotDetailDto {
 pub struct RobotEventDto {
     /// When, RFC 3339: of a job, when its state changed last; of an alarm, when it was raised.
     pub at: String,
-    /// job, alarm or change.
+    /// job, alarm, change or replan.
     pub kind: &'static str,
-    /// The job or the alarm; null for a change.
+    /// The job or the alarm; null for a change and a replan.
     #[schema(example = "j17")]
     pub id: Option<String>,
     /// The state of the job; the kind of the alarm; or joined, failed, repaired, fenced, paused, resumed,
-    /// fleet_stopped, fleet_resumed, out_of_service, back_in_service, leaving, left or returned.
+    /// fleet_stopped, fleet_resumed, out_of_service, back_in_service, leaving, left or returned;
+    /// or because of what it was replanned: worker, closure, robot or obstruction.
     #[schema(example = "done")]
     pub what: String,
     /// The kind of the job, or the text of the alarm.
@@ -60,6 +62,9 @@ pub struct RobotEventDto {
     pub text: Option<String>,
     /// When the alarm ended, RFC 3339.
     pub ended: Option<String>,
+    /// Of a replan, because of whom or what, and the way before and since.
+    #[serde(flatten)]
+    pub details: EventDetailsDto,
 }
 
 /// Which part of a history to list.
@@ -141,7 +146,9 @@ pub async fn history(
     rows.truncate(limit as usize);
     let cursor = |row: &RobotEventRow| format!("{}-{}-{}", row.at.0, row.source.number(), row.id);
     let next = rows.last().filter(|_| more).map(cursor);
-    Ok(Json(Page { items: rows.into_iter().map(event).collect(), next }))
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    Ok(Json(Page { items: rows.into_iter().map(|row| event(names, row)).collect(), next }))
 }
 
 /// The entry after which a page begins: its time, its list and its number there.
@@ -151,12 +158,13 @@ fn parse_cursor(text: &str) -> Option<(Time, RobotEventSource, i64)> {
     Some((Time(number()?), RobotEventSource::of_number(number()?)?, number()?))
 }
 
-fn event(row: RobotEventRow) -> RobotEventDto {
+fn event(names: Names<'_>, row: RobotEventRow) -> RobotEventDto {
     let number = row.id.unsigned_abs();
     let (kind, id) = match row.source {
         RobotEventSource::Job => ("job", Some(job_name(JobId(number)))),
         RobotEventSource::Alarm => ("alarm", Some(alarm_name(number))),
         RobotEventSource::Change => ("change", None),
+        RobotEventSource::Replan => ("replan", None),
     };
     RobotEventDto {
         at: time_text(row.at),
@@ -165,6 +173,7 @@ fn event(row: RobotEventRow) -> RobotEventDto {
         what: row.word,
         text: row.text,
         ended: row.ended.map(time_text),
+        details: names.event_details(row.details),
     }
 }
 

@@ -37,6 +37,7 @@ fn robot(name: &str, x: f64) -> RobotView {
         held: vec![],
         why: None,
         passes: None,
+        replanned: None,
     }
 }
 

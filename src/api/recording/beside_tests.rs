@@ -40,6 +40,7 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
         held: vec![],
         why: Some(Why::NoRoute),
         passes: None,
+        replanned: None,
     };
     let job = |job: u64, kind, after| Pending {
         job: JobId(job),

@@ -64,6 +64,7 @@ impl HumanState {
         }
         if !self.people.is_empty() {
             self.infer(core.floor(), now);
+            self.note_goals(core, now);
             self.update_forecasts(core.floor(), now);
             self.note_places(core, now);
         }

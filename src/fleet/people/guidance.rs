@@ -3,6 +3,8 @@
 //!
 //! Refuses: to decide where a worker is to go.
 
+use crate::aware::HumanAwarePolicy;
+use crate::fleet::people::message::{Message, Words};
 use crate::fleet::people::state::{HumanState, LetsPassStage, Person, WalkMode};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
@@ -30,7 +32,14 @@ impl HumanState {
         for worker in self.people.ids() {
             let person = &mut self.people[worker];
             (person.fresh, person.relocated) = (false, false);
-            let Some(place) = self.whereabouts(worker, now) else { continue };
+            let Some(place) = self.whereabouts(worker, now) else {
+                self.people[worker].message = None;
+                continue;
+            };
+            let words = self.words(floor, worker, &place, now);
+            let standoff = floor.stands_against(worker, words).is_some();
+            let before = self.people[worker].message;
+            self.people[worker].message = Some(Message::next(before, words, standoff, now));
             let guidance = self.guidance(floor, worker, &place, now);
             let due = match &self.people[worker].told {
                 Some((last, at)) => {
@@ -56,12 +65,8 @@ impl HumanState {
     ) -> Guidance {
         let person = &self.people[worker];
         let near = floor.near(place);
-        let (state, reason) = self.state_of(floor, person, place, &near);
-        let reason = match reason {
-            None if floor.ledger.evacuation.is_some() => Some(GuidanceReason::Evacuation),
-            None | Some(GuidanceReason::NoWay) => self.is_asked(floor, worker, now).or(reason),
-            Some(_) => reason,
-        };
+        let words = person.message.map(|message| message.words);
+        let (state, reason) = words.unwrap_or_else(|| self.words(floor, worker, place, now));
         let plan = person.plan.as_ref().filter(|plan| plan.is_shown);
         let path: Vec<Point> = plan.map_or(Vec::new(), |p| p.follower.ahead().to_vec());
         let length = length_of(place.at, &path);
@@ -76,6 +81,31 @@ impl HumanState {
             assignment: plan.and_then(|p| p.assignment),
             arrived: plan.is_some_and(|p| p.assignment.is_some()) && person.there_since.is_some(),
             near,
+        }
+    }
+
+    /// What a worker is to be told now, whatever was said a moment ago.
+    fn words(&self, floor: Floor<'_>, worker: WorkerId, place: &Whereabouts, now: Time) -> Words {
+        let person = &self.people[worker];
+        let (state, reason) = self.state_of(floor, person, place, &floor.near(place));
+        // The published procedures are told as they were written.
+        let ours = floor.settings.policy == HumanAwarePolicy::Giveway;
+        let words = match reason {
+            None if floor.ledger.evacuation.is_some() => (state, Some(GuidanceReason::Evacuation)),
+            None | Some(GuidanceReason::NoWay) => match self.is_asked(floor, worker, now) {
+                // Whoever is to make room is not told to stand.
+                Some(asked) if state == GuidanceState::Stop && ours => {
+                    (GuidanceState::Redirected, Some(asked))
+                }
+                asked => (state, asked.or(reason)),
+            },
+            Some(_) => (state, reason),
+        };
+        let in_the_way = matches!(words.1, Some(GuidanceReason::RobotInTheWay(_)));
+        let is_over = in_the_way || person.message.is_some_and(|message| message.is_standoff(now));
+        match floor.stands_against(worker, words).filter(|_| is_over && ours) {
+            Some(robot) => (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(robot))),
+            None => words,
         }
     }
 

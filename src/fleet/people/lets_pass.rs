@@ -63,6 +63,12 @@ impl HumanState {
         for worker in self.people.ids() {
             let place = self.whereabouts(worker, now);
             let Some(lets_pass) = self.people[worker].lets_pass else { continue };
+            if self.people[worker].message.is_some_and(|message| message.is_standoff(now)) {
+                // The robot waits for the worker all the same: the worker goes first.
+                self.people[worker].waited_at = Some(now);
+                self.go_on(core, yielding, worker, now);
+                continue;
+            }
             if lets_pass.stage == LetsPassStage::Waits {
                 // One who is not seen any more is not told to go on either.
                 if now >= lets_pass.until + UNSEEN {

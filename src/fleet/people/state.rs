@@ -5,12 +5,13 @@
 use crate::aware::{Afoot, Occupancy};
 use crate::fleet::people::barred::Barred;
 use crate::fleet::people::intents::Intents;
+use crate::fleet::people::message::Message;
 use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::fleet::state::worker::{Guidance, GuidanceReason};
 use crate::geometry::{Point, inside};
 use crate::human::motion::Motion;
 use crate::human::{Coverage, Follower, Hypothesis, Method, Presence, Track, Whereabouts};
-use crate::id::{AssignmentId, IdVec, RobotId, StationId, WorkerId};
+use crate::id::{AssignmentId, GoalId, IdVec, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::walkway::Walkways;
 use crate::warehouse::{Cell, Warehouse};
@@ -120,6 +121,10 @@ pub(in crate::fleet) struct Person {
     pub waited_at: Option<Time>,
     /// When the worker was asked last to touch marks for a robot.
     pub marks_asked: Option<Time>,
+    /// The goal that was noted last, and when.
+    pub goal_noted: Option<(GoalId, Time)>,
+    /// What the worker is told now, and since when.
+    pub message: Option<Message>,
     /// What was told last, and when.
     pub told: Option<(Guidance, Time)>,
 }

@@ -130,6 +130,7 @@ impl Fleet {
             held: nodes(chain.granted(), chain.end()),
             why: self.why(r),
             passes: self.passing(r).map(|p| p.worker),
+            replanned: self.replans.last(r),
         }
     }
 

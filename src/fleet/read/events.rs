@@ -6,6 +6,7 @@
 use super::robot_events::robot_change;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::job::JobState;
+use crate::fleet::state::note::{EventDetails, FloorNote, ReplanCause};
 use crate::id::{RobotId, WorkerId};
 use crate::time::Time;
 
@@ -30,11 +31,17 @@ pub enum EventKind {
     Alarm,
     /// A robot that came close to a worker.
     Encounter,
+    /// A robot that got another way because of a worker, a closure, a broken robot or an obstruction.
+    RobotReplanned,
+    /// A worker who left the path.
+    WorkerDeviated,
+    /// A worker who is most probably going somewhere else than before.
+    WorkerGoal,
 }
 
 impl EventKind {
     /// All of them.
-    pub const ALL: [EventKind; 9] = [
+    pub const ALL: [EventKind; 12] = [
         EventKind::Job,
         EventKind::Robot,
         EventKind::Fleet,
@@ -44,6 +51,9 @@ impl EventKind {
         EventKind::Closure,
         EventKind::Alarm,
         EventKind::Encounter,
+        EventKind::RobotReplanned,
+        EventKind::WorkerDeviated,
+        EventKind::WorkerGoal,
     ];
 
     /// The word for it.
@@ -58,7 +68,16 @@ impl EventKind {
             EventKind::Closure => "closure",
             EventKind::Alarm => "alarm",
             EventKind::Encounter => "encounter",
+            EventKind::RobotReplanned => "robot_replanned",
+            EventKind::WorkerDeviated => "worker_deviated",
+            EventKind::WorkerGoal => "worker_goal",
         }
+    }
+
+    /// Whether such events follow one another as states of their subject: then each says which was before.
+    pub fn has_states(self) -> bool {
+        use EventKind::{Encounter, RobotReplanned, WorkerDeviated, WorkerGoal};
+        !matches!(self, Encounter | RobotReplanned | WorkerDeviated | WorkerGoal)
     }
 
     /// The one of this word.
@@ -68,7 +87,7 @@ impl EventKind {
 }
 
 /// Something that happened, for other systems.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FloorEvent {
     /// What it is about.
     pub kind: EventKind,
@@ -82,11 +101,13 @@ pub struct FloorEvent {
     pub worker: Option<WorkerId>,
     /// When, where the fact says so; otherwise when its step was.
     pub at: Option<Time>,
+    /// What else there is to tell.
+    pub details: Option<EventDetails>,
 }
 
 impl FloorEvent {
     fn of(kind: EventKind, subject: Option<u64>, new: &'static str) -> FloorEvent {
-        FloorEvent { kind, subject, new, robot: None, worker: None, at: None }
+        FloorEvent { kind, subject, new, robot: None, worker: None, at: None, details: None }
     }
 
     fn with_worker(self, worker: Option<WorkerId>) -> FloorEvent {
@@ -131,7 +152,10 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         Fact::WorkerNoted { worker: w, .. } => worker(w, "on_floor"),
         Fact::WorkerNarrowed { worker: w, .. } => worker(w, "lost_near"),
         Fact::WorkerCleared { worker: w, .. } => worker(w, "left"),
-        Fact::Deviated { worker: w, .. } => worker(w, "deviated"),
+        Fact::Deviated { worker: w, .. } => {
+            FloorEvent { kind: EventKind::WorkerDeviated, ..worker(w, "deviated") }
+        }
+        Fact::Noted(note) => of_note(note),
         Fact::Assigned { assignment, worker, .. } => {
             FloorEvent::of(Assignment, Some(assignment.0), "waiting").with_worker(*worker)
         }
@@ -150,6 +174,29 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         },
         _ => return None,
     })
+}
+
+/// What is noted for the record.
+fn of_note(note: &FloorNote) -> FloorEvent {
+    match note {
+        FloorNote::Replanned { robot, cause, was, now, at } => {
+            let by = if let ReplanCause::Worker(worker) = cause { Some(*worker) } else { None };
+            let details = EventDetails::Replanned { cause: *cause, was: was.clone(), now: now.clone() };
+            FloorEvent {
+                robot: Some(*robot),
+                worker: by,
+                at: Some(*at),
+                details: Some(details),
+                ..FloorEvent::of(EventKind::RobotReplanned, Some(robot.0.into()), cause.word())
+            }
+        }
+        FloorNote::Goal { worker, place, percent, at } => FloorEvent {
+            worker: Some(*worker),
+            at: Some(*at),
+            details: Some(EventDetails::Goal { place: *place, percent: *percent }),
+            ..FloorEvent::of(EventKind::WorkerGoal, Some(worker.0.into()), "goal")
+        },
+    }
 }
 
 /// An event as it is kept.
@@ -175,6 +222,8 @@ pub struct EventRow {
     pub text: Option<String>,
     /// Of a job, the customer's reference.
     pub reference: Option<String>,
+    /// What else there is to tell.
+    pub details: Option<EventDetails>,
 }
 
 /// Which events to read: some kinds, after a number.

@@ -10,6 +10,7 @@ use crate::fleet::requests::hands::warning_of;
 use crate::fleet::state::displaced::Displacement;
 use crate::fleet::state::io::{CellWarning, Telemetry};
 use crate::fleet::state::passing::Passing;
+use crate::fleet::state::worker::{GuidanceReason, GuidanceState};
 use crate::geometry::Point;
 use crate::human::Sighting;
 use crate::human::motion::MotionEstimate;
@@ -57,6 +58,12 @@ impl Fleet {
     /// them is told.
     pub fn people_near(&self, at: Point, within_m: f64, now: Time) -> Vec<ForeseenPerson> {
         self.people.foreseen(self.floor(), at, within_m, now)
+    }
+
+    /// What a worker is told now, besides the path, and since when; nothing of one who is not on the floor.
+    pub fn message(&self, worker: WorkerId) -> Option<(GuidanceState, Option<GuidanceReason>, Time)> {
+        let message = self.people.people.get(worker)?.message?;
+        Some((message.words.0, message.words.1, message.since))
     }
 
     /// Whom a robot passes beside the line, if it does.

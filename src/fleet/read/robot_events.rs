@@ -3,6 +3,7 @@
 //! Main types: [`RobotChange`], [`RobotEventRow`], [`RobotEventQuery`]. Refuses: to know where they are kept.
 
 use crate::fleet::state::fact::Fact;
+use crate::fleet::state::note::EventDetails;
 use crate::id::RobotId;
 use crate::time::Time;
 
@@ -88,6 +89,8 @@ pub enum RobotEventSource {
     Alarm,
     /// A [`RobotChange`].
     Change,
+    /// It got another way.
+    Replan,
 }
 
 impl RobotEventSource {
@@ -97,13 +100,14 @@ impl RobotEventSource {
             RobotEventSource::Job => 1,
             RobotEventSource::Alarm => 2,
             RobotEventSource::Change => 3,
+            RobotEventSource::Replan => 4,
         }
     }
 
     /// The one of this number.
     pub fn of_number(number: i64) -> Option<RobotEventSource> {
-        let all = [RobotEventSource::Job, RobotEventSource::Alarm, RobotEventSource::Change];
-        all.into_iter().find(|source| source.number() == number)
+        use RobotEventSource::{Alarm, Change, Job, Replan};
+        [Job, Alarm, Change, Replan].into_iter().find(|source| source.number() == number)
     }
 }
 
@@ -116,12 +120,14 @@ pub struct RobotEventRow {
     pub source: RobotEventSource,
     /// Its number there.
     pub id: i64,
-    /// The state of the job, the kind of the alarm, or the change.
+    /// The state of the job, the kind of the alarm, the change, or because of what it was replanned.
     pub word: String,
     /// The kind of the job, or the text of the alarm.
     pub text: Option<String>,
     /// When the alarm ended.
     pub ended: Option<Time>,
+    /// Of a replan, because of whom or what, and both ways.
+    pub details: Option<EventDetails>,
 }
 
 /// What to list of a robot, newest first.

@@ -13,6 +13,7 @@ use crate::fleet::state::fault::Fault;
 use crate::fleet::state::io::WrongReach;
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::ledger::{RackAt, Unconfirmed};
+use crate::fleet::state::note::ReplanCause;
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::visits::EndsHeld;
 use crate::fleet::state::why::Why;
@@ -119,6 +120,8 @@ pub struct RobotView {
     pub why: Option<Why>,
     /// Whom it passes beside the line, if it does.
     pub passes: Option<WorkerId>,
+    /// Because of whom or what it got another way last, and when; nothing since the program started.
+    pub replanned: Option<(ReplanCause, Time)>,
 }
 
 /// The five states of a robot.

@@ -5,6 +5,7 @@
 
 use crate::cell::LineChange;
 use crate::fleet::state::job::{JobKind, JobRequest, JobState, RobotChoice};
+use crate::fleet::state::note::FloorNote;
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::worker::{
     AssignmentRequest, AssignmentState, Closure, Encounter, LastPlace, Reaction,
@@ -404,6 +405,8 @@ pub enum Fact {
         /// When.
         at: Time,
     },
+    /// For the record.
+    Noted(FloorNote),
 }
 
 /// Visits of one robot that have other times now.

@@ -298,12 +298,13 @@ pub enum StationOrder {
     Last(LineChange),
 }
 
-/// How a robot is. Observations of one robot may be late, repeated or out of order; the newest by `seen` counts.
+/// How a robot is. Observations of one robot may be late, repeated, out of order or wrongly dated: `seen` orders them
+/// as far as the robot's clock goes on evenly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Telemetry {
     /// The robot.
     pub robot: RobotId,
-    /// When this was so.
+    /// When this was so, by the robot's clock; in what the fleet keeps, by the fleet's own.
     pub seen: Time,
     /// Where it is.
     pub pose: Pose,

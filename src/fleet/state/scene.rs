@@ -5,6 +5,7 @@
 use crate::fleet::state::displaced::Displaced;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::io::Telemetry;
+use crate::fleet::state::robot_clock::ReportOrder;
 use crate::id::{Dense, RobotId};
 use crate::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,6 +23,8 @@ pub struct RobotSeen {
     pub newest: Option<Telemetry>,
     /// When that came in, by the fleet's own clock: robots' clocks may be wrong.
     heard: Option<Time>,
+    /// Which of its reports are news.
+    order: ReportOrder,
     /// How long it has stood where it does, if it stands.
     still: Option<StandsStill>,
     /// When orders were sent to it last.
@@ -60,13 +63,12 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Takes an observation in that arrived `now`; an older one than the newest is ignored. The date of an observation
-    /// only orders those of one robot.
+    /// Takes an observation in that arrived `now`; one that was overtaken is ignored. Its date only orders those of one
+    /// robot, as far as the robot's clock can be trusted with that; from here on it is one of the fleet's own time.
     pub fn see(&mut self, t: Telemetry, now: Time) {
         let seen = self.robot_mut(t.robot);
-        if seen.newest.is_some_and(|n| n.seen >= t.seen) {
-            return;
-        }
+        let Some(made) = seen.order.take(t.seen, now) else { return };
+        let t = Telemetry { seen: made, ..t };
         seen.heard = Some(now);
         let before = seen.still.filter(|_| seen.newest.is_some_and(|n| n.reached == t.reached));
         let may_drive = t.known > t.reached;

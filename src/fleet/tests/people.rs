@@ -25,6 +25,7 @@ impl Puppet {
     pub(super) fn sighting(&mut self, now: Time) -> Input {
         self.seq += 1;
         Input::Sighted(Sighting {
+            mirror: None,
             worker: self.worker,
             seen: now,
             epoch: self.epoch,

@@ -147,6 +147,11 @@ impl Traffic {
         }
     }
 
+    /// When a robot last looked for a route round a closed area.
+    pub fn looked_round(&self, robot: RobotId) -> Option<Time> {
+        self.looked_round.get(&robot).copied()
+    }
+
     /// Why the last step granted a robot no more than it did, if there was a reason.
     pub fn withheld(&self, robot: RobotId) -> Option<Withheld> {
         self.withheld.get(robot).copied().flatten()

@@ -4,6 +4,7 @@
 //! ([`WaitGraph`](crate::fleet::state::wait_graph::WaitGraph)), and nothing else finds out why something waits.
 //! Refuses: to decide what is done about it.
 
+pub(in crate::fleet) mod replans;
 mod robots;
 mod workers;
 

@@ -42,19 +42,23 @@ impl Yielding {
             return false;
         }
         let Some(place) = track.whereabouts(now) else { return false };
+        let others = track.others(now);
         let stands = person.told.as_ref().is_some_and(|(told, _)| told.state == GuidanceState::Stop);
         let limits = self.limits(core, people, traffic);
         floor.ledger.present().any(|robot| {
             let Some(seen) = floor.scene.robot(robot).filter(|t| t.speed_mps > STANDS_MPS) else {
                 return false;
             };
-            let place = seen_from(&place, seen, now);
-            if (place.at - seen.pose.at).norm() - place.reach_m > NEAR_M {
+            let is_near = |w: &Whereabouts| (w.at - seen.pose.at).norm() - w.reach_m <= NEAR_M;
+            let here = Some(seen_from(&place, seen, now)).filter(is_near);
+            let elsewhere = others.iter().map(|other| seen_from(other, seen, now)).filter(is_near);
+            let near: Vec<_> = here.into_iter().chain(elsewhere).map(|w| (s.worker, w)).collect();
+            if near.is_empty() {
                 return false;
             }
             let told = self.state.of(robot).is_told_to_stand();
-            let stops = || limits.limit_for(robot, &[(s.worker, place)], now).0 == Some(0.0);
-            !told && stops() || !stands && people.drives_up(floor, robot, &place)
+            let stops = || limits.limit_for(robot, &near, now).0 == Some(0.0);
+            !told && stops() || !stands && here.is_some_and(|place| people.drives_up(floor, robot, &place))
         })
     }
 }

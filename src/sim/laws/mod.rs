@@ -3,6 +3,7 @@
 //! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes.
 //! Refuses: to mend anything; one violation fails the run.
 
+mod calm;
 mod corridors;
 mod evacuation;
 mod hands;
@@ -18,11 +19,14 @@ use progress::ProgressLaws;
 pub use violation::{DELIVERS, KEPT, OVERDUE, STUCK, Violation};
 pub use waits::untrue;
 
+pub use calm::CalmFigures;
+
 use super::world::World;
 use crate::fleet::{Fact, Fleet, JobState, Ledger};
 use crate::geometry::{Point, axis_distance};
 use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
+use calm::CalmLaws;
 use corridors::CorridorLaws;
 use hands::HandLaws;
 use jobs::{JobLaws, why_undrained};
@@ -50,6 +54,7 @@ pub struct Laws {
     jobs: JobLaws,
     places: PlaceLaws,
     waits: WaitLaws,
+    calm: CalmLaws,
     corridors: CorridorLaws,
     steps: u64,
     reach_m: f64,
@@ -75,6 +80,7 @@ impl Laws {
             jobs: JobLaws::new(fleet),
             places: PlaceLaws::default(),
             waits: WaitLaws::default(),
+            calm: CalmLaws::default(),
             corridors: CorridorLaws::default(),
             steps: 0,
             reach_m: 2.0 * fleet.warehouse().widest_half_m() - SLACK_M,
@@ -86,6 +92,11 @@ impl Laws {
     /// How often people were kept in one spot for a minute.
     pub fn standstills(&self) -> u64 {
         self.waits.standstills()
+    }
+
+    /// How calm guidance was.
+    pub fn calm(&self) -> CalmFigures {
+        self.calm.figures
     }
 
     fn break_law(&mut self, now: Time, violation: Violation) {
@@ -112,6 +123,8 @@ impl Laws {
         let broken = self.places.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.waits.check(now, world, fleet);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
+        let broken = self.calm.check(now, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.corridors.check(world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));

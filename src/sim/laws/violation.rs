@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Violation`]. Refuses: to judge.
 
-use crate::fleet::{Edge, JobKind, JobState, JobWhy, Party, Task, Why};
+use crate::fleet::{Edge, JobKind, JobState, JobWhy, MESSAGE, Party, Task, Why};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Span;
 use std::fmt;
@@ -58,6 +58,10 @@ pub enum Violation {
     Circle(Vec<Party>),
     /// A person has stood in one spot for too long, waiting for a robot or for a way; what for at last.
     Kept(WorkerId, Edge),
+    /// A message to a person was replaced too soon by one that is no more severe.
+    Flickers(WorkerId),
+    /// A person has been told for too long to stop for a robot that waits for that person.
+    Standoff(WorkerId, RobotId),
     /// A robot waits for what does not keep it any more.
     NotSo(RobotId, Why),
     /// A robot was let onto the way of a worker to a door.
@@ -112,14 +116,9 @@ impl fmt::Display for Violation {
             Violation::Circle(parties) => {
                 write!(f, "wait for one another for more than {CIRCLE:?}: {parties:?}")
             }
-            Violation::Kept(w, because) => {
-                let because = match because {
-                    Edge::On(Party::Robot(r)) => format!("by robot {}", r.0 + 1),
-                    Edge::Until(_) => "to let a robot pass".into(),
-                    _ => "without a way".into(),
-                };
-                write!(f, "worker {} was kept in one spot for {KEPT:?}, at last {because}", w.0 + 1)
-            }
+            Violation::Kept(w, because) => write_kept(f, *w, because),
+            Violation::Flickers(w) => write_flickers(f, *w),
+            Violation::Standoff(w, r) => write_standoff(f, *w, *r),
             Violation::NotSo(r, why) => write!(f, "robot {} does not wait because of {why:?}", r.0 + 1),
             Violation::OntoWayOut(r, n) => {
                 write!(f, "robot {} was let onto node {n:?}, which is on somebody's way to a door", r.0 + 1)
@@ -130,6 +129,28 @@ impl fmt::Display for Violation {
             Violation::Fold => write!(f, "the ledger is not the fold of its facts"),
         }
     }
+}
+
+fn write_kept(f: &mut fmt::Formatter<'_>, worker: WorkerId, because: &Edge) -> fmt::Result {
+    let because = match because {
+        Edge::On(Party::Robot(r)) => format!("by robot {}", r.0 + 1),
+        Edge::Until(_) => "to let a robot pass".into(),
+        _ => "without a way".into(),
+    };
+    write!(f, "worker {} was kept in one spot for {KEPT:?}, at last {because}", worker.0 + 1)
+}
+
+fn write_flickers(f: &mut fmt::Formatter<'_>, worker: WorkerId) -> fmt::Result {
+    write!(f, "worker {} was told something else within {MESSAGE:?}, and nothing more severe", worker.0 + 1)
+}
+
+fn write_standoff(f: &mut fmt::Formatter<'_>, worker: WorkerId, robot: RobotId) -> fmt::Result {
+    write!(
+        f,
+        "worker {} is told to stop for robot {}, which waits for that worker",
+        worker.0 + 1,
+        robot.0 + 1
+    )
 }
 
 fn write_undrained(

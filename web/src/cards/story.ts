@@ -1,7 +1,7 @@
 // What happened to each thing since the page was opened, in a few lines: what a mirror says now that the
 // one before did not. It remembers only what changed, and no more than the last lines of it.
-import { activityWords, clock, doing, GUIDANCE_WORDS, PRESENCE_WORDS, t, within } from '../words';
-import { activityOf, type MapNode, type Mirror, type Rack, type Robot, row, type Station, type Table, type Worker } from '../wire';
+import { activityWords, clock, doing, GUIDANCE_WORDS, number, percent, PRESENCE_WORDS, replanCause, t, within } from '../words';
+import { activityOf, type Goal, type MapNode, type Mirror, type Rack, type Robot, row, type Station, type Table, type Worker } from '../wire';
 import type { Picked } from '../floor';
 
 export interface Line {
@@ -9,6 +9,8 @@ export interface Line {
   text: string;
 }
 const MOST_LINES = 7;
+/** A goal less probable than this is none yet, and a node so near to one is where it is: metres. */
+const [PROBABLE, AT_M] = [0.6, 1] as const;
 
 export class Story {
   /** Names of places, once the map is there. */
@@ -29,7 +31,7 @@ export class Story {
       for (const text of texts) if (text !== null) this.#add(kind, id, { at: clock(now.time_s), text });
     };
     changed(old.robots, now.robots, (a, b) => note('robot', b.id, robotLines(a, b)));
-    changed(old.workers, now.workers, (a, b) => note('worker', b.id, workerLines(a, b)));
+    changed(old.workers, now.workers, (a, b) => note('worker', b.id, [...workerLines(a, b), this.#goalLine(a, b)]));
     changed(old.stations, now.stations, (a, b) => note('station', b.id, stationLines(a, b)));
     changed(old.racks, now.racks, (a, b) => note('rack', b.id, [this.#rackLine(a, b)]));
   }
@@ -39,6 +41,15 @@ export class Story {
     if (b.robot !== null) return t('story.rack.lifted', { robot: b.robot });
     if (b.node === null) return t('story.rack.down.unknown');
     return t('story.rack.down', { place: this.places[b.node]?.id ?? '?' });
+  }
+
+  #goalLine(a: Worker, b: Worker): string | null {
+    const goal = ({ goals }: Worker): Goal | undefined => goals.find((g) => g.p >= PROBABLE);
+    const [before, now] = [goal(a), goal(b)];
+    if (now === undefined || (before && before.x === now.x && before.y === now.y)) return null;
+    const off = (n: MapNode): number => Math.hypot(n.x - now.x, n.y - now.y);
+    const near = this.places.filter((n) => off(n) < AT_M).sort((m, n) => off(m) - off(n))[0];
+    return t('story.goal', { place: near?.id ?? `${number(now.x, 1)}, ${number(now.y, 1)}`, share: percent(now.p) });
   }
 
   #add(kind: Picked['kind'], id: string, line: Line): void {
@@ -64,6 +75,7 @@ function robotLines(a: Robot, b: Robot): (string | null)[] {
     a.doing === b.doing ? null : doing(b.doing),
     a.job === b.job || b.job === null ? null : t('story.job', { job: b.job }),
     a.why === b.why ? null : (b.why ?? t('story.continues')),
+    b.replanned === null || a.replanned?.at === b.replanned.at ? null : t('story.replanned', { cause: replanCause(b.replanned) }),
   ];
 }
 

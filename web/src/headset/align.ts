@@ -19,10 +19,14 @@ export type Fit =
 const BASELINE_MIN_M = 1;
 const SCALE_TOLERANCE = 0.03;
 const RMS_MAX_M = 0.15;
+const FLOOR_M = 0.25;
 
 /** What these marks say. */
 export function fit(marks: readonly Mark[]): Fit {
   if (marks.length < 2) return { kind: 'more', text: t('mark.more') };
+  const heights = marks.map((m) => m.device[1]);
+  const apart_m = Math.max(...heights) - Math.min(...heights);
+  if (apart_m > FLOOR_M) return { kind: 'misfit', text: t('mark.heights', { distance: metres(apart_m) }) };
   const [a, b] = [marks.map((m) => planOf(m.device)), marks.map((m) => m.map)];
   const [ca, cb] = [middle(a), middle(b)];
   const [spreadA, spreadB] = [spread(a, ca), spread(b, cb)];
@@ -73,6 +77,15 @@ export function suggest(places: readonly Place[]): [Place, Place] | null {
     }
   }
   return best;
+}
+
+/** A third mark, as far beside the line of two as does good: on one line left and right could be exchanged. */
+export function beside(places: readonly Place[], [a, b]: readonly [Place, Place]): Place | null {
+  const [dx, dy] = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
+  const off = (p: Place): number => Math.abs(dx * (p.at[1] - a.at[1]) - dy * (p.at[0] - a.at[0])) / Math.hypot(dx, dy);
+  const worth = (p: Place): number => Math.min(off(p), GOOD_BASELINE_M / 2) - Math.max(distance(p.at, a.at), distance(p.at, b.at)) / 4;
+  const fit = places.filter((p) => off(p) >= BASELINE_MIN_M);
+  return fit.reduce<Place | null>((best, p) => (best === null || worth(p) > worth(best) ? p : best), null);
 }
 
 export type Marking =

@@ -84,15 +84,16 @@ export function show(g: Guidance | null, at: Standing, task: Task | null = null)
   const fresh = at.link === 'live' && at.age_ms !== null && at.age_ms < STALE_MS;
   // A stop that was said stands until something newer is known.
   if (g?.state === 'stop' && fresh && g.wait_s !== null && g.wait_s !== undefined) {
-    const why = whyOf(g) || t('wait.why');
+    const why = whyOf(g, at) || t('wait.why');
     const title = t('wait', { time: seconds(Math.max(1, Math.ceil(g.wait_s))) });
     return { ...NOTHING, kind: 'stop', tone: 'stop', title, detail: why, why, near: g.near };
   }
   if (g?.state === 'stop') {
-    const why = whyOf(g) || t('stop.why');
+    const why = whyOf(g, at) || t('stop.why');
     const detail = fresh ? why : t('stop.broken', { why });
     return { ...NOTHING, kind: 'stop', tone: 'stop', title: t('stop'), detail, why, near: fresh ? g.near : [] };
   }
+  if (!fresh && g && at.tracking === 'none' && at.age_ms !== null) return kept(g, at.age_ms, task);
   if (!fresh || !g) {
     const key = at.link === 'connecting' && at.age_ms === null ? 'connecting' : 'offline';
     return { ...NOTHING, kind: 'offline', tone: 'warn', title: t(key), detail: t(`${key}.detail`) };
@@ -102,8 +103,15 @@ export function show(g: Guidance | null, at: Standing, task: Task | null = null)
   return following(g, at, task);
 }
 
+/** A phone does not know where its wearer is: what it showed last is of use, if it says how old that is. */
+function kept(g: Guidance, age_ms: number, task: Task | null): Shown {
+  const mine = task?.id === g.assignment ? task : null;
+  const detail = joined(mine ? t('sentence', { text: taskText(mine) }) : '', t('offline.kept', { time: duration(age_ms / 1000) }));
+  return { ...NOTHING, kind: 'offline', tone: 'warn', title: t('offline'), detail, path: g.path, next: g.next };
+}
+
 function following(g: Guidance, at: Standing, task: Task | null): Shown {
-  const why = whyOf(g);
+  const why = whyOf(g, at);
   const arrived = g.arrived === true && g.assignment !== null;
   const floor = { path: g.path, next: g.next, near: g.near, why, arrived };
   const guess = at.tracking === 'emulated' ? t('guess') : '';
@@ -145,9 +153,13 @@ const CAUSES = [
   'round_closure', 'leaves_closure', 'place_closed', 'evacuation', 'no_way', 'not_tracked',
 ] as const;
 
-function whyOf({ cause, reason }: Guidance): string {
+/** A phone has no marks to touch: its wearer taps the map. */
+const BY_PHONE = ['place_unsure', 'not_tracked'] as const;
+
+function whyOf({ cause, reason }: Guidance, { tracking }: Standing): string {
   const kind = CAUSES.find((one) => one === cause?.kind);
-  const key: Key | null = kind ? `cause.${kind}` : null;
+  const phone = tracking === 'none' ? BY_PHONE.find((one) => one === kind) : undefined;
+  const key: Key | null = phone ? `cause.${phone}.phone` : kind ? `cause.${kind}` : null;
   if (key) return t(key, { robot: cause?.robot ?? '', closure: cause?.closure ?? '' });
   return reason === null ? '' : sentence(reason);
 }

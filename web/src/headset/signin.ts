@@ -1,5 +1,5 @@
 // The first screen: who wears this, in which language, and by which marks; or the token that the server wants.
-import { suggest, type Place } from './align';
+import { beside, suggest, type Place } from './align';
 import { field, make } from './dom';
 import { canStand } from './polygon';
 import type { Answer } from './server';
@@ -89,7 +89,9 @@ export function signInForm(options: SignInOptions): HTMLElement {
   const old = kept();
   const places = placesOf(map);
   const known = new Map(places.map((p) => [p.name, p]));
-  const proposed = suggest(marksOf(map)) ?? suggest(places.slice(0, 200));
+  const two = suggest(marksOf(map)) ?? suggest(places.slice(0, 200));
+  const third = two && (beside(marksOf(map), two) ?? beside(places.slice(0, 200), two));
+  const proposed = two && third ? [...two, third] : two;
   const isOld = old.marks.every((m) => known.has(m)) && old.marks.length >= 2;
   const first = isOld ? old.marks : (proposed ?? []).map((p) => p.name);
 

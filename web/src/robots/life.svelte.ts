@@ -1,7 +1,7 @@
 // What the server knows of one robot: asked while its card is open, so that it does not depend on how long this page was.
 import { poll } from '../parts';
 import type { Api, RobotDetail, RobotEvent } from '../wire';
-import { t, wordsBy, trouble } from '../words';
+import { replanCause, t, wordsBy, trouble } from '../words';
 
 export type LifeApi = Pick<Api, 'robot' | 'robotHistory'>;
 
@@ -67,11 +67,16 @@ const CHANGES: Readonly<Record<string, string>> = wordsBy({
   returned: 'robot.change.returned',
 });
 
+/** The first nodes of a way. */
+const MOST_NODES = 5;
+const way = (nodes: readonly string[] = []): string => nodes.slice(0, MOST_NODES).join(' ') + (nodes.length > MOST_NODES ? ' …' : '');
+
 /** What happened, in words; a newer server may say something this page has no words for. */
 export function eventWords(e: RobotEvent): string {
   switch (e.kind) {
     case 'job': return `${e.text ?? t('robot.job')} ${e.id ?? ''}: ${e.what}`;
     case 'alarm': return e.ended === null ? (e.text ?? e.what) : t('robot.alarm.over', { alarm: e.text ?? e.what });
+    case 'replan': return `${t('story.replanned', { cause: e.cause ? replanCause(e.cause) : e.what })}: ${way(e.was)} → ${way(e.now)}`;
     case 'change': return CHANGES[e.what] ?? e.what.replaceAll('_', ' ');
   }
 }

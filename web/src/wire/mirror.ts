@@ -53,7 +53,7 @@ const NO_COUNTERS: Counters = {
 };
 const BLANK_ROBOT: Robot = {
   id: '', x: 0, y: 0, heading: 0, speed: 0, activity: null, since: null, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null,
-  rack: null, job: null, battery: 1, granted: [], held: [], why: null, passes: null,
+  rack: null, job: null, battery: 1, granted: [], held: [], why: null, passes: null, replanned: null,
 };
 const BLANK_RACK: Rack = { id: '', node: null, robot: null };
 const BLANK_STATION: Station = { id: '', robot: null, queue: [], served: 0, picking: false, paused: null };

@@ -86,6 +86,15 @@ export interface Robot {
   why: string | null;
   /** The worker whom it passes beside the line; null in recordings of earlier versions. */
   passes: string | null;
+  /** Because of whom or what it got another way last, and when; null in recordings of earlier versions. */
+  replanned: Replanned | null;
+}
+/** Because of whom or what a robot got another way. */
+export interface Replanned {
+  kind: 'worker' | 'closure' | 'robot' | 'obstruction';
+  id: string | null;
+  /** RFC 3339. */
+  at: string;
 }
 /** One robot with what the feed leaves out. */
 export interface RobotDetail {
@@ -103,13 +112,17 @@ export interface RobotDetail {
 /** Something that happened to a robot. */
 export interface RobotEvent {
   at: string;
-  kind: 'job' | 'alarm' | 'change';
+  kind: 'job' | 'alarm' | 'change' | 'replan';
   /** The job or the alarm. */
   id: string | null;
   /** The state of the job, the kind of the alarm, or the change in a word. */
   what: string;
   text: string | null;
   ended: string | null;
+  /** Of a replan: because of whom or what, and the nodes ahead before and since. */
+  cause?: Pick<Replanned, 'kind' | 'id'>;
+  was?: string[];
+  now?: string[];
 }
 export interface RobotHistoryPage {
   items: RobotEvent[];

@@ -3,8 +3,8 @@ import {
   atMost, listed as listedIn, number as numberIn, quantity as quantityIn, significant as significantIn, spelt, spoken,
   together, type Unit,
 } from '../language';
-import { wordsBy } from './say';
-import type { Activity, Doing, GuidanceState, JobKind, JobState, Presence } from '../wire';
+import { t, wordsBy } from './say';
+import type { Activity, Doing, GuidanceState, JobKind, JobState, Presence, Replanned } from '../wire';
 
 /** With so many digits behind the point. */
 export const number = (n: number, decimals: number): string => numberIn(spoken(), n, decimals);
@@ -112,6 +112,17 @@ const ROLE_WORDS: Readonly<Record<string, string>> = wordsBy({
   viewer: 'role.viewer', operator: 'role.operator', integrator: 'role.integrator', device: 'role.device', admin: 'role.admin',
 });
 /** A newer server may know other roles; then its own word is shown. */
+/** Because of whom or what a robot got another way. */
+export function replanCause({ kind, id }: Pick<Replanned, 'kind' | 'id'>): string {
+  const what = id ?? '';
+  switch (kind) {
+    case 'worker': return t('replan.worker', { id: what });
+    case 'closure': return t('replan.closure', { id: what });
+    case 'robot': return t('replan.robot', { id: what });
+    case 'obstruction': return t('replan.obstruction');
+  }
+}
+
 export const roleWords = (role: string): string => ROLE_WORDS[role] ?? role;
 
 export const isOver = (state: JobState): boolean =>

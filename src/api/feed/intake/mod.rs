@@ -7,6 +7,7 @@
 use super::FAR_M;
 use super::align::{Alignment, Misfit, PointPair};
 use super::clock::ClockSync;
+use super::course::Course;
 use super::pose::{self, Gaze, Hand, facing, plan, rotation};
 use super::wire::{AnchorSaid, HandSaid, PoseFrame, PoseSaid, QualitySaid};
 use crate::geometry::{Point, Vector};
@@ -33,6 +34,9 @@ const RECOUNT: u32 = 5;
 /// Clocks that went on so differently between two poses are compared at once, milliseconds. Poses that were held up on
 /// their way look the same; then nothing is lost but a ping.
 const JUMP_MS: f64 = 500.0;
+
+/// Eyes are this high above the floor of the marks: whoever lies on it, and whoever stands on a ladder; metres.
+const EYES_M: std::ops::RangeInclusive<f64> = -0.5..=4.0;
 
 /// The most joints of a hand.
 const MOST_JOINTS: usize = 32;
@@ -63,6 +67,8 @@ pub struct PoseIntake {
     /// Where the last stride ended, in the device's frame.
     strode: Option<Vector>,
     walked_m: f64,
+    /// Whether the wearer faces where the wearer walks.
+    course: Course,
 }
 
 /// A pose that was understood.
@@ -74,6 +80,9 @@ pub struct TakenPose {
     pub senses: Senses,
     /// What the client should know all the same.
     pub fault: Option<PoseFault>,
+    /// Whether the wearer has walked for metres where the device says that the wearer does not face: then its axes are
+    /// in doubt, and what it says of directions is left out.
+    pub is_askew: bool,
 }
 
 /// What decides nothing and is carried through to clients that ask.
@@ -104,6 +113,10 @@ pub enum PoseFault {
     NoPosition,
     /// Numbers that cannot be.
     Absurd,
+    /// The eyes are below the floor of the marks, or high above it.
+    Height,
+    /// The wearer walks where the wearer does not face.
+    Askew,
     /// The quaternion is no rotation.
     Quaternion,
     /// It was seen in the future.
@@ -126,6 +139,8 @@ impl PoseFault {
             PoseFault::UnknownEpoch => "unknown-epoch",
             PoseFault::NoPosition => "no-position",
             PoseFault::Absurd => "absurd",
+            PoseFault::Height => "height",
+            PoseFault::Askew => "askew",
             PoseFault::Quaternion => "quaternion",
             PoseFault::Future => "future",
             PoseFault::TooOld => "too-old",
@@ -149,6 +164,14 @@ impl PoseFault {
                 "a pose needs pos, or at in the frame of the map; one that is lost needs one before it"
             }
             PoseFault::Absurd => "impossible numbers: give positions in metres, accuracy from 0 to 100 m",
+            PoseFault::Height => {
+                "the eyes are below the floor of the marks, or more than 4 m above it: y is up, in metres; touch the \
+                 marks again"
+            }
+            PoseFault::Askew => {
+                "you walk where the device says that you do not face: send quat in WebXR axes (x to the right, y up, \
+                 ahead is -z), and pos likewise"
+            }
             PoseFault::Quaternion => "quat must be x, y, z, w of length 1",
             PoseFault::Future => {
                 "the pose lies in the future: t is the moment on the clock that answers pings"
@@ -181,6 +204,7 @@ impl PoseIntake {
             faced: None,
             strode: None,
             walked_m: 0.0,
+            course: Course::default(),
         }
     }
 
@@ -218,6 +242,7 @@ impl PoseIntake {
         (self.last_seq, self.stood, self.faced) = (None, None, None);
         (self.recounted, self.counted) = (0, 0);
         (self.strode, self.walked_m, self.at_marks) = (None, 0.0, false);
+        self.course = Course::default();
         self.clock.resync();
     }
 
@@ -238,6 +263,11 @@ impl PoseIntake {
         self.compare_clocks(said.t, now);
         let (device, faced) = self.place(said)?;
         let alignment = self.alignment.as_ref().ok_or(PoseFault::NotAligned)?;
+        let eyes_m =
+            said.pos.filter(|_| said.quality != QualitySaid::Lost).map(|[_, y, _]| y - alignment.floor_m);
+        if eyes_m.is_some_and(|y| !EYES_M.contains(&y)) {
+            return Err(PoseFault::Height);
+        }
         let (at, heading) = (alignment.point(device), faced.map(|phi| alignment.heading(phi)));
         let seen = self.clock.when(said.t, now).ok_or(PoseFault::NoClock)?;
         let error = self.clock.error(now).unwrap_or(Span::ZERO);
@@ -250,13 +280,19 @@ impl PoseIntake {
         let sigma_m = alignment.sigma_m(at, self.walked_m);
         let late_m = WALKING_MPS * error.as_secs_f64();
         let accuracy_m = (accuracy_m.powi(2) + sigma_m.powi(2) + late_m.powi(2)).sqrt();
-        let senses = senses(alignment, said);
+        let mut senses = senses(alignment, said);
+        let mirror = alignment.mirrored(at);
         let later = self.latest.is_none_or(|(before, _)| said.t > before);
         let seen = self.in_order(said.t, seen);
         let fault = self.count(said.seq, later);
         if fault.is_none() && said.quality == QualitySaid::Tracked {
-            self.stride(device);
+            self.stride(device, faced);
         }
+        let is_askew = self.course.is_askew();
+        if is_askew {
+            (senses.gaze, senses.ahead) = (None, None);
+        }
+        let heading = heading.filter(|_| !is_askew);
         (self.stood, self.faced) = (Some(device), faced);
         let quality = quality(said.quality);
         // The fleet drops what has no number of its own.
@@ -264,8 +300,8 @@ impl PoseIntake {
         let (worker, epoch) = (self.worker, self.epoch);
         let (source, at_marks) = (SourceId::Headset, self.at_marks);
         let sighting =
-            Sighting { worker, source, seen, epoch, at_marks, seq, at, heading, accuracy_m, quality };
-        Ok(TakenPose { sighting, senses, fault })
+            Sighting { worker, source, seen, epoch, at_marks, seq, at, mirror, heading, accuracy_m, quality };
+        Ok(TakenPose { sighting, senses, fault, is_askew })
     }
 
     /// What is later by the device's clock stays later, also where its offset is corrected in between: else the
@@ -328,10 +364,12 @@ impl PoseIntake {
         }
     }
 
-    fn stride(&mut self, device: Vector) {
-        let length = self.strode.map_or(STRIDE_M, |from| (device - from).norm());
-        if length >= STRIDE_M {
-            self.walked_m += if self.strode.is_some() { length } else { 0.0 };
+    fn stride(&mut self, device: Vector, faced: Option<f64>) {
+        let Some(from) = self.strode else { return self.strode = Some(device) };
+        let way = device - from;
+        if way.norm() >= STRIDE_M {
+            self.walked_m += way.norm();
+            self.course.stride(way, faced);
             self.strode = Some(device);
         }
     }
@@ -357,7 +395,8 @@ pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<PointPair>, Str
         let no_rotation = || format!("pairs[{i}]: {}", PoseFault::Quaternion.text());
         let turned = a.quat.map(|q| rotation(q).ok_or_else(no_rotation)).transpose()?;
         let turn = turned.and_then(facing).zip(a.heading).map(|(phi, heading)| heading - phi);
-        Ok(PointPair { device: plan(a.device), map: at, weight: a.weight.unwrap_or(1.0), turn })
+        let (heading, weight) = (turn.and(a.heading), a.weight.unwrap_or(1.0));
+        Ok(PointPair { device: plan(a.device), height_m: a.device[1], map: at, weight, turn, heading })
     };
     said.iter().enumerate().map(pair).collect()
 }

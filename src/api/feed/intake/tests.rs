@@ -56,8 +56,14 @@ fn a_pose_becomes_a_sighting_on_the_map() {
     let mut intake = intake(PoseFrame::Device);
     assert_eq!(intake.take(&pose(1), NOW), Err(PoseFault::NotAligned));
     let quarter = std::f64::consts::FRAC_PI_2;
-    let mark =
-        PointPair { device: Vector::zeros(), map: Point::new(10.0, 5.0), weight: 1.0, turn: Some(quarter) };
+    let mark = PointPair {
+        device: Vector::zeros(),
+        map: Point::new(10.0, 5.0),
+        weight: 1.0,
+        turn: Some(quarter),
+        height_m: 0.0,
+        heading: Some(quarter),
+    };
     intake.align(&[mark], true).unwrap();
     assert_eq!(intake.take(&pose(1), NOW), Err(PoseFault::OldEpoch));
     let taken = intake.take(&PoseSaid { epoch: 2, ..pose(1) }, NOW).unwrap();
@@ -159,8 +165,14 @@ fn who_is_lost_need_not_make_a_place_up() {
 fn where_the_head_points_is_turned_like_the_frame_and_has_its_pitch() {
     let mut intake = intake(PoseFrame::Device);
     let quarter = std::f64::consts::FRAC_PI_2;
-    let mark =
-        PointPair { device: Vector::zeros(), map: Point::new(10.0, 5.0), weight: 1.0, turn: Some(quarter) };
+    let mark = PointPair {
+        device: Vector::zeros(),
+        map: Point::new(10.0, 5.0),
+        weight: 1.0,
+        turn: Some(quarter),
+        height_m: 0.0,
+        heading: Some(quarter),
+    };
     intake.align(&[mark], true).unwrap();
     let mut ahead = |seq, quat| {
         let said = PoseSaid { epoch: 2, quat, ..pose(seq) };
@@ -214,6 +226,8 @@ fn the_uncertainty_grows_with_the_way_and_not_with_sway() {
         map: Point::new(x, y),
         weight: 1.0,
         turn: None,
+        height_m: 0.0,
+        heading: None,
     };
     intake.align(&marks.map(pair), true).unwrap();
     let (mut seq, mut at) = (0, 0.0);

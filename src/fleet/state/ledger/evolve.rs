@@ -77,6 +77,7 @@ impl Ledger {
             Fact::Encountered(_) => self.promises.counts.encounters += 1,
             Fact::Deviated { .. } => self.promises.counts.deviations += 1,
             Fact::Interrupted { .. } => self.promises.counts.interruptions += 1,
+            Fact::Noted(_) => {}
             about_robots => self.take_in_of_robots(about_robots),
         }
     }

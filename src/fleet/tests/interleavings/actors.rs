@@ -293,6 +293,7 @@ impl FootWorker {
     pub fn sighting(&mut self, halfway: bool, now: Time) -> Sighting {
         self.seq += 1;
         Sighting {
+            mirror: None,
             worker: self.worker,
             seen: now,
             epoch: 0,

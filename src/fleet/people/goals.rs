@@ -1,0 +1,38 @@
+//! Where workers are most probably going, noted for the record when that changes.
+//!
+//! Refuses: to infer anything, and corners of the hall, which only stand for everything else.
+
+use crate::fleet::people::intents::DOORS;
+use crate::fleet::people::state::HumanState;
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::note::FloorNote;
+use crate::time::{Span, Time};
+
+/// A goal less probable than this is none yet.
+const PROBABLE: f64 = 0.6;
+
+/// Another goal of a worker is noted this long after the last one at the earliest.
+const AGAIN: Span = Span::from_secs(5);
+
+impl HumanState {
+    /// Notes the goal of each worker that has become the most probable one, by far enough.
+    pub(super) fn note_goals(&mut self, core: &mut Core, now: Time) {
+        for (worker, _) in self.present(now) {
+            let Some(belief) = self.intents.belief(worker) else { continue };
+            let best = belief.goals.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((goal, probability)) = best.copied().filter(|(g, p)| g.0 >= DOORS && *p >= PROBABLE)
+            else {
+                continue;
+            };
+            let told = self.people[worker].goal_noted;
+            if told.is_some_and(|(before, at)| before == goal || now - at < AGAIN) {
+                continue;
+            }
+            let Some(place) = self.intents.distances.place(goal) else { continue };
+            self.people[worker].goal_noted = Some((goal, now));
+            let percent = (100.0 * probability.min(1.0)).round() as u8;
+            core.record(Fact::Noted(FloorNote::Goal { worker, place: place.into(), percent, at: now }));
+        }
+    }
+}

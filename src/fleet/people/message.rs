@@ -1,0 +1,133 @@
+//! Calm guidance: a message stands for a while unless it becomes more severe, and nobody stands for a robot that stands
+//! for them.
+//!
+//! Main type: [`Message`]. It says when another one replaces it. Refuses: to hold back anything more severe than what
+//! is said: stops leave at once.
+
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::wait_graph::{Edge, Party};
+use crate::fleet::state::worker::{GuidanceReason, GuidanceState};
+use crate::id::{RobotId, WorkerId};
+use crate::time::{Span, Time};
+
+/// A message stands for so long, unless a more severe one replaces it: people do not read faster, and what flickers
+/// is not believed.
+pub const MESSAGE: Span = Span::from_secs(2);
+
+/// A worker stands for no longer than this for a robot that waits for that worker: then the worker goes. Robots that go
+/// first set off within it once the worker stands.
+pub const STANDOFF: Span = Span::from_secs(4);
+
+/// What a worker is told, besides the path.
+pub(in crate::fleet) type Words = (GuidanceState, Option<GuidanceReason>);
+
+/// What a worker is told and since when.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::fleet) struct Message {
+    /// What.
+    pub words: Words,
+    /// Since when.
+    pub since: Time,
+    /// Since when the worker has been told to stand for a robot that waits for that worker.
+    standoff: Option<Time>,
+}
+
+impl Message {
+    /// What a worker is told now who is to be told this.
+    pub fn next(before: Option<Message>, words: Words, standoff: bool, now: Time) -> Message {
+        let began = before.and_then(|m| m.standoff).unwrap_or(now);
+        let standoff = standoff.then_some(began);
+        match before {
+            Some(m) if m.words == words || !is_more_severe(words, m.words) && now - m.since < MESSAGE => {
+                Message { standoff, ..m }
+            }
+            _ => Message { words, since: now, standoff },
+        }
+    }
+
+    /// Whether the worker has stood for a robot for so long that the worker had better go.
+    pub fn is_standoff(&self, now: Time) -> bool {
+        self.standoff.is_some_and(|since| now - since >= STANDOFF)
+    }
+}
+
+fn is_more_severe(words: Words, before: Words) -> bool {
+    severity(words.0) > severity(before.0)
+}
+
+/// How much depends on it that the worker does as told.
+pub fn severity(state: GuidanceState) -> u8 {
+    match state {
+        GuidanceState::Idle => 0,
+        GuidanceState::Following => 1,
+        GuidanceState::Deviating | GuidanceState::Redirected => 2,
+        GuidanceState::Stop => 3,
+    }
+}
+
+impl GuidanceReason {
+    /// The robot for which a worker is told to stand, if it could wait for that worker: one that comes is stopped by
+    /// what it meets, and whoever is to touch marks has something to do that ends it.
+    pub fn stands_for(self) -> Option<RobotId> {
+        match self {
+            GuidanceReason::RobotInTheWay(r)
+            | GuidanceReason::RobotPasses(r)
+            | GuidanceReason::RobotCrosses(r)
+            | GuidanceReason::RobotComes(r) => Some(r),
+            _ => None,
+        }
+    }
+}
+
+impl Floor<'_> {
+    /// The robot for which a worker is told to stand, if it waits for that worker itself.
+    pub(in crate::fleet) fn stands_against(&self, worker: WorkerId, words: Words) -> Option<RobotId> {
+        let robot = words.1.filter(|_| words.0 == GuidanceState::Stop)?.stands_for()?;
+        (self.waits.robot(robot).edge == Edge::On(Party::Worker(worker))).then_some(robot)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const R: RobotId = RobotId(1);
+    const FOLLOW: Words = (GuidanceState::Following, None);
+    const STOP: Words = (GuidanceState::Stop, Some(GuidanceReason::RobotComes(R)));
+
+    #[test]
+    fn a_stop_replaces_everything_at_once_and_itself_stands_for_two_seconds() {
+        let at = |ms: i64| Time(ms * 1000);
+        let first = Message::next(None, FOLLOW, false, at(0));
+        let stop = Message::next(Some(first), STOP, false, at(50));
+        assert_eq!((stop.words, stop.since), (STOP, at(50)), "at once");
+        let held = Message::next(Some(stop), FOLLOW, false, at(2040));
+        assert_eq!((held.words, held.since), (STOP, at(50)));
+        assert_eq!(Message::next(Some(held), FOLLOW, false, at(2050)).words, FOLLOW);
+    }
+
+    #[test]
+    fn a_message_that_comes_and_goes_ten_times_a_second_changes_every_two_seconds_at_most() {
+        let (mut message, mut changes) = (Message::next(None, FOLLOW, false, Time(0)), 0);
+        for i in 1..=900i64 {
+            let words = if i % 2 == 0 { FOLLOW } else { STOP };
+            let next = Message::next(Some(message), words, false, Time(i * 100_000));
+            changes += i32::from(next.words != message.words);
+            message = next;
+        }
+        assert!((40..=90).contains(&changes), "{changes} in 90 s, every stop for two seconds");
+    }
+
+    #[test]
+    fn a_standoff_is_one_after_four_seconds_without_a_break() {
+        let mut message = None;
+        for ms in (0..4000).step_by(100) {
+            let next = Message::next(message, STOP, true, Time(ms * 1000));
+            assert!(!next.is_standoff(Time(ms * 1000)));
+            message = Some(next);
+        }
+        let now = Time(4_000_000);
+        assert!(Message::next(message, STOP, true, now).is_standoff(now));
+        assert!(!Message::next(message, STOP, false, now).is_standoff(now), "the robot drives");
+    }
+}

@@ -1,0 +1,179 @@
+//! Which robots got another way, because of whom or what: noted for the record after each step, and decided nowhere.
+//!
+//! Main type: [`Replans`]. It compares the way that a robot had for its task with the one that it has since. A robot
+//! that finds a better way past other robots is not noted, since that happens all the time. Costs nothing in steps in
+//! which no route changes. Refuses: more than one note of a robot in five seconds for one cause.
+
+use crate::fleet::state::core::Core;
+use crate::fleet::state::fact::{Booking, Fact, Task};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::note::{FloorNote, ReplanCause};
+use crate::fleet::traffic::state::Traffic;
+use crate::fleet::yielding::state::Yielding;
+use crate::geometry::Spot;
+use crate::id::{JobId, NodeId, RackId, RobotId};
+use crate::route::Cause;
+use crate::time::{Span, Time};
+use std::collections::BTreeMap;
+
+/// A robot is noted again for the same cause after this long.
+const AGAIN: Span = Span::from_secs(5);
+
+/// So many nodes of a way are noted.
+const MOST_NODES: usize = 40;
+
+/// What a robot is to do, wherever it ends: a new way for the same is a replan, and for another task it is none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct RouteAim {
+    stage: u8,
+    job: Option<JobId>,
+    rack: Option<RackId>,
+}
+
+impl From<Task> for RouteAim {
+    fn from(task: Task) -> RouteAim {
+        let (stage, rack) = match task {
+            Task::Idle => (0, None),
+            Task::Fetch { rack, .. } => (1, Some(rack)),
+            Task::Deliver { rack, .. } => (2, Some(rack)),
+            Task::Store { rack, .. } => (3, Some(rack)),
+            Task::Move { .. } => (4, None),
+        };
+        RouteAim { stage, job: task.job(), rack }
+    }
+}
+
+/// The way of a robot.
+#[derive(Clone, Debug)]
+struct PlannedWay {
+    aim: RouteAim,
+    /// Serial number and node of each visit ahead.
+    visits: Vec<(u64, NodeId)>,
+}
+
+impl PlannedWay {
+    fn of(floor: Floor<'_>, robot: RobotId) -> PlannedWay {
+        let chain = floor.ledger.chain(robot);
+        let ahead = floor.reached(robot) + 1..chain.end();
+        let visits = ahead.filter_map(|s| Some((s, chain.get(s)?.node))).collect();
+        PlannedWay { aim: floor.ledger.robots[robot].task.into(), visits }
+    }
+
+    /// The nodes beyond a visit.
+    fn beyond(&self, reached: u64) -> Vec<NodeId> {
+        self.visits.iter().filter(|(serial, _)| *serial > reached).map(|(_, node)| *node).collect()
+    }
+}
+
+/// What is kept in mind about the ways of robots. Lost at a restart.
+#[derive(Clone, Debug, Default)]
+pub(in crate::fleet) struct Replans {
+    ways: BTreeMap<RobotId, PlannedWay>,
+    /// Robots that lost their way and have no other yet.
+    lost: BTreeMap<RobotId, ReplanCause>,
+    last: BTreeMap<RobotId, (ReplanCause, Time)>,
+}
+
+impl Replans {
+    /// Because of what a robot was replanned last, and when.
+    pub fn last(&self, robot: RobotId) -> Option<(ReplanCause, Time)> {
+        self.last.get(&robot).copied()
+    }
+
+    /// Notes the replans of a step at its end.
+    pub fn note(&mut self, core: &mut Core, yielding: &Yielding, traffic: &Traffic, now: Time) {
+        let mut notes = Vec::new();
+        let facts = std::mem::take(&mut core.out.facts);
+        let broken = facts.iter().find_map(|fact| match fact {
+            Fact::Failed { robot, .. } | Fact::Fenced { robot, .. } | Fact::Placed { robot, .. } => {
+                Some(*robot)
+            }
+            _ => None,
+        });
+        let floor = core.floor();
+        for fact in &facts {
+            match fact {
+                Fact::Truncated { robots: cut } | Fact::Placed { cut, .. } => {
+                    let by = broken.map(ReplanCause::Robot);
+                    let cut = cut.iter().map(|kept| kept.robot).filter(|r| Some(*r) != broken);
+                    self.lost.extend(cut.filter_map(|robot| Some((robot, by?))));
+                }
+                Fact::Revoked { robot, .. } => {
+                    let cause = yields_to(yielding, *robot).or_else(|| self.in_the_way(floor, *robot));
+                    self.lost.extend(cause.map(|cause| (*robot, cause)));
+                }
+                Fact::Left { robot, .. } => _ = self.ways.remove(robot),
+                Fact::Routed { bookings } => {
+                    let cause =
+                        bookings.iter().find_map(|b| self.cause(floor, (yielding, traffic), b.robot, now));
+                    for Booking { robot, .. } in bookings {
+                        notes.extend(self.routed(floor, *robot, cause, now));
+                    }
+                }
+                _ => {}
+            }
+        }
+        core.out.facts = facts;
+        notes.into_iter().for_each(|note| core.record(Fact::Noted(note)));
+    }
+
+    /// A robot has a route: what there is to note, if it had another one for the same.
+    fn routed(
+        &mut self,
+        floor: Floor<'_>,
+        robot: RobotId,
+        cause: Option<ReplanCause>,
+        now: Time,
+    ) -> Option<FloorNote> {
+        let (way, lost) = (PlannedWay::of(floor, robot), self.lost.remove(&robot));
+        let nodes: Vec<NodeId> = way.visits.iter().map(|(_, node)| *node).collect();
+        let aim = way.aim;
+        let old = self.ways.insert(robot, way).filter(|old| old.aim == aim)?;
+        let was = old.beyond(floor.reached(robot));
+        let cause = cause.or(lost).filter(|_| !was.is_empty() && was != nodes)?;
+        let last = self.last.get(&robot);
+        if last.is_some_and(|(before, at)| *before == cause && now - *at < AGAIN) {
+            return None;
+        }
+        self.last.insert(robot, (cause, now));
+        let spots = |nodes: &[NodeId]| -> Vec<Spot> {
+            nodes.iter().take(MOST_NODES).map(|n| floor.warehouse().nodes[*n].at.into()).collect()
+        };
+        Some(FloorNote::Replanned { robot, cause, was: spots(&was), now: spots(&nodes), at: now })
+    }
+
+    /// Because of whom or what a robot was routed in this step, if not because of other robots.
+    fn cause(
+        &self,
+        floor: Floor<'_>,
+        (yielding, traffic): (&Yielding, &Traffic),
+        robot: RobotId,
+        now: Time,
+    ) -> Option<ReplanCause> {
+        if yielding.state.of(robot).rerouted == Some(now) || yielding.procedure.holds(robot) {
+            return yields_to(yielding, robot);
+        }
+        if traffic.looked_round(robot) == Some(now) {
+            return self.in_the_way(floor, robot);
+        }
+        self.lost.get(&robot).copied()
+    }
+
+    /// What closes the way that a robot had, if anything does.
+    fn in_the_way(&self, floor: Floor<'_>, robot: RobotId) -> Option<ReplanCause> {
+        let nodes = self.ways.get(&robot)?.beyond(floor.reached(robot));
+        let conditions = floor.conditions(robot);
+        let mut causes = nodes.iter().flat_map(|node| conditions.of(*node)).map(|condition| condition.cause);
+        causes.find_map(|cause| match cause {
+            Cause::Worker(worker) => Some(ReplanCause::Worker(worker)),
+            Cause::Closure(closure) => Some(ReplanCause::Closure(closure)),
+            Cause::Robot(other) => Some(ReplanCause::Robot(other)),
+            Cause::Obstruction(_) => Some(ReplanCause::Obstruction),
+            Cause::Evacuation => None,
+        })
+    }
+}
+
+fn yields_to(yielding: &Yielding, robot: RobotId) -> Option<ReplanCause> {
+    yielding.state.of(robot).to.map(|to| ReplanCause::Worker(to.worker))
+}
