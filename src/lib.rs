@@ -322,7 +322,7 @@
 //! | what `/openapi.json`, `/asyncapi.json`, `/docs` say | `api/http/openapi.rs`, `asyncapi.rs`; `web/src/docs/` |
 //! | what may be changed about a job; many jobs at once | `fleet/requests/change.rs`; `api/http/batch.rs` |
 //! | an error by its status: 400, 404, 409, 429, 503 | `api/error.rs`; refusals of the fleet: `api/refusal.rs` |
-//! | idempotency | `fleet/state/keys.rs`; `api/extract.rs` (`IdempotencyKey`) |
+//! | idempotency | `fleet/state/keys.rs`; whose a key is: `api/caller.rs`; `api/once.rs` |
 //! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |
 //! | rows of lists (jobs, assignments, encounters) | `fleet/read/rows.rs`; read by `store/jobs.rs`, `people.rs` |
 //! | retention | `store/retention.rs`; idempotency keys: `fleet/state/keys.rs` |

@@ -42,7 +42,7 @@ pub use state::io::{
     CausedFacts, CellWarning, Command, Input, Reply, StationOrder, Step, Telemetry, Waypoint, WrongReach,
 };
 pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, RobotChoice, Visiting};
-pub use state::keys::{KEY_LIFE, Keys};
+pub use state::keys::{ClientKey, KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};
 pub use state::passing::Passing;
