@@ -38,6 +38,7 @@ mod roles;
 #[cfg(test)]
 mod said;
 mod shift;
+pub mod targets;
 pub mod text;
 pub mod trial;
 pub mod waits;
@@ -80,8 +81,8 @@ pub struct Api {
     pub figures: Arc<SharedHistory>,
     /// Takes requests; absent where a recording is shown, since the past takes none.
     pub queue: Option<mpsc::Sender<FleetRequest>>,
-    /// Takes requests about webhooks; absent where a recording is shown.
-    pub hooks: Option<mpsc::Sender<webhooks::HookRequest>>,
+    /// Webhooks; absent where a recording is shown.
+    pub hooks: Option<webhooks::HookDesk>,
     /// Takes questions.
     pub questions: mpsc::Sender<Question>,
     /// What stands.

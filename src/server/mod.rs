@@ -51,10 +51,11 @@ pub use show::Show;
 use crate::api::auth::Gate;
 use crate::api::oidc::Oidc;
 use crate::api::outgoing::Outgoing;
+use crate::api::targets::{Network, Targets};
 use crate::sim::{OrderFileLine, Scenario};
 use crate::store::{MapNote, PublishedMap, Store};
 use crate::warehouse::Warehouse;
-use anyhow::{Context, ensure};
+use anyhow::{Context, anyhow, ensure};
 use axum::Router;
 use axum::serve::ListenerExt;
 use basis::FloorBasis;
@@ -253,6 +254,8 @@ impl Front {
 /// What the server needs for its own requests.
 struct Outbound {
     outgoing: Outgoing,
+    /// Where webhooks may be.
+    targets: Targets,
     /// How long a webhook may take nothing before that is an alarm.
     tolerance: Duration,
     oidc: Option<Arc<Oidc>>,
@@ -263,7 +266,11 @@ impl Outbound {
         let outgoing = Outgoing::trusting(config.ca_file.as_deref()).map_err(anyhow::Error::msg)?;
         let oidc = config.oidc.clone().map(|settings| Oidc::new(settings, &outgoing)).transpose();
         let tolerance = Duration::from_secs(config.webhook_alarm_s.into());
-        Ok(Outbound { tolerance, oidc: oidc.map_err(anyhow::Error::msg)?.map(Arc::new), outgoing })
+        let inside = config.webhook_inside.iter().map(|network| network.parse());
+        let inside: Vec<Network> =
+            inside.collect::<Result<_, String>>().map_err(|why| anyhow!("webhook_inside: {why}"))?;
+        let targets = Targets::allowing(inside);
+        Ok(Outbound { targets, tolerance, oidc: oidc.map_err(anyhow::Error::msg)?.map(Arc::new), outgoing })
     }
 }
 

@@ -21,6 +21,7 @@ use crate::api::live::Live;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Moment, Now, QUESTIONS, Question};
 use crate::api::{Api, router};
+use crate::api::webhooks::HookDesk;
 use crate::fleet::Fleet;
 use crate::sim::World;
 use crate::store::{Store, StoreError};
@@ -177,7 +178,7 @@ impl RunningCore {
             records: Arc::new(records::Shelf(store.clone())),
             figures: charts.figures,
             queue: Some(queue),
-            hooks: Some(hooks),
+            hooks: Some(HookDesk { queue: hooks, targets: outbound.targets.clone() }),
             questions: ask,
             alarms,
             past: past.folder,

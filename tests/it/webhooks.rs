@@ -193,6 +193,70 @@ async fn a_webhook_that_takes_nothing_for_a_while_is_an_alarm_until_it_takes_som
     server.stop().await.unwrap();
 }
 
+#[tokio::test(flavor = "multi_thread")]
+async fn an_address_inside_is_refused_by_every_name_of_it_and_for_each_message_unless_a_setting_names_its_network()
+ {
+    let folder = Folder::new();
+    let (url, taken) = receiver(0).await;
+    let none = Config { webhook_inside: Vec::new(), ..config(&folder) };
+    let server = start(&folder).await;
+    assert_eq!(add(server.address(), &json!({"url": url, "kinds": ["job"]})).await.status, 201);
+    server.stop().await.unwrap();
+    // The setting is taken back: what was added before is told nothing, and says why.
+    let server = Server::start(&none, floor()).await.unwrap();
+    let at = server.address();
+    let hosts = [
+        "127.0.0.1:9",
+        "localhost",
+        "[::1]:80",
+        "169.254.169.254",
+        "10.1.2.3",
+        "192.168.0.9",
+        "[fd00::1]",
+        "0",
+    ];
+    for host in hosts {
+        let refused = add(at, &json!({"url": format!("http://{host}/hook")})).await.problem(422);
+        assert!(refused["detail"].as_str().unwrap().contains("webhook_inside"), "{host}: {refused}");
+    }
+    post(at, None, &delivery(0)).await.unwrap();
+    let mut listed = Value::Null;
+    for _ in 0..200 {
+        listed = get(at, "/v1/webhooks").await.json();
+        if listed[0]["failing"].is_string() {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    assert!(listed[0]["failing"].as_str().is_some_and(|why| why.contains("webhook_inside")), "{listed}");
+    assert!(taken.lock().unwrap().is_empty());
+    server.stop().await.unwrap();
+    let wrong = Config { webhook_inside: vec!["10.0.0.0/99".into()], ..config(&folder) };
+    let refused = Server::start(&wrong, floor()).await.err().expect("no such network");
+    assert!(refused.to_string().contains("10.0.0.0/99"), "{refused:#}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn user_and_password_in_an_address_are_sent_to_the_receiver_and_shown_to_nobody() {
+    let folder = Folder::new();
+    let server = Server::start(&Config { webhook_alarm_s: 1, ..config(&folder) }, floor()).await.unwrap();
+    let at = server.address();
+    let (url, taken) = receiver(3).await;
+    let secret = url.replace("http://", "http://wms:pass-word@");
+    let made = add(at, &json!({"url": secret, "kinds": ["job"]})).await;
+    post(at, None, &delivery(0)).await.unwrap();
+    let alarm = alarms(at, 1).await.remove(0);
+    let listed = get(at, "/v1/webhooks").await;
+    for shown in [&made.text, &listed.text, &alarm.to_string()] {
+        assert!(!shown.contains("pass-word") && !shown.contains("wms:"), "{shown}");
+    }
+    assert_eq!(listed.json()[0]["url"], url.replace("http://", "http://***@"));
+    alarms(at, 0).await;
+    let head = taken.lock().unwrap()[0].0.clone();
+    assert_eq!(header(&head, "authorization"), "Basic d21zOnBhc3Mtd29yZA==");
+    server.stop().await.unwrap();
+}
+
 /// A server that tells a webhook at `url` of a job, and trusts these authorities.
 async fn tell(folder: &Folder, url: &str, ca_file: Option<PathBuf>) -> Server {
     let server = Server::start(&Config { ca_file, ..config(folder) }, floor()).await.unwrap();
