@@ -48,6 +48,7 @@ pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, S
 pub use state::passing::Passing;
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::refusal::{Bounded, Refusal};
+pub use state::scene::SILENCE;
 pub use state::settings::Settings;
 pub use state::visits::EndsHeld;
 pub use state::wait_graph::{ChainEnd, Edge, Party, Wait};

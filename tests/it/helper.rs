@@ -170,6 +170,17 @@ pub async fn get(at: SocketAddr, path: &str) -> Answer {
     send(at, "GET", path, &[], "").await.unwrap()
 }
 
+/// Waits until the server says that it is ready.
+pub async fn until_ready(at: SocketAddr) {
+    for _ in 0..2000 {
+        if get(at, "/v1/health/ready").await.status == 200 {
+            return;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+    }
+    panic!("never ready: {:?}", get(at, "/v1/health/ready").await);
+}
+
 /// Hands in a job.
 pub async fn post(at: SocketAddr, key: Option<&str>, job: &Value) -> std::io::Result<Answer> {
     let mut headers = vec![("content-type", "application/json")];
