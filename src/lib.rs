@@ -329,7 +329,9 @@
 //! | what is kept of the past; its bookmarks | `api/recording/`, `server/recordings.rs`; `api/recording/mark.rs` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | who is let in: tokens, sessions, an identity provider | `api/auth.rs`, `api/http/session.rs`; `api/oidc/` |
-//! | how the server asks others (authorities, redirects) | `api/outgoing.rs` |
+//! | what becomes of wrong tokens and cookies | `api/secrets.rs`; the alarm: `server/tokens.rs` |
+//! | how many connections, bytes that wait for clients | `server/budget.rs`, `metered.rs`, `connections.rs` |
+//! | how the server asks others (authorities, redirects) | `api/outgoing.rs`; where webhooks may be: `api/targets.rs` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
 //! | what happens where a step panics | `server/rescue.rs`, `fleet/traffic/fence.rs` |

@@ -28,6 +28,7 @@ pub mod metrics;
 pub mod oidc;
 pub mod once;
 pub mod outgoing;
+pub mod peer;
 pub mod people;
 pub mod port;
 pub mod pseudonyms;
@@ -37,6 +38,7 @@ mod refusal;
 mod roles;
 #[cfg(test)]
 mod said;
+pub mod secrets;
 mod shift;
 pub mod targets;
 pub mod text;

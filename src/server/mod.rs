@@ -10,6 +10,7 @@ mod alarm_keeper;
 mod answers;
 mod audit_keeper;
 mod basis;
+mod budget;
 mod certificate;
 mod clock;
 mod config;
@@ -22,6 +23,7 @@ mod inbox;
 mod journal;
 mod kinds;
 mod measure;
+mod metered;
 mod outbox;
 mod past;
 mod people;
@@ -35,7 +37,6 @@ mod running;
 mod settle;
 mod show;
 mod start;
-mod strangers;
 mod tls;
 mod tokens;
 mod trial;
@@ -57,7 +58,6 @@ use crate::store::{MapNote, PublishedMap, Store};
 use crate::warehouse::Warehouse;
 use anyhow::{Context, anyhow, ensure};
 use axum::Router;
-use axum::serve::ListenerExt;
 use basis::FloorBasis;
 use entrance::Entrance;
 use publish::GoOver;
@@ -407,16 +407,6 @@ async fn drain(mut http: JoinHandle<std::io::Result<()>>, closing: &watch::Sende
 
 async fn listen(door: Door, router: Router, closes: watch::Receiver<bool>) -> std::io::Result<()> {
     let (listener, tls) = door;
-    if let Some(config) = tls {
-        let listener = tls::TlsListener::new(listener, config)?;
-        connections::serve(listener, router, closes).await;
-        return Ok(());
-    }
-    let listener = listener.tap_io(|stream| {
-        if let Err(e) = stream.set_nodelay(true) {
-            tracing::debug!("TCP_NODELAY: {e}");
-        }
-    });
-    connections::serve(listener, router, closes).await;
+    connections::serve(listener, tls, router, closes).await;
     Ok(())
 }

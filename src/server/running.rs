@@ -20,8 +20,8 @@ use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Moment, Now, QUESTIONS, Question};
-use crate::api::{Api, router};
 use crate::api::webhooks::HookDesk;
+use crate::api::{Api, router};
 use crate::fleet::Fleet;
 use crate::sim::World;
 use crate::store::{Store, StoreError};
@@ -169,7 +169,8 @@ impl RunningCore {
         let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
         let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
         let now: Now = Arc::new(move || clock.now());
-        let (tokens, learner) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone()).await;
+        let (tokens, learner) =
+            tokens::TokenKeeper::start((store.clone(), gate.clone()), alarms.clone(), now.clone()).await;
         let (hooks, asked) = webhooks::hook_queue();
         let api = Api {
             map,
