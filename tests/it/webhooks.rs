@@ -15,6 +15,14 @@ use tokio::net::TcpListener;
 
 /// Takes messages, or refuses them for so many times first.
 async fn receiver(refuse: usize) -> (String, Arc<Mutex<Vec<(String, String)>>>) {
+    receiver_that_says(refuse, "500 No").await
+}
+
+/// Takes messages, or answers so for so many times first.
+async fn receiver_that_says(
+    refuse: usize,
+    refusal: &'static str,
+) -> (String, Arc<Mutex<Vec<(String, String)>>>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let url = format!("http://{}/hook", listener.local_addr().unwrap());
     let taken = Arc::new(Mutex::new(Vec::new()));
@@ -34,7 +42,7 @@ async fn receiver(refuse: usize) -> (String, Arc<Mutex<Vec<(String, String)>>>) 
                     break (head.to_owned(), body.to_owned());
                 }
             };
-            let status = if refuse > 0 { "500 No" } else { "204 Taken" };
+            let status = if refuse > 0 { refusal } else { "204 Taken" };
             if refuse == 0 {
                 messages.lock().unwrap().push((head, body));
             }
@@ -61,7 +69,8 @@ async fn a_webhook_is_told_in_order_signed_and_again_until_it_takes_it() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
-    let (url, taken) = receiver(2).await;
+    // A redirect is followed nowhere: what it answers is told again, as after any other failure.
+    let (url, taken) = receiver_that_says(2, "302 Found\r\nlocation: /elsewhere").await;
     let made = add(at, &json!({"url": url, "kinds": ["job"]})).await;
     assert_eq!(made.status, 201, "{made:?}");
     let secret = read_secret(made.json()["secret"].as_str().unwrap()).unwrap();

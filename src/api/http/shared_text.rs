@@ -59,8 +59,8 @@ impl SharedText {
             self.compress();
         }
         let known = [("br", &self.brotli), ("gzip", &self.gzip)];
-        let known = known.into_iter().filter_map(|(name, bytes)| Some((name, bytes.get()?)));
-        let smaller = known.filter(|(name, _)| accepts(asked, name)).next();
+        let mut known = known.into_iter().filter_map(|(name, bytes)| Some((name, bytes.get()?)));
+        let smaller = known.find(|(name, _)| accepts(asked, name));
         let mut response = smaller.map_or(&self.text, |(_, bytes)| bytes).clone().into_response();
         response.extensions_mut().insert(SharedBody);
         let out = response.headers_mut();
