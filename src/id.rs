@@ -82,6 +82,8 @@ macro_rules! counted {
 }
 
 counted! {
+    /// A customer: whoever hands in jobs, as a digest of the name.
+    CustomerId "c";
     /// A job, numbered in the order of acceptance, starting at 1.
     JobId "j";
     /// What a worker is to do, numbered in the order of acceptance, starting at 1.

@@ -326,14 +326,16 @@
 //! | what `/openapi.json`, `/asyncapi.json`, `/docs` say | `api/http/openapi.rs`, `asyncapi.rs`; `web/src/docs/` |
 //! | what may be changed about a job; many jobs at once | `fleet/requests/change.rs`; `api/http/batch.rs` |
 //! | an error by its status: 400, 404, 409, 429, 503 | `api/error.rs`; refusals of the fleet: `api/refusal.rs` |
-//! | idempotency | `fleet/state/keys.rs`; `api/extract.rs` (`IdempotencyKey`) |
+//! | idempotency | `fleet/state/keys.rs`; whose a key is: `api/caller.rs`; `api/once.rs` |
 //! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |
 //! | rows of lists (jobs, assignments, encounters) | `fleet/read/rows.rs`; read by `store/jobs.rs`, `people.rs` |
 //! | retention | `store/retention.rs`; idempotency keys: `fleet/state/keys.rs` |
 //! | what is kept of the past; its bookmarks | `api/recording/`, `server/recordings.rs`; `api/recording/mark.rs` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
 //! | who is let in: tokens, sessions, an identity provider | `api/auth.rs`, `api/http/session.rs`; `api/oidc/` |
-//! | how the server asks others (authorities, redirects) | `api/outgoing.rs` |
+//! | what becomes of wrong tokens and cookies | `api/secrets.rs`; the alarm: `server/tokens.rs` |
+//! | how many connections, bytes that wait for clients | `server/budget.rs`, `metered.rs`, `connections.rs` |
+//! | how the server asks others (authorities, redirects) | `api/outgoing.rs`; where webhooks may be: `api/targets.rs` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
 //! | what happens where a step panics | `server/rescue.rs`, `fleet/traffic/fence.rs` |

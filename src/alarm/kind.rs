@@ -162,6 +162,8 @@ kinds! {
     PastNotKept: "past", Warning, Server, 0, 0;
     /// A webhook has taken no events for a while.
     WebhookFailing: "webhook", Warning, Server, 0, 0;
+    /// An address shows many tokens or cookies that are wrong.
+    SecretsGuessed: "secrets", Warning, Server, 0, 0;
     /// A recording is shown to its end.
     RecordingEnded: "end", Notice, Server, 0, 0;
     /// All robots are stopped by hand.
@@ -313,6 +315,10 @@ impl AlarmKind {
             }
             K::WebhookFailing => {
                 "Bring its receiver back, or remove the webhook. Events wait for about an hour; then they are given up."
+            }
+            K::SecretsGuessed => {
+                "Find out who sends them: a device with an old token, or somebody who guesses. The audit has the \
+                 addresses."
             }
             K::PastNotKept => "Make room on the disk of the recordings.",
             K::RecordingEnded => "Seek in the recording, or close it.",

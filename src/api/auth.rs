@@ -11,10 +11,11 @@ use super::caller::{Caller, NamedToken, Role, SessionHolder, TokenHash, WebSessi
 use super::cookie::{is_loopback, session_secret};
 use super::error::Problem;
 use super::port::Now;
+use super::secrets::{SecretDoor, WrongSecrets};
 use crate::time::{Span, Time};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use sha2::{Digest, Sha256};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use subtle::{ConditionallySelectable, ConstantTimeEq};
@@ -33,6 +34,9 @@ const LOOK: Duration = Duration::from_secs(1);
 
 /// How long a session lasts, however much it is used.
 pub const SESSION_LIFE: Span = Span::from_secs(7 * 24 * 3600);
+
+/// So many sessions that are over are known.
+const MOST_OVER: usize = 1000;
 
 /// A new token of 244 random bits, as text.
 pub fn fresh_token() -> String {
@@ -54,6 +58,8 @@ pub struct Gate {
     /// Whether people sign in with an identity provider.
     has_provider: bool,
     named: Mutex<NamedTokens>,
+    /// Secrets that let nobody in.
+    wrong: WrongSecrets,
     /// Says that named tokens changed.
     changes: watch::Sender<()>,
 }
@@ -63,6 +69,8 @@ pub struct Gate {
 struct NamedTokens {
     all: Vec<NamedToken>,
     sessions: BTreeMap<TokenHash, WebSession>,
+    /// Sessions that are over, some of the latest: a browser that still shows such a cookie does not guess.
+    over: VecDeque<TokenHash>,
     /// Whether there ever was one of an administrator that held: then the server needs tokens until it ends.
     closed: bool,
     used: BTreeMap<i64, Time>,
@@ -103,7 +111,15 @@ impl Gate {
 
     /// Takes these sessions in the place of those it knew.
     pub fn learn_sessions(&self, all: Vec<WebSession>) {
-        self.named().sessions = all.into_iter().map(|session| (session.hash, session)).collect();
+        let mut named = self.named();
+        let all = all.into_iter().map(|session| (session.hash, session)).collect();
+        let before = std::mem::replace(&mut named.sessions, all);
+        let over: Vec<TokenHash> =
+            before.into_keys().filter(|hash| !named.sessions.contains_key(hash)).collect();
+        named.over.extend(over);
+        let too_many = named.over.len().saturating_sub(MOST_OVER);
+        named.over.drain(..too_many);
+        drop(named);
         self.changes.send_replace(());
     }
 
@@ -140,7 +156,24 @@ impl Gate {
         }
         let detail = "this server needs a token that holds: send `Authorization: Bearer TOKEN`, offer the \
                       WebSocket protocols `giveway` and `bearer.TOKEN`, or sign in at /sign-in";
-        Err(Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", "A token is needed", detail))
+        let problem = Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", "A token is needed", detail);
+        Err(Problem { wrong_secret: self.wrong_door(headers, cookie), ..problem })
+    }
+
+    /// By which door a request without a right secret has shown one, if it has.
+    fn wrong_door(&self, headers: &HeaderMap, cookie: Option<&str>) -> Option<SecretDoor> {
+        if headers.contains_key(header::AUTHORIZATION) || token_of(headers).is_some() {
+            return Some(SecretDoor::Token);
+        }
+        let hash = hash_of(cookie?);
+        let named = self.named();
+        let was_right = named.sessions.contains_key(&hash) || named.over.contains(&hash);
+        (!was_right).then_some(SecretDoor::Cookie)
+    }
+
+    /// Secrets that let nobody in.
+    pub fn wrong_secrets(&self) -> &WrongSecrets {
+        &self.wrong
     }
 
     /// Who signed in and got the cookie of this digest, if both the session and its token hold.

@@ -2,8 +2,11 @@
 //!
 //! Main types: [`Caller`], [`Role`], [`NamedToken`], [`WebSession`]. Refuses: to decide what a role may do.
 
+use crate::fleet::ClientKey;
+use crate::id::CustomerId;
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use utoipa::ToSchema;
 
 /// The digest of a token.
@@ -106,6 +109,21 @@ impl Caller {
     /// Who signed in with an identity provider, and got the cookie of this digest.
     pub fn of_person(name: String, role: Role, session: TokenHash) -> Caller {
         Caller { name, role, subject: None, key: None, session: Some(session) }
+    }
+
+    /// Whose keys this caller's are (`Idempotency-Key`): those of everybody who shows a token of this name, or of the
+    /// person of this name who signed in with an identity provider. A person who has the name of a token is another.
+    pub fn account(&self) -> String {
+        let is_person = self.key.is_none() && self.session.is_some();
+        if is_person { format!("person:{}", self.name) } else { self.name.clone() }
+    }
+
+    /// A key of this caller. The account is a digest there, since keys are kept in the journal, which has no names of
+    /// people.
+    pub fn client_key(&self, text: String) -> ClientKey {
+        let digest = Sha256::digest(self.account());
+        let first = digest.first_chunk().expect("a digest has 32 bytes");
+        ClientKey { owner: Some(CustomerId(u64::from_be_bytes(*first))), text }
     }
 
     /// A client without a token on a server that needs one: only routes that need no role are open to it.

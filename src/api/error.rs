@@ -3,6 +3,7 @@
 //! Main types: [`Problem`], [`FieldError`]. Use a constructor by status; every one takes a sentence for
 //! people. Server faults are logged where they are made, and nowhere else. Refuses: to show internals.
 
+use super::secrets::SecretDoor;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -31,6 +32,9 @@ pub struct Problem {
     /// Seconds after which a retry makes sense.
     #[serde(skip)]
     pub retry_after: Option<u32>,
+    /// By which door a wrong secret came, if that is the problem: whoever answers slows such answers down.
+    #[serde(skip)]
+    pub wrong_secret: Option<SecretDoor>,
 }
 
 /// One wrong field.
@@ -67,12 +71,19 @@ impl Problem {
             instance: None,
             errors: Vec::new(),
             retry_after: None,
+            wrong_secret: None,
         }
     }
 
     /// 400: the request cannot be read.
     pub fn malformed(detail: impl Into<String>) -> Problem {
         Problem::new(StatusCode::BAD_REQUEST, "malformed", "The request cannot be read", detail)
+    }
+
+    /// 401: a secret is wrong, which came by this door.
+    pub fn wrong_secret(door: SecretDoor, title: &'static str, detail: impl Into<String>) -> Problem {
+        let problem = Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", title, detail);
+        Problem { wrong_secret: Some(door), ..problem }
     }
 
     /// 404: no such thing.

@@ -69,7 +69,9 @@ impl<T: DeserializeOwned, S: Send + Sync, const LIMIT: usize> FromRequest<S> for
             let detail = format!("the body is cut off or longer than {LIMIT} bytes");
             Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
         })?;
-        serde_json::from_slice(&bytes).map(JsonBody).map_err(|e| match e.classify() {
+        // Some programs begin every text with a byte order mark, which means nothing in UTF-8.
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+        serde_json::from_slice(text).map(JsonBody).map_err(|e| match e.classify() {
             serde_json::error::Category::Data => {
                 let status = StatusCode::UNPROCESSABLE_ENTITY;
                 Problem::new(status, "invalid", "Some fields are wrong", e.to_string())

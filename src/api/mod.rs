@@ -28,6 +28,7 @@ pub mod metrics;
 pub mod oidc;
 pub mod once;
 pub mod outgoing;
+pub mod peer;
 pub mod people;
 pub mod port;
 pub mod pseudonyms;
@@ -38,7 +39,9 @@ mod replans;
 mod roles;
 #[cfg(test)]
 mod said;
+pub mod secrets;
 mod shift;
+pub mod targets;
 pub mod text;
 pub mod trial;
 pub mod waits;
@@ -81,8 +84,8 @@ pub struct Api {
     pub figures: Arc<SharedHistory>,
     /// Takes requests; absent where a recording is shown, since the past takes none.
     pub queue: Option<mpsc::Sender<FleetRequest>>,
-    /// Takes requests about webhooks; absent where a recording is shown.
-    pub hooks: Option<mpsc::Sender<webhooks::HookRequest>>,
+    /// Webhooks; absent where a recording is shown.
+    pub hooks: Option<webhooks::HookDesk>,
     /// Takes questions.
     pub questions: mpsc::Sender<Question>,
     /// What stands.

@@ -46,7 +46,7 @@ pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, n
         return Problem::new(status, "too-large", "The body is too long", detail).into_response();
     };
     let digest = Sha256::digest(&body).iter().map(|b| format!("{b:02x}")).collect();
-    let keyed = KeyedRequest { caller: caller.name.clone(), route: route.into(), key };
+    let keyed = KeyedRequest { caller: caller.account(), route: route.into(), key };
     match desk.begin(keyed.clone(), digest, (api.now)()).await {
         Err(why) => Problem::unavailable(why, 2).into_response(),
         Ok(KnownRequest::Answered(kept)) => replayed(kept),

@@ -2,10 +2,12 @@
 //!
 //! Main type: [`Outgoing`]. Refuses: to follow redirects, and certificates of authorities that nobody named.
 
+use super::targets::{GuardedResolver, Targets};
 use std::path::Path;
 use std::time::Duration;
 use ureq::Agent;
 use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
+use ureq::unversioned::transport::DefaultConnector;
 
 /// What all requests to others have in common.
 #[derive(Clone, Debug, Default)]
@@ -36,19 +38,27 @@ impl Outgoing {
         Ok(Outgoing { authorities: Some(RootCerts::new_with_certs(&all)) })
     }
 
-    /// What sends requests, each of which may take so long. If `strict`, an answer that is no success is an error.
-    pub fn agent(&self, patience: Duration, strict: bool) -> Agent {
+    /// What sends requests, each of which may take so long. Every answer is an answer, whatever its status.
+    pub fn agent(&self, patience: Duration) -> Agent {
+        self.config(patience).into()
+    }
+
+    /// The same for addresses that somebody else chose: it talks to these targets alone.
+    pub fn agent_for(&self, targets: Targets, patience: Duration) -> Agent {
+        Agent::with_parts(self.config(patience), DefaultConnector::default(), GuardedResolver::new(targets))
+    }
+
+    fn config(&self, patience: Duration) -> ureq::config::Config {
         let tls =
             TlsConfig::builder().root_certs(self.authorities.clone().unwrap_or(RootCerts::WebPki)).build();
-        let config = Agent::config_builder()
+        Agent::config_builder()
             .tls_config(tls)
             .timeout_global(Some(patience))
-            .http_status_as_error(strict)
+            .http_status_as_error(false)
             .max_redirects(0)
             .max_redirects_will_error(true)
             .user_agent(concat!("giveway/", env!("CARGO_PKG_VERSION")))
-            .build();
-        config.into()
+            .build()
     }
 }
 

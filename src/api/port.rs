@@ -286,6 +286,9 @@ pub const QUESTIONS_AT_ONCE: usize = 4;
 pub struct Moment {
     /// The view.
     pub view: View,
+    /// How many robots have said nothing yet, and may still: a robot that was switched off is known to be silent after
+    /// a while. Nothing before the first view.
+    pub unheard: Option<usize>,
     /// Seconds since the server started.
     pub time_s: f64,
     /// What the loop measured.

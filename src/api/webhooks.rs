@@ -1,29 +1,62 @@
 //! What webhooks are asked and told: requests about them, the message of some events, and its signature.
 //!
-//! Main types: [`Webhook`], [`HookRequest`]; main functions: [`message`], [`signature`]. Messages and headers follow
-//! the Standard Webhooks specification 1.0.0 (standardwebhooks.com). Refuses: to send anything.
+//! Main types: [`Webhook`], [`HookRequest`], [`Taken`]; main functions: [`message`], [`signature`]. Messages and headers
+//! follow the Standard Webhooks specification 1.0.0 (standardwebhooks.com). Refuses: to send anything.
 
 use super::caller::Role;
 use super::dto::Names;
 use super::events::event;
+use super::targets::Targets;
 use crate::fleet::{EventKind, EventRow};
 use crate::time::Time;
+use axum::http::StatusCode;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use hmac::{Hmac, Mac};
 use serde_json::json;
 use sha2::Sha256;
-use tokio::sync::oneshot;
+use tokio::sync::{mpsc, oneshot};
 
 /// Before the secret in base64.
 pub const SECRET_PREFIX: &str = "whsec_";
+
+/// Webhooks as handlers of requests see them.
+#[derive(Clone, Debug)]
+pub struct HookDesk {
+    /// Takes requests about them.
+    pub queue: mpsc::Sender<HookRequest>,
+    /// Where they may be.
+    pub targets: Targets,
+}
+
+/// A receiver has taken a message. Only an answer with a status of 200 to 299 makes one.
+#[derive(Debug)]
+pub struct Taken(());
+
+impl Taken {
+    /// What an answer with this status means.
+    ///
+    /// # Errors
+    /// Where it does not say that the message was taken; the text says what it was.
+    pub fn of(status: StatusCode) -> Result<Taken, String> {
+        if status.is_success() {
+            return Ok(Taken(()));
+        }
+        let more = if status.is_redirection() {
+            "; redirects are not followed: add the webhook again with the address where it leads"
+        } else {
+            ""
+        };
+        Err(format!("it answered {status}, and only 200 to 299 takes a message{more}"))
+    }
+}
 
 /// A webhook, without its secret.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Webhook {
     /// Its number.
     pub id: i64,
-    /// Where messages go.
+    /// Where messages go, without a user and a password.
     pub url: String,
     /// Events of these kinds; of all kinds if there are none.
     pub kinds: Vec<EventKind>,

@@ -9,7 +9,10 @@ use crate::fleet::InsertionCounts;
 use crate::human::Model;
 use crate::reach::PickModel;
 use crate::sim::recording::{Header, Recorder};
-use crate::sim::{Consistency, Demand, JobTally, NeesFigures, OrderFileLine, Outcome, Scenario, Simulation};
+use crate::sim::{
+    Consistency, Demand, JobTally, NeesFigures, OrderFileLine, Outcome, Scenario, Simulation,
+    nothing_to_order,
+};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use anyhow::Context;
@@ -147,6 +150,9 @@ impl SimArgs {
         }
         crate::warehouse::room_for(&setup.warehouse, setup.scenario.robots)
             .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", setup.scenario.robots))?;
+        if let Some(why) = nothing_to_order(&setup.scenario, &setup.warehouse) {
+            eprintln!("{why}");
+        }
         let seed = self.seed.unwrap_or(setup.scenario.seed);
         let start = Instant::now();
         let outcome = simulate(&setup, seed, false, self.record.as_deref(), self.reel.as_deref())?;

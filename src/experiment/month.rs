@@ -98,8 +98,12 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
         1 => {
             let place = aisles[(hour * 31) as usize % aisles.len()];
             let stay = Span::from_secs(30);
-            let request =
-                AssignmentRequest { place, stay, what: "round".into(), key: Some(format!("round {hour}")) };
+            let request = AssignmentRequest {
+                place,
+                stay,
+                what: "round".into(),
+                key: Some(format!("round {hour}").into()),
+            };
             inputs.push(Input::Assign { token: 0, worker: Some(worker), request });
         }
         ON_FLOOR => {
@@ -159,8 +163,13 @@ fn orders(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
         for i in 0..4 {
             let after = if i == 0 { vec![] } else { vec![JobId(next)] };
             let key = Some(format!("order {s}, line {i}"));
-            let request =
-                JobRequest { priority: 1, deadline: Some(now), after, key, ..JobRequest::new(kind) };
+            let request = JobRequest {
+                priority: 1,
+                deadline: Some(now),
+                after,
+                key: key.map(Into::into),
+                ..JobRequest::new(kind)
+            };
             inputs.push(Input::Submit { token: 0, request });
         }
     }

@@ -44,13 +44,14 @@ pub use state::io::{
     CausedFacts, CellWarning, Command, Input, Reply, StationOrder, Step, Telemetry, Waypoint, WrongReach,
 };
 pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, RobotChoice, Visiting};
-pub use state::keys::{KEY_LIFE, Keys};
+pub use state::keys::{ClientKey, KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};
 pub use state::note::{EventDetails, FloorNote, ReplanCause};
 pub use state::passing::Passing;
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::refusal::{Bounded, Refusal};
+pub use state::scene::SILENCE;
 pub use state::settings::Settings;
 pub use state::visits::EndsHeld;
 pub use state::wait_graph::{ChainEnd, Edge, Party, Wait};

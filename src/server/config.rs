@@ -117,6 +117,10 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ca_file: Option<PathBuf>,
+    /// A network inside, such as 10.20.0.0/16, to which webhooks may be sent; may be given several times
+    #[arg(long, value_name = "NETWORK")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub webhook_inside: Vec<String>,
 }
 
 /// What holds in the end.
@@ -164,6 +168,10 @@ pub struct Config {
     pub oidc: Option<OidcSettings>,
     /// For how many seconds a webhook may take nothing before that is an alarm; in the settings file only.
     pub webhook_alarm_s: u32,
+    /// Networks inside to which webhooks may be sent, as `10.20.0.0/16`. There are none at first: whoever adds a
+    /// webhook could otherwise have this server talk to what only it reaches.
+    #[serde(default)]
+    pub webhook_inside: Vec<String>,
     /// Origins of other sites whose pages may use the API with a token, as `https://wms.example`; in the settings file
     /// only.
     #[serde(default)]
@@ -195,6 +203,7 @@ impl Default for Config {
             ca_file: None,
             oidc: None,
             webhook_alarm_s: 60,
+            webhook_inside: Vec::new(),
             allowed_origins: Vec::new(),
             massrobotics: Interop::default(),
         }

@@ -22,7 +22,7 @@ use crate::api::alarms::Alarms;
 use crate::api::feed::hub::{Feeds, HeardSighting};
 use crate::api::metrics::Metrics;
 use crate::api::port::{Moment, QUESTIONS_AT_ONCE, Question};
-use crate::fleet::{CellWarning, Command, Fleet, Guidance, Input};
+use crate::fleet::{CellWarning, Command, Fleet, Guidance, Input, SILENCE};
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
 use crate::store::Store;
@@ -292,7 +292,9 @@ impl DriveLoop {
         let time_s = (now - self.clock.started()).as_secs_f64();
         let forecasts = self.ahead.of(&self.fleet, now);
         let backlog = self.tap.backlog(&self.fleet, now);
-        let moment = Arc::new(Moment { view, time_s, measured, forecasts, backlog });
+        let is_known = now - self.clock.started() >= SILENCE;
+        let unheard = view.robots.iter().filter(|robot| robot.heard.is_none() && !is_known).count();
+        let moment = Arc::new(Moment { view, unheard: Some(unheard), time_s, measured, forecasts, backlog });
         self.notes.send(&moment);
         self.moments.send_replace(moment);
     }

@@ -10,6 +10,7 @@ mod alarm_keeper;
 mod answers;
 mod audit_keeper;
 mod basis;
+mod budget;
 mod certificate;
 mod clock;
 mod config;
@@ -22,6 +23,7 @@ mod inbox;
 mod journal;
 mod kinds;
 mod measure;
+mod metered;
 mod outbox;
 mod past;
 mod people;
@@ -35,7 +37,6 @@ mod running;
 mod settle;
 mod show;
 mod start;
-mod strangers;
 mod tls;
 mod tokens;
 mod trial;
@@ -51,12 +52,12 @@ pub use show::Show;
 use crate::api::auth::Gate;
 use crate::api::oidc::Oidc;
 use crate::api::outgoing::Outgoing;
+use crate::api::targets::{Network, Targets};
 use crate::sim::{OrderFileLine, Scenario};
 use crate::store::{MapNote, PublishedMap, Store};
 use crate::warehouse::Warehouse;
-use anyhow::{Context, ensure};
+use anyhow::{Context, anyhow, ensure};
 use axum::Router;
-use axum::serve::ListenerExt;
 use basis::FloorBasis;
 use entrance::Entrance;
 use publish::GoOver;
@@ -126,6 +127,8 @@ pub struct StartSummary {
     pub jobs: u64,
     /// Of them, jobs that are not over.
     pub open_jobs: u64,
+    /// Why simulated customers order nothing, though the scenario has some.
+    pub nothing_to_order: Option<&'static str>,
     /// Why the server does nothing but say so.
     pub trouble: Option<String>,
 }
@@ -253,6 +256,8 @@ impl Front {
 /// What the server needs for its own requests.
 struct Outbound {
     outgoing: Outgoing,
+    /// Where webhooks may be.
+    targets: Targets,
     /// How long a webhook may take nothing before that is an alarm.
     tolerance: Duration,
     oidc: Option<Arc<Oidc>>,
@@ -263,7 +268,11 @@ impl Outbound {
         let outgoing = Outgoing::trusting(config.ca_file.as_deref()).map_err(anyhow::Error::msg)?;
         let oidc = config.oidc.clone().map(|settings| Oidc::new(settings, &outgoing)).transpose();
         let tolerance = Duration::from_secs(config.webhook_alarm_s.into());
-        Ok(Outbound { tolerance, oidc: oidc.map_err(anyhow::Error::msg)?.map(Arc::new), outgoing })
+        let inside = config.webhook_inside.iter().map(|network| network.parse());
+        let inside: Vec<Network> =
+            inside.collect::<Result<_, String>>().map_err(|why| anyhow!("webhook_inside: {why}"))?;
+        let targets = Targets::allowing(inside);
+        Ok(Outbound { targets, tolerance, oidc: oidc.map_err(anyhow::Error::msg)?.map(Arc::new), outgoing })
     }
 }
 
@@ -398,16 +407,6 @@ async fn drain(mut http: JoinHandle<std::io::Result<()>>, closing: &watch::Sende
 
 async fn listen(door: Door, router: Router, closes: watch::Receiver<bool>) -> std::io::Result<()> {
     let (listener, tls) = door;
-    if let Some(config) = tls {
-        let listener = tls::TlsListener::new(listener, config)?;
-        connections::serve(listener, router, closes).await;
-        return Ok(());
-    }
-    let listener = listener.tap_io(|stream| {
-        if let Err(e) = stream.set_nodelay(true) {
-            tracing::debug!("TCP_NODELAY: {e}");
-        }
-    });
-    connections::serve(listener, router, closes).await;
+    connections::serve(listener, tls, router, closes).await;
     Ok(())
 }

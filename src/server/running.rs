@@ -20,6 +20,7 @@ use crate::api::feed::hub::Feeds;
 use crate::api::live::Live;
 use crate::api::metrics::Metrics;
 use crate::api::port::{Moment, Now, QUESTIONS, Question};
+use crate::api::webhooks::HookDesk;
 use crate::api::{Api, router};
 use crate::fleet::Fleet;
 use crate::sim::World;
@@ -168,7 +169,8 @@ impl RunningCore {
         let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
         let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
         let now: Now = Arc::new(move || clock.now());
-        let (tokens, learner) = tokens::TokenKeeper::start(store.clone(), gate.clone(), now.clone()).await;
+        let (tokens, learner) =
+            tokens::TokenKeeper::start((store.clone(), gate.clone()), alarms.clone(), now.clone()).await;
         let (hooks, asked) = webhooks::hook_queue();
         let api = Api {
             map,
@@ -177,7 +179,7 @@ impl RunningCore {
             records: Arc::new(records::Shelf(store.clone())),
             figures: charts.figures,
             queue: Some(queue),
-            hooks: Some(hooks),
+            hooks: Some(HookDesk { queue: hooks, targets: outbound.targets.clone() }),
             questions: ask,
             alarms,
             past: past.folder,

@@ -15,7 +15,7 @@ use crate::api::massrobotics::Interop;
 use crate::api::port::SharedHistory;
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
-use crate::sim::World;
+use crate::sim::{World, nothing_to_order};
 use crate::store::{CarryOver, MapNote, Opening, Store};
 use crate::time::Span;
 use anyhow::Context;
@@ -102,7 +102,9 @@ pub async fn build(
     let loaded = store.load(Ledger::new(map.clone(), scenario.settings().clearance(), false)).await?;
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
     let (published, map_name) = (basis.published.clone(), map.name.clone());
-    let summary = StartSummary { map: map_name, published, robots, facts, ..StartSummary::default() };
+    let nothing_to_order = nothing_to_order(&scenario, &map);
+    let summary =
+        StartSummary { map: map_name, published, robots, facts, nothing_to_order, ..StartSummary::default() };
     let clock = Arc::new(Clock::start(loaded.last));
     let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
     let (buckets, heat) = store.load_history().await?;

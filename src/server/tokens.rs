@@ -3,17 +3,22 @@
 //!
 //! Main type: [`TokenKeeper`]. Refuses: roles that this Giveway does not know; such a token does not hold.
 
+use crate::alarm::AlarmKind;
+use crate::api::alarms::Alarms;
 use crate::api::auth::Gate;
 use crate::api::caller::{NamedToken, Role, SessionHolder, TokenHash, WebSession};
 use crate::api::port::{Later, Now, TokenDesk};
 use crate::store::{SessionRow, Store, StoreError, TokenDraft, TokenRow};
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::task::JoinHandle;
 
 /// How often the table is read.
 const LOOK: Duration = Duration::from_secs(1);
+
+/// So many addresses are named in the alarm about wrong secrets.
+const MOST_NAMED: usize = 5;
 
 /// Every so many looks it is written down when tokens were used.
 const USES: u32 = 10;
@@ -23,6 +28,7 @@ const USES: u32 = 10;
 pub struct TokenKeeper {
     store: Arc<Store>,
     gate: Arc<Gate>,
+    alarms: Arc<Alarms>,
     now: Now,
 }
 
@@ -46,8 +52,12 @@ fn known(row: TokenRow) -> Option<NamedToken> {
 
 impl TokenKeeper {
     /// One that keeps this gate as the database says, and its task.
-    pub async fn start(store: Arc<Store>, gate: Arc<Gate>, now: Now) -> (TokenKeeper, JoinHandle<()>) {
-        let keeper = TokenKeeper { store, gate, now };
+    pub async fn start(
+        (store, gate): (Arc<Store>, Arc<Gate>),
+        alarms: Arc<Alarms>,
+        now: Now,
+    ) -> (TokenKeeper, JoinHandle<()>) {
+        let keeper = TokenKeeper { store, gate, alarms, now };
         if let Err(e) = keeper.learn_sessions().await {
             tracing::error!("sessions cannot be read, everybody has to sign in again: {e}");
         }
@@ -67,7 +77,23 @@ impl TokenKeeper {
             {
                 tracing::debug!("it cannot be noted when tokens were used: {e}");
             }
+            self.warn();
             tokio::time::sleep(LOOK).await;
+        }
+    }
+
+    /// Raises an alarm about addresses that show many wrong secrets, or ends it.
+    fn warn(&self) {
+        let many = self.gate.wrong_secrets().alarming(Instant::now());
+        let said: Vec<String> = many.iter().map(|(from, n)| format!("{from} (at least {n} times)")).collect();
+        let now = (self.now)();
+        if said.is_empty() {
+            self.alarms.clear(AlarmKind::SecretsGuessed, now);
+        } else {
+            let (first, rest) = said.split_at(said.len().min(MOST_NAMED));
+            let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
+            let text = format!("wrong tokens or cookies come from {}{more}.", first.join(", "));
+            self.alarms.raise(AlarmKind::SecretsGuessed, text, now);
         }
     }
 

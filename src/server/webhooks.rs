@@ -2,15 +2,16 @@
 //! taken nothing for long.
 //!
 //! Main types: [`HookKeeper`], [`Sender`]. How far a webhook is stands in the database: after a restart it goes on
-//! there, and events may come twice. Refuses: to follow redirects, and to let one webhook wait for
-//! another.
+//! there, and events may come twice. A message counts as delivered only with a [`Taken`]. Refuses: to follow redirects,
+//! to show users and passwords in addresses, and to let one webhook wait for another.
 
 use super::Outbound;
 use crate::alarm::AlarmKind;
 use crate::api::Api;
 use crate::api::dto::Names;
 use crate::api::outgoing::failure;
-use crate::api::webhooks::{FailedMessage, HookRequest, Webhook, message, read_secret, signature};
+use crate::api::targets::masked;
+use crate::api::webhooks::{FailedMessage, HookRequest, Taken, Webhook, message, read_secret, signature};
 use crate::fleet::EventQuery;
 use crate::store::{FailedRow, HookRow, Store, StoreError};
 use std::collections::{BTreeMap, BTreeSet};
@@ -87,7 +88,8 @@ impl HookKeeper {
         requests: mpsc::Receiver<HookRequest>,
     ) -> HookKeeper {
         let (busy, on_the_way) = (BTreeSet::new(), JoinSet::new());
-        let (sender, known) = (Sender(outbound.outgoing.agent(PATIENCE, true)), BTreeMap::new());
+        let (sender, known) =
+            (Sender(outbound.outgoing.agent_for(outbound.targets.clone(), PATIENCE)), BTreeMap::new());
         HookKeeper {
             store,
             api,
@@ -269,9 +271,12 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
         }
         None => Err("its secret cannot be read: remove this webhook and add it again".to_owned()),
     };
-    let Err(why) = sent else {
-        store.webhook_reached(hook.id, last).await?;
-        return Ok(Delivery::Done);
+    let why = match sent {
+        Ok(Taken { .. }) => {
+            store.webhook_reached(hook.id, last).await?;
+            return Ok(Delivery::Done);
+        }
+        Err(why) => masked(&hook.url).text(&why),
     };
     store.webhook_missed(hook.id, last, &why).await?;
     let attempts = hook.attempts + 1;
@@ -288,7 +293,7 @@ pub struct Sender(ureq::Agent);
 
 impl Sender {
     /// Posts a message under an id, with its time and signature; says why it was not taken.
-    async fn post(&self, url: String, headers: [String; 3], body: String) -> Result<(), String> {
+    async fn post(&self, url: String, headers: [String; 3], body: String) -> Result<Taken, String> {
         let agent = self.0.clone();
         let post = move || {
             let [id, seconds, signed] = headers;
@@ -299,8 +304,8 @@ impl Sender {
                 .header("webhook-timestamp", seconds)
                 .header("webhook-signature", signed)
                 .send(body)
-                .map(|_| ())
                 .map_err(|e| failure(&e))
+                .and_then(|answer| Taken::of(answer.status()))
         };
         tokio::task::spawn_blocking(post).await.map_err(|_| "sending broke off".to_owned())?
     }
@@ -308,7 +313,7 @@ impl Sender {
 
 fn shown(row: HookRow) -> Webhook {
     let HookRow { id, url, kinds, created, cursor, attempts, failed, .. } = row;
-    Webhook { id, url, kinds, created, cursor, attempts, failed }
+    Webhook { id, url: masked(&url).to_string(), kinds, created, cursor, attempts, failed }
 }
 
 fn failed(row: FailedRow) -> FailedMessage {

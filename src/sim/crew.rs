@@ -238,7 +238,7 @@ impl Crew {
             // A restarted world may have asked for the same before: the key says so.
             let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
             let stay = Span::from_secs_f64(stay_s);
-            let request = AssignmentRequest { place, stay, what: "pick".into(), key };
+            let request = AssignmentRequest { place, stay, what: "pick".into(), key: key.map(Into::into) };
             inputs.push(Input::Assign { token: self.token(), worker: Some(worker), request });
         }
     }

@@ -83,9 +83,10 @@ mod tests {
     #[test]
     fn a_job_without_order_lines_has_the_digest_that_it_had_before_there_were_any() {
         let kind = JobKind::Return { rack: RackId(3) };
-        let (key, after) = (Some("k".to_owned()), vec![JobId(4)]);
+        let (key, after) = (Some("k".into()), vec![JobId(4)]);
         let request = JobRequest { key, after, deadline: Some(Time(9)), ..JobRequest::new(kind) };
         let JobRequest { then, priority, deadline, after, key, reference, labels, .. } = request.clone();
+        let key = key.map(|key| key.text);
         let older = OlderRequest { kind, then, priority, deadline, after, key, reference, labels };
         assert_eq!(digest(&request), digest(&older));
         let with_lines = JobRequest { lines: vec![Vec::new()], ..request.clone() };

@@ -4,8 +4,8 @@
 //! recordings are read. Refuses: versions; [`super::recording`] has them.
 
 use crate::cell::{OrderLine, PickedBy};
-use crate::fleet::{JobChange, JobKind, JobRequest, Visiting};
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
+use crate::fleet::{ClientKey, JobChange, JobKind, JobRequest, Visiting};
+use crate::id::{CustomerId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -20,6 +20,9 @@ pub struct JobLine {
     deadline: Option<i64>,
     after: Vec<u64>,
     key: Option<String>,
+    /// Whose key it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    owner: Option<u64>,
     /// Stations that the rack goes on to, and how long the picks take.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     then: Vec<(u32, Option<i64>)>,
@@ -72,7 +75,8 @@ impl JobLine {
             priority: request.priority,
             deadline: request.deadline.map(|d| d.0),
             after: request.after.iter().map(|j| j.0).collect(),
-            key: request.key.clone(),
+            key: request.key.as_ref().map(|key| key.text.clone()),
+            owner: request.key.as_ref().and_then(|key| key.owner).map(|owner| owner.0),
             then: request.then.iter().map(|v| (v.station.0, v.pick.map(|p| p.0))).collect(),
             reference: request.reference.clone(),
             labels: request.labels.clone(),
@@ -110,7 +114,7 @@ impl From<JobLine> for JobRequest {
             priority: line.priority,
             deadline: line.deadline.map(Time),
             after: line.after.into_iter().map(JobId).collect(),
-            key: line.key,
+            key: line.key.map(|text| ClientKey { owner: line.owner.map(CustomerId), text }),
             then: line.then.into_iter().map(visiting).collect(),
             reference: line.reference,
             labels: line.labels,

@@ -45,7 +45,7 @@ pub mod walker;
 mod world;
 
 pub use consistency::{Consistency, NeesFigures};
-pub use customers::{FIRST_TOKEN, OrderFileLine};
+pub use customers::{FIRST_TOKEN, OrderFileLine, nothing_to_order};
 pub use digest::Digest;
 pub use laws::{CalmFigures, Violation};
 pub use run::{JobTally, Outcome, People, Simulation};

@@ -9,12 +9,14 @@ use super::hand_row::HandsRow;
 use super::job_line::{ChangeLine, JobLine};
 use super::said_row::Says;
 use crate::fleet::{
-    AssignmentRequest, Binds, Closure, Fault, Input, JobChange, JobRequest, Recurrence, RecurringClosure,
-    Telemetry, USUAL_KIND, Weekdays,
+    AssignmentRequest, Binds, ClientKey, Closure, Fault, Input, JobChange, JobRequest, Recurrence,
+    RecurringClosure, Telemetry, USUAL_KIND, Weekdays,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting, SourceId};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
+use crate::id::{
+    AssignmentId, ClosureId, CustomerId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
 use crate::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -136,6 +138,8 @@ enum Other {
         stay: i64,
         what: String,
         key: Option<String>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        owner: Option<u64>,
     },
     Unassign(u64, u64),
     Finish(u64, u32, u64),
@@ -294,9 +298,10 @@ fn asked(input: &Input) -> Other {
         }
         Input::SignedOff { token, worker } => Other::SignedOff(*token, worker.0),
         Input::Assign { token, worker, request: r } => {
-            let (what, key) = (r.what.clone(), r.key.clone());
+            let (what, key) = (r.what.clone(), r.key.as_ref().map(|key| key.text.clone()));
+            let owner = r.key.as_ref().and_then(|key| key.owner).map(|owner| owner.0);
             let (worker, place, stay) = (worker.map(|w| w.0), r.place.0, r.stay.0);
-            Other::Assign { token: *token, worker, place, stay, what, key }
+            Other::Assign { token: *token, worker, place, stay, what, key, owner }
         }
         Input::Unassign { token, assignment } => Other::Unassign(*token, assignment.0),
         Input::Finish { token, worker, assignment } => Other::Finish(*token, worker.0, assignment.0),
@@ -503,7 +508,8 @@ fn other(o: Other) -> Input {
             Input::NarrowWorker { token, worker, by, at, within_mm: within }
         }
         Other::SignedOff(token, worker) => Input::SignedOff { token, worker: WorkerId(worker) },
-        Other::Assign { token, worker, place, stay, what, key } => {
+        Other::Assign { token, worker, place, stay, what, key, owner } => {
+            let key = key.map(|text| ClientKey { owner: owner.map(CustomerId), text });
             let request = AssignmentRequest { place: NodeId(place), stay: Span(stay), what, key };
             Input::Assign { token, worker: worker.map(WorkerId), request }
         }

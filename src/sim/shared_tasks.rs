@@ -49,7 +49,7 @@ impl SharedTasks {
             // A restarted world may have asked for the same before: the key says so.
             let key = Some(format!("shared/{}/{}", self.seed, self.asked));
             let stay = Span::from_secs_f64(*stay_s);
-            AssignmentRequest { place: fronts[at], stay, what: "pick".into(), key }
+            AssignmentRequest { place: fronts[at], stay, what: "pick".into(), key: key.map(Into::into) }
         });
         new.collect()
     }

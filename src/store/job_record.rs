@@ -4,8 +4,10 @@
 
 use super::line_record::{LineChangeRecord, OrderRecord};
 use crate::cell::OrderLine;
-use crate::fleet::{Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting};
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
+use crate::fleet::{
+    ClientKey, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting,
+};
+use crate::id::{CustomerId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -82,6 +84,9 @@ pub(super) struct RequestRecord {
     deadline: Option<i64>,
     after: Vec<u64>,
     key: Option<String>,
+    /// Whose key it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    owner: Option<u64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     then: Vec<StationRecord>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -174,7 +179,8 @@ impl From<&JobRequest> for RequestRecord {
             priority: r.priority,
             deadline: r.deadline.map(|t| t.0),
             after: r.after.iter().map(|j| j.0).collect(),
-            key: r.key.clone(),
+            key: r.key.as_ref().map(|key| key.text.clone()),
+            owner: r.key.as_ref().and_then(|key| key.owner).map(|owner| owner.0),
             then: r.then.iter().map(visit_record).collect(),
             reference: r.reference.clone(),
             labels: r.labels.clone(),
@@ -218,7 +224,7 @@ impl From<RequestRecord> for JobRequest {
             priority: r.priority,
             deadline: r.deadline.map(Time),
             after: r.after.into_iter().map(JobId).collect(),
-            key: r.key,
+            key: r.key.map(|text| ClientKey { owner: r.owner.map(CustomerId), text }),
             then: r.then.into_iter().map(visiting).collect(),
             reference: r.reference,
             labels: r.labels,

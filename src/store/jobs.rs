@@ -8,7 +8,9 @@ use super::line_record::LinesRecord;
 use super::people::{narrow, one_of};
 use super::{Store, StoreError, job_record};
 use crate::cell::{LineChange, LineOutcome, Lines};
-use crate::fleet::{Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, RobotChoice};
+use crate::fleet::{
+    ClientKey, Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, RobotChoice,
+};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
@@ -170,7 +172,7 @@ async fn accept(
         .bind(request.priority)
         .bind(request.deadline.map(|t| t.0))
         .bind(serde_json::to_string(&after).expect("a list of numbers is JSON"))
-        .bind(&request.key)
+        .bind(request.key.as_ref().map(|key| &key.text))
         .bind(at.0)
         .bind(&request.reference)
         .bind(stops_text(&StopsRecord { served: Vec::new(), then: then_of(request) }))
@@ -290,7 +292,7 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
         deadline: row.try_get::<Option<i64>, _>("deadline")?.map(Time),
         then: stops.then.into_iter().map(visiting).collect(),
         after: after.into_iter().map(JobId).collect(),
-        key: row.try_get("key")?,
+        key: row.try_get::<Option<String>, _>("key")?.map(ClientKey::from),
         reference: row.try_get("reference")?,
         labels: serde_json::from_str(row.try_get("labels")?).map_err(|e| broken(&e.to_string()))?,
         lines: lines.iter().map(ordered).collect(),

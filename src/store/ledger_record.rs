@@ -14,14 +14,15 @@ use super::people_record::{
 use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use crate::fleet::{
-    Assignment, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot, RobotChoice,
-    Service, Stop, Sums, Unconfirmed, Wishes,
+    Assignment, ClientKey, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot,
+    RobotChoice, Service, Stop, Sums, Unconfirmed, Wishes,
 };
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId};
+use crate::id::{AssignmentId, ClosureId, CustomerId, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::{ChainParts, Holder, Visit};
 use crate::warehouse::Warehouse;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The version that this program writes. It goes up as [`super::record::VERSION`] does, and for the same reasons.
@@ -48,6 +49,9 @@ pub enum SnapshotError {
 struct KeysRecord {
     open: Vec<(String, u64)>,
     over: Vec<(u64, i64, String)>,
+    /// Whose they are, by what they were given for; keys of which that is not known are not among them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    owners: Vec<(u64, u64)>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -254,15 +258,20 @@ impl From<LedgerRecord> for Parts {
 }
 
 fn keys_record<I: Copy + Ord>(keys: &Keys<I>, number: impl Fn(I) -> u64) -> KeysRecord {
+    let all = keys.open().chain(keys.over().map(|(id, _, key)| (key, id)));
     KeysRecord {
-        open: keys.open().map(|(key, id)| (key.to_owned(), number(id))).collect(),
-        over: keys.over().map(|(id, accepted, key)| (number(id), accepted.0, key.to_owned())).collect(),
+        open: keys.open().map(|(key, id)| (key.text.clone(), number(id))).collect(),
+        over: keys.over().map(|(id, accepted, key)| (number(id), accepted.0, key.text.clone())).collect(),
+        owners: all.filter_map(|(key, id)| Some((number(id), key.owner?.0))).collect(),
     }
 }
 
 fn keys<I: Copy + Ord>(r: KeysRecord, id: impl Fn(u64) -> I) -> Keys<I> {
-    let open = r.open.into_iter().map(|(key, n)| (key, id(n)));
-    Keys::of(open, r.over.into_iter().map(|(n, accepted, key)| (id(n), Time(accepted), key)))
+    let owners: BTreeMap<u64, u64> = r.owners.into_iter().collect();
+    let owner = |n: u64| owners.get(&n).copied().map(CustomerId);
+    let open = r.open.into_iter().map(|(text, n)| (ClientKey { owner: owner(n), text }, id(n)));
+    let over = r.over.into_iter();
+    Keys::of(open, over.map(|(n, at, text)| (id(n), Time(at), ClientKey { owner: owner(n), text })))
 }
 
 impl From<&Job> for JobRecord {

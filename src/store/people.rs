@@ -5,7 +5,7 @@
 use super::gone::Gone;
 use super::{Store, StoreError};
 use crate::fleet::{
-    Assignment, AssignmentQuery, AssignmentRequest, AssignmentRow, AssignmentState, Encounter,
+    Assignment, AssignmentQuery, AssignmentRequest, AssignmentRow, AssignmentState, ClientKey, Encounter,
     EncounterQuery, EncounterRow, Fact, GoneNames, Reaction,
 };
 use crate::geometry::Spot;
@@ -121,7 +121,7 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
             .bind(request.place.0)
             .bind(request.stay.0)
             .bind(&request.what)
-            .bind(&request.key)
+            .bind(request.key.as_ref().map(|key| &key.text))
             .bind(at.0),
         Fact::Given { assignment, worker, at } => {
             sqlx::query(GIVE).bind(assignment.0.cast_signed()).bind(worker.0).bind(at.0)
@@ -158,7 +158,7 @@ fn assignment(row: &SqliteRow, gone: &Gone) -> Result<AssignmentRow, StoreError>
         place: NodeId(row.try_get("place")?),
         stay: Span(row.try_get("stay")?),
         what: row.try_get("what")?,
-        key: row.try_get("key")?,
+        key: row.try_get::<Option<String>, _>("key")?.map(ClientKey::from),
     };
     let worker: Option<u32> = row.try_get("worker")?;
     let (worker, accepted) = (worker.map(WorkerId), Time(row.try_get("created")?));

@@ -3,11 +3,11 @@
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
 use crate::fleet::{
-    AssignmentRequest, AssignmentState, Binds, Closure, Encounter, LastPlace, Reaction, Recurrence,
-    RecurringClosure, Weekdays,
+    AssignmentRequest, AssignmentState, Binds, ClientKey, Closure, Encounter, LastPlace, Reaction,
+    Recurrence, RecurringClosure, Weekdays,
 };
 use crate::geometry::Spot;
-use crate::id::{NodeId, RobotId, SeriesId, WorkerId};
+use crate::id::{CustomerId, NodeId, RobotId, SeriesId, WorkerId};
 use crate::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +17,9 @@ pub(super) struct AssignmentRecord {
     pub stay: i64,
     pub what: String,
     pub key: Option<String>,
+    /// Whose key it is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub owner: Option<u64>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -171,14 +174,21 @@ pub(super) enum ReactionRecord {
 
 impl From<&AssignmentRequest> for AssignmentRecord {
     fn from(r: &AssignmentRequest) -> AssignmentRecord {
-        let (what, key) = (r.what.clone(), r.key.clone());
-        AssignmentRecord { place: r.place.0, stay: r.stay.0, what, key }
+        let (what, key) = (r.what.clone(), r.key.as_ref().map(|key| key.text.clone()));
+        AssignmentRecord {
+            place: r.place.0,
+            stay: r.stay.0,
+            what,
+            key,
+            owner: r.key.as_ref().and_then(|key| key.owner).map(|owner| owner.0),
+        }
     }
 }
 
 impl From<AssignmentRecord> for AssignmentRequest {
     fn from(r: AssignmentRecord) -> AssignmentRequest {
-        AssignmentRequest { place: NodeId(r.place), stay: Span(r.stay), what: r.what, key: r.key }
+        let key = r.key.map(|text| ClientKey { owner: r.owner.map(CustomerId), text });
+        AssignmentRequest { place: NodeId(r.place), stay: Span(r.stay), what: r.what, key }
     }
 }
 

@@ -1,20 +1,22 @@
 //! Sessions of browsers: digests of cookies, and the tokens or people for which they stand.
 //!
-//! Main type: [`SessionRow`]. Refuses: more than [`MOST`] sessions; the oldest end first.
+//! Main type: [`SessionRow`]. Refuses: more than [`MOST_EACH`] sessions of
+//! one token or person; that one's oldest end first, and nobody else's.
 
 use super::{Store, StoreError};
 use crate::time::Time;
 use sqlx::Row;
 
-/// How many there may be.
-const MOST: i64 = 1000;
+/// How many there may be of one token, or of one person.
+pub const MOST_EACH: i64 = 100;
 
 const ALL: &str = "SELECT hash, token, name, role, created, expires FROM sessions";
 const ADD: &str =
     "INSERT INTO sessions (hash, token, name, role, created, expires) VALUES ($1, $2, $3, $4, $5, $6)";
 const END: &str = "DELETE FROM sessions WHERE hash = $1";
 const TIDY: &str = "DELETE FROM sessions WHERE expires <= $1 \
-    OR hash IN (SELECT hash FROM sessions ORDER BY created DESC LIMIT -1 OFFSET $2)";
+    OR hash IN (SELECT hash FROM sessions WHERE token = $2 AND name IS $3 ORDER BY created DESC, rowid DESC \
+    LIMIT -1 OFFSET $4)";
 
 /// What is kept of a session.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,9 +55,12 @@ impl Store {
     /// Where the database takes nothing.
     pub async fn add_session(&self, new: &SessionRow) -> Result<(), StoreError> {
         let (name, role) = new.person.as_ref().map(|(name, role)| (name, role)).unzip();
+        let mut tx = self.writer.begin_with("BEGIN IMMEDIATE").await?;
         let query = sqlx::query(ADD).bind(&new.hash).bind(&new.token).bind(name).bind(role);
-        query.bind(new.created.0).bind(new.expires.0).execute(&self.writer).await?;
-        sqlx::query(TIDY).bind(new.created.0).bind(MOST).execute(&self.writer).await?;
+        query.bind(new.created.0).bind(new.expires.0).execute(&mut *tx).await?;
+        let tidy = sqlx::query(TIDY).bind(new.created.0).bind(&new.token).bind(name);
+        tidy.bind(MOST_EACH).execute(&mut *tx).await?;
+        tx.commit().await?;
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! Alarms over HTTP: raised, acknowledged, kept over a restart, cleared, listed; and what health says meanwhile.
 
-use crate::helper::{Folder, config, delivery, floor, get, post, send, start};
+use crate::helper::{Folder, config, delivery, floor, get, post, send, start, until_ready};
 use giveway::server::Server;
 use giveway::sim::Faults;
 use serde_json::{Value, json};
@@ -116,7 +116,7 @@ async fn a_server_that_cannot_write_is_not_ready_and_says_why() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
-    assert_eq!(get(at, "/v1/health/ready").await.json()["status"], "ready");
+    until_ready(at).await;
     let away = folder.database().with_extension("away");
     std::fs::rename(folder.database(), &away).unwrap();
     for round in 0.. {

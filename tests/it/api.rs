@@ -7,6 +7,18 @@ use serde_json::{Value, json};
 const JSON: (&str, &str) = ("content-type", "application/json");
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_body_may_begin_with_a_byte_order_mark_as_map_files_may() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let body = format!("\u{feff}{}", delivery(0));
+    assert_eq!(send(at, "POST", "/v1/jobs", &[JSON], &body).await.unwrap().status, 201);
+    let twice = format!("\u{feff}\u{feff}{}", delivery(1));
+    send(at, "POST", "/v1/jobs", &[JSON], &twice).await.unwrap().problem(400);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_job_is_accepted_listed_and_cancelled() {
     let folder = Folder::new();
     let server = start(&folder).await;

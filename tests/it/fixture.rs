@@ -68,12 +68,12 @@ async fn promised(store: &Store, fleet: &Fleet) -> Value {
     let assignments = AssignmentQuery { limit: 1000, ..AssignmentQuery::default() };
     let assignments = store.assignments(&assignments).await.unwrap();
     let place = |r: RobotId| json!([ledger.robots[r].name, ledger.warehouse().nodes[ledger.node_of(r)].name]);
-    let keys =
-        ["first", "second", "third", "fourth", "unknown"].map(|key| ledger.keys.get(key).map(|job| job.0));
+    let keys = ["first", "second", "third", "fourth", "unknown"]
+        .map(|key| ledger.keys.get(&key.into()).map(|job| job.0));
     json!({
-        "open": ledger.jobs.iter().map(|(id, j)| json!([id.0, j.state.word(), j.request.key])).collect::<Vec<_>>(),
+        "open": ledger.jobs.iter().map(|(id, j)| json!([id.0, j.state.word(), j.request.key.as_ref().map(|key| &key.text)])).collect::<Vec<_>>(),
         "keys": keys,
-        "assignment_key": ledger.assignment_keys.get("a").map(|id| id.0),
+        "assignment_key": ledger.assignment_keys.get(&"a".into()).map(|id| id.0),
         "racks": ledger.racks.iter().map(|at| text(at)).collect::<Vec<_>>(),
         "robots": ledger.robots.ids().map(place).collect::<Vec<_>>(),
         "paused": ledger.robots.iter().map(|r| r.paused.map(|t| t.0)).collect::<Vec<_>>(),

@@ -47,6 +47,8 @@ pub fn config(folder: &Folder) -> Config {
         scenario: SCENARIO.into(),
         listen: "127.0.0.1:0".into(),
         database: folder.database(),
+        // Receivers of webhooks are on this machine.
+        webhook_inside: vec!["127.0.0.0/8".into(), "::1".into()],
         ..Config::default()
     }
 }
@@ -166,6 +168,17 @@ async fn exchange(
 
 pub async fn get(at: SocketAddr, path: &str) -> Answer {
     send(at, "GET", path, &[], "").await.unwrap()
+}
+
+/// Waits until the server says that it is ready.
+pub async fn until_ready(at: SocketAddr) {
+    for _ in 0..2000 {
+        if get(at, "/v1/health/ready").await.status == 200 {
+            return;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+    }
+    panic!("never ready: {:?}", get(at, "/v1/health/ready").await);
 }
 
 /// Hands in a job.

@@ -6,6 +6,7 @@
 
 mod alarms;
 mod api;
+mod attacks;
 mod audit;
 mod authority;
 mod carry;

@@ -5,7 +5,7 @@
 #[path = "../fuzz/mutate.rs"]
 mod mutate;
 
-use crate::helper::{Folder, get, send, start};
+use crate::helper::{Folder, get, send, start, until_ready};
 use futures_util::{SinkExt, StreamExt};
 use mutate::Mutator;
 use serde_json::{Value, json};
@@ -56,6 +56,7 @@ async fn broken_requests_are_answered_in_words_and_break_nothing() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
+    until_ready(at).await;
     let (rounds, first) = (number("GIVEWAY_FUZZ_ROUNDS", 300), number("GIVEWAY_FUZZ_SEED", 1));
     let requests = requests();
     for seed in first..first + rounds {

@@ -1,6 +1,7 @@
 //! Requests with an `Idempotency-Key` that make something besides jobs and assignments.
 
-use crate::helper::{Answer, Folder, get, send, start};
+use crate::helper::{Answer, Folder, delivery, get, map, send, start};
+use crate::tokens::{ADMIN, make, start_closed, until_robots};
 use serde_json::json;
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -45,6 +46,55 @@ async fn a_repeat_with_the_same_key_closes_nothing_a_second_time_also_over_a_res
         tokio::time::sleep(Duration::from_millis(50)).await;
     }
     assert_eq!(closed, 2);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_same_key_of_two_callers_is_two_keys_on_every_route_also_over_a_restart() {
+    let folder = Folder::new();
+    let server = start_closed(&folder).await;
+    let at = server.address();
+    until_robots(at, ADMIN).await;
+    let mut tokens = Vec::new();
+    for name in ["wms", "mes"] {
+        tokens.push(make(at, name, "integrator", None).await["token"].as_str().unwrap().to_owned());
+    }
+    let ask = async |at, token: &str, path: &str, body: &serde_json::Value| {
+        let bearer = format!("Bearer {token}");
+        let headers =
+            [("content-type", "application/json"), ("idempotency-key", "4711"), ("authorization", &*bearer)];
+        send(at, "POST", path, &headers, &body.to_string()).await.unwrap()
+    };
+    let place =
+        map().nodes.iter().find(|n| n.kind == giveway::warehouse::NodeKind::Aisle).unwrap().name.clone();
+    let assignment = json!({"place": place, "stay_s": 5, "what": "count"});
+    let batch = json!({"jobs": [{"job": delivery(1)}, {"key": "mine", "job": delivery(2)}]});
+    let routes = [("/v1/jobs", delivery(0)), ("/v1/assignments", assignment), ("/v1/jobs:batch", batch)];
+    let ids = |answer: &Answer| {
+        let json = answer.json();
+        let of_batch = json["results"].as_array().into_iter().flatten().map(|r| r["id"].clone());
+        of_batch.chain(json.get("id").cloned()).map(|id| id.as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let mut made = Vec::new();
+    for (path, body) in &routes {
+        let [wms, mes] = [ask(at, &tokens[0], path, body).await, ask(at, &tokens[1], path, body).await];
+        assert_eq!(wms.status, mes.status, "both are new: {wms:?} {mes:?}");
+        assert!(ids(&wms).iter().all(|id| !ids(&mes).contains(id)), "{path}: {wms:?} {mes:?}");
+        // What another caller has used says nothing of what this one may.
+        let other = if *path == "/v1/jobs" { delivery(3) } else { body.clone() };
+        let status = ask(at, ADMIN, path, &other).await.status;
+        assert_eq!(status, wms.status, "{path}");
+        made.push((ids(&wms), ids(&mes)));
+    }
+    server.stop().await.unwrap();
+    let server = start_closed(&folder).await;
+    let at = server.address();
+    for ((path, body), (wms, mes)) in routes.iter().zip(&made) {
+        for (token, known) in tokens.iter().zip([wms, mes]) {
+            let again = ask(at, token, path, body).await;
+            assert_eq!((again.status, &ids(&again)), (200, known), "{path}: a retry makes nothing");
+        }
+    }
     server.stop().await.unwrap();
 }
 

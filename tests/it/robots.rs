@@ -1,6 +1,6 @@
 //! Robots over HTTP: what each is at, one with what lists leave out, and what happened to it.
 
-use crate::helper::{Folder, delivery, get, map, post, send, start};
+use crate::helper::{Folder, delivery, get, map, post, send, start, until_ready};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::time::Duration;
@@ -35,6 +35,21 @@ fn entries(page: &Value) -> Vec<Value> {
 
 fn words(page: &Value) -> Vec<String> {
     entries(page).iter().map(|e| e["what"].as_str().unwrap().to_owned()).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_server_that_says_that_it_is_ready_knows_each_robot_and_its_charge() {
+    for _ in 0..5 {
+        let folder = Folder::new();
+        let server = start(&folder).await;
+        let at = server.address();
+        until_ready(at).await;
+        let robots = get(at, "/v1/robots").await.json();
+        let charged = |r: &Value| r["battery"].as_f64() > Some(0.0);
+        let items = robots["items"].as_array().unwrap();
+        assert!(items.len() == 2 && items.iter().all(charged), "{robots}");
+        server.stop().await.unwrap();
+    }
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -24,7 +24,7 @@ pub fn nothing(map: &Arc<Warehouse>, scenario: &Scenario) -> Ledger {
 /// A delivery with a key, or without.
 pub fn deliver(rack: u32, key: Option<&str>) -> JobRequest {
     let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick: None };
-    JobRequest { priority: 5, key: key.map(str::to_owned), ..JobRequest::new(kind) }
+    JobRequest { priority: 5, key: key.map(Into::into), ..JobRequest::new(kind) }
 }
 
 impl Run {

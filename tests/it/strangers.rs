@@ -81,3 +81,22 @@ async fn a_body_that_does_not_come_in_time_is_refused_with_408() {
     assert_eq!(&head, b"HTTP/1.1 408");
     server.stop().await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_answer_says_for_how_long_its_connection_is_kept() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    for (path, told) in [("/v1/robots", "timeout=60"), ("/openapi.json", "timeout=10")] {
+        let mut stream = connect(at, &format!("GET {path} HTTP/1.1\r\nhost: localhost\r\n\r\n")).await;
+        let mut said = String::new();
+        while !said.contains("\r\n\r\n") {
+            let mut some = [0; 512];
+            let n = stream.read(&mut some).await.unwrap();
+            said += &String::from_utf8_lossy(&some[..n]);
+        }
+        assert!(said.to_lowercase().contains(&format!("keep-alive: {told}\r\n")), "{path}: {said}");
+    }
+    assert_eq!(get(at, "/v1/robots").await.header("keep-alive"), None, "it was asked to close");
+    server.stop().await.unwrap();
+}

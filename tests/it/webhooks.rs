@@ -15,6 +15,14 @@ use tokio::net::TcpListener;
 
 /// Takes messages, or refuses them for so many times first.
 async fn receiver(refuse: usize) -> (String, Arc<Mutex<Vec<(String, String)>>>) {
+    receiver_that_says(refuse, "500 No").await
+}
+
+/// Takes messages, or answers so for so many times first.
+async fn receiver_that_says(
+    refuse: usize,
+    refusal: &'static str,
+) -> (String, Arc<Mutex<Vec<(String, String)>>>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let url = format!("http://{}/hook", listener.local_addr().unwrap());
     let taken = Arc::new(Mutex::new(Vec::new()));
@@ -34,7 +42,7 @@ async fn receiver(refuse: usize) -> (String, Arc<Mutex<Vec<(String, String)>>>) 
                     break (head.to_owned(), body.to_owned());
                 }
             };
-            let status = if refuse > 0 { "500 No" } else { "204 Taken" };
+            let status = if refuse > 0 { refusal } else { "204 Taken" };
             if refuse == 0 {
                 messages.lock().unwrap().push((head, body));
             }
@@ -61,7 +69,8 @@ async fn a_webhook_is_told_in_order_signed_and_again_until_it_takes_it() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
-    let (url, taken) = receiver(2).await;
+    // A redirect is followed nowhere: what it answers is told again, as after any other failure.
+    let (url, taken) = receiver_that_says(2, "302 Found\r\nlocation: /elsewhere").await;
     let made = add(at, &json!({"url": url, "kinds": ["job"]})).await;
     assert_eq!(made.status, 201, "{made:?}");
     let secret = read_secret(made.json()["secret"].as_str().unwrap()).unwrap();
@@ -190,6 +199,70 @@ async fn a_webhook_that_takes_nothing_for_a_while_is_an_alarm_until_it_takes_som
     assert!(text.contains("h2 (") && !text.contains("h1 ("), "{text}");
     assert_eq!(send(at, "DELETE", "/v1/webhooks/h2", &[], "").await.unwrap().status, 204);
     alarms(at, 0).await;
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_address_inside_is_refused_by_every_name_of_it_and_for_each_message_unless_a_setting_names_its_network()
+ {
+    let folder = Folder::new();
+    let (url, taken) = receiver(0).await;
+    let none = Config { webhook_inside: Vec::new(), ..config(&folder) };
+    let server = start(&folder).await;
+    assert_eq!(add(server.address(), &json!({"url": url, "kinds": ["job"]})).await.status, 201);
+    server.stop().await.unwrap();
+    // The setting is taken back: what was added before is told nothing, and says why.
+    let server = Server::start(&none, floor()).await.unwrap();
+    let at = server.address();
+    let hosts = [
+        "127.0.0.1:9",
+        "localhost",
+        "[::1]:80",
+        "169.254.169.254",
+        "10.1.2.3",
+        "192.168.0.9",
+        "[fd00::1]",
+        "0",
+    ];
+    for host in hosts {
+        let refused = add(at, &json!({"url": format!("http://{host}/hook")})).await.problem(422);
+        assert!(refused["detail"].as_str().unwrap().contains("webhook_inside"), "{host}: {refused}");
+    }
+    post(at, None, &delivery(0)).await.unwrap();
+    let mut listed = Value::Null;
+    for _ in 0..200 {
+        listed = get(at, "/v1/webhooks").await.json();
+        if listed[0]["failing"].is_string() {
+            break;
+        }
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+    assert!(listed[0]["failing"].as_str().is_some_and(|why| why.contains("webhook_inside")), "{listed}");
+    assert!(taken.lock().unwrap().is_empty());
+    server.stop().await.unwrap();
+    let wrong = Config { webhook_inside: vec!["10.0.0.0/99".into()], ..config(&folder) };
+    let refused = Server::start(&wrong, floor()).await.err().expect("no such network");
+    assert!(refused.to_string().contains("10.0.0.0/99"), "{refused:#}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn user_and_password_in_an_address_are_sent_to_the_receiver_and_shown_to_nobody() {
+    let folder = Folder::new();
+    let server = Server::start(&Config { webhook_alarm_s: 1, ..config(&folder) }, floor()).await.unwrap();
+    let at = server.address();
+    let (url, taken) = receiver(3).await;
+    let secret = url.replace("http://", "http://wms:pass-word@");
+    let made = add(at, &json!({"url": secret, "kinds": ["job"]})).await;
+    post(at, None, &delivery(0)).await.unwrap();
+    let alarm = alarms(at, 1).await.remove(0);
+    let listed = get(at, "/v1/webhooks").await;
+    for shown in [&made.text, &listed.text, &alarm.to_string()] {
+        assert!(!shown.contains("pass-word") && !shown.contains("wms:"), "{shown}");
+    }
+    assert_eq!(listed.json()[0]["url"], url.replace("http://", "http://***@"));
+    alarms(at, 0).await;
+    let head = taken.lock().unwrap()[0].0.clone();
+    assert_eq!(header(&head, "authorization"), "Basic d21zOnBhc3Mtd29yZA==");
     server.stop().await.unwrap();
 }
 

@@ -154,6 +154,7 @@ pub async fn assign(
     JsonBody(new): JsonBody<NewAssignment>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
     let worker = api.feeds.worker(&id)?;
+    let key = key.map(|text| api.caller.client_key(text));
     hand_in(&api, Some(worker), AssignmentRequest { key, ..new.read(&api)? }).await
 }
 
@@ -177,6 +178,7 @@ pub async fn assign_nearest(
     IdempotencyKey(key): IdempotencyKey,
     JsonBody(new): JsonBody<NewAssignment>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
+    let key = key.map(|text| api.caller.client_key(text));
     hand_in(&api, None, AssignmentRequest { key, ..new.read(&api)? }).await
 }
 
@@ -191,9 +193,11 @@ async fn hand_in(
         _ => return Err(Problem::internal()),
     };
     let record = read(api, id).await?;
+    // The list does not say whose key it is.
+    let known = AssignmentRequest { key: request.key.clone(), ..record.assignment.request.clone() };
     // One that waited for a worker may have found one since.
     let other = worker.is_some() && record.assignment.worker != worker;
-    if record.assignment.request != request || other {
+    if known != request || other {
         let detail = format!(
             "the Idempotency-Key was used for {}, which is another assignment: use a new key for a new one",
             assignment_name(id)

@@ -42,8 +42,8 @@ pub struct NewJobs {
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BatchRow {
-    /// Your own key for this job, 1 to 255 characters: the same key never makes a second one, as with the header of
-    /// single submissions. If absent, the row has the key of the request, if that has one, and its position.
+    /// Your own key for this job, 1 to 255 characters: the same key of yours never makes a second one, as with the header
+    /// of single submissions. If absent, the row has the key of the request, if that has one, and its position.
     #[schema(example = "order-4711-line-1", min_length = 1, max_length = 255)]
     key: Option<String>,
     /// The job.
@@ -134,6 +134,7 @@ fn read_row(api: &Api, row: Value, i: usize, key: &Option<String>) -> Result<Job
         return Err(Problem::invalid(vec![FieldError::new("key", detail)]));
     }
     let key = row.key.or_else(|| key.as_ref().map(|key| format!("{key}#{i}")));
+    let key = key.map(|text| api.caller.client_key(text));
     Ok(JobRequest { key, ..row.job.read(&api.map, &api.moment())? })
 }
 

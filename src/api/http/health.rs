@@ -89,8 +89,9 @@ pub struct Ready {
     status: &'static str,
 }
 
-/// Whether the server can promise anything: 200, or 503 while it starts, while the journal takes no facts, while the
-/// database is not in its place, and while the control loop is stuck or the fleet cannot be trusted. What an operator
+/// Whether the server can promise anything: 200, or 503 while it starts and until each robot has reported or is known
+/// to be silent (after three seconds), while the journal takes no facts, while the database is not in its place, and
+/// while the control loop is stuck or the fleet cannot be trusted. What an operator
 /// wanted (a stop, a pause, an evacuation) and what is wrong with robots or people never makes it fail. What a load
 /// balancer should ask. Needs no token.
 #[utoipa::path(get, path = "/v1/health/ready", tag = "server", operation_id = "getReadiness", responses(
@@ -99,6 +100,15 @@ pub struct Ready {
      content_type = "application/problem+json")))]
 pub async fn ready(Called(api): Called) -> Result<Json<Ready>, Problem> {
     fails_for(&api, |a| a.kind.ends_readiness())?;
+    match api.moment().unheard {
+        Some(0) => {}
+        Some(n) => {
+            let detail =
+                format!("{n} robots have not reported yet; they are known to be silent in three seconds");
+            return Err(Problem::unavailable(detail, 1));
+        }
+        None => return Err(Problem::unavailable("the fleet has not made its first step yet", 1)),
+    }
     Ok(Json(Ready { status: "ready" }))
 }
 

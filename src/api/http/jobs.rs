@@ -137,6 +137,7 @@ pub async fn submit(
     IdempotencyKey(key): IdempotencyKey,
     JsonBody(new): JsonBody<NewJob>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JobDto>), Problem> {
+    let key = key.map(|text| api.caller.client_key(text));
     let request = JobRequest { key, ..new.read(&api.map, &api.moment())? };
     let reply = api.ask(What::Submit(request.clone())).await?;
     let (job, new) = match reply {
@@ -152,7 +153,8 @@ pub async fn submit(
 
 /// Refuses a key that was used for another job. One that was changed since may differ from what was submitted.
 pub(super) fn check_same(row: &JobRow, asked: JobRequest) -> Result<(), Problem> {
-    let mut known = JobRequest { priority: asked.priority, ..row.job.submitted() };
+    // The list does not say whose key it is.
+    let mut known = JobRequest { priority: asked.priority, key: asked.key.clone(), ..row.job.submitted() };
     if row.changed {
         let same_kind = std::mem::discriminant(&known.kind) == std::mem::discriminant(&asked.kind);
         if same_kind && known.kind.rack() == asked.kind.rack() {

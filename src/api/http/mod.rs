@@ -36,6 +36,7 @@ mod reports;
 mod robot_life;
 mod robots;
 mod session;
+mod shared_text;
 mod shift;
 pub(in crate::api) mod stations;
 mod timelines;
@@ -52,17 +53,21 @@ use super::cell::socket;
 use super::error::Problem;
 use super::feed::session as feed_session;
 use super::metrics::HttpLabels;
+use super::peer::{Peer, Recognised, SharedBody};
 use super::roles::{Access, OIDC_CALLBACK, access_of, check_role, is_audited, subject_of};
+use super::secrets::SecretDoor;
 use super::{Api, once, ws};
 use axum::extract::{MatchedPath, Request, State};
-use axum::http::{HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::http::{Extensions, HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Version, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::{Extension, Router};
 use serde_json::Value;
+use shared_text::SharedText;
+use std::net::IpAddr;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::compression::predicate::{NotForContentType, Predicate, SizeAbove};
@@ -76,8 +81,8 @@ use utoipa_axum::routes;
 pub fn router(api: Api) -> (Router, Document) {
     let (v1, document) = routes().split_for_parts();
     let served = |document: Value| {
-        let text = document.to_string();
-        get(move || async move { ([(header::CONTENT_TYPE, "application/json")], text) })
+        let text = SharedText::of(document.to_string());
+        get(async move |headers: HeaderMap| text.answer(&headers))
     };
     let origins = api.gate.origins().to_vec();
     let router = v1
@@ -130,6 +135,12 @@ fn worth_compressing() -> impl Predicate {
         .and(NotForContentType::SSE)
         .and(NotForContentType::const_new("application/gzip"))
         .and(NotForContentType::IMAGES)
+        .and(is_not_shared)
+}
+
+/// What is in memory once is compressed once, and sent as it is until that is done.
+fn is_not_shared(_: StatusCode, _: Version, _: &HeaderMap, extensions: &Extensions) -> bool {
+    extensions.get::<SharedBody>().is_none()
 }
 
 /// What is said of and at stations.
@@ -244,7 +255,7 @@ async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> 
         let subject = subject_of(route, path).map(str::to_owned);
         Arc::new(api.audit.begin(&caller, format!("{method} {route}"), subject, (api.now)()))
     });
-    let response = match check_role(&caller, method, route, path) {
+    let mut response = match check_role(&caller, method, route, path) {
         Err(problem) => problem.into_response(),
         Ok(()) => {
             let (who, route) = (caller.clone(), route.to_owned());
@@ -255,6 +266,10 @@ async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> 
             once::answer(&api, &who, &route, request, next).await
         }
     };
+    // What is open to everybody shows of nobody who it is.
+    if !open {
+        response.extensions_mut().insert(Recognised);
+    }
     if let Some(entry) = entry {
         let status = Some(response.status().as_u16());
         let subject = entry.subject.clone().or_else(|| made(&response));
@@ -274,17 +289,38 @@ async fn account(State(api): State<Api>, request: Request, next: Next) -> Respon
     let method = method_word(request.method());
     let path = request.uri().path().to_owned();
     let route = request.extensions().get::<MatchedPath>().map_or("other", MatchedPath::as_str).to_owned();
+    let peer = request.extensions().get::<Peer>().copied();
     let mut response = next.run(request).await;
     let status = response.status().as_u16();
+    let recognised = response.extensions_mut().remove::<Recognised>();
     api.metrics.http.get_or_create(&HttpLabels { method: method.into(), route, status }).inc();
     if let Some(problem) = response.extensions_mut().remove::<Problem>() {
+        if let Some(door) = problem.wrong_secret {
+            slow_down(&api, door, peer).await;
+        }
         response = problem.at(&path).into_response();
+    }
+    if let Some(recognised) = recognised {
+        response.extensions_mut().insert(recognised);
     }
     response
         .headers_mut()
         .entry(HeaderName::from_static("x-content-type-options"))
         .or_insert(HeaderValue::from_static("nosniff"));
     response
+}
+
+/// Lets the answer to a wrong secret wait, and writes down that there was one.
+async fn slow_down(api: &Api, door: SecretDoor, peer: Option<Peer>) {
+    let from = peer.map_or(IpAddr::from([127, 0, 0, 1]), |Peer(from)| from);
+    let judged = api.gate.wrong_secrets().note(from, Instant::now());
+    if let Some(times) = judged.note {
+        let times = if times > 1 { format!(", {times} times") } else { String::new() };
+        let what = format!("{}{times}", door.words());
+        let entry = api.audit.begin(&Caller::anonymous(), what, Some(from.to_string()), (api.now)());
+        api.audit.end(AuditEntry { status: Some(StatusCode::UNAUTHORIZED.as_u16()), ..entry });
+    }
+    tokio::time::sleep(judged.pause).await;
 }
 
 fn method_word(method: &Method) -> &'static str {

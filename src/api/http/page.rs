@@ -5,9 +5,12 @@
 
 use crate::api::assets::{encoded, file};
 use crate::api::error::Problem;
+use crate::api::peer::SharedBody;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
+use bytes::Bytes;
 use rust_embed::EmbeddedFile;
+use std::borrow::Cow;
 
 /// What the page may load: itself. Pixels may come from data and blob addresses, workers from blobs.
 const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
@@ -47,7 +50,7 @@ fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
     let mut response = if known.is_some_and(|known| known.contains(&etag)) {
         StatusCode::NOT_MODIFIED.into_response()
     } else {
-        smaller.as_ref().map_or(file, |(_, smaller)| smaller).data.to_vec().into_response()
+        in_place(smaller.as_ref().map_or(file, |(_, smaller)| smaller))
     };
     let hashed = name.starts_with("assets/");
     let caching = if hashed { "public, max-age=31536000, immutable" } else { "no-cache" };
@@ -64,6 +67,19 @@ fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
         out.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
     }
     out.insert(header::ETAG, HeaderValue::from_str(&etag).expect("hexadecimal digits in quotes"));
+    response
+}
+
+/// A file as the program has it in memory anyway.
+fn in_place(file: &EmbeddedFile) -> Response {
+    let bytes = match &file.data {
+        Cow::Borrowed(bytes) => Bytes::from_static(bytes),
+        Cow::Owned(bytes) => Bytes::copy_from_slice(bytes),
+    };
+    let mut response = bytes.into_response();
+    if matches!(file.data, Cow::Borrowed(_)) {
+        response.extensions_mut().insert(SharedBody);
+    }
     response
 }
 

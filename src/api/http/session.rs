@@ -11,6 +11,7 @@ use crate::api::cookie::{is_plain, no_session_cookie, session_cookie};
 use crate::api::error::Problem;
 use crate::api::extract::JsonBody;
 use crate::api::port::TokenDesk;
+use crate::api::secrets::SecretDoor;
 use crate::api::text::time_text;
 use axum::Json;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
@@ -78,12 +79,7 @@ pub async fn sign_in(
     let (now, token) = ((api.now)(), hash_of(given.token.trim()));
     let Some(caller) = api.gate.holder(&token, now) else {
         let detail = "the token is wrong, has expired or was revoked";
-        return Err(Problem::new(
-            StatusCode::UNAUTHORIZED,
-            "unauthorized",
-            "The token does not hold",
-            detail,
-        ));
+        return Err(Problem::wrong_secret(SecretDoor::SignIn, "The token does not hold", detail));
     };
     let secret = fresh_token();
     let holder = SessionHolder::Token(token);

@@ -1,6 +1,7 @@
 //! `/v1/webhooks`: other systems that are told of events, instead of following them.
 //!
-//! Main types: [`WebhookDto`], [`NewWebhook`]. Refuses: addresses that are not HTTP, and to tell secrets again.
+//! Main types: [`WebhookDto`], [`NewWebhook`]. Refuses: addresses that are not HTTP, or inside where no setting allows
+//! that, and to tell secrets again.
 
 use super::lists::checked_limit;
 use crate::api::Api;
@@ -8,11 +9,13 @@ use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart};
 use crate::api::text::time_text;
-use crate::api::webhooks::{FailedMessage, HookReply, HookRequest, Webhook, new_secret, read_secret};
+use crate::api::webhooks::{
+    FailedMessage, HookDesk, HookReply, HookRequest, Webhook, new_secret, read_secret,
+};
 use crate::fleet::EventKind;
 use axum::Json;
 use axum::extract::State;
-use axum::http::StatusCode;
+use axum::http::{StatusCode, Uri};
 use serde::{Deserialize, Serialize};
 use tokio::sync::oneshot;
 use utoipa::{IntoParams, ToSchema};
@@ -29,7 +32,7 @@ pub struct WebhookDto {
     /// Its number.
     #[schema(example = "h1")]
     pub id: String,
-    /// Where messages are sent.
+    /// Where messages are sent; a user and a password in the address are shown as `***`.
     #[schema(example = "https://wms.example/giveway")]
     pub url: String,
     /// The kinds of events; all of them if there are none.
@@ -50,7 +53,8 @@ pub struct WebhookDto {
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewWebhook {
-    /// Where to send messages: an address with http:// or https://.
+    /// Where to send messages: an address with http:// or https://. One inside (of this machine, or of a private
+    /// network) is refused unless the setting `webhook_inside` names its network.
     #[schema(example = "https://wms.example/giveway", max_length = 2000)]
     url: String,
     /// Only events of these kinds; all if absent.
@@ -100,7 +104,8 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
 /// Tell a system what happens from now on. Each message is a POST of `{"type": "giveway.events", "timestamp",
 /// "data": {"events": [...]}}` with up to a hundred events as `GET /v1/events` has them, in order, signed as the
 /// Standard Webhooks specification says: `webhook-id`, `webhook-timestamp`, and `webhook-signature` with the
-/// HMAC-SHA256 of `ID.TIMESTAMP.BODY`. Any answer 2xx within ten seconds takes it. Otherwise it is tried again after
+/// HMAC-SHA256 of `ID.TIMESTAMP.BODY`. Any answer 2xx within ten seconds takes it. Otherwise, also after an answer
+/// 3xx, which is not followed, it is tried again after
 /// 1, 2, 4 … 300 seconds, twenty times in all; then it is given up and listed in `failures`, and the next one is sent.
 /// A message that is tried again has the same events and `webhook-id`. After a kill, events may come again, perhaps
 /// with later ones: skip numbers that you have had.
@@ -121,6 +126,7 @@ pub async fn add(
     JsonBody(new): JsonBody<NewWebhook>,
 ) -> Result<(StatusCode, Json<WebhookDto>), Problem> {
     let (kinds, secret) = check(&new)?;
+    check_target(&api, &new.url).await?;
     if ask(&api, HookRequest::List).await?.len() >= MOST_HOOKS {
         let detail = format!("there are {MOST_HOOKS} webhooks, which is the limit: remove one first");
         return Err(Problem::conflict("too-many-webhooks", "There are too many webhooks", detail));
@@ -175,17 +181,30 @@ pub async fn failures(
 }
 
 async fn ask<T>(api: &Api, request: impl FnOnce(HookReply<T>) -> HookRequest) -> Result<T, Problem> {
-    let queue = api.hooks.as_ref().ok_or_else(Problem::of_recording)?;
+    let queue = &desk(api)?.queue;
     let (reply, answer) = oneshot::channel();
     let busy = || Problem::unavailable("too much is asked about webhooks: ask again in a second", 1);
     queue.try_send(request(reply)).map_err(|_| busy())?;
     answer.await.map_err(|_| busy())?.map_err(|why| Problem::unavailable(why, 2))
 }
 
+fn desk(api: &Api) -> Result<&HookDesk, Problem> {
+    api.hooks.as_ref().ok_or_else(Problem::of_recording)
+}
+
+/// Refuses an address that webhooks may not have.
+async fn check_target(api: &Api, url: &str) -> Result<(), Problem> {
+    let Ok(uri) = url.parse::<Uri>() else { return Ok(()) };
+    let usual = if uri.scheme_str() == Some("http") { 80 } else { 443 };
+    let port = uri.port_u16().unwrap_or(usual);
+    let checked = desk(api)?.targets.check(uri.host().unwrap_or_default(), port).await;
+    checked.map_err(|why| Problem::invalid(vec![FieldError::new("url", why)]))
+}
+
 /// The kinds and the secret of a new webhook.
 fn check(new: &NewWebhook) -> Result<(Vec<EventKind>, String), Problem> {
     let mut errors = Vec::new();
-    let host = new.url.parse::<axum::http::Uri>().ok().filter(|uri| {
+    let host = new.url.parse::<Uri>().ok().filter(|uri| {
         matches!(uri.scheme_str(), Some("http" | "https")) && uri.host().is_some_and(|host| !host.is_empty())
     });
     if host.is_none() || new.url.len() > LONGEST_URL {

@@ -152,7 +152,7 @@ impl Oidc {
         let settings = settings.complete()?;
         let issuer = IssuerUrl::new(settings.issuer.clone()).map_err(|e| format!("oidc.issuer: {e}"))?;
         let (pending, provider) = (Mutex::default(), tokio::sync::Mutex::default());
-        Ok(Oidc { settings, issuer, agent: outgoing.agent(PATIENCE, false), pending, provider })
+        Ok(Oidc { settings, issuer, agent: outgoing.agent(PATIENCE), pending, provider })
     }
 
     /// What the provider is called.

@@ -3,6 +3,7 @@
 //! Main types: [`JobKind`], [`JobRequest`], [`JobChange`], [`Job`], [`JobState`]. Refuses: to know how a job is carried
 //! out.
 
+use super::keys::ClientKey;
 use crate::cell::{Lines, OrderLine};
 use crate::id::{BodyId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -129,7 +130,7 @@ pub struct JobRequest {
     /// Jobs that must be over first.
     pub after: Vec<JobId>,
     /// The customer's own key: the same key never makes a second job.
-    pub key: Option<String>,
+    pub key: Option<ClientKey>,
     /// The customer's own text, for people and for finding the job again. Nothing is decided by it.
     pub reference: Option<String>,
     /// The customer's own labels by key. Nothing is decided by them.

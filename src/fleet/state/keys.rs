@@ -1,10 +1,13 @@
 //! Customers' keys: the same key never makes a second job or assignment, for as long as the key is known.
 //!
-//! Main type: [`Keys`]. A key lives as long as its job is open, and at least [`KEY_LIFE`] after the job was accepted.
+//! Main types: [`Keys`], [`ClientKey`]. A key belongs to the customer who gave it: two customers who choose the same
+//! text have two keys. A key lives as long as its job is open, and at least [`KEY_LIFE`] after the job was accepted.
 //! Refuses: to forget anything by itself; a step records which keys are forgotten ([`super::fact::Fact::KeysExpired`]).
 
+use crate::id::CustomerId;
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
+use std::hash::{Hash, Hasher};
 
 /// A key is known for at least so long after its job or assignment was accepted: 7 days.
 pub const KEY_LIFE: Span = Span::from_secs(7 * 24 * 3600);
@@ -12,13 +15,39 @@ pub const KEY_LIFE: Span = Span::from_secs(7 * 24 * 3600);
 /// So many keys of each kind are forgotten in one step at most, so that no step is long because of them.
 const AT_ONCE: usize = 64;
 
+/// A customer's own key for a job or an assignment.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ClientKey {
+    /// Whose it is; nothing if that is not known.
+    pub owner: Option<CustomerId>,
+    /// What the customer calls it.
+    pub text: String,
+}
+
+impl<T: Into<String>> From<T> for ClientKey {
+    /// A key of which nobody knows whose it is.
+    fn from(text: T) -> ClientKey {
+        ClientKey { owner: None, text: text.into() }
+    }
+}
+
+impl Hash for ClientKey {
+    fn hash<H: Hasher>(&self, to: &mut H) {
+        self.text.hash(to);
+        // Digests of recordings in which no customer is known stay what they were.
+        if let Some(owner) = self.owner {
+            owner.hash(to);
+        }
+    }
+}
+
 /// The keys of jobs, or of assignments.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Keys<I> {
-    known: BTreeMap<String, I>,
+    known: BTreeMap<ClientKey, I>,
     /// Those of what is over, with the time of acceptance. Ids are given in the order of acceptance, so the first one
     /// is the oldest.
-    over: BTreeMap<I, (Time, String)>,
+    over: BTreeMap<I, (Time, ClientKey)>,
 }
 
 impl<I> Default for Keys<I> {
@@ -30,8 +59,8 @@ impl<I> Default for Keys<I> {
 impl<I: Copy + Ord> Keys<I> {
     /// These keys: of what is open, and of what is over with the time of acceptance.
     pub fn of(
-        open: impl IntoIterator<Item = (String, I)>,
-        over: impl IntoIterator<Item = (I, Time, String)>,
+        open: impl IntoIterator<Item = (ClientKey, I)>,
+        over: impl IntoIterator<Item = (I, Time, ClientKey)>,
     ) -> Keys<I> {
         let mut keys = Keys { known: open.into_iter().collect(), over: BTreeMap::new() };
         for (id, accepted, key) in over {
@@ -42,14 +71,15 @@ impl<I: Copy + Ord> Keys<I> {
     }
 
     /// Keys of what is open.
-    pub fn open(&self) -> impl Iterator<Item = (&str, I)> {
+    pub fn open(&self) -> impl Iterator<Item = (&ClientKey, I)> {
         let open = self.known.iter().filter(|(_, id)| !self.over.contains_key(id));
-        open.map(|(key, id)| (key.as_str(), *id))
+        open.map(|(key, id)| (key, *id))
     }
 
-    /// What this key was given for.
-    pub fn get(&self, key: &str) -> Option<&I> {
-        self.known.get(key)
+    /// What this key was given for. A key of an earlier build, which did not note whose it was, is found under its text
+    /// by every customer, so that no retry over an update makes a second job.
+    pub fn get(&self, key: &ClientKey) -> Option<&I> {
+        self.known.get(key).or_else(|| self.known.get(&ClientKey::from(key.text.as_str())))
     }
 
     /// How many keys are known.
@@ -63,17 +93,17 @@ impl<I: Copy + Ord> Keys<I> {
     }
 
     /// Keys of what is over, oldest first, with the time of acceptance.
-    pub fn over(&self) -> impl Iterator<Item = (I, Time, &str)> {
-        self.over.iter().map(|(id, (accepted, key))| (*id, *accepted, key.as_str()))
+    pub fn over(&self) -> impl Iterator<Item = (I, Time, &ClientKey)> {
+        self.over.iter().map(|(id, (accepted, key))| (*id, *accepted, key))
     }
 
     /// A key is known from now on.
-    pub fn insert(&mut self, key: String, id: I) {
+    pub fn insert(&mut self, key: ClientKey, id: I) {
         self.known.insert(key, id);
     }
 
     /// What had this key is over; it was accepted then.
-    pub fn end(&mut self, id: I, key: String, accepted: Time) {
+    pub fn end(&mut self, id: I, key: ClientKey, accepted: Time) {
         self.over.insert(id, (accepted, key));
     }
 

@@ -5,6 +5,7 @@
 
 pub use crate::human::{FeedCounts, Presence};
 
+use super::keys::ClientKey;
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::IntentState;
 use crate::id::{AssignmentId, ClosureId, NodeId, RobotId, SeriesId, WorkerId};
@@ -20,7 +21,7 @@ pub struct AssignmentRequest {
     /// What, in the customer's words.
     pub what: String,
     /// The customer's own key: the same key never makes a second assignment.
-    pub key: Option<String>,
+    pub key: Option<ClientKey>,
 }
 
 /// How far an assignment has come. `Waiting → Walking → Working → Done`; `Cancelled` ends any.

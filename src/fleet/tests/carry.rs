@@ -273,7 +273,11 @@ fn a_rack_that_is_gone_is_a_loss_and_on_a_robot_it_is_in_the_way() {
     assert!(said.contains(&format!("rack {name}, which stands on")), "{said}");
     assert_eq!(carried.failed, [job]);
     let mut on = floor.under(without.clone(), &scenario(1));
-    assert_eq!(on.fleet.ledger().keys.get("order 1"), Some(&job), "the key still answers with the same job");
+    assert_eq!(
+        on.fleet.ledger().keys.get(&"order 1".into()),
+        Some(&job),
+        "the key still answers with the same job"
+    );
     assert_eq!(on.fleet.ledger().counts.failed, 1);
     on.until_over(600);
     assert_eq!(on.story(next), ["failed"], "it was to come after the one that failed");
@@ -364,7 +368,7 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
     let parts = carried.parts.expect("nothing is in the way");
     let closed: Vec<Vec<NodeId>> = parts.closures.values().map(|c| c.nodes.clone()).collect();
     assert_eq!(closed, [vec![], vec![map.node_named("R16").unwrap()]]);
-    assert_eq!(parts.assignment_keys.get("a"), Some(&AssignmentId(1)));
+    assert_eq!(parts.assignment_keys.get(&"a".into()), Some(&AssignmentId(1)));
     assert_eq!(parts.assignment_keys.over().count(), 1, "and it is forgotten when it is old");
     assert_eq!(parts.assignments.keys().collect::<Vec<_>>(), [&AssignmentId(2)]);
 }

@@ -1,8 +1,9 @@
 //! Customers' keys: known for a week at least, and for as long as what they were given for is open; then forgotten.
 
 use super::*;
+use crate::fleet::state::keys::ClientKey;
 use crate::fleet::state::worker::AssignmentRequest;
-use crate::id::{AssignmentId, WorkerId};
+use crate::id::{AssignmentId, CustomerId, WorkerId};
 
 const DAY: Span = Span::from_secs(24 * 3600);
 
@@ -33,6 +34,35 @@ fn a_key_makes_no_second_job_for_a_week_and_a_new_one_after_eight_days() {
     assert!(again > job, "a new job");
     assert_eq!(facts_of_expiry(&floor.facts), [(1, 0)]);
     floor.assert_fold();
+}
+
+#[test]
+fn the_same_key_of_two_customers_makes_two_jobs_and_two_assignments() {
+    let mut floor = TestFloor::lab(1);
+    let of = |owner| Some(ClientKey { owner: Some(CustomerId(owner)), text: "4711".into() });
+    let keyed = |owner| JobRequest { key: of(owner), ..request(deliver(3)) };
+    let place = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle)[0];
+    let assign = |owner| {
+        let request = AssignmentRequest { place, stay: Span::ZERO, what: "count".into(), key: of(owner) };
+        Input::Assign { token: 2, worker: None, request }
+    };
+    let (wms, mes) = (floor.submit(keyed(1)), floor.submit(keyed(2)));
+    assert_ne!(wms, mes, "a key of one customer never gives another customer's job");
+    let [first, second] = [1, 2].map(|owner| floor.step(vec![assign(owner)]).replies.remove(0));
+    let made = |assignment| Reply::Assigned { token: 2, assignment: AssignmentId(assignment), new: true };
+    assert_eq!((first, second), (made(1), made(2)));
+    assert_eq!(floor.ask(keyed(1)), Reply::Accepted { token: 7, job: wms, new: false });
+    assert_eq!(floor.ask(keyed(2)), Reply::Accepted { token: 7, job: mes, new: false });
+    floor.assert_fold();
+}
+
+#[test]
+fn a_key_of_which_nobody_knows_whose_it_is_makes_no_second_job_for_any_customer() {
+    let mut floor = TestFloor::lab(1);
+    let job = floor.submit(keyed("order"));
+    let of_one = ClientKey { owner: Some(CustomerId(1)), text: "order".into() };
+    let again = JobRequest { key: Some(of_one), ..request(deliver(3)) };
+    assert_eq!(floor.ask(again), Reply::Accepted { token: 7, job, new: false });
 }
 
 #[test]

@@ -15,7 +15,7 @@ impl TestFloor {
     fn offer(&mut self, place: &str, key: Option<&str>) -> AssignmentId {
         let place = self.node(place);
         let (stay, what) = (Span::from_secs(5), "pick".to_owned());
-        let request = AssignmentRequest { place, stay, what, key: key.map(str::to_owned) };
+        let request = AssignmentRequest { place, stay, what, key: key.map(Into::into) };
         match self.answer_to(2, vec![Input::Assign { token: 2, worker: None, request }]) {
             Reply::Assigned { assignment, .. } => assignment,
             other => panic!("not taken: {other:?}"),

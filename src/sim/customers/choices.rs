@@ -99,7 +99,7 @@ impl Choices {
         self.want_more(&mut request, token, fleet);
         if self.random.happens(h.twice) {
             self.keys += 1;
-            request.key = Some(format!("order {} of {}", self.keys, now.0));
+            request.key = Some(format!("order {} of {}", self.keys, now.0).into());
             self.again.push(request.clone());
         }
         request

@@ -73,6 +73,20 @@ fn split(line: &str) -> Vec<&str> {
     cells
 }
 
+/// Why customers order nothing on a map, though the scenario has some; for people.
+pub fn nothing_to_order(scenario: &Scenario, warehouse: &Warehouse) -> Option<&'static str> {
+    match (&scenario.demand, warehouse.racks.len(), warehouse.stations.len()) {
+        (Demand::None, ..) => None,
+        (_, 0, _) => Some(
+            "simulated customers hand in no jobs: they have racks brought to stations, and the map has no racks",
+        ),
+        (_, _, 0) => Some(
+            "simulated customers hand in no jobs: they have racks brought to stations, and the map has no stations",
+        ),
+        _ => None,
+    }
+}
+
 /// All customers of a run.
 #[derive(Debug)]
 pub(super) struct Customers {
