@@ -48,6 +48,7 @@ impl Store {
             run,
             keep,
             keep_people: keep,
+            is_orderly: false,
             lock,
             gone,
             carried: None,

@@ -28,6 +28,7 @@ mod jobs;
 mod kinds;
 pub mod ledger_record;
 mod line_record;
+mod listing;
 mod lock;
 mod names;
 mod opening;
@@ -46,6 +47,9 @@ mod snapshot;
 mod steps;
 mod tokens;
 mod webhooks;
+
+#[cfg(test)]
+mod tests;
 
 pub use alarms::MOST_PAST;
 pub use answers::{AnswerKey, AnswerRow};
@@ -87,6 +91,8 @@ const BUSY: Duration = Duration::from_secs(5);
 const READERS: u32 = 4;
 
 const ABOUT: &str = "SELECT value FROM about WHERE key = $1";
+/// Under this key it says that the clock was set back once.
+const SET_BACK: &str = "set_back";
 const TAKE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ('run', $1)";
 const EARLIER: &str = "SELECT count(*) FROM sqlite_schema WHERE name = 'journal'";
 const EARLIER_ROWS: &str = "SELECT count(*) FROM (SELECT 1 FROM journal LIMIT 1)";
@@ -117,6 +123,8 @@ pub struct Store {
     keep: Span,
     /// For how long lists say who it was.
     keep_people: Span,
+    /// Whether what was accepted later always has a higher number: the clock was never set back.
+    is_orderly: bool,
     lock: Arc<Lock>,
     /// Names of what the lists speak of and the map no longer has.
     gone: Gone,
@@ -185,10 +193,12 @@ impl Store {
             .map_err(open)?;
         let place = OpenFiles::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
         let gone = Gone::read(&readers).await?;
+        let set_back: Option<String> = sqlx::query_scalar(ABOUT).bind(SET_BACK).fetch_optional(&readers).await?;
+        let is_orderly = set_back.is_none();
         lock.note(last);
         let (keep, keep_people, lock) = (days(KEEP_DAYS), days(PEOPLE_KEEP_DAYS), lock.clone());
         let news = watch::Sender::new(());
-        Ok(Store { writer, readers, place, last, run, keep, keep_people, lock, gone, carried, news })
+        Ok(Store { writer, readers, place, last, run, keep, keep_people, is_orderly, lock, gone, carried, news })
     }
 
     /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
@@ -290,6 +300,7 @@ fn migrator() -> Migrator {
     let nineteenth = include_str!("../../migrations/sqlite/0019_sign_on.sql").into_sql_str();
     let twentieth = include_str!("../../migrations/sqlite/0020_lines.sql").into_sql_str();
     let twenty_first = include_str!("../../migrations/sqlite/0021_cells.sql").into_sql_str();
+    let twenty_second = include_str!("../../migrations/sqlite/0022_pages.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -310,6 +321,7 @@ fn migrator() -> Migrator {
         Migration::new(19, "sign_on".into(), MigrationType::Simple, nineteenth, false),
         Migration::new(20, "lines".into(), MigrationType::Simple, twentieth, false),
         Migration::new(21, "cells".into(), MigrationType::Simple, twenty_first, false),
+        Migration::new(22, "pages".into(), MigrationType::Simple, twenty_second, false),
     ])
 }
 

@@ -198,8 +198,10 @@ async fn lists_forget_after_some_days_who_it_was() {
     ];
     store.append(1, &[StepEntry { at, facts, causes: Vec::new() }]).await.unwrap();
     let who = async || {
-        let encounters = store.encounters(&EncounterQuery { limit: 9, ..Default::default() }).await.unwrap();
-        let tasks = store.assignments(&AssignmentQuery { limit: 9, ..Default::default() }).await.unwrap();
+        let encounters =
+            store.encounters(&EncounterQuery { limit: 9, ..Default::default() }).await.unwrap().rows;
+        let tasks =
+            store.assignments(&AssignmentQuery { limit: 9, ..Default::default() }).await.unwrap().rows;
         let events = store.events(&EventQuery { after: 0, kinds: Vec::new(), limit: 99 }).await.unwrap();
         (encounters[0].worker(), tasks[0].assignment.worker, events.iter().any(|e| e.worker.is_some()))
     };
@@ -211,7 +213,7 @@ async fn lists_forget_after_some_days_who_it_was() {
     store.append(3, &[StepEntry { at: later, facts: Vec::new(), causes: Vec::new() }]).await.unwrap();
     assert_eq!(who().await, (None, None, false));
     let of_worker = EncounterQuery { worker: Some(worker), limit: 9, ..Default::default() };
-    assert_eq!(store.encounters(&of_worker).await.unwrap(), [], "nor can it be filtered by");
+    assert_eq!(store.encounters(&of_worker).await.unwrap().rows, [], "nor can it be filtered by");
     store.close().await;
 }
 

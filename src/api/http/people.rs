@@ -67,10 +67,11 @@ pub async fn erase(Called(api): Called, PathPart(id): PathPart) -> Result<Status
         let detail = format!("{id} is on the floor: wait until the person has left, or clear a lost worker");
         return Err(Problem::conflict("on-floor", "The person is on the floor", detail));
     }
-    let query = AssignmentQuery { worker: Some(worker), limit: 500, ..AssignmentQuery::default() };
-    let all = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?;
-    let is_open = |state| !matches!(state, AssignmentState::Done | AssignmentState::Cancelled);
-    if let Some(open) = all.iter().find(|row| is_open(row.assignment.state)) {
+    let open = [AssignmentState::Waiting, AssignmentState::Walking, AssignmentState::Working];
+    let states = open.map(|state| state.word()).into();
+    let query = AssignmentQuery { worker: Some(worker), states, limit: 1, ..AssignmentQuery::default() };
+    let open = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?.rows;
+    if let Some(open) = open.first() {
         let detail = format!("{id} has the assignment {}: cancel it first", assignment_name(open.id));
         return Err(Problem::conflict("assigned", "The person has something to do", detail));
     }
