@@ -45,6 +45,7 @@ mod recovery;
 mod reports;
 mod robots;
 mod roles;
+mod room;
 mod run;
 mod schema;
 mod sessions;
