@@ -170,6 +170,8 @@ pub enum What {
     Hire(String),
     /// That nobody is where this worker was lost; who says so.
     Clear(WorkerId, String),
+    /// Free a worker's place.
+    Forget(WorkerId),
     /// About where a lost worker is, and how far from there at most on foot, millimetres; who says so.
     Narrow(WorkerId, Spot, i64, String),
     /// That a worker has taken the headset off.

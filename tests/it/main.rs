@@ -20,6 +20,7 @@ mod feed;
 mod fence;
 mod filters;
 mod fixture;
+mod growth;
 mod guard;
 mod hands;
 mod helper;

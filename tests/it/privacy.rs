@@ -147,7 +147,12 @@ async fn nothing_is_left_of_a_person_who_was_erased() {
     assert_eq!(with(at, ADMIN, erase.0, erase.1, "").await.status, 204);
     with(at, ADMIN, erase.0, erase.1, "").await.problem(404);
     assert_eq!(files_with(folder.path(), NAME), Vec::<String>::new(), "while the server runs");
-    assert_eq!(name_seen_by(at, ADMIN).await, pseudonym, "nobody knows any more");
+    with(at, ADMIN, "GET", "/v1/workers/w1", "").await.problem(404);
+    assert_eq!(
+        with(at, ADMIN, "GET", "/v1/workers", "").await.json()["items"],
+        json!([]),
+        "the place is free"
+    );
     assert_eq!(with(at, ADMIN, "GET", "/v1/people", "").await.json()["items"], json!([]));
     let events = with(at, ADMIN, "GET", "/v1/events", "").await.json();
     assert!(events["items"].as_array().unwrap().iter().all(|e| e["worker"] != "w1"), "{events}");
