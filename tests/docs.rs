@@ -7,6 +7,9 @@ use giveway::warehouse::{formats, room_for, to_svg};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+#[path = "docs/growth.rs"]
+mod growth;
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }

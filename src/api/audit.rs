@@ -5,8 +5,13 @@
 
 use super::caller::{Caller, Role};
 use crate::time::Time;
-use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use tokio::sync::mpsc;
+use tokio::sync::mpsc::error::TrySendError;
+
+/// So many entries wait for the database. Requests that caused facts are in the journal, and wait there; what is beyond
+/// this are refusals while the database takes nothing.
+pub const MOST_WAITING: usize = 10_000;
 
 /// A request that is to change something.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,34 +49,69 @@ pub struct AuditQuery {
 #[derive(Debug)]
 pub struct AuditDesk {
     last: AtomicI64,
-    answered: mpsc::UnboundedSender<AuditEntry>,
+    answered: mpsc::Sender<AuditEntry>,
+    /// How many did not find room, since the last one that says so.
+    missing: AtomicU64,
 }
 
 impl AuditDesk {
     /// A desk whose entries come after this number, and where they arrive.
-    pub fn new(last: i64) -> (AuditDesk, mpsc::UnboundedReceiver<AuditEntry>) {
-        let (answered, arrive) = mpsc::unbounded_channel();
-        (AuditDesk { last: AtomicI64::new(last), answered }, arrive)
+    pub fn new(last: i64) -> (AuditDesk, mpsc::Receiver<AuditEntry>) {
+        let (answered, arrive) = mpsc::channel(MOST_WAITING);
+        (AuditDesk { last: AtomicI64::new(last), answered, missing: AtomicU64::new(0) }, arrive)
     }
 
     /// An entry for a request that comes now.
     pub fn begin(&self, caller: &Caller, what: String, subject: Option<String>, now: Time) -> AuditEntry {
-        let next = |last: i64| Some(now.0.max(last + 1));
-        let last = self.last.fetch_update(Ordering::Relaxed, Ordering::Relaxed, next);
-        let last = last.unwrap_or_else(|same| same);
-        let id = now.0.max(last + 1);
+        let id = self.number(now);
         AuditEntry { id, actor: caller.name.clone(), role: caller.role, what, subject, status: None }
     }
 
+    fn number(&self, now: Time) -> i64 {
+        let next = |last: i64| Some(now.0.max(last + 1));
+        let last = self.last.fetch_update(Ordering::Relaxed, Ordering::Relaxed, next);
+        now.0.max(last.unwrap_or_else(|same| same) + 1)
+    }
+
     /// Hands an entry on whose request was answered. Where nothing keeps entries, as with a recording, it is dropped.
+    /// So it is where too many wait; as soon as there is room again, an entry says how many are missing.
     pub fn end(&self, entry: AuditEntry) {
-        let _ = self.answered.send(entry);
+        let missing = self.missing.load(Ordering::Relaxed);
+        if missing > 0 && self.answered.capacity() > 1 {
+            let what = format!(
+                "{missing} requests are missing here: the database took nothing, and too many waited"
+            );
+            let (id, actor) = (self.number(Time(entry.id)), "this server".into());
+            let note = AuditEntry { id, actor, role: Role::Admin, what, subject: None, status: None };
+            if self.answered.try_send(note).is_ok() {
+                self.missing.fetch_sub(missing, Ordering::Relaxed);
+            }
+        }
+        if let Err(TrySendError::Full(_)) = self.answered.try_send(entry) {
+            self.missing.fetch_add(1, Ordering::Relaxed);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn more_entries_than_may_wait_are_counted_and_said_when_there_is_room_again() {
+        let (desk, mut arrive) = AuditDesk::new(0);
+        let ask =
+            |now| desk.end(desk.begin(&Caller::this_machine(), "POST /v1/jobs".into(), None, Time(now)));
+        (0..MOST_WAITING as i64 + 7).for_each(ask);
+        for _ in 0..MOST_WAITING {
+            assert_eq!(arrive.try_recv().unwrap().what, "POST /v1/jobs");
+        }
+        assert!(arrive.try_recv().is_err(), "no more than that waits");
+        (0..2).for_each(ask);
+        let said: Vec<String> = std::iter::from_fn(|| arrive.try_recv().ok()).map(|e| e.what).collect();
+        assert!(said[0].starts_with("7 requests are missing here"), "{said:?}");
+        assert_eq!(said[1..], ["POST /v1/jobs", "POST /v1/jobs"], "once");
+    }
 
     #[test]
     fn entries_have_the_time_as_their_number_and_each_its_own() {

@@ -583,10 +583,6 @@ impl From<Counts> for JobCountsDto {
 /// What a robot says that was paused; pages go by it.
 const PAUSED: &str = "paused by hand";
 
-/// The words for the states of a job, in order of life.
-pub const JOB_STATES: [&str; 7] =
-    ["waiting", "assigned", "carrying", "picking", "done", "cancelled", "failed"];
-
 fn why_failed(why: JobFailure, node_name: impl Fn(NodeId) -> String) -> String {
     match why {
         JobFailure::Predecessor(job) => {

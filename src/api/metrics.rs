@@ -304,7 +304,7 @@ impl Metrics {
         self.interruptions.set(counts.interruptions.cast_signed());
         self.replans.set(counts.replans.cast_signed());
         for presence in [Presence::Absent, Presence::Tracked, Presence::Stale, Presence::Lost] {
-            let n = workers.iter().filter(|w| w.presence == presence).count();
+            let n = workers.iter().filter(|w| w.presence == presence && !w.name.is_empty()).count();
             self.workers.get_or_create(&label(presence.word())).set(n as i64);
         }
         let sum = |of: fn(FeedCounts) -> u64| workers.iter().map(|w| of(w.feed)).sum::<u64>().cast_signed();

@@ -306,7 +306,7 @@ pub const ASSIGNMENT_STATES: [AssignmentState; 5] = [
 ];
 
 impl Names<'_> {
-    /// All workers of the view.
+    /// All workers of the view, each at its number; a place that is free has no name.
     pub fn workers(&self) -> Vec<WorkerDto> {
         let workers = self.view.workers.iter().enumerate();
         workers.map(|(i, w)| self.worker(WorkerId::at(i), w)).collect()

@@ -9,7 +9,7 @@ use super::caller::{NamedToken, TokenHash, WebSession};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, ClosingEffect, Closure, EncounterQuery,
-    EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow,
+    EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow, Listed,
     NodeOccupancy, RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind,
     ShiftRows, StationOrder, View, Waiting,
 };
@@ -32,15 +32,18 @@ pub trait Records: Send + Sync {
     /// One job.
     fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRow>, String>>;
     /// Some jobs, newest first.
-    fn jobs(&self, filter: JobQuery) -> Later<'_, Result<Vec<JobRow>, String>>;
+    fn jobs(&self, filter: JobQuery) -> Later<'_, Result<Listed<JobRow, JobId>, String>>;
     /// One assignment.
     fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRow>, String>>;
     /// Some assignments, newest first.
-    fn assignments(&self, filter: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>>;
+    fn assignments(
+        &self,
+        filter: AssignmentQuery,
+    ) -> Later<'_, Result<Listed<AssignmentRow, AssignmentId>, String>>;
     /// Some alarms, active or past, newest first.
     fn alarms(&self, filter: AlarmQuery) -> Later<'_, Result<Vec<Alarm>, String>>;
     /// Some encounters, newest first.
-    fn encounters(&self, filter: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>>;
+    fn encounters(&self, filter: EncounterQuery) -> Later<'_, Result<Listed<EncounterRow, i64>, String>>;
     /// What happened to a robot, newest first.
     fn robot_events(&self, filter: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>>;
     /// What became of the jobs of a robot.
@@ -167,6 +170,8 @@ pub enum What {
     Hire(String),
     /// That nobody is where this worker was lost; who says so.
     Clear(WorkerId, String),
+    /// Free a worker's place.
+    Forget(WorkerId),
     /// About where a lost worker is, and how far from there at most on foot, millimetres; who says so.
     Narrow(WorkerId, Spot, i64, String),
     /// That a worker has taken the headset off.

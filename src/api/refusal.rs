@@ -52,6 +52,7 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::TooManyCorners(most) => field("outline", format!("an area has at most {most} corners")),
         Refusal::UnknownWorker(_)
         | Refusal::NotLost(_)
+        | Refusal::WorkerBusy(_)
         | Refusal::NoPlaceForPeople
         | Refusal::UnknownAssignment(_) => about_people(why),
         Refusal::UnknownSeries(_) | Refusal::Recurrence | Refusal::NoExits | Refusal::UnknownClosure(_) => {
@@ -116,6 +117,11 @@ fn about_people(why: Refusal) -> Problem {
         Refusal::UnknownWorker(worker) => {
             let name = worker_name(worker);
             Problem::unknown("worker", format!("{name} does not exist; GET /v1/workers lists all"))
+        }
+        Refusal::WorkerBusy(worker) => {
+            let name = worker_name(worker);
+            let detail = format!("{name} is on the floor, or has something to do: wait, or cancel it first");
+            Problem::conflict("on-floor", "The person is on the floor", detail)
         }
         Refusal::NotLost(worker) => {
             let detail = format!("{} is seen, or not on the floor: nobody has to look", worker_name(worker));
@@ -250,11 +256,17 @@ fn too_many(kind: Bounded, n: usize) -> Problem {
         Bounded::Jobs => ("jobs are open", "try again when some are over"),
         Bounded::Assignments => ("assignments are open", "try again when some are done or cancelled"),
         Bounded::Robots => ("robots have joined", "use the name of a robot that has joined already"),
-        Bounded::Workers => ("workers are known", "use the name of a worker who is known already"),
+        Bounded::Workers => (
+            "workers are known",
+            "erase a person who no longer works here (DELETE /v1/people/{id}): the place is free then",
+        ),
         Bounded::Series => ("closures recur", "end some that are no longer needed"),
         Bounded::Closures => ("areas are closed or announced", "open some that are no longer needed"),
     };
-    Problem::too_many(format!("{n} {what}, which is the limit: {remedy}"), 10)
+    // Only what ends by itself is worth another try later.
+    let ends = matches!(kind, Bounded::Jobs | Bounded::Assignments | Bounded::Closures);
+    let problem = Problem::too_many(format!("{n} {what}, which is the limit: {remedy}"), 10);
+    if ends { problem } else { Problem { retry_after: None, ..problem } }
 }
 
 #[cfg(test)]
@@ -273,7 +285,13 @@ mod tests {
             (Bounded::Closures, "7 areas are closed or announced"),
         ] {
             let problem = refused(&map, Refusal::TooMany(kind, 7));
-            assert_eq!((problem.status, problem.retry_after), (429, Some(10)));
+            let ends = matches!(kind, Bounded::Jobs | Bounded::Assignments | Bounded::Closures);
+            let again = ends.then_some(10);
+            assert_eq!(
+                (problem.status, problem.retry_after),
+                (429, again),
+                "no promise that cannot come true"
+            );
             assert!(problem.detail.starts_with(what), "{}", problem.detail);
         }
         for (why, name) in [(Refusal::TooManyBefore(100), "after"), (Refusal::TooManyCorners(100), "outline")]

@@ -90,7 +90,15 @@ macro_rules! say {
 
 async fn serve(config: &Config, floor: SimulatedFloor) -> anyhow::Result<()> {
     outlive_limits().context("cannot prepare for a limit on the size of files")?;
-    let mut server = Server::start(config, floor).await?;
+    // A start may wait for room on the disk for as long as nobody makes any.
+    let mut server = tokio::select! {
+        server = Server::start(config, floor) => server?,
+        signal = asked_to_stop() => {
+            signal?;
+            say!("stopped before the start was over; nothing was accepted");
+            return Ok(());
+        }
+    };
     let found = server.summary();
     let scheme = if server.identity().is_some() { "https" } else { "http" };
     say!("Giveway is at {scheme}://{}/", server.address());

@@ -28,7 +28,8 @@ pub use read::robot_events::{
     RobotChange, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, robot_change,
 };
 pub use read::rows::{
-    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JobQuery, JobRow, JobTimes,
+    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, GoneNames, JOB_STATES, JobQuery, JobRow,
+    JobTimes, Listed,
 };
 pub use read::safety_regions::{RegionStay, SafetyRegion};
 pub use read::shift::{EndedJob, ShiftRows};

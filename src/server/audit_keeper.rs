@@ -28,7 +28,7 @@ pub fn row_of(entry: &AuditEntry) -> AuditRow {
 /// Writes entries down as they arrive, until `stop` says so, then the last ones.
 pub async fn keep_audit(
     store: Arc<Store>,
-    mut answered: mpsc::UnboundedReceiver<AuditEntry>,
+    mut answered: mpsc::Receiver<AuditEntry>,
     mut stop: watch::Receiver<bool>,
 ) {
     let mut batch = Vec::new();

@@ -122,7 +122,11 @@ async fn published_in(database: &Path) -> anyhow::Result<Option<(PublishedMap, W
         return Ok(None);
     }
     // One that cannot be read is refused when it is opened.
-    let Ok(store) = Store::inspect(database).await else { return Ok(None) };
+    let store = match Store::inspect(database).await {
+        Ok(store) => store,
+        Err(e) if e.is_no_room() => return Err(e.into()),
+        Err(_) => return Ok(None),
+    };
     let found = read_published(&store).await;
     store.close().await;
     found

@@ -20,6 +20,9 @@ use tower::ServiceExt;
 /// Seconds after which a new try makes sense while the journal loads.
 const AGAIN_S: u32 = 1;
 
+/// Seconds after which a new try makes sense where there is no room on the disk.
+const ROOM_S: u32 = 10;
+
 /// Seconds after which a new try makes sense where a person has to act first.
 const MENDED_S: u32 = 60;
 
@@ -36,6 +39,8 @@ enum Inside {
     Changing,
     /// The server.
     Open(Router),
+    /// Nothing yet, since there is no room on the disk, and why.
+    NoRoom(String),
     /// Nothing, and why.
     Shut(String),
 }
@@ -81,6 +86,11 @@ impl Entrance {
         Arc::strong_count(&self.inside)
     }
 
+    /// Says that the server starts as soon as there is room on the disk.
+    pub fn wait_for_room(&self, why: String) {
+        self.inside.send_replace(Inside::NoRoom(why));
+    }
+
     /// Says from now on why the server does not work.
     pub fn shut(&self, why: String) {
         self.inside.send_replace(Inside::Shut(why));
@@ -104,6 +114,7 @@ async fn enter(State(entrance): State<Entrance>, request: Request) -> Response {
             let detail = "the server goes over to another map: it loads its journal again. Try again soon.";
             problem("starting", "The map is being changed", detail.into(), AGAIN_S)
         }
+        Inside::NoRoom(why) => problem("no-room", "There is no room on the disk", why, ROOM_S),
         Inside::Shut(why) => problem("broken", "The server cannot work", why, MENDED_S),
     };
     let path = request.uri().path().to_owned();
@@ -140,6 +151,11 @@ mod tests {
             assert!(text.contains("/problems/starting") && text.contains(path), "{text}");
         }
         assert_eq!(ask(&entrance, "/v1/health/live").await.0, 200, "the process lives");
+        entrance.wait_for_room("the disk is full".into());
+        let (status, again, text) = ask(&entrance, "/v1/jobs").await;
+        assert_eq!((status, again.as_deref()), (503, Some("10")));
+        assert!(text.contains("/problems/no-room") && text.contains("the disk is full"), "{text}");
+        assert_eq!(ask(&entrance, "/v1/health/live").await.0, 200, "a restart would not help");
         entrance.open(Router::new().route("/v1/health", get(async || "inside")));
         assert_eq!(ask(&entrance, "/v1/health").await, (200, None, "inside".into()));
         assert_eq!(ask(&entrance, "/nowhere").await.0, 404);

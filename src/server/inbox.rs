@@ -192,6 +192,7 @@ fn input(token: u64, what: What) -> Input {
         What::Retire(robot) => Input::Retire { token, robot },
         What::TakeRack(rack, node) => Input::TakeRack { token, rack, node },
         What::Hire(name) => Input::RegisterWorker { token, name },
+        What::Forget(worker) => Input::ForgetWorker { token, worker },
         What::Clear(worker, by) => Input::ClearWorker { token, worker, by },
         What::Narrow(worker, at, within_mm, by) => Input::NarrowWorker { token, worker, by, at, within_mm },
         What::SignOff(worker) => Input::SignedOff { token, worker },

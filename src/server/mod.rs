@@ -76,6 +76,7 @@ use tokio::time::timeout;
 const DRAIN: Duration = Duration::from_secs(12);
 
 /// What the server runs: a simulated floor, until real robots come.
+#[derive(Clone)]
 pub struct SimulatedFloor {
     /// Fleet, customers, faults.
     pub scenario: Scenario,
@@ -155,28 +156,17 @@ impl Server {
         ensure!(config.people_keep_days >= 1, "people_keep_days must be at least 1");
         let identity = identity(config, address)?;
         let outbound = Outbound::of(config)?;
-        let (floor, basis) = match config.new {
-            true => {
-                let basis = FloorBasis::of(&floor);
-                (floor, basis)
-            }
-            false => FloorBasis::choose(floor, &config.database).await?,
-        };
-        let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
         let door = (listener, identity.as_ref().map(|i| i.config.clone()));
         let (ready, is_ready) = oneshot::channel();
         let front = Front::open(door, gate, outbound, ready);
         tracing::info!("listening on {address}; the journal is being loaded");
-        let store = match start::open(config, &floor, (false, MapNote::Keep)).await {
-            Ok(store) => store,
+        let entrance = front.entrance.clone();
+        let restored = start::restore(config, &floor, |why| entrance.wait_for_room(why)).await;
+        // Each clone of the door counts.
+        drop(entrance);
+        let (store, built, summary) = match restored {
+            Ok(restored) => restored,
             Err(e) => return Err(front.shut(e).await),
-        };
-        let (built, summary) = match start::build(config, floor, basis, &store).await {
-            Ok(built) => built,
-            Err(e) => {
-                store.close().await;
-                return Err(front.shut(e).await);
-            }
         };
         let ((stop, stopping), (stores, opened)) = (watch::channel(false), watch::channel(store));
         let config = Config { new: false, ..config.clone() };

@@ -6,7 +6,7 @@ use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
     Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, EventKind,
-    Fact, FloorEvent, GoneNames, Job, JobQuery, JobRow, JobTimes, RobotEventQuery, RobotEventRow,
+    Fact, FloorEvent, GoneNames, Job, JobQuery, JobRow, JobTimes, Listed, RobotEventQuery, RobotEventRow,
     RobotEventSource, RobotJobCounts, ShiftRows, floor_event, robot_change,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
@@ -157,7 +157,7 @@ impl Records for PastLists {
         Box::pin(async move { Ok(found) })
     }
 
-    fn jobs(&self, filter: JobQuery) -> Later<'_, Result<Vec<JobRow>, String>> {
+    fn jobs(&self, filter: JobQuery) -> Later<'_, Result<Listed<JobRow, JobId>, String>> {
         let before = filter.before.unwrap_or(JobId(u64::MAX));
         let wanted = |r: &&JobRow| {
             let request = &r.job.request;
@@ -173,8 +173,9 @@ impl Records for PastLists {
         };
         let lists = self.lists();
         let newest_first = lists.jobs.range(..before).rev().map(|(_, r)| r);
-        let found: Vec<_> = newest_first.filter(wanted).take(filter.limit as usize).cloned().collect();
-        Box::pin(async move { Ok(found) })
+        let found = newest_first.filter(wanted).take(filter.limit as usize + 1).cloned().collect();
+        let page = Listed::cut(found, filter.limit, None, |row: &JobRow| row.id);
+        Box::pin(async move { Ok(page) })
     }
 
     fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRow>, String>> {
@@ -182,7 +183,10 @@ impl Records for PastLists {
         Box::pin(async move { Ok(found) })
     }
 
-    fn assignments(&self, f: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>> {
+    fn assignments(
+        &self,
+        f: AssignmentQuery,
+    ) -> Later<'_, Result<Listed<AssignmentRow, AssignmentId>, String>> {
         let before = f.before.unwrap_or(AssignmentId(u64::MAX));
         let wanted = |r: &&AssignmentRow| {
             f.worker.is_none_or(|w| r.assignment.worker == Some(w))
@@ -194,8 +198,9 @@ impl Records for PastLists {
         };
         let lists = self.lists();
         let newest_first = lists.assignments.range(..before).rev().map(|(_, r)| r);
-        let found: Vec<_> = newest_first.filter(wanted).take(f.limit as usize).cloned().collect();
-        Box::pin(async move { Ok(found) })
+        let found = newest_first.filter(wanted).take(f.limit as usize + 1).cloned().collect();
+        let page = Listed::cut(found, f.limit, None, |row: &AssignmentRow| row.id);
+        Box::pin(async move { Ok(page) })
     }
 
     fn shift(&self, between: (Time, Time), now: Time) -> Later<'_, Result<ShiftRows, String>> {
@@ -215,7 +220,7 @@ impl Records for PastLists {
         Box::pin(async move { Ok(Vec::new()) })
     }
 
-    fn encounters(&self, f: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {
+    fn encounters(&self, f: EncounterQuery) -> Later<'_, Result<Listed<EncounterRow, i64>, String>> {
         let wanted = |r: &&EncounterRow| {
             let e = &r.encounter;
             f.before.is_none_or(|seq| r.seq < seq)
@@ -228,8 +233,9 @@ impl Records for PastLists {
         };
         let lists = self.lists();
         let newest_first = lists.encounters.iter().rev();
-        let found: Vec<_> = newest_first.filter(wanted).take(f.limit as usize).cloned().collect();
-        Box::pin(async move { Ok(found) })
+        let found = newest_first.filter(wanted).take(f.limit as usize + 1).cloned().collect();
+        let page = Listed::cut(found, f.limit, None, |row: &EncounterRow| row.seq);
+        Box::pin(async move { Ok(page) })
     }
 
     /// Without alarms: a recording has no list of them.

@@ -8,7 +8,7 @@ use crate::api::caller::Role;
 use crate::api::port::{Later, Records};
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, JobQuery,
-    JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows,
+    JobRow, Listed, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
 use crate::store::{AuditFilter, AuditRow, Store, StoreError};
@@ -24,7 +24,7 @@ impl Records for Shelf {
         Box::pin(async move { self.0.job(id).await.map_err(told) })
     }
 
-    fn jobs(&self, query: JobQuery) -> Later<'_, Result<Vec<JobRow>, String>> {
+    fn jobs(&self, query: JobQuery) -> Later<'_, Result<Listed<JobRow, JobId>, String>> {
         Box::pin(async move { self.0.jobs(&query).await.map_err(told) })
     }
 
@@ -32,7 +32,10 @@ impl Records for Shelf {
         Box::pin(async move { self.0.assignment(id).await.map_err(told) })
     }
 
-    fn assignments(&self, query: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>> {
+    fn assignments(
+        &self,
+        query: AssignmentQuery,
+    ) -> Later<'_, Result<Listed<AssignmentRow, AssignmentId>, String>> {
         Box::pin(async move { self.0.assignments(&query).await.map_err(told) })
     }
 
@@ -40,7 +43,7 @@ impl Records for Shelf {
         Box::pin(async move { self.0.alarms(&query).await.map_err(told) })
     }
 
-    fn encounters(&self, query: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {
+    fn encounters(&self, query: EncounterQuery) -> Later<'_, Result<Listed<EncounterRow, i64>, String>> {
         Box::pin(async move { self.0.encounters(&query).await.map_err(told) })
     }
 

@@ -16,13 +16,17 @@ use crate::api::port::SharedHistory;
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
 use crate::sim::{World, nothing_to_order};
-use crate::store::{CarryOver, MapNote, Opening, Store};
+use crate::store::{CarryOver, MapNote, Opening, Store, StoreError};
 use crate::time::Span;
 use anyhow::Context;
 use std::any::Any;
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
+
+/// How often it is looked whether there is room on the disk.
+const LOOK: Duration = Duration::from_secs(2);
 
 /// What the parts of the server are made of.
 pub struct ServerParts {
@@ -76,6 +80,62 @@ pub async fn open(
     let opening = Opening { new, traces: vec![config.past_folder()], carry, note };
     let store = Store::open_as(&config.database, &floor.map, &opening).await?;
     Ok(Arc::new(store.keep_days(config.keep_days).keep_people_days(config.people_keep_days)))
+}
+
+/// Everything that a start makes of the files: the map that is in operation, the database, the parts. Where there is no
+/// room on the disk, it says so through `waits`, and tries again until there is: nothing can be promised meanwhile, and
+/// a process that ended would only be started again.
+pub async fn restore(
+    config: &Config,
+    floor: &SimulatedFloor,
+    waits: impl Fn(String),
+) -> anyhow::Result<(Arc<Store>, Built, StartSummary)> {
+    let mut has_waited = false;
+    loop {
+        match try_restore(config, floor.clone()).await {
+            Err(e) if e.downcast_ref::<StoreError>().is_some_and(StoreError::is_no_room) => {
+                let why = format!(
+                    "{e:#}. Nothing is accepted until there is room: robots drive to the end of their grants and \
+                     stand. Make room; the server looks every {} s and goes on by itself",
+                    LOOK.as_secs()
+                );
+                if !std::mem::replace(&mut has_waited, true) {
+                    tracing::error!("{why}");
+                }
+                waits(why);
+                tokio::time::sleep(LOOK).await;
+            }
+            Ok(restored) => {
+                if has_waited {
+                    tracing::info!("there is room again: the server starts");
+                }
+                return Ok(restored);
+            }
+            Err(e) => return Err(e),
+        }
+    }
+}
+
+async fn try_restore(
+    config: &Config,
+    floor: SimulatedFloor,
+) -> anyhow::Result<(Arc<Store>, Built, StartSummary)> {
+    let (floor, basis) = match config.new {
+        true => {
+            let basis = FloorBasis::of(&floor);
+            (floor, basis)
+        }
+        false => FloorBasis::choose(floor, &config.database).await?,
+    };
+    let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
+    let store = open(config, &floor, (false, MapNote::Keep)).await?;
+    match build(config, floor, basis, &store).await {
+        Ok((built, summary)) => Ok((store, built, summary)),
+        Err(e) => {
+            store.close().await;
+            Err(e)
+        }
+    }
 }
 
 /// Refuses robots of a kind that the scenario does not have.

@@ -121,6 +121,7 @@ enum Other {
     Cancel(u64, u64),
     #[serde(rename = "hire")]
     RegisterWorker(u64, String),
+    ForgetWorker(u64, u32),
     Clear(u64, u32),
     ClearedBy(u64, u32, String),
     Narrow {
@@ -291,6 +292,7 @@ fn asked(input: &Input) -> Other {
         }
         Input::Cancel { token, job } => Other::Cancel(*token, job.0),
         Input::RegisterWorker { token, name } => Other::RegisterWorker(*token, name.clone()),
+        Input::ForgetWorker { token, worker } => Other::ForgetWorker(*token, worker.0),
         Input::ClearWorker { token, worker, by } => Other::ClearedBy(*token, worker.0, by.clone()),
         Input::NarrowWorker { token, worker, by, at, within_mm } => {
             let (at, within) = ((at.x_mm, at.y_mm), *within_mm);
@@ -499,6 +501,7 @@ fn other(o: Other) -> Input {
         Other::VisitEnds(station, at) => Input::VisitEnds { station: StationId(station), at: Time(at) },
         Other::Cancel(token, job) => Input::Cancel { token, job: JobId(job) },
         Other::RegisterWorker(token, name) => Input::RegisterWorker { token, name },
+        Other::ForgetWorker(token, worker) => Input::ForgetWorker { token, worker: WorkerId(worker) },
         Other::Clear(token, worker) => {
             Input::ClearWorker { token, worker: WorkerId(worker), by: String::new() }
         }

@@ -16,12 +16,24 @@ pub const MOST_PAST: i64 = 20_000;
 const KEEP: &str = "INSERT OR REPLACE INTO alarms (id, kind, severity, subject_kind, subject, text, remedy, x, y, \
     waiting, since, acknowledged_by, acknowledged, cleared) \
     VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)";
+/// Numbers of alarms that are active stay; so few are below that they are passed over.
 const FORGET: &str =
     "DELETE FROM alarms WHERE cleared IS NOT NULL AND id <= (SELECT max(id) FROM alarms) - $1";
 const LAST: &str = "SELECT coalesce(max(id), 0) FROM alarms";
-const ACTIVE: &str = "SELECT * FROM alarms WHERE cleared IS NULL ORDER BY id";
+const ACTIVE: &str = "SELECT * FROM alarms INDEXED BY alarms_by_end WHERE cleared IS NULL ORDER BY id";
 const SOME: &str = "SELECT * FROM alarms WHERE id < $1 AND (cleared IS NULL OR cleared >= $2) AND since < $3 \
     ORDER BY id DESC LIMIT $4";
+/// The same where alarms have numbers in the order of their beginnings: those that are active, and of the others those
+/// that began in the time, a day before it, or lasted for more than a day.
+const SOME_IN_ORDER: &str = "SELECT * FROM alarms WHERE id IN ( \
+    SELECT * FROM (SELECT id FROM alarms INDEXED BY alarms_by_end WHERE cleared IS NULL AND id < $1 AND since < $3 \
+    ORDER BY id DESC LIMIT $4) \
+    UNION ALL SELECT * FROM (SELECT id FROM alarms WHERE cleared >= $2 AND since < $3 AND id < min($1, \
+    coalesce((SELECT id FROM alarms INDEXED BY alarms_by_start WHERE since >= $3 ORDER BY since, id LIMIT 1), $1)) \
+    AND id >= min(coalesce((SELECT id FROM alarms INDEXED BY alarms_by_start WHERE since >= $2 - 86400000000 \
+    ORDER BY since, id LIMIT 1), $1), coalesce((SELECT min(id) FROM alarms INDEXED BY alarms_of_days \
+    WHERE cleared - since > 86400000000 AND cleared >= $2), $1)) \
+    ORDER BY id DESC LIMIT $4)) ORDER BY id DESC LIMIT $4";
 
 impl Store {
     /// Writes alarms down as they are now, in place of what was known of them, and forgets the oldest of too many.
@@ -58,9 +70,9 @@ impl Store {
     /// # Errors
     /// Where the database does not answer.
     pub async fn alarms(&self, q: &AlarmQuery) -> Result<Vec<Alarm>, StoreError> {
-        let rows = sqlx::query(SOME)
+        let rows = sqlx::query(if self.is_orderly { SOME_IN_ORDER } else { SOME })
             .bind(q.before.map_or(i64::MAX, |id| i64::try_from(id).unwrap_or(i64::MAX)))
-            .bind(q.from.map_or(i64::MIN, |t| t.0))
+            .bind(q.from.map_or(0, |t| t.0))
             .bind(q.to.map_or(i64::MAX, |t| t.0))
             .bind(q.limit)
             .fetch_all(&self.readers)

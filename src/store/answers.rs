@@ -15,7 +15,7 @@ const FOUND: &str =
 const FINISH: &str = "UPDATE answers SET status = $4, location = $5, body = $6 \
     WHERE caller = $1 AND route = $2 AND key = $3";
 const FORGET: &str = "DELETE FROM answers WHERE caller = $1 AND route = $2 AND key = $3";
-const FORGET_OLD: &str = "DELETE FROM answers WHERE at < $1";
+const FORGET_OLD: &str = "DELETE FROM answers INDEXED BY answers_by_time WHERE at < $1";
 
 /// Whose request, on which route, under which key.
 pub type AnswerKey<'a> = [&'a str; 3];

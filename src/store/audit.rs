@@ -17,8 +17,9 @@ const BEGUN: &str = "INSERT OR IGNORE INTO audit (id, actor, role, what, subject
 const ENDED: &str = "INSERT INTO audit (id, actor, role, what, subject, outcome) VALUES ($1, $2, $3, $4, $5, $6) \
     ON CONFLICT (id) DO UPDATE SET outcome = excluded.outcome, subject = excluded.subject";
 const LAST: &str = "SELECT coalesce(max(id), 0) FROM audit";
-const SOME: &str = "SELECT * FROM audit WHERE id < $1 AND id >= $2 AND ($3 IS NULL OR actor = $3) \
-    ORDER BY id DESC LIMIT $4";
+const SOME: &str = "SELECT * FROM audit WHERE id < $1 AND id >= $2 ORDER BY id DESC LIMIT $3";
+const OF_ACTOR: &str = "SELECT * FROM audit INDEXED BY audit_by_actor \
+    WHERE actor = $4 AND id < $1 AND id >= $2 ORDER BY id DESC LIMIT $3";
 const CAUSES: &str = "SELECT seq, causes FROM steps WHERE seq > $1 AND causes IS NOT NULL ORDER BY seq";
 
 /// A request that was to change something.
@@ -95,13 +96,10 @@ impl Store {
     /// Where the database does not answer.
     pub async fn audit(&self, q: &AuditFilter) -> Result<Vec<AuditRow>, StoreError> {
         let end = q.before.unwrap_or(i64::MAX).min(q.to.map_or(i64::MAX, |t| t.0));
-        let rows = sqlx::query(SOME)
-            .bind(end)
-            .bind(q.from.map_or(i64::MIN, |t| t.0))
-            .bind(&q.actor)
-            .bind(q.limit)
-            .fetch_all(&self.readers)
-            .await?;
+        let statement = if q.actor.is_some() { OF_ACTOR } else { SOME };
+        let query = sqlx::query(statement).bind(end).bind(q.from.map_or(i64::MIN, |t| t.0)).bind(q.limit);
+        let query = if q.actor.is_some() { query.bind(&q.actor) } else { query };
+        let rows = query.fetch_all(&self.readers).await?;
         Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
     }
 

@@ -7,8 +7,9 @@ use super::gone::Gone;
 use super::identity::{OpenFiles, beside};
 use super::lock::Lock;
 use super::opening::set_aside;
-use super::{ABOUT, BUSY, Store, StoreError, last_step};
-use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions};
+use super::{ABOUT, BUSY, SHUT, Store, StoreError, last_step};
+use sqlx::Connection;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection, SqlitePool, SqlitePoolOptions};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -33,8 +34,19 @@ impl Store {
     /// # Errors
     /// Where there is none, or it cannot be read.
     pub async fn inspect(path: &Path) -> Result<Store, StoreError> {
+        match Store::inspect_as(path, false).await {
+            // Without a log, the main file is all there is: it can be read without writing anything.
+            Err(e) if e.is_no_room() && !beside(path, "-wal").metadata().is_ok_and(|m| m.len() > 0) => {
+                Store::inspect_as(path, true).await
+            }
+            other => other,
+        }
+    }
+
+    async fn inspect_as(path: &Path, is_still: bool) -> Result<Store, StoreError> {
         let open = |why| StoreError::Open { path: path.into(), why };
         let options = SqliteConnectOptions::new().filename(path).read_only(true).busy_timeout(BUSY);
+        let options = options.immutable(is_still);
         let pool = SqlitePoolOptions::new().max_connections(1).connect_with(options).await.map_err(open)?;
         let (last, gone) = (last_step(&pool).await?, Gone::read(&pool).await?);
         let lock = Arc::new(Lock::none(path));
@@ -48,6 +60,7 @@ impl Store {
             run,
             keep,
             keep_people: keep,
+            is_orderly: false,
             lock,
             gone,
             carried: None,
@@ -120,6 +133,13 @@ async fn copy(db: &SqlitePool, target: &Path) -> Result<(), StoreError> {
         return Err(fail(io::ErrorKind::AlreadyExists.into()));
     }
     sqlx::query(COPY).bind(name).execute(db).await?;
+    // The copy is whole, though the database may be open.
+    let mut whole = SqliteConnection::connect_with(&SqliteConnectOptions::new().filename(target)).await?;
+    let shut = sqlx::query(SHUT).bind(None::<String>).execute(&mut whole).await;
+    whole.close().await?;
+    if let Err(e) = shut {
+        tracing::debug!("what was copied says nothing about being closed: {e}");
+    }
     File::open(target).and_then(|f| f.sync_all()).map_err(fail)?;
     sync_folder(target).map_err(fail)
 }

@@ -5,6 +5,7 @@
 use super::ledger_record::SnapshotError;
 use super::record::RecordError;
 use crate::fleet::carry::Report;
+use std::io::ErrorKind;
 use std::path::PathBuf;
 
 /// Why the store cannot do what it should.
@@ -44,11 +45,19 @@ pub enum StoreError {
         /// What is left of the database.
         found: String,
     },
+    /// The main file is by itself, and was not closed in order.
+    #[error(
+        "the database {0} was not closed in order, and nothing is beside it: its write-ahead log {0}-wal, which has \
+         the newest facts, and {0}-lock, which says how many there were, are missing. Put them back beside it (the \
+         database is all of its files), or run `giveway database restore BACKUP`. To go on with what is there, though \
+         acknowledged jobs may be missing, make an empty file {0}-lock"
+    )]
+    Alone(PathBuf),
     /// The database has fewer facts than were acknowledged.
     #[error(
         "the database {path} ends with fact {found}, but {known} facts were written: its write-ahead log \
          {path}-wal was lost, or an older file was put in its place. Put the right files back, or run `giveway \
-         database restore BACKUP`; to go on with what is there, delete {path}-lock; to start empty, start with \
+         database restore BACKUP`; to go on with what is there, empty {path}-lock; to start empty, start with \
          --new, which moves what is there aside"
     )]
     Lost {
@@ -245,6 +254,23 @@ impl StoreError {
         }
     }
 
+    /// Whether there is no room for what has to be written: on the disk, in a quota, or below a limit on the size of
+    /// files. Nothing is wrong with the database, and it goes on when there is room.
+    pub fn is_no_room(&self) -> bool {
+        use sqlx::migrate::MigrateError::{Execute, ExecuteMigration};
+        match self {
+            StoreError::Sql(e) | StoreError::Open { why: e, .. } => lacks_room(e),
+            StoreError::Migrate { why: Execute(e) | ExecuteMigration(e, _), .. } => lacks_room(e),
+            StoreError::Lock { why, .. } | StoreError::Target { why, .. } | StoreError::Aside { why, .. } => {
+                matches!(
+                    why.kind(),
+                    ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge
+                )
+            }
+            _ => false,
+        }
+    }
+
     /// Whether the connection may be used again: the database was locked, full, or refused what it was told.
     pub(super) fn leaves_connection_sound(&self) -> bool {
         match self {
@@ -272,9 +298,11 @@ fn primary_code(e: &sqlx::Error) -> Option<i64> {
     code.parse::<i64>().ok().map(|c| c & 0xff)
 }
 
-/// Whether the system did not take what was written, as beyond a limit on the size of files (SQLITE_IOERR_WRITE).
-fn is_refused_write(e: &sqlx::Error) -> bool {
-    e.as_database_error().and_then(|e| e.code()).is_some_and(|code| code == "778")
+/// Whether SQLite found no room: for pages (SQLITE_FULL), for the log, as beyond a limit on the size of files
+/// (SQLITE_IOERR_WRITE), or for the index of the log (SQLITE_IOERR_SHMSIZE).
+fn lacks_room(e: &sqlx::Error) -> bool {
+    let code = e.as_database_error().and_then(|e| e.code()).and_then(|code| code.parse::<i64>().ok());
+    matches!(code, Some(13 | 778 | 4874))
 }
 
 /// What to do, as the end of a sentence.
@@ -282,7 +310,7 @@ fn remedy(e: &sqlx::Error) -> &'static str {
     match primary_code(e) {
         Some(5 | 6) => ": another program holds a lock on the database; end it or let it finish",
         Some(8) => ": the file or its folder is read-only; change that",
-        Some(10) if is_refused_write(e) => {
+        Some(10) if lacks_room(e) => {
             ": the file cannot grow: the disk or a limit on the size of files (`ulimit -f`) is in the way; make room"
         }
         Some(10) => ": the disk does not answer properly; check it",

@@ -14,7 +14,7 @@ use crate::id::{RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
-use sqlx::{QueryBuilder, Row};
+use sqlx::{QueryBuilder, Row, Sqlite};
 use tokio::sync::watch;
 
 /// How long events are kept.
@@ -24,19 +24,24 @@ pub const EVENTS_KEPT: Span = Span::from_secs(7 * 24 * 3600);
 /// is noted on the floor again and again changes no state.
 const NOTE: &str = "INSERT INTO events (at, kind, subject, old, new, robot, worker, text) \
     SELECT $1, $2, $3, iif($7, prior, NULL), $4, $5, $6, $8 FROM (SELECT \
-    (SELECT new FROM events WHERE kind = $2 AND subject IS $3 ORDER BY seq DESC LIMIT 1) AS prior) \
+    (SELECT new FROM events INDEXED BY events_by_subject \
+    WHERE kind = $2 AND subject IS $3 ORDER BY seq DESC LIMIT 1) AS prior) \
     WHERE NOT ($2 = 'worker' AND $4 IS prior)";
-const NOTE_ALARM: &str = "INSERT INTO events (at, kind, subject, old, new, text) \
-    SELECT $1, 'alarm', $2, (SELECT new FROM events WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1), \
-    $3, $4 WHERE $3 IS NOT (SELECT new FROM events WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1)";
+const NOTE_ALARM: &str = "INSERT INTO events (at, kind, subject, old, new, text) SELECT $1, 'alarm', $2, \
+    (SELECT new FROM events INDEXED BY events_by_subject \
+    WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1), $3, $4 \
+    WHERE $3 IS NOT (SELECT new FROM events INDEXED BY events_by_subject \
+    WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1)";
 /// Jobs whose state changes without a fact, where a database is carried over to another map.
 pub(super) const NOTE_JOBS: &str = "INSERT INTO events (at, kind, subject, old, new) \
-    SELECT $1, 'job', value, \
-    (SELECT new FROM events WHERE kind = 'job' AND subject = value ORDER BY seq DESC LIMIT 1), \
-    $3 FROM json_each($2)";
+    SELECT $1, 'job', value, (SELECT new FROM events INDEXED BY events_by_subject \
+    WHERE kind = 'job' AND subject = value ORDER BY seq DESC LIMIT 1), $3 FROM json_each($2)";
 const SOME: &str = "SELECT seq, at, kind, subject, old, new, robot, worker, text, \
     CASE WHEN kind = 'job' THEN (SELECT reference FROM jobs WHERE id = subject) END AS reference \
-    FROM events WHERE seq > ";
+    FROM events WHERE seq IN (";
+const ANY: &str = "SELECT seq FROM events WHERE seq > ";
+/// One kind: with several, the page has the first of the first of each.
+const OF_KIND: &str = "SELECT * FROM (SELECT seq FROM events INDEXED BY events_by_kind WHERE kind = ";
 const SPAN: &str = "SELECT (SELECT min(seq) FROM events), \
     coalesce((SELECT seq FROM sqlite_sequence WHERE name = 'events'), 0)";
 
@@ -46,17 +51,7 @@ impl Store {
     /// # Errors
     /// Where the database does not answer.
     pub async fn events(&self, q: &EventQuery) -> Result<Vec<EventRow>, StoreError> {
-        let mut query = QueryBuilder::new(SOME);
-        query.push_bind(q.after);
-        if !q.kinds.is_empty() {
-            let mut kinds = query.push(" AND kind IN (").separated(", ");
-            for kind in &q.kinds {
-                kinds.push_bind(kind.word());
-            }
-            query.push(")");
-        }
-        query.push(" ORDER BY seq LIMIT ").push_bind(q.limit);
-        let rows = query.build().fetch_all(&self.readers).await?;
+        let rows = page(q).build().fetch_all(&self.readers).await?;
         let rows: Result<Vec<_>, sqlx::Error> = rows.iter().map(|row| decode(row, &self.gone)).collect();
         Ok(rows?.into_iter().flatten().collect())
     }
@@ -75,6 +70,21 @@ impl Store {
     pub fn events_changed(&self) -> watch::Receiver<()> {
         self.news.subscribe()
     }
+}
+
+/// Some events: of kinds that are rare, too, without a look at the others.
+pub(super) fn page(q: &EventQuery) -> QueryBuilder<Sqlite> {
+    let mut query = QueryBuilder::new(SOME);
+    if q.kinds.is_empty() {
+        query.push(ANY).push_bind(q.after).push(" ORDER BY seq LIMIT ").push_bind(q.limit);
+    }
+    for (i, kind) in q.kinds.iter().enumerate() {
+        query.push(if i == 0 { "" } else { " UNION ALL " }).push(OF_KIND).push_bind(kind.word());
+        query.push(" AND seq > ").push_bind(q.after);
+        query.push(" ORDER BY seq LIMIT ").push_bind(q.limit).push(")");
+    }
+    query.push(") ORDER BY seq LIMIT ").push_bind(q.limit);
+    query
 }
 
 /// Writes down what a fact of a step at this time means for others, and whether it means anything.

@@ -5,17 +5,17 @@
 use super::gone::Gone;
 use super::job_record::{ChoiceRecord, StationRecord, visiting};
 use super::line_record::LinesRecord;
-use super::people::{narrow, one_of};
+use super::listing::{Arm, Condition, Given, Listing, Reach, TimeStatements};
 use super::{Store, StoreError, job_record};
 use crate::cell::{LineChange, LineOutcome, Lines};
 use crate::fleet::{
-    ClientKey, Fact, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, RobotChoice,
+    ClientKey, Fact, JOB_STATES, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, Listed, RobotChoice,
 };
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
-use sqlx::{QueryBuilder, Row};
+use sqlx::{QueryBuilder, Row, Sqlite};
 
 /// The stations of a delivery besides the one at which the rack is wanted now, or was wanted last.
 #[derive(Default, Serialize, Deserialize)]
@@ -34,14 +34,21 @@ impl StopsRecord {
     }
 }
 
-/// What is read of a job.
-macro_rules! columns {
-    () => {
-        "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, worker, \
-         created, updated, reference, stops, lines, choice, assigned_at, lifted_at, arrived_at, ended_at, changed, \
-         (SELECT json_group_object(key, value) FROM job_labels WHERE job = jobs.id) AS labels FROM jobs"
-    };
-}
+/// What is read of jobs, up to their numbers.
+const SOME: &str = "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, \
+    worker, created, updated, reference, stops, lines, choice, assigned_at, lifted_at, arrived_at, ended_at, changed, \
+    (SELECT json_group_object(key, value) FROM job_labels WHERE job = jobs.id) AS labels FROM jobs WHERE id IN (";
+/// The order of a page of them.
+const NEWEST_FIRST: &str = ") ORDER BY id DESC LIMIT ";
+/// The first job that was accepted at a time or later.
+const FIRST: &str =
+    "SELECT id FROM jobs INDEXED BY jobs_by_acceptance WHERE created >= $1 ORDER BY created, id LIMIT 1";
+/// The first job that was open for days and changed at a time or later.
+const FIRST_OF_DAYS: &str = "SELECT min(id) FROM jobs INDEXED BY jobs_of_days \
+    WHERE updated - created > 86400000000 AND updated >= $1";
+/// How many changed at a time or later, as far as that matters.
+const CHANGED: &str =
+    "SELECT count(*) FROM (SELECT 1 FROM jobs INDEXED BY jobs_by_change WHERE updated >= $1 LIMIT $2)";
 
 const ACCEPT: &str = "INSERT INTO jobs \
     (id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, created, updated, reference, \
@@ -62,8 +69,6 @@ const CHOOSE: &str = "UPDATE jobs SET choice = $2, updated = $3 WHERE id = $1";
 const PRIORITISE: &str = "UPDATE jobs SET priority = $2, updated = $3, changed = 1 WHERE id = $1";
 const CHANGE: &str = "UPDATE jobs SET station = $2, robot = $3, priority = $4, deadline = $5, updated = $6, \
     changed = 1 WHERE id = $1";
-const ONE: &str = concat!(columns!(), " WHERE id = $1");
-const COLUMNS: &str = columns!();
 const COUNT: &str =
     "SELECT count(*), coalesce(sum(state NOT IN ('done', 'cancelled', 'failed')), 0) FROM jobs";
 
@@ -74,42 +79,20 @@ impl Store {
     /// Where the database does not answer.
     pub async fn job(&self, id: JobId) -> Result<Option<JobRow>, StoreError> {
         let Ok(id) = i64::try_from(id.0) else { return Ok(None) };
-        sqlx::query(ONE)
-            .bind(id)
-            .fetch_optional(&self.readers)
-            .await?
-            .map(|row| decode(&row, &self.gone))
-            .transpose()
+        let row = one(id).build().fetch_optional(&self.readers).await?;
+        row.map(|row| decode(&row, &self.gone)).transpose()
     }
 
     /// Some jobs, newest first.
     ///
     /// # Errors
     /// Where the database does not answer.
-    pub async fn jobs(&self, q: &JobQuery) -> Result<Vec<JobRow>, StoreError> {
-        let mut query = QueryBuilder::new(COLUMNS);
-        query.push(" WHERE id < ");
-        query.push_bind(q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX)));
-        one_of(&mut query, " AND state IN (", &q.states);
-        let numbers = [
-            (" AND rack = ", q.rack.map(|rack| i64::from(rack.0))),
-            (" AND station = ", q.station.map(|station| i64::from(station.0))),
-            (" AND worker = ", q.robot.map(|robot| i64::from(robot.0))),
-            (" AND updated >= ", q.updated_since.map(|t| t.0)),
-            (" AND created >= ", q.from.map(|t| t.0)),
-            (" AND created < ", q.to.map(|t| t.0)),
-        ];
-        narrow(&mut query, numbers);
-        if let Some(reference) = &q.reference {
-            query.push(" AND reference = ").push_bind(reference);
-        }
-        if let Some((key, value)) = &q.label {
-            query.push(" AND id IN (SELECT job FROM job_labels WHERE key = ").push_bind(key);
-            query.push(" AND value = ").push_bind(value).push(")");
-        }
-        query.push(" ORDER BY id DESC LIMIT ").push_bind(q.limit);
-        let rows = query.build().fetch_all(&self.readers).await?;
-        rows.iter().map(|row| decode(row, &self.gone)).collect()
+    pub async fn jobs(&self, q: &JobQuery) -> Result<Listed<JobRow, JobId>, StoreError> {
+        let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
+        let reach = TIMES.reach(self, (q.from, q.to, q.updated_since), before).await?;
+        let (rows, rest) = listing(q, &reach).read(&self.readers).await?;
+        let rows = rows.iter().map(|row| decode(row, &self.gone)).collect::<Result<_, _>>()?;
+        Ok(Listed::cut(rows, q.limit, rest.map(|id| JobId(id.unsigned_abs())), |row| row.id))
     }
 
     /// How many jobs there are, and how many of them are not over.
@@ -121,6 +104,65 @@ impl Store {
         let (all, open): (i64, i64) = (row.try_get(0)?, row.try_get(1)?);
         Ok((all.unsigned_abs(), open.unsigned_abs()))
     }
+}
+
+/// The statements that tell from times which jobs a page may have.
+pub(super) const TIMES: TimeStatements =
+    TimeStatements { first: FIRST, first_of_days: FIRST_OF_DAYS, changed: CHANGED };
+
+/// One job.
+pub(super) fn one(id: i64) -> QueryBuilder<Sqlite> {
+    let mut query = QueryBuilder::new(SOME);
+    query.push_bind(id).push(")");
+    query
+}
+
+/// Where a page of jobs comes from: the filter that leaves the fewest is an index, the others are conditions.
+pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
+    let id = "jobs.id";
+    let states = if q.states.is_empty() { &JOB_STATES[..] } else { &q.states };
+    let each = |from, first| Arm::for_each(from, id, Some(first), ("state", states));
+    let (rack, robot, station) =
+        (q.rack.map(|r| i64::from(r.0)), q.robot.map(|r| i64::from(r.0)), q.station.map(|s| i64::from(s.0)));
+    let (mut rest, mut label) = (q.clone(), q.label.clone());
+    let arms = if let (Some(since), true) = (q.updated_since, reach.is_short) {
+        rest.updated_since = None;
+        vec![Arm::short("jobs INDEXED BY jobs_by_change", id, vec![("updated >= ", since.0)])]
+    } else if let Some(reference) = rest.reference.take() {
+        let equal = vec![("reference", Given::Word(reference))];
+        vec![Arm::of("jobs INDEXED BY jobs_by_reference", id, equal)]
+    } else if let Some((key, value)) = label.take() {
+        let equal = vec![("job_labels.key", Given::Word(key)), ("value", Given::Word(value))];
+        let from = "job_labels INDEXED BY job_labels_by_value CROSS JOIN jobs ON jobs.id = job_labels.job";
+        vec![Arm::of(from, "job_labels.job", equal)]
+    } else if let Some(rack) = rack {
+        (rest.rack, rest.states) = (None, Vec::new());
+        each("jobs INDEXED BY jobs_by_rack", ("rack", rack))
+    } else if let Some(robot) = robot {
+        (rest.robot, rest.states) = (None, Vec::new());
+        each("jobs INDEXED BY jobs_by_robot", ("worker", robot))
+    } else if let Some(station) = station {
+        (rest.station, rest.states) = (None, Vec::new());
+        each("jobs INDEXED BY jobs_by_station", ("station", station))
+    } else if !q.states.is_empty() {
+        rest.states = Vec::new();
+        Arm::for_each("jobs INDEXED BY jobs_by_state", id, None, ("state", states))
+    } else {
+        vec![Arm::of("jobs", id, Vec::new())]
+    };
+    let times = reach.conditions((rest.from, rest.to, rest.updated_since));
+    let numbers = [
+        (" AND rack = ", rest.rack.map(|rack| i64::from(rack.0))),
+        (" AND station = ", rest.station.map(|station| i64::from(station.0))),
+        (" AND worker = ", rest.robot.map(|robot| i64::from(robot.0))),
+    ];
+    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| Condition::number(sql, n)));
+    let reference = rest.reference.map(|text| Condition::words(vec![(" AND reference = ", text)], ""));
+    let has = " AND EXISTS (SELECT 1 FROM job_labels WHERE job = jobs.id AND job_labels.key = ";
+    let label = label.map(|(key, value)| Condition::words(vec![(has, key), (" AND value = ", value)], ")"));
+    let conditions = Condition::one_of(" AND state IN (", &rest.states).into_iter();
+    let conditions = conditions.chain(times).chain(numbers).chain(reference).chain(label).collect();
+    reach.listing((SOME, NEWEST_FIRST), arms, conditions, q.limit + 1)
 }
 
 /// Writes what a fact means for the list.

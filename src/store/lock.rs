@@ -50,6 +50,8 @@ struct LockHeld {
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
+    /// Whether there was neither a lock file nor a write-ahead log beside the database.
+    is_bare: bool,
     found: Option<LockRecord>,
     run: Uuid,
     held: Mutex<Option<LockHeld>>,
@@ -60,6 +62,7 @@ impl Lock {
     pub fn take(path: &Path) -> Result<Lock, StoreError> {
         let path = canonical(path)?;
         let name = beside(&path, "-lock");
+        let is_bare = !name.exists() && !beside(&path, "-wal").exists();
         let fail = |why| StoreError::Lock { path: name.clone(), why };
         let mut options = File::options();
         let mut side =
@@ -70,7 +73,8 @@ impl Lock {
         let found = side.read_to_string(&mut text).ok().and_then(|_| serde_json::from_str(&text).ok());
         let run = Uuid::new_v4();
         let record = LockRecord { run: run.to_string(), last: 0, closed: false };
-        let lock = Lock { path, found, run, held: Mutex::new(Some(LockHeld { side, main: None, record })) };
+        let lock =
+            Lock { path, is_bare, found, run, held: Mutex::new(Some(LockHeld { side, main: None, record })) };
         if lock.path.exists() {
             lock.hold_main()?;
         }
@@ -105,7 +109,7 @@ impl Lock {
 
     /// No lock at all, for programs that only read.
     pub fn none(path: &Path) -> Lock {
-        Lock { path: path.into(), found: None, run: Uuid::nil(), held: Mutex::new(None) }
+        Lock { path: path.into(), is_bare: false, found: None, run: Uuid::nil(), held: Mutex::new(None) }
     }
 
     /// Gives the main file up, since it is moved away.
@@ -118,6 +122,18 @@ impl Lock {
     /// The database, by the one name that leads to no link.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Whether the main file was found by itself: nothing beside it says how far it had come.
+    pub fn is_bare(&self) -> bool {
+        self.is_bare
+    }
+
+    /// Takes back the lock file that this made, so that the next start finds what this one found.
+    pub fn leave_bare(&self) {
+        if self.is_bare {
+            let _ = std::fs::remove_file(beside(&self.path, "-lock"));
+        }
     }
 
     /// What the lock file said.

@@ -28,6 +28,7 @@ mod jobs;
 mod kinds;
 pub mod ledger_record;
 mod line_record;
+mod listing;
 mod lock;
 mod names;
 mod note_record;
@@ -47,6 +48,9 @@ mod snapshot;
 mod steps;
 mod tokens;
 mod webhooks;
+
+#[cfg(test)]
+mod tests;
 
 pub use alarms::MOST_PAST;
 pub use answers::{AnswerKey, AnswerRow};
@@ -88,7 +92,11 @@ const BUSY: Duration = Duration::from_secs(5);
 const READERS: u32 = 4;
 
 const ABOUT: &str = "SELECT value FROM about WHERE key = $1";
-const TAKE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ('run', $1)";
+/// Under this key it says that the clock was set back once.
+const SET_BACK: &str = "set_back";
+const TAKE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ('run', $1), ('open', $1)";
+const SHUT: &str = "DELETE FROM about WHERE key = 'open' AND ($1 IS NULL OR value = $1)";
+const INTO_MAIN: &str = "PRAGMA wal_checkpoint(PASSIVE)";
 const EARLIER: &str = "SELECT count(*) FROM sqlite_schema WHERE name = 'journal'";
 const EARLIER_ROWS: &str = "SELECT count(*) FROM (SELECT 1 FROM journal LIMIT 1)";
 const JOURNALS: &str = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'steps'";
@@ -118,6 +126,8 @@ pub struct Store {
     keep: Span,
     /// For how long lists say who it was.
     keep_people: Span,
+    /// Whether what was accepted later always has a higher number: the clock was never set back.
+    is_orderly: bool,
     lock: Arc<Lock>,
     /// Names of what the lists speak of and the map no longer has.
     gone: Gone,
@@ -158,22 +168,14 @@ impl Store {
             .connect_with(options.clone())
             .await
             .map_err(open)?;
-        refuse_earlier(&writer, path).await?;
-        let (last, known) = (last_step(&writer).await?, known.map_or(0, |r| r.last));
-        if last < known {
-            writer.close().await;
-            return Err(StoreError::Lost { path: path.into(), found: last, known });
-        }
-        migrator().run(&writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
-        let carried = match seal_or_carry(&writer, path, map, opening).await {
-            Ok(carried) => carried,
+        let prepared = prepare(&writer, lock, known, (map, opening)).await;
+        let (last, carried) = match prepared {
+            Ok(prepared) => prepared,
             Err(e) => {
                 writer.close().await;
                 return Err(e);
             }
         };
-        let run = lock.run().to_string();
-        sqlx::query(TAKE).bind(&run).execute(&writer).await?;
         // One of them is always open: with its last connection SQLite would remove the write-ahead log.
         let readers = SqlitePoolOptions::new()
             .max_connections(READERS)
@@ -186,10 +188,26 @@ impl Store {
             .map_err(open)?;
         let place = OpenFiles::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
         let gone = Gone::read(&readers).await?;
+        let set_back: Option<String> =
+            sqlx::query_scalar(ABOUT).bind(SET_BACK).fetch_optional(&readers).await?;
+        let (is_orderly, run) = (set_back.is_none(), lock.run().to_string());
         lock.note(last);
         let (keep, keep_people, lock) = (days(KEEP_DAYS), days(PEOPLE_KEEP_DAYS), lock.clone());
         let news = watch::Sender::new(());
-        Ok(Store { writer, readers, place, last, run, keep, keep_people, lock, gone, carried, news })
+        Ok(Store {
+            writer,
+            readers,
+            place,
+            last,
+            run,
+            keep,
+            keep_people,
+            is_orderly,
+            lock,
+            gone,
+            carried,
+            news,
+        })
     }
 
     /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
@@ -246,6 +264,12 @@ impl Store {
     /// Writes everything into the main file, closes it and lets go of it, whatever else still knows this store.
     pub async fn close(&self) {
         self.readers.close().await;
+        // One that is only looked at has no run. Where the disk is full, it was not closed in order.
+        if !self.run.is_empty()
+            && let Err(e) = sqlx::query(SHUT).bind(&self.run).execute(&self.writer).await
+        {
+            tracing::debug!("that the database is closed is not written down: {e}");
+        }
         self.writer.close().await;
         self.lock.release();
     }
@@ -253,6 +277,42 @@ impl Store {
 
 fn days(n: u32) -> Span {
     Span::from_secs(24 * 3600) * i64::from(n)
+}
+
+/// Looks at what is there, brings it up to date and takes it. Gives the number of the last step.
+async fn prepare(
+    writer: &SqlitePool,
+    lock: &Lock,
+    known: Option<&LockRecord>,
+    (map, opening): (&Warehouse, &Opening),
+) -> Result<(i64, Option<CarriedOver>), StoreError> {
+    let path = lock.path();
+    refuse_earlier(writer, path).await?;
+    let (last, known) = (last_step(writer).await?, known.map_or(0, |r| r.last));
+    if last < known {
+        return Err(StoreError::Lost { path: path.into(), found: last, known });
+    }
+    if lock.is_bare() && last > 0 && is_open(writer).await? {
+        lock.leave_bare();
+        return Err(StoreError::Alone(path.into()));
+    }
+    migrator().run(writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
+    let carried = seal_or_carry(writer, path, map, opening).await?;
+    sqlx::query(TAKE).bind(lock.run().to_string()).execute(writer).await?;
+    // The main file by itself is to say that it is not all.
+    if let Err(e) = sqlx::query(INTO_MAIN).execute(writer).await {
+        tracing::debug!("the log is not yet written into the main file: {e}");
+    }
+    Ok((last, carried))
+}
+
+/// Whether the run that had the database last did not close it. An earlier Giveway says nothing about that.
+async fn is_open(db: &SqlitePool) -> Result<bool, StoreError> {
+    let about = async |key| -> Result<Option<String>, StoreError> {
+        Ok(sqlx::query_scalar(ABOUT).bind(key).fetch_optional(db).await?)
+    };
+    let open = about("open").await?;
+    Ok(open.is_some() && open == about("run").await?)
 }
 
 /// Refuses a database from before the first release: its journal may end inside a step.
@@ -291,6 +351,7 @@ fn migrator() -> Migrator {
     let nineteenth = include_str!("../../migrations/sqlite/0019_sign_on.sql").into_sql_str();
     let twentieth = include_str!("../../migrations/sqlite/0020_lines.sql").into_sql_str();
     let twenty_first = include_str!("../../migrations/sqlite/0021_cells.sql").into_sql_str();
+    let twenty_second = include_str!("../../migrations/sqlite/0022_pages.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -311,6 +372,7 @@ fn migrator() -> Migrator {
         Migration::new(19, "sign_on".into(), MigrationType::Simple, nineteenth, false),
         Migration::new(20, "lines".into(), MigrationType::Simple, twentieth, false),
         Migration::new(21, "cells".into(), MigrationType::Simple, twenty_first, false),
+        Migration::new(22, "pages".into(), MigrationType::Simple, twenty_second, false),
     ])
 }
 

@@ -20,11 +20,13 @@ const EMPTY_LOG: &str = "PRAGMA wal_checkpoint(TRUNCATE)";
 
 /// What lists say of a worker: `$1` is the number, `$2` the id on the wire, `$3` the time.
 const LISTS: [&str; 6] = [
-    "UPDATE encounters SET worker = -1 WHERE worker = $1",
-    "UPDATE assignments SET worker = NULL WHERE worker = $1",
-    "DELETE FROM events WHERE worker = $1",
-    "DELETE FROM alarms WHERE subject_kind = 'worker' AND subject = $2 AND cleared IS NOT NULL",
-    "UPDATE audit SET actor = 'device of ' || $2 WHERE actor IN (SELECT name FROM tokens WHERE subject = $2)",
+    "UPDATE encounters INDEXED BY encounters_of_worker SET worker = -1 WHERE worker >= 0 AND worker = $1",
+    "UPDATE assignments INDEXED BY assignments_of_worker SET worker = NULL WHERE worker = $1",
+    "DELETE FROM events INDEXED BY events_of_worker WHERE worker = $1",
+    "DELETE FROM alarms INDEXED BY alarms_by_subject \
+     WHERE subject_kind = 'worker' AND subject = $2 AND cleared IS NOT NULL",
+    "UPDATE audit INDEXED BY audit_by_actor SET actor = 'device of ' || $2 \
+     WHERE actor IN (SELECT name FROM tokens WHERE subject = $2)",
     "UPDATE tokens SET name = 'device of ' || $2, revoked = coalesce(revoked, $3) WHERE subject = $2",
 ];
 

@@ -3,10 +3,11 @@
 //! Refuses: names, which others give to ids.
 
 use super::gone::Gone;
+use super::listing::{Arm, Condition, Given, LOOKED_AT, Listing, Reach, TimeStatements, count, first};
 use super::{Store, StoreError};
 use crate::fleet::{
     Assignment, AssignmentQuery, AssignmentRequest, AssignmentRow, AssignmentState, ClientKey, Encounter,
-    EncounterQuery, EncounterRow, Fact, GoneNames, Reaction,
+    EncounterQuery, EncounterRow, Fact, GoneNames, Listed, Reaction,
 };
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, NodeId, RobotId, WorkerId};
@@ -22,12 +23,49 @@ const GIVE: &str = "UPDATE assignments SET worker = $2, updated = $3 WHERE id = 
 const MEET: &str = "INSERT INTO encounters (worker, robot, began, ended, x, y, radius, closest, \
     robot_speed, worker_speed, reaction, delay) \
     VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12)";
-const ASSIGNMENT: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
-    FROM assignments WHERE id = $1";
+/// What is read of assignments, up to their numbers.
 const ASSIGNMENTS: &str = "SELECT id, worker, place, stay, what, key, state, created, updated \
-    FROM assignments WHERE id < ";
+    FROM assignments WHERE id IN (";
+const NEWEST_FIRST: &str = ") ORDER BY id DESC LIMIT ";
+/// The same statements as about jobs.
+const FIRST: &str = "SELECT id FROM assignments INDEXED BY assignments_by_acceptance \
+    WHERE created >= $1 ORDER BY created, id LIMIT 1";
+const FIRST_OF_DAYS: &str = "SELECT min(id) FROM assignments INDEXED BY assignments_of_days \
+    WHERE updated - created > 86400000000 AND updated >= $1";
+const CHANGED: &str = "SELECT count(*) FROM (SELECT 1 FROM assignments INDEXED BY assignments_by_change \
+    WHERE updated >= $1 LIMIT $2)";
+
+/// What is read of encounters, up to their numbers.
 const ENCOUNTERS: &str = "SELECT seq, worker, robot, began, ended, x, y, radius, closest, robot_speed, \
-    worker_speed, reaction, delay FROM encounters WHERE seq < ";
+    worker_speed, reaction, delay FROM encounters WHERE seq IN (";
+const LATEST_FIRST: &str = ") ORDER BY seq DESC LIMIT ";
+/// The first encounter that ended at a time or later: they are recorded as they end.
+const FIRST_ENDED: &str =
+    "SELECT seq FROM encounters INDEXED BY encounters_by_end WHERE ended >= $1 ORDER BY ended, seq LIMIT 1";
+/// The last encounter of more than an hour that began before a time, and one more.
+const LAST_OF_HOURS: &str = "SELECT 1 + max(seq) FROM encounters INDEXED BY encounters_of_hours \
+    WHERE ended - began > 3600000000 AND began < $1";
+/// How many began in a time, or ended at a time or later, as far as that matters.
+const BEGAN: &str = "SELECT count(*) FROM (SELECT 1 FROM encounters INDEXED BY encounters_by_time \
+    WHERE began >= $1 AND began < $2 LIMIT $3)";
+const ENDED: &str =
+    "SELECT count(*) FROM (SELECT 1 FROM encounters INDEXED BY encounters_by_end WHERE ended >= $1 LIMIT $2)";
+
+/// What lasted longer has an index of its own (`encounters_of_hours`).
+const HOUR: Span = Span::from_secs(3600);
+
+/// All states of an assignment.
+const STATES: [AssignmentState; 5] = [
+    AssignmentState::Waiting,
+    AssignmentState::Walking,
+    AssignmentState::Working,
+    AssignmentState::Done,
+    AssignmentState::Cancelled,
+];
+
+/// All reactions of the fleet to a person.
+const REACTIONS: [Reaction; 5] =
+    [Reaction::Kept, Reaction::Slowed, Reaction::Held, Reaction::Rerouted, Reaction::Stopped];
 
 impl Store {
     /// One assignment.
@@ -36,7 +74,7 @@ impl Store {
     /// Where the database does not answer.
     pub async fn assignment(&self, id: AssignmentId) -> Result<Option<AssignmentRow>, StoreError> {
         let Ok(id) = i64::try_from(id.0) else { return Ok(None) };
-        let row = sqlx::query(ASSIGNMENT).bind(id).fetch_optional(&self.readers).await?;
+        let row = one_assignment(id).build().fetch_optional(&self.readers).await?;
         row.map(|row| assignment(&row, &self.gone)).transpose()
     }
 
@@ -44,72 +82,142 @@ impl Store {
     ///
     /// # Errors
     /// Where the database does not answer.
-    pub async fn assignments(&self, q: &AssignmentQuery) -> Result<Vec<AssignmentRow>, StoreError> {
+    pub async fn assignments(
+        &self,
+        q: &AssignmentQuery,
+    ) -> Result<Listed<AssignmentRow, AssignmentId>, StoreError> {
         let before = q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX));
-        let mut query = QueryBuilder::new(ASSIGNMENTS);
-        query.push_bind(before);
-        narrow(
-            &mut query,
-            [
-                (" AND worker = ", q.worker.map(|w| i64::from(w.0))),
-                (" AND place = ", q.place.map(|n| i64::from(n.0))),
-                (" AND updated >= ", q.updated_since.map(|t| t.0)),
-                (" AND created >= ", q.from.map(|t| t.0)),
-                (" AND created < ", q.to.map(|t| t.0)),
-            ],
-        );
-        one_of(&mut query, " AND state IN (", &q.states);
-        query.push(" ORDER BY id DESC LIMIT ").push_bind(q.limit);
-        let rows = query.build().fetch_all(&self.readers).await?;
-        rows.iter().map(|row| assignment(row, &self.gone)).collect()
+        let reach = ASSIGNMENT_TIMES.reach(self, (q.from, q.to, q.updated_since), before).await?;
+        let (rows, rest) = list_assignments(q, &reach).read(&self.readers).await?;
+        let rows = rows.iter().map(|row| assignment(row, &self.gone)).collect::<Result<_, _>>()?;
+        Ok(Listed::cut(rows, q.limit, rest.map(|id| AssignmentId(id.unsigned_abs())), |row| row.id))
     }
 
     /// Some encounters, newest first.
     ///
     /// # Errors
     /// Where the database does not answer.
-    pub async fn encounters(&self, q: &EncounterQuery) -> Result<Vec<EncounterRow>, StoreError> {
-        let mut query = QueryBuilder::new(ENCOUNTERS);
-        query.push_bind(q.before.unwrap_or(i64::MAX));
-        narrow(
-            &mut query,
-            [
-                (" AND worker = ", q.worker.map(|w| i64::from(w.0))),
-                (" AND robot = ", q.robot.map(|r| i64::from(r.0))),
-                (" AND ended >= ", q.updated_since.map(|t| t.0)),
-                (" AND began >= ", q.from.map(|t| t.0)),
-                (" AND began < ", q.to.map(|t| t.0)),
-            ],
-        );
-        one_of(&mut query, " AND reaction IN (", &q.reactions);
-        query.push(" ORDER BY seq DESC LIMIT ").push_bind(q.limit);
-        let rows = query.build().fetch_all(&self.readers).await?;
-        rows.iter().map(encounter).collect()
+    pub async fn encounters(&self, q: &EncounterQuery) -> Result<Listed<EncounterRow, i64>, StoreError> {
+        let (listing, db) = (list_encounters(q, &self.reach(q).await?), &self.readers);
+        let (rows, rest) = listing.read(db).await?;
+        let rows = rows.iter().map(encounter).collect::<Result<_, _>>()?;
+        Ok(Listed::cut(rows, q.limit, rest, |row| row.seq))
     }
-}
 
-/// Adds the conditions whose number is given.
-pub(super) fn narrow<const N: usize>(
-    query: &mut QueryBuilder<Sqlite>,
-    conditions: [(&'static str, Option<i64>); N],
-) {
-    for (condition, number) in conditions {
-        if let Some(number) = number {
-            query.push(condition).push_bind(number);
+    /// What the times of a query leave of the list of encounters.
+    async fn reach(&self, q: &EncounterQuery) -> Result<EncounterReach, StoreError> {
+        let db = &self.readers;
+        let before = q.before.unwrap_or(i64::MAX);
+        let mut reach = Reach { low: i64::MIN, before, is_short: false, is_orderly: self.is_orderly };
+        let span = q.from.map(|from| (from, q.to.unwrap_or(Time::MAX)));
+        let mut range = Vec::new();
+        if let Some((from, to)) = span
+            && count(db, BEGAN, &[from.0, to.0]).await? <= LOOKED_AT
+        {
+            range = vec![("began >= ", from.0), ("began < ", to.0)];
+        } else if let Some(since) = q.updated_since
+            && count(db, ENDED, &[since.0]).await? <= LOOKED_AT
+        {
+            range = vec![("ended >= ", since.0)];
+        } else if self.is_orderly {
+            if let Some(since) = q.from.max(q.updated_since) {
+                reach.low = first(db, FIRST_ENDED, since).await?;
+            }
+            if let Some(to) = q.to {
+                let last: Option<i64> = sqlx::query_scalar(LAST_OF_HOURS).bind(to.0).fetch_one(db).await?;
+                let after = first(db, FIRST_ENDED, to + HOUR).await?;
+                reach.before = before.min(after.max(last.unwrap_or(i64::MIN)));
+            }
         }
+        reach.is_short = !range.is_empty();
+        Ok(EncounterReach { reach, range })
     }
 }
 
-/// Adds that a word is one of these, if there are any.
-pub(super) fn one_of(query: &mut QueryBuilder<Sqlite>, condition: &'static str, words: &[&'static str]) {
-    if words.is_empty() {
-        return;
-    }
-    let mut list = query.push(condition).separated(", ");
-    for word in words {
-        list.push_bind(*word);
-    }
-    query.push(")");
+/// The statements that tell from times which assignments a page may have.
+pub(super) const ASSIGNMENT_TIMES: TimeStatements =
+    TimeStatements { first: FIRST, first_of_days: FIRST_OF_DAYS, changed: CHANGED };
+
+/// One assignment.
+pub(super) fn one_assignment(id: i64) -> QueryBuilder<Sqlite> {
+    let mut query = QueryBuilder::new(ASSIGNMENTS);
+    query.push_bind(id).push(")");
+    query
+}
+
+/// Where a page of assignments comes from; as with jobs.
+pub(super) fn list_assignments(q: &AssignmentQuery, reach: &Reach) -> Listing {
+    let all = STATES.map(|state| state.word());
+    let states = if q.states.is_empty() { &all[..] } else { &q.states };
+    let each = |from, first| Arm::for_each(from, "id", first, ("state", states));
+    let (worker, place) = (q.worker.map(|w| i64::from(w.0)), q.place.map(|n| i64::from(n.0)));
+    let mut rest = q.clone();
+    let arms = if let (Some(since), true) = (q.updated_since, reach.is_short) {
+        rest.updated_since = None;
+        vec![Arm::short("assignments INDEXED BY assignments_by_change", "id", vec![("updated >= ", since.0)])]
+    } else if let Some(worker) = worker {
+        (rest.worker, rest.states) = (None, Vec::new());
+        each("assignments INDEXED BY assignments_of_worker", Some(("worker", worker)))
+    } else if let Some(place) = place {
+        (rest.place, rest.states) = (None, Vec::new());
+        each("assignments INDEXED BY assignments_at_place", Some(("place", place)))
+    } else if !q.states.is_empty() {
+        rest.states = Vec::new();
+        each("assignments INDEXED BY assignments_by_state", None)
+    } else {
+        vec![Arm::of("assignments", "id", Vec::new())]
+    };
+    let numbers = [
+        (" AND worker = ", rest.worker.map(|w| i64::from(w.0))),
+        (" AND place = ", rest.place.map(|n| i64::from(n.0))),
+    ];
+    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| Condition::number(sql, n)));
+    let times = reach.conditions((rest.from, rest.to, rest.updated_since));
+    let states = Condition::one_of(" AND state IN (", &rest.states).into_iter();
+    let conditions = states.chain(times).chain(numbers).collect();
+    reach.listing((ASSIGNMENTS, NEWEST_FIRST), arms, conditions, q.limit + 1)
+}
+
+/// What times leave of the list of encounters; and, where they leave few, which range of an index.
+#[derive(Clone, Debug)]
+pub(super) struct EncounterReach {
+    pub reach: Reach,
+    pub range: Vec<(&'static str, i64)>,
+}
+
+/// Where a page of encounters comes from. They are in the order of their ends; when they began is a condition.
+pub(super) fn list_encounters(
+    q: &EncounterQuery,
+    EncounterReach { reach, range }: &EncounterReach,
+) -> Listing {
+    let mut rest = q.clone();
+    let one = |from, column, number| vec![Arm::of(from, "seq", vec![(column, Given::Number(number))])];
+    let arms = if let Some((column, _)) = range.first() {
+        let from = match column.starts_with("began") {
+            true => "encounters INDEXED BY encounters_by_time",
+            false => "encounters INDEXED BY encounters_by_end",
+        };
+        vec![Arm::short(from, "seq", range.clone())]
+    } else if let Some(worker) = rest.worker.take() {
+        one("encounters INDEXED BY encounters_of_worker", "worker >= 0 AND worker", i64::from(worker.0))
+    } else if let Some(robot) = rest.robot.take() {
+        one("encounters INDEXED BY encounters_of_robot", "robot", i64::from(robot.0))
+    } else if !rest.reactions.is_empty() {
+        let words = std::mem::take(&mut rest.reactions);
+        Arm::for_each("encounters INDEXED BY encounters_by_reaction", "seq", None, ("reaction", &words))
+    } else {
+        vec![Arm::of("encounters", "seq", Vec::new())]
+    };
+    let numbers = [
+        (" AND worker = ", rest.worker.map(|w| i64::from(w.0))),
+        (" AND robot = ", rest.robot.map(|r| i64::from(r.0))),
+        (" AND ended >= ", rest.updated_since.map(|t| t.0)),
+        (" AND began >= ", rest.from.map(|t| t.0)),
+        (" AND began < ", rest.to.map(|t| t.0)),
+    ];
+    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| Condition::number(sql, n)));
+    let words = Condition::one_of(" AND reaction IN (", &rest.reactions).into_iter();
+    reach.listing((ENCOUNTERS, LATEST_FIRST), arms, words.chain(numbers).collect(), q.limit + 1)
 }
 
 /// Writes what a fact means for the lists.
@@ -149,10 +257,9 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
 }
 
 fn assignment(row: &SqliteRow, gone: &Gone) -> Result<AssignmentRow, StoreError> {
-    use AssignmentState::{Cancelled, Done, Waiting, Walking, Working};
     let id: i64 = row.try_get("id")?;
     let word: &str = row.try_get("state")?;
-    let state = [Waiting, Walking, Working, Done, Cancelled].into_iter().find(|s| s.word() == word);
+    let state = STATES.into_iter().find(|s| s.word() == word);
     let state = state.ok_or_else(|| broken("assignment", id, word))?;
     let request = AssignmentRequest {
         place: NodeId(row.try_get("place")?),
@@ -171,10 +278,9 @@ fn assignment(row: &SqliteRow, gone: &Gone) -> Result<AssignmentRow, StoreError>
 }
 
 pub(super) fn encounter(row: &SqliteRow) -> Result<EncounterRow, StoreError> {
-    use Reaction::{Held, Kept, Rerouted, Slowed, Stopped};
     let seq: i64 = row.try_get("seq")?;
     let word: &str = row.try_get("reaction")?;
-    let reaction = [Kept, Slowed, Held, Rerouted, Stopped].into_iter().find(|r| r.word() == word);
+    let reaction = REACTIONS.into_iter().find(|r| r.word() == word);
     let worker: i64 = row.try_get("worker")?;
     let known = u32::try_from(worker).ok();
     let encounter = Encounter {

@@ -8,38 +8,48 @@ use super::events::EVENTS_KEPT;
 use crate::time::{Span, Time};
 use sqlx::sqlite::SqliteConnection;
 
-/// So many rows of each table are deleted at once.
+/// So many steps are deleted at once, and so many events.
 const SLICE: i64 = 200;
+
+/// So many rows of each list: more than come with an append, and few enough not to be noticed where a server was off
+/// for months.
+const FEW: i64 = 50;
 
 /// Steps up to the older of the two snapshots.
 const STEPS: &str = "DELETE FROM steps \
     WHERE seq <= (SELECT seq FROM snapshots ORDER BY seq DESC LIMIT 1 OFFSET 1) \
     AND seq < (SELECT min(seq) FROM steps) + $1";
 
-/// Lists, by what is too old in them.
+/// Lists, by what is too old in them. Each names the index that has the oldest first: where nothing is too old, that is
+/// one look at its first entry.
 const LISTS: [&str; 6] = [
-    "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs \
+    "DELETE FROM jobs WHERE id IN (SELECT id FROM jobs INDEXED BY jobs_over \
      WHERE state IN ('done', 'cancelled', 'failed') AND updated < $2 LIMIT $1)",
-    "DELETE FROM assignments WHERE id IN (SELECT id FROM assignments \
+    "DELETE FROM assignments WHERE id IN (SELECT id FROM assignments INDEXED BY assignments_over \
      WHERE state IN ('done', 'cancelled') AND updated < $2 LIMIT $1)",
-    "DELETE FROM encounters WHERE seq IN (SELECT seq FROM encounters WHERE began < $2 LIMIT $1)",
-    "DELETE FROM alarms WHERE id IN (SELECT id FROM alarms WHERE cleared < $2 LIMIT $1)",
-    "DELETE FROM robot_changes WHERE id IN (SELECT id FROM robot_changes WHERE at < $2 LIMIT $1)",
+    "DELETE FROM encounters WHERE seq IN (SELECT seq FROM encounters INDEXED BY encounters_by_time \
+     WHERE began < $2 LIMIT $1)",
+    "DELETE FROM alarms WHERE id IN (SELECT id FROM alarms INDEXED BY alarms_by_end WHERE cleared < $2 LIMIT $1)",
+    "DELETE FROM robot_changes WHERE id IN (SELECT id FROM robot_changes INDEXED BY robot_changes_by_time \
+     WHERE at < $2 LIMIT $1)",
     "DELETE FROM audit WHERE id IN (SELECT id FROM audit WHERE id < $2 LIMIT $1)",
 ];
 
 /// Who it was, in rows that stay and that are over.
 const PEOPLE: [&str; 3] = [
     "UPDATE encounters SET worker = -1 WHERE seq IN (SELECT seq FROM encounters \
-     WHERE worker >= 0 AND began < $2 LIMIT $1)",
+     INDEXED BY encounters_of_somebody WHERE worker >= 0 AND began < $2 LIMIT $1)",
     "UPDATE assignments SET worker = NULL WHERE id IN (SELECT id FROM assignments \
+     INDEXED BY assignments_of_somebody \
      WHERE worker IS NOT NULL AND state IN ('done', 'cancelled') AND updated < $2 LIMIT $1)",
-    "DELETE FROM alarms WHERE id IN (SELECT id FROM alarms WHERE cleared < $2 AND subject_kind = 'worker' LIMIT $1)",
+    "DELETE FROM alarms WHERE id IN (SELECT id FROM alarms INDEXED BY alarms_of_people \
+     WHERE cleared < $2 AND subject_kind = 'worker' LIMIT $1)",
 ];
 
-/// Events from the first one on, so that none is missing between those that are kept.
-const EVENTS: &str =
-    "DELETE FROM events WHERE seq IN (SELECT seq FROM events WHERE at < $2 ORDER BY seq LIMIT $1)";
+/// Events from the first one on, up to the first that is not too old: none is missing between those that are kept.
+const EVENTS: &str = "DELETE FROM events WHERE seq < (SELECT min(seq) FROM events) + $1 \
+    AND seq < coalesce((SELECT seq FROM events WHERE seq < (SELECT min(seq) FROM events) + $1 AND at >= $2 \
+    ORDER BY seq LIMIT 1), 9223372036854775807)";
 
 /// Deletes some of what is too old `now`: what was over before the last `keep`, who it was before the last `people`,
 /// and steps that no start needs.
@@ -50,10 +60,10 @@ pub(super) async fn tidy(
 ) -> Result<(), sqlx::Error> {
     sqlx::query(STEPS).bind(SLICE).execute(&mut *db).await?;
     for list in LISTS {
-        sqlx::query(list).bind(SLICE).bind((now - keep).0).execute(&mut *db).await?;
+        sqlx::query(list).bind(FEW).bind((now - keep).0).execute(&mut *db).await?;
     }
     for list in PEOPLE {
-        sqlx::query(list).bind(SLICE).bind((now - people).0).execute(&mut *db).await?;
+        sqlx::query(list).bind(FEW).bind((now - people).0).execute(&mut *db).await?;
     }
     sqlx::query(EVENTS)
         .bind(SLICE)

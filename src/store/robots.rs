@@ -11,15 +11,24 @@ use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 
 const NOTE: &str = "INSERT INTO robot_changes (robot, at, what) VALUES ($1, $2, $3)";
-const COUNTS: &str = "SELECT coalesce(sum(state = 'done'), 0), coalesce(sum(state = 'failed'), 0) \
-    FROM jobs WHERE worker = $1";
+const COUNTS: &str = "SELECT done, failed FROM robot_tallies WHERE robot = $1";
+/// Of each list no more than the page has: all are read from the newest on.
 const EVENTS: &str = "SELECT at, source, id, word, text, ended FROM ( \
-    SELECT updated AS at, 1 AS source, id, state AS word, kind AS text, NULL AS ended FROM jobs WHERE worker = $1 \
-    UNION ALL SELECT since, 2, id, kind, text, cleared FROM alarms WHERE subject_kind = 'robot' AND subject = $2 \
-    UNION ALL SELECT at, 3, id, what, NULL, NULL FROM robot_changes WHERE robot = $1 \
-    UNION ALL SELECT at, 3, id, what, NULL, NULL FROM robot_changes WHERE robot IS NULL \
-    UNION ALL SELECT at, 4, seq, new, text, NULL FROM events WHERE kind = 'robot_replanned' AND subject = $1) \
-    WHERE (at, source, id) < ($3, $4, $5) AND at >= $6 AND at < $7 \
+    SELECT * FROM (SELECT updated AS at, 1 AS source, id, state AS word, kind AS text, NULL AS ended \
+    FROM jobs INDEXED BY jobs_by_worker WHERE worker = $1 AND updated <= $3 AND (updated, 1, id) < ($3, $4, $5) \
+    AND updated >= $6 AND updated < $7 ORDER BY updated DESC, id DESC LIMIT $8) \
+    UNION ALL SELECT * FROM (SELECT since, 2, id, kind, text, cleared \
+    FROM alarms INDEXED BY alarms_by_subject WHERE subject_kind = 'robot' AND subject = $2 AND since <= $3 \
+    AND (since, 2, id) < ($3, $4, $5) AND since >= $6 AND since < $7 ORDER BY since DESC, id DESC LIMIT $8) \
+    UNION ALL SELECT * FROM (SELECT at, 3, id, what, NULL, NULL \
+    FROM robot_changes INDEXED BY robot_changes_by_robot WHERE robot = $1 AND at <= $3 \
+    AND (at, 3, id) < ($3, $4, $5) AND at >= $6 AND at < $7 ORDER BY at DESC, id DESC LIMIT $8) \
+    UNION ALL SELECT * FROM (SELECT at, 3, id, what, NULL, NULL \
+    FROM robot_changes INDEXED BY robot_changes_by_robot WHERE robot IS NULL AND at <= $3 \
+    AND (at, 3, id) < ($3, $4, $5) AND at >= $6 AND at < $7 ORDER BY at DESC, id DESC LIMIT $8) \
+    UNION ALL SELECT * FROM (SELECT at, 4, seq, new, text, NULL \
+    FROM events INDEXED BY events_by_subject WHERE kind = 'robot_replanned' AND subject = $1 AND at <= $3 \
+    AND (at, 4, seq) < ($3, $4, $5) AND at >= $6 AND at < $7 ORDER BY seq DESC LIMIT $8)) \
     ORDER BY at DESC, source DESC, id DESC LIMIT $8";
 
 impl Store {
@@ -49,7 +58,8 @@ impl Store {
     /// # Errors
     /// Where the database does not answer.
     pub async fn robot_jobs(&self, robot: RobotId) -> Result<RobotJobCounts, StoreError> {
-        let row = sqlx::query(COUNTS).bind(robot.0).fetch_one(&self.readers).await?;
+        let row = sqlx::query(COUNTS).bind(robot.0).fetch_optional(&self.readers).await?;
+        let Some(row) = row else { return Ok(RobotJobCounts::default()) };
         let (done, failed): (i64, i64) = (row.try_get(0)?, row.try_get(1)?);
         Ok(RobotJobCounts { done: done.unsigned_abs(), failed: failed.unsigned_abs() })
     }

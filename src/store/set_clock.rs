@@ -6,7 +6,7 @@ use super::carry::{CarriedOver, set_frames_aside};
 use super::check::back_up;
 use super::events::NOTE_JOBS;
 use super::opening::free_name;
-use super::{Store, StoreError, ledger_record, steps};
+use super::{SET_BACK, Store, StoreError, ledger_record, steps};
 use crate::fleet::carry::set_back;
 use crate::fleet::{JobState, Ledger};
 use crate::time::{Span, Time};
@@ -23,6 +23,7 @@ const FORGET: [&str; 4] = [
     "DELETE FROM history WHERE start + step > $1",
     "DELETE FROM heat WHERE start + 300000000 > $1",
 ];
+const NOTE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ($1, 'yes')";
 const SNAPSHOT: &str = "INSERT INTO snapshots (seq, at, wire, body) VALUES ($1, $2, $3, $4)";
 
 impl Store {
@@ -83,6 +84,7 @@ impl Store {
         }
         let row = sqlx::query(SNAPSHOT).bind(last).bind(now.0).bind(ledger_record::VERSION).bind(body);
         row.execute(&mut *tx).await?;
+        sqlx::query(NOTE).bind(SET_BACK).execute(&mut *tx).await?;
         tx.commit().await?;
         Ok(Some(CarriedOver { from: new.name.clone(), report, backup: Some(backup) }))
     }

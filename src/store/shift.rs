@@ -12,17 +12,23 @@ use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 
 const ENDED: &str = "SELECT kind, state, station, created, deadline, arrived_at, ended_at FROM jobs \
-    WHERE ended_at >= $1 AND ended_at < $2";
-/// Over a moment of picking, a job is in the list with its end, or is picking still.
+    INDEXED BY jobs_by_end WHERE ended_at >= $1 AND ended_at < $2";
+/// Over a moment of picking, a job is in the list with its end, or is picking still. What ended later than an hour
+/// after the time was picked for longer than an hour, or began after it.
 const PICKING: &str = "SELECT station, sum(min(ended, $2) - max(began, $1)) FROM ( \
-    SELECT station, arrived_at AS began, ended_at AS ended FROM jobs WHERE ended_at > $1 AND arrived_at < $2 \
-    UNION ALL SELECT station, arrived_at, $3 FROM jobs WHERE state = 'picking' AND arrived_at < $2) \
+    SELECT station, arrived_at AS began, ended_at AS ended FROM jobs INDEXED BY jobs_by_end \
+    WHERE ended_at > $1 AND ended_at <= $2 + 3600000000 AND arrived_at < $2 \
+    UNION ALL SELECT station, arrived_at, ended_at FROM jobs INDEXED BY jobs_picked_long \
+    WHERE ended_at - arrived_at > 3600000000 AND ended_at > max($1, $2 + 3600000000) AND arrived_at < $2 \
+    UNION ALL SELECT station, arrived_at, $3 FROM jobs INDEXED BY jobs_by_state \
+    WHERE state = 'picking' AND arrived_at < $2) \
     WHERE station IS NOT NULL AND min(ended, $2) > max(began, $1) GROUP BY station";
-const OVERDUE: &str = "SELECT count(*) FROM jobs WHERE deadline >= $1 AND deadline < $2 \
+const OVERDUE: &str = "SELECT count(*) FROM jobs INDEXED BY jobs_by_deadline WHERE deadline >= $1 AND deadline < $2 \
     AND (ended_at IS NULL OR ended_at >= $2) AND created < $2";
-const ASSIGNMENTS: &str =
-    "SELECT count(*) FROM assignments WHERE state = 'done' AND updated >= $1 AND updated < $2";
-const ENCOUNTERS: &str = "SELECT * FROM encounters WHERE began >= $1 AND began < $2";
+const ASSIGNMENTS: &str = "SELECT count(*) FROM assignments INDEXED BY assignments_by_change \
+    WHERE state = 'done' AND updated >= $1 AND updated < $2";
+const ENCOUNTERS: &str =
+    "SELECT * FROM encounters INDEXED BY encounters_by_time WHERE began >= $1 AND began < $2";
 
 impl Store {
     /// What the lists say about the time from one moment to another; what is not over lasts until `now`.

@@ -353,7 +353,7 @@ async fn a_floor_goes_on_under_every_changed_map_and_its_lists_agree_with_its_le
         let open: Vec<JobId> = run.fleet.ledger().jobs.keys().copied().collect();
         assert!(!open.is_empty(), "it was in the middle of things");
         let all = JobQuery { limit: 1000, ..JobQuery::default() };
-        let rows = store.jobs(&all).await.unwrap();
+        let rows = store.jobs(&all).await.unwrap().rows;
         assert!(rows.iter().all(|row| row.gone == giveway::fleet::GoneNames::default()));
         while open.iter().any(|job| run.fleet.ledger().jobs.contains_key(job)) {
             assert!(next < 60_000, "not done: {open:?}");
@@ -404,7 +404,7 @@ async fn names_that_are_gone_from_the_map_stay_in_the_lists_over_several_changes
         rows.iter().map(|row| (row.id, name(row))).collect::<Vec<_>>()
     };
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let before = named(store.jobs(&all).await.unwrap(), &map());
+    let before = named(store.jobs(&all).await.unwrap().rows, &map());
     store.close().await;
     // No rack keeps its name, except those on robots, which cannot be given up.
     let scenario = Scenario::parse(BUSY).unwrap();
@@ -426,7 +426,7 @@ async fn names_that_are_gone_from_the_map_stay_in_the_lists_over_several_changes
     for suffix in ["-b", "-c", ""] {
         let new = renamed(suffix);
         let store = open(&folder, &new, true).await.unwrap();
-        let rows = store.jobs(&all).await.unwrap();
+        let rows = store.jobs(&all).await.unwrap().rows;
         let gone = rows.iter().filter(|row| row.gone.rack.is_some()).count();
         assert_eq!(gone == 0, suffix.is_empty(), "{gone} rows name what is gone");
         assert_eq!(named(rows, &new), before, "after {suffix:?}");

@@ -174,8 +174,8 @@ async fn health(at: SocketAddr, status: u16) -> String {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_limit_on_the_size_of_files_is_a_full_disk_and_not_the_end() {
     let folder = Folder::new();
-    // The log of a new database alone takes more than 600 kB: each migration writes its pages.
-    let (server, at) = Limited::start(&folder, "ulimit -S -f 800;");
+    // The log of a new database alone takes some 900 kB: each migration writes its pages.
+    let (server, at) = Limited::start(&folder, "ulimit -S -f 1200;");
     let mut acknowledged = Vec::new();
     for i in 0..2000 {
         let answer = post(at, Some(&format!("{i:0200}")), &delivery(i)).await.unwrap();

@@ -64,9 +64,9 @@ fn wishes(step: usize) -> Vec<Input> {
 async fn promised(store: &Store, fleet: &Fleet) -> Value {
     let ledger = fleet.ledger();
     let text = |value: &dyn std::fmt::Debug| format!("{value:?}");
-    let jobs = store.jobs(&JobQuery { limit: 1000, ..JobQuery::default() }).await.unwrap();
+    let jobs = store.jobs(&JobQuery { limit: 1000, ..JobQuery::default() }).await.unwrap().rows;
     let assignments = AssignmentQuery { limit: 1000, ..AssignmentQuery::default() };
-    let assignments = store.assignments(&assignments).await.unwrap();
+    let assignments = store.assignments(&assignments).await.unwrap().rows;
     let place = |r: RobotId| json!([ledger.robots[r].name, ledger.warehouse().nodes[ledger.node_of(r)].name]);
     let keys = ["first", "second", "third", "fourth", "unknown"]
         .map(|key| ledger.keys.get(&key.into()).map(|job| job.0));

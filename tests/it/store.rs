@@ -244,7 +244,7 @@ async fn lists_about_people_follow_the_facts() {
     store.append(1, &entries(facts.clone())).await.unwrap();
     store.append(1, &entries(facts.clone())).await.unwrap();
     let all = AssignmentQuery { limit: 10, ..AssignmentQuery::default() };
-    let rows = store.assignments(&all).await.unwrap();
+    let rows = store.assignments(&all).await.unwrap().rows;
     let states: Vec<_> = rows.iter().rev().map(|row| row.assignment.state).collect();
     assert_eq!(states, ASSIGNMENT_STATES);
     let Fact::Assigned { request, worker, .. } = &facts[4] else { panic!("the first assignment") };
@@ -253,19 +253,19 @@ async fn lists_about_people_follow_the_facts() {
     assert_eq!((&first.assignment.request, first.assignment.worker), (request, *worker));
     assert_eq!((first.assignment.accepted, first.updated), (at, at + Span(1)));
     let others = AssignmentQuery { worker: Some(WorkerId(9)), ..all.clone() };
-    assert_eq!(store.assignments(&others).await.unwrap(), []);
+    assert_eq!(store.assignments(&others).await.unwrap().rows, []);
     let done = AssignmentQuery { states: vec!["done"], ..all };
-    assert_eq!(store.assignments(&done).await.unwrap()[0].id, AssignmentId(4));
+    assert_eq!(store.assignments(&done).await.unwrap().rows[0].id, AssignmentId(4));
 
     let all = EncounterQuery { limit: 10, ..EncounterQuery::default() };
-    let rows = store.encounters(&all).await.unwrap();
+    let rows = store.encounters(&all).await.unwrap().rows;
     let met: Vec<_> = rows.iter().rev().map(|row| Fact::Encountered(row.encounter.clone())).collect();
     let expected: Vec<_> = facts.iter().filter(|f| matches!(f, Fact::Encountered(_))).cloned().collect();
     assert_eq!(met, expected, "each once");
     let later = EncounterQuery { from: Some(at + Span(1)), ..all.clone() };
-    assert_eq!(store.encounters(&later).await.unwrap(), []);
+    assert_eq!(store.encounters(&later).await.unwrap().rows, []);
     let before = EncounterQuery { before: Some(rows[2].seq), ..all };
-    assert_eq!(store.encounters(&before).await.unwrap(), rows[3..]);
+    assert_eq!(store.encounters(&before).await.unwrap().rows, rows[3..]);
 }
 
 /// Steps of three facts each.
@@ -332,15 +332,15 @@ async fn what_was_appended_is_loaded_and_projected() {
     assert_eq!(row.job.state, JobState::Failed(JobFailure::Predecessor(JobId(7))));
     assert_eq!(row.robot, Some(RobotId(2)), "the last one at work on it");
     let failed = JobQuery { states: vec!["failed"], limit: 10, ..JobQuery::default() };
-    assert_eq!(store.jobs(&failed).await.unwrap().len(), 1);
+    assert_eq!(store.jobs(&failed).await.unwrap().rows.len(), 1);
     let older = JobQuery { before: Some(JobId(3)), limit: 10, ..JobQuery::default() };
-    let ids: Vec<_> = store.jobs(&older).await.unwrap().iter().map(|row| row.id).collect();
+    let ids: Vec<_> = store.jobs(&older).await.unwrap().rows.iter().map(|row| row.id).collect();
     assert_eq!(ids, [JobId(2), JobId(1)]);
     assert_eq!(store.count_jobs().await.unwrap(), (7, 6));
     let named = JobQuery { reference: Some("order 4711".into()), limit: 10, ..JobQuery::default() };
-    assert_eq!(store.jobs(&named).await.unwrap().len(), 7);
+    assert_eq!(store.jobs(&named).await.unwrap().rows.len(), 7);
     let labelled = JobQuery { label: Some(("wave".into(), "2".into())), limit: 10, ..JobQuery::default() };
-    let ids: Vec<_> = store.jobs(&labelled).await.unwrap().iter().map(|row| row.id).collect();
+    let ids: Vec<_> = store.jobs(&labelled).await.unwrap().rows.iter().map(|row| row.id).collect();
     assert_eq!(ids, [JobId(3)]);
 }
 

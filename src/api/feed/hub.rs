@@ -162,6 +162,14 @@ struct WorkerSlot {
     carried: CarriedSenses,
 }
 
+impl WorkerSlot {
+    fn new(name: String) -> WorkerSlot {
+        let (taken, told) = (watch::Sender::new(0), watch::Sender::new(Told::default()));
+        let (feed, epoch, marks, reports) = (None, 0, Vec::new(), Default::default());
+        WorkerSlot { name, feed, epoch, marks, reports, taken, told, carried: CarriedSenses::default() }
+    }
+}
+
 /// All feeds.
 #[derive(Debug)]
 pub struct Feeds {
@@ -187,25 +195,27 @@ impl Feeds {
         (Feeds { inbox, slots: Mutex::default() }, heard)
     }
 
-    /// Makes workers known, by number.
+    /// Makes workers known, by number. Nothing of one who is forgotten stays for the next one of this number: a
+    /// connection that is still there is told that another one has its place.
     pub fn know(&self, names: &IdVec<WorkerId, String>) {
         let mut slots = self.slots();
-        for name in names.iter().skip(slots.len()) {
-            let (taken, told) = (watch::Sender::new(0), watch::Sender::new(Told::default()));
-            let (name, carried) = (name.clone(), CarriedSenses::default());
-            let (feed, epoch, marks, reports) = (None, 0, Vec::new(), Default::default());
-            slots.push(WorkerSlot { name, feed, epoch, marks, reports, taken, told, carried });
+        for (worker, name) in names.pairs() {
+            match slots.get(worker).map(|slot| slot.name == *name) {
+                Some(true) => {}
+                Some(false) => slots[worker] = WorkerSlot::new(name.clone()),
+                None => _ = slots.push(WorkerSlot::new(name.clone())),
+            }
         }
     }
 
-    /// All workers' names, by number.
+    /// All workers' names, by number; empty where a place is free.
     pub fn names(&self) -> Vec<String> {
         self.slots().iter().map(|s| s.name.clone()).collect()
     }
 
     /// A worker's name.
     pub fn name(&self, worker: WorkerId) -> Option<String> {
-        self.slots().get(worker).map(|s| s.name.clone())
+        self.slots().get(worker).map(|s| s.name.clone()).filter(|name| !name.is_empty())
     }
 
     /// The worker with this name.

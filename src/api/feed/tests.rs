@@ -10,7 +10,7 @@ use crate::api::{
 };
 use crate::fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
-    JobQuery, JobRow, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows, View,
+    JobQuery, JobRow, Listed, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows, View,
 };
 use crate::geometry::Point;
 use crate::human::{SightingOutcome, Track};
@@ -38,17 +38,20 @@ impl Records for Nothing {
     fn job(&self, _: JobId) -> Later<'_, Result<Option<JobRow>, String>> {
         Box::pin(async { Ok(None) })
     }
-    fn jobs(&self, _: JobQuery) -> Later<'_, Result<Vec<JobRow>, String>> {
-        Box::pin(async { Ok(Vec::new()) })
+    fn jobs(&self, _: JobQuery) -> Later<'_, Result<Listed<JobRow, JobId>, String>> {
+        Box::pin(async { Ok(Listed { rows: Vec::new(), next: None }) })
     }
     fn assignment(&self, _: AssignmentId) -> Later<'_, Result<Option<AssignmentRow>, String>> {
         Box::pin(async { Ok(None) })
     }
-    fn assignments(&self, _: AssignmentQuery) -> Later<'_, Result<Vec<AssignmentRow>, String>> {
-        Box::pin(async { Ok(Vec::new()) })
+    fn assignments(
+        &self,
+        _: AssignmentQuery,
+    ) -> Later<'_, Result<Listed<AssignmentRow, AssignmentId>, String>> {
+        Box::pin(async { Ok(Listed { rows: Vec::new(), next: None }) })
     }
-    fn encounters(&self, _: EncounterQuery) -> Later<'_, Result<Vec<EncounterRow>, String>> {
-        Box::pin(async { Ok(Vec::new()) })
+    fn encounters(&self, _: EncounterQuery) -> Later<'_, Result<Listed<EncounterRow, i64>, String>> {
+        Box::pin(async { Ok(Listed { rows: Vec::new(), next: None }) })
     }
     fn robot_events(&self, _: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>> {
         Box::pin(async { Ok(Vec::new()) })

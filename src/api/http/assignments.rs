@@ -282,12 +282,9 @@ fn read_query(api: &Api, p: &AssignmentParams) -> Result<AssignmentQuery, Proble
 }
 
 async fn list(api: &Api, query: AssignmentQuery) -> Result<Json<Page<AssignmentDto>>, Problem> {
-    let (limit, query) = (query.limit, AssignmentQuery { limit: query.limit + 1, ..query });
-    let mut rows = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?;
-    let more = rows.len() > limit as usize;
-    rows.truncate(limit as usize);
-    let next = rows.last().filter(|_| more).map(|row| assignment_name(row.id));
-    Ok(Json(Page { items: rows.iter().map(|row| dto(api, row)).collect(), next }))
+    let page = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let items = page.rows.iter().map(|row| dto(api, row)).collect();
+    Ok(Json(Page { items, next: page.next.map(assignment_name) }))
 }
 
 fn parse_id(text: &str) -> Result<AssignmentId, Problem> {

@@ -11,7 +11,7 @@ use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Params, read_time};
 use crate::api::people::EncounterDto;
 use crate::api::words::ReactionDto;
-use crate::fleet::EncounterQuery;
+use crate::fleet::{EncounterQuery, Listed};
 use axum::Json;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
@@ -69,11 +69,10 @@ pub async fn list(
         None if table => LONGEST_TABLE,
         limit => checked_limit(limit, 50)?,
     };
-    let filter = EncounterQuery { limit: limit + 1, ..filter(&api, &p)? };
-    let mut rows = api.records.encounters(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
-    let more = rows.len() > limit as usize;
-    rows.truncate(limit as usize);
-    let next = rows.last().filter(|_| more).map(|row| row.seq.to_string());
+    let filter = EncounterQuery { limit, ..filter(&api, &p)? };
+    let page = api.records.encounters(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let Listed { rows, next } = page;
+    let next = next.map(|seq| seq.to_string());
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
     let items: Vec<EncounterDto> = rows.iter().map(|row| names.encounter(row)).collect();

@@ -7,14 +7,14 @@ use super::lists::{checked_limit, named, read_words};
 use super::new_job::{NewJob, robot_named};
 use crate::api::Api;
 use crate::api::called::Called;
-use crate::api::dto::{JOB_STATES, JobDto, Names, Page};
+use crate::api::dto::{JobDto, Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_time};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{job_name, parse_job_name};
 use crate::api::words::JobStateDto;
-use crate::fleet::{JobChange, JobQuery, JobRequest, JobRow, Reply};
+use crate::fleet::{JOB_STATES, JobChange, JobQuery, JobRequest, JobRow, Listed, Reply};
 use crate::id::JobId;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
@@ -83,11 +83,10 @@ pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<J
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
-    let filter = JobQuery { reference: p.reference, label, before, limit: limit + 1, ..filter };
-    let mut rows = api.records.jobs(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
-    let more = rows.len() > limit as usize;
-    rows.truncate(limit as usize);
-    let next = rows.last().filter(|_| more).map(|row| job_name(row.id));
+    let filter = JobQuery { reference: p.reference, label, before, limit, ..filter };
+    let page = api.records.jobs(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let Listed { rows, next } = page;
+    let next = next.map(job_name);
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
     Ok(Json(Page { items: rows.iter().map(|row| names.job(row)).collect(), next }))

@@ -2,11 +2,13 @@
 //!
 //! Main type: [`PersonDto`]. Refuses: to erase a person who is on the floor or has something to do.
 
+use super::halt::done;
 use super::lists::{Paging, page};
 use crate::api::called::Called;
 use crate::api::dto::Page;
 use crate::api::error::Problem;
 use crate::api::extract::{Params, PathPart};
+use crate::api::port::What;
 use crate::api::text::{assignment_name, time_text, worker_name};
 use crate::fleet::{AssignmentQuery, AssignmentState, Presence};
 use crate::id::{Dense, WorkerId};
@@ -46,35 +48,35 @@ pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json
 }
 
 /// Erase a person: the name is forgotten, and who it was is taken out of encounters, assignments, events and alarms.
-/// Tokens of the person's devices are revoked. If the person is registered again, it is under another pseudonym.
+/// Tokens of the person's devices are revoked. If the person is registered again, it is under another pseudonym. The
+/// place is free for another worker, who gets this id when there are no others.
 #[utoipa::path(delete, path = "/v1/people/{id}", tag = "people", operation_id = "erasePerson",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 204, description = "Erased, and that is durable"),
-    (status = 404, description = "There is no such worker, or its name is not kept", body = Problem,
+    (status = 404, description = "There is no such worker", body = Problem,
      content_type = "application/problem+json"),
     (status = 409, description = "The person is on the floor, or has something to do", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn erase(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     api.queue()?;
     let worker = api.feeds.worker(&id)?;
-    let person = api.feeds.name(worker).and_then(|pseudonym| api.pseudonyms.person(&pseudonym));
-    let person = person.ok_or_else(|| {
-        let detail = format!("no name is kept of {id}: the person was erased, or is older than pseudonyms");
-        Problem::unknown("person", detail)
-    })?;
     let seen = api.moment().view.workers.get(worker.ix()).map(|w| w.presence);
     if seen.is_some_and(|presence| presence != Presence::Absent) {
         let detail = format!("{id} is on the floor: wait until the person has left, or clear a lost worker");
         return Err(Problem::conflict("on-floor", "The person is on the floor", detail));
     }
-    let query = AssignmentQuery { worker: Some(worker), limit: 500, ..AssignmentQuery::default() };
-    let all = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?;
-    let is_open = |state| !matches!(state, AssignmentState::Done | AssignmentState::Cancelled);
-    if let Some(open) = all.iter().find(|row| is_open(row.assignment.state)) {
+    let open = [AssignmentState::Waiting, AssignmentState::Walking, AssignmentState::Working];
+    let states = open.map(|state| state.word()).into();
+    let query = AssignmentQuery { worker: Some(worker), states, limit: 1, ..AssignmentQuery::default() };
+    let open = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?.rows;
+    if let Some(open) = open.first() {
         let detail = format!("{id} has the assignment {}: cancel it first", assignment_name(open.id));
         return Err(Problem::conflict("assigned", "The person has something to do", detail));
     }
-    let erased = api.pseudonyms.erase(&person.pseudonym, Some(worker)).await;
+    // Also where no name is kept: the person was erased by an earlier Giveway, which kept the place, or is older than
+    // pseudonyms.
+    let pseudonym = api.feeds.name(worker).unwrap_or_default();
+    let erased = api.pseudonyms.erase(&pseudonym, Some(worker)).await;
     erased.map_err(|why| Problem::unavailable(why, 2))?;
-    Ok(StatusCode::NO_CONTENT)
+    done(&api, What::Forget(worker)).await
 }

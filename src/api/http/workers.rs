@@ -117,6 +117,7 @@ pub async fn list(
     };
     let mut workers: Vec<(WorkerId, String)> =
         api.feeds.names().into_iter().enumerate().map(|(i, name)| (WorkerId::at(i), name)).collect();
+    workers.retain(|(_, name)| !name.is_empty());
     if api.caller.role == Role::Device {
         workers.retain(|(id, _)| api.caller.subject.as_deref() == Some(&worker_name(*id)));
     }

@@ -148,6 +148,8 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         Fact::StationResumed { station, .. } => FloorEvent::of(Station, Some(station.0.into()), "resumed"),
         Fact::Evacuated { .. } => FloorEvent::of(Fleet, None, "evacuation_began"),
         Fact::EvacuationEnded { .. } => FloorEvent::of(Fleet, None, "evacuation_ended"),
+        // Nothing is to be said of one who is forgotten.
+        Fact::WorkerRegistered { name, .. } if name.is_empty() => return None,
         Fact::WorkerRegistered { worker: w, .. } => worker(w, "registered"),
         Fact::WorkerNoted { worker: w, .. } => worker(w, "on_floor"),
         Fact::WorkerNarrowed { worker: w, .. } => worker(w, "lost_near"),

@@ -10,6 +10,31 @@ use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerI
 use crate::time::Time;
 use std::collections::BTreeMap;
 
+/// The words for the states of a job, in order of life.
+pub const JOB_STATES: [&str; 7] =
+    ["waiting", "assigned", "carrying", "picking", "done", "cancelled", "failed"];
+
+/// A page of a list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Listed<T, I> {
+    /// Its rows. There may be fewer than were asked for, or none, though the list goes on: a page looks at no more than
+    /// so many rows that the filters leave out.
+    pub rows: Vec<T>,
+    /// The list goes on with what is before this; nothing where it ends.
+    pub next: Option<I>,
+}
+
+impl<T, I> Listed<T, I> {
+    /// Makes a page of rows, one more than it may have if there are so many. Where there are not, the list goes on
+    /// before `rest`.
+    pub fn cut(mut rows: Vec<T>, limit: u32, rest: Option<I>, id: impl Fn(&T) -> I) -> Listed<T, I> {
+        let is_full = rows.len() > limit as usize;
+        rows.truncate(limit as usize);
+        let next = if is_full { rows.last().map(id) } else { rest };
+        Listed { rows, next }
+    }
+}
+
 /// A job as it is listed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JobRow {

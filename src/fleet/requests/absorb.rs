@@ -72,7 +72,7 @@ impl Intake<'_> {
                 };
                 self.core.out.replies.push(reply);
             }
-            Input::Sighted(s) if s.worker.ix() < self.core.ledger.workers.len() => {
+            Input::Sighted(s) if self.core.ledger.knows(s.worker) => {
                 self.heard.people.push(WorkerInput::Seen(s));
             }
             Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),

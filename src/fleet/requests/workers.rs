@@ -34,6 +34,7 @@ impl Intake<'_> {
             Input::EndSeries { token, series } => (token, self.end_series(token, series, now)),
             Input::Evacuate { token } => (token, self.evacuate(token, now)),
             Input::EndEvacuation { token } => (token, self.end_evacuation(token, now)),
+            Input::ForgetWorker { token, worker } => (token, self.forget_worker(token, worker, now)),
             Input::ClearWorker { token, worker, by } => (token, self.clear_worker(token, worker, by, now)),
             Input::SignedOff { token, worker } => (token, self.sign_off(token, worker)),
             Input::NarrowWorker { token, worker, by, at, within_mm } => {
@@ -62,12 +63,31 @@ impl Intake<'_> {
         if let Some(worker) = known {
             return Ok(Reply::WorkerRegistered { token, worker, new: false });
         }
-        if self.core.ledger.workers.len() >= self.core.settings.workers_max {
-            return Err(Refusal::TooMany(Bounded::Workers, self.core.ledger.workers.len()));
-        }
-        let worker = WorkerId::at(self.core.ledger.workers.len());
+        let workers = &self.core.ledger.workers;
+        // As long as there are others, nobody gets the number of somebody who has gone.
+        let worker = if workers.len() < self.core.settings.workers_max {
+            WorkerId::at(workers.len())
+        } else {
+            let free = workers.pairs().find(|(_, name)| name.is_empty()).map(|(worker, _)| worker);
+            free.ok_or(Refusal::TooMany(Bounded::Workers, workers.len()))?
+        };
         self.core.record(Fact::WorkerRegistered { worker, name, at: now });
         Ok(Reply::WorkerRegistered { token, worker, new: true })
+    }
+
+    /// Whoever calls this has seen to it that no list says any more who it was.
+    fn forget_worker(&mut self, token: u64, worker: WorkerId, now: Time) -> Result<Reply, Refusal> {
+        let ledger = &self.core.ledger;
+        if !ledger.knows(worker) {
+            return Err(Refusal::UnknownWorker(worker));
+        }
+        let is_assigned = ledger.assignments.values().any(|a| a.worker == Some(worker));
+        if is_assigned || ledger.on_floor.contains_key(&worker) {
+            return Err(Refusal::WorkerBusy(worker));
+        }
+        self.heard.people.push(WorkerInput::Cleared(worker));
+        self.core.record(Fact::WorkerRegistered { worker, name: String::new(), at: now });
+        Ok(Reply::Done { token })
     }
 
     fn assign(
@@ -80,7 +100,7 @@ impl Intake<'_> {
         if let Some(id) = request.key.as_ref().and_then(|k| self.core.ledger.assignment_keys.get(k)) {
             return Ok(Reply::Assigned { token, assignment: *id, new: false });
         }
-        if let Some(worker) = worker.filter(|w| self.core.ledger.workers.get(*w).is_none()) {
+        if let Some(worker) = worker.filter(|w| !self.core.ledger.knows(*w)) {
             return Err(Refusal::UnknownWorker(worker));
         }
         self.check_walkable(request.place)?;
@@ -210,7 +230,7 @@ impl Intake<'_> {
         by: String,
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if self.core.ledger.workers.get(worker).is_none() {
+        if !self.core.ledger.knows(worker) {
             return Err(Refusal::UnknownWorker(worker));
         }
         self.heard.people.push(WorkerInput::Cleared(worker));
@@ -219,7 +239,7 @@ impl Intake<'_> {
     }
 
     fn sign_off(&mut self, token: u64, worker: WorkerId) -> Result<Reply, Refusal> {
-        if self.core.ledger.workers.get(worker).is_none() {
+        if !self.core.ledger.knows(worker) {
             return Err(Refusal::UnknownWorker(worker));
         }
         self.heard.people.push(WorkerInput::SignedOff(worker));
@@ -235,7 +255,7 @@ impl Intake<'_> {
         (at, within_mm): (Spot, i64),
         now: Time,
     ) -> Result<Reply, Refusal> {
-        if self.core.ledger.workers.get(worker).is_none() {
+        if !self.core.ledger.knows(worker) {
             return Err(Refusal::UnknownWorker(worker));
         }
         if !self.lost.contains(&worker) {

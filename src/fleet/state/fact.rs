@@ -148,11 +148,12 @@ pub enum Fact {
         /// When.
         at: Time,
     },
-    /// A worker is known from now on. Workers are numbered in order of joining.
+    /// A worker is known from now on, or, where the name is empty, no longer. Workers are numbered in order of joining;
+    /// when there are as many numbers as there may be, those of workers who have gone are given again.
     WorkerRegistered {
-        /// The new number.
+        /// The number.
         worker: WorkerId,
-        /// The name.
+        /// The name; empty where the place is free.
         name: String,
         /// When.
         at: Time,

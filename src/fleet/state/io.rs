@@ -105,6 +105,13 @@ pub enum Input {
         /// The name; a known one is no second worker.
         name: String,
     },
+    /// A worker is not to be known any more: the place is free for another one.
+    ForgetWorker {
+        /// Comes back with the reply.
+        token: u64,
+        /// The worker, who is not on the floor and has nothing to do.
+        worker: WorkerId,
+    },
     /// A worker has left the floor, or a supervisor vouches that nobody is where one was lost.
     ClearWorker {
         /// Comes back with the reply.
@@ -257,6 +264,7 @@ impl Input {
             | Input::SubmitBatch { token, .. }
             | Input::Cancel { token, .. }
             | Input::RegisterWorker { token, .. }
+            | Input::ForgetWorker { token, .. }
             | Input::ClearWorker { token, .. }
             | Input::NarrowWorker { token, .. }
             | Input::SignedOff { token, .. }

@@ -74,6 +74,8 @@ pub enum Refusal {
     TooManyCorners(usize),
     /// No worker has this number.
     UnknownWorker(WorkerId),
+    /// The worker is on the floor, or has something to do: the place is not free.
+    WorkerBusy(WorkerId),
     /// The worker is seen, or not on the floor: nobody has to vouch for the place.
     NotLost(WorkerId),
     /// Nobody can stand there, or so near to it that it would narrow anything.

@@ -53,6 +53,37 @@ fn one_worker_too_many_is_refused_and_a_known_one_is_not() {
 }
 
 #[test]
+fn a_worker_who_is_forgotten_frees_a_place_and_numbers_are_given_again_only_when_there_are_no_others() {
+    let mut fleet = limited(|s| s.workers_max = 3);
+    let hire = |name: &str| Input::RegisterWorker { token: 1, name: name.into() };
+    let forget = |n: u32| Input::ForgetWorker { token: 1, worker: crate::id::WorkerId(n) };
+    let names = |fleet: &Fleet| fleet.ledger().workers.iter().cloned().collect::<Vec<_>>();
+    assert_eq!(refusals(&mut fleet, vec![hire("anna"), hire("ben"), forget(0), hire("carl")]), [None; 4]);
+    assert_eq!(names(&fleet), ["", "ben", "carl"]);
+    let why = refusals(&mut fleet, vec![forget(0), hire("dora"), hire("emil"), forget(1), hire("emil")]);
+    let unknown = Some(Refusal::UnknownWorker(crate::id::WorkerId(0)));
+    let full = Some(Refusal::TooMany(Bounded::Workers, 3));
+    assert_eq!(why, [unknown, None, full, None, None]);
+    assert_eq!(names(&fleet), ["dora", "emil", "carl"]);
+    let loaded = Fleet::resume(fleet.ledger().clone(), fleet.settings().clone(), std::iter::empty());
+    assert_eq!(names(&loaded), ["dora", "emil", "carl"]);
+}
+
+#[test]
+fn a_worker_who_has_something_to_do_or_is_on_the_floor_is_not_forgotten() {
+    let mut fleet = limited(|_| ());
+    let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];
+    let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
+    let anna = crate::id::WorkerId(0);
+    let hire = Input::RegisterWorker { token: 1, name: "anna".into() };
+    let assign = Input::Assign { token: 1, worker: Some(anna), request };
+    let forget = || Input::ForgetWorker { token: 1, worker: anna };
+    let take_back = Input::Unassign { token: 1, assignment: crate::id::AssignmentId(1) };
+    let why = refusals(&mut fleet, vec![hire, assign, forget(), take_back, forget()]);
+    assert_eq!(why, [None, None, Some(Refusal::WorkerBusy(anna)), None, None]);
+}
+
+#[test]
 fn one_assignment_too_many_is_refused_until_another_is_over() {
     let mut fleet = limited(|s| s.assignments_max = 1);
     let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];

@@ -115,3 +115,17 @@ fn it_ends_after_its_last_occurrence_and_what_cannot_recur_is_refused() {
     let refused = step(&mut floor, at(3 * HOUR), vec![Input::Recur { token: 5, closure: too_long }]);
     assert_eq!(refused, [Reply::Refused { token: 5, why: Refusal::Recurrence }]);
 }
+
+#[test]
+fn one_series_too_many_is_refused_until_another_is_ended() {
+    let settings = Settings { series_max: 2, ..Settings::default() };
+    let mut fleet = Fleet::new(Arc::new(lab()), settings);
+    let recur = || Input::Recur { token: 1, closure: hourly(Time::MAX) };
+    let mut said = |inputs: Vec<Input>| -> Vec<bool> {
+        let replies = fleet.step(at(1), inputs).replies;
+        replies.iter().map(|reply| matches!(reply, Reply::Refused { .. })).collect()
+    };
+    assert_eq!(said(vec![recur(), recur(), recur()]), [false, false, true]);
+    let end = Input::EndSeries { token: 1, series: SeriesId(1) };
+    assert_eq!(said(vec![end, recur(), recur()]), [false, false, true]);
+}

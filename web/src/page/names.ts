@@ -10,6 +10,7 @@ export class PeopleNames {
   #api: Pick<Api, 'people'>;
   #who: () => Promise<Who>;
   #now: () => number;
+  /** By pseudonym: in a recording, the id of a worker may be that of somebody who has gone since. */
   #names: ReadonlyMap<string, string> = new Map();
   /** Whether nothing says yet that this browser may not see names. */
   #may = true;
@@ -28,12 +29,12 @@ export class PeopleNames {
   shown(mirror: Mirror): Mirror {
     const { workers } = mirror;
     if (workers.rows.length === 0) return mirror;
-    const isKnown = workers.rows.every(({ id }) => this.#names.has(id));
+    const isKnown = workers.rows.every(({ name }) => name === '' || this.#names.has(name));
     const age = this.#now() - this.#askedAt;
     if (this.#may && !this.#asking && age > (isKnown ? FRESH_MS : AGAIN_MS)) void this.#ask();
     if (this.#names.size === 0) return mirror;
     if (this.#last?.from !== workers) {
-      const rows = workers.rows.map((worker) => ({ ...worker, name: this.#names.get(worker.id) ?? worker.name }));
+      const rows = workers.rows.map((worker) => ({ ...worker, name: this.#names.get(worker.name) ?? worker.name }));
       this.#last = { from: workers, shown: { ...workers, rows } };
     }
     return { ...mirror, workers: this.#last.shown };
@@ -55,7 +56,7 @@ export class PeopleNames {
       const answer: Awaited<ReturnType<Api['people']>> = await this.#api.people(cursor);
       if (answer.kind === 'refused') this.#may = false;
       if (answer.kind !== 'ok') break;
-      for (const person of answer.value.items) names.set(person.id, person.name);
+      for (const person of answer.value.items) names.set(person.pseudonym, person.name);
       cursor = answer.value.next;
       if (cursor === null) [this.#names, this.#last] = [names, null];
     } while (cursor !== null);

@@ -46,8 +46,12 @@ impl Ledger {
                 assignments.iter().for_each(|assignment| self.promises.assignment_keys.forget(*assignment));
             }
             Fact::WorkerRegistered { worker, name, .. } => {
-                let id = self.promises.workers.push(name.clone());
-                assert_eq!(id, *worker, "workers are numbered in order");
+                if self.promises.workers.get(*worker).is_some() {
+                    self.promises.workers[*worker].clone_from(name);
+                } else {
+                    let id = self.promises.workers.push(name.clone());
+                    assert_eq!(id, *worker, "workers are numbered in order");
+                }
             }
             Fact::WorkerNoted { worker, place } | Fact::WorkerNarrowed { worker, place, .. } => {
                 self.promises.on_floor.insert(*worker, *place);

@@ -191,6 +191,11 @@ pub struct Sums {
 }
 
 impl Ledger {
+    /// Whether a worker has this number: not everybody who ever had it has left for good.
+    pub fn knows(&self, worker: WorkerId) -> bool {
+        self.promises.workers.get(worker).is_some_and(|name| !name.is_empty())
+    }
+
     /// The building.
     pub fn warehouse(&self) -> &Arc<Warehouse> {
         self.timeline.warehouse()

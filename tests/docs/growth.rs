@@ -1,0 +1,194 @@
+//! Everything that can grow has a limit and something that gives room again: one list, of which docs/operate.md has a
+//! table, and a test for each row that fills it and sees room given back.
+//!
+//! Nothing can be left out: each table of the database and each file of the server that makes a queue belongs to a row.
+
+use super::{read, root};
+use std::collections::BTreeSet;
+
+/// A row of the table in docs/operate.md: what it is called there; the file, the name and the value of its limit, or
+/// nothing
+/// where time alone limits it; the tables that have it; the files that make its queues; the test that fills it.
+type Grows = (
+    &'static str,
+    Option<(&'static str, &'static str, &'static str)>,
+    &'static [&'static str],
+    &'static [&'static str],
+    &'static str,
+);
+
+const SETTINGS: &str = "src/fleet/state/settings.rs";
+
+/// No test fills these yet.
+const UNFILLED: [&str; 9] = [
+    "cancelled and failed jobs that are remembered for jobs to come `after` them",
+    "poses that wait for the loop",
+    "tokens",
+    "webhooks",
+    "kinds of robots that were added",
+    "names that the map no longer has",
+    "bookmarks of an hour",
+    "streams of events, readers of the live feed",
+    "questions, trials and changes of kinds that wait",
+];
+
+#[rustfmt::skip]
+const ALL: [Grows; 29] = [
+    ("jobs that are not over", Some((SETTINGS, "waiting_max", "100_000")), &[], &[],
+        "one_job_too_many_is_refused_and_one_that_comes_after_too_many"),
+    ("assignments that are not over", Some((SETTINGS, "assignments_max", "10_000")), &[], &[],
+        "one_assignment_too_many_is_refused_until_another_is_over"),
+    ("robots that have joined", Some((SETTINGS, "robots_max", "10_000")), &["robot_tallies"], &[],
+        "no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit"),
+    ("workers who are known", Some((SETTINGS, "workers_max", "1_000")), &["people"], &[],
+        "a_worker_who_is_forgotten_frees_a_place_and_numbers_are_given_again_only_when_there_are_no_others"),
+    ("closures announced, in force, or over for less than a day", Some((SETTINGS, "closures_max", "2_000")), &[], &[],
+        "one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_many_corners"),
+    ("recurring closures", Some((SETTINGS, "series_max", "100")), &[], &[],
+        "one_series_too_many_is_refused_until_another_is_ended"),
+    (UNFILLED[0], Some(("src/fleet/state/index/mod.rs", "BAD_ENDS_MAX", "100_000")), &[], &[], ""),
+    ("keys of jobs and assignments", None, &[], &[],
+        "the_memory_of_keys_is_bounded_and_no_step_forgets_many"),
+    ("answers to other requests with a key", None, &["answers"], &[],
+        "answers_are_forgotten_after_seven_days"),
+    ("lists of jobs, assignments, encounters, changes of robots, and the audit", None,
+        &["jobs", "job_labels", "assignments", "encounters", "robot_changes", "audit"], &[],
+        "what_is_over_leaves_the_lists_after_the_days_of_the_settings_in_slices"),
+    ("events", None, &["events"], &[],
+        "events_are_forgotten_after_a_week_from_the_first_on"),
+    ("alarms that are active", Some(("src/alarm/register.rs", "MOST_ACTIVE", "500")), &[], &[],
+        "there_are_never_more_than_so_many_and_the_worst_have_room"),
+    ("alarms that are over", Some(("src/store/alarms.rs", "MOST_PAST", "20_000")), &["alarms"], &[],
+        "of_alarms_that_are_over_the_newest_are_kept"),
+    ("steps of the journal", Some(("src/store/snapshot.rs", "SNAPSHOT_AFTER", "100_000")), &["steps", "snapshots"], &[],
+        "steps_behind_the_older_of_two_snapshots_go_and_a_damaged_snapshot_is_not_needed"),
+    ("facts that wait for the database", Some(("src/server/journal.rs", "MOST_PENDING", "20_000")), &[],
+        &["src/server/journal.rs"],
+        "while_the_journal_is_full_all_robots_are_told_to_stand_and_go_on_when_it_is_back"),
+    ("entries of the audit that wait for the database", Some(("src/api/audit.rs", "MOST_WAITING", "10_000")), &[],
+        &["src/api/audit.rs"],
+        "more_entries_than_may_wait_are_counted_and_said_when_there_is_room_again"),
+    ("figures over time", None, &["history", "heat"], &["src/server/historian.rs"],
+        "memory_is_bounded_and_old_hours_are_in_minutes"),
+    ("requests that wait for the loop", Some(("src/server/inbox.rs", "MOST_REQUESTS", "10_000")), &[],
+        &["src/server/running.rs"],
+        "requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk"),
+    (UNFILLED[1], Some(("src/api/feed/hub.rs", "WAITING", "12_000")), &[], &["src/api/feed/hub.rs"], ""),
+    (UNFILLED[2], None, &["tokens"], &[], ""),
+    ("sessions", Some(("src/store/sessions.rs", "MOST", "1000")), &["sessions"], &[],
+        "of_sessions_the_newest_are_kept"),
+    ("people who are signing in with an identity provider", Some(("src/api/oidc/pending.rs", "MOST", "1000")), &[], &[],
+        "there_are_never_more_than_a_thousand_and_the_oldest_end"),
+    (UNFILLED[3], Some(("src/api/http/webhooks.rs", "MOST_HOOKS", "32")), &["webhooks"],
+        &["src/server/webhooks.rs"], ""),
+    ("messages of a webhook that were given up", Some(("src/store/webhooks.rs", "MOST_FAILED", "1000")),
+        &["webhook_failures"], &[],
+        "of_messages_that_were_given_up_the_newest_are_kept"),
+    (UNFILLED[4], None, &["kinds"], &[], ""),
+    (UNFILLED[5], None, &["gone", "about"], &[], ""),
+    ("frames of the past", None, &[], &[],
+        "files_follow_one_another_without_a_seam_and_old_ones_go"),
+    (UNFILLED[6], Some(("src/api/recording/folder.rs", "MOST_MARKS", "5000")), &[], &[], ""),
+    ("connections of strangers", Some(("src/server/strangers.rs", "MOST_STRANGERS", "256")), &[],
+        &["src/server/tls.rs"],
+        "the_oldest_stranger_leaves_for_a_new_one_and_who_was_let_in_stays"),
+];
+
+/// Rows without a limit of their own in this list: several small ones.
+const OTHERS: [(&str, &[&str]); 2] = [
+    (UNFILLED[7], &[]),
+    (
+        UNFILLED[8],
+        &["src/server/kinds.rs", "src/server/publish.rs", "src/server/show.rs", "src/server/drive.rs"],
+    ),
+];
+
+/// The rows of the table: their cells.
+fn rows() -> Vec<Vec<String>> {
+    let page = read("docs/operate.md");
+    let table = page.split("| what can grow |").nth(1).expect("docs/operate.md has the table");
+    let lines = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    lines.map(|line| line.trim_matches('|').split('|').map(|cell| cell.trim().to_owned()).collect()).collect()
+}
+
+/// Every file below a folder.
+fn files(folder: &str) -> Vec<String> {
+    let (mut found, mut folders) = (Vec::new(), vec![root().join(folder)]);
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+            match entry.path() {
+                path if path.is_dir() => folders.push(path),
+                path => found.push(path.strip_prefix(root()).expect("below").to_string_lossy().into_owned()),
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn the_page_has_a_row_with_its_limit_and_what_gives_room_for_everything_that_can_grow() {
+    let rows = rows();
+    let whats: Vec<&str> = rows.iter().map(|row| row[0].as_str()).collect();
+    let listed: Vec<&str> = ALL.iter().map(|row| row.0).chain(OTHERS.iter().map(|row| row.0)).collect();
+    assert_eq!(whats, listed, "the table of docs/operate.md and this list are to have the same rows");
+    for (row, (what, limit, ..)) in rows.iter().zip(&ALL) {
+        assert_eq!(row.len(), 4, "{what}");
+        assert!(row.iter().all(|cell| !cell.is_empty()), "{what}: an empty cell");
+        let Some((file, name, value)) = limit else { continue };
+        let source = read(file);
+        let is_there = [format!("{name}: {value},"), format!("const {name}: usize = {value};")]
+            .iter()
+            .any(|s| source.contains(s))
+            || ["i64", "u64"].iter().any(|kind| source.contains(&format!("const {name}: {kind} = {value};")));
+        assert!(is_there, "{file} does not say that {name} is {value}");
+        let digits: String = value.chars().filter(char::is_ascii_digit).collect();
+        let said: String =
+            row[1].split(|c: char| !c.is_ascii_digit() && c != ' ').next().unwrap_or("").split(' ').collect();
+        assert_eq!(said, digits, "{what}: the page says {:?}", row[1]);
+    }
+}
+
+#[test]
+fn each_table_of_the_database_and_each_queue_of_the_server_belongs_to_a_row() {
+    let mut tables = BTreeSet::new();
+    for file in files("migrations/sqlite") {
+        for line in read(&file).lines() {
+            let name = line.strip_prefix("CREATE TABLE ").and_then(|rest| rest.split(' ').next());
+            tables.extend(name.map(str::to_owned));
+            if let Some(gone) = line.strip_prefix("DROP TABLE ") {
+                tables.remove(gone.trim_end_matches(';'));
+            }
+        }
+    }
+    // It took the name of another one.
+    tables.remove("assignments_of_somebody");
+    tables.insert("assignments".into());
+    let listed: BTreeSet<String> =
+        ALL.iter().flat_map(|row| row.2).map(|table| (*table).to_owned()).collect();
+    assert_eq!(tables, listed, "tables of the database");
+
+    let makes_queue = |file: &String| {
+        let source = read(file);
+        let source = source.split("#[cfg(test)]\nmod tests").next().unwrap_or("").to_owned();
+        ["mpsc::channel(", "unbounded_channel(", "broadcast::channel("]
+            .iter()
+            .any(|made| source.contains(made))
+    };
+    let sources = [files("src/server"), files("src/api")].concat();
+    let made: BTreeSet<String> =
+        sources.into_iter().filter(|file| !file.contains("tests")).filter(makes_queue).collect();
+    let queues = ALL.iter().map(|row| row.3).chain(OTHERS.iter().map(|row| row.1)).flatten();
+    let queues: BTreeSet<String> = queues.map(|file| (*file).to_owned()).collect();
+    assert!(made.is_subset(&queues), "in no row: {:?}", made.difference(&queues));
+}
+
+#[test]
+fn each_row_is_filled_by_a_test_but_for_those_that_are_named() {
+    let sources: String =
+        [files("src"), files("tests")].concat().iter().filter(|f| f.ends_with(".rs")).map(read).collect();
+    let unfilled: Vec<&str> = ALL.iter().filter(|row| row.4.is_empty()).map(|row| row.0).collect();
+    assert_eq!(unfilled, UNFILLED[..unfilled.len()]);
+    for (what, .., test) in ALL.iter().filter(|row| !row.4.is_empty()) {
+        assert!(sources.contains(&format!("fn {test}(")), "{what}: there is no test {test}");
+    }
+}
