@@ -38,7 +38,7 @@ export function buildClosure(values: ClosureValues, outline: readonly Point[], n
   }
   const at = (m: number) => new Date(now.getTime() + m * 60_000);
   if (values.daily) {
-    area.recurs = { from: clock(at(begins ?? 0)), to: clock(at((begins ?? 0) + (lasts ?? 0))), utc_offset: offset(now) };
+    area.recurs = { from: clock(at(begins ?? 0)), to: clock(at((begins ?? 0) + (lasts ?? 0))), utc_offset: zone() ?? offset(now) };
   } else {
     if (begins !== null && begins > 0) area.from = at(begins).toISOString();
     if (lasts !== null) area.until = at((begins ?? 0) + lasts).toISOString();
@@ -49,6 +49,11 @@ export function buildClosure(values: ClosureValues, outline: readonly Point[], n
 const two = (n: number) => String(n).padStart(2, '0');
 /** The time of day where the page is shown. */
 const clock = (t: Date) => `${two(t.getHours())}:${two(t.getMinutes())}`;
+/** The time zone there, so that what recurs follows its summer time; nothing where a browser does not tell. */
+function zone(): string | undefined {
+  const name = Intl.DateTimeFormat().resolvedOptions().timeZone as string | undefined;
+  return name === undefined || !/^[A-Za-z]/.test(name) ? undefined : name;
+}
 /** How far that is ahead of UTC. */
 function offset(t: Date): string {
   const ahead = -t.getTimezoneOffset();
