@@ -21,6 +21,3 @@ pub mod wire;
 
 #[cfg(test)]
 mod tests;
-
-/// No hall is larger: coordinates beyond are mistakes, metres.
-pub(super) const FAR_M: f64 = 10_000.0;
