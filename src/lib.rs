@@ -7,7 +7,7 @@
 //! # The picture
 //!
 //! ```text
-//!   time  id  geometry  →  warehouse  →  timeline  →  route  ┐
+//!   time  id  text  geometry  →  warehouse  →  timeline  →  route  ┐
 //!                                           human            ├→  aware   reach → cell   local  →  fleet
 //!   pure: no clock, no I/O, no chance, no hash order ────────┘                           │
 //!  ══════════════════════════════════════════════════════════════════════════════════════╪══ the line
@@ -23,8 +23,8 @@
 //!
 //! # The code, in reading order
 //!
-//! - [`time`], [`id`], [`geometry`]: integer microseconds and half-open windows; one newtype per kind of thing; metres
-//!   and radians in the map's frame.
+//! - [`time`], [`id`], [`text`], [`geometry`]: integer microseconds and half-open windows; one newtype per kind of thing;
+//!   names and tables as people write them; metres and radians in the map's frame.
 //! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them get in each other's way; checks that
 //!   refuse a map on which robots could get stuck; formats.
 //! - [`timeline`]: which robot holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof
@@ -393,6 +393,7 @@ pub mod server;
 pub mod sim;
 #[cfg(feature = "edge")]
 pub mod store;
+pub mod text;
 pub mod time;
 pub mod timeline;
 pub mod warehouse;

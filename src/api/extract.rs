@@ -4,7 +4,7 @@
 //! (a batch of jobs may have more), other media types.
 
 use super::error::{FieldError, Problem};
-use super::text::parse_time;
+use super::text::{LATEST, is_never, parse_time};
 use crate::time::Time;
 use axum::extract::rejection::{PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
@@ -41,9 +41,17 @@ pub fn read_time(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) 
     time
 }
 
+/// The same for an end, where a time later than any other means that there is none ([`is_never`]).
+pub fn read_end(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) -> Option<Time> {
+    read_time(field, text.filter(|text| !is_never(text)), errors)
+}
+
 /// What is wrong with a text that is no time.
 pub fn no_time(text: &str) -> String {
-    format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z")
+    match is_never(text) {
+        true => format!("\"{text}\" is later than {LATEST}, the latest time"),
+        false => format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z"),
+    }
 }
 
 /// A JSON body of so many bytes at most.

@@ -7,7 +7,7 @@
 
 use super::feed::align::Alignment;
 use super::text::parse_time;
-use crate::geometry::{Point, Vector, wrap_angle};
+use crate::geometry::{FARTHEST_M, Point, Vector, wrap_angle};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
 use serde::{Deserialize, Serialize};
@@ -134,7 +134,7 @@ impl Interop {
         let datum = self.datum(&location.datum).ok_or_else(|| Unfit::UnknownDatum(location.datum.clone()))?;
         let Angle { x, y, z, w } = location.angle;
         let length = (x * x + y * y + z * z + w * w).sqrt();
-        let near = |v: f64| v.abs() <= super::feed::FAR_M;
+        let near = |v: f64| v.abs() <= FARTHEST_M;
         if !(near(location.x) && near(location.y) && (length - 1.0).abs() <= 0.1) {
             return Err(Unfit::Absurd);
         }

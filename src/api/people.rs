@@ -12,10 +12,11 @@ use super::words::{
     AssignmentStateDto, BindsDto, ClosureStateDto, GuidanceStateDto, IntentStateDto, PresenceDto,
     ReactionDto, WeekdayDto,
 };
+use crate::aware::{Covered, covered, nodes_in};
 use crate::fleet::{
     AssignmentRow, AssignmentState, Closure, EncounterRow, RecurringClosure, WorkerEpisode, WorkerView,
 };
-use crate::geometry::{Point, inside};
+use crate::geometry::Point;
 use crate::id::{ClosureId, Dense, NodeId, SeriesId, WorkerId};
 use crate::time::Time;
 use serde::Serialize;
@@ -202,7 +203,7 @@ pub struct ClosureDto {
     pub id: String,
     /// Its corners, metres.
     pub outline: Vec<[f64; 2]>,
-    /// Nodes inside, by name.
+    /// Nodes that are closed, by name: on them, a robot would reach into the outline.
     pub nodes: Vec<String>,
     /// From when, RFC 3339.
     pub from: String,
@@ -219,6 +220,21 @@ pub struct ClosureDto {
     pub reason: String,
 }
 
+/// What a closed area covers.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct CoveredDto {
+    /// How many nodes are closed.
+    #[schema(example = 12)]
+    pub nodes: usize,
+    /// Stations at which no robot can stand, by name.
+    pub stations: Vec<String>,
+    /// How many of the nodes are storage.
+    pub storage: usize,
+    /// The area inside the outline, square metres; null where nodes are named.
+    #[schema(example = 37.5)]
+    pub area_m2: Option<f64>,
+}
+
 /// An area that is closed again and again.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct RecurringClosureDto {
@@ -227,17 +243,20 @@ pub struct RecurringClosureDto {
     pub id: String,
     /// Its corners, metres.
     pub outline: Vec<[f64; 2]>,
-    /// Nodes inside, by name.
+    /// Nodes that are closed, by name: on them, a robot would reach into the outline.
     pub nodes: Vec<String>,
     /// From one occurrence to the next, seconds; a day for those on weekdays.
     pub every_s: f64,
-    /// How long each occurrence lasts, seconds.
+    /// How long each occurrence lasts in which no clock changes, seconds.
     pub lasts_s: f64,
     /// The days of the week on which occurrences begin.
     pub weekdays: Vec<WeekdayDto>,
-    /// How far the building's time is ahead of UTC.
+    /// How far the building's time is ahead of UTC, now.
     #[schema(example = "+01:00")]
     pub utc_offset: String,
+    /// The time zone whose clocks it follows; null where the offset is fixed.
+    #[schema(example = "Europe/Berlin")]
+    pub zone: Option<String>,
     /// No occurrence begins then or later, RFC 3339; null if it recurs until somebody ends it.
     pub until: Option<String>,
     /// Whom it keeps out.
@@ -402,12 +421,11 @@ impl Names<'_> {
     /// A closed area, as it stands `now`.
     pub fn closure(&self, id: ClosureId, closure: &Closure, now: Time) -> ClosureDto {
         let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
-        let is_closed = |id: NodeId, at: Point| match closure.nodes.as_slice() {
-            [] => inside(&outline, at),
-            named => named.contains(&id),
+        let closed = match closure.nodes.as_slice() {
+            [] => nodes_in(self.map, &outline),
+            named => named.to_vec(),
         };
-        let closed = self.map.nodes.pairs().filter(|(id, n)| is_closed(*id, n.at));
-        let nodes = closed.map(|(_, n)| n.name.clone());
+        let nodes = closed.iter().map(|n| self.map.nodes[*n].name.clone());
         let end = closure.window.end();
         ClosureDto {
             id: closure_name(id),
@@ -420,6 +438,14 @@ impl Names<'_> {
             series: closure.series.map(series_name),
             reason: closure.reason.clone(),
         }
+    }
+
+    /// What a closed area covers.
+    pub fn covered(&self, closure: &Closure) -> CoveredDto {
+        let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
+        let Covered { nodes, stations, storage, area_m2 } = covered(self.map, &outline, &closure.nodes);
+        let stations = stations.iter().map(|s| self.map.stations[*s].name.clone());
+        CoveredDto { nodes: nodes.len(), stations: stations.collect(), storage, area_m2: area_m2.map(round3) }
     }
 
     /// A recurring closure with its occurrences that are not over.
@@ -443,7 +469,8 @@ impl Names<'_> {
             every_s: recurrence.every.as_secs_f64(),
             lasts_s: recurring.lasts().as_secs_f64(),
             weekdays: days.map(|(_, day)| *day).collect(),
-            utc_offset: offset_text(recurrence.utc_offset),
+            utc_offset: offset_text(recurrence.clock.offset_at(now)),
+            zone: recurrence.clock.zone.clone(),
             until: (!recurrence.until.is_forever()).then(|| time_text(recurrence.until)),
             binds: area.binds.into(),
             reason: area.reason.clone(),

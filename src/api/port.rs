@@ -9,9 +9,9 @@ use super::caller::{NamedToken, TokenHash, WebSession};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
     Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, ClosingEffect, Closure, EncounterQuery,
-    EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow, Listed,
-    NodeOccupancy, RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind,
-    ShiftRows, StationOrder, View, Waiting,
+    EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow,
+    Listed, NodeOccupancy, RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts,
+    RobotKind, ShiftRows, StationOrder, View, Waiting,
 };
 use crate::geometry::Spot;
 use crate::history::{History, LoopTimes};

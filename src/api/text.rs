@@ -22,9 +22,21 @@ pub fn time_text(t: Time) -> String {
     jiff::Timestamp::from_microsecond(t.0).map_or_else(|_| "out of range".into(), |t| t.to_string())
 }
 
-/// A time from RFC 3339 with any offset.
+/// A time from RFC 3339 with any offset, up to [`LATEST`].
 pub fn parse_time(text: &str) -> Option<Time> {
     text.parse::<jiff::Timestamp>().ok().map(|t| Time(t.as_microsecond()))
+}
+
+/// The latest time.
+pub const LATEST: &str = "9999-12-30T22:00:00Z";
+
+/// Whether a text is a time later than any that there is: business systems write 9999-12-31T23:59:59Z for "never".
+pub fn is_never(text: &str) -> bool {
+    let pieces = jiff::fmt::temporal::Pieces::parse(text);
+    let last = jiff::Timestamp::MAX.to_zoned(jiff::tz::TimeZone::UTC).date();
+    let is_late =
+        |p: jiff::fmt::temporal::Pieces<'_>| p.time().is_some() && p.offset().is_some() && p.date() >= last;
+    parse_time(text).is_none() && pieces.is_ok_and(is_late)
 }
 
 /// An offset from UTC such as +01:00.
@@ -153,6 +165,32 @@ mod tests {
         assert_eq!(parse_time_of_day("22:15"), Some(Span::from_secs(80_100)));
         for bad in ["1:00", "24:00", "12:60", "12", "", "+1:00", "ab:cd"] {
             assert_eq!((parse_time_of_day(bad), parse_offset(bad)), (None, None), "{bad}");
+        }
+    }
+
+    #[test]
+    fn the_never_of_business_systems_is_known_and_times_that_cannot_be_are_not_taken_for_it() {
+        for text in [
+            "9999-12-31T23:59:59Z",
+            "9999-12-31T00:00:00Z",
+            "9999-12-31T23:59:59.9999999Z",
+            "9999-12-31T23:59:59+01:00",
+            "9999-12-30T23:00:00Z",
+        ] {
+            assert!(is_never(text) && parse_time(text).is_none(), "{text}");
+        }
+        for text in [LATEST, "9999-12-30T21:59:59Z", "9999-12-31T00:00:00+14:00", "2027-01-31T12:00:00Z"] {
+            assert!(!is_never(text) && parse_time(text).is_some(), "{text}");
+        }
+        for text in [
+            "",
+            "never",
+            "9999-12-31",
+            "9999-12-31T23:59:59",
+            "9999-13-31T00:00:00Z",
+            "10000-01-01T00:00:00Z",
+        ] {
+            assert!(!is_never(text) && parse_time(text).is_none(), "{text}");
         }
     }
 

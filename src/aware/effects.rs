@@ -173,7 +173,13 @@ fn hull(a: Window, b: Window) -> Window {
 /// Nodes on which a robot would reach into an outline.
 pub fn nodes_in(warehouse: &Warehouse, outline: &[Point]) -> Vec<NodeId> {
     let half = warehouse.footprint_m / 2.0;
-    let inside = |at: Point| is_inside(outline, at) || distance_to(outline, at) < half;
+    let range = |of: fn(&Point) -> f64| {
+        let ends = outline.iter().map(of);
+        (ends.clone().fold(f64::INFINITY, f64::min) - half, ends.fold(f64::NEG_INFINITY, f64::max) + half)
+    };
+    let ((left, right), (low, high)) = (range(|p| p.x), range(|p| p.y));
+    let near = |at: Point| left <= at.x && at.x <= right && low <= at.y && at.y <= high;
+    let inside = |at: Point| near(at) && (is_inside(outline, at) || distance_to(outline, at) < half);
     warehouse.nodes.pairs().filter(|(_, n)| inside(n.at)).map(|(id, _)| id).collect()
 }
 

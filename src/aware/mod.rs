@@ -1,11 +1,12 @@
 //! What people mean for robots: regions, closures, prices. The only place where `human` and `route` meet.
 //!
 //! Main types: [`HumanAwarePolicy`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
-//! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters). Refuses: to
+//! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters), [`Covered`] (what is closed). Refuses: to
 //! plan, and to command robots.
 
 mod afoot;
 mod collision;
+mod covered;
 mod effects;
 mod encounter;
 mod occupancy;
@@ -16,6 +17,7 @@ pub mod zone_answers;
 
 pub use afoot::Afoot;
 pub use collision::{BEYOND, Swept, THRESHOLD, collision};
+pub use covered::{AreaFault, Covered, check_area, covered};
 pub use effects::{Effects, NodeWindows, nodes_in};
 pub use encounter::{MOVES_MPS, Meeting, Meter, Near};
 pub use occupancy::{Occupancy, Stay, occupancies};

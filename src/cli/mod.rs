@@ -3,7 +3,7 @@
 //! Main function: [`run`]. One file per command. Refuses: to contain anything that a library user would miss. Exit
 //! codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments, 141 the reader of the output has left.
 
-// First, since its `println!` holds in all that follow.
+// First, since its `println!` and `eprintln!` hold in all that follow.
 #[macro_use]
 mod out;
 
@@ -104,10 +104,14 @@ pub fn run() -> ExitCode {
     })
 }
 
-/// Reads a text file, naming it where that fails.
+/// Reads a text file, naming it where that fails. However a program wrote it, it begins without a byte order mark and its
+/// lines end with LF.
 fn read(path: &std::path::Path) -> anyhow::Result<String> {
     use anyhow::Context;
-    std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+    let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = String::from_utf8(bytes);
+    let text = text.with_context(|| format!("{} is not text in UTF-8: save it as UTF-8", path.display()))?;
+    Ok(text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n"))
 }
 
 /// Writes a text file, or standard output where no path is given.

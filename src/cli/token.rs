@@ -8,6 +8,7 @@ use crate::api::caller::{Caller, Role};
 use crate::api::text::{parse_token_name, time_text, token_name};
 use crate::server::{Config, Flags};
 use crate::store::{AuditRow, TokenDraft, TokenRow, TokenTable};
+use crate::text::name_fault;
 use crate::time::{Span, Time};
 use anyhow::{Context, bail, ensure};
 use clap::{Args, Subcommand};
@@ -171,8 +172,9 @@ fn draft(
     hash: [u8; 32],
     now: Time,
 ) -> anyhow::Result<TokenDraft> {
-    let plain = (1..=64).contains(&name.chars().count()) && !name.chars().any(char::is_control);
-    ensure!(plain, "a name has 1 to 64 characters and no line breaks");
+    if let Some(fault) = name_fault(name, 64) {
+        bail!("the name {name:?}: {fault}");
+    }
     ensure!(!Caller::RESERVED.contains(&name), "\"{name}\" is the name of callers without a token");
     let words = Role::ALL.map(Role::word).join(", ");
     let role = Role::of_word(role).with_context(|| format!("\"{role}\" is not one of {words}"))?;

@@ -48,6 +48,7 @@ pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, 
 pub use state::keys::{ClientKey, KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};
+pub use state::local_clock::LocalClock;
 pub use state::note::{EventDetails, FloorNote, ReplanCause};
 pub use state::passing::Passing;
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};

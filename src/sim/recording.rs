@@ -9,8 +9,8 @@ use super::hand_row::HandsRow;
 use super::job_line::{ChangeLine, JobLine};
 use super::said_row::Says;
 use crate::fleet::{
-    AssignmentRequest, Binds, ClientKey, Closure, Fault, Input, JobChange, JobRequest, Recurrence,
-    RecurringClosure, Telemetry, USUAL_KIND, Weekdays,
+    AssignmentRequest, Binds, ClientKey, Closure, Fault, Input, JobChange, JobRequest, LocalClock,
+    Recurrence, RecurringClosure, Telemetry, USUAL_KIND, Weekdays,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::human::{Quality, Sighting, SourceId};
@@ -99,9 +99,16 @@ struct RecurLine {
     binds: String,
     every: i64,
     weekdays: u8,
+    /// Ahead of UTC, before the first change of the clocks.
     utc_offset: i64,
+    /// The time zone, and when its clocks change to which offset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    zone: Option<(String, Vec<(i64, i64)>)>,
     /// When it recurs no more.
     last: i64,
+    /// When the next occurrence begins, where that is not the first one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    next: Option<i64>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -345,8 +352,12 @@ impl From<&RecurringClosure> for RecurLine {
             binds: area.binds.word().to_owned(),
             every: recurrence.every.0,
             weekdays: recurrence.weekdays.0,
-            utc_offset: recurrence.utc_offset.0,
+            utc_offset: recurrence.clock.offset.0,
+            zone: recurrence.clock.zone.clone().map(|zone| {
+                (zone, recurrence.clock.changes.iter().map(|(from, offset)| (from.0, offset.0)).collect())
+            }),
             last: recurrence.until.0,
+            next: closure.next.map(|t| t.0),
         }
     }
 }
@@ -361,13 +372,19 @@ impl From<RecurLine> for RecurringClosure {
             binds: Binds::of(&line.binds).unwrap_or_default(),
             series: None,
         };
+        let (zone, changes) = line.zone.map_or((None, Vec::new()), |(zone, changes)| (Some(zone), changes));
+        let changes = changes.into_iter().map(|(from, offset)| (Time(from), Span(offset))).collect();
         let recurrence = Recurrence {
             every: Span(line.every),
             weekdays: Weekdays(line.weekdays),
-            utc_offset: Span(line.utc_offset),
+            clock: LocalClock { zone, offset: Span(line.utc_offset), changes },
             until: Time(line.last),
         };
-        RecurringClosure::new(area, recurrence)
+        let recurring = RecurringClosure::new(area, recurrence);
+        match line.next {
+            Some(next) => recurring.not_before(Time(next)),
+            None => recurring,
+        }
     }
 }
 

@@ -9,7 +9,8 @@ use super::listing::{Arm, Condition, Given, Listing, Reach, TimeStatements};
 use super::{Store, StoreError, job_record};
 use crate::cell::{LineChange, LineOutcome, Lines};
 use crate::fleet::{
-    ClientKey, Fact, JOB_STATES, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, Listed, RobotChoice,
+    ClientKey, Fact, JOB_STATES, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, Listed,
+    RobotChoice,
 };
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};

@@ -3,8 +3,8 @@
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
 use crate::fleet::{
-    AssignmentRequest, AssignmentState, Binds, ClientKey, Closure, Encounter, LastPlace, Reaction,
-    Recurrence, RecurringClosure, Weekdays,
+    AssignmentRequest, AssignmentState, Binds, ClientKey, Closure, Encounter, LastPlace, LocalClock,
+    Reaction, Recurrence, RecurringClosure, Weekdays,
 };
 use crate::geometry::Spot;
 use crate::id::{CustomerId, NodeId, RobotId, SeriesId, WorkerId};
@@ -113,6 +113,9 @@ pub(super) struct RecurringRecord {
     pub weekdays: u8,
     #[serde(default, skip_serializing_if = "is_zero")]
     pub utc_offset: i64,
+    /// The time zone, and when its clocks change to which offset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub zone: Option<(String, Vec<(i64, i64)>)>,
     pub until: i64,
     pub next: Option<i64>,
 }
@@ -127,7 +130,10 @@ impl From<&RecurringClosure> for RecurringRecord {
             area: (&c.area).into(),
             every: c.recurrence.every.0,
             weekdays: c.recurrence.weekdays.0,
-            utc_offset: c.recurrence.utc_offset.0,
+            utc_offset: c.recurrence.clock.offset.0,
+            zone: c.recurrence.clock.zone.clone().map(|zone| {
+                (zone, c.recurrence.clock.changes.iter().map(|(from, offset)| (from.0, offset.0)).collect())
+            }),
             until: c.recurrence.until.0,
             next: c.next.map(|t| t.0),
         }
@@ -136,10 +142,12 @@ impl From<&RecurringClosure> for RecurringRecord {
 
 impl From<RecurringRecord> for RecurringClosure {
     fn from(r: RecurringRecord) -> RecurringClosure {
+        let (zone, changes) = r.zone.map_or((None, Vec::new()), |(zone, changes)| (Some(zone), changes));
+        let changes = changes.into_iter().map(|(from, offset)| (Time(from), Span(offset))).collect();
         let recurrence = Recurrence {
             every: Span(r.every),
             weekdays: Weekdays(r.weekdays),
-            utc_offset: Span(r.utc_offset),
+            clock: LocalClock { zone, offset: Span(r.utc_offset), changes },
             until: Time(r.until),
         };
         RecurringClosure { area: r.area.into(), recurrence, next: r.next.map(Time) }

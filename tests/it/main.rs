@@ -32,6 +32,7 @@ mod lines;
 mod live;
 mod load;
 mod maps;
+mod meaning;
 mod measured;
 mod mutated;
 mod oidc;

@@ -4,8 +4,8 @@ use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, st
 use giveway::fleet::{
     Act, AssignmentQuery, AssignmentRequest, AssignmentState, Binds, Booking, Closure, Encounter,
     EncounterQuery, EventDetails, EventKind, EventQuery, Fact, FloorNote, JobFailure, JobKind, JobQuery,
-    JobRequest, JobState, KeptRoute, LastPlace, Moved, Purpose, Reaction, Recurrence, RecurringClosure,
-    ReplanCause, RobotEventQuery, RobotEventSource, Stop, Task, Weekdays,
+    JobRequest, JobState, KeptRoute, LastPlace, LocalClock, Moved, Purpose, Reaction, Recurrence,
+    RecurringClosure, ReplanCause, RobotEventQuery, RobotEventSource, Stop, Task, Weekdays,
 };
 use giveway::geometry::Spot;
 use giveway::id::{
@@ -210,8 +210,9 @@ fn facts_about_closures(area: &Closure, at: Time) -> Vec<Fact> {
     let series = SeriesId(2);
     let window = Window::new(at, at + Span(600));
     let of = |binds| Closure { window, binds, series: Some(series), ..area.clone() };
-    let (weekdays, utc_offset) = (Weekdays(0b101), Span(-7));
-    let recurrence = Recurrence { every: Span(900), weekdays, utc_offset, until: Time::MAX };
+    let changes = vec![(at + Span::from_secs(1_000_000), Span(7))];
+    let clock = LocalClock { zone: Some("Europe/Berlin".into()), offset: Span(-7), changes };
+    let recurrence = Recurrence { every: Span(900), weekdays: Weekdays(0b101), clock, until: Time::MAX };
     vec![
         Fact::Recurs { series, closure: RecurringClosure::new(of(Binds::Both), recurrence) },
         Fact::Closed { closure: ClosureId(5), area: of(Binds::Both) },

@@ -1,7 +1,7 @@
 // Drawing, closing, tables of jobs and the planner's picture, without a page around them.
 import { describe, expect, it } from 'vitest';
 import { buildClosure } from '../src/places/closureform';
-import { cells, readJobs, type Known } from '../src/jobs/csv';
+import { readJobs, type Known } from '../src/jobs/csv';
 import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/timelines/gantt';
 import { around, corner, rectangle } from '../src/floor/scene/sketch';
 import type { Point, Strip } from '../src/wire/types';
@@ -47,7 +47,7 @@ describe('closing an area', () => {
   it('recurs every day from one time of day to another, in the time of the page', () => {
     const at = new Date(2031, 0, 31, 23, 50);
     const built = buildClosure({ ...BLANK, reason: 'mopping', binds: 'people', begins: '5', lasts: '20', daily: true }, outline, at);
-    expect(built).toMatchObject({ area: { binds: 'people', recurs: { from: '23:55', to: '00:15' } } });
+    expect(built).toMatchObject({ area: { binds: 'people', recurs: { from: '23:55', to: '00:15', utc_offset: Intl.DateTimeFormat().resolvedOptions().timeZone } } });
     expect(built.kind === 'ready' && built.area.until).toBeUndefined();
     const open = buildClosure({ ...BLANK, reason: 'mopping', daily: true }, outline, at);
     expect(open.kind === 'wrong' && Object.keys(open.errors)).toEqual(['lasts']);
@@ -55,9 +55,21 @@ describe('closing an area', () => {
 });
 
 describe('jobs from a table', () => {
-  it('reads quotes, empty lines, line ends of Windows and what spreadsheets put before', () => {
-    expect(cells('\uFEFFa,b\r\n\r\n"x, ""y""",2\r\n')).toEqual([{ line: 1, cells: ['a', 'b'] }, { line: 3, cells: ['x, "y"', '2'] }]);
-    expect(cells('kind;rack\nreturn;K1')[1]?.cells).toEqual(['return', 'K1']);
+  it('says why a text is no table', () => {
+    const why = (text: string): string => { const read = readJobs(text, KNOWN, NOW); return read.kind === 'unreadable' ? read.why : ''; };
+    expect(why('kind,rack\n')).toBe('There is no job below the first line.');
+    expect(why('kind,rack,Rack\nreturn,K1,K2\n')).toBe('Two columns are named “Rack”: keep one.');
+    expect(why('kind,rack\nreturn,"K1\n')).toContain('Line 2');
+    expect(why('kind,rack\nreturn,R\uFFFDgal\n')).toContain('UTF-8');
+  });
+  it('takes a key, and refuses the same one twice', () => {
+    const read = readJobs(`kind,rack,key\nreturn,K1,o-1\nreturn,K2,o-1\nreturn,K2,\nreturn,K2,${'é'.repeat(128)}\n`, KNOWN, NOW);
+    if (read.kind !== 'table') throw new Error(read.why);
+    expect(read.lines.map((l) => [l.key?.slice(0, 3) ?? null, l.job === null, l.errors.join(' ')])).toEqual([
+      ['o-1', false, ''], ['o-1', true, 'Line 2 has the key “o-1” already.'], [null, false, ''], ['ééé', true, 'The key is longer than 255 characters.'],
+    ]);
+    const more = readJobs('kind;rack;;\nreturn;K1;;\nreturn;K2;x\n', KNOWN, NOW);
+    expect(more.kind === 'table' && more.lines.map((l) => l.errors)).toEqual([[], ['3 cells, but 2 columns.']]);
   });
   it('makes a job of each line that is right', () => {
     const read = readJobs('kind,rack,station,priority,pick_s,reference\nDeliver,K1,W1,5,12,"order 4711, line 1"\nreturn,K2,,,,\n', KNOWN, NOW);

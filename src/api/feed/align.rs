@@ -7,7 +7,7 @@
 //! ([`Alignment::mirrored`]). Pure. Refuses: pairs that no rigid movement brings together, marks of one floor at
 //! different heights, and to guess which of two stories is true.
 
-use crate::geometry::{Point, Vector, wrap_angle};
+use crate::geometry::{FARTHEST_M, Point, Vector, wrap_angle};
 use nalgebra::Rotation2;
 
 /// One standard deviation of touching a mark, metres. Fits that look better than that are not believed.
@@ -281,7 +281,7 @@ impl Alignment {
 fn check(pairs: &[PointPair]) -> Result<(), Misfit> {
     let sound = |p: &PointPair| {
         let numbers = [p.device.x, p.device.y, p.height_m, p.map.x, p.map.y, p.turn.unwrap_or(0.0)];
-        numbers.iter().all(|n| n.abs() <= super::FAR_M) && p.weight > 0.0 && p.weight <= 1000.0
+        numbers.iter().all(|n| n.abs() <= FARTHEST_M) && p.weight > 0.0 && p.weight <= 1000.0
     };
     match pairs {
         [] => Err(Misfit::TooFew),
@@ -525,6 +525,12 @@ mod tests {
         assert_eq!(Alignment::fit(&close), Err(Misfit::TooClose(0.5)));
         assert_eq!(Alignment::fit(&[]), Err(Misfit::TooFew));
         assert_eq!(Alignment::fit(&seen(0.0, Vector::zeros(), &[(0.0, 9.0); 33])), Err(Misfit::TooMany(33)));
+        let grid = HALL.map(|(x, y)| (x + 10_330.6, y - 41_831.2));
+        let fit = Alignment::fit(&seen(0.3, Vector::new(10_000.0, -41_000.0), &grid)).unwrap();
+        assert!(
+            (fit.theta - 0.3).abs() < 1e-6 && fit.dropped.is_empty(),
+            "marks may be wherever a map may be"
+        );
         let mut absurd = seen(0.0, Vector::zeros(), &HALL);
         absurd[3].device.x = f64::NAN;
         assert_eq!(Alignment::fit(&absurd), Err(Misfit::Absurd(3)));

@@ -24,6 +24,3 @@ pub mod wire;
 mod conventions;
 #[cfg(test)]
 mod tests;
-
-/// No hall is larger: coordinates beyond are mistakes, metres.
-pub(super) const FAR_M: f64 = 10_000.0;

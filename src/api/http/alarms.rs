@@ -9,7 +9,7 @@ use crate::api::alarms::AlarmDto;
 use crate::api::called::Called;
 use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart, read_time, signed};
+use crate::api::extract::{JsonBody, Params, PathPart, read_end, read_time, signed};
 use crate::api::text::parse_alarm;
 use axum::Json;
 use serde::Deserialize;
@@ -79,7 +79,7 @@ async fn history(api: &Api, p: &AlarmParams, active: &[Alarm]) -> Result<Json<Pa
 fn query(p: &AlarmParams) -> Result<AlarmQuery, Problem> {
     let mut errors = Vec::new();
     let from = read_time("from", p.from.as_deref(), &mut errors);
-    let to = read_time("to", p.to.as_deref(), &mut errors);
+    let to = read_end("to", p.to.as_deref(), &mut errors);
     let before = p.cursor.as_deref().map(str::parse::<u64>);
     if let Some(Err(_)) = before {
         errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));

@@ -10,7 +10,7 @@ use crate::api::called::Called;
 use crate::api::caller::Role;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_time};
+use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_end, read_time};
 use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
@@ -269,7 +269,8 @@ fn read_query(api: &Api, p: &AssignmentParams) -> Result<AssignmentQuery, Proble
     });
     let mut time = |field: &str, text: &Option<String>| read_time(field, text.as_deref(), &mut errors);
     let updated_since = time("updated_since", &p.updated_since);
-    let (from, to) = (time("from", &p.from), time("to", &p.to));
+    let from = time("from", &p.from);
+    let to = read_end("to", p.to.as_deref(), &mut errors);
     let before = p.cursor.as_deref().and_then(|cursor| {
         let id = parse_assignment(cursor);
         if id.is_none() {

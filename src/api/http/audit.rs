@@ -8,7 +8,7 @@ use crate::api::called::Called;
 use crate::api::caller::Role;
 use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, read_time};
+use crate::api::extract::{Params, read_end, read_time};
 use crate::api::text::time_text;
 use crate::time::Time;
 use axum::Json;
@@ -89,7 +89,7 @@ pub async fn list(
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
     let from = read_time("from", p.from.as_deref(), &mut errors);
-    let to = read_time("to", p.to.as_deref(), &mut errors);
+    let to = read_end("to", p.to.as_deref(), &mut errors);
     let before = p.cursor.as_deref().map(str::parse::<i64>);
     if let Some(Err(_)) = before {
         errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));

@@ -4,18 +4,19 @@
 
 use super::closing::{ClosingEffectDto, effect_of};
 use super::lists::{Paging, is_wanted, page, read_words, refuse_wrong};
+use super::new_job::unknown;
 use super::recurring::NewRecurrence;
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart, read_time};
-use crate::api::feed::FAR_M;
-use crate::api::people::{ClosureDto, RecurringClosureDto};
+use crate::api::extract::{JsonBody, Params, PathPart, read_end, read_time};
+use crate::api::people::{ClosureDto, CoveredDto, RecurringClosureDto};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{closure_name, parse_closure, parse_series, series_name};
 use crate::api::words::{BindsDto, ClosureStateDto};
+use crate::aware::check_area;
 use crate::fleet::{Binds, Closure, Recurrence, RecurringClosure, Refusal, Reply};
 use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId, SeriesId};
@@ -33,9 +34,6 @@ const LONGEST_REASON: usize = 500;
 
 /// The outline goes around nodes at this distance, metres.
 const AROUND_NODE_M: f64 = 0.25;
-
-/// The smallest area, square metres.
-const SMALLEST_M2: f64 = 0.01;
 
 /// An area to keep out of: an outline, or nodes.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
@@ -75,9 +73,19 @@ pub struct JustClosedDto {
 #[serde(untagged)]
 pub enum ClosedDto {
     /// Once.
-    Once(ClosureDto),
+    Once(ClosedAreaDto<ClosureDto>),
     /// Again and again.
-    Recurring(RecurringClosureDto),
+    Recurring(ClosedAreaDto<RecurringClosureDto>),
+}
+
+/// A closed area, and what it covers.
+#[derive(Serialize, ToSchema)]
+pub struct ClosedAreaDto<T> {
+    /// The area.
+    #[serde(flatten)]
+    pub closed: T,
+    /// What it covers.
+    pub covered: CoveredDto,
 }
 
 /// What a closure's number stands for.
@@ -123,7 +131,7 @@ pub async fn list(
     let binds = BindsDto::ALL.map(BindsDto::word);
     let binds = read_words("binds", p.binds.as_deref(), &binds, &mut errors);
     let from = read_time("from", p.from.as_deref(), &mut errors);
-    let to = read_time("to", p.to.as_deref(), &mut errors);
+    let to = read_end("to", p.to.as_deref(), &mut errors);
     refuse_wrong(errors)?;
     let (moment, now) = (api.moment(), (api.now)());
     let names = Names { map: &api.map, view: &moment.view };
@@ -156,20 +164,22 @@ pub async fn close(
     Called(api): Called,
     JsonBody(new): JsonBody<NewClosure>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JustClosedDto>), Problem> {
-    let (area, recurrence) = new.read(&api)?;
+    let (area, recurs) = new.read(&api)?;
     let effect = effect_of(&api, &area).await?;
-    if let Some(recurrence) = recurrence {
-        return recur(&api, RecurringClosure::new(area, recurrence), effect).await;
+    if let Some((recurrence, earliest)) = recurs {
+        let series = RecurringClosure::new(area, recurrence).not_before(earliest);
+        return recur(&api, series, effect).await;
     }
     match api.ask(What::Close(area.clone())).await? {
         Reply::Closed { closure, .. } => {
             let moment = api.moment();
-            let dto = Names { map: &api.map, view: &moment.view }.closure(closure, &area, (api.now)());
+            let names = Names { map: &api.map, view: &moment.view };
+            let dto = once(names, closure, &area, (api.now)());
             let place = format!("/v1/closures/{}", closure_name(closure));
             Ok((
                 StatusCode::CREATED,
                 [(header::LOCATION, place)],
-                Json(JustClosedDto { closed: ClosedDto::Once(dto), effect }),
+                Json(JustClosedDto { closed: dto, effect }),
             ))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
@@ -186,12 +196,12 @@ async fn recur(
         Reply::Recurs { series, .. } => {
             let moment = api.moment();
             let names = Names { map: &api.map, view: &moment.view };
-            let dto = names.recurring(series, &closure, (api.now)());
+            let dto = recurring(names, series, &closure, (api.now)());
             let place = format!("/v1/closures/{}", series_name(series));
             Ok((
                 StatusCode::CREATED,
                 [(header::LOCATION, place)],
-                Json(JustClosedDto { closed: ClosedDto::Recurring(dto), effect }),
+                Json(JustClosedDto { closed: dto, effect }),
             ))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
@@ -212,13 +222,23 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Clo
         ClosedId::Recurring(series) => {
             let found = moment.view.recurring.get(&series);
             let found = found.ok_or_else(|| refused(&api.map, Refusal::UnknownSeries(series)))?;
-            return Ok(Json(ClosedDto::Recurring(names.recurring(series, found, (api.now)()))));
+            return Ok(Json(recurring(names, series, found, (api.now)())));
         }
     };
     let found = moment.view.closures.iter().find(|c| c.id == id);
     let detail = || format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
     let found = found.ok_or_else(|| Problem::unknown("closure", detail()))?;
-    Ok(Json(ClosedDto::Once(names.closure(id, &found.closure, (api.now)()))))
+    Ok(Json(once(names, id, &found.closure, (api.now)())))
+}
+
+fn once(names: Names<'_>, id: ClosureId, area: &Closure, now: Time) -> ClosedDto {
+    let (closed, covered) = (names.closure(id, area, now), names.covered(area));
+    ClosedDto::Once(ClosedAreaDto { closed, covered })
+}
+
+fn recurring(names: Names<'_>, id: SeriesId, area: &RecurringClosure, now: Time) -> ClosedDto {
+    let (closed, covered) = (names.recurring(id, area, now), names.covered(&area.area));
+    ClosedDto::Recurring(ClosedAreaDto { closed, covered })
 }
 
 /// Open an area again. Of a recurring closure, one occurrence (c7), or all of them for good (s1).
@@ -250,11 +270,17 @@ fn parse_id(text: &str) -> Result<ClosedId, Problem> {
 }
 
 impl NewClosure {
-    pub(super) fn read(&self, api: &Api) -> Result<(Closure, Option<Recurrence>), Problem> {
+    /// The area, and if it recurs, when and from when on.
+    pub(super) fn read(&self, api: &Api) -> Result<(Closure, Option<(Recurrence, Time)>), Problem> {
         let mut errors = Vec::new();
         let mut nodes = Vec::new();
+        let binds = self.binds.as_deref().map_or(Some(Binds::default()), Binds::of);
+        if binds.is_none() {
+            errors.push(FieldError::new("binds", "must be \"robots\", \"people\" or \"both\""));
+        }
+        let binds = binds.unwrap_or_default();
         let outline = match (&self.outline, &self.nodes) {
-            (Some(corners), None) => checked_outline(corners, &mut errors),
+            (Some(corners), None) => checked_outline(api, corners, binds, &mut errors),
             (None, Some(names)) => {
                 nodes = named(api, names, &mut errors);
                 around(api, &nodes)
@@ -267,7 +293,7 @@ impl NewClosure {
         let now = (api.now)();
         let from = read_time("from", self.from.as_deref(), &mut errors).unwrap_or(now);
         let given = self.from.as_ref().map(|_| from);
-        let until = read_time("until", self.until.as_deref(), &mut errors).unwrap_or(Time::MAX);
+        let until = read_end("until", self.until.as_deref(), &mut errors).unwrap_or(Time::MAX);
         if until <= from.max(now) {
             errors.push(FieldError::new("until", "must be after `from` and in the future"));
         }
@@ -277,28 +303,29 @@ impl NewClosure {
             errors.push(FieldError::new("reason", detail));
         }
         let recurs = self.recurs.as_ref().and_then(|r| r.read((given, until), now, &mut errors));
-        let binds = self.binds.as_deref().map_or(Some(Binds::default()), Binds::of);
-        if binds.is_none() {
-            errors.push(FieldError::new("binds", "must be \"robots\", \"people\" or \"both\""));
-        }
         if !errors.is_empty() {
             return Err(Problem::invalid(errors));
         }
-        let binds = binds.unwrap_or_default();
         let outline = outline.into_iter().map(Spot::from).collect();
-        let window = recurs.map_or_else(|| Window::new(from, until), |(window, _)| window);
+        let window = recurs.as_ref().map_or_else(|| Window::new(from, until), |(window, ..)| *window);
         let area = Closure { outline, nodes, window, reason: reason.into(), binds, series: None };
-        Ok((area, recurs.map(|(_, recurrence)| recurrence)))
+        Ok((area, recurs.map(|(_, recurrence, earliest)| (recurrence, earliest))))
     }
 }
 
-fn checked_outline(corners: &[[f64; 2]], errors: &mut Vec<FieldError>) -> Vec<Point> {
+/// The corners of an area; complains where they are none of this floor.
+fn checked_outline(
+    api: &Api,
+    corners: &[[f64; 2]],
+    binds: Binds,
+    errors: &mut Vec<FieldError>,
+) -> Vec<Point> {
     let outline: Vec<Point> = corners.iter().map(|c| Point::new(c[0], c[1])).collect();
-    let sound = outline.iter().all(|p| p.x.abs() <= FAR_M && p.y.abs() <= FAR_M);
-    let number = (3..=MOST_CORNERS).contains(&outline.len());
-    if !number || !sound || area_m2(&outline) < SMALLEST_M2 {
-        let detail = format!("must be 3 to {MOST_CORNERS} corners [x, y] in metres that enclose an area");
+    if !(3..=MOST_CORNERS).contains(&outline.len()) {
+        let detail = format!("must be 3 to {MOST_CORNERS} corners [x, y] in metres");
         errors.push(FieldError::new("outline", detail));
+    } else if let Err(fault) = check_area(&api.map, &outline, binds.robots(), binds.people()) {
+        errors.push(FieldError::new("outline", fault.to_string()));
     }
     outline
 }
@@ -314,8 +341,7 @@ fn named(api: &Api, names: &[String], errors: &mut Vec<FieldError>) -> Vec<NodeI
         match api.map.node_named(name) {
             Some(node) => nodes.push(node),
             None => {
-                let detail = format!("there is no node \"{name}\"; GET /v1/map lists them");
-                errors.push(FieldError::new(format!("nodes[{i}]"), detail));
+                errors.push(FieldError::new(format!("nodes[{i}]"), unknown("node", name)));
             }
         }
     }
@@ -356,11 +382,6 @@ fn hull(mut points: Vec<Point>) -> Vec<Point> {
     [lower, upper].concat()
 }
 
-fn area_m2(outline: &[Point]) -> f64 {
-    let ring = outline.iter().zip(outline.iter().cycle().skip(1));
-    (ring.map(|(a, b)| a.coords.perp(&b.coords)).sum::<f64>() / 2.0).abs()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -370,6 +391,6 @@ mod tests {
         let points = [(0.0, 0.0), (2.0, 0.0), (1.0, 0.5), (2.0, 2.0), (1.0, 0.0), (0.0, 2.0)];
         let around = hull(points.iter().map(|p| Point::new(p.0, p.1)).collect());
         assert_eq!(around.len(), 4, "{around:?}");
-        assert!((area_m2(&around) - 4.0).abs() < 1e-9);
+        assert_eq!(crate::geometry::outline_area_m2(&around), Ok(4.0));
     }
 }

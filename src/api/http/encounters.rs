@@ -8,7 +8,7 @@ use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, read_time};
+use crate::api::extract::{Params, read_end, read_time};
 use crate::api::people::EncounterDto;
 use crate::api::words::ReactionDto;
 use crate::fleet::{EncounterQuery, Listed};
@@ -105,7 +105,7 @@ pub fn wants_table(headers: &HeaderMap, format: Option<&str>) -> Result<bool, Pr
 fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
     let mut errors = Vec::new();
     let from = read_time("from", p.from.as_deref(), &mut errors);
-    let to = read_time("to", p.to.as_deref(), &mut errors);
+    let to = read_end("to", p.to.as_deref(), &mut errors);
     let worker = p.worker.as_deref().and_then(|text| {
         let worker = api.feeds.worker(text);
         worker.map_err(|problem| errors.push(FieldError::new("worker", problem.detail))).ok()

@@ -6,7 +6,7 @@
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, read_time};
+use crate::api::extract::{Params, read_end, read_time};
 use crate::api::text::{round3, time_text};
 use crate::api::words::PolicyDto;
 use crate::history::{Bucket, TIERS, floor};
@@ -131,7 +131,7 @@ pub async fn history(
 /// From when to when; the last hour if the request does not say.
 pub fn stretch(api: &Api, from: Option<&str>, to: Option<&str>) -> Result<(Time, Time), Problem> {
     let mut errors = Vec::new();
-    let (from, to) = (read_time("from", from, &mut errors), read_time("to", to, &mut errors));
+    let (from, to) = (read_time("from", from, &mut errors), read_end("to", to, &mut errors));
     // A recording has a time of its own. What happens at this very moment belongs to it.
     let to = to.unwrap_or_else(|| api.moment().view.now + Span(1));
     let from = from.unwrap_or(to - HOUR);

@@ -9,7 +9,7 @@ use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::dto::{JobDto, Names, Page};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_time};
+use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_end, read_time};
 use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{job_name, parse_job_name};
@@ -101,7 +101,8 @@ fn read_filter(api: &Api, p: &JobParams, errors: &mut Vec<FieldError>) -> JobQue
     let robot = named("robot", p.robot.as_deref(), |name| robot_named(&moment, name), errors);
     let mut time = |field: &str, text: &Option<String>| read_time(field, text.as_deref(), errors);
     let updated_since = time("updated_since", &p.updated_since);
-    let (from, to) = (time("from", &p.from), time("to", &p.to));
+    let from = time("from", &p.from);
+    let to = read_end("to", p.to.as_deref(), errors);
     JobQuery { states, rack, station, robot, updated_since, from, to, ..JobQuery::default() }
 }
 
@@ -241,7 +242,7 @@ impl JobPatch {
             }
             robot
         });
-        let deadline = self.deadline.as_ref().map(|text| read_time("deadline", text.as_deref(), &mut errors));
+        let deadline = self.deadline.as_ref().map(|text| read_end("deadline", text.as_deref(), &mut errors));
         if !errors.is_empty() {
             return Err(Problem::invalid(errors));
         }

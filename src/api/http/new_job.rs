@@ -5,13 +5,14 @@
 
 use crate::api::cell::new_lines::{NewLine, check_lines, read_lines};
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::read_time;
+use crate::api::extract::read_end;
 use crate::api::port::Moment;
 use crate::api::text::parse_job_name;
 use crate::api::words::JobKindDto;
 use crate::cell::OrderLine;
 use crate::fleet::{JobKind, JobRequest, Visiting};
 use crate::id::{Dense, NodeId, RackId, RobotId, StationId};
+use crate::text::{NameFault, name_fault};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 use serde::Deserialize;
@@ -100,6 +101,16 @@ pub(super) fn robot_named(moment: &Moment, name: &str) -> Option<RobotId> {
     moment.view.robots.iter().position(|robot| robot.name == name).map(RobotId::at)
 }
 
+/// What is said of a name that nothing has. One that only looks like a name that there is, because of what nobody sees
+/// in it, is told apart.
+pub(super) fn unknown(what: &str, name: &str) -> String {
+    let list = if what == "node" { "map".into() } else { format!("{what}s") };
+    match name_fault(name, usize::MAX).filter(|fault| !matches!(fault, NameFault::Length(_))) {
+        Some(fault) => format!("there is no {what} \"{}\": {fault}", name.escape_debug()),
+        None => format!("there is no {what} \"{name}\"; GET /v1/{list} lists them"),
+    }
+}
+
 /// Reads fields and collects what is wrong with them.
 struct Reader<'a> {
     map: &'a Warehouse,
@@ -128,8 +139,7 @@ impl Reader<'_> {
         };
         let found = find(self, text);
         if found.is_none() {
-            let list = if field == "node" { "map".into() } else { format!("{field}s") };
-            self.wrong(field, format!("there is no {field} \"{text}\"; GET /v1/{list} lists them"));
+            self.wrong(field, unknown(field, text));
         }
         found
     }
@@ -190,10 +200,7 @@ impl Reader<'_> {
         let pick = self.pick(&format!("stops[{i}].pick_s"), stop.pick_s);
         let station = self.map.station_named(&stop.station);
         if station.is_none() {
-            self.wrong(
-                &field,
-                format!("there is no station \"{}\"; GET /v1/stations lists them", stop.station),
-            );
+            self.wrong(&field, unknown("station", &stop.station));
         }
         Some(Visiting { station: station?, pick })
     }
@@ -307,7 +314,7 @@ impl NewJob {
         if !(0..=9).contains(&priority) {
             r.wrong("priority", format!("{priority} is not between 0 and 9"));
         }
-        let deadline = read_time("deadline", self.deadline.as_deref(), &mut r.errors);
+        let deadline = read_end("deadline", self.deadline.as_deref(), &mut r.errors);
         r.names(self);
         let names = self.after.as_deref().unwrap_or(&[]);
         if names.len() > MOST_PREDECESSORS {

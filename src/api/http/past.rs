@@ -5,7 +5,7 @@
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::Params;
+use crate::api::extract::{Params, no_time};
 use crate::api::recording::{Cut, Folder, Mark, Sum, thinned};
 use crate::api::text::{parse_time, round3, time_text};
 use crate::time::{Span, Time};
@@ -197,7 +197,7 @@ fn span(
         let zero = folder.start.unwrap_or(Time::ZERO);
         let found = seconds.or_else(|| Some((parse_time(text)? - zero).as_secs_f64()));
         if found.is_none() {
-            let detail = format!("\"{text}\" is neither seconds nor a time such as 2027-01-31T14:05:00Z");
+            let detail = format!("{}, nor seconds", no_time(text));
             errors.push(FieldError::new(field, detail));
         }
         found

@@ -7,11 +7,10 @@ use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart, no_time};
-use crate::api::feed::FAR_M;
 use crate::api::feed::hub::Untaken;
 use crate::api::massrobotics::USUAL_ACCURACY_M;
 use crate::api::text::{parse_time, worker_name};
-use crate::geometry::Point;
+use crate::geometry::{FARTHEST_M, Point};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
@@ -149,8 +148,8 @@ pub fn checked_time(seen: Time, now: Time) -> Result<Time, String> {
 impl NewPosition {
     fn read(&self, worker: WorkerId, now: Time) -> Result<Sighting, FieldError> {
         let wrong = |field: &str, detail: String| Err(FieldError::new(field, detail));
-        if !(self.x.abs() <= FAR_M && self.y.abs() <= FAR_M) {
-            return wrong("x", format!("x and y must be metres on the map, up to {FAR_M}"));
+        if !(self.x.abs() <= FARTHEST_M && self.y.abs() <= FARTHEST_M) {
+            return wrong("x", format!("x and y must be metres on the map, up to {FARTHEST_M}"));
         }
         let accuracy_m = self.accuracy_m.unwrap_or(USUAL_ACCURACY_M);
         if !(0.0..=100.0).contains(&accuracy_m) {

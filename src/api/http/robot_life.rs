@@ -11,7 +11,7 @@ use crate::api::called::Called;
 use crate::api::dto::{Names, Page, RobotDto};
 use crate::api::error::{FieldError, Problem};
 use crate::api::events::EventDetailsDto;
-use crate::api::extract::{Params, PathPart, read_time};
+use crate::api::extract::{Params, PathPart, read_end, read_time};
 use crate::api::text::{alarm_name, job_name, round3, time_text};
 use crate::fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
 use crate::id::{Dense, JobId};
@@ -129,7 +129,7 @@ pub async fn history(
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
     let from = read_time("from", p.from.as_deref(), &mut errors);
-    let to = read_time("to", p.to.as_deref(), &mut errors);
+    let to = read_end("to", p.to.as_deref(), &mut errors);
     let before = p.cursor.as_deref().and_then(|text| {
         let entry = parse_cursor(text);
         if entry.is_none() {

@@ -7,12 +7,11 @@ use crate::api::called::Called;
 use crate::api::dto::Names;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
-use crate::api::feed::FAR_M;
 use crate::api::port::Question;
 use crate::api::text::{closure_name, round3, time_text, worker_name};
 use crate::api::words::{CauseKindDto, EffectDto, HolderKindDto};
 use crate::fleet::{Area, MOST_NODES, NodeOccupancy, RegionStay, SafetyRegion};
-use crate::geometry::Point;
+use crate::geometry::{FARTHEST_M, Point};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
 use crate::timeline::{Held, Holder, Layer};
@@ -154,8 +153,8 @@ impl AreaParams {
     fn read(&self) -> Result<(Area, Span), Problem> {
         let mut errors = Vec::new();
         for (field, value) in [("x0", self.x0), ("y0", self.y0), ("x1", self.x1), ("y1", self.y1)] {
-            if value.is_nan() || value.abs() > FAR_M {
-                errors.push(FieldError::new(field, format!("must be metres on the map, up to {FAR_M}")));
+            if value.is_nan() || value.abs() > FARTHEST_M {
+                errors.push(FieldError::new(field, format!("must be metres on the map, up to {FARTHEST_M}")));
             }
         }
         let ahead_s = self.ahead_s.unwrap_or(USUAL_S);

@@ -10,9 +10,10 @@ use crate::api::called::Called;
 use crate::api::caller::{Caller, NamedToken, Role};
 use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart, read_time};
+use crate::api::extract::{JsonBody, Params, PathPart, read_end};
 use crate::api::port::TokenDesk;
 use crate::api::text::{parse_token_name, time_text, token_name};
+use crate::text::name_fault;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Serialize};
@@ -140,14 +141,13 @@ impl NewToken {
     fn read(&self, api: &Api) -> Result<NamedToken, Problem> {
         let mut errors = Vec::new();
         let name = self.name.trim();
-        if !(1..=LONGEST_NAME).contains(&name.chars().count()) || name.chars().any(char::is_control) {
-            let detail = format!("must have 1 to {LONGEST_NAME} characters and no line breaks");
-            errors.push(FieldError::new("name", detail));
+        if let Some(fault) = name_fault(name, LONGEST_NAME) {
+            errors.push(FieldError::new("name", fault.to_string()));
         }
         if Caller::RESERVED.contains(&name) {
             errors.push(FieldError::new("name", format!("\"{name}\" is the name of callers without one")));
         }
-        let expires = read_time("expires", self.expires.as_deref(), &mut errors);
+        let expires = read_end("expires", self.expires.as_deref(), &mut errors);
         if expires.is_some_and(|end| end <= (api.now)()) {
             errors.push(FieldError::new("expires", "is over already"));
         }

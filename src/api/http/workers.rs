@@ -16,6 +16,7 @@ use crate::api::text::{round3, worker_name};
 use crate::api::words::{GuidanceStateDto, PresenceDto};
 use crate::fleet::Reply;
 use crate::id::{Dense, WorkerId};
+use crate::text::name_fault;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Serialize};
@@ -192,10 +193,8 @@ pub async fn hire(
     JsonBody(new): JsonBody<NewWorker>,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<WorkerDto>), Problem> {
     let name = new.name.trim();
-    let length = name.chars().count();
-    if !(1..=LONGEST_NAME).contains(&length) || name.chars().any(char::is_control) {
-        let detail = format!("must have 1 to {LONGEST_NAME} characters and no line breaks");
-        return Err(Problem::invalid(vec![FieldError::new("name", detail)]));
+    if let Some(fault) = name_fault(name, LONGEST_NAME) {
+        return Err(Problem::invalid(vec![FieldError::new("name", fault.to_string())]));
     }
     if api.caller.role == Role::Device {
         return own_worker(&api, name).map(|own| (StatusCode::OK, own.0, own.1));

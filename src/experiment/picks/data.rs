@@ -199,6 +199,10 @@ impl PickRecording {
     pub fn parse(texts: &PickTexts) -> Result<PickRecording, PickDataError> {
         let places = places(texts)?;
         let (people, mut reaches, times) = moves(texts, &places)?;
+        if reaches.is_empty() {
+            let what = "there is no movement below the header".to_owned();
+            return Err(PickDataError { file: "moves.csv", line: 1, what });
+        }
         samples(texts, &mut reaches)?;
         for (reach, (line, onset_ms, arrival_ms)) in reaches.iter_mut().zip(times) {
             let error = |what: String| PickDataError { file: "moves.csv", line, what };
@@ -364,7 +368,8 @@ mod tests {
     #[test]
     fn bad_tables_are_refused_by_file_and_line() {
         type Change = fn(&mut PickTexts);
-        let changes: [(&str, Change); 8] = [
+        let changes: [(&str, Change); 9] = [
+            ("moves.csv, line 1: there is no movement", |t| t.moves.truncate(t.moves.find('\n').unwrap())),
             ("moves.csv, line 1", |t| t.moves = t.moves.replace("onset_ms", "onset")),
             ("moves.csv, line 2: targets.csv has no C1", |t| t.moves = t.moves.replace("A1", "C1")),
             ("moves.csv, line 2: the arrival", |t| t.moves = t.moves.replace("40,80", "80,40")),

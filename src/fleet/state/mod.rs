@@ -21,6 +21,7 @@ pub(in crate::fleet) mod keys;
 pub(in crate::fleet) mod kind;
 pub mod ledger;
 pub mod life;
+pub mod local_clock;
 pub(in crate::fleet) mod needs;
 pub mod note;
 pub(in crate::fleet) mod passing;

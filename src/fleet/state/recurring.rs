@@ -1,9 +1,9 @@
 //! Closures that recur: which occurrence is the next.
 //!
-//! Main types: [`RecurringClosure`], [`Recurrence`], [`Weekdays`]. Weekdays are those of a fixed offset from UTC, so
-//! that what follows from a recurrence never depends on a calendar that is updated. Refuses: to read a clock, and to
-//! know of daylight saving time.
+//! Main types: [`RecurringClosure`], [`Recurrence`], [`Weekdays`]. Occurrences begin and end by the clock on the wall
+//! ([`LocalClock`]). Refuses: to read a clock, and to look up when clocks change.
 
+use crate::fleet::state::local_clock::LocalClock;
 use crate::fleet::state::worker::Closure;
 use crate::time::{Span, Time, Window};
 
@@ -25,22 +25,22 @@ impl Weekdays {
     /// Every day.
     pub const ALL: Weekdays = Weekdays(0b111_1111);
 
-    /// Whether the day of a time, so far from UTC, is one of them.
-    fn has(self, at: Time, utc_offset: Span) -> bool {
-        let day = ((at.0 + utc_offset.0).div_euclid(DAY) + THURSDAY).rem_euclid(7);
+    /// Whether the day of a time that a clock shows is one of them.
+    fn has(self, shown: Time) -> bool {
+        let day = (shown.0.div_euclid(DAY) + THURSDAY).rem_euclid(7);
         self.0 >> day & 1 == 1
     }
 }
 
 /// When a closure recurs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Recurrence {
-    /// From the beginning of one occurrence to that of the next.
+    /// From the beginning of one occurrence to that of the next, as the clock shows it.
     pub every: Span,
     /// Only occurrences that begin on these days count.
     pub weekdays: Weekdays,
-    /// How far the local time, in which weekdays are meant, is ahead of UTC.
-    pub utc_offset: Span,
+    /// The clock by which occurrences begin and end, and in which weekdays are meant.
+    pub clock: LocalClock,
     /// No occurrence begins then or later.
     pub until: Time,
 }
@@ -48,7 +48,8 @@ pub struct Recurrence {
 /// An area that is closed again and again.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct RecurringClosure {
-    /// The area; its window is that of the first occurrence, whatever the weekday.
+    /// The area; its window is that of an occurrence, whatever the weekday, in which no clock changes and whose ends are
+    /// shown once: what they show is when every occurrence begins and ends. None begins before it.
     pub area: Closure,
     /// When it recurs.
     pub recurrence: Recurrence,
@@ -64,36 +65,64 @@ impl RecurringClosure {
         new
     }
 
+    /// The same without the occurrences that begin before a time.
+    pub fn not_before(self, from: Time) -> RecurringClosure {
+        RecurringClosure { next: self.first_from(from), ..self }
+    }
+
     /// Whether an occurrence is over before the next begins, they do not begin too often, and there is one.
     pub fn can_be(&self) -> bool {
-        let Recurrence { every, .. } = self.recurrence;
+        let every = self.recurrence.every;
         every >= MOST_OFTEN && self.lasts() <= every && self.next.is_some()
     }
 
-    /// How long each occurrence lasts.
+    /// How long each occurrence lasts in which no clock changes.
     pub fn lasts(&self) -> Span {
         self.area.window.end() - self.area.window.start()
     }
 
     /// The first occurrence that begins at a time or later.
     pub fn first_from(&self, from: Time) -> Option<Time> {
-        let Recurrence { every, weekdays, utc_offset, until } = self.recurrence;
-        let first = self.area.window.start();
-        let passed = ((from - first).0.max(0) + every.0 - 1) / every.0.max(1);
-        let week = 7 * DAY / every.0.max(1) + 8;
-        let begins = (passed..=passed + week).map(|i| first + every * i);
-        begins.take_while(|t| *t < until).find(|t| weekdays.has(*t, utc_offset))
+        let Recurrence { every, weekdays, clock, until } = &self.recurrence;
+        let first = clock.shown(self.area.window.start());
+        let passed = ((clock.shown(from) - first).0 + every.0 - 1).div_euclid(every.0.max(1));
+        // A changed clock puts an occurrence off by less than a day.
+        let passed = (passed - self.slack().0 / every.0.max(1)).max(0);
+        let week = 8 * DAY / every.0.max(1) + 8;
+        let shown = (passed..=passed + week).map(|i| first + *every * i);
+        let begins = shown.map(|shown| (shown, clock.instant(shown))).filter(|(_, at)| from <= *at);
+        let found = begins.take_while(|(_, at)| at < until).find(|(shown, _)| weekdays.has(*shown));
+        found.map(|(_, at)| at)
     }
 
     /// The first occurrence from the next on that is not over.
     pub fn due(&self, now: Time) -> Option<Time> {
+        let is_over = |begins: Time| self.ends(begins) <= now;
         let next = self.next?;
-        if next + self.lasts() > now { Some(next) } else { self.first_from(now - self.lasts() + Span(1)) }
+        if !is_over(next) {
+            return Some(next);
+        }
+        let mut begins = self.first_from(now - self.lasts() - self.slack() + Span(1))?;
+        while is_over(begins) {
+            begins = self.first_from(begins + Span(1))?;
+        }
+        Some(begins)
     }
 
     /// The area as it is closed from a time on.
     pub fn occurrence(&self, begins: Time) -> Closure {
-        Closure { window: Window::new(begins, begins + self.lasts()), ..self.area.clone() }
+        Closure { window: Window::new(begins, self.ends(begins)), ..self.area.clone() }
+    }
+
+    /// When an occurrence ends: as the clock shows it.
+    fn ends(&self, begins: Time) -> Time {
+        let clock = &self.recurrence.clock;
+        clock.instant(clock.shown(begins) + self.lasts())
+    }
+
+    /// By how much an occurrence may be off where clocks change.
+    fn slack(&self) -> Span {
+        if self.recurrence.clock.changes.is_empty() { Span::ZERO } else { Span(DAY) }
     }
 }
 
@@ -113,7 +142,8 @@ mod tests {
         let (outline, nodes, reason) = (vec![], vec![], "cleaning".to_owned());
         let area = Closure { outline, nodes, window, reason, binds: Binds::Both, series: None };
         let every = Span(DAY);
-        RecurringClosure::new(area, Recurrence { every, weekdays: Weekdays(weekdays), utc_offset, until })
+        let clock = LocalClock::fixed(utc_offset);
+        RecurringClosure::new(area, Recurrence { every, weekdays: Weekdays(weekdays), clock, until })
     }
 
     #[test]
@@ -136,5 +166,72 @@ mod tests {
         assert_eq!(all.first_from(at(2, 6)), Some(at(2, 6)));
         assert_eq!(all.first_from(at(2, 7)), None);
         assert!(!recurring(at(0, 6), 0, Span::ZERO, Time::MAX).can_be(), "on no day");
+    }
+
+    #[test]
+    fn occurrences_follow_the_clock_on_the_wall_and_one_of_02_30_has_a_meaning_on_days_of_change() {
+        let change = |day: i64, ahead: i64| (at(day, 1), Span(ahead * HOUR));
+        let clock = LocalClock {
+            zone: Some("Europe/Berlin".into()),
+            offset: Span(HOUR),
+            changes: vec![change(88, 2), change(298, 1)],
+        };
+        let daily = |from: (i64, i64), lasts: i64| {
+            let minutes = from.0 * 60 + from.1 - 60;
+            let window = Window::new(
+                at(80, 0) + Span(minutes * HOUR / 60),
+                at(80, 0) + Span((minutes + lasts) * HOUR / 60),
+            );
+            let area = Closure {
+                outline: vec![],
+                nodes: vec![],
+                window,
+                reason: "cleaning".into(),
+                binds: Binds::Both,
+                series: None,
+            };
+            let (every, clock) = (Span(DAY), clock.clone());
+            RecurringClosure::new(
+                area,
+                Recurrence { every, weekdays: Weekdays::ALL, clock, until: Time::MAX },
+            )
+        };
+        // From midnight UTC of a day: when it begins, and how many minutes it lasts.
+        let on = |series: &RecurringClosure, day: i64| {
+            let begins = series.first_from(at(day - 1, 20)).unwrap();
+            let window = series.occurrence(begins).window;
+            ((begins - at(day, 0)).0 * 60 / HOUR, (window.end() - begins).0 * 60 / HOUR)
+        };
+        let (evening, night) = (daily((22, 0), 30), daily((22, 0), 480));
+        assert_eq!(
+            [on(&evening, 87), on(&evening, 88), on(&evening, 298)].map(|o| o.0),
+            [21 * 60, 20 * 60, 21 * 60]
+        );
+        // From 22:00 to 06:00 whatever happens between.
+        let begins = |day: i64| night.first_from(at(day, 18)).unwrap();
+        let lasts = |day: i64| (night.occurrence(begins(day)).window.end() - begins(day)).0 / HOUR;
+        assert_eq!([lasts(80), lasts(87), lasts(88), lasts(297), lasts(298)], [8, 7, 8, 9, 8]);
+        // 02:30 does not exist on day 88: it is 03:30. On day 298 it comes twice: the first time counts.
+        let small_hours = daily((2, 30), 60);
+        assert_eq!([on(&small_hours, 80), on(&small_hours, 87)], [(90, 60); 2]);
+        assert_eq!([on(&small_hours, 88), on(&small_hours, 89)], [(90, 60), (30, 60)]);
+        assert_eq!(
+            [on(&small_hours, 298), on(&small_hours, 299)],
+            [(30, 120), (90, 60)],
+            "to 03:30 by the clock"
+        );
+        // One a day, whatever the season, and none twice.
+        let mut begins = small_hours.next.unwrap();
+        for _ in 80..400 {
+            let next = small_hours.first_from(begins + Span(1)).unwrap();
+            assert!((22 * HOUR..=26 * HOUR).contains(&(next - begins).0), "{begins:?} {next:?}");
+            begins = next;
+        }
+        assert_eq!(
+            small_hours.due(at(88, 2)),
+            Some(at(88, 0) + Span(HOUR * 3 / 2)),
+            "in force until 02:30 UTC"
+        );
+        assert_eq!(small_hours.due(at(88, 3)), Some(at(89, 0) + Span(HOUR / 2)));
     }
 }

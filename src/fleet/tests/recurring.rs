@@ -25,7 +25,7 @@ fn hourly(until: Time) -> RecurringClosure {
         series: None,
     };
     let (every, weekdays) = (Span::from_secs(HOUR), Weekdays::ALL);
-    RecurringClosure::new(area, Recurrence { every, weekdays, utc_offset: Span::ZERO, until })
+    RecurringClosure::new(area, Recurrence { every, weekdays, clock: LocalClock::default(), until })
 }
 
 fn fleet() -> (Fleet, Vec<Fact>) {

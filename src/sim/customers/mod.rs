@@ -10,6 +10,7 @@ use super::scenario::{Demand, LineDemand, Scenario};
 use crate::cell::{OrderLine, PickedBy};
 use crate::fleet::{Fleet, Input, JobKind, JobState, Reply};
 use crate::id::{Dense, RackId, RobotId, StationId};
+use crate::text::{Table, TableRow};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
@@ -30,47 +31,36 @@ pub struct OrderFileLine {
 }
 
 impl OrderFileLine {
-    /// Reads a CSV file with a header line that names `OrderNumber` and `AlleyCell` (or `Location`, or `SKU`).
+    /// Reads a table ([`Table`]) with the columns `OrderNumber` and `AlleyCell` (or `Location`, or `SKU`); others are
+    /// passed over.
     ///
     /// # Errors
-    /// What is wrong, with its line.
+    /// What is wrong, with its line. A table without a line is wrong, too: nobody would order anything.
     pub fn parse_csv(text: &str) -> Result<Vec<OrderFileLine>, String> {
-        let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty());
-        let header: Vec<&str> = split(lines.next().ok_or("the file is empty")?.1);
-        let column = |name: &str| header.iter().position(|h| *h == name);
-        let order = column("OrderNumber").ok_or("the header names no column `OrderNumber`")?;
-        let place = column("AlleyCell").or(column("Location")).or(column("SKU"));
-        let place = place.ok_or("the header names no column `AlleyCell`, `Location` or `SKU`")?;
-        lines
-            .map(|(i, line)| {
-                let cells = split(line);
-                let cell = |c: usize| cells.get(c).map(|s| s.to_string()).filter(|s| !s.is_empty());
-                let missing = || format!("line {}: it has no order number or no place", i + 1);
-                Ok(OrderFileLine {
-                    order: cell(order).ok_or_else(missing)?,
-                    location: cell(place).ok_or_else(missing)?,
-                })
-            })
-            .collect()
-    }
-}
-
-/// Cells of a CSV line; quoted cells may contain commas.
-fn split(line: &str) -> Vec<&str> {
-    let mut cells = Vec::new();
-    let (mut start, mut quoted) = (0, false);
-    for (i, c) in line.char_indices() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => {
-                cells.push(line[start..i].trim_matches('"').trim());
-                start = i + 1;
+        let table = Table::read(text).map_err(|fault| fault.to_string())?;
+        let named = || {
+            let names: Vec<String> =
+                table.columns.iter().map(|c| format!("`{}`", c.escape_debug())).collect();
+            format!("its columns are {}", names.join(", "))
+        };
+        let order = table.column("OrderNumber");
+        let order = order.ok_or_else(|| format!("the header names no column `OrderNumber`; {}", named()))?;
+        let place = ["AlleyCell", "Location", "SKU"].into_iter().find_map(|name| table.column(name));
+        let place = place.ok_or_else(|| {
+            format!("the header names no column `AlleyCell`, `Location` or `SKU`; {}", named())
+        })?;
+        let row = |row: &TableRow| match (row.surplus, &row.cells[order], &row.cells[place]) {
+            (0, order, place) if !order.is_empty() && !place.is_empty() => {
+                Ok(OrderFileLine { order: order.clone(), location: place.clone() })
             }
-            _ => {}
-        }
+            (0, ..) => Err(format!("line {}: it has no order number or no place", row.line)),
+            (n, ..) => {
+                let columns = table.columns.len();
+                Err(format!("line {}: it has {n} cells, but there are {columns} columns", row.line))
+            }
+        };
+        table.rows.iter().map(row).collect()
     }
-    cells.push(line[start..].trim_matches('"').trim());
-    cells
 }
 
 /// Why customers order nothing on a map, though the scenario has some; for people.
@@ -109,8 +99,10 @@ impl Customers {
     pub fn new(scenario: &Scenario, lines: &[OrderFileLine], warehouse: &Warehouse, seed: u64) -> Customers {
         let demand = scenario.demand.clone();
         let (racks, stations) = (warehouse.racks.len(), warehouse.stations.len());
+        let is_idle =
+            racks == 0 || stations == 0 || matches!(demand, Demand::File { .. }) && lines.is_empty();
         Customers {
-            demand: if racks == 0 || stations == 0 { Demand::None } else { demand },
+            demand: if is_idle { Demand::None } else { demand },
             lines: assign_lines(lines, racks, stations),
             next_line: 0,
             next_order: None,
@@ -271,8 +263,44 @@ mod tests {
     }
 
     #[test]
-    fn a_line_without_its_place_is_named() {
-        let e = OrderFileLine::parse_csv("OrderNumber,SKU\n1,2\n3,\n").unwrap_err();
-        assert!(e.starts_with("line 3"), "{e}");
+    fn order_lines_are_the_same_however_a_program_writes_the_table() {
+        let plain = "OrderNumber,SKU\n1001,A7\n1002,B2\n";
+        let wanted = OrderFileLine::parse_csv(plain).unwrap();
+        assert_eq!(wanted.len(), 2);
+        for text in [
+            format!("\u{feff}{plain}"),
+            plain.replace('\n', "\r\n"),
+            plain.replace('\n', "\r"),
+            plain.replace(',', ";"),
+            plain.replace(',', "\t"),
+            format!("\u{feff}{}", plain.replace(',', ";").replace('\n', "\r\n")),
+        ] {
+            assert_eq!(OrderFileLine::parse_csv(&text).as_ref(), Ok(&wanted), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn a_table_that_is_none_is_refused_with_the_reason() {
+        for (text, says) in [
+            ("OrderNumber,SKU\n1,2\n3,\n", "line 3"),
+            ("OrderNumber,SKU\n1,2,7\n", "line 2: it has 3 cells, but there are 2 columns"),
+            ("OrderNumber,SKU\n", "no line below the header"),
+            ("OrderNumber,SKU\r", "no line below the header"),
+            ("\n\n", "empty"),
+            ("OrderNumber,SKU,sku\n1,2,3\n", "two columns `sku`"),
+            ("Order,SKU\n1,2\n", "no column `OrderNumber`; its columns are `Order`, `SKU`"),
+        ] {
+            let error = OrderFileLine::parse_csv(text).unwrap_err();
+            assert!(error.contains(says), "{text:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn customers_with_a_file_of_no_lines_order_nothing_rather_than_at_random() {
+        let warehouse = crate::warehouse::lab();
+        let text = r#"{"giveway_scenario": 1, "name": "x", "map": "m", "robots": 1,
+            "jobs": {"file": {"path": "orders.csv", "backlog": 2}}}"#;
+        let customers = Customers::new(&Scenario::parse(text).unwrap(), &[], &warehouse, 1);
+        assert_eq!(customers.demand, Demand::None);
     }
 }

@@ -3,7 +3,8 @@
 //! Main type: [`Closing`]. Refuses: areas of nothing, times that cannot be, and nodes that the map does not have.
 
 use super::check::{ScenarioError, check};
-use crate::fleet::{Binds, Closure, MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
+use crate::aware::check_area;
+use crate::fleet::{Binds, Closure, LocalClock, MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 use crate::geometry::{Point, Spot};
 use crate::id::NodeId;
 use crate::time::{Span, Time, Window};
@@ -87,7 +88,7 @@ impl Closing {
     /// What recurs, as the fleet takes it.
     pub(super) fn recurring(&self, area: Closure) -> Option<RecurringClosure> {
         let (every, weekdays) = (Span::from_secs_f64(self.every_s?), Weekdays::ALL);
-        let recurrence = Recurrence { every, weekdays, utc_offset: Span::ZERO, until: Time::MAX };
+        let recurrence = Recurrence { every, weekdays, clock: LocalClock::default(), until: Time::MAX };
         Some(RecurringClosure::new(area, recurrence))
     }
 
@@ -104,7 +105,11 @@ impl Closing {
             series: None,
         };
         if self.nodes.is_empty() {
-            return Ok(vec![area(&mut self.outline.iter().map(|c| Point::new(c[0], c[1])), Vec::new())]);
+            let corners: Vec<Point> = self.outline.iter().map(|c| Point::new(c[0], c[1])).collect();
+            let binds = Binds::from(self.binds);
+            check_area(warehouse, &corners, binds.robots(), binds.people())
+                .map_err(|why| ScenarioError::Wrong { key: "closures.outline", message: why.to_string() })?;
+            return Ok(vec![area(&mut corners.into_iter(), Vec::new())]);
         }
         let around = |name: &String| {
             let node = warehouse.node_named(name).ok_or_else(|| ScenarioError::Number {
@@ -160,6 +165,14 @@ mod tests {
         ] {
             let error = scenario(closure).expect_err(closure).to_string();
             assert!(error.contains(what), "{closure}: {error}");
+        }
+        for (outline, what) in [
+            ("[[0, 0], [2, 2], [2, 0], [0, 2]]", "crosses itself"),
+            ("[[1000, 1000], [2000, 1000], [2000, 2000]]", "far off the floor"),
+        ] {
+            let s = scenario(&format!(r#"{{"outline": {outline}, "from_s": 0}}"#)).unwrap();
+            let error = s.areas(&lab(), Time::ZERO).expect_err(outline).to_string();
+            assert!(error.contains(what), "{outline}: {error}");
         }
         let nowhere = scenario(r#"{"nodes": ["nowhere"], "from_s": 0}"#).unwrap();
         assert!(nowhere.areas(&lab(), Time::ZERO).unwrap_err().to_string().contains("nowhere"));

@@ -8,6 +8,7 @@ use crate::fleet::{Charging, RobotKind, USUAL_KIND};
 use crate::geometry::Point;
 use crate::local::{ImprovedWeights, LocalMethod, TraditionalWeights};
 use crate::route::Kinematics;
+use crate::text::name_fault;
 use crate::time::Span;
 use crate::warehouse::Footprint;
 use serde::Deserialize;
@@ -123,8 +124,8 @@ pub(super) fn read(
     for (i, kind) in kinds.iter().enumerate() {
         let at = |what: &str| format!("kinds[{i}].{what}");
         check(&at("share"), kind.share as f64, 1.0..=1000.0, "from 1 to 1000")?;
-        if kind.name.trim().is_empty() || kind.name.len() > 50 {
-            return wrong(format!("{} must have from 1 to 50 characters", at("name")));
+        if let Some(fault) = name_fault(&kind.name, 50) {
+            return wrong(format!("{}: {fault}", at("name")));
         }
         if kinds[..i].iter().any(|k| k.name == kind.name) {
             return wrong(format!("there are two kinds named {:?}", kind.name));

@@ -4,7 +4,7 @@
 //! others.
 
 use super::Findings;
-use super::draft::{good_name, is_far};
+use super::draft::{good_name, good_outline};
 use super::place::FindingPlace;
 use crate::geometry::{Point, Segment, inside};
 use crate::warehouse::build::{Draft, DraftStation};
@@ -102,7 +102,7 @@ fn one_cell(
 ) {
     let name = |part: &str| format!("{part} of station {}", station.name);
     let place = FindingPlace::outline(name("the workplace"), &cell.workplace);
-    if !is_outline(&cell.workplace, &place, found) {
+    if !good_outline(&cell.workplace, &place, found) {
         return;
     }
     let half_m = footprint_m / 2.0;
@@ -150,7 +150,7 @@ fn opening(opening: &CellOpening, stands: Option<Point>, place: &FindingPlace, f
         let remedy = format!("give metres above the floor, from_m below to_m, up to {HIGH_M}");
         found.add(place, format!("it is open from {from_m} to {to_m} m"), remedy);
     }
-    if !is_outline(&opening.outline, place, found) {
+    if !good_outline(&opening.outline, place, found) {
         return;
     }
     let far_m = stands.map(|p| (opening.middle() - p).norm());
@@ -162,19 +162,6 @@ fn opening(opening: &CellOpening, stands: Option<Point>, place: &FindingPlace, f
             format!("put it between rack and picker, {AT_ROBOT_M} to {OPENING_M} m from the node"),
         );
     }
-}
-
-/// Whether this is an outline at all.
-fn is_outline(corners: &[Point], place: &FindingPlace, found: &mut Findings) -> bool {
-    if corners.len() < 3 {
-        found.add(place, format!("{} corners", corners.len()), "an outline needs three or more");
-        return false;
-    }
-    let is_sound = !corners.iter().any(|&p| is_far(p));
-    if !is_sound {
-        found.add(place, "a corner is absurdly far away or not a number", "give metres of the map");
-    }
-    is_sound
 }
 
 /// How far a point is from the edge of an outline, metres.
@@ -246,11 +233,19 @@ mod tests {
     #[test]
     fn each_mistake_in_a_cell_is_named_with_its_place() {
         type Change = fn(&mut Draft);
-        let cases: [(&str, Change); 12] = [
-            ("the workplace of station P: 2 corners", |d| cell(d).workplace.truncate(2)),
-            ("the workplace of station P: a corner is absurdly", |d| cell(d).workplace[0].x = f64::NAN),
+        let cases: [(&str, Change); 15] = [
+            ("the workplace of station P: it is no outline", |d| cell(d).workplace.truncate(2)),
+            ("the workplace of station P: a corner is nowhere", |d| cell(d).workplace[0].x = f64::NAN),
             ("the workplace of station P: robots reach into it at", |d| {
                 cell(d).workplace.iter_mut().for_each(|p| p.y += 1.2);
+            }),
+            ("the workplace of station P: the area that it encloses", |d| cell(d).workplace.swap(1, 2)),
+            ("the opening of station P: it has no width", |d| {
+                let y = cell(d).opening.outline[0].y;
+                cell(d).opening.outline.iter_mut().for_each(|p| p.y = y);
+            }),
+            ("tote A\u{200b} of station P: its name \"A\\u{200b}\"", |d| {
+                cell(d).totes[0].name = "A\u{200b}".into()
             }),
             ("the opening of station P: it is open from 2 to 2 m", |d| cell(d).opening.from_m = 2.0),
             ("the opening of station P: its middle is", |d| {

@@ -5,14 +5,13 @@
 
 use super::place::FindingPlace;
 use super::{Doubts, Findings, cell, corridor};
-use crate::geometry::Point;
+use crate::geometry::{FARTHEST_M, OutlineFault, Point, outline_area_m2};
+use crate::text::name_fault;
 use crate::warehouse::build::{Draft, DraftLane, DraftRack};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// More nodes than any building has; keeps a broken file from taking all memory.
 const NODES_MAX: usize = 200_000;
-/// No map reaches farther from its zero, metres.
-const FAR_M: f64 = 100_000.0;
 /// No single lane is longer, metres.
 const LANE_MAX_M: f64 = 1_000.0;
 /// A stated length may undercut the straight distance by this share only.
@@ -66,7 +65,7 @@ fn nodes<'a>(draft: &'a Draft, found: &mut Findings) -> BTreeMap<&'a str, Point>
         }
         if is_far(node.at) {
             let problem = format!("it stands at ({}, {})", node.at.x, node.at.y);
-            found.add(&place, problem, format!("give metres within ±{FAR_M} of the map's zero"));
+            found.add(&place, problem, format!("give metres within ±{FARTHEST_M} of the map's zero"));
         }
     }
     at
@@ -77,14 +76,29 @@ fn is_footprint(f: f64) -> bool {
 }
 
 pub(super) fn is_far(p: Point) -> bool {
-    [p.x, p.y].iter().any(|v| !v.is_finite() || v.abs() > FAR_M)
+    [p.x, p.y].iter().any(|v| !v.is_finite() || v.abs() > FARTHEST_M)
 }
 
 pub(super) fn good_name(name: &str, place: &FindingPlace, found: &mut Findings) {
-    if name.is_empty() || name.chars().count() > NAME_MAX || name.chars().any(char::is_control) {
-        let remedy = format!("use 1 to {NAME_MAX} visible characters");
-        found.add(place, "the name is empty, too long or has control characters", remedy);
+    if let Some(fault) = name_fault(name, NAME_MAX) {
+        let shown = name.escape_debug();
+        found.add(place, format!("its name \"{shown}\" can be taken for another one"), fault.to_string());
     }
+}
+
+/// Whether corners are an outline.
+pub(super) fn good_outline(corners: &[Point], place: &FindingPlace, found: &mut Findings) -> bool {
+    let fault = outline_area_m2(corners).err();
+    if let Some(fault) = fault {
+        let problem = match fault {
+            OutlineFault::Corners(_) => "it is no outline",
+            OutlineFault::Far(_) => "a corner is nowhere",
+            OutlineFault::Flat(_) => "it has no width",
+            OutlineFault::Crosses(..) => "the area that it encloses is not the one that its corners go round",
+        };
+        found.add(place, problem, fault.to_string());
+    }
+    fault.is_none()
 }
 
 fn lanes(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
@@ -140,6 +154,9 @@ fn lane_numbers(lane: &DraftLane, place: &FindingPlace, found: &mut Findings) {
     if !(u.loaded || u.unloaded || u.people) {
         found.add(place, "nothing may use it", "name loaded, unloaded or people, or remove it");
     }
+    for kind in lane.kinds.iter().flatten() {
+        good_name(kind, place, found);
+    }
     if lane.kinds.as_ref().is_some_and(Vec::is_empty) {
         found.add(place, "no robot kind may use it", "name kinds, or leave `kinds` out");
     }
@@ -186,9 +203,12 @@ fn stations(draft: &Draft, found: &mut Findings) {
 fn racks(draft: &Draft, found: &mut Findings) {
     let storage: BTreeSet<&str> = draft.storage.iter().map(String::as_str).collect();
     let (mut names, mut taken) = (BTreeSet::new(), BTreeMap::new());
-    for DraftRack { name, node, weight_kg, .. } in &draft.racks {
+    for DraftRack { name, node, weight_kg, load, .. } in &draft.racks {
         let place = FindingPlace::of(format!("rack {name}"), [node]);
         good_name(name, &place, found);
+        if let Some(load) = load {
+            good_name(load, &place, found);
+        }
         if !(0.0..=WEIGHT_MAX_KG).contains(weight_kg) {
             let remedy = format!("give kilograms from 0 to {WEIGHT_MAX_KG}");
             found.add(&place, format!("it weighs {weight_kg} kg"), remedy);
@@ -239,13 +259,7 @@ fn outlines(draft: &Draft, found: &mut Findings) {
     for (kind, outlines) in [("walkable", &draft.walkable), ("obstacles", &draft.obstacles)] {
         for (i, outline) in outlines.iter().enumerate() {
             let place = FindingPlace::outline(format!("outline {} of {kind}", i + 1), outline);
-            if outline.len() < 3 {
-                found.add(&place, format!("{} corners", outline.len()), "an outline needs three or more");
-            }
-            if outline.iter().any(|&p| is_far(p)) {
-                let remedy = format!("give metres within ±{FAR_M} of the map's zero");
-                found.add(&place, "a corner is absurdly far away or not a number", remedy);
-            }
+            good_outline(outline, &place, found);
         }
     }
 }
@@ -260,7 +274,7 @@ fn marks(draft: &Draft, at: &BTreeMap<&str, Point>, found: &mut Findings) {
         }
         if is_far(mark.at) {
             let problem = format!("it is at ({}, {})", mark.at.x, mark.at.y);
-            found.add(&place, problem, format!("give metres within ±{FAR_M} of the map's zero"));
+            found.add(&place, problem, format!("give metres within ±{FARTHEST_M} of the map's zero"));
         }
         if at.get(mark.name.as_str()).is_some_and(|node| *node != mark.at) {
             found.add(&place, "a node elsewhere has this name", "rename the mark, or put it at the node");

@@ -16,15 +16,25 @@ pub(super) struct LetterGrid {
 
 impl LetterGrid {
     /// Takes `height` rows of `width` letters out of `known`; `first_line` is the number of the first row.
+    ///
+    /// # Errors
+    /// [`MapError::Syntax`] where there are more rows or fewer, or one has other letters or another width. Blank lines
+    /// after the last row are none.
     pub fn read<'a>(
-        rows: impl Iterator<Item = &'a str>,
+        rows: impl Iterator<Item = &'a str> + Clone,
         (width, height): (usize, usize),
         first_line: usize,
         known: &str,
     ) -> Result<LetterGrid, MapError> {
+        let rows = rows.map(str::trim_end);
         let mut cells = Vec::new();
-        let mut count = 0;
-        for (line, row) in (first_line..).zip(rows.map(str::trim_end)).take(height) {
+        let count =
+            (1..).zip(rows.clone()).filter(|(_, row)| !row.is_empty()).map(|(n, _)| n).last().unwrap_or(0);
+        if count != height {
+            let message = format!("{count} rows, the header says {height}");
+            return Err(MapError::syntax(first_line + count.min(height), 0, message));
+        }
+        for (line, row) in (first_line..).zip(rows).take(height) {
             if let Some(i) = row.chars().position(|c| !known.contains(c)) {
                 return Err(MapError::syntax(line, i + 1, format!("cells must be one of \"{known}\"")));
             }
@@ -33,11 +43,6 @@ impl LetterGrid {
                 return Err(MapError::syntax(line, 0, message));
             }
             cells.extend(row.bytes());
-            count += 1;
-        }
-        if count < height {
-            let message = format!("{count} rows, the header says {height}");
-            return Err(MapError::syntax(first_line + count, 0, message));
         }
         Ok(LetterGrid { width, height, cells })
     }
@@ -170,10 +175,14 @@ impl LetterGrid {
         places
     }
 
-    /// Goes on where [`LetterGrid::take_places`] stopped for caution: takes every further cell whose free neighbours
-    /// are joined to each other by any way around it, however long.
-    pub fn take_more_places(&self, floor: &mut [bool], may: &[bool], places: &mut [bool]) {
+    /// Goes on where [`LetterGrid::take_places`] stopped for caution: takes up to `most` further cells whose free
+    /// neighbours are joined to each other by any way around it, however long.
+    pub fn take_more_places(&self, floor: &mut [bool], may: &[bool], places: &mut [bool], most: usize) {
+        let mut taken = 0;
         for c in 0..floor.len() {
+            if taken == most {
+                break;
+            }
             if !floor[c] || !may[c] {
                 continue;
             }
@@ -185,6 +194,7 @@ impl LetterGrid {
             if keeps_access && self.joined_without(c, first, rest, floor) {
                 floor[c] = false;
                 places[c] = true;
+                taken += 1;
             }
         }
     }
@@ -259,6 +269,8 @@ mod tests {
         assert_eq!(read(&["..", ".x"]), Some(MapError::syntax(6, 2, "cells must be one of \".@\"")));
         assert_eq!(read(&["..", "..."]), Some(MapError::syntax(6, 0, "3 cells in a row, the header says 2")));
         assert_eq!(read(&[".."]), Some(MapError::syntax(6, 0, "1 rows, the header says 2")));
+        assert_eq!(read(&["..", "..", ".."]), Some(MapError::syntax(7, 0, "3 rows, the header says 2")));
+        assert_eq!(read(&["..", "..", "", " "]), None);
     }
 
     proptest! {
@@ -275,7 +287,7 @@ mod tests {
             let mut places = g.take_places(&mut floor, &g.which("."), most);
             prop_assert!(places.iter().filter(|p| **p).count() <= most);
             if more {
-                g.take_more_places(&mut floor, &g.which("."), &mut places);
+                g.take_more_places(&mut floor, &g.which("."), &mut places, usize::MAX);
             }
             prop_assert_eq!(g.keep_largest_part(&mut floor.clone()), 0);
             for c in (0..places.len()).filter(|&c| places[c]) {

@@ -19,7 +19,7 @@ const LETTERS: &str = "@er.";
 /// # Errors
 /// [`MapError::Syntax`] where header or rows do not follow the format.
 pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
-    let grid = read(text)?;
+    let (grid, said) = read(text)?;
     let mut notes = ImportNotes::default();
     let mut floor = grid.which("er.");
     let dropped = grid.keep_largest_part(&mut floor);
@@ -29,7 +29,7 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapE
     let homes = grid.which("r");
     let driven = floor.clone();
     let mut places = grid.take_places(&mut floor, &homes, usize::MAX);
-    grid.take_more_places(&mut floor, &homes, &mut places);
+    grid.take_more_places(&mut floor, &homes, &mut places, usize::MAX);
     let lost = (0..homes.len()).filter(|&c| homes[c] && driven[c] && !places[c]).count();
     if lost > 0 {
         notes.0.push(format!("{lost} homes stay floor, so that the others can be reached"));
@@ -41,6 +41,12 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapE
     grid.add_lanes(&mut draft, |a, b| cells.users_between(a, b));
     grid.add_outlines(&mut draft, &driven, options);
     stations(&grid, &cells.floor, options, &mut draft, &mut notes);
+    for (said, letter, what) in [(said.endpoints, "e", "endpoints"), (said.homes, "r", "homes")] {
+        let found = grid.which(letter).iter().filter(|c| **c).count();
+        if found != said {
+            notes.0.push(format!("the header says {said} {what}, the rows have {found}: the rows count"));
+        }
+    }
     Ok((draft, notes))
 }
 
@@ -66,7 +72,13 @@ impl Cells {
     }
 }
 
-fn read(text: &str) -> Result<LetterGrid, MapError> {
+/// What the header says besides the size.
+struct Said {
+    endpoints: usize,
+    homes: usize,
+}
+
+fn read(text: &str) -> Result<(LetterGrid, Said), MapError> {
     let mut lines = text.lines();
     let mut numbers = |line: usize, many: usize, what: &str| {
         let read: Option<Vec<usize>> =
@@ -75,14 +87,15 @@ fn read(text: &str) -> Result<LetterGrid, MapError> {
         read.filter(|n| n.len() == many && n.iter().all(|&n| n <= 1_000_000_000)).ok_or_else(message)
     };
     let size = numbers(1, 2, "rows,columns")?;
-    numbers(2, 1, "the number of endpoints")?;
-    numbers(3, 1, "the number of homes")?;
+    let endpoints = numbers(2, 1, "the number of endpoints")?[0];
+    let homes = numbers(3, 1, "the number of homes")?[0];
     numbers(4, 1, "the longest time")?;
     let (height, width) = (size[0], size[1]);
     if !(1..=4096).contains(&height) || !(1..=4096).contains(&width) {
         return Err(MapError::syntax(1, 0, "rows and columns must be from 1 to 4096"));
     }
-    LetterGrid::read(lines, (width, height), 5, LETTERS)
+    let grid = LetterGrid::read(lines, (width, height), 5, LETTERS)?;
+    Ok((grid, Said { endpoints, homes }))
 }
 
 /// Shelf cells that touch an endpoint on the floor.
@@ -187,6 +200,8 @@ mod tests {
         assert_eq!((s.storage, s.racks, s.stations, s.queue_places), (10, 10, 4, 8));
         assert_eq!((s.chargers, s.parking), (1, 17));
         assert_eq!(s.nodes, 9 * 12 + 4 * 6, "{notes}");
+        let said = "the header says 16 homes, the rows have 18: the rows count";
+        assert_eq!(notes.0.last().map(String::as_str), Some(said), "and the 20 endpoints are there");
     }
 
     #[test]

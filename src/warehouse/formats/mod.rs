@@ -4,6 +4,7 @@
 //! Refuses: reading files, and maps that are not well-formed.
 
 mod cell_record;
+mod foreign;
 mod grid;
 pub mod json;
 pub mod kiva;
@@ -95,6 +96,25 @@ pub fn import(text: &str, options: &Options) -> Result<(Warehouse, ImportNotes),
 /// [`MapError::Syntax`] where the text follows no known format.
 pub fn import_draft(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
     let text = text.trim_start_matches('\u{feff}');
+    read_any(text, options).map_err(|why| match foreign::foreign_layout(text) {
+        Some(format) => {
+            let message = format!(
+                "this is {format}, which cannot be read yet: draw the floor in the editor, or {KNOWN}"
+            );
+            MapError::syntax(1, 1, message)
+        }
+        None => why,
+    })
+}
+
+/// What can be read.
+const KNOWN: &str =
+    "give a JSON map (\"{\"), an octile grid (\"type octile\") or a warehouse grid (\"rows,columns\")";
+
+fn read_any(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
+    // Old spreadsheets and editors end lines with CR.
+    let with_lf = text.replace("\r\n", "\n").replace('\r', "\n");
+    let text = with_lf.as_str();
     let first = text.lines().next().unwrap_or_default().trim();
     if text.trim_start().starts_with('{') {
         Ok((json::parse_draft(text)?, ImportNotes::default()))
@@ -103,9 +123,7 @@ pub fn import_draft(text: &str, options: &Options) -> Result<(Draft, ImportNotes
     } else if first.split(',').count() == 2 && first.split(',').all(|n| n.trim().parse::<usize>().is_ok()) {
         kiva::parse(text, options)
     } else {
-        let known =
-            "a JSON map (\"{\"), an octile grid (\"type octile\") or a warehouse grid (\"rows,columns\")";
-        Err(MapError::syntax(1, 1, format!("not a known map format; the text must start like {known}")))
+        Err(MapError::syntax(1, 1, format!("not a known map format: {KNOWN}")))
     }
 }
 
@@ -141,6 +159,46 @@ mod tests {
             let (w, _) = import(text, &Options::default()).expect(text);
             assert!(!w.nodes.is_empty());
         }
+    }
+
+    #[test]
+    fn lines_of_grids_end_in_any_way_and_blank_ones_may_follow() {
+        for text in [OCTILE, KIVA] {
+            let (wanted, _) = import(text, &Options::default()).expect(text);
+            let mixed = text.replacen('\n', "\r\n", 2);
+            for other in [
+                text.replace('\n', "\r\n"),
+                text.replace('\n', "\r"),
+                mixed,
+                format!("\u{feff}{text}\n \n\r\n"),
+            ] {
+                let (read, _) =
+                    import(&other, &Options::default()).unwrap_or_else(|e| panic!("{other:?}: {e}"));
+                assert_eq!(json::write(&read), json::write(&wanted), "{other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_header_that_says_less_or_more_than_the_rows_is_refused_in_every_grid() {
+        let octile =
+            |height, width| format!("type octile\nheight {height}\nwidth {width}\nmap\n...\n.@.\n...\n");
+        let kiva = |height, width| format!("{height},{width}\n0\n2\n100\n...\nr.r\n...\n");
+        let rows = "3 rows, the header says 2";
+        for (height, width, says) in [
+            (2, 3, rows),
+            (4, 3, "3 rows, the header says 4"),
+            (3, 2, "3 cells in a row, the header says 2"),
+            (3, 4, "3 cells in a row, the header says 4"),
+        ] {
+            for text in [octile(height, width), kiva(height, width)] {
+                let error = import(&text, &Options::default()).expect_err(&text).to_string();
+                assert!(error.contains(says), "{text}: {error}");
+            }
+        }
+        // A row that is too long is one row too many, whatever it has.
+        let error = import(&format!("{}x\n", octile(3, 3)), &Options::default()).expect_err("a fourth row");
+        assert!(error.to_string().contains("4 rows, the header says 3"), "{error}");
     }
 
     #[test]

@@ -23,7 +23,11 @@ pub fn parse(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapE
     let free = floor.iter().filter(|f| **f).count();
     let nodes = floor.clone();
     let most = (free as f64 * options.parking_share.clamp(0.0, 1.0)) as usize;
-    let parking = grid.take_places(&mut floor, &nodes, most.max(1));
+    let mut parking = grid.take_places(&mut floor, &nodes, most.max(1));
+    if !parking.contains(&true) {
+        // A ring: each cell joins two others, but any one of them can go, since the rest is joined the long way round.
+        grid.take_more_places(&mut floor, &nodes, &mut parking, 1);
+    }
 
     let mut draft = grid.draft(options);
     for c in (0..nodes.len()).filter(|&c| nodes[c]) {
@@ -102,6 +106,20 @@ mod tests {
         let w = draft.build().expect("well-formed");
         assert_eq!(w.nodes.len(), 10);
         assert!(["r0c0", "r0c3", "r2c0", "r2c2"].iter().all(|name| w.node_named(name).is_some()));
+    }
+
+    #[test]
+    fn one_cell_of_a_ring_becomes_a_place_and_the_rest_stays_joined() {
+        for text in [
+            "type octile\nheight 3\nwidth 4\nmap\n....\n.@@.\n....\n",
+            // Two rings with a cell in common.
+            "type octile\nheight 5\nwidth 5\nmap\n...@@\n.@.@@\n.....\n@@.@.\n@@...\n",
+        ] {
+            let (draft, notes) = parse(text, &Options::default()).expect("an octile grid");
+            let places = draft.parking.len();
+            let w = draft.build().unwrap_or_else(|e| panic!("{e}"));
+            assert_eq!((w.nodes_where(|kind| kind.is_lasting()).len(), places), (1, 1), "{notes}");
+        }
     }
 
     #[test]

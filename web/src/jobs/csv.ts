@@ -1,4 +1,5 @@
 // Jobs from a table: reads CSV, says line by line what is wrong, and makes the requests.
+import { readTable, type TableFault, type TableRow } from './table';
 import { build, BLANK, FIELDS, stationsOf, type FormValues } from './jobform';
 import { JOB_KINDS, type JobKind, type NewJob } from '../wire';
 import { t } from '../words';
@@ -8,52 +9,19 @@ export interface CsvLine {
   readonly line: number;
   readonly cells: Readonly<Record<string, string>>;
   readonly job: NewJob | null;
+  /** The key that the table gives: the same key never makes a second job. */
+  readonly key: string | null;
   readonly errors: readonly string[];
 }
 export type CsvRead = { kind: 'table'; lines: CsvLine[] } | { kind: 'unreadable'; why: string };
 
-export const COLUMNS = ['kind', 'rack', 'station', 'node', 'robot', 'priority', 'deadline_min', 'pick_s', 'reference'] as const;
+export const COLUMNS = ['kind', 'rack', 'station', 'node', 'robot', 'priority', 'deadline_min', 'pick_s', 'reference', 'key'] as const;
 export const EXAMPLE = 'kind,rack,station,priority\ndeliver,K1,W1,5\nreturn,K2,,0\n';
 export const MOST_LINES = 1_000;
 const LONGEST_PICK_S = 3_600;
 const LONGEST_REFERENCE = 200;
-
-/** Cells of every line that has any; quotes as in RFC 4180. */
-export function cells(text: string): { line: number; cells: string[] }[] {
-  const separator = separatorOf(text);
-  const out: { line: number; cells: string[] }[] = [];
-  let row: string[] = [];
-  let cell = '';
-  let quoted = false;
-  let line = 1;
-  let began = 1;
-  const endCell = (): void => { row.push(cell.trim()); cell = ''; };
-  const endRow = (): void => {
-    endCell();
-    if (row.some((c) => c !== '')) out.push({ line: began, cells: row });
-    row = [];
-    began = line;
-  };
-  const plain = text.replace(/^\uFEFF/, '');
-  for (let i = 0; i < plain.length; i++) {
-    const c = plain[i]!;
-    if (c === '\n') line += 1;
-    if (quoted) {
-      if (c !== '"') cell += c;
-      else if (plain[i + 1] === '"') { cell += '"'; i += 1; } else quoted = false;
-    } else if (c === '"' && cell.trim() === '') { quoted = true; cell = ''; } else if (c === separator) endCell();
-    else if (c === '\n') endRow();
-    else if (c !== '\r') cell += c;
-  }
-  endRow();
-  return out;
-}
-
-/** Some spreadsheets write semicolons, some tabs. */
-function separatorOf(text: string): string {
-  const head = text.split('\n', 1)[0] ?? '';
-  return [';', '\t'].find((s) => head.includes(s) && !head.includes(',')) ?? ',';
-}
+/** In UTF-8, as the server counts. */
+const LONGEST_KEY_BYTES = 255;
 
 export interface Known {
   readonly rack: ReadonlySet<string>;
@@ -63,26 +31,44 @@ export interface Known {
 }
 
 export function readJobs(text: string, known: Known, now: Date): CsvRead {
-  const [head, ...rest] = cells(text);
-  if (!head) return { kind: 'unreadable', why: t('csv.empty') };
-  const names = head.cells.map((c) => c.toLowerCase());
-  const strange = names.filter((n) => !(COLUMNS as readonly string[]).includes(n));
+  const table = readTable(text);
+  if ('kind' in table) return { kind: 'unreadable', why: whyNot(table) };
+  const names = table.columns.map((c) => c.toLowerCase());
+  const used = (i: number): boolean => names[i] !== '' || table.rows.some((r) => r.cells[i] !== '');
+  const strange = names.filter((n, i) => used(i) && !(COLUMNS as readonly string[]).includes(n));
   if (!names.includes('kind') || strange.length > 0) {
     const which = strange.length > 0 ? t('csv.column.unknown', { columns: strange.map((s) => `“${s}”`).join(', ') }) : '';
     return { kind: 'unreadable', why: [t('csv.columns.wrong', { columns: COLUMNS.join(', ') }), which].filter(Boolean).join(' ') };
   }
-  if (rest.length === 0) return { kind: 'unreadable', why: t('csv.none') };
-  if (rest.length > MOST_LINES) return { kind: 'unreadable', why: t('csv.many', { count: rest.length, most: MOST_LINES }) };
-  return { kind: 'table', lines: rest.map((r) => readLine(r, names, known, now)) };
+  if (table.rows.length > MOST_LINES) return { kind: 'unreadable', why: t('csv.many', { count: table.rows.length, most: MOST_LINES }) };
+  const keys = new Map<string, number>();
+  return { kind: 'table', lines: table.rows.map((r) => readLine(r, names, known, now, keys)) };
 }
 
-function readLine(row: { line: number; cells: string[] }, names: readonly string[], known: Known, now: Date): CsvLine {
+function whyNot(fault: TableFault): string {
+  switch (fault.kind) {
+    case 'empty': return t('csv.empty');
+    case 'no rows': return t('csv.none');
+    case 'twice': return t('csv.twice', { name: fault.name });
+    case 'unclosed': return t('csv.unclosed', { line: fault.line });
+    case 'not text': return t('csv.encoding');
+  }
+}
+
+function readLine(row: TableRow, names: readonly string[], known: Known, now: Date, keys: Map<string, number>): CsvLine {
   const found: Record<string, string> = {};
   names.forEach((name, i) => { found[name] = row.cells[i] ?? ''; });
   const errors: string[] = [];
-  if (row.cells.length > names.length) errors.push(t('csv.cells', { cells: row.cells.length, columns: names.length }));
+  if (row.surplus > 0) errors.push(t('csv.cells', { cells: row.surplus, columns: names.length }));
+  const key = found['key'] || null;
+  if (key !== null) {
+    const before = keys.get(key);
+    if (before !== undefined) errors.push(t('csv.key.twice', { key, line: before }));
+    else keys.set(key, row.line);
+    if (new TextEncoder().encode(key).length > LONGEST_KEY_BYTES) errors.push(t('csv.key', { most: LONGEST_KEY_BYTES }));
+  }
   const kind = (found['kind'] ?? '').toLowerCase() as JobKind;
-  const at = { line: row.line, cells: found };
+  const at = { line: row.line, cells: found, key };
   if (!JOB_KINDS.includes(kind)) return { ...at, job: null, errors: [t('csv.kind', { kind: found['kind'] ?? '', kinds: JOB_KINDS.join(', ') })] };
   const values: FormValues = {
     ...BLANK, kind, rack: found['rack'] ?? '', station: found['station'] ?? '', node: found['node'] ?? '',

@@ -38,7 +38,7 @@ export function buildClosure(values: ClosureValues, outline: readonly Point[], n
   }
   const at = (m: number) => new Date(now.getTime() + m * 60_000);
   if (values.daily) {
-    area.recurs = { from: clock(at(begins ?? 0)), to: clock(at((begins ?? 0) + (lasts ?? 0))), utc_offset: offset(now) };
+    area.recurs = { from: clock(at(begins ?? 0)), to: clock(at((begins ?? 0) + (lasts ?? 0))), utc_offset: zone() ?? offset(now) };
   } else {
     if (begins !== null && begins > 0) area.from = at(begins).toISOString();
     if (lasts !== null) area.until = at((begins ?? 0) + lasts).toISOString();
@@ -49,6 +49,11 @@ export function buildClosure(values: ClosureValues, outline: readonly Point[], n
 const two = (n: number) => String(n).padStart(2, '0');
 /** The time of day where the page is shown. */
 const clock = (t: Date) => `${two(t.getHours())}:${two(t.getMinutes())}`;
+/** The time zone there, so that what recurs follows its summer time; nothing where a browser does not tell. */
+function zone(): string | undefined {
+  const name = Intl.DateTimeFormat().resolvedOptions().timeZone as string | undefined;
+  return name === undefined || !/^[A-Za-z]/.test(name) ? undefined : name;
+}
 /** How far that is ahead of UTC. */
 function offset(t: Date): string {
   const ahead = -t.getTimezoneOffset();
@@ -57,7 +62,6 @@ function offset(t: Date): string {
 
 /** What closing an area does, a line each; grave is what stands until it is opened. */
 export function effectWords(effect: ClosingEffect): { words: string; grave: boolean }[] {
-  if (effect.nodes === 0) return [{ words: t('closure.effect.none'), grave: true }];
   const { stations, racks, trapped, waiting, under_way: passing, clear_at } = effect;
   const lines = [{ words: t('closure.effect.nodes', { count: effect.nodes }), grave: false }];
   const add = (words: string, grave = true) => lines.push({ words, grave });

@@ -108,6 +108,13 @@ export class Api {
     return this.#ask<JobPage>('GET', `/v1/jobs?${query}`);
   }
 
+  /** Jobs that are not over, newest first. */
+  jobsOpen(cursor: string | null): Promise<Answer<JobPage>> {
+    const query = new URLSearchParams({ limit: '500', state: 'waiting,assigned,carrying,picking' });
+    if (cursor) query.set('cursor', cursor);
+    return this.#ask<JobPage>('GET', `/v1/jobs?${query}`);
+  }
+
   /** Jobs that a customer calls so, newest first. */
   jobsCalled = (reference: string) => this.#ask<JobPage>('GET', `/v1/jobs?${new URLSearchParams({ limit: '5', reference })}`);
 

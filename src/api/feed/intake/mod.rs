@@ -4,13 +4,12 @@
 //! place and a time stops here, with a reason; what can, goes on, late and repeated ones too: the core judges and
 //! counts those. Refuses: to decide whether somebody can be where a pose says.
 
-use super::FAR_M;
 use super::align::{Alignment, Misfit, PointPair};
 use super::clock::ClockSync;
 use super::course::Course;
 use super::pose::{self, Gaze, Hand, facing, plan, rotation};
 use super::wire::{AnchorSaid, HandSaid, PoseFrame, PoseSaid, QualitySaid};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{FARTHEST_M, Point, Vector};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
@@ -326,7 +325,10 @@ impl PoseIntake {
             _ if said.quality == QualitySaid::Lost => (self.stood.ok_or(PoseFault::NoPosition)?, self.faced),
             _ => return Err(PoseFault::NoPosition),
         };
-        if !(device.x.abs() <= FAR_M && device.y.abs() <= FAR_M && given.unwrap_or(0.0).abs() <= 1e3) {
+        if !(device.x.abs() <= FARTHEST_M
+            && device.y.abs() <= FARTHEST_M
+            && given.unwrap_or(0.0).abs() <= 1e3)
+        {
             return Err(PoseFault::Absurd);
         }
         let faced = match said.quat {
@@ -419,7 +421,7 @@ fn quality(said: QualitySaid) -> Quality {
 
 /// What is carried through, in the axes of the map. Parts that cannot be are left out.
 fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
-    let near = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= FAR_M);
+    let near = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= FARTHEST_M);
     let gaze = said.gaze.filter(|g| near(&g.origin)).and_then(|g| {
         let dir = pose::direction(alignment, g.dir)?;
         Some(Gaze { kind: g.kind, origin: pose::place(alignment, g.origin), dir })
