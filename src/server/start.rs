@@ -138,7 +138,7 @@ pub async fn build(
     let (interop, feeds) = (config.massrobotics.clone(), Arc::new(feeds));
     let live = Arc::new(Live::new(map, clock.started().0.unsigned_abs()));
     let alarms = Arc::new(Alarms::default());
-    let (last, active) = store.active_alarms().await?;
+    let (last, active) = store.active_alarms(clock.now()).await?;
     alarms.restore(last, active, clock.now());
     let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
     let (notes, historian) = historian::historian(figures.clone(), store.clone());
