@@ -34,10 +34,11 @@ impl StopsRecord {
 
 /// What is read of a job.
 macro_rules! columns {
+    ($from:literal) => { concat!(columns!(), $from) };
     () => {
         "SELECT id, kind, rack, station, node, robot, pick, priority, deadline, after, key, state, why, worker, \
          created, updated, reference, stops, lines, choice, assigned_at, lifted_at, arrived_at, ended_at, changed, \
-         (SELECT json_group_object(key, value) FROM job_labels WHERE job = jobs.id) AS labels FROM jobs"
+         (SELECT json_group_object(key, value) FROM job_labels WHERE job = jobs.id) AS labels"
     };
 }
 
@@ -60,8 +61,12 @@ const CHOOSE: &str = "UPDATE jobs SET choice = $2, updated = $3 WHERE id = $1";
 const PRIORITISE: &str = "UPDATE jobs SET priority = $2, updated = $3, changed = 1 WHERE id = $1";
 const CHANGE: &str = "UPDATE jobs SET station = $2, robot = $3, priority = $4, deadline = $5, updated = $6, \
     changed = 1 WHERE id = $1";
-const ONE: &str = concat!(columns!(), " WHERE id = $1");
-const COLUMNS: &str = columns!();
+const ONE: &str = columns!(" FROM jobs WHERE id = $1");
+const LIST: &str = columns!(" FROM jobs WHERE id < ");
+/// The index is read from its newest entry on; each job that it names is looked up.
+const WITH_PART: &str = columns!(
+    " FROM job_references CROSS JOIN jobs ON jobs.id = job_references.rowid WHERE job_references.rowid < "
+);
 const COUNT: &str =
     "SELECT count(*), coalesce(sum(state NOT IN ('done', 'cancelled', 'failed')), 0) FROM jobs";
 
@@ -85,8 +90,8 @@ impl Store {
     /// # Errors
     /// Where the database does not answer.
     pub async fn jobs(&self, q: &JobQuery) -> Result<Vec<JobRow>, StoreError> {
-        let mut query = QueryBuilder::new(COLUMNS);
-        query.push(" WHERE id < ");
+        let part = q.reference_part.as_ref();
+        let mut query = QueryBuilder::new(if part.is_some() { WITH_PART } else { LIST });
         query.push_bind(q.before.map_or(i64::MAX, |id| i64::try_from(id.0).unwrap_or(i64::MAX)));
         one_of(&mut query, " AND state IN (", &q.states);
         let numbers = [
@@ -105,7 +110,12 @@ impl Store {
             query.push(" AND id IN (SELECT job FROM job_labels WHERE key = ").push_bind(key);
             query.push(" AND value = ").push_bind(value).push(")");
         }
-        query.push(" ORDER BY id DESC LIMIT ").push_bind(q.limit);
+        if let Some(part) = part {
+            // A phrase in quotation marks is looked for as it stands.
+            query.push(" AND job_references MATCH ").push_bind(format!("\"{}\"", part.replace('"', "\"\"")));
+        }
+        let order = if part.is_some() { "job_references.rowid" } else { "id" };
+        query.push(" ORDER BY ").push(order).push(" DESC LIMIT ").push_bind(q.limit);
         let rows = query.build().fetch_all(&self.readers).await?;
         rows.iter().map(|row| decode(row, &self.gone)).collect()
     }
