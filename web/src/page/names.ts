@@ -1,6 +1,7 @@
 // Names of people in place of pseudonyms, for those who may see them: feeds have pseudonyms alone.
 import { mayName, type Who } from '../session';
 import type { Api, Mirror } from '../wire';
+import { learnNames, learnNumbers } from '../words';
 
 /** A name that was not known may have come since; so may one have been erased. */
 const AGAIN_MS = 5_000;
@@ -10,7 +11,10 @@ export class PeopleNames {
   #api: Pick<Api, 'people'>;
   #who: () => Promise<Who>;
   #now: () => number;
+  /** Names by pseudonym. */
   #names: ReadonlyMap<string, string> = new Map();
+  /** Numbers of people whose names were asked for. */
+  #known: ReadonlySet<string> = new Set();
   /** Whether nothing says yet that this browser may not see names. */
   #may = true;
   #asking = false;
@@ -28,12 +32,19 @@ export class PeopleNames {
   shown(mirror: Mirror): Mirror {
     const { workers } = mirror;
     if (workers.rows.length === 0) return mirror;
-    const isKnown = workers.rows.every(({ id }) => this.#names.has(id));
+    const isKnown = workers.rows.every(({ id }) => this.#known.has(id));
     const age = this.#now() - this.#askedAt;
     if (this.#may && !this.#asking && age > (isKnown ? FRESH_MS : AGAIN_MS)) void this.#ask();
-    if (this.#names.size === 0) return mirror;
+    return this.called(mirror);
+  }
+
+  /** The same of the past, for which nothing is asked. */
+  called(mirror: Mirror): Mirror {
+    const { workers } = mirror;
+    if (workers.rows.length === 0) return mirror;
     if (this.#last?.from !== workers) {
-      const rows = workers.rows.map((worker) => ({ ...worker, name: this.#names.get(worker.id) ?? worker.name }));
+      learnNumbers(workers.rows);
+      const rows = workers.rows.map((worker) => ({ ...worker, name: this.#names.get(worker.name) ?? worker.name }));
       this.#last = { from: workers, shown: { ...workers, rows } };
     }
     return { ...mirror, workers: this.#last.shown };
@@ -49,15 +60,20 @@ export class PeopleNames {
   }
 
   async #learn(): Promise<void> {
-    const names = new Map<string, string>();
+    const [names, known] = [new Map<string, string>(), new Set<string>()];
     let cursor: string | null = null;
     do {
       const answer: Awaited<ReturnType<Api['people']>> = await this.#api.people(cursor);
       if (answer.kind === 'refused') this.#may = false;
       if (answer.kind !== 'ok') break;
-      for (const person of answer.value.items) names.set(person.id, person.name);
+      for (const { id, pseudonym, name } of answer.value.items) {
+        names.set(pseudonym, name);
+        known.add(id);
+      }
       cursor = answer.value.next;
-      if (cursor === null) [this.#names, this.#last] = [names, null];
+      if (cursor !== null) continue;
+      [this.#names, this.#known, this.#last] = [names, known, null];
+      learnNames(names);
     } while (cursor !== null);
   }
 }
