@@ -13,7 +13,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 20] = [
+const RUNS: [(&str, i64); 21] = [
+    ("first", 300),
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
@@ -158,6 +159,11 @@ fn a_fleet_of_which_a_tenth_is_failed_delivers() {
         assert_eq!((end.drained, end.law_violations), (Some(true), 0), "seed {seed}: {:?}", end.broken);
         assert!(end.counts.robot_deliveries > 200, "seed {seed}: {} racks", end.counts.robot_deliveries);
     }
+}
+
+#[test]
+fn the_hall_of_the_first_minute_keeps_its_laws() {
+    holds("first");
 }
 
 #[test]

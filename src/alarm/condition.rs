@@ -149,6 +149,14 @@ pub(super) struct AlarmKey {
     pub subject: Option<AlarmSubject>,
 }
 
+impl AlarmKey {
+    /// Whether it is that of a group: the alarms of single robots of its kind are its members.
+    pub fn is_group(&self) -> bool {
+        let is_floor = self.subject.as_ref().is_some_and(|s| s.kind == SubjectKind::Floor);
+        self.kind.is_about_a_robot() && is_floor
+    }
+}
+
 /// The first three of some names, and how many more there are.
 pub(super) fn some_of(names: &[String]) -> String {
     let shown = names[..names.len().min(3)].join(", ");

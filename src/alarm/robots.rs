@@ -2,7 +2,7 @@
 //!
 //! Main type: [`RobotWatch`]. Refuses: to report one robot twice: of several conditions the first in order of cause.
 
-use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
+use super::condition::{AlarmCondition, AlarmSubject, SubjectKind};
 use super::displaced::words;
 use super::kind::{AlarmKind, AlarmSeverity};
 use super::roots::{Roots, robots_wait};
@@ -17,9 +17,6 @@ const STUCK: Span = Span::from_secs(120);
 const STUCK_BEHIND: Span = Span::from_secs(3600);
 /// A robot that left the floor and was heard of within this still reports.
 const REPORTS: Span = Span::from_secs(10);
-/// If more robots than this have the same condition, it is one condition of all of them: it has one cause, such as a
-/// radio that is down.
-const MANY: usize = 5;
 /// What to do about an obstacle that no robot stands before any more.
 const LEFT_OBSTACLE: &str =
     "Clear the place: robots try it again two minutes after they last found it closed.";
@@ -230,22 +227,4 @@ fn is_low(row: &RobotView) -> bool {
     let charges = matches!(row.doing, Doing::Charging | Doing::ToCharger);
     let ends_its_task = row.task != Task::Idle && row.battery >= row.critical / 2.0;
     row.seen.is_some() && row.battery < row.critical && !charges && !ends_its_task
-}
-
-/// One condition for all robots that have the same one, where many have.
-pub(super) fn gather(found: BTreeMap<RobotId, AlarmCondition>, robots: usize) -> Vec<AlarmCondition> {
-    let mut by_kind: BTreeMap<AlarmKind, Vec<AlarmCondition>> = BTreeMap::new();
-    found.into_values().for_each(|c| by_kind.entry(c.kind).or_default().push(c));
-    let gathered = |(kind, found): (AlarmKind, Vec<AlarmCondition>)| {
-        if found.len() <= MANY || !kind.is_about_a_robot() {
-            return found;
-        }
-        let names: Vec<String> = found.iter().map(|c| c.subject.id.clone()).collect();
-        let waiting = found.iter().map(|c| c.waiting).sum();
-        let (what, wait) = (kind.of_many(), robots_wait(waiting).replace("for it", "for them"));
-        let text = format!("{} of {robots} robots {what}: {}{wait}.", found.len(), some_of(&names));
-        let all = AlarmCondition::new(kind, AlarmSubject::floor(), text).at_least(AlarmSeverity::Critical);
-        vec![AlarmCondition { waiting, since: found.iter().filter_map(|c| c.since).min(), ..all }]
-    };
-    by_kind.into_iter().flat_map(gathered).collect()
 }

@@ -4,9 +4,10 @@
 //! drives the fleet calls it about once a second.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
+use super::groups::Gathering;
 use super::jobs::JobWatch;
 use super::kind::AlarmKind;
-use super::robots::{RobotWatch, gather, left_obstacles};
+use super::robots::{RobotWatch, left_obstacles};
 use super::roots::Roots;
 use super::server::LoopHealth;
 use super::standing::{IdleFloor, is_stopped, standstills, whole_floor};
@@ -19,6 +20,7 @@ pub struct FloorWatch {
     robots: RobotWatch,
     jobs: JobWatch,
     idle: IdleFloor,
+    gathering: Gathering,
 }
 
 impl FloorWatch {
@@ -48,8 +50,8 @@ impl FloorWatch {
         found.extend(server::conditions(fleet, view, health, &robots));
         found.extend(arms::conditions(fleet, view));
         found.extend(left_obstacles(fleet, &robots));
-        found.extend(gather(robots, fleet.ledger().present().count()));
-        found
+        found.extend(robots.into_values());
+        self.gathering.gather(found, fleet.ledger().present().count())
     }
 }
 

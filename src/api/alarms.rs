@@ -3,11 +3,12 @@
 //! Main types: [`Alarms`], [`AlarmDto`]. Every alarm that is new is logged here, once. Refuses: to find out what is
 //! wrong, and to write anything down: it hands out what changed.
 
+use super::acts::Act;
 use super::text::{alarm_name, round3, time_text};
 use super::words::{AlarmKindDto, AlarmSeverityDto, AlarmStateDto, SubjectKindDto};
 use crate::alarm::{
-    Acknowledgement, Alarm, AlarmCondition, AlarmKind, AlarmRegister, AlarmScope, AlarmSeverity, SubjectKind,
-    operator_conditions,
+    Acknowledgement, Alarm, AlarmCondition, AlarmKind, AlarmMember, AlarmNote, AlarmRegister, AlarmScope,
+    AlarmSeverity, AlarmSubject, CareRefusal, Shelving, SubjectKind, operator_conditions,
 };
 use crate::fleet::View;
 use crate::geometry::{Point, Spot};
@@ -67,9 +68,46 @@ impl Alarms {
         alarm
     }
 
-    /// All that are active, the worst first.
+    /// Somebody puts an active alarm aside.
+    ///
+    /// # Errors
+    /// Where it is not active, must always call, or too many are put aside.
+    pub fn shelve(&self, id: u64, shelving: Shelving) -> Result<Alarm, CareRefusal> {
+        let alarm = self.register().shelve(id, shelving);
+        self.changed.notify_one();
+        alarm
+    }
+
+    /// Somebody takes an active alarm back up. Nothing where none of this number is active.
+    pub fn unshelve(&self, id: u64) -> Option<Alarm> {
+        let alarm = self.register().unshelve(id);
+        self.changed.notify_one();
+        alarm
+    }
+
+    /// Somebody writes a note about an active alarm.
+    ///
+    /// # Errors
+    /// Where it is not active, or has too many.
+    pub fn write_note(&self, id: u64, note: AlarmNote) -> Result<Alarm, CareRefusal> {
+        let alarm = self.register().write_note(id, note);
+        self.changed.notify_one();
+        alarm
+    }
+
+    /// The active alarm of this number, also where it is a member of a group.
+    pub fn find(&self, id: u64) -> Option<Alarm> {
+        self.register().find(id)
+    }
+
+    /// All that are active, the worst first. Members are in their groups.
     pub fn list(&self) -> Vec<Alarm> {
         self.register().active()
+    }
+
+    /// Active alarms about this, also where they are members of a group.
+    pub fn about(&self, subject: &AlarmSubject) -> Vec<Alarm> {
+        self.register().about(subject)
     }
 
     /// The active alarm of a kind, if there is one.
@@ -130,6 +168,75 @@ pub struct AcknowledgementDto {
     pub at: String,
 }
 
+/// An alarm that was put aside.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct ShelvingDto {
+    /// Who.
+    #[schema(example = "Ben")]
+    pub by: String,
+    /// When, RFC 3339.
+    pub at: String,
+    /// Until when, RFC 3339: then it calls again.
+    pub until: String,
+    /// Why.
+    #[schema(example = "the radio is being mended")]
+    pub reason: String,
+}
+
+/// What somebody wrote down about an alarm.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AlarmNoteDto {
+    /// Who.
+    #[schema(example = "Ben")]
+    pub by: String,
+    /// When, RFC 3339.
+    pub at: String,
+    /// What.
+    #[schema(example = "the access point has no power; electrician at 15:00")]
+    pub text: String,
+}
+
+/// One of the alarms in a group.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AlarmMemberDto {
+    /// Its number.
+    #[schema(example = "al12")]
+    pub id: String,
+    /// With what something is wrong.
+    pub subject: AlarmSubjectDto,
+    /// In words.
+    pub text: String,
+    /// Where on the map, metres; null if it is in no one place.
+    pub x: Option<f64>,
+    /// Metres.
+    pub y: Option<f64>,
+    /// Since when its cause has been there, RFC 3339.
+    pub since: String,
+    /// Who has taken note; null if nobody has.
+    pub acknowledged_by: Option<String>,
+}
+
+impl From<&AlarmMember> for AlarmMemberDto {
+    fn from(m: &AlarmMember) -> AlarmMemberDto {
+        let (x, y) = place(m.at).unzip();
+        AlarmMemberDto {
+            id: alarm_name(m.id),
+            subject: (&m.subject).into(),
+            text: m.text.clone(),
+            x,
+            y,
+            since: time_text(m.since),
+            acknowledged_by: m.acknowledged_by.clone(),
+        }
+    }
+}
+
+impl From<&AlarmSubject> for AlarmSubjectDto {
+    fn from(subject: &AlarmSubject) -> AlarmSubjectDto {
+        AlarmSubjectDto { kind: subject.kind.into(), id: subject.id.clone() }
+    }
+}
+
 /// Something that a person must know, active or past.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmDto {
@@ -160,6 +267,17 @@ pub struct AlarmDto {
     pub since: String,
     /// Who has taken note; null if nobody has.
     pub acknowledged: Option<AcknowledgementDto>,
+    /// Whether somebody has put it aside; null if nobody has.
+    pub shelved: Option<ShelvingDto>,
+    /// What people wrote down about it, in order.
+    pub notes: Vec<AlarmNoteDto>,
+    /// What can be done about it in one request, the likeliest first.
+    pub acts: Vec<Act>,
+    /// The group of which it is a member, or was when it ended; null if there is none.
+    #[schema(example = "al18")]
+    pub group: Option<String>,
+    /// Of an active group: its members. Of one that is over, list `?group=` its id.
+    pub members: Vec<AlarmMemberDto>,
     /// When it ended, RFC 3339; null if it is active.
     pub cleared: Option<String>,
 }
@@ -173,7 +291,7 @@ impl From<&Alarm> for AlarmDto {
             kind: AlarmKindDto(a.kind),
             severity: a.severity.into(),
             state: if a.cleared.is_some() { AlarmStateDto::Cleared } else { AlarmStateDto::Active },
-            subject: AlarmSubjectDto { kind: a.subject.kind.into(), id: a.subject.id.clone() },
+            subject: (&a.subject).into(),
             text: a.text.clone(),
             remedy: a.remedy.clone(),
             x,
@@ -181,9 +299,35 @@ impl From<&Alarm> for AlarmDto {
             waiting: a.waiting,
             since: time_text(a.since),
             acknowledged: a.acknowledged.as_ref().map(noted),
+            shelved: a.shelved.as_ref().map(shelving),
+            notes: a.notes.iter().map(note).collect(),
+            acts: Act::remedies(a.kind).to_vec(),
+            group: a.group.map(alarm_name),
+            members: a.members.iter().map(Into::into).collect(),
             cleared: a.cleared.map(time_text),
         }
     }
+}
+
+fn shelving(s: &Shelving) -> ShelvingDto {
+    ShelvingDto { by: s.by.clone(), at: time_text(s.at), until: time_text(s.until), reason: s.reason.clone() }
+}
+
+fn note(n: &AlarmNote) -> AlarmNoteDto {
+    AlarmNoteDto { by: n.by.clone(), at: time_text(n.at), text: n.text.clone() }
+}
+
+/// A member of a group in the live feed.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct AlarmMemberRowDto {
+    /// Its number.
+    #[schema(example = "al12")]
+    pub id: String,
+    /// The robot.
+    #[schema(example = "robot-3")]
+    pub subject: String,
+    /// Who has taken note; null if nobody has.
+    pub acknowledged_by: Option<String>,
 }
 
 /// An active alarm in the live feed; its times count from the feed's zero.
@@ -215,6 +359,12 @@ pub struct AlarmRowDto {
     pub since_s: f64,
     /// Who has taken note; null if nobody has.
     pub acknowledged_by: Option<String>,
+    /// Until when it is put aside, RFC 3339; null if it is not.
+    pub shelved_until: Option<String>,
+    /// What can be done about it in one request, the likeliest first.
+    pub acts: Vec<Act>,
+    /// Of a group: its members.
+    pub members: Vec<AlarmMemberRowDto>,
 }
 
 /// An active alarm in the live feed; its times count from `started_s`.
@@ -234,7 +384,15 @@ pub(super) fn row(alarm: &Alarm, started_s: f64) -> Value {
         waiting: alarm.waiting,
         since_s: round3(alarm.since.as_secs_f64() - started_s),
         acknowledged_by: alarm.acknowledged.as_ref().map(|n| n.by.clone()),
+        shelved_until: alarm.shelved.as_ref().map(|s| time_text(s.until)),
+        acts: Act::remedies(alarm.kind).to_vec(),
+        members: alarm.members.iter().map(member_row).collect(),
     })
+}
+
+fn member_row(member: &AlarmMember) -> AlarmMemberRowDto {
+    let AlarmMember { id, subject, acknowledged_by, .. } = member.clone();
+    AlarmMemberRowDto { id: alarm_name(id), subject: subject.id, acknowledged_by }
 }
 
 fn place(at: Option<Spot>) -> Option<(f64, f64)> {

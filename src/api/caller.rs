@@ -18,7 +18,7 @@ pub type TokenHash = [u8; 32];
 pub enum Role {
     /// Reads.
     Viewer,
-    /// Reads, and runs the floor: halts, releases, closures, alarms, maintenance, people who were lost.
+    /// Reads, and runs the floor: halts, releases, closures, alarms, maintenance, people who were lost, jobs and tasks.
     Operator,
     /// Reads, and orders: jobs and assignments.
     Integrator,

@@ -6,6 +6,7 @@
 //! latest view or at durable lists; writes put a request into the queue and answer when its facts are durable.
 //! Refuses: to decide anything about robots, and to know store or server.
 
+mod acts;
 pub mod alarms;
 mod assets;
 pub mod audit;

@@ -22,9 +22,9 @@ pub enum Access {
     Operate,
     /// Who runs the floor, and a device for its own worker: the wearer says *I have left*.
     OperateOwn,
-    /// Who orders.
+    /// Other systems, and what they alone need.
     Order,
-    /// Who runs the floor, and who orders.
+    /// Who runs the floor, and who orders: jobs and tasks of people.
     Change,
     /// Who reports where people are, and a device for its own worker.
     Report,
@@ -87,8 +87,8 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("POST", "/v1/fleet/stop", Operate),
     ("POST", "/v1/fleet/resume", Operate),
     ("GET", "/v1/jobs", Read),
-    ("POST", "/v1/jobs", Order),
-    ("POST", "/v1/jobs:batch", Order),
+    ("POST", "/v1/jobs", Change),
+    ("POST", "/v1/jobs:batch", Change),
     ("GET", "/v1/jobs/{id}", Read),
     ("PATCH", "/v1/jobs/{id}", Change),
     ("DELETE", "/v1/jobs/{id}", Change),
@@ -106,9 +106,9 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/massrobotics", Order),
     ("POST", "/v1/massrobotics", Order),
     ("GET", "/v1/workers/{id}/assignments", ReadOwn),
-    ("POST", "/v1/workers/{id}/assignments", Order),
+    ("POST", "/v1/workers/{id}/assignments", Change),
     ("GET", "/v1/assignments", Read),
-    ("POST", "/v1/assignments", Order),
+    ("POST", "/v1/assignments", Change),
     ("GET", "/v1/assignments/{id}", Read),
     ("DELETE", "/v1/assignments/{id}", Change),
     ("POST", "/v1/assignments/{id}/done", Change),
@@ -125,6 +125,9 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("DELETE", "/v1/people/{id}", Administer),
     ("GET", "/v1/alarms", Read),
     ("POST", "/v1/alarms/{id}/acknowledge", Operate),
+    ("POST", "/v1/alarms/{id}/shelve", Operate),
+    ("DELETE", "/v1/alarms/{id}/shelve", Operate),
+    ("POST", "/v1/alarms/{id}/notes", Operate),
     ("GET", "/v1/encounters", Read),
     ("GET", "/v1/past", Read),
     ("GET", "/v1/past/figures", Read),
@@ -246,7 +249,8 @@ mod tests {
             ("GET", "/v1/robots", &[Viewer, Operator, Integrator, Admin][..]),
             ("HEAD", "/v1/robots", &[Viewer, Operator, Integrator, Admin]),
             ("POST", "/v1/fleet/stop", &[Operator, Admin]),
-            ("POST", "/v1/jobs", &[Integrator, Admin]),
+            ("POST", "/v1/jobs", &[Operator, Integrator, Admin]),
+            ("GET", "/v1/webhooks", &[Integrator, Admin]),
             ("DELETE", "/v1/jobs/{id}", &[Operator, Integrator, Admin]),
             ("GET", "/v1/map", &Role::ALL),
             ("GET", "/v1/health", &Role::ALL),

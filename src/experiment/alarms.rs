@@ -299,6 +299,7 @@ fn scenario(name: &str, (robots, workers): (usize, usize), duration: Span, seed:
         demand: Demand::Backlog(robots),
         customers: Habits::default(),
         drain: Span::ZERO,
+        warm_up: Span::ZERO,
         faults: Faults { repair_s: LASTS.as_secs_f64(), ..Faults::default() },
         kinds: KindShare::one(Kinematics::default(), Charging::default()),
         workers: Workers { count: workers, enter_s: 10.0, ..Workers::default() },

@@ -171,6 +171,7 @@ impl TableSetup {
             demand: Demand::Backlog(self.robots),
             customers: Habits::default(),
             drain: Span::ZERO,
+            warm_up: Span::ZERO,
             faults: Faults::default(),
             kinds: KindShare::one(Kinematics::default(), Charging::default()),
             workers,

@@ -77,6 +77,7 @@ fn scenario(robots: usize) -> Scenario {
         demand: Demand::None,
         customers: Habits::default(),
         drain: Span::ZERO,
+        warm_up: Span::ZERO,
         faults: Faults::default(),
         kinds: KindShare::one(Kinematics::default(), Charging::default()),
         workers: Workers::default(),

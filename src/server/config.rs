@@ -50,7 +50,7 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     pub config: Option<PathBuf>,
-    /// What to run: map, fleet, simulated customers [default: scenarios/kiva-50.json] [env: GIVEWAY_SCENARIO]
+    /// What to run: map, fleet, simulated customers [default: scenarios/first.json] [env: GIVEWAY_SCENARIO]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<PathBuf>,
@@ -184,7 +184,7 @@ pub struct Config {
 impl Default for Config {
     fn default() -> Config {
         Config {
-            scenario: "scenarios/kiva-50.json".into(),
+            scenario: "scenarios/first.json".into(),
             method: None,
             listen: "127.0.0.1:8080".into(),
             database: "giveway.sqlite".into(),

@@ -64,6 +64,10 @@ impl Records for Shelf {
         })
     }
 
+    fn acts(&self, between: (Time, Time)) -> Later<'_, Result<Vec<(String, u64)>, String>> {
+        Box::pin(async move { self.0.acts(between).await.map_err(told) })
+    }
+
     fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
         Box::pin(async move { self.0.robot_jobs(robot).await.map_err(told) })
     }

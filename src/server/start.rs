@@ -15,9 +15,10 @@ use crate::api::massrobotics::Interop;
 use crate::api::port::SharedHistory;
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
-use crate::sim::{World, nothing_to_order};
-use crate::store::{CarryOver, MapNote, Opening, Store, StoreError};
-use crate::time::Span;
+use crate::sim::{OrderFileLine, Scenario, World, nothing_to_order, warm_up};
+use crate::store::{CarryOver, MapNote, Opening, StepEntry, Store, StoreError};
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
 use anyhow::Context;
 use std::any::Any;
 use std::sync::Arc;
@@ -151,6 +152,30 @@ fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
     )
 }
 
+/// Steps are written down so many at once.
+const AT_ONCE: usize = 500;
+
+/// Writes down what the floor did before this moment, for a scenario that begins in the middle of a shift.
+async fn begin_in_the_middle(
+    store: &Store,
+    (map, scenario, lines): (&Arc<Warehouse>, &Scenario, &[OrderFileLine]),
+    next: i64,
+) -> anyhow::Result<()> {
+    let until = Clock::start(None).started();
+    let (map, scenario, lines) = (map.clone(), scenario.clone(), lines.to_vec());
+    let past = tokio::task::spawn_blocking(move || warm_up(&map, &scenario, &lines, until)).await?;
+    let entry = |(at, facts)| StepEntry { at, facts, causes: Vec::new() };
+    let steps: Vec<StepEntry> = past.steps.into_iter().map(entry).collect();
+    let mut next = next;
+    for some in steps.chunks(AT_ONCE) {
+        store.append(next, some).await?;
+        next += some.len() as i64;
+    }
+    let (buckets, heat) = (past.history.since(Time(0)), past.history.heat().since(Time(0)));
+    store.keep_history(until, &buckets, &heat).await?;
+    Ok(())
+}
+
 /// Makes the parts from what the database has.
 pub async fn build(
     config: &Config,
@@ -159,7 +184,12 @@ pub async fn build(
     store: &Arc<Store>,
 ) -> anyhow::Result<(Built, StartSummary)> {
     let SimulatedFloor { scenario, map, lines } = floor;
-    let loaded = store.load(Ledger::new(map.clone(), scenario.settings().clearance(), false)).await?;
+    let empty = || Ledger::new(map.clone(), scenario.settings().clearance(), false);
+    let mut loaded = store.load(empty()).await?;
+    if loaded.last.is_none() && scenario.warm_up > Span::ZERO {
+        begin_in_the_middle(store, (&map, &scenario, &lines), loaded.next).await?;
+        loaded = store.load(empty()).await?;
+    }
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
     let (published, map_name) = (basis.published.clone(), map.name.clone());
     let nothing_to_order = nothing_to_order(&scenario, &map);
@@ -200,7 +230,7 @@ pub async fn build(
     let (interop, feeds) = (config.massrobotics.clone(), Arc::new(feeds));
     let live = Arc::new(Live::new(map, clock.started().0.unsigned_abs()));
     let alarms = Arc::new(Alarms::default());
-    let (last, active) = store.active_alarms().await?;
+    let (last, active) = store.active_alarms(clock.now()).await?;
     alarms.restore(last, active, clock.now());
     let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
     let (notes, historian) = historian::historian(figures.clone(), store.clone());

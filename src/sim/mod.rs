@@ -42,6 +42,7 @@ mod tally;
 #[cfg(test)]
 mod tests;
 pub mod walker;
+mod warm_up;
 mod world;
 
 pub use consistency::{Consistency, NeesFigures};
@@ -54,4 +55,5 @@ pub use scenario::{
     HandSide, KindShare, LineDemand, LocalPlannerWord, MethodWord, NodeWindowsWord, Personas, PickerHabits,
     Rates, Scenario, ScenarioError, SecondTag, SeenGaze, Sensor, Source, TaskSharing, WorkCells, Workers,
 };
+pub use warm_up::{WarmUp, warm_up};
 pub use world::{World, starting_places};

@@ -4,7 +4,10 @@
 //! depends on: rows of kinds that this Giveway does not know are left out.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError, events};
-use crate::alarm::{Acknowledgement, Alarm, AlarmKind, AlarmQuery, AlarmSeverity, AlarmSubject, SubjectKind};
+use crate::alarm::{
+    Acknowledgement, Alarm, AlarmKind, AlarmNote, AlarmQuery, AlarmSeverity, AlarmSubject, Shelving,
+    SubjectKind,
+};
 use crate::geometry::Spot;
 use crate::time::Time;
 use sqlx::Row;
@@ -14,8 +17,9 @@ use sqlx::sqlite::{SqliteConnection, SqliteRow};
 pub const MOST_PAST: i64 = 20_000;
 
 const KEEP: &str = "INSERT OR REPLACE INTO alarms (id, kind, severity, subject_kind, subject, text, remedy, x, y, \
-    waiting, since, acknowledged_by, acknowledged, cleared) \
-    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14)";
+    waiting, since, acknowledged_by, acknowledged, cleared, shelved_by, shelved, shelved_until, shelved_reason, \
+    notes, grp) \
+    VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15, $16, $17, $18, $19, $20)";
 /// Numbers of alarms that are active stay; so few are below that they are passed over.
 const FORGET: &str =
     "DELETE FROM alarms WHERE cleared IS NOT NULL AND id <= (SELECT max(id) FROM alarms) - $1";
@@ -34,6 +38,10 @@ const SOME_IN_ORDER: &str = "SELECT * FROM alarms WHERE id IN ( \
     ORDER BY since, id LIMIT 1), $1), coalesce((SELECT min(id) FROM alarms INDEXED BY alarms_of_days \
     WHERE cleared - since > 86400000000 AND cleared >= $2), $1)) \
     ORDER BY id DESC LIMIT $4)) ORDER BY id DESC LIMIT $4";
+const SHELVED: &str = "SELECT * FROM alarms INDEXED BY alarms_by_shelf \
+    WHERE cleared IS NOT NULL AND shelved_until > $1 ORDER BY id";
+const OF_GROUP: &str = "SELECT * FROM alarms INDEXED BY alarms_by_group WHERE grp = $5 AND id < $1 \
+    AND (cleared IS NULL OR cleared >= $2) AND since < $3 ORDER BY id DESC LIMIT $4";
 
 impl Store {
     /// Writes alarms down as they are now, in place of what was known of them, and forgets the oldest of too many.
@@ -55,14 +63,15 @@ impl Store {
         result
     }
 
-    /// The number of the last alarm, and those that have not ended.
+    /// The number of the last alarm, and those that have not ended or are put aside until later than `now`.
     ///
     /// # Errors
     /// Where the database does not answer.
-    pub async fn active_alarms(&self) -> Result<(u64, Vec<Alarm>), StoreError> {
+    pub async fn active_alarms(&self, now: Time) -> Result<(u64, Vec<Alarm>), StoreError> {
         let last: i64 = sqlx::query_scalar(LAST).fetch_one(&self.readers).await?;
-        let rows = sqlx::query(ACTIVE).fetch_all(&self.readers).await?;
-        Ok((last.unsigned_abs(), rows.iter().filter_map(read).collect()))
+        let active = sqlx::query(ACTIVE).fetch_all(&self.readers).await?;
+        let shelved = sqlx::query(SHELVED).bind(now.0).fetch_all(&self.readers).await?;
+        Ok((last.unsigned_abs(), active.iter().chain(&shelved).filter_map(read).collect()))
     }
 
     /// Some alarms, active or past, newest first.
@@ -70,13 +79,17 @@ impl Store {
     /// # Errors
     /// Where the database does not answer.
     pub async fn alarms(&self, q: &AlarmQuery) -> Result<Vec<Alarm>, StoreError> {
-        let rows = sqlx::query(if self.is_orderly { SOME_IN_ORDER } else { SOME })
+        let plain = if self.is_orderly { SOME_IN_ORDER } else { SOME };
+        let some = sqlx::query(if q.group.is_some() { OF_GROUP } else { plain })
             .bind(q.before.map_or(i64::MAX, |id| i64::try_from(id).unwrap_or(i64::MAX)))
             .bind(q.from.map_or(0, |t| t.0))
             .bind(q.to.map_or(i64::MAX, |t| t.0))
-            .bind(q.limit)
-            .fetch_all(&self.readers)
-            .await?;
+            .bind(q.limit);
+        let some = match q.group {
+            Some(group) => some.bind(group.cast_signed()),
+            None => some,
+        };
+        let rows = some.fetch_all(&self.readers).await?;
         Ok(rows.iter().filter_map(read).collect())
     }
 }
@@ -84,7 +97,7 @@ impl Store {
 async fn write(db: &mut SqliteConnection, alarms: &[Alarm]) -> Result<(), StoreError> {
     sqlx::query(BEGIN).execute(&mut *db).await?;
     for a in alarms {
-        let noted = a.acknowledged.as_ref();
+        let (noted, shelved) = (a.acknowledged.as_ref(), a.shelved.as_ref());
         sqlx::query(KEEP)
             .bind(a.id.cast_signed())
             .bind(a.kind.word())
@@ -100,6 +113,12 @@ async fn write(db: &mut SqliteConnection, alarms: &[Alarm]) -> Result<(), StoreE
             .bind(noted.map(|n| n.by.as_str()))
             .bind(noted.map(|n| n.at.0))
             .bind(a.cleared.map(|t| t.0))
+            .bind(shelved.map(|s| s.by.as_str()))
+            .bind(shelved.map(|s| s.at.0))
+            .bind(shelved.map(|s| s.until.0))
+            .bind(shelved.map(|s| s.reason.as_str()))
+            .bind(encode(&a.notes))
+            .bind(a.group.map(u64::cast_signed))
             .execute(&mut *db)
             .await?;
         events::note_alarm(&mut *db, a).await?;
@@ -116,6 +135,9 @@ fn read(row: &SqliteRow) -> Option<Alarm> {
     let text = |column: &str| row.try_get::<Option<String>, _>(column).ok().flatten();
     let at = number("x").zip(number("y")).map(|(x_mm, y_mm)| Spot { x_mm, y_mm });
     let noted = text("acknowledged_by").zip(number("acknowledged"));
+    let shelved = text("shelved_by").zip(number("shelved").zip(number("shelved_until")));
+    let reason = text("shelved_reason").unwrap_or_default();
+    let notes = text("notes").and_then(|notes| decode(&notes)).unwrap_or_default();
     Some(Alarm {
         id: id.unsigned_abs(),
         kind: AlarmKind::of_word(word("kind")?)?,
@@ -127,6 +149,21 @@ fn read(row: &SqliteRow) -> Option<Alarm> {
         waiting: usize::try_from(number("waiting")?).ok()?,
         since: Time(number("since")?),
         acknowledged: noted.map(|(by, at)| Acknowledgement { by, at: Time(at) }),
+        shelved: shelved.map(|(by, (at, until))| Shelving { by, at: Time(at), until: Time(until), reason }),
+        notes,
+        group: number("grp").map(i64::cast_unsigned),
+        members: Vec::new(),
         cleared: number("cleared").map(Time),
     })
+}
+
+/// Notes as a row has them; nothing where there are none.
+fn encode(notes: &[AlarmNote]) -> Option<String> {
+    let rows: Vec<_> = notes.iter().map(|note| (&note.by, note.at.0, &note.text)).collect();
+    (!rows.is_empty()).then(|| serde_json::to_string(&rows).expect("notes are plain"))
+}
+
+fn decode(text: &str) -> Option<Vec<AlarmNote>> {
+    let rows: Vec<(String, i64, String)> = serde_json::from_str(text).ok()?;
+    Some(rows.into_iter().map(|(by, at, text)| AlarmNote { by, at: Time(at), text }).collect())
 }

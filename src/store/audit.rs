@@ -20,6 +20,8 @@ const LAST: &str = "SELECT coalesce(max(id), 0) FROM audit";
 const SOME: &str = "SELECT * FROM audit WHERE id < $1 AND id >= $2 ORDER BY id DESC LIMIT $3";
 const OF_ACTOR: &str = "SELECT * FROM audit INDEXED BY audit_by_actor \
     WHERE actor = $4 AND id < $1 AND id >= $2 ORDER BY id DESC LIMIT $3";
+const DONE: &str =
+    "SELECT what, count(*) FROM audit WHERE id >= $1 AND id < $2 AND outcome < 400 GROUP BY what";
 const CAUSES: &str = "SELECT seq, causes FROM steps WHERE seq > $1 AND causes IS NOT NULL ORDER BY seq";
 
 /// A request that was to change something.
@@ -101,6 +103,16 @@ impl Store {
         let query = if q.actor.is_some() { query.bind(&q.actor) } else { query };
         let rows = query.fetch_all(&self.readers).await?;
         Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
+    }
+
+    /// How often what was asked and done, from one moment to another.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn acts(&self, (from, to): (Time, Time)) -> Result<Vec<(String, u64)>, StoreError> {
+        let rows = sqlx::query(DONE).bind(from.0).bind(to.0).fetch_all(&self.readers).await?;
+        let read = |row: &SqliteRow| Ok((row.try_get(0)?, row.try_get::<i64, _>(1)?.unsigned_abs()));
+        Ok(rows.iter().map(read).collect::<Result<_, sqlx::Error>>()?)
     }
 
     /// Who is behind the facts of the steps with a higher number than this, as far as the journal reaches: the number

@@ -32,6 +32,8 @@ const NOTE_ALARM: &str = "INSERT INTO events (at, kind, subject, old, new, text)
     WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1), $3, $4 \
     WHERE $3 IS NOT (SELECT new FROM events INDEXED BY events_by_subject \
     WHERE kind = 'alarm' AND subject = $2 ORDER BY seq DESC LIMIT 1)";
+const TOLD: &str =
+    "SELECT 1 FROM events INDEXED BY events_by_subject WHERE kind = 'alarm' AND subject = $1 LIMIT 1";
 /// Jobs whose state changes without a fact, where a database is carried over to another map.
 pub(super) const NOTE_JOBS: &str = "INSERT INTO events (at, kind, subject, old, new) \
     SELECT $1, 'job', value, (SELECT new FROM events INDEXED BY events_by_subject \
@@ -104,8 +106,15 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact, at: Time) ->
     Ok(true)
 }
 
-/// Writes down what became of an alarm, if that has changed.
+/// Writes down what became of an alarm, if that has changed. Of a member of a group that was not told before, the group
+/// tells.
 pub(super) async fn note_alarm(db: &mut SqliteConnection, alarm: &Alarm) -> Result<(), sqlx::Error> {
+    if alarm.group.is_some() {
+        let told = sqlx::query(TOLD).bind(alarm.id.cast_signed()).fetch_optional(&mut *db).await?;
+        if told.is_none() {
+            return Ok(());
+        }
+    }
     let noted = alarm.acknowledged.as_ref().map(|noted| ("acknowledged", noted.at));
     let (new, at) = match alarm.cleared {
         Some(at) => ("cleared", at),

@@ -132,6 +132,11 @@ pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
     } else if let Some(reference) = rest.reference.take() {
         let equal = vec![("reference", Given::Word(reference))];
         vec![Arm::of("jobs INDEXED BY jobs_by_reference", id, equal)]
+    } else if let Some(part) = rest.reference_part.take() {
+        // A phrase in quotation marks is looked for as it stands; the index is read from its newest entry on.
+        let phrase = format!("\"{}\"", part.replace('"', "\"\""));
+        let from = "job_references CROSS JOIN jobs ON jobs.id = job_references.rowid";
+        vec![Arm::of(from, "job_references.rowid", vec![("job_references", Given::Word(phrase))])]
     } else if let Some((key, value)) = label.take() {
         let equal = vec![("job_labels.key", Given::Word(key)), ("value", Given::Word(value))];
         let from = "job_labels INDEXED BY job_labels_by_value CROSS JOIN jobs ON jobs.id = job_labels.job";
@@ -159,10 +164,12 @@ pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
     ];
     let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| Condition::number(sql, n)));
     let reference = rest.reference.map(|text| Condition::words(vec![(" AND reference = ", text)], ""));
+    let part = rest.reference_part;
+    let part = part.map(|text| Condition::words(vec![(" AND instr(lower(reference), lower(", text)], ")) > 0"));
     let has = " AND EXISTS (SELECT 1 FROM job_labels WHERE job = jobs.id AND job_labels.key = ";
     let label = label.map(|(key, value)| Condition::words(vec![(has, key), (" AND value = ", value)], ")"));
     let conditions = Condition::one_of(" AND state IN (", &rest.states).into_iter();
-    let conditions = conditions.chain(times).chain(numbers).chain(reference).chain(label).collect();
+    let conditions = conditions.chain(times).chain(numbers).chain(reference).chain(part).chain(label).collect();
     reach.listing((SOME, NEWEST_FIRST), arms, conditions, q.limit + 1)
 }
 

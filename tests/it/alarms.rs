@@ -148,6 +148,7 @@ async fn a_list_that_cannot_be_is_refused_with_the_field() {
         ("state=active&limit=3", "state"),
         ("from=yesterday", "from"),
         ("cursor=al1", "cursor"),
+        ("group=robot-1", "group"),
         ("limit=0", "limit"),
     ] {
         let answer = get(at, &format!("/v1/alarms?{query}")).await;
@@ -155,5 +156,46 @@ async fn a_list_that_cannot_be_is_refused_with_the_field() {
         assert_eq!(answer.json()["errors"][0]["field"], field, "{query}: {answer:?}");
     }
     assert_eq!(get(at, "/v1/alarms?state=any").await.json(), json!({"items": [], "next": null}));
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_alarm_is_put_aside_for_a_time_and_has_notes_and_both_outlast_a_restart() {
+    let folder = Folder::new();
+    let server = start_where_robots_fail(&folder).await;
+    let at = server.address();
+    assert_eq!(post(at, None, &delivery(0)).await.unwrap().status, 201);
+    let failed = |items: &[Value]| items.iter().any(|a| a["kind"] == "robot_failed");
+    let items = alarms(at, "a robot fails", failed).await;
+    let alarm = items.iter().find(|a| a["kind"] == "robot_failed").unwrap();
+    let id = alarm["id"].as_str().unwrap();
+    assert_eq!(alarm["acts"], json!(["start_maintenance", "remove_robot"]), "{alarm}");
+    let tell = async |method: &str, what: &str, body: &Value| {
+        send(at, method, &format!("/v1/alarms/{id}/{what}"), JSON, &body.to_string()).await.unwrap()
+    };
+    for (body, field) in [
+        (json!({"by": "Ben", "for_s": 59, "reason": "x"}), "for_s"),
+        (json!({"by": "Ben", "for_s": 43201, "reason": "x"}), "for_s"),
+        (json!({"by": "", "for_s": 60, "reason": "x"}), "by"),
+        (json!({"by": "Ben", "for_s": 60, "reason": "  "}), "reason"),
+    ] {
+        let answer = tell("POST", "shelve", &body).await;
+        answer.problem(422);
+        assert_eq!(answer.json()["errors"][0]["field"], field, "{answer:?}");
+    }
+    let aside = tell("POST", "shelve", &json!({"by": "Ben", "for_s": 3600, "reason": "being mended"})).await;
+    assert_eq!((aside.status, &aside.json()["shelved"]["by"]), (200, &json!("Ben")), "{aside:?}");
+    let back = tell("DELETE", "shelve", &Value::Null).await.json();
+    assert_eq!(back["shelved"], Value::Null);
+    tell("POST", "shelve", &json!({"by": "Ben", "for_s": 3600, "reason": "being mended"})).await;
+    tell("POST", "notes", &json!({"by": "Ben", "text": " "})).await.problem(422);
+    let noted = tell("POST", "notes", &json!({"by": "Ben", "text": "a wheel is loose"})).await.json();
+    assert_eq!(noted["notes"][0]["text"], "a wheel is loose");
+    server.stop().await.unwrap();
+
+    let server = start_where_robots_fail(&folder).await;
+    let kept = get(server.address(), "/v1/alarms?state=any").await.json()["items"].clone();
+    let same = kept.as_array().unwrap().iter().find(|a| a["id"] == id).expect("it outlasts a restart");
+    assert_eq!((&same["shelved"]["reason"], &same["notes"]), (&json!("being mended"), &noted["notes"]));
     server.stop().await.unwrap();
 }

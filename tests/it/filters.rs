@@ -130,3 +130,38 @@ async fn a_wrong_value_is_refused_with_the_name_of_its_parameter() {
     assert_eq!(both["errors"].as_array().unwrap().len(), 2, "all that is wrong at once: {both}");
     server.stop().await.unwrap();
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn jobs_are_found_by_any_part_of_their_reference_newest_first_and_page_by_page() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    for reference in ["Order-4711/a", "order-4712", "50% \"off\" 4711", "wave 9"] {
+        let job = json!({"kind": "charge", "robot": "robot-1", "reference": reference});
+        post(at, "/v1/jobs", &job).await;
+    }
+    post(at, "/v1/jobs", &json!({"kind": "charge", "robot": "robot-1"})).await;
+    for (part, found) in [
+        ("471", vec!["j3", "j2", "j1"]),
+        ("4711", vec!["j3", "j1"]),
+        ("ORDER-4", vec!["j2", "j1"]),
+        ("%22off%22", vec!["j3"]),
+        ("50%25", vec!["j3"]),
+        ("ve%209", vec!["j4"]),
+        ("%2A%2A%2A", vec![]),
+        ("4713", vec![]),
+    ] {
+        assert_eq!(ids(at, &format!("/v1/jobs?reference_part={part}")).await, found, "{part}");
+    }
+    assert_eq!(ids(at, "/v1/jobs?reference_part=471&state=cancelled").await, [""; 0]);
+    let first = get(at, "/v1/jobs?reference_part=471&limit=2").await.json();
+    let next = first["next"].as_str().expect("there is one more");
+    assert_eq!(ids(at, &format!("/v1/jobs?reference_part=471&limit=2&cursor={next}")).await, ["j1"]);
+    let short = get(at, "/v1/jobs?reference_part=47").await;
+    assert_eq!(short.status, 422);
+    assert_eq!(short.json()["errors"][0]["field"], "reference_part");
+    server.stop().await.unwrap();
+    let server = start(&folder).await;
+    assert_eq!(ids(server.address(), "/v1/jobs?reference_part=4711").await, ["j3", "j1"]);
+    server.stop().await.unwrap();
+}

@@ -179,7 +179,7 @@ fn a_program_that_cannot_start_says_why_and_fails() {
     };
     let (code, text) = run(&["serve"]);
     assert_eq!(code, Some(1));
-    assert!(text.contains("scenarios/kiva-50.json") && text.contains("--scenario"), "{text}");
+    assert!(text.contains("scenarios/first.json") && text.contains("--scenario"), "{text}");
     let (code, text) = run(&["--scenario", SCENARIO, "--listen", "0.0.0.0:0"]);
     assert_eq!(code, Some(1));
     assert!(text.contains("GIVEWAY_TOKEN"), "{text}");

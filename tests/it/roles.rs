@@ -24,7 +24,7 @@ async fn each_role_does_what_it_may_and_is_told_which_other_one_is_needed() {
         ("POST", "/v1/fleet/stop", "", [403, 204, 403]),
         ("POST", "/v1/fleet/resume", "", [403, 204, 403]),
         ("POST", "/v1/robots/robot-1/pause", "", [403, 204, 403]),
-        ("POST", "/v1/jobs", job.as_str(), [403, 403, 201]),
+        ("POST", "/v1/jobs", job.as_str(), [403, 201, 201]),
         ("DELETE", "/v1/jobs/j99", "", [403, 404, 404]),
         ("POST", "/v1/workers", r#"{"name": "anna"}"#, [403, 403, 403]),
         ("GET", "/v1/tokens", "", [403, 403, 403]),
@@ -33,6 +33,16 @@ async fn each_role_does_what_it_may_and_is_told_which_other_one_is_needed() {
             let answer = with(at, token, method, path, body).await;
             assert_eq!(answer.status, status, "{method} {path}: {answer:?}");
         }
+    }
+    for (token, may, may_not) in [
+        (viewer, "sign_out", "stop_fleet"),
+        (operator, "submit_job", "publish_map"),
+        (operator, "evacuate", "make_token"),
+        (integrator, "submit_jobs", "evacuate"),
+    ] {
+        let said = with(at, token, "GET", "/v1/session", "").await.json();
+        let acts = said["may"].as_array().unwrap();
+        assert!(acts.contains(&json!(may)) && !acts.contains(&json!(may_not)), "{said}");
     }
     let refused = with(at, viewer, "POST", "/v1/fleet/stop", "").await.problem(403);
     assert!(refused["detail"].as_str().unwrap().contains("needs the role operator or admin"), "{refused}");

@@ -96,15 +96,39 @@ await check('It is acknowledged by keys alone, with a name that the server keeps
     await page.waitForTimeout(800);
   }
 });
-await check('The history has it, with who acknowledged it', async () => {
-  await alarms.getByRole('button', { name: 'History' }).click();
-  const dialog = page.getByRole('dialog', { name: 'Past alarms' });
-  await dialog.locator('tr[data-alarm="robot_failed"]').first().waitFor({ timeout: PATIENCE });
-  await dialog.getByText(/^Ben, /).first().waitFor({ timeout: PATIENCE });
-  await page.screenshot({ path: `${SHOTS}alarm-history.png` });
-  await assertAccessible(page, 'history of alarms');
+const board = page.getByRole('region', { name: 'Alarm page' });
+await check('The alarm page has it: a note, a time put aside, the text for the next shift, all by one name', async () => {
+  await alarms.getByRole('button', { name: 'All alarms' }).click();
+  const row = board.locator('tr[data-alarm="robot_failed"]').first();
+  await row.waitFor({ timeout: PATIENCE });
+  await row.getByRole('button', { name: /^More/ }).click();
+  await board.getByLabel('Note').fill('a wheel is loose');
+  await board.getByRole('button', { name: 'Add a note' }).click();
+  await board.getByText('a wheel is loose').waitFor({ timeout: PATIENCE });
+  await board.getByLabel('Put aside because').fill('being mended');
+  await board.getByRole('button', { name: 'Put aside', exact: true }).click();
+  await board.getByText(/Put aside until .* by Ben: being mended/).first().waitFor({ timeout: PATIENCE });
+  assert((await active()).some((a) => a.shelved?.reason === 'being mended'), 'the server does not know');
+  for (const theme of ['Light', 'Dark']) {
+    await page.getByLabel('Theme').selectOption({ label: theme });
+    await page.waitForTimeout(400);
+    await page.screenshot({ path: `${SHOTS}alarm-page-${theme.toLowerCase()}.png` });
+    await assertAccessible(page, `the alarm page, ${theme}`);
+  }
+  await board.getByRole('button', { name: 'Take back up' }).click();
+  await until('an alarm that calls again', async () => (await active()).every((a) => a.shelved === null), 20);
+  await board.getByRole('button', { name: 'Hand-over text' }).click();
+  const text = await page.getByLabel('For the next shift').inputValue();
+  assert(/acknowledged by Ben/.test(text) && /Ben: a wheel is loose/.test(text), text);
+  await assertAccessible(page, 'the hand-over');
   await page.keyboard.press('Escape');
-  await dialog.waitFor({ state: 'detached', timeout: PATIENCE });
+});
+await check('The history has it, with who acknowledged it', async () => {
+  await board.getByRole('button', { name: 'History' }).click();
+  await board.locator('tr[data-alarm="robot_failed"]').first().waitFor({ timeout: PATIENCE });
+  await board.getByText(/^Ben, /).first().waitFor({ timeout: PATIENCE });
+  await board.getByLabel('Search alarms').fill('nothing has this in it');
+  await board.getByText('No alarm matches.').waitFor({ timeout: PATIENCE });
   return robot;
 });
 await check('A person who is lost has a way out: the area is shown, narrowed by a click, and cleared with a name', async () => {

@@ -2,10 +2,16 @@
 import { flushSync, mount, unmount } from 'svelte';
 import { describe, expect, test } from 'vitest';
 import Alarms from '../src/alarms/Alarms.svelte';
+import { handover } from '../src/alarms/handover';
 import { fresh, secondsBetween, showsOf, titleOf } from '../src/alarms/shown';
+import { sortedAlarms, wantedAlarms } from '../src/alarms/table';
 import { Signals, type Means } from '../src/alarms/signals.svelte';
 import type { Picked } from '../src/floor';
+import type { Drawing } from '../src/floor';
+import { Notices } from '../src/parts/notices.svelte';
+import { learnRights } from '../src/session';
 import { EMPTY, reduce, type Alarm, type AlarmRecord, type Answer, type Mirror } from '../src/wire';
+import { learnNames, learnNumbers } from '../src/words';
 import { snapshot } from './samples';
 
 const alarm = (id: string, more: Partial<Alarm> = {}): Alarm => ({
@@ -93,20 +99,23 @@ describe('the list of alarms', () => {
   function list(alarms: Alarm[], stored: Record<string, string> = {}) {
     const reduced = reduce(EMPTY, snapshot({ time_s: 10, alarms }));
     const mirror: Mirror = reduced.kind === 'gap' ? EMPTY : reduced.mirror;
-    const [asked, picked]: [string[], Picked[]] = [[], []];
+    const [asked, picked, drawn]: [string[], Picked[], Drawing[]] = [[], [], []];
+    const done = (what: string) => (id: string): Promise<Answer<null>> => { asked.push(`${what} ${id}`); return Promise.resolve({ kind: 'ok', value: null }); };
     const api = {
       acknowledge: (id: string, by: string): Promise<Answer<AlarmRecord>> => { asked.push(`${id} by ${by}`); return Promise.resolve({ kind: 'unreachable' }); },
-      alarms: (): Promise<Answer<never>> => Promise.resolve({ kind: 'unreachable' }),
+      clear: (id: string, by: string) => done(`clear by ${by}`)(id), narrow: (id: string) => done('narrow')(id),
+      pause: done('pause'), resume: done('resume'), maintain: done('maintain'), workAgain: done('back'), retire: done('retire'),
     };
     const props = {
       mirror, source: { tense: 'now', api } as const, signals: new Signals(means(stored).all),
+      notices: new Notices(), onDraw: (drawing: Drawing) => { drawn.push(drawing); }, onAll: () => {},
       onPick: (one: Picked) => { picked.push(one); }, onJob: () => {}, onPlace: () => {},
     };
     const target = document.createElement('div');
     const mounted = mount(Alarms, { target, props });
     flushSync();
     const button = (words: string) => [...target.querySelectorAll('button')].find((one) => one.textContent?.startsWith(words));
-    return { target, asked, picked, button, close: () => unmount(mounted) };
+    return { target, asked, picked, drawn, button, close: () => unmount(mounted) };
   }
 
   test('says how bad it is, for how long, what to do, and who looks after it', async () => {
@@ -136,5 +145,71 @@ describe('the list of alarms', () => {
     const none = list([]);
     expect(none.target.textContent).toContain('No alarms.');
     await none.close();
+  });
+  test('what helps is a button of the alarm itself, for those who may', async () => {
+    const lost = alarm('al1', { kind: 'worker_lost', subject_kind: 'worker', subject: 'w1', text: 'worker-7e31 (w1) is lost: 3 robots wait.', acts: ['clear_worker', 'narrow_worker'] });
+    learnNumbers([{ id: 'w1', name: 'worker-7e31' }]);
+    learnNames(new Map([['worker-7e31', 'picker-7']]));
+    const shown = list([lost], { 'giveway.name': 'Ana' });
+    const text = shown.target.textContent!;
+    expect(text).toContain('picker-7 is lost: 3 robots wait.');
+    expect([text.includes('w1'), text.includes('7e31')], 'one name and no other').toEqual([false, false]);
+    shown.button('Nobody is there')!.click();
+    expect(shown.asked).toEqual(['clear by Ana w1']);
+    shown.button('Say about where')!.click();
+    shown.drawn[0]!.onDone([[1, 2]]);
+    expect(shown.asked[1]).toBe('narrow w1');
+    await shown.close();
+    await learnRights(() => Promise.resolve({ name: 'Eva', role: 'viewer', subject: null, by: 'session', expires: null, may: [] }));
+    const viewer = list([lost]);
+    expect([...viewer.target.querySelectorAll('li button')].map((b) => b.textContent)).toEqual(['picker-7']);
+    await viewer.close();
+    await learnRights(() => Promise.resolve({ name: 'Eva', role: 'admin', subject: null, by: 'nothing', expires: null }));
+    learnNumbers([]);
+    learnNames(new Map());
+  });
+  test('a group calls once, and its members do not call when it is over', () => {
+    const one = means();
+    const signals = new Signals(one.all);
+    signals.setSound(true);
+    one.log.length = 0;
+    const group = alarm('al9', { severity: 'critical', subject: null, subject_kind: 'floor', members: [{ id: 'al1', subject: 'robot-1', acknowledged_by: null }] });
+    signals.note([group]);
+    signals.note([alarm('al1')]);
+    expect(one.log).toEqual(['beep critical']);
+    expect(titleOf([alarm('al1', { shelved_until: '2027-01-31T06:00:00Z' })]), 'what is put aside calls nobody').toBe('Giveway');
+  });
+});
+
+describe('the alarm page', () => {
+  const record = (id: string, more: Partial<AlarmRecord> = {}): AlarmRecord => ({
+    id, kind: 'robot_silent', severity: 'warning', state: 'active', subject: { kind: 'robot', id: 'robot-3' }, text: 'robot-3 sends no reports.', remedy: '',
+    x: null, y: null, waiting: 0, since: '2027-01-31T06:00:00Z', acknowledged: null, shelved: null, notes: [], acts: [], group: null, members: [], cleared: null, ...more,
+  });
+  const aside = { by: 'Ben', at: '2027-01-31T06:00:00Z', until: '2027-01-31T09:00:00Z', reason: 'radio' };
+  const ids = (alarms: readonly AlarmRecord[]) => alarms.map((one) => one.id);
+
+  test('finds alarms by what is written in them, by notes and by members', () => {
+    const member = { id: 'al5', subject: { kind: 'robot' as const, id: 'robot-77' }, text: '', x: null, y: null, since: '', acknowledged_by: null };
+    const all = [record('al1'), record('al2', { notes: [{ by: 'Ben', at: '', text: 'loose wheel' }] }), record('al3', { members: [member] }), record('al4', { shelved: aside })];
+    expect(ids(wantedAlarms(all, 'all', 'WHEEL'))).toEqual(['al2']);
+    expect(ids(wantedAlarms(all, 'all', 'robot-77'))).toEqual(['al3']);
+    expect(ids(wantedAlarms(all, 'calls', ''))).toEqual(['al1', 'al2', 'al3']);
+    expect(ids(wantedAlarms(all, 'shelved', ''))).toEqual(['al4']);
+  });
+  test('the worst come first, and what is put aside comes last, however it is sorted', () => {
+    const all = [record('al1', { severity: 'critical', shelved: aside }), record('al2'), record('al3', { severity: 'critical' }), record('al10', { since: '2027-01-31T05:00:00Z' })];
+    expect(ids(sortedAlarms(all, { by: 'severity', way: 'down' }))).toEqual(['al3', 'al10', 'al2', 'al1']);
+    expect(ids(sortedAlarms(all, { by: 'since', way: 'up' }))).toEqual(['al10', 'al3', 'al2', 'al1']);
+  });
+  test('the hand-over says of each alarm who looks after it, and what was found out', () => {
+    const noted = record('al1', { acknowledged: { by: 'Ana', at: '2027-01-31T06:01:00Z' }, notes: [{ by: 'Ana', at: '2027-01-31T06:05:00Z', text: 'no power' }] });
+    const over = record('al2', { cleared: '2027-01-31T07:00:00Z' });
+    const text = handover([noted, record('al3', { severity: 'critical', shelved: aside })], [over], new Date('2027-01-31T08:00:00Z'));
+    const lines = text.split('\n');
+    expect(lines[2]).toMatch(/^Warning: robot-3 sends no reports\./);
+    expect(text).toMatch(/acknowledged by Ana\n.*Ana: no power/);
+    expect(text).toMatch(/Critical: .*\n {2}nobody looks after it yet\n {2}Put aside until .* by Ben: radio/);
+    expect(text).toContain('1 alarm ended in the last 8 hours.');
   });
 });

@@ -61,7 +61,9 @@ const map = await (await context.request.get(new URL('/v1/map', url).href)).json
 async function onScreen(x, y) {
   const { x: left, y: top, width, height } = await host.boundingBox();
   const [midX, midY, scale] = (await data('view')).split(' ').map(Number);
-  return [left + width / 2 + (x - midX) * scale, top + height / 2 + (midY - y) * scale];
+  // A floor that stands upright may be turned: up is to the right then.
+  const [right, up] = (await data('turned')) === 'true' ? [y - midY, midX - x] : [x - midX, y - midY];
+  return [left + width / 2 + right * scale, top + height / 2 - up * scale];
 }
 
 await page.goto(url);

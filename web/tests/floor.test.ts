@@ -47,6 +47,28 @@ describe('the camera', () => {
     expect(after[1]).toBeCloseTo(before[1]);
   });
 
+  test('a floor that stands upright is turned in a picture that lies, and only if that is worth it', () => {
+    const standing = [0, 0, 14, 40] as const;
+    const turned = fit(standing, 1400, 500);
+    expect([turned.turned, fit(MAP.bounds, 1400, 500).turned, fit([0, 0, 20, 20.5], 800, 700).turned]).toEqual([true, undefined, undefined]);
+    const places = standing.map((_, i) => [standing[i < 2 ? 0 : 2], standing[i % 2 ? 1 : 3]] as const);
+    for (const [x, y] of places) {
+      const [px, py] = toScreen(turned, x, y);
+      expect([px >= 0 && px <= 1400, py >= 0 && py <= 500]).toEqual([true, true]);
+    }
+    const across = Math.abs(toScreen(turned, 0, 40)[0] - toScreen(turned, 0, 0)[0]);
+    expect(across, 'it uses its pane').toBeGreaterThan(0.8 * 1400);
+    expect(toScreen(turned, 0, 40)[0], 'what is up is to the right').toBeGreaterThan(toScreen(turned, 0, 0)[0]);
+    expect(toScreen(turned, 14, 0)[1], 'a turn, and no mirror').toBeGreaterThan(toScreen(turned, 0, 0)[1]);
+    const [x, y] = toWorld(turned, ...toScreen(turned, 3, 17));
+    expect([x.toFixed(6), y.toFixed(6)]).toEqual(['3.000000', '17.000000']);
+    const [before, after] = [turned, zoomAt(turned, 2, 300, 200, standing)].map((view) => toWorld(view, 300, 200));
+    expect(after![0]).toBeCloseTo(before![0]!);
+    expect(after![1]).toBeCloseTo(before![1]!);
+    const panned = pan(zoomAt(turned, 2, 700, 250, standing), 10, 0, standing);
+    expect(toScreen(panned, 7, 20)[0] - toScreen(zoomAt(turned, 2, 700, 250, standing), 7, 20)[0]).toBeCloseTo(10);
+  });
+
   test('nobody can pan the floor out of sight', () => {
     const far = pan(view, 1e6, 1e6, MAP.bounds);
     expect([far.x, far.y]).toEqual([0, 20]);

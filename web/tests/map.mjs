@@ -143,10 +143,11 @@ await check('The legend is folded at first, and neither folded nor open it cover
   for (const state of ['folded', 'open']) {
     if (state === 'open') await legend.locator('summary').click();
     await page.waitForTimeout(700);
-    const [, y, scale] = (await shown('view')).split(' ').map(Number);
+    const [x, y, scale] = (await shown('view')).split(' ').map(Number);
+    const below = (await shown('turned')) === 'true' ? map.bounds[2] - x : y - map.bounds[1];
     const box = await host.boundingBox();
     // With half a station at the edge.
-    const foot = box.y + (y - map.bounds[1] + 0.62) * scale + box.height / 2;
+    const foot = box.y + (below + 0.62) * scale + box.height / 2;
     const top = (await legend.boundingBox()).y;
     assert(foot <= top, `${state}: the floor ends at ${foot.toFixed()} px, the legend begins at ${top.toFixed()}`);
   }
@@ -264,22 +265,22 @@ await check('What was done is undone by a button, by keys, and for a robot, a fl
   const one = async () => (await robots()).find((r) => r.id === id);
   await open(`#robot/${id}`);
   await card.getByRole('button', { name: 'Pause this robot' }).click();
-  await messages.getByText(`${id} is paused.`).waitFor({ timeout: PATIENCE });
+  await messages.getByText(`Paused a robot: ${id}`).waitFor({ timeout: PATIENCE });
   await both('map-undo');
   await undo.click();
   await until('a robot that goes on', async () => (await one()).activity !== 'paused', 20);
   await card.getByRole('button', { name: 'Out of service' }).click();
-  await messages.getByText(`${id} goes out of service.`).waitFor({ timeout: PATIENCE });
+  await messages.getByText(`Took a robot out of service: ${id}`).waitFor({ timeout: PATIENCE });
   await host.focus();
   await page.keyboard.press('Control+z');
   await until('a robot in service', async () => !(await one()).maintenance, 20);
   await card.getByRole('button', { name: 'Close' }).click();
   // To undo a stop asks first, as each start of all robots does; to undo a start does not.
   await button('Stop all robots').click();
-  await messages.getByText('All robots are stopped.').waitFor({ timeout: PATIENCE });
+  await messages.getByText('Stopped all robots').waitFor({ timeout: PATIENCE });
   await undo.click();
   await page.getByRole('dialog').getByRole('button', { name: 'Resume all robots' }).click();
-  await messages.getByText('All robots are resumed.').waitFor({ timeout: PATIENCE });
+  await messages.getByText('Resumed all robots').waitFor({ timeout: PATIENCE });
   await undo.focus();
   await page.keyboard.press('Enter');
   await until('a stopped floor', async () => (await ask('/v1/fleet')).stopped !== null, 20);
@@ -291,7 +292,7 @@ await check('What was done is undone by a button, by keys, and for a robot, a fl
   const closed = async () => (await ask('/v1/closures')).items.filter((c) => c.state === 'closed');
   const first = (await post('/v1/closures', area)).id;
   await openAgain(first);
-  await messages.getByText(`${first} is open.`, { exact: true }).waitFor({ timeout: PATIENCE });
+  await messages.getByText(`Opened an area: ${first}`, { exact: true }).waitFor({ timeout: PATIENCE });
   await undo.click();
   await until('the area again', async () => (await closed()).some((c) => c.reason === 'Paint' && c.id !== first), 20);
   await openAgain((await closed()).find((c) => c.reason === 'Paint').id);

@@ -2,6 +2,7 @@
 // addresses, the share of the map, and taking back what was done.
 import { describe, expect, test, vi } from 'vitest';
 import { alarmedOf, Composer, FAR_BELOW, NAMES_FROM } from '../src/floor/paint/compose';
+import { unusual } from '../src/floor/paint/heatmap';
 import { Labels, stationTitle, titlesOf } from '../src/floor/paint/labels';
 import type { Palette } from '../src/floor/paint/palette';
 import { KIND, STRIDE, Words, type Sheet } from '../src/floor/paint/sheet';
@@ -259,5 +260,29 @@ describe('taking back what was done', () => {
     expect(closedAgain({ id: 'c1', outline, reason: 'oil', state: 'closed', from: '2031-01-31T12:00:00Z', until: null, binds: 'both' })).toEqual({ outline, reason: 'oil', binds: 'both' });
     expect(closedAgain({ id: 'c1', outline, reason: 'oil', state: 'announced', from: '2031-01-31T12:00:00Z', until: '2031-01-31T13:00:00Z' }))
       .toEqual({ outline, reason: 'oil', binds: 'robots', from: '2031-01-31T12:00:00Z', until: '2031-01-31T13:00:00Z' });
+  });
+});
+
+describe('names and unusual waiting', () => {
+  test('a name stays on its side of a mark as long as there is room there', () => {
+    const words = new Words();
+    const labels = new Labels(words);
+    const view: View = { x: 0, y: 0, scale: 10, width: 400, height: 400 };
+    const side = (blocked: 'below' | 'above' | 'none'): number => {
+      labels.begin(view);
+      if (blocked !== 'none') labels.put('in the way', 0, 0, blocked === 'below' ? 20 : -20, 12);
+      labels.beside('r1', 0, 0, 20, 12);
+      return words.list[words.count - 1]!.below;
+    };
+    expect([side('none'), side('below'), side('none'), side('above'), side('none')]).toEqual([20, -20, -20, 20, 20]);
+  });
+  test('waiting is unusual where a place has more than its usual share of it, however much is going on', () => {
+    const page = (...amounts: number[]) => ({ kind: 'waiting' as const, from: '', to: '', size: 1, cells: amounts.map((amount, x) => ({ x, y: 0, node: null, amount })) });
+    const found = (now: number[], before: number[]) => unusual(page(...now), page(...before))?.cells.map((c) => [c.x, c.amount]);
+    expect(found([1000, 100], [5000, 500]), 'as always').toEqual([]);
+    expect(found([10_000, 1000], [500, 50]), 'ten times as much everywhere').toEqual([]);
+    expect(found([1000, 500], [5000, 500])).toEqual([[1, expect.closeTo(363.6, 1)]]);
+    expect(found([1000, 20], [5000, 0]), 'too little to look at').toEqual([]);
+    expect(found([1000, 500], [10, 10]), 'too little is known').toBeUndefined();
   });
 });

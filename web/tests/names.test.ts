@@ -13,8 +13,8 @@ const settled = (): Promise<void> => new Promise((done) => { setTimeout(done, 0)
 
 test('names take the place of pseudonyms when the server has told them, page by page', async () => {
   const pages = [
-    { items: [{ id: 'w1', name: 'Anna' }], next: 'more' },
-    { items: [{ id: 'w2', name: 'Ben' }], next: null },
+    { items: [{ id: 'w1', pseudonym: 'worker-w1', name: 'Anna' }], next: 'more' },
+    { items: [{ id: 'w2', pseudonym: 'worker-w2', name: 'Ben' }], next: null },
   ];
   const people = vi.fn(() => Promise.resolve({ kind: 'ok' as const, value: pages.shift()! }));
   const known = new PeopleNames({ people } as unknown as Pick<Api, 'people'>, admin, () => 0);

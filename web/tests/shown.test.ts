@@ -1,6 +1,6 @@
 // What panels show of the present and of the past, in one type each.
 import { describe, expect, test, vi } from 'vitest';
-import { jobsThen, latestJobs } from '../src/jobs/shown';
+import { jobsThen, lateFor_s, latestJobs, NEWEST, turnedJobs } from '../src/jobs/shown';
 import { poll } from '../src/parts';
 import { whyOf } from '../src/why';
 import { EMPTY, reduce, type Job, type Mirror } from '../src/wire';
@@ -20,17 +20,36 @@ const texts = (table: { lines: readonly { cells: readonly { text: string }[] }[]
 describe('jobs', () => {
   test('those submitted here come first, once, with what can be done about them', () => {
     const own = [job('j2')];
-    const { tables: [table] } = latestJobs({ own, items: [job('j1', { robot: 'r1', why: 'late' }), ...own], state: 'any' });
+    const { tables: [table] } = latestJobs({ own, items: [job('j1', { robot: 'r1', why: 'late' }), ...own], state: 'any', part: '' });
     expect(table!.lines.map((line) => [line.id, line.mine, line.job?.id])).toEqual([['j2', true, 'j2'], ['j1', false, 'j1']]);
-    expect(table!.lines[1]!.cells[2]).toEqual({ text: 'r1', kind: 'robot' });
-    expect(table!.lines[1]!.cells[3]).toEqual({ text: 'waiting', more: 'late' });
+    expect(table!.lines[1]!.cells[3]).toEqual({ text: 'r1', kind: 'robot' });
+    expect(table!.lines[1]!.cells[4]).toEqual({ text: 'waiting', more: 'late' });
+  });
+  test('are sorted as one asks, and what has no value comes last', () => {
+    const items = [job('j10', { priority: 9, deadline: '2027-01-31T12:00:00Z' }), job('j9', { priority: 0 }), job('j2', { priority: 3, deadline: '2027-01-31T11:00:00Z' })];
+    const ids = (order = NEWEST) => latestJobs({ own: [], items, state: 'any', part: '' }, null, order).tables[0]!.lines.map((line) => line.id);
+    expect(ids()).toEqual(['j10', 'j9', 'j2']);
+    expect(ids(turnedJobs(NEWEST, 'id'))).toEqual(['j2', 'j9', 'j10']);
+    expect(ids(turnedJobs(NEWEST, 'priority'))).toEqual(['j10', 'j2', 'j9']);
+    expect(ids(turnedJobs(NEWEST, 'deadline'))).toEqual(['j2', 'j10', 'j9']);
+    expect(ids(turnedJobs(turnedJobs(NEWEST, 'deadline'), 'deadline'))).toEqual(['j10', 'j2', 'j9']);
+    expect(turnedJobs(turnedJobs(NEWEST, 'id'), 'id')).toBe(NEWEST);
+  });
+  test('one that is late says so, while it waits and when it is done', () => {
+    const at = (time: string) => Date.parse(`2027-01-31T${time}Z`);
+    const late = job('j1', { deadline: '2027-01-31T12:00:00Z' });
+    expect([at('11:59:00'), at('12:05:00'), null].map((now) => lateFor_s(late, now))).toEqual([null, 300, null]);
+    expect(lateFor_s({ ...late, state: 'done', updated: '2027-01-31T12:01:00Z' }, at('15:00:00'))).toBe(60);
+    expect(lateFor_s({ ...late, state: 'cancelled' }, at('15:00:00'))).toBeNull();
+    const cell = latestJobs({ own: [], items: [late], state: 'any', part: '' }, at('12:05:00')).tables[0]!.lines[0]!.cells[6];
+    expect(cell).toEqual({ text: 'late by 5 min', kind: 'late' });
   });
   test('every line has a cell for each column, of now and of then', () => {
     const lists = [{ at: 0, text: JSON.stringify([{ id: 'j9', kind: 'deliver', what: ['K9', 'W1'], priority: 0, submitted_s: 1 }]) }];
     const mirror = mirrorOf({ robots: [robot('r1', { job: 'j1' })], jobs: { waiting: 1, active: 1, done: 0, cancelled: 0, failed: 0 } });
     const recording = { start: null, lists: () => lists } as never;
     const then = jobsThen({ recording, t: 5, waiting: false }, mirror);
-    for (const table of [...then.tables, ...latestJobs({ own: [job('j1')], items: [], state: 'any' }).tables]) {
+    for (const table of [...then.tables, ...latestJobs({ own: [job('j1')], items: [], state: 'any', part: '' }).tables]) {
       expect(table.lines.length, table.kind).toBe(1);
       for (const line of table.lines) expect(line.cells.length, table.kind).toBe(table.columns.length);
     }

@@ -71,14 +71,14 @@ await check('The right one leads back to where one was, and the page says who is
 await check('The tab Audit says who did what', async () => {
   await page.getByRole('button', { name: 'Stop all robots' }).click();
   await page.getByRole('button', { name: 'Audit', exact: true }).click();
-  const row = audit.getByRole('row').filter({ hasText: 'POST /v1/fleet/stop' });
+  const row = audit.getByRole('row').filter({ hasText: 'Stopped all robots' });
   for (let i = 0; i < 20 && await row.count() === 0; i++) {
     await audit.getByRole('button', { name: 'Show', exact: true }).click();
     await page.waitForTimeout(500);
   }
   const words = (await row.first().innerText()).replaceAll(/\s+/g, ' ');
-  assert(/configuration admin POST \/v1\/fleet\/stop – done/.test(words), words);
-  const signed = audit.getByRole('row').filter({ hasText: 'POST /v1/session' });
+  assert(/configuration admin Stopped all robots – done/.test(words), words);
+  const signed = audit.getByRole('row').filter({ hasText: 'Signed in' });
   assert(await signed.count() > 0, 'signing in is written down');
   await page.getByRole('button', { name: 'Resume all robots' }).click();
   await page.getByRole('dialog').getByRole('button', { name: 'Resume all robots' }).click();
@@ -125,6 +125,12 @@ await check('Names of people are asked for by those who may see them; a viewer, 
     await other.waitForTimeout(2_000);
     assert(may ? asked.length > 0 : asked.length === 0, `${who} asked ${asked.length} times`);
     assert(logged.length === 0, `${who}: ${logged.join(' | ')}`);
+    // What a role cannot do is not shown, and who can is said.
+    const offered = await Promise.all(['Stop all robots', 'Evacuate', 'Submit job', 'Close a rectangle', 'Audit'].map((name) => other.getByRole('button', { name, exact: true }).count()));
+    assert(offered.every((n) => n === (may ? 1 : 0)), `${who} is offered ${offered.join()}`);
+    assert(await other.getByText('An operator can stop robots').count() === (may ? 0 : 1), 'who can, is not said');
+    await assertAccessible(other, `the dashboard of ${who}`);
+    await other.screenshot({ path: `${SHOTS}role-${may ? 'admin' : 'viewer'}.png` });
     await one.close();
   }
 });

@@ -1,9 +1,12 @@
-//! `/v1/alarms`: what is wrong now, what was wrong, and who has taken note.
+//! `/v1/alarms`: what is wrong now, what was wrong, who has taken note, what was put aside, what was written down.
 //!
-//! Main types: [`AlarmParams`], [`AcknowledgeBody`]. Refuses: to acknowledge what is over, and without a name.
+//! Main types: [`AlarmParams`], [`AcknowledgeBody`], [`ShelveBody`], [`NoteBody`]. Refuses: to do anything about what is
+//! over, or without a name.
 
 use super::lists::checked_limit;
-use crate::alarm::{Alarm, AlarmQuery};
+use crate::alarm::{
+    Alarm, AlarmNote, AlarmQuery, CareRefusal, LONGEST_SHELVING, MOST_NOTES, MOST_SHELVED, Shelving,
+};
 use crate::api::Api;
 use crate::api::alarms::AlarmDto;
 use crate::api::called::Called;
@@ -11,6 +14,7 @@ use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart, read_end, read_time, signed};
 use crate::api::text::parse_alarm;
+use crate::time::Span;
 use axum::Json;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
@@ -29,13 +33,17 @@ pub struct AlarmParams {
     from: Option<String>,
     /// Only those that began before this time.
     to: Option<String>,
+    /// Only members of this group.
+    #[param(example = "al18")]
+    group: Option<String>,
     /// How many at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// List alarms: those that are active, or the history.
+/// List alarms: those that are active, or the history. Where many robots have the same trouble, one alarm stands for all
+/// of them and has theirs as its `members`.
 #[utoipa::path(get, path = "/v1/alarms", tag = "server", operation_id = "listAlarms", params(AlarmParams), responses(
     (status = 200, description = "Alarms: the active ones, the worst first; or the history, newest first",
      body = Page<AlarmDto>),
@@ -47,15 +55,16 @@ pub async fn list(
     Params(p): Params<AlarmParams>,
 ) -> Result<Json<Page<AlarmDto>>, Problem> {
     let active = api.alarms.list();
-    let is_history = p.from.is_some() || p.to.is_some() || p.limit.is_some() || p.cursor.is_some();
+    let is_limited = p.limit.is_some() || p.cursor.is_some() || p.group.is_some();
+    let is_history = p.from.is_some() || p.to.is_some() || is_limited;
     match p.state.as_deref() {
         Some("active") if is_history => {
-            let detail = "active alarms are listed all at once: leave out from, to, limit and cursor";
+            let detail = "active alarms are listed all at once: leave out from, to, group, limit and cursor";
             return Err(Problem::invalid(vec![FieldError::new("state", detail)]));
         }
         Some("active") => {}
         None if !is_history => {}
-        Some("any") | None => return history(&api, &p, &active).await,
+        Some("any") | None => return history(&api, &p).await,
         Some(other) => {
             let detail = format!("\"{other}\" is neither active nor any");
             return Err(Problem::invalid(vec![FieldError::new("state", detail)]));
@@ -64,7 +73,7 @@ pub async fn list(
     Ok(Json(Page { items: active.iter().map(AlarmDto::from).collect(), next: None }))
 }
 
-async fn history(api: &Api, p: &AlarmParams, active: &[Alarm]) -> Result<Json<Page<AlarmDto>>, Problem> {
+async fn history(api: &Api, p: &AlarmParams) -> Result<Json<Page<AlarmDto>>, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let query = AlarmQuery { limit: limit + 1, ..query(p)? };
     let mut rows = api.records.alarms(query).await.map_err(|why| Problem::unavailable(why, 2))?;
@@ -72,7 +81,7 @@ async fn history(api: &Api, p: &AlarmParams, active: &[Alarm]) -> Result<Json<Pa
     rows.truncate(limit as usize);
     let next = rows.last().filter(|_| more).map(|row| row.id.to_string());
     // What is active has changed since it was written down.
-    let newest = |row: &Alarm| AlarmDto::from(active.iter().find(|a| a.id == row.id).unwrap_or(row));
+    let newest = |row: &Alarm| AlarmDto::from(api.alarms.find(row.id).as_ref().unwrap_or(row));
     Ok(Json(Page { items: rows.iter().map(newest).collect(), next }))
 }
 
@@ -84,10 +93,14 @@ fn query(p: &AlarmParams) -> Result<AlarmQuery, Problem> {
     if let Some(Err(_)) = before {
         errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
     }
+    let group = p.group.as_deref().map(parse_alarm);
+    if let Some(None) = group {
+        errors.push(FieldError::new("group", "give the id of an alarm, such as al18"));
+    }
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
-    Ok(AlarmQuery { from, to, before: before.and_then(Result::ok), limit: 0 })
+    Ok(AlarmQuery { from, to, group: group.flatten(), before: before.and_then(Result::ok), limit: 0 })
 }
 
 /// Who acknowledges an alarm.
@@ -101,7 +114,8 @@ pub struct AcknowledgeBody {
 
 /// Acknowledge an active alarm: others see who looks after it, and it makes no sound any more. It stays active until
 /// its cause is gone. Who acknowledged first stays. If the alarm becomes more severe, it asks for a new
-/// acknowledgement. An acknowledgement is written down within a second and survives a restart.
+/// acknowledgement. Of a group, it is one of all its members; a group asks anew when it has more than doubled. An
+/// acknowledgement is written down within a second and survives a restart.
 #[utoipa::path(post, path = "/v1/alarms/{id}/acknowledge", tag = "server", operation_id = "acknowledgeAlarm",
     params(("id" = String, Path, example = "al17")), request_body = AcknowledgeBody, responses(
     (status = 200, description = "The alarm, with who acknowledged it", body = AlarmDto),
@@ -121,9 +135,145 @@ pub async fn acknowledge(
     api.queue()?;
     let by = signed(&body.by).map_err(|e| Problem::invalid(vec![e]))?;
     let alarm = parse_alarm(&id).and_then(|id| api.alarms.acknowledge(id, &by, (api.now)()));
-    let unknown = || {
-        let detail = format!("no alarm \"{id}\" is active; GET /v1/alarms lists those that are");
-        Problem::unknown("alarm", detail)
-    };
-    alarm.as_ref().map(|alarm| Json(AlarmDto::from(alarm))).ok_or_else(unknown)
+    alarm.as_ref().map(|alarm| Json(AlarmDto::from(alarm))).ok_or_else(|| not_active(&id))
+}
+
+/// Who puts an alarm aside, for how long, and why.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ShelveBody {
+    /// The name that others shall see, 1 to 80 characters.
+    #[schema(example = "Ben")]
+    by: String,
+    /// For how long, seconds, 60 to 43200 (twelve hours).
+    #[schema(minimum = 60, maximum = 43200, example = 3600)]
+    for_s: u32,
+    /// Why, 1 to 200 characters.
+    #[schema(example = "the radio is being mended", max_length = 200)]
+    reason: String,
+}
+
+/// Put an active alarm aside: it stays active, is listed last, and calls nobody until its time is over or it becomes more
+/// severe. If it is cleared and raised again meanwhile, the new one is put aside as well. Alarms about what keeps the
+/// server from promising anything, and evacuations, always call.
+#[utoipa::path(post, path = "/v1/alarms/{id}/shelve", tag = "server", operation_id = "shelveAlarm",
+    params(("id" = String, Path, example = "al17")), request_body = ShelveBody, responses(
+    (status = 200, description = "The alarm, with who put it aside", body = AlarmDto),
+    (status = 404, description = "No alarm of this id is active", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "This one always calls, or a recording is shown", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 429, description = "Too many are put aside", body = Problem, content_type = "application/problem+json")))]
+pub async fn shelve(
+    Called(api): Called,
+    PathPart(id): PathPart,
+    JsonBody(body): JsonBody<ShelveBody>,
+) -> Result<Json<AlarmDto>, Problem> {
+    api.queue()?;
+    let (mut errors, length) = (Vec::new(), Span::from_secs(i64::from(body.for_s)));
+    let by = signed(&body.by).unwrap_or_else(|e| {
+        errors.push(e);
+        String::new()
+    });
+    let reason = written("reason", &body.reason, 200, &mut errors);
+    if length < Span::from_secs(60) || length > LONGEST_SHELVING {
+        errors.push(FieldError::new("for_s", "must be from 60 to 43200 (twelve hours)"));
+    }
+    if !errors.is_empty() {
+        return Err(Problem::invalid(errors));
+    }
+    let at = (api.now)();
+    let shelving = Shelving { by, at, until: at + length, reason };
+    let number = parse_alarm(&id).ok_or_else(|| not_active(&id))?;
+    let alarm = api.alarms.shelve(number, shelving).map_err(|why| refusal(why, &id))?;
+    Ok(Json(AlarmDto::from(&alarm)))
+}
+
+/// Take an alarm that was put aside back up: it calls again.
+#[utoipa::path(delete, path = "/v1/alarms/{id}/shelve", tag = "server", operation_id = "unshelveAlarm",
+    params(("id" = String, Path, example = "al17")), responses(
+    (status = 200, description = "The alarm", body = AlarmDto),
+    (status = 404, description = "No alarm of this id is active", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "A recording is shown", body = Problem, content_type = "application/problem+json")))]
+pub async fn unshelve(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AlarmDto>, Problem> {
+    api.queue()?;
+    let alarm = parse_alarm(&id).and_then(|id| api.alarms.unshelve(id));
+    alarm.as_ref().map(|alarm| Json(AlarmDto::from(alarm))).ok_or_else(|| not_active(&id))
+}
+
+/// What somebody found out about an alarm.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NoteBody {
+    /// The name that others shall see, 1 to 80 characters.
+    #[schema(example = "Ben")]
+    by: String,
+    /// What, 1 to 500 characters.
+    #[schema(example = "the access point has no power; electrician at 15:00", max_length = 500)]
+    text: String,
+}
+
+/// Write a note about an active alarm, for those who look after it next. Notes stay with the alarm when it is over.
+#[utoipa::path(post, path = "/v1/alarms/{id}/notes", tag = "server", operation_id = "noteAlarm",
+    params(("id" = String, Path, example = "al17")), request_body = NoteBody, responses(
+    (status = 200, description = "The alarm, with its notes", body = AlarmDto),
+    (status = 404, description = "No alarm of this id is active", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 409, description = "A recording is shown", body = Problem, content_type = "application/problem+json"),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 429, description = "It has as many notes as it may have", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn write_note(
+    Called(api): Called,
+    PathPart(id): PathPart,
+    JsonBody(body): JsonBody<NoteBody>,
+) -> Result<Json<AlarmDto>, Problem> {
+    api.queue()?;
+    let mut errors = Vec::new();
+    let by = signed(&body.by).unwrap_or_else(|e| {
+        errors.push(e);
+        String::new()
+    });
+    let text = written("text", &body.text, 500, &mut errors);
+    if !errors.is_empty() {
+        return Err(Problem::invalid(errors));
+    }
+    let number = parse_alarm(&id).ok_or_else(|| not_active(&id))?;
+    let note = AlarmNote { by, at: (api.now)(), text };
+    let alarm = api.alarms.write_note(number, note).map_err(|why| refusal(why, &id))?;
+    Ok(Json(AlarmDto::from(&alarm)))
+}
+
+/// A text that a person typed, without blanks around it; complains where there is none, or too much.
+fn written(field: &str, text: &str, most: usize, errors: &mut Vec<FieldError>) -> String {
+    let text = text.trim();
+    let is_text = |c: char| !c.is_control() || c == '\n';
+    if text.is_empty() || text.chars().count() > most || !text.chars().all(is_text) {
+        errors.push(FieldError::new(field, format!("give a text of 1 to {most} characters")));
+    }
+    text.to_owned()
+}
+
+fn not_active(id: &str) -> Problem {
+    Problem::unknown("alarm", format!("no alarm \"{id}\" is active; GET /v1/alarms lists those that are"))
+}
+
+fn refusal(why: CareRefusal, id: &str) -> Problem {
+    match why {
+        CareRefusal::NotActive => not_active(id),
+        CareRefusal::AlwaysCalls => {
+            let detail = format!(
+                "{id} says that nothing can be promised, or that people have to leave: it always calls"
+            );
+            Problem::conflict("always-calls", "This alarm cannot be put aside", detail)
+        }
+        CareRefusal::TooManyNotes => {
+            Problem::too_many(format!("{id} has {MOST_NOTES} notes, as many as an alarm may have"), 3600)
+        }
+        CareRefusal::TooManyShelved => {
+            Problem::too_many(format!("{MOST_SHELVED} alarms are put aside: take one back up first"), 60)
+        }
+    }
 }

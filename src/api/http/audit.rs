@@ -3,6 +3,7 @@
 //! Main types: [`AuditDto`], [`AuditParams`]. Refuses: pages of more than 500.
 
 use super::lists::checked_limit;
+use crate::api::acts::Act;
 use crate::api::audit::{AuditEntry, AuditQuery};
 use crate::api::called::Called;
 use crate::api::caller::Role;
@@ -33,6 +34,8 @@ pub struct AuditDto {
     /// What was asked: method and route.
     #[schema(example = "POST /v1/robots/{id}/pause")]
     pub what: String,
+    /// The same as an act; null where an earlier or a later version knew it.
+    pub act: Option<Act>,
     /// Of what: the id in the path, or of what was made; null if there is none.
     #[schema(example = "robot-2")]
     pub subject: Option<String>,
@@ -114,5 +117,6 @@ fn dto(entry: AuditEntry) -> AuditDto {
         Some(400..500) => AuditOutcome::Refused,
         Some(_) => AuditOutcome::Failed,
     };
-    AuditDto { id: id.to_string(), at: time_text(Time(id)), actor, role, what, subject, outcome, status }
+    let (act, id, at) = (Act::of(&what), id.to_string(), time_text(Time(id)));
+    AuditDto { id, at, actor, role, what, act, subject, outcome, status }
 }

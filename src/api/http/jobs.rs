@@ -21,6 +21,9 @@ use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Deserializer};
 use utoipa::{IntoParams, ToSchema};
 
+/// The index of references has runs of this many characters.
+const SHORTEST_PART: usize = 3;
+
 /// Which jobs to list.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
@@ -50,6 +53,9 @@ pub struct JobParams {
     /// Only jobs with this reference.
     #[param(example = "order 4711", max_length = 200)]
     reference: Option<String>,
+    /// Only jobs whose reference has this in it, whatever the case; three characters or more.
+    #[param(example = "4711", min_length = 3, max_length = 200)]
+    reference_part: Option<String>,
     /// Only jobs with this label, as KEY:VALUE.
     #[param(example = "wave:7")]
     label: Option<String>,
@@ -79,11 +85,15 @@ pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<J
         }
         label
     });
+    if p.reference_part.as_ref().is_some_and(|part| part.chars().count() < SHORTEST_PART) {
+        errors.push(FieldError::new("reference_part", "give three characters or more"));
+    }
     let filter = read_filter(&api, &p, &mut errors);
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
-    let filter = JobQuery { reference: p.reference, label, before, limit, ..filter };
+    let (reference, reference_part) = (p.reference, p.reference_part);
+    let filter = JobQuery { reference, reference_part, label, before, limit, ..filter };
     let page = api.records.jobs(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
     let Listed { rows, next } = page;
     let next = next.map(job_name);

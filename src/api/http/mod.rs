@@ -165,6 +165,8 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(health::ready))
         .routes(routes!(alarms::list))
         .routes(routes!(alarms::acknowledge))
+        .routes(routes!(alarms::shelve, alarms::unshelve))
+        .routes(routes!(alarms::write_note))
         .routes(routes!(map::map, publish::publish))
         .routes(routes!(publish::check))
         .routes(routes!(maps::file))

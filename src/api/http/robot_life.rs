@@ -5,7 +5,7 @@
 
 use super::lists::checked_limit;
 use super::why::parse_robot;
-use crate::alarm::SubjectKind;
+use crate::alarm::{AlarmSubject, SubjectKind};
 use crate::api::alarms::AlarmDto;
 use crate::api::called::Called;
 use crate::api::dto::{Names, Page, RobotDto};
@@ -96,9 +96,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Rob
     let jobs = api.records.robot_jobs(robot).await.map_err(|why| Problem::unavailable(why, 2))?;
     let moment = api.moment();
     let row = &moment.view.robots[robot.ix()];
-    let is_about_it =
-        |subject: &crate::alarm::AlarmSubject| subject.kind == SubjectKind::Robot && subject.id == id;
-    let alarms = api.alarms.list();
+    let alarms = api.alarms.about(&AlarmSubject::new(SubjectKind::Robot, id));
     Ok(Json(RobotDetailDto {
         robot: Names { map: &api.map, view: &moment.view }.one_robot(row),
         heard: row.heard.map(time_text),
@@ -107,7 +105,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Rob
         started: time_text(api.figures.started),
         jobs_done: jobs.done,
         jobs_failed: jobs.failed,
-        alarms: alarms.iter().filter(|a| is_about_it(&a.subject)).map(AlarmDto::from).collect(),
+        alarms: alarms.iter().map(AlarmDto::from).collect(),
     }))
 }
 

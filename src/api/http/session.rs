@@ -3,6 +3,7 @@
 //! Main types: [`SignIn`], [`SessionDto`]. Refuses: to tell scripts of the page what the cookie says.
 
 use crate::api::Api;
+use crate::api::acts::Act;
 use crate::api::audit::AuditEntry;
 use crate::api::auth::{SESSION_LIFE, fresh_token, hash_of};
 use crate::api::called::Called;
@@ -55,6 +56,8 @@ pub struct SessionDto {
     pub by: SignedInBy,
     /// When the session or the token ends, RFC 3339; null if it does not.
     pub expires: Option<String>,
+    /// What it may do, besides reading; a device for its own worker or robot.
+    pub may: Vec<Act>,
 }
 
 /// Who I am.
@@ -122,7 +125,8 @@ fn dto(api: &Api, caller: &Caller) -> SessionDto {
         (None, Some(_)) => SignedInBy::Token,
         (None, None) => SignedInBy::Nothing,
     };
+    let may = Act::of_caller(caller);
     let Caller { name, role, subject, .. } = caller.clone();
     let expires = api.gate.end_of(caller, (api.now)()).map(time_text);
-    SessionDto { name, role, subject, by, expires }
+    SessionDto { name, role, subject, by, expires, may }
 }

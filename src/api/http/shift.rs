@@ -39,7 +39,7 @@ pub struct ReportParams {
 }
 
 /// Deliveries by station and how long orders took, what was late, what robots, stations and chargers were at, what
-/// robots waited for, alarms, encounters, people. Counts of jobs and encounters are exact; what is a share of time, or
+/// robots waited for, alarms, what was done, encounters, people. Counts of jobs and encounters are exact; what is a share of time, or
 /// counted with it, is summed in steps of ten seconds in the last hour, a minute in the last day, ten minutes before.
 #[utoipa::path(get, path = "/v1/report", tag = "floor", operation_id = "getReport", params(ReportParams), responses(
     (status = 200, description = "The report", content(
@@ -61,11 +61,12 @@ pub async fn report(
     }
     let refused = |why| Problem::unavailable(why, 2);
     let rows = api.records.shift((from, to), now).await.map_err(refused)?;
-    let asked = AlarmQuery { from: Some(from), to: Some(to), before: None, limit: ALARMS };
+    let asked = AlarmQuery { from: Some(from), to: Some(to), limit: ALARMS, ..AlarmQuery::default() };
     let alarms = api.records.alarms(asked).await.map_err(refused)?;
     let buckets = api.figures.with(|h| h.read(from, to, step(from, now)));
-    let sources =
-        ShiftSources { map: &api.map, between: (from, to), buckets: &buckets, rows: &rows, alarms: &alarms };
+    let acts = api.records.acts((from, to)).await.map_err(refused)?;
+    let (between, map) = ((from, to), &*api.map);
+    let sources = ShiftSources { map, between, buckets: &buckets, rows: &rows, alarms: &alarms, acts: &acts };
     let report = sources.report();
     if !table {
         return Ok(Json(report).into_response());
@@ -99,7 +100,8 @@ fn csv(report: &ShiftReportDto) -> String {
 
 /// The figures of one row. Rows of a list are told apart by their first text.
 fn lines(text: &mut String, table: &str, row: &Value) {
-    let name = ["station", "kind", "cause"].into_iter().find_map(|key| row[key].as_str()).unwrap_or("");
+    let name =
+        ["station", "kind", "cause", "act"].into_iter().find_map(|key| row[key].as_str()).unwrap_or("");
     for (figure, value) in row.as_object().into_iter().flatten() {
         match value {
             Value::Object(parts) => {

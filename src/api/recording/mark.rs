@@ -203,7 +203,12 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
     let rows = |frame: &Frame| frame.alarms.as_array().cloned().unwrap_or_default();
     if old.alarms != new.alarms {
         let before = rows(old);
-        let is_new = |id: &serde_json::Value| !before.iter().any(|alarm| alarm["id"] == *id);
+        // One that leaves a group was told with it, or before.
+        let has = |alarm: &serde_json::Value, id: &serde_json::Value| {
+            alarm["id"] == *id
+                || alarm["members"].as_array().is_some_and(|all| all.iter().any(|m| m["id"] == *id))
+        };
+        let is_new = |id: &serde_json::Value| !before.iter().any(|alarm| has(alarm, id));
         for alarm in rows(new).into_iter().filter(|alarm| is_new(&alarm["id"])) {
             let by_fact = alarm["kind"].as_str().is_some_and(|id| BY_FACT.contains(&id));
             if let (false, Some(text)) = (by_fact, alarm["text"].as_str()) {

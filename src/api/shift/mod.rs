@@ -3,6 +3,7 @@
 //!
 //! Main types: [`ShiftReportDto`], [`ShiftSources`]. Refuses: figures by person.
 
+use super::acts::Act;
 use super::text::{round3, time_text};
 use crate::alarm::Alarm;
 use crate::fleet::{Activity, Encounter, EndedJob, ShiftRows};
@@ -40,6 +41,8 @@ pub struct ShiftReportDto {
     pub chargers: ChargersShiftDto,
     /// Alarms that were active, by kind, the longest first.
     pub alarms: Vec<AlarmsShiftDto>,
+    /// What people and other systems did, the most frequent first.
+    pub acts: Vec<ActsShiftDto>,
     /// People, all together.
     pub people: PeopleShiftDto,
     /// Robots that came into region 1 of a worker.
@@ -147,6 +150,15 @@ pub struct AlarmsShiftDto {
     pub lasted_s: f64,
 }
 
+/// An act.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct ActsShiftDto {
+    /// Which.
+    pub act: Act,
+    /// How often it was done.
+    pub count: u64,
+}
+
 /// People, all together.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct PeopleShiftDto {
@@ -195,6 +207,8 @@ pub struct ShiftSources<'a> {
     pub rows: &'a ShiftRows,
     /// Alarms that were active.
     pub alarms: &'a [Alarm],
+    /// What was asked and done, as the audit has it, and how often.
+    pub acts: &'a [(String, u64)],
 }
 
 impl ShiftSources<'_> {
@@ -226,6 +240,7 @@ impl ShiftSources<'_> {
             waiting: waiting(&sum.robots, all),
             chargers: self.chargers(&sum.robots, covered),
             alarms: self.alarms(),
+            acts: self.acts(),
             people: PeopleShiftDto {
                 worker_h: round3(sum.worker_time.as_secs_f64() / 3600.0),
                 assignments_done: self.rows.assignments_done,
@@ -256,10 +271,24 @@ impl ShiftSources<'_> {
         ChargersShiftDto { count: count as u64, share: share(charging, covered * count as i64) }
     }
 
+    /// What another version calls otherwise is left out.
+    fn acts(&self) -> Vec<ActsShiftDto> {
+        let mut counts: BTreeMap<Act, u64> = BTreeMap::new();
+        for (what, count) in self.acts {
+            if let Some(act) = Act::of(what) {
+                *counts.entry(act).or_default() += count;
+            }
+        }
+        let mut out: Vec<_> = counts.into_iter().map(|(act, count)| ActsShiftDto { act, count }).collect();
+        out.sort_by_key(|row| std::cmp::Reverse(row.count));
+        out
+    }
+
     fn alarms(&self) -> Vec<AlarmsShiftDto> {
         let (from, to) = self.between;
         let mut kinds: BTreeMap<&str, (u64, Span)> = BTreeMap::new();
-        for alarm in self.alarms {
+        // A group counts once, its members do not.
+        for alarm in self.alarms.iter().filter(|alarm| alarm.group.is_none()) {
             let lasted = alarm.cleared.unwrap_or(to).min(to) - alarm.since.max(from);
             let (count, sum) = kinds.entry(alarm.kind.word()).or_default();
             *count += 1;

@@ -28,7 +28,11 @@ fn lab() -> Warehouse {
 
 fn report(rows: &ShiftRows, bucket: Bucket, alarms: &[Alarm]) -> ShiftReportDto {
     let map = lab();
-    ShiftSources { map: &map, between: (FROM, FROM + HOUR), buckets: &[bucket], rows, alarms }.report()
+    let acts =
+        [("POST /v1/closures", 2), ("POST /v1/assignments", 1), ("POST /v1/workers/{id}/assignments", 4)];
+    let acts = acts.map(|(what, count)| (what.to_owned(), count)).to_vec();
+    let between = (FROM, FROM + HOUR);
+    ShiftSources { map: &map, between, buckets: &[bucket], rows, alarms, acts: &acts }.report()
 }
 
 #[test]
@@ -101,6 +105,10 @@ fn alarms_last_as_long_as_they_did_within_the_time() {
         waiting: 0,
         since: at(since),
         acknowledged: None,
+        shelved: None,
+        notes: Vec::new(),
+        group: None,
+        members: Vec::new(),
         cleared: cleared.map(at),
     };
     let alarms = [
@@ -111,4 +119,11 @@ fn alarms_last_as_long_as_they_did_within_the_time() {
     let report = report(&ShiftRows::default(), Bucket::default(), &alarms);
     let rows: Vec<_> = report.alarms.iter().map(|a| (a.kind.as_str(), a.count, a.lasted_s)).collect();
     assert_eq!(rows, [("stopped", 1, 600.0), ("paused", 2, 100.0)]);
+}
+
+#[test]
+fn acts_are_counted_by_what_they_are_and_not_by_how_they_were_asked_for() {
+    let report = report(&ShiftRows::default(), Bucket::default(), &[]);
+    let acts: Vec<_> = report.acts.iter().map(|a| (a.act.word(), a.count)).collect();
+    assert_eq!(acts, [("assign_task", 5), ("close_area", 2)]);
 }

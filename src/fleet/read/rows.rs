@@ -129,6 +129,8 @@ pub struct JobQuery {
     pub to: Option<Time>,
     /// Only jobs with this reference.
     pub reference: Option<String>,
+    /// Only jobs whose reference has this in it, whatever the case; three characters or more.
+    pub reference_part: Option<String>,
     /// Only jobs with this label: its key and value.
     pub label: Option<(String, String)>,
     /// Only jobs older than this one.

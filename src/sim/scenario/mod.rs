@@ -58,6 +58,8 @@ pub struct Scenario {
     /// How long everything may take to end after the customers have stopped, which they do at the end of the
     /// duration; zero for no such phase.
     pub drain: Span,
+    /// For how long the floor has worked already when a server begins with an empty database.
+    pub warm_up: Span,
     /// What goes wrong.
     pub faults: Faults,
     /// The kinds of robots, at least one; the robots are of them in turn.
@@ -121,6 +123,8 @@ struct File {
     customers: Habits,
     #[serde(default)]
     drain_s: f64,
+    #[serde(default)]
+    warm_up_s: f64,
     #[serde(default)]
     faults: Faults,
     #[serde(default)]
@@ -199,6 +203,7 @@ impl Scenario {
         check("period_ms", file.period_ms as f64, 10.0..=1000.0, "from 10 to 1000")?;
         file.faults.check()?;
         check("drain_s", file.drain_s, 0.0..=1e6, "from 0 to 1000000")?;
+        check("warm_up_s", file.warm_up_s, 0.0..=3600.0, "from 0 to 3600")?;
         file.customers.check()?;
         file.workers.check()?;
         file.cells.iter().try_for_each(WorkCells::check)?;
@@ -214,6 +219,7 @@ impl Scenario {
             demand: file.jobs,
             customers: file.customers,
             drain: Span::from_secs_f64(file.drain_s),
+            warm_up: Span::from_secs_f64(file.warm_up_s),
             faults: file.faults,
             kinds: kinds::read(file.fleet, file.kinds)?,
             workers: file.workers,

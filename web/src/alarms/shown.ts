@@ -9,7 +9,7 @@ export const SEVERITY_WORDS = wordsBy<Severity>({ critical: 'alarm.critical', wa
 export const severityOf = (alarm: Alarm): Severity => alarm.severity ?? 'warning';
 
 /** Whether somebody should look after it and nobody does yet. */
-export const calls = (alarm: Alarm): boolean => severityOf(alarm) !== 'notice' && !alarm.acknowledged_by;
+export const calls = (alarm: Alarm): boolean => severityOf(alarm) !== 'notice' && !alarm.acknowledged_by && !alarm.shelved_until;
 
 /** The title of the tab, with how many alarms call for a person. */
 export function titleOf(alarms: readonly Alarm[]): string {
@@ -50,7 +50,7 @@ function shows({ kind, id, x, y }: Shown): Shows {
 }
 
 export const showsOf = (alarm: Alarm): Shows => shows({ kind: alarm.subject_kind, id: alarm.subject, x: alarm.x, y: alarm.y });
-export const showsOfRecord = (alarm: AlarmRecord): Shows => shows({ kind: alarm.subject.kind, id: alarm.subject.id, x: alarm.x, y: alarm.y });
+export const showsOfRecord = (alarm: Pick<AlarmRecord, 'subject' | 'x' | 'y'>): Shows => shows({ kind: alarm.subject.kind, id: alarm.subject.id, x: alarm.x, y: alarm.y });
 
 /** Seconds from one time of the server to another one. */
 export const secondsBetween = (from: string, to: string): number => (new Date(to).getTime() - new Date(from).getTime()) / 1_000;

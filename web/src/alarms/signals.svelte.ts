@@ -2,7 +2,7 @@
 // somebody asks for them, and the choice is kept in this browser.
 import type { Alarm, Severity } from '../wire';
 import { said } from '../words';
-import { fresh, severityOf } from './shown';
+import { calls, fresh, severityOf } from './shown';
 
 const [SOUND, NOTIFY, NAME] = ['giveway.alarm-sound', 'giveway.alarm-notifications', 'giveway.name'];
 /** A sound that repeats for as long as nobody acknowledges a critical alarm, milliseconds between two. */
@@ -60,8 +60,10 @@ export class Signals {
   note(alarms: readonly Alarm[]): void {
     const now = this.#means.now();
     const news = fresh(alarms, this.#known);
-    this.#known = new Map(alarms.map((alarm) => [alarm.id, severityOf(alarm)]));
-    const rings = alarms.some((a) => severityOf(a) === 'critical' && !a.acknowledged_by) && now - this.#rang >= AGAIN_MS;
+    // Whoever was called by a group was called for its members.
+    const members = alarms.flatMap((alarm) => alarm.members ?? []).map(({ id }) => [id, 'critical'] as const);
+    this.#known = new Map([...members, ...alarms.map((alarm) => [alarm.id, severityOf(alarm)] as const)]);
+    const rings = alarms.some((a) => severityOf(a) === 'critical' && calls(a)) && now - this.#rang >= AGAIN_MS;
     if (this.sound && (news.length > 0 || rings)) {
       this.#rang = now;
       this.#means.beep(rings || news.some((a) => severityOf(a) === 'critical') ? 'critical' : 'warning');

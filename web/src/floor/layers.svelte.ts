@@ -5,7 +5,7 @@ import { poll } from '../parts';
 import type { Recording, Source } from '../replay';
 import type { Api, HeatKind } from '../wire';
 import { trouble } from '../words';
-import { cellsOf, heatOfPlaces, type Cell } from './paint/heatmap';
+import { cellsOf, heatOfPlaces, unusual, type Cell } from './paint/heatmap';
 
 const EVERY_MS = 10_000;
 export const PERIODS = [{ word: 'layers.hour', s: 3_600 }, { word: 'layers.day', s: 86_400 }] as const;
@@ -13,8 +13,13 @@ export const PERIODS = [{ word: 'layers.hour', s: 3_600 }, { word: 'layers.day',
 export const LONGEST_S = 4;
 export const AHEADS = ['all', 'none', 1, 2, LONGEST_S] as const;
 
+/** What can lie on the floor; `unusual`: where robots waited beyond what is usual there. */
+export type HeatLayer = HeatKind | 'unusual' | 'none';
+/** What is usual is taken from this long before the period, seconds: so long waiting is kept. */
+const BEFORE_S = 86_400;
+
 export class Layers {
-  heat = $state<HeatKind | 'none'>('none');
+  heat = $state<HeatLayer>('none');
   period = $state<number>(PERIODS[0].s);
   ahead = $state<(typeof AHEADS)[number]>('all');
   cells = $state.raw<readonly Cell[]>([]);
@@ -23,7 +28,7 @@ export class Layers {
   from = $state.raw<string | null>(null);
   trouble = $state.raw<string | null>(null);
   /** What the cells of the past are of. */
-  #cellsOf: HeatKind | 'none' = 'none';
+  #cellsOf: HeatLayer = 'none';
 
   /** Keeps the map of heat fresh, of the present or of what a replay has in sight; to be called in an effect, returns
    *  what ends it. */
@@ -39,6 +44,7 @@ export class Layers {
       this.cells = [];
       return () => {};
     }
+    if (kind === 'unusual') return this.#keepUnusual(api);
     let newest: string | null = null;
     return poll(async (over) => {
       // The server's clock says when now is; a recording has a clock of its own. With no time given, it answers for the
@@ -57,9 +63,27 @@ export class Layers {
     });
   }
 
+  /** The last hour against the day before it. */
+  #keepUnusual(api: Pick<Api, 'heat'>): () => void {
+    return poll(async (over) => {
+      const now = await api.heat('waiting', {});
+      if (over()) return null;
+      this.trouble = trouble(now);
+      if (now.kind !== 'ok') return EVERY_MS;
+      const { from } = now.value;
+      const before = await api.heat('waiting', { from: new Date(Date.parse(from) - 1_000 * BEFORE_S).toISOString(), to: from });
+      if (over()) return null;
+      this.trouble = trouble(before);
+      if (before.kind !== 'ok') return EVERY_MS;
+      const { cells, borders } = cellsOf(unusual(now.value, before.value) ?? { ...now.value, cells: [] });
+      [this.cells, this.borders, this.from] = [cells, borders, from];
+      return EVERY_MS;
+    });
+  }
+
   /** Of seconds of a recording: where robots met people from the bookmarks, where they waited from the server that recorded it. */
   #keepThen(recording: Recording, from: number, to: number): () => void {
-    const kind = this.heat;
+    const kind = this.heat === 'unusual' ? 'none' : this.heat;
     const put = (cells: readonly Cell[], borders: readonly number[], from: string | null, wrong: string | null): void => {
       [this.cells, this.borders, this.from, this.trouble, this.#cellsOf] = [cells, borders, from, wrong, kind];
     };

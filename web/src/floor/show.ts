@@ -12,7 +12,7 @@ import type { Frame, Painter } from './paint/painter';
 import { readPalette, type Palette } from './paint/palette';
 import { placeOf, thingAt, thingBeside } from './scene/pick';
 import { LOOKS, Stage } from './scene/scene';
-import { fit, FOOT_PX, pan, toWorld, zoomAt, type FixedName, type View } from './scene/view';
+import { fit, FOOT_PX, onPicture, pan, toWorld, zoomAt, type FixedName, type View } from './scene/view';
 
 export interface ShowOptions {
   host: HTMLElement;
@@ -220,6 +220,7 @@ export class Show {
     dataset['version'] = String(version);
     dataset['routes'] = String(this.#composer.sheets.ways.count);
     dataset['names'] = String(this.#composer.words.count);
+    dataset['turned'] = String(Boolean(this.view.turned));
     dataset['view'] = [this.view.x, this.view.y, this.view.scale].map((n) => n.toFixed(2)).join(' ');
   }
 
@@ -251,9 +252,10 @@ export class Show {
   #covers(): boolean {
     const kept = this.#drawn.ground.view;
     const zoom = this.view.scale / kept.scale;
-    return zoom > 0.6 && zoom < 2.5 &&
-      Math.abs(this.view.x - kept.x) * 2 + this.view.width / this.view.scale <= kept.width / kept.scale &&
-      Math.abs(this.view.y - kept.y) * 2 + this.view.height / this.view.scale <= kept.height / kept.scale;
+    const [right, up] = onPicture(kept, this.view.x - kept.x, this.view.y - kept.y);
+    return zoom > 0.6 && zoom < 2.5 && Boolean(kept.turned) === Boolean(this.view.turned) &&
+      Math.abs(right) * 2 + this.view.width / this.view.scale <= kept.width / kept.scale &&
+      Math.abs(up) * 2 + this.view.height / this.view.scale <= kept.height / kept.scale;
   }
 
   #freshenGround(): void {

@@ -65,6 +65,9 @@ export function placesOf(map: FloorMap): Place[] {
   return [...first, ...map.nodes.filter((n) => !named.has(n.id)).map((n): Place => ({ name: n.id, at: [n.x, n.y] }))];
 }
 
+/** The address asks for the twin at once: somebody wants to walk in without more ado. Once, since who leaves it has seen it. */
+let walksIn = new URLSearchParams(location.search).has('twin');
+
 const option = (name: string): HTMLOptionElement => make('option', { value: name, textContent: name });
 
 /** The languages, each by its own name. */
@@ -145,6 +148,11 @@ export function signInForm(options: SignInOptions): HTMLElement {
   });
   flat.addEventListener('click', () => void go('phone'));
   twin.addEventListener('click', () => void go('twin'));
+  if (walksIn && standing.length > 0) {
+    walksIn = false;
+    name.value = old.name || `${t('sign.visitor')}-${Math.floor(Math.random() * 1_000)}`;
+    requestAnimationFrame(() => void go('twin'));
+  }
   return make('main', {}, form);
 }
 

@@ -6,11 +6,15 @@ import { isOver, t, trouble } from '../words';
 const SOONEST_MS = 1_000;
 const AT_LEAST_EVERY_MS = 5_000;
 const OWN_KEPT = 5;
+/** The server's index of references has runs of this many characters. */
+export const SHORTEST_PART = 3;
 
 export class Jobs {
   items = $state.raw<Job[]>([]);
   own = $state.raw<Job[]>([]);
   state = $state<JobState | 'any'>('any');
+  /** A part of the reference of the jobs that are shown; empty for all. */
+  part = $state('');
   next = $state.raw<string | null>(null);
   trouble = $state.raw<string | null>(null);
   #api: Pick<Api, 'jobs' | 'job' | 'cancel'>;
@@ -37,6 +41,15 @@ export class Jobs {
     if (this.#asking === 0 && this.#askedAt > 0) this.#plan(Math.max(0, this.#askedAt + SOONEST_MS - Date.now()));
   }
 
+  /** Shows jobs whose reference has this in it; all as long as it is too short. */
+  search(text: string): void {
+    const part = text.trim().length < SHORTEST_PART ? '' : text.trim();
+    if (part === this.part) return;
+    this.part = part;
+    this.#older = [];
+    void this.#refresh();
+  }
+
   show(state: JobState | 'any'): void {
     this.state = state;
     this.#older = [];
@@ -45,7 +58,7 @@ export class Jobs {
 
   async more(): Promise<void> {
     if (this.next === null) return;
-    const answer = await this.#api.jobs(this.state, this.next);
+    const answer = await this.#api.jobs(this.state, this.next, this.part);
     if (answer.kind !== 'ok') return;
     this.#older = unique([...this.#older, ...this.items, ...answer.value.items]);
     this.items = this.#older;
@@ -75,10 +88,10 @@ export class Jobs {
     clearTimeout(this.#timer);
     this.#dueAt = Infinity;
     this.#askedAt = Date.now();
-    const state = this.state;
-    const answer = await this.#api.jobs(state, null);
+    const { state, part } = this;
+    const answer = await this.#api.jobs(state, null, part);
     // The filter may have changed while the answer was under way; then another answer is coming.
-    if (turn === this.#asking && state === this.state) {
+    if (turn === this.#asking && state === this.state && part === this.part) {
       if (answer.kind === 'ok') {
         this.trouble = null;
         if (this.#older.length === 0) this.next = answer.value.next;

@@ -1,15 +1,15 @@
 // What the panel of jobs shows: tables of the jobs that the server lists, or of those that a replay knows of a moment.
 import { untrack } from 'svelte';
 import type { Replay } from '../replay';
-import type { Job, JobKind, Mirror, Robot } from '../wire';
-import { doing, moment, said, SHORT_KIND_WORDS, STATE_WORDS, t, timeOfDay } from '../words';
+import type { Job, JobKind, JobState, Mirror, Robot } from '../wire';
+import { doing, isOver, moment, roughly, said, SHORT_KIND_WORDS, STATE_WORDS, t, timeOfDay } from '../words';
 import type { Jobs } from './jobs.svelte';
 import { jobsUnderWay, waitedAt, type Waited, type Waiter } from './waited';
 
 export interface Cell {
   readonly text: string;
-  /** `robot`: the text is the name of one, which can be chosen. `extra`: left out on a phone. */
-  readonly kind?: 'plain' | 'robot' | 'extra';
+  /** `robot`: the text is the name of one, which can be chosen. `extra`: left out on a phone. `late`: too late. */
+  readonly kind?: 'plain' | 'robot' | 'extra' | 'late';
   /** What else there is to say of it, shown after it as far as there is room. */
   readonly more?: string | null;
 }
@@ -26,7 +26,8 @@ export interface JobTable {
   /** Its name, where there is more than one table. */
   readonly label: string | undefined;
   readonly heading: { readonly text: string; readonly note: string | null } | null;
-  readonly columns: readonly { readonly name: string; readonly kind?: 'extra' }[];
+  /** `by`: it can be sorted by this. */
+  readonly columns: readonly { readonly name: string; readonly kind?: 'extra'; readonly by?: JobSort }[];
   readonly lines: readonly JobLine[];
   /** What is said where there are none; null where the table is left out then. */
   readonly none: string | null;
@@ -45,20 +46,78 @@ export interface JobsShown {
 const extra = (text: string): Cell => ({ text, kind: 'extra' });
 const robotCell = (id: string | null): Cell => (id === null ? { text: '–' } : { text: id, kind: 'robot' });
 
-/** The latest jobs, those submitted here first. */
-export function latestJobs({ own, items, state }: Pick<Jobs, 'own' | 'items' | 'state'>): JobsShown {
-  const lines = [...own, ...items.filter((j) => !own.some((o) => o.id === j.id))].map((job, i): JobLine => ({
-    id: job.id, job, mine: i < own.length,
+export const JOB_SORTS = ['id', 'reference', 'kind', 'what', 'robot', 'state', 'priority', 'deadline', 'created'] as const;
+export type JobSort = (typeof JOB_SORTS)[number];
+export interface JobOrder {
+  readonly by: JobSort;
+  readonly way: 'up' | 'down';
+}
+/** As the server lists them. */
+export const NEWEST: JobOrder = { by: 'id', way: 'down' };
+/** The order after a click on a heading: what is urgent comes first. */
+export function turnedJobs(order: JobOrder, by: JobSort): JobOrder {
+  if (by === 'id' && (order.by !== 'id' || order.way === 'up')) return NEWEST;
+  if (order.by === by) return { by, way: order.way === 'up' ? 'down' : 'up' };
+  return { by, way: by === 'id' || by === 'priority' || by === 'created' ? 'down' : 'up' };
+}
+
+const whatOf = (job: Job): string => [job.rack, job.station ?? job.node].filter(Boolean).join(' → ');
+/** j9 before j10. */
+const natural = new Intl.Collator('en', { numeric: true });
+/** How far jobs have come, in this order. */
+const STAGES: readonly JobState[] = ['waiting', 'assigned', 'carrying', 'picking', 'done', 'cancelled', 'failed'];
+
+function sortedJobs(jobs: readonly Job[], { by, way }: JobOrder): Job[] {
+  const of = (job: Job): string | number | null => {
+    switch (by) {
+      case 'what': return whatOf(job) || null;
+      case 'kind': return SHORT_KIND_WORDS[job.kind] ?? job.kind;
+      case 'state': return STAGES.indexOf(job.state);
+      default: return job[by] ?? null;
+    }
+  };
+  const sign = way === 'up' ? 1 : -1;
+  return jobs.toSorted((a, b) => {
+    const [left, right] = [of(a), of(b)];
+    const newest = natural.compare(b.id, a.id);
+    // What has none stands below what has one, whichever way it is sorted.
+    if (left === null || right === null) return left === right ? newest : left === null ? 1 : -1;
+    const order = typeof left === 'number' && typeof right === 'number' ? left - right : natural.compare(String(left), String(right));
+    return sign * order || newest;
+  });
+}
+
+/** By how much a job is past its deadline, seconds: at `now`, or when it was done; null where it is not, or will not be done. */
+export function lateFor_s(job: Pick<Job, 'deadline' | 'state' | 'updated'>, now: number | null): number | null {
+  if (job.deadline === null || job.state === 'cancelled' || job.state === 'failed') return null;
+  const at = isOver(job.state) ? Date.parse(job.updated) : now;
+  const late = at === null ? 0 : (at - Date.parse(job.deadline)) / 1_000;
+  return late > 0 ? late : null;
+}
+
+function deadlineCell(job: Job, now: number | null): Cell {
+  const late = lateFor_s(job, now);
+  if (late === null) return extra(timeOfDay(job.deadline));
+  return { text: t(isOver(job.state) ? 'jobs.late.was' : 'jobs.late', { time: roughly(late) }), kind: 'late' };
+}
+
+/** The latest jobs, those submitted here first; in another order if that is wanted. `now` is the floor's, in milliseconds. */
+export function latestJobs({ own, items, state, part }: Pick<Jobs, 'own' | 'items' | 'state' | 'part'>, now: number | null = null, order: JobOrder = NEWEST): JobsShown {
+  // What is looked for is what is shown, whoever submitted it.
+  const mine = new Set(own.map((job) => job.id));
+  const all = part === '' ? [...own, ...items.filter((job) => !mine.has(job.id))] : items;
+  const lines = (order === NEWEST ? all : sortedJobs(all, order)).map((job): JobLine => ({
+    id: job.id, job, mine: mine.has(job.id),
     cells: [
-      extra(SHORT_KIND_WORDS[job.kind] ?? job.kind), { text: [job.rack, job.station ?? job.node].filter(Boolean).join(' → ') || '–' }, robotCell(job.robot),
-      { text: STATE_WORDS[job.state] ?? job.state, more: job.why === null ? null : said(job.why) }, extra(String(job.priority)), extra(timeOfDay(job.deadline)), extra(timeOfDay(job.created)),
+      extra(job.reference ?? '–'), extra(SHORT_KIND_WORDS[job.kind] ?? job.kind), { text: whatOf(job) || '–' }, robotCell(job.robot),
+      { text: STATE_WORDS[job.state] ?? job.state, more: job.why === null ? null : said(job.why) }, extra(String(job.priority)), deadlineCell(job, now), extra(timeOfDay(job.created)),
     ],
   }));
   const columns: JobTable['columns'] = [
-    { name: t('robot.kind'), kind: 'extra' }, { name: t('jobs.what') }, { name: t('robot') }, { name: t('robot.state') },
-    { name: t('job.priority'), kind: 'extra' }, { name: t('job.deadline'), kind: 'extra' }, { name: t('job.created'), kind: 'extra' },
+    { name: t('job.reference'), kind: 'extra', by: 'reference' }, { name: t('robot.kind'), kind: 'extra', by: 'kind' }, { name: t('jobs.what'), by: 'what' }, { name: t('robot'), by: 'robot' }, { name: t('robot.state'), by: 'state' },
+    { name: t('job.priority'), kind: 'extra', by: 'priority' }, { name: t('job.deadline'), by: 'deadline' }, { name: t('job.created'), kind: 'extra', by: 'created' },
   ];
-  const none = state === 'any' ? t('jobs.none') : t('jobs.none.state', { state: STATE_WORDS[state] });
+  const none = part !== '' ? t('jobs.none.part', { part }) : state === 'any' ? t('jobs.none') : t('jobs.none.state', { state: STATE_WORDS[state] });
   return {
     label: t('jobs'), title: t('jobs.latest'), note: null, region: t('jobs.table'), foot: null,
     tables: [{ kind: 'latest', label: undefined, heading: null, columns, lines, none }],

@@ -7,7 +7,7 @@ import { onFloor, row, type FloorMap, type Mirror } from '../wire';
 import { wordsBy } from '../words';
 
 /** What can be shown below the floor. What the server alone keeps is in no recording. */
-export const TABS = wordsBy({ ...BELOW_KEYS, report: 'report', system: 'system', audit: 'audit' });
+export const TABS = wordsBy({ ...BELOW_KEYS, alarms: 'alarms', report: 'report', system: 'system', audit: 'audit' });
 export type Tab = keyof typeof TABS;
 
 export interface Address {

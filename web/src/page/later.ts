@@ -9,6 +9,7 @@ export const later = {
   card: () => fetched(import('./PickedCard.svelte')),
   job: () => fetched(import('../jobs/JobPanel.svelte')),
   csv: () => fetched(import('../jobs/CsvJobs.svelte')),
+  alarms: () => fetched(import('../alarms/AlarmPage.svelte')),
   robots: () => fetched(import('../robots/RobotsTable.svelte')),
   bar: () => fetched(import('../replay/ReplayBar.svelte')),
   bookmarks: () => fetched(import('../replay/Bookmarks.svelte')),

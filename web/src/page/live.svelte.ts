@@ -43,6 +43,11 @@ export class Live {
     return this.#names.shown(this.#link.mirror);
   }
 
+  /** A picture of the past, with people called as in the present. */
+  called(mirror: Mirror): Mirror {
+    return this.#names.called(mirror);
+  }
+
   start(): void {
     void this.#loadMap();
     this.#link.start();

@@ -1,6 +1,7 @@
 // Names of people in place of pseudonyms, for those who may see them: feeds have pseudonyms alone.
 import { mayName, type Who } from '../session';
 import type { Api, Mirror } from '../wire';
+import { learnNames, learnNumbers } from '../words';
 
 /** A name that was not known may have come since; so may one have been erased. */
 const AGAIN_MS = 5_000;
@@ -32,8 +33,15 @@ export class PeopleNames {
     const isKnown = workers.rows.every(({ name }) => name === '' || this.#names.has(name));
     const age = this.#now() - this.#askedAt;
     if (this.#may && !this.#asking && age > (isKnown ? FRESH_MS : AGAIN_MS)) void this.#ask();
-    if (this.#names.size === 0) return mirror;
+    return this.called(mirror);
+  }
+
+  /** The same of the past, for which nothing is asked. */
+  called(mirror: Mirror): Mirror {
+    const { workers } = mirror;
+    if (workers.rows.length === 0) return mirror;
     if (this.#last?.from !== workers) {
+      learnNumbers(workers.rows);
       const rows = workers.rows.map((worker) => ({ ...worker, name: this.#names.get(worker.name) ?? worker.name }));
       this.#last = { from: workers, shown: { ...workers, rows } };
     }
@@ -50,7 +58,7 @@ export class PeopleNames {
   }
 
   async #learn(): Promise<void> {
-    const names = new Map<string, string>();
+    const [names, known] = [new Map<string, string>(), new Set<string>()];
     let cursor: string | null = null;
     do {
       const answer: Awaited<ReturnType<Api['people']>> = await this.#api.people(cursor);
@@ -58,7 +66,9 @@ export class PeopleNames {
       if (answer.kind !== 'ok') break;
       for (const person of answer.value.items) names.set(person.pseudonym, person.name);
       cursor = answer.value.next;
-      if (cursor === null) [this.#names, this.#last] = [names, null];
+      if (cursor !== null) continue;
+      [this.#names, this.#last] = [names, null];
+      learnNames(names);
     } while (cursor !== null);
   }
 }

@@ -39,7 +39,7 @@ export class Screen implements Stream {
   }
 
   latest(): Mirror {
-    return (this.replay ?? this.#live).mirror;
+    return this.replay ? this.#live.called(this.replay.mirror) : this.#live.mirror;
   }
 
   watch(see: See): () => void {
@@ -49,7 +49,7 @@ export class Screen implements Stream {
 
   /** Shows the past: from a moment on, up to another one where that is given. */
   play(recording: Recording, from: number | null = null, to: number | null = null): void {
-    this.#begin(new Replay(recording, from, to, (mirror, how) => this.#show(mirror, how)), 'then');
+    this.#begin(new Replay(recording, from, to, (mirror, how) => this.#show(this.#live.called(mirror), how)), 'then');
     this.replay?.start();
   }
 

@@ -3,7 +3,7 @@
 /** Of the map, in percent. */
 export const LEAST = 30;
 export const MOST = 80;
-export const USUAL = 62;
+export const USUAL = 68;
 const KEY = 'giveway.map-share';
 
 export const within = (share: number): number => Math.min(MOST, Math.max(LEAST, Math.round(share)));

@@ -1,5 +1,5 @@
 // What a person may tell several robots at once. Each robot is told by a request of its own, a few at a time.
-import { activityOf, newKey, type Answer, type Api, type Robot } from '../wire';
+import { activityOf, newKey, type Act, type Answer, type Api, type Robot } from '../wire';
 import { t, trouble } from '../words';
 
 export type ActsApi = Pick<Api, 'pause' | 'resume' | 'maintain' | 'workAgain' | 'submit'>;
@@ -9,6 +9,8 @@ export interface RobotAct {
   /** Whether it makes sense for a robot. */
   readonly fits: (robot: Robot) => boolean;
   readonly tell: (api: ActsApi, id: string) => Promise<Answer<unknown>>;
+  /** What it is called elsewhere. */
+  readonly act: Act;
   /** The id of the act that takes it back. */
   readonly undo?: string;
 }
@@ -17,22 +19,22 @@ const inService = (robot: Robot): boolean => !robot.maintenance && !robot.leavin
 
 export const ROBOT_ACTS: readonly RobotAct[] = [
   {
-    id: 'pause', fits: (robot) => activityOf(robot) !== 'paused', tell: (api, id) => api.pause(id), undo: 'resume',
+    id: 'pause', act: 'pause_robot', fits: (robot) => activityOf(robot) !== 'paused', tell: (api, id) => api.pause(id), undo: 'resume',
   },
   {
-    id: 'resume', fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed', tell: (api, id) => api.resume(id), undo: 'pause',
+    id: 'resume', act: 'resume_robot', fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed', tell: (api, id) => api.resume(id), undo: 'pause',
   },
   {
-    id: 'charge', fits: inService, tell: (api, id) => api.submit({ kind: 'charge', robot: id, priority: 0 }, newKey()),
+    id: 'charge', act: 'submit_job', fits: inService, tell: (api, id) => api.submit({ kind: 'charge', robot: id, priority: 0 }, newKey()),
   },
   {
-    id: 'park', fits: inService, tell: (api, id) => api.submit({ kind: 'park', robot: id, priority: 0 }, newKey()),
+    id: 'park', act: 'submit_job', fits: inService, tell: (api, id) => api.submit({ kind: 'park', robot: id, priority: 0 }, newKey()),
   },
   {
-    id: 'out', fits: inService, tell: (api, id) => api.maintain(id), undo: 'back',
+    id: 'out', act: 'start_maintenance', fits: inService, tell: (api, id) => api.maintain(id), undo: 'back',
   },
   {
-    id: 'back', fits: (robot) => !inService(robot), tell: (api, id) => api.workAgain(id), undo: 'out',
+    id: 'back', act: 'end_maintenance', fits: (robot) => !inService(robot), tell: (api, id) => api.workAgain(id), undo: 'out',
   },
 ];
 

@@ -1,4 +1,5 @@
 // Signing in and out, and the way back to where one was.
+import type { Act } from '../wire';
 
 /** Who the server takes this browser for. */
 export interface Me {
@@ -8,6 +9,8 @@ export interface Me {
   /** `nothing`: the server needs no token. */
   by: 'session' | 'token' | 'nothing';
   expires: string | null;
+  /** What it may do besides reading; an older server does not say. */
+  may?: readonly Act[];
 }
 
 /** Who is signed in, `nobody`, or why that is not known. */

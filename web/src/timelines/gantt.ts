@@ -1,6 +1,9 @@
 // The picture of what the planner sees, without its looks: bars with places in percent, and what each means in words.
 import type { Condition, Hold, RegionStay, Strip } from '../wire';
-import { listed, quantity, t, wordsBy } from '../words';
+import { listed, quantity, t, wordsBy, personName } from '../words';
+
+/** What a holder is called by whoever looks. */
+const called = (kind: string, by: string): string => (kind === 'worker' ? personName(by) : by);
 
 /** A moment ago is shown, too, so that the line of now stands a little inside. */
 export const BACK_S = 5;
@@ -35,14 +38,14 @@ export function when(from: number, to: number | null): string {
 
 export function holdWords(node: string, hold: Hold): string {
   const how = hold.conflict ? 'timelines.hold.conflict' : hold.granted ? 'timelines.hold.granted' : 'timelines.hold.held';
-  return t(how, { node, by: hold.by, when: when(hold.from_s, hold.to_s) });
+  return t(how, { node, by: called(hold.kind, hold.by), when: when(hold.from_s, hold.to_s) });
 }
 
 export function conditionWords(node: string, c: Condition): string {
   const speed = (mps: number): string => quantity(mps, 'm/s', 1);
   const effect = EFFECT_WORDS[c.effect] ?? c.effect;
   const parts = [
-    c.kind === 'obstruction' ? t('timelines.because.obstruction', { effect }) : t('timelines.because', { effect, by: c.by }),
+    c.kind === 'obstruction' ? t('timelines.because.obstruction', { effect }) : t('timelines.because', { effect, by: called(c.kind, c.by) }),
     c.effect === 'slow' && c.limit_mps ? t('timelines.limit', { bare: speed(c.limit_mps[0]), loaded: speed(c.limit_mps[1]) }) : '',
     c.effect === 'price' && c.price_s !== null ? t('timelines.costs', { time: quantity(c.price_s, 's', 1) }) : '',
     when(c.from_s, c.to_s),
@@ -52,7 +55,7 @@ export function conditionWords(node: string, c: Condition): string {
 
 export function regionWords(node: string, stay: RegionStay): string {
   const how = stay.region === 2 ? 'timelines.region.out' : 'timelines.region.slow';
-  return t(how, { node, region: stay.region, by: stay.of, when: when(stay.from_s, stay.to_s) });
+  return t(how, { node, region: stay.region, by: called(stay.kind, stay.of), when: when(stay.from_s, stay.to_s) });
 }
 
 /** One row for each node, conditions below holds; safety regions, if they are wanted, below all. */

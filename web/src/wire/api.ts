@@ -78,9 +78,16 @@ export class Api {
   alarms = (query: Record<string, string>) => this.#ask<AlarmPage>('GET', `/v1/alarms?${new URLSearchParams(query)}`);
   /** People in order of joining, for those who may see names. */
   people = (cursor: string | null) =>
-    this.#ask<{ items: { id: string; name: string }[]; next: string | null }>('GET', `/v1/people?${new URLSearchParams({ limit: '500', ...(cursor === null ? {} : { cursor }) })}`);
+    this.#ask<{ items: { id: string; pseudonym: string; name: string }[]; next: string | null }>('GET', `/v1/people?${new URLSearchParams({ limit: '500', ...(cursor === null ? {} : { cursor }) })}`);
   audit = (query: Record<string, string>) => this.#ask<AuditPage>('GET', `/v1/audit?${new URLSearchParams(query)}`);
   acknowledge = (id: string, by: string) => this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/acknowledge`, {}, { by });
+  enrol = (name: string) => this.#ask<{ id: string; name: string }>('POST', '/v1/workers', {}, { name });
+  seenAt = (worker: string, at: { x: number; y: number; accuracy_m: number }) =>
+    this.#ask<unknown>('POST', `/v1/workers/${encodeURIComponent(worker)}/position`, {}, at);
+  shelve = (id: string, body: { by: string; for_s: number; reason: string }) =>
+    this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/shelve`, {}, body);
+  unshelve = (id: string) => this.#ask<AlarmRecord>('DELETE', `/v1/alarms/${encodeURIComponent(id)}/shelve`);
+  noteAlarm = (id: string, by: string, text: string) => this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/notes`, {}, { by, text });
   worker = (id: string) => this.#ask<WorkerDetail>('GET', `/v1/workers/${encodeURIComponent(id)}`);
   history = (query: Record<string, string>) => this.#ask<HistoryPage>('GET', `/v1/history?${new URLSearchParams(query)}`);
   heat = (kind: HeatKind, query: Record<string, string>) => this.#ask<HeatPage>('GET', `/v1/heat?${new URLSearchParams({ kind, ...query })}`);
@@ -94,9 +101,11 @@ export class Api {
   /** Where the table of encounters is as a file. */
   encountersFile = (query: Record<string, string>) => `/v1/encounters?${new URLSearchParams({ ...query, format: 'csv' })}`;
 
-  jobs(state: JobState | 'any', cursor: string | null): Promise<Answer<JobPage>> {
+  /** Jobs newest first; with `part`, those whose reference has it in it, three characters or more. */
+  jobs(state: JobState | 'any', cursor: string | null, part = ''): Promise<Answer<JobPage>> {
     const query = new URLSearchParams({ limit: '50' });
     if (state !== 'any') query.set('state', state);
+    if (part !== '') query.set('reference_part', part);
     if (cursor) query.set('cursor', cursor);
     return this.#ask<JobPage>('GET', `/v1/jobs?${query}`);
   }

@@ -1,6 +1,7 @@
 // The wire: what travels between a page and the server, the requests, the live link and the copy of the floor it keeps.
 // It knows no other room, and no word that a person reads but why a request failed.
 export * from './types';
+export { ACTS, type Act } from './acts';
 export * from './past';
 export * from './report';
 export { Api, PAST, type Answer } from './api';

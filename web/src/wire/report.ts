@@ -1,4 +1,5 @@
 // What the server says of a stretch of time, for the leader of a shift.
+import type { Act } from './acts';
 import type { Activity } from './types';
 
 export interface Quantiles { p50: number; p95: number }
@@ -20,6 +21,8 @@ export interface ShiftReport {
   robots: { mean: number; shares: Partial<Record<Activity, number>> };
   waiting: { cause: WaitCause; robot_s: number; share: number }[];
   chargers: { count: number; share: number };
+  /** What was done, the most frequent first; an older server does not say. */
+  acts?: { act: Act; count: number }[];
   alarms: { kind: string; count: number; lasted_s: number }[];
   people: { worker_h: number; assignments_done: number; deviations: number; interruptions: number };
   encounters: { count: number; per_worker_hour: number | null; closest_m: { min: number; p50: number } | null; reactions: Record<string, number> };

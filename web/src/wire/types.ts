@@ -1,5 +1,6 @@
 // What travels between this page and the server: the public API, and nothing else. Keys that are not
 // listed here are ignored, so that an older page keeps working with a newer server.
+import type { Act } from './acts';
 
 export type NodeKind = 'aisle' | 'storage' | 'station' | 'queue' | 'charger' | 'parking' | 'exit';
 export type Traveller = 'loaded' | 'unloaded' | 'people';
@@ -247,6 +248,12 @@ export interface Alarm {
   /** How many robots wait because of it. */
   waiting?: number;
   acknowledged_by?: string | null;
+  /** Until when somebody has put it aside, RFC 3339. */
+  shelved_until?: string | null;
+  /** What can be done about it in one request. */
+  acts?: readonly Act[];
+  /** Of a group: the alarms of single robots in it. */
+  members?: readonly { id: string; subject: string; acknowledged_by: string | null }[];
 }
 /** An alarm in the list, active or past. */
 export interface AlarmRecord {
@@ -262,7 +269,21 @@ export interface AlarmRecord {
   waiting: number;
   since: string;
   acknowledged: { by: string; at: string } | null;
+  shelved: { by: string; at: string; until: string; reason: string } | null;
+  notes: { by: string; at: string; text: string }[];
+  acts: Act[];
+  group: string | null;
+  members: AlarmMember[];
   cleared: string | null;
+}
+export interface AlarmMember {
+  id: string;
+  subject: { kind: SubjectKind; id: string };
+  text: string;
+  x: number | null;
+  y: number | null;
+  since: string;
+  acknowledged_by: string | null;
 }
 export type AuditOutcome = 'done' | 'refused' | 'failed' | 'unanswered';
 /** A request that was to change something: who asked, in which role, and what came of it. */
@@ -272,6 +293,8 @@ export interface AuditEntry {
   actor: string;
   role: string;
   what: string;
+  /** The same as an act; null where another version knew it. */
+  act?: Act | null;
   subject: string | null;
   outcome: AuditOutcome;
   status: number | null;

@@ -4,5 +4,7 @@ export * from './format';
 export { learn, learnMore, t, within, wordsBy, type MessageKey } from './say';
 export * from './linkwords';
 export * from './moments';
-export { learnSaid, said } from '../language';
+export { actDid, actDo } from './acts';
+export { learnSaid } from '../language';
+export { learnNames, learnNumbers, nameOf, personName, said, withNames } from './people.svelte';
 export { trouble } from './trouble';

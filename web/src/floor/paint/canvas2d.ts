@@ -6,7 +6,7 @@ import type { Frame, Painter } from './painter';
 import type { Palette } from './palette';
 import { outlinePerson, PERSON_REACH } from '../scene/people';
 import { ARC_WIDTH, cssOf, DASH, KIND, RING_DASHES, STRIDE, type Kind, type Sheet } from './sheet';
-import type { View } from '../scene/view';
+import { inSight, toScreen, type View } from '../scene/view';
 
 const TAU = 2 * Math.PI;
 /** Marks of which many in a row become one path. */
@@ -29,6 +29,7 @@ export class Canvas2dPainter implements Painter {
   #css = new Map<number, string>();
   #kept = new Map<Sheet, { turn: number; strokes: (() => void)[] | null }>();
   #scale = 1;
+  #turned = false;
 
   constructor(palette: Palette) {
     const ink = this.element.getContext('2d', { alpha: false });
@@ -55,15 +56,16 @@ export class Canvas2dPainter implements Painter {
     const zoom = view.scale / ground.view.scale;
     const w = ground.view.width * zoom;
     const h = ground.view.height * zoom;
-    ink.drawImage(ground.picture,
-      (ground.view.x - view.x) * view.scale + view.width / 2 - w / 2,
-      (view.y - ground.view.y) * view.scale + view.height / 2 - h / 2, w, h);
+    const [cx, cy] = toScreen(view, ground.view.x, ground.view.y);
+    ink.drawImage(ground.picture, cx - w / 2, cy - h / 2, w, h);
 
-    // From here on a unit is a metre and y points up.
+    // From here on a unit is a metre and the axes are those of the map.
     const m = view.scale * this.#density;
-    ink.setTransform(m, 0, 0, -m,
-      (view.width / 2 - view.x * view.scale) * this.#density,
-      (view.height / 2 + view.y * view.scale) * this.#density);
+    const [ox, oy] = toScreen(view, 0, 0);
+    if (view.turned) ink.setTransform(0, m, m, 0, ox * this.#density, oy * this.#density);
+    else ink.setTransform(m, 0, 0, -m, ox * this.#density, oy * this.#density);
+    if (this.#turned !== Boolean(view.turned)) this.#kept.clear();
+    this.#turned = Boolean(view.turned);
     ink.lineCap = 'butt';
     this.#scale = view.scale;
     for (const sheet of sheets) this.#sheet(sheet, view);
@@ -72,7 +74,8 @@ export class Canvas2dPainter implements Painter {
     for (let i = 0; i < words.count; i++) {
       const { text, x, y, below, px, pale } = words.list[i]!;
       const { halo, label: dark, gauge } = this.#palette.of;
-      label(ink, text, (x - view.x) * view.scale + view.width / 2, (view.y - y) * view.scale + view.height / 2 + below, px, halo, pale ? gauge : dark);
+      const [left, top] = toScreen(view, x, y);
+      label(ink, text, left, top + below, px, halo, pale ? gauge : dark);
     }
   }
 
@@ -150,7 +153,9 @@ export class Canvas2dPainter implements Painter {
     ink.setLineDash([]);
     ink.save();
     ink.translate(x, y);
-    if (turn !== 0) ink.rotate(turn);
+    // Signs stand upright on the picture.
+    const upright = this.#turned && (kind === KIND.arc || kind === KIND.bolt) ? Math.PI / 2 : 0;
+    if (turn + upright !== 0) ink.rotate(turn + upright);
     this.#mark(kind, w, h, more, dye);
     ink.restore();
   }
@@ -222,6 +227,3 @@ function addBox(path: Path2D, x: number, y: number, w: number, h: number, turn: 
   path.lineTo(x - ax + bx, y - ay + by);
   path.closePath();
 }
-
-const inSight = (view: View, x: number, y: number, reach: number): boolean =>
-  Math.abs(x - view.x) <= view.width / 2 / view.scale + reach && Math.abs(y - view.y) <= view.height / 2 / view.scale + reach;

@@ -11,7 +11,7 @@ import type { Person } from '../scene/people';
 import { Labels, stationTitle } from './labels';
 import { LOOKS, LOW_BATTERY, robotNear, type Look, type Paths, type Scene } from '../scene/scene';
 import { inkOf, KIND, Sheet, Words } from './sheet';
-import type { View } from '../scene/view';
+import { inSight, type View } from '../scene/view';
 
 /** What is in the side panel: an index into the scene each, or -1, and a place without one. */
 export interface Chosen {
@@ -435,7 +435,7 @@ export class Composer {
       for (let i = 0; i < scene.racks; i++) {
         const [x, y] = [scene.rackX[i]!, scene.rackY[i]!];
         // A robot below the rack is worth more than the rack's name.
-        if (scene.rackOn[i]! < 0 && inSight(view, x, y) && robotNear(scene, x, y, 0.6) < 0) labels.put(scene.rackIds[i]!, x, y, 0, WORD_PX);
+        if (scene.rackOn[i]! < 0 && nearlyInSight(view, x, y) && robotNear(scene, x, y, 0.6) < 0) labels.put(scene.rackIds[i]!, x, y, 0, WORD_PX);
       }
     }
     if (scale >= NODE_NAMES_FROM) {
@@ -445,6 +445,5 @@ export class Composer {
 }
 
 /** False too for a place that is not a number. */
-function inSight(view: View, x: number, y: number): boolean {
-  return Math.abs(x - view.x) * view.scale < view.width / 2 + 50 && Math.abs(y - view.y) * view.scale < view.height / 2 + 50;
-}
+/** With what reaches into the picture from just outside of it. */
+const nearlyInSight = (view: View, x: number, y: number): boolean => inSight(view, x, y, 50 / view.scale);

@@ -32,6 +32,27 @@ export function cellsOf({ kind, size, cells }: HeatPage): { cells: Cell[]; borde
   return { cells: found.filter((c) => c.level >= 0), borders: lower };
 }
 
+/** Less than this is not worth a look, and of so little nothing can be called usual, seconds. */
+const LEAST_EXCESS_S = 30;
+const LEAST_BEFORE_S = 300;
+/** A place is unusual where it has this many times its usual share of all waiting. */
+const TIMES = 2;
+
+/** Where robots waited beyond what is usual there: its share of all waiting is compared with its share before, so that it does
+ *  not matter how much was going on. Null where too little is known of before. */
+export function unusual(now: HeatPage, before: HeatPage): HeatPage | null {
+  const sum = ({ cells }: HeatPage): number => cells.reduce((all, cell) => all + cell.amount, 0);
+  const [total, earlier] = [sum(now), sum(before)];
+  if (earlier < LEAST_BEFORE_S) return null;
+  const usual = new Map(before.cells.map(({ x, y, amount }) => [`${x} ${y}`, amount / earlier]));
+  const cells = now.cells.flatMap((cell) => {
+    const expected = total * (usual.get(`${cell.x} ${cell.y}`) ?? 0);
+    const excess = cell.amount - expected;
+    return excess >= LEAST_EXCESS_S && cell.amount >= TIMES * expected ? [{ ...cell, amount: excess }] : [];
+  });
+  return { ...now, cells };
+}
+
 /** Places of encounters, by square metre. */
 export function heatOfPlaces(places: readonly (readonly [number, number])[]): HeatPage['cells'] {
   const cells = new Map<string, HeatPage['cells'][number]>();

@@ -17,9 +17,14 @@ const STATION_PX = [10, 15, 0.5] as const;
 const STATION_M = 0.62;
 const STATION_GAP_PX = 8;
 
+/** Below, or above. */
+type Side = 1 | -1;
+
 export class Labels {
   #words: Words;
   #view: View = { x: 0, y: 0, scale: 1, width: 0, height: 0 };
+  /** On which side of its mark a name was put last: names that jump cannot be read. */
+  #sides = new Map<string, Side>();
   /** Boxes of what is put, as left, top, right, bottom, by rows of the picture. Kept and filled anew. */
   #rows: (number[] | undefined)[] = [];
 
@@ -54,9 +59,13 @@ export class Labels {
     return true;
   }
 
-  /** Puts a name below a mark or, if there is no room, above it. */
+  /** Puts a name below a mark or, if there is no room, above it; and leaves it on that side as long as there is room. */
   beside(text: string, x: number, y: number, apart: number, px: number): boolean {
-    return this.put(text, x, y, apart, px) || this.put(text, x, y, -apart, px);
+    const side = this.#sides.get(text) ?? 1;
+    if (this.put(text, x, y, side * apart, px)) return true;
+    if (!this.put(text, x, y, -side * apart, px)) return false;
+    this.#sides.set(text, -side as Side);
+    return true;
   }
 
   #row = (y: number): number => Math.max(0, Math.floor((y + 4 * BEYOND_PX) / ROW_PX));

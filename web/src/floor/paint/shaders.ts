@@ -11,6 +11,7 @@ layout(location = 1) in vec3 what;  // turn, kind, more
 layout(location = 2) in vec4 ink;
 uniform vec4 view;                  // x, y, and metres to half a screen in x and y
 uniform float pixel;                // metres
+uniform float turned;               // 1 where up on the map is to the right
 out vec2 at;                        // metres from the middle, along the mark's own axes
 out vec2 world;
 flat out vec2 side;                 // half of each side, metres
@@ -20,11 +21,15 @@ void main() {
   vec2 corner = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1)) * 2.0 - 1.0;
   side = box.zw * 0.5;
   at = corner * (side + pixel);
-  float c = cos(what.x), s = sin(what.x);
+  // Letters and signs stand upright on the picture.
+  bool stands = what.y > ${GLYPH - 0.5} || abs(what.y - ${KIND.arc}.0) < 0.5 || abs(what.y - ${KIND.bolt}.0) < 0.5;
+  float turn = what.x + (stands ? turned * 1.57079633 : 0.0);
+  float c = cos(turn), s = sin(turn);
   world = box.xy + vec2(c * at.x - s * at.y, s * at.x + c * at.y);
   is = what;
   colour = ink;
-  gl_Position = vec4((world - view.xy) / view.zw, 0.0, 1.0);
+  vec2 off = world - view.xy;
+  gl_Position = vec4((turned > 0.5 ? vec2(off.y, -off.x) : off) / view.zw, 0.0, 1.0);
 }`;
 
 export const MARK_FRAGMENT = `#version 300 es

@@ -5,7 +5,7 @@ import { Glyphs } from './glyphs';
 import type { Frame, Ground, Painter } from './painter';
 import type { Palette } from './palette';
 import { inkOf, Sheet, STRIDE, type Kind, type Words } from './sheet';
-import type { View } from '../scene/view';
+import { onPicture, toScreen, toWorld, type View } from '../scene/view';
 
 type GL = WebGL2RenderingContext;
 
@@ -29,7 +29,7 @@ class WebglPainter implements Painter {
   readonly element: HTMLCanvasElement;
   #gl: GL;
   #density = 1;
-  #marks: Program<'view' | 'pixel' | 'letters' | 'halo'>;
+  #marks: Program<'view' | 'pixel' | 'letters' | 'halo' | 'turned'>;
   #floor: Program<'place' | 'picture'>;
   #sent = new Map<Sheet, Sent>();
   #letters = new Sheet();
@@ -46,7 +46,7 @@ class WebglPainter implements Painter {
   constructor(element: HTMLCanvasElement, gl: GL, palette: Palette) {
     this.element = element;
     this.#gl = gl;
-    this.#marks = program(gl, MARK_VERTEX, MARK_FRAGMENT, ['view', 'pixel', 'letters', 'halo']);
+    this.#marks = program(gl, MARK_VERTEX, MARK_FRAGMENT, ['view', 'pixel', 'letters', 'halo', 'turned']);
     this.#floor = program(gl, GROUND_VERTEX, GROUND_FRAGMENT, ['place', 'picture']);
     this.#glyphTexture = texture(gl);
     this.#groundTexture = texture(gl);
@@ -79,6 +79,7 @@ class WebglPainter implements Painter {
     gl.useProgram(this.#marks.is);
     const at = this.#marks.at;
     gl.uniform4f(at.view, view.x, view.y, view.width / 2 / view.scale, view.height / 2 / view.scale);
+    gl.uniform1f(at.turned, view.turned ? 1 : 0);
     gl.uniform1f(at.pixel, 1 / view.scale / this.#density);
     gl.uniform4f(at.halo, this.#halo[0]!, this.#halo[1]!, this.#halo[2]!, this.#halo[3]!);
     gl.uniform1i(at.letters, 0);
@@ -107,7 +108,8 @@ class WebglPainter implements Painter {
     const kept = ground.view;
     const [halfX, halfY] = [view.width / 2 / view.scale, view.height / 2 / view.scale];
     gl.useProgram(this.#floor.is);
-    gl.uniform4f(this.#floor.at.place, (kept.x - view.x) / halfX, (kept.y - view.y) / halfY,
+    const [right, up] = onPicture(view, kept.x - view.x, kept.y - view.y);
+    gl.uniform4f(this.#floor.at.place, right / halfX, up / halfY,
       kept.width / 2 / kept.scale / halfX, kept.height / 2 / kept.scale / halfY);
     gl.uniform1i(this.#floor.at.picture, 0);
     gl.bindVertexArray(null);
@@ -159,14 +161,13 @@ class WebglPainter implements Painter {
       let wide = 0;
       for (const letter of text) wide += this.#glyphs.of(letter).advance;
       const cell = Glyphs.REACH * px;
-      let left = whole((x - view.x) * view.scale + view.width / 2 - (wide * px) / 2);
-      const top = whole((view.y - y) * view.scale + view.height / 2 + below - cell / 2);
+      const [middle, level] = toScreen(view, x, y);
+      let left = whole(middle - (wide * px) / 2);
+      const top = whole(level + below - cell / 2);
       for (const letter of text) {
         const glyph = this.#glyphs.of(letter);
-        const cx = left - Glyphs.INSET * px + cell / 2 - view.width / 2;
-        const cy = top + cell / 2 - view.height / 2;
-        letters.put(GLYPH as Kind, view.x + cx / view.scale, view.y - cy / view.scale,
-          cell / view.scale, cell / view.scale, pale ? this.#pale : this.#label, 0, glyph.cell);
+        const [gx, gy] = toWorld(view, left - Glyphs.INSET * px + cell / 2, top + cell / 2);
+        letters.put(GLYPH as Kind, gx, gy, cell / view.scale, cell / view.scale, pale ? this.#pale : this.#label, 0, glyph.cell);
         left += glyph.advance * px;
       }
     }

@@ -3,7 +3,7 @@ import type { FloorMap, Mirror, Point } from '../../wire';
 import type { Picked } from './picked';
 import { personNear } from './people';
 import { robotNear, type Scene } from './scene';
-import type { View } from './view';
+import { inSight, type View } from './view';
 
 /** The thing at a point: people before robots, what moves before what stands, small before large. */
 export function thingAt(
@@ -57,8 +57,7 @@ export function placeOf(map: FloorMap, mirror: Mirror | null, scene: Scene, { ki
 
 /** The next thing in sight after `from`, or the one before it: people, stations, robots, in their order. */
 export function thingBeside(map: FloorMap, scene: Scene, view: View, from: Picked | null, step: 1 | -1): Picked | null {
-  const seen = (x: number, y: number): boolean =>
-    Math.abs(x - view.x) * view.scale < view.width / 2 && Math.abs(y - view.y) * view.scale < view.height / 2;
+  const seen = (x: number, y: number): boolean => inSight(view, x, y);
   const all: Picked[] = [];
   for (const p of scene.people) if (seen(p.x, p.y)) all.push({ kind: 'worker', id: p.id });
   for (const { id, node } of map.stations) {

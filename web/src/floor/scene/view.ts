@@ -7,6 +7,8 @@ export interface View {
   scale: number;
   width: number;
   height: number;
+  /** A quarter turn: what is up on the map is to the right, so that a long floor uses a picture that lies the other way. */
+  turned?: boolean;
 }
 export type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
 
@@ -37,8 +39,31 @@ const MOST_FOR_NAMES = 0.2;
 /** The margins depend on the scale and the scale on the margins; after so many rounds they agree to a pixel. */
 const ROUNDS = 4;
 
-/** The whole floor with the names at its edge, above `foot` pixels that are left free. */
+/** The floor is turned where that makes it larger by this, and not for less: people know their hall one way up. */
+const WORTH_TURNING = 1.1;
+
+/** Metres on the map as metres to the right and up on the picture. */
+export const onPicture = ({ turned }: Pick<View, 'turned'>, dx: number, dy: number): [right: number, up: number] => (turned ? [dy, -dx] : [dx, dy]);
+/** And back. */
+export const onMap = ({ turned }: Pick<View, 'turned'>, right: number, up: number): [dx: number, dy: number] => (turned ? [-up, right] : [right, up]);
+
+/** The whole floor with the names at its edge, above `foot` pixels that are left free; turned if it is much larger so. */
 export function fit(bounds: Bounds, width: number, height: number, names: readonly FixedName[] = [], foot = FOOT_PX): View {
+  const upright = fitUpright(bounds, width, height, names, foot);
+  const turn = { turned: true };
+  const [left, top] = onPicture(turn, bounds[0], bounds[1]);
+  const [right, bottom] = onPicture(turn, bounds[2], bounds[3]);
+  const moved = names.map((name): FixedName => {
+    const [x, y] = onPicture(turn, name.x, name.y);
+    return { ...name, x, y };
+  });
+  const other = fitUpright([left, bottom, right, top], width, height, moved, foot);
+  if (other.scale < upright.scale * WORTH_TURNING) return upright;
+  const [x, y] = onMap(turn, other.x, other.y);
+  return { ...other, x, y, turned: true };
+}
+
+function fitUpright(bounds: Bounds, width: number, height: number, names: readonly FixedName[], foot: number): View {
   const [x0, y0, x1, y1] = [bounds[0] - EDGE_M, bounds[1] - EDGE_M, bounds[2] + EDGE_M, bounds[3] + EDGE_M];
   let [left, right, top] = [FIT_MARGIN_PX, TOOLS_PX, FIT_MARGIN_PX];
   let scale = LARGEST_SCALE;
@@ -58,14 +83,25 @@ export function fit(bounds: Bounds, width: number, height: number, names: readon
   };
 }
 
-export const toScreen = (v: View, x: number, y: number): [number, number] =>
-  [(x - v.x) * v.scale + v.width / 2, (v.y - y) * v.scale + v.height / 2];
+export function toScreen(v: View, x: number, y: number): [number, number] {
+  const [right, up] = onPicture(v, x - v.x, y - v.y);
+  return [right * v.scale + v.width / 2, v.height / 2 - up * v.scale];
+}
 
-export const toWorld = (v: View, px: number, py: number): [number, number] =>
-  [(px - v.width / 2) / v.scale + v.x, v.y - (py - v.height / 2) / v.scale];
+export function toWorld(v: View, px: number, py: number): [number, number] {
+  const [dx, dy] = onMap(v, (px - v.width / 2) / v.scale, (v.height / 2 - py) / v.scale);
+  return [v.x + dx, v.y + dy];
+}
 
-export function pan(v: View, dx: number, dy: number, bounds: Bounds): View {
-  return within({ ...v, x: v.x - dx / v.scale, y: v.y + dy / v.scale }, bounds);
+/** Whether a place, or what reaches so many metres around it, is on the picture. */
+export function inSight(v: View, x: number, y: number, reach = 0): boolean {
+  const [right, up] = onPicture(v, x - v.x, y - v.y);
+  return Math.abs(right) <= v.width / 2 / v.scale + reach && Math.abs(up) <= v.height / 2 / v.scale + reach;
+}
+
+export function pan(v: View, px: number, py: number, bounds: Bounds): View {
+  const [dx, dy] = onMap(v, -px / v.scale, py / v.scale);
+  return within({ ...v, x: v.x + dx, y: v.y + dy }, bounds);
 }
 
 /** Zooms so that the metre under (px, py) stays under it. */
@@ -73,9 +109,8 @@ export function zoomAt(v: View, factor: number, px: number, py: number, bounds: 
   const smallest = fit(bounds, v.width, v.height).scale * 0.6;
   const scale = Math.min(LARGEST_SCALE, Math.max(smallest, v.scale * factor));
   const [wx, wy] = toWorld(v, px, py);
-  const x = wx - (px - v.width / 2) / scale;
-  const y = wy + (py - v.height / 2) / scale;
-  return within({ ...v, x, y, scale }, bounds);
+  const [dx, dy] = onMap(v, (px - v.width / 2) / scale, (v.height / 2 - py) / scale);
+  return within({ ...v, x: wx - dx, y: wy - dy, scale }, bounds);
 }
 
 /** Keeps the middle of the picture on the floor, so that nobody loses the floor out of sight. */

@@ -1,0 +1,76 @@
+//! A floor that has worked for a while: with what a server begins that is to show the middle of a shift, not an empty hall.
+//!
+//! Main function: [`warm_up`]. What it gives is a past like any other: facts, which a journal takes, and figures. Refuses:
+//! laws and measurements, which are for the simulation.
+
+use super::customers::OrderFileLine;
+use super::scenario::Scenario;
+use super::world::World;
+use crate::fleet::{Fact, Fleet};
+use crate::history::{History, LoopTimes};
+use crate::time::{Span, Time};
+use crate::warehouse::Warehouse;
+use std::sync::Arc;
+
+/// Figures are taken as often as this.
+const LOOK: Span = Span::from_secs(1);
+
+/// What a floor did before a server began.
+pub struct WarmUp {
+    /// The facts of each step that had some, and when it was.
+    pub steps: Vec<(Time, Vec<Fact>)>,
+    /// Figures over time.
+    pub history: History,
+}
+
+/// Lets a new floor work for the scenario's `warm_up_s`, up to this moment.
+pub fn warm_up(map: &Arc<Warehouse>, scenario: &Scenario, lines: &[OrderFileLine], until: Time) -> WarmUp {
+    let mut now = until - scenario.warm_up;
+    let mut fleet = Fleet::new(map.clone(), scenario.settings());
+    let mut world = World::new(map.clone(), scenario, lines, scenario.seed, &fleet, now);
+    let mut out = WarmUp { steps: Vec::new(), history: History::default() };
+    let mut looked = now - LOOK;
+    while now < until {
+        let inputs = world.advance(now, &fleet);
+        let step = fleet.step(now, inputs);
+        world.answer(now, &step.replies);
+        world.command(now, step.urgent);
+        world.command(now, step.commands);
+        world.tell(now, step.guidance);
+        world.warn(now, &step.warnings);
+        world.move_arms(&step.arms);
+        if !step.facts.is_empty() {
+            out.steps.push((now, step.facts));
+        }
+        if now - looked >= LOOK {
+            looked = now;
+            out.history.note(&fleet.view(now), &LoopTimes::default());
+        }
+        now += scenario.period;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::Ledger;
+    use crate::warehouse::thesis;
+
+    #[test]
+    fn a_floor_that_has_worked_has_people_deliveries_and_figures_and_its_facts_are_all_that_is_needed() {
+        let text = include_str!("../../scenarios/first.json");
+        let scenario = Scenario::parse(text).expect("it is read");
+        let scenario = Scenario { warm_up: Span::from_secs(300), ..scenario };
+        let (map, until) = (Arc::new(thesis()), Time(1_800_000_000_000_000));
+        let past = warm_up(&map, &scenario, &[], until);
+        let mut ledger = Ledger::new(map, scenario.settings().clearance(), false);
+        past.steps.iter().flat_map(|(_, facts)| facts).for_each(|fact| ledger.evolve(fact));
+        assert!(ledger.counts.robot_deliveries >= 10, "{:?}", ledger.counts);
+        assert_eq!(ledger.workers.len(), scenario.workers.count);
+        assert!(past.steps.windows(2).all(|pair| pair[0].0 < pair[1].0) && past.steps[0].0 >= until - scenario.warm_up);
+        let buckets = past.history.read(until - scenario.warm_up, until, Span::from_secs(10));
+        assert!(buckets.len() >= 29, "{} buckets", buckets.len());
+        assert!(buckets.iter().map(|b| b.worker_time.0).sum::<i64>() > 0, "people are on the floor");
+    }
+}
