@@ -68,7 +68,10 @@ mod tests {
         past.steps.iter().flat_map(|(_, facts)| facts).for_each(|fact| ledger.evolve(fact));
         assert!(ledger.counts.robot_deliveries >= 10, "{:?}", ledger.counts);
         assert_eq!(ledger.workers.len(), scenario.workers.count);
-        assert!(past.steps.windows(2).all(|pair| pair[0].0 < pair[1].0) && past.steps[0].0 >= until - scenario.warm_up);
+        assert!(
+            past.steps.windows(2).all(|pair| pair[0].0 < pair[1].0)
+                && past.steps[0].0 >= until - scenario.warm_up
+        );
         let buckets = past.history.read(until - scenario.warm_up, until, Span::from_secs(10));
         assert!(buckets.len() >= 29, "{} buckets", buckets.len());
         assert!(buckets.iter().map(|b| b.worker_time.0).sum::<i64>() > 0, "people are on the floor");

@@ -165,11 +165,13 @@ pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
     let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| Condition::number(sql, n)));
     let reference = rest.reference.map(|text| Condition::words(vec![(" AND reference = ", text)], ""));
     let part = rest.reference_part;
-    let part = part.map(|text| Condition::words(vec![(" AND instr(lower(reference), lower(", text)], ")) > 0"));
+    let part =
+        part.map(|text| Condition::words(vec![(" AND instr(lower(reference), lower(", text)], ")) > 0"));
     let has = " AND EXISTS (SELECT 1 FROM job_labels WHERE job = jobs.id AND job_labels.key = ";
     let label = label.map(|(key, value)| Condition::words(vec![(has, key), (" AND value = ", value)], ")"));
     let conditions = Condition::one_of(" AND state IN (", &rest.states).into_iter();
-    let conditions = conditions.chain(times).chain(numbers).chain(reference).chain(part).chain(label).collect();
+    let conditions =
+        conditions.chain(times).chain(numbers).chain(reference).chain(part).chain(label).collect();
     reach.listing((SOME, NEWEST_FIRST), arms, conditions, q.limit + 1)
 }
 

@@ -58,7 +58,7 @@ export class PeopleNames {
   }
 
   async #learn(): Promise<void> {
-    const [names, known] = [new Map<string, string>(), new Set<string>()];
+    const names = new Map<string, string>();
     let cursor: string | null = null;
     do {
       const answer: Awaited<ReturnType<Api['people']>> = await this.#api.people(cursor);
