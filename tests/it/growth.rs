@@ -54,6 +54,10 @@ async fn of_alarms_that_are_over_the_newest_are_kept() {
             waiting: 0,
             since,
             acknowledged: None,
+            shelved: None,
+            notes: Vec::new(),
+            group: None,
+            members: Vec::new(),
             cleared: (id > 1).then_some(since + Span(1)),
         }
     };
@@ -61,7 +65,7 @@ async fn of_alarms_that_are_over_the_newest_are_kept() {
     for some in all.chunks(5_000) {
         store.keep_alarms(some).await.unwrap();
     }
-    let query = AlarmQuery { from: None, to: None, before: None, limit: 30_000 };
+    let query = AlarmQuery { from: None, to: None, group: None, before: None, limit: 30_000 };
     let kept = store.alarms(&query).await.unwrap();
     assert_eq!(kept.len() as i64, MOST_PAST + 1, "and the one that is active");
     assert_eq!(kept.last().unwrap().id, 1);

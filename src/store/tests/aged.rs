@@ -158,7 +158,7 @@ impl Caller {
         .await;
         self.call("start: ledger, charts, alarms", async |store| {
             store.load(Ledger::new(year::map(), CLEARANCE, false)).await.unwrap();
-            store.active_alarms().await.unwrap();
+            store.active_alarms(NOW).await.unwrap();
             store.last_audit().await.unwrap();
         })
         .await;
@@ -203,7 +203,7 @@ impl Caller {
         self.call("audit", async |store| store.audit(&audit).await.unwrap()).await;
         let actor = AuditFilter { actor: Some("wms".into()), from: Some(ago), ..audit.clone() };
         self.call("audit: actor, from", async |store| store.audit(&actor).await.unwrap()).await;
-        let alarms = |from, to| AlarmQuery { from, to, before: None, limit: 5 };
+        let alarms = |from, to| AlarmQuery { from, to, group: None, before: None, limit: 5 };
         let q = alarms(None, None);
         self.call("alarms", async |store| store.alarms(&q).await.unwrap()).await;
         let q = AlarmQuery { limit: 20_000, ..alarms(Some(ago), Some(half)) };

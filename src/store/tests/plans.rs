@@ -132,7 +132,7 @@ fn pages() -> Vec<String> {
     let reach = |is_short, is_orderly| Reach { low: 0, before: 9, is_short, is_orderly };
     let mut found = vec![jobs::one(1).sql().as_str().to_owned()];
     found.push(people::one_assignment(1).sql().as_str().to_owned());
-    for set in every_set(11) {
+    for set in every_set(12) {
         let on = |i: usize| set[i];
         let q = JobQuery {
             states: if on(0) { vec!["waiting", "failed"] } else { vec![] },
@@ -143,6 +143,7 @@ fn pages() -> Vec<String> {
             from: at.filter(|_| on(5)),
             to: at.filter(|_| on(6)),
             reference: on(7).then(|| "order".into()),
+            reference_part: on(11).then(|| "rde".into()),
             label: on(8).then(|| ("wave".into(), "7".into())),
             before: Some(JobId(9)),
             limit: 50,
@@ -214,6 +215,8 @@ fn wrong(statement: &str, plan: &[String], grow: &BTreeSet<String>) -> Vec<Strin
         let is_small = SMALL.iter().any(|(table, _)| *table == name);
         let is_made = name.starts_with('(') || name == "json_each" || line.contains("CONSTANT ROW");
         match what {
+            // Looked up by its runs of characters.
+            "SCAN" if line.contains("VIRTUAL TABLE INDEX") && statement.contains("job_references = ") => {}
             "SCAN" if !is_small && !is_made && !walks => found.push(line.clone()),
             "SEARCH" if line.contains("AUTOMATIC") => found.push(line.clone()),
             "SEARCH" if grow.contains(name) => {
@@ -293,7 +296,7 @@ async fn what_triggers_do_reads_no_more_than_a_row() {
     let (folder, mut db) = aged("triggers").await;
     let triggers = "SELECT sql FROM sqlite_schema WHERE type = 'trigger'";
     let triggers: Vec<String> = sqlx::query_scalar(triggers).fetch_all(&mut db).await.unwrap();
-    assert_eq!(triggers.len(), 3);
+    assert_eq!(triggers.len(), 5);
     for trigger in triggers {
         let body = trigger.split_once("BEGIN").unwrap().1.rsplit_once("END").unwrap().0;
         for statement in body.split(';').map(str::trim).filter(|s| !s.is_empty()) {
