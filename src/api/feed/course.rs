@@ -8,7 +8,7 @@ use crate::geometry::{Vector, wrap_angle};
 use std::collections::VecDeque;
 
 /// The way that is looked back on, metres.
-const WAY_M: f64 = 3.0;
+const WAY_M: f64 = 2.5;
 
 /// Who walks the whole way at least so far off where they face walks askew: 60 degrees. Heads turn; over metres they
 /// face ahead.
@@ -60,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn who_walks_three_metres_backwards_or_sideways_is_askew_and_who_looks_round_is_not() {
+    fn who_walks_metres_backwards_or_sideways_is_askew_and_who_looks_round_is_not() {
         use std::f64::consts::{FRAC_PI_2, PI};
         assert!(walked([PI; 12]) && walked([FRAC_PI_2; 12]) && walked([-FRAC_PI_2; 40]));
         assert!(!walked([PI; 8]), "a few steps backwards");

@@ -66,12 +66,12 @@ pub fn severity(state: GuidanceState) -> u8 {
 }
 
 impl GuidanceReason {
-    /// The robot for which a worker is told to stand, if it could wait for that worker: one that comes is stopped by
-    /// what it meets, and whoever is to touch marks has something to do that ends it.
+    /// The robot for which a worker is told to stand, if the worker goes where the robot waits for the worker. A robot
+    /// that has starved goes first and has half a minute for that (`lets_pass.rs`), and whoever is to touch marks has
+    /// something to do that ends it.
     pub fn stands_for(self) -> Option<RobotId> {
         match self {
             GuidanceReason::RobotInTheWay(r)
-            | GuidanceReason::RobotPasses(r)
             | GuidanceReason::RobotCrosses(r)
             | GuidanceReason::RobotComes(r) => Some(r),
             _ => None,
