@@ -1,7 +1,7 @@
 //! What webhooks are asked and told: requests about them, the message of some events, and its signature.
 //!
-//! Main types: [`Webhook`], [`HookRequest`], [`Taken`]; main functions: [`message`], [`signature`]. Messages and headers
-//! follow the Standard Webhooks specification 1.0.0 (standardwebhooks.com). Refuses: to send anything.
+//! Main types: [`Webhook`], [`HookRequest`], [`Taken`]; main functions: [`message`], [`signature`]. Messages and
+//! headers follow the Standard Webhooks specification 1.0.0 (standardwebhooks.com). Refuses: to send anything.
 
 use super::caller::Role;
 use super::dto::Names;

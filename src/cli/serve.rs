@@ -115,7 +115,7 @@ async fn serve(config: &Config, floor: SimulatedFloor) -> anyhow::Result<()> {
     }
     say!("database {}", config.database.display());
     say!("restored {} jobs ({} not over) from {} facts", found.jobs, found.open_jobs, found.facts);
-    if let Some(why) = found.nothing_to_order {
+    if let Some(why) = found.idle {
         say!("jobs     {why}");
     }
     if let Some(trouble) = &found.trouble {

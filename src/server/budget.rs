@@ -200,6 +200,10 @@ impl Guest {
 
     /// It has taken so many bytes, of which some may be of heads and of shared bodies, which were never counted.
     pub fn takes(&self, bytes: usize, now: Instant) {
+        // Flushing what is flushed is no progress.
+        if bytes == 0 {
+            return;
+        }
         let mut open = self.budget.open();
         let Some(place) = open.guests.get_mut(&self.id) else { return };
         let counted = bytes.min(place.bytes);
@@ -334,6 +338,8 @@ mod tests {
         let guest = budget.arrive(address(1), now);
         let later = now + STRANGER_IDLE + Duration::from_secs(1);
         assert!(!guest.is_overdue(now) && guest.is_overdue(later));
+        guest.takes(0, later);
+        assert!(guest.is_overdue(later), "nothing was sent, so nothing was taken");
         guest.asks();
         assert!(!guest.is_overdue(later), "it has asked");
         guest.is_answered(now);

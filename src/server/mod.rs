@@ -129,7 +129,7 @@ pub struct StartSummary {
     /// Of them, jobs that are not over.
     pub open_jobs: u64,
     /// Why simulated customers order nothing, though the scenario has some.
-    pub nothing_to_order: Option<&'static str>,
+    pub idle: Option<&'static str>,
     /// Why the server does nothing but say so.
     pub trouble: Option<String>,
 }

@@ -169,8 +169,7 @@ impl RunningCore {
         let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
         let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
         let now: Now = Arc::new(move || clock.now());
-        let (tokens, learner) =
-            tokens::TokenKeeper::start((store.clone(), gate.clone()), alarms.clone(), now.clone()).await;
+        let (tokens, learner) = tokens::TokenKeeper::start((&store, &alarms), &gate, now.clone()).await;
         let (hooks, asked) = webhooks::hook_queue();
         let api = Api {
             map,

@@ -192,9 +192,8 @@ pub async fn build(
     }
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
     let (published, map_name) = (basis.published.clone(), map.name.clone());
-    let nothing_to_order = nothing_to_order(&scenario, &map);
-    let summary =
-        StartSummary { map: map_name, published, robots, facts, nothing_to_order, ..StartSummary::default() };
+    let idle = nothing_to_order(&scenario, &map);
+    let summary = StartSummary { map: map_name, published, robots, facts, idle, ..StartSummary::default() };
     let clock = Arc::new(Clock::start(loaded.last));
     let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
     let (buckets, heat) = store.load_history().await?;

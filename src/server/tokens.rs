@@ -53,11 +53,11 @@ fn known(row: TokenRow) -> Option<NamedToken> {
 impl TokenKeeper {
     /// One that keeps this gate as the database says, and its task.
     pub async fn start(
-        (store, gate): (Arc<Store>, Arc<Gate>),
-        alarms: Arc<Alarms>,
+        (store, alarms): (&Arc<Store>, &Arc<Alarms>),
+        gate: &Arc<Gate>,
         now: Now,
     ) -> (TokenKeeper, JoinHandle<()>) {
-        let keeper = TokenKeeper { store, gate, alarms, now };
+        let keeper = TokenKeeper { store: store.clone(), gate: gate.clone(), alarms: alarms.clone(), now };
         if let Err(e) = keeper.learn_sessions().await {
             tracing::error!("sessions cannot be read, everybody has to sign in again: {e}");
         }

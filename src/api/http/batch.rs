@@ -42,8 +42,8 @@ pub struct NewJobs {
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BatchRow {
-    /// Your own key for this job, 1 to 255 characters: the same key of yours never makes a second one, as with the header
-    /// of single submissions. If absent, the row has the key of the request, if that has one, and its position.
+    /// Your own key for this job, 1 to 255 characters: the same key of yours never makes a second one, as with the
+    /// header of single submissions. If absent, the row has the key of the request, if that has one, and its position.
     #[schema(example = "order-4711-line-1", min_length = 1, max_length = 255)]
     key: Option<String>,
     /// The job.
