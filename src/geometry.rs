@@ -10,8 +10,8 @@ pub use outline::{OutlineFault, outline_area_m2};
 
 use nalgebra::{Point2, Vector2};
 
-/// No map reaches farther from its zero, and nothing on a floor is farther away, metres: the one limit for coordinates of
-/// maps, people, outlines and devices.
+/// No map reaches farther from its zero, and nothing on a floor is farther away, metres: the one limit for coordinates
+/// of maps, people, outlines and devices.
 pub const FARTHEST_M: f64 = 100_000.0;
 
 /// A point in the map frame, metres.

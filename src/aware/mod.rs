@@ -1,8 +1,8 @@
 //! What people mean for robots: regions, closures, prices. The only place where `human` and `route` meet.
 //!
 //! Main types: [`HumanAwarePolicy`] (which method decides), [`Regions`] (radii and speeds), [`Effects`] (beliefs to
-//! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters), [`Covered`] (what is closed). Refuses: to
-//! plan, and to command robots.
+//! conditions), [`Zone`] (keep, slow down, or change the route), [`Meter`] (encounters), [`Covered`] (what is closed).
+//! Refuses: to plan, and to command robots.
 
 mod afoot;
 mod collision;

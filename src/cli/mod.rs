@@ -104,8 +104,8 @@ pub fn run() -> ExitCode {
     })
 }
 
-/// Reads a text file, naming it where that fails. However a program wrote it, it begins without a byte order mark and its
-/// lines end with LF.
+/// Reads a text file, naming it where that fails. However a program wrote it, it begins without a byte order mark and
+/// its lines end with LF.
 fn read(path: &std::path::Path) -> anyhow::Result<String> {
     use anyhow::Context;
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;

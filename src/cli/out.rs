@@ -1,8 +1,8 @@
 //! Standard output and standard error that may be closed by their reader, as by `head`.
 //!
-//! Main functions: [`line()`], [`text()`], behind `println!` and `print!` of all commands, and [`error_line`] behind their
-//! `eprintln!`; [`tell`] for the server. A command that lost the reader of its output ends quietly with [`CLOSED_PIPE`].
-//! Refuses: to panic over it.
+//! Main functions: [`line()`], [`text()`], behind `println!` and `print!` of all commands, and [`error_line`] behind
+//! their `eprintln!`; [`tell`] for the server. A command that lost the reader of its output ends quietly with
+//! [`CLOSED_PIPE`]. Refuses: to panic over it.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
@@ -26,8 +26,8 @@ macro_rules! eprintln {
     ($($argument:tt)*) => { $crate::cli::out::error_line(format_args!($($argument)*)) };
 }
 
-/// Prints a line to standard error, if anybody reads that: notes about the work are not the work, so it goes on, and the
-/// exit code says how it went.
+/// Prints a line to standard error, if anybody reads that: notes about the work are not the work, so it goes on, and
+/// the exit code says how it went.
 pub fn error_line(line: Arguments<'_>) {
     let _ = io::stderr().lock().write_all(format!("{line}\n").as_bytes());
 }

@@ -1,23 +1,23 @@
 //! Delimited text (CSV) as spreadsheets and other programs write it: one reader for the program, and the same rules in
 //! the page (`web/src/jobs/table.ts`). `web/fixtures/tables.json` has the cases on which both agree.
 //!
-//! Main type: [`Table`]. The first line that has any cell names the columns. Refuses: tables of nothing, two columns of
-//! one name, a quote without its end, and text that is not UTF-8; never a line for what its cells say.
+//! Main type: [`TextTable`]. The first line that has any cell names the columns. Refuses: tables of nothing, two
+//! columns of one name, a quote without its end, and text that is not UTF-8; never a line for what its cells say.
 
 use std::fmt;
 
 /// A table with named columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Table {
+pub struct TextTable {
     /// Names of the columns; one without a name is empty.
     pub columns: Vec<String>,
     /// The lines below, without those in which every cell is empty.
-    pub rows: Vec<TableRow>,
+    pub rows: Vec<TextTableRow>,
 }
 
 /// A line of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TableRow {
+pub struct TextTableRow {
     /// Where it begins in the text, from 1.
     pub line: usize,
     /// A cell for each column.
@@ -61,14 +61,14 @@ const PADDING: [char; 4] = [' ', '\t', '\u{a0}', '\u{feff}'];
 /// What may part cells; of two that are equally frequent in the header, the first.
 const SEPARATORS: [char; 3] = [',', ';', '\t'];
 
-impl Table {
+impl TextTable {
     /// Reads a table. Lines end with LF, CR LF or CR; a byte order mark is passed over; the separator is the most
-    /// frequent of comma, semicolon and tab in the header. A cell in quotes may have separators, line ends and, doubled,
-    /// quotes (RFC 4180). White space around a cell does not count.
+    /// frequent of comma, semicolon and tab in the header. A cell in quotes may have separators, line ends and,
+    /// doubled, quotes (RFC 4180). White space around a cell does not count.
     ///
     /// # Errors
     /// What makes the text no table.
-    pub fn read(text: &str) -> Result<Table, TableFault> {
+    pub fn read(text: &str) -> Result<TextTable, TableFault> {
         if text.contains(['\0', '\u{fffd}']) {
             return Err(TableFault::NotText);
         }
@@ -89,10 +89,10 @@ impl Table {
             drop_empty_end(&mut cells, width);
             let surplus = if cells.len() > width { cells.len() } else { 0 };
             cells.resize(width, String::new());
-            TableRow { line, cells, surplus }
+            TextTableRow { line, cells, surplus }
         };
-        let rows: Vec<TableRow> = lines.map(row).collect();
-        if rows.is_empty() { Err(TableFault::NoRows) } else { Ok(Table { columns, rows }) }
+        let rows: Vec<TextTableRow> = lines.map(row).collect();
+        if rows.is_empty() { Err(TableFault::NoRows) } else { Ok(TextTable { columns, rows }) }
     }
 
     /// The column of this name; upper and lower case are the same.
@@ -178,8 +178,8 @@ mod tests {
     /// What the page's reader is asked, too.
     const CASES: &str = include_str!("../../web/fixtures/tables.json");
 
-    fn as_json(read: Result<Table, TableFault>) -> Value {
-        let row = |r: TableRow| match r.surplus {
+    fn as_json(read: Result<TextTable, TableFault>) -> Value {
+        let row = |r: TextTableRow| match r.surplus {
             0 => json!({"line": r.line, "cells": r.cells}),
             n => json!({"line": r.line, "cells": r.cells, "surplus": n}),
         };
@@ -200,7 +200,7 @@ mod tests {
         let cases: Vec<Value> = serde_json::from_str(CASES).unwrap();
         assert!(cases.len() >= 25, "{} cases", cases.len());
         for case in cases {
-            let read = as_json(Table::read(case["text"].as_str().unwrap()));
+            let read = as_json(TextTable::read(case["text"].as_str().unwrap()));
             assert_eq!(read, case["read"], "{}", case["about"]);
         }
     }

@@ -1,7 +1,7 @@
 //! `/v1/closures/recurring`: areas that are closed again and again; and what recurs, as a request has it.
 //!
-//! Main type: [`NewRecurrence`]. When the clocks of a zone change is looked up here, in the tables that this program brings
-//! with it, and stored with the closure. Refuses: calendars beyond days of the week.
+//! Main type: [`NewRecurrence`]. When the clocks of a zone change is looked up here, in the tables that this program
+//! brings with it, and stored with the closure. Refuses: calendars beyond days of the week.
 
 use super::lists::{Paging, page};
 use crate::api::called::Called;
@@ -35,9 +35,9 @@ pub struct NewRecurrence {
     /// Until this time of day; the next day if it is not later than `from`.
     #[schema(example = "22:30")]
     to: String,
-    /// The building's time: the name of a time zone, whose clocks it follows, or a fixed offset from UTC such as +01:00;
-    /// UTC if absent. Where clocks are put forward, a time that they pass over is so much later: 02:30 is 03:30. Where
-    /// they are put back, the first of two counts.
+    /// The building's time: the name of a time zone, whose clocks it follows, or a fixed offset from UTC such as
+    /// +01:00; UTC if absent. Where clocks are put forward, a time that they pass over is so much later: 02:30 is
+    /// 03:30. Where they are put back, the first of two counts.
     #[schema(example = "Europe/Berlin")]
     utc_offset: Option<String>,
 }
@@ -58,8 +58,8 @@ pub async fn list(
 }
 
 impl NewRecurrence {
-    /// When a usual occurrence is, when all are, and before when none begins: before `from`; where that is not given, one
-    /// that has begun before `now` is in force at once.
+    /// When a usual occurrence is, when all are, and before when none begins: before `from`; where that is not given,
+    /// one that has begun before `now` is in force at once.
     pub(super) fn read(
         &self,
         (from, until): (Option<Time>, Time),

@@ -34,8 +34,8 @@ impl LocalClock {
         at + self.offset_at(at)
     }
 
-    /// When it shows this. Of a time that it shows twice, as clocks are put back, the first counts. A time that it passes
-    /// over, as they are put forward, is so much after the change as it would have been: 02:30 is 03:30 then.
+    /// When it shows this. Of a time that it shows twice, as clocks are put back, the first counts. A time that it
+    /// passes over, as they are put forward, is as much later: 02:30 is 03:30 then.
     pub fn instant(&self, shown: Time) -> Time {
         let first = (self.offset, Time(i64::MIN));
         let stretches =
@@ -76,7 +76,7 @@ mod tests {
         for (shown, utc) in [
             (at(10, 120), at(10, 60)),
             (at(88, 119), at(88, 59)),
-            // Passed over: 02:30 is 03:30, an hour and a half after midnight UTC; 03:00 is when the clock is put forward.
+            // Passed over: 02:30 is 03:30, half past one in UTC; 03:00 is when the clock is put forward.
             (at(88, 150), at(88, 90)),
             (at(88, 180), at(88, 60)),
             (at(200, 120), at(200, 0)),

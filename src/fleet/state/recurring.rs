@@ -48,8 +48,8 @@ pub struct Recurrence {
 /// An area that is closed again and again.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct RecurringClosure {
-    /// The area; its window is that of an occurrence, whatever the weekday, in which no clock changes and whose ends are
-    /// shown once: what they show is when every occurrence begins and ends. None begins before it.
+    /// The area; its window is that of an occurrence, whatever the weekday, in which no clock changes and whose ends
+    /// are shown once: what they show is when every occurrence begins and ends. None begins before it.
     pub area: Closure,
     /// When it recurs.
     pub recurrence: Recurrence,

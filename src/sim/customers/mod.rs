@@ -10,7 +10,7 @@ use super::scenario::{Demand, LineDemand, Scenario};
 use crate::cell::{OrderLine, PickedBy};
 use crate::fleet::{Fleet, Input, JobKind, JobState, Reply};
 use crate::id::{Dense, RackId, RobotId, StationId};
-use crate::text::{Table, TableRow};
+use crate::text::{TextTable, TextTableRow};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
@@ -31,13 +31,13 @@ pub struct OrderFileLine {
 }
 
 impl OrderFileLine {
-    /// Reads a table ([`Table`]) with the columns `OrderNumber` and `AlleyCell` (or `Location`, or `SKU`); others are
-    /// passed over.
+    /// Reads a table ([`TextTable`]) with the columns `OrderNumber` and `AlleyCell` (or `Location`, or `SKU`); others
+    /// are passed over.
     ///
     /// # Errors
     /// What is wrong, with its line. A table without a line is wrong, too: nobody would order anything.
     pub fn parse_csv(text: &str) -> Result<Vec<OrderFileLine>, String> {
-        let table = Table::read(text).map_err(|fault| fault.to_string())?;
+        let table = TextTable::read(text).map_err(|fault| fault.to_string())?;
         let named = || {
             let names: Vec<String> =
                 table.columns.iter().map(|c| format!("`{}`", c.escape_debug())).collect();
@@ -49,7 +49,7 @@ impl OrderFileLine {
         let place = place.ok_or_else(|| {
             format!("the header names no column `AlleyCell`, `Location` or `SKU`; {}", named())
         })?;
-        let row = |row: &TableRow| match (row.surplus, &row.cells[order], &row.cells[place]) {
+        let row = |row: &TextTableRow| match (row.surplus, &row.cells[order], &row.cells[place]) {
             (0, order, place) if !order.is_empty() && !place.is_empty() => {
                 Ok(OrderFileLine { order: order.clone(), location: place.clone() })
             }

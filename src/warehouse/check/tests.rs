@@ -172,7 +172,7 @@ fn absurd_numbers_are_refused() {
     refused(draft.clone(), &["stands at (NaN"]);
     refused(draft.clone(), &["stands at (", "200000"]);
     refused(draft.clone(), &["a pick of -1 s"]);
-    refused(draft.clone(), &["outline 1 of walkable: 1 corners"]);
+    refused(draft.clone(), &["outline 1 of walkable: it is no outline; 1 corners enclose no area"]);
     refused(draft, &["outline 1 of obstacles", "far away"]);
 }
 
