@@ -9,6 +9,7 @@ mod arms;
 mod condition;
 mod deliveries;
 mod displaced;
+mod flow;
 mod jobs;
 mod kind;
 mod people;
