@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 19] = [
+const RUNS: [(&str, i64); 20] = [
     ("lab", 300),
     ("thesis-20", 300),
     ("thesis-faults", 3600),
@@ -29,6 +29,7 @@ const RUNS: [(&str, i64); 19] = [
     ("people-20", 60),
     ("closure", 1500),
     ("all-jobs", 1800),
+    ("overload", 2400),
     ("few-chargers", 7200),
     ("shift", 90),
     ("mixed", 3600),
@@ -197,6 +198,19 @@ fn an_aisle_that_is_closed_for_ten_minutes_keeps_the_laws() {
 #[test]
 fn jobs_of_every_kind_keep_the_laws_and_all_of_them_end() {
     holds("all-jobs");
+}
+
+#[test]
+fn a_floor_with_more_orders_than_it_can_do_passes_no_job_by() {
+    holds("overload");
+}
+
+#[test]
+fn five_jobs_that_waited_for_ten_minutes_say_why() {
+    let mut setup = Setup::read("all-jobs");
+    setup.scenario.seed = 770_013;
+    let end = setup.run();
+    assert_eq!((end.drained, end.law_violations), (Some(true), 0), "{:?}", end.broken);
 }
 
 #[test]
