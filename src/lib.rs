@@ -113,7 +113,9 @@
 //!    broken robot keeps its place. A robot that stands elsewhere is taken up there or treated as broken
 //!    (`traffic/displaced.rs`).
 //! 4. **Dispatch** (`dispatch/jobs.rs`): waiting jobs and idle robots are matched together, at the least sum of costs
-//!    (`dispatch/assignment.rs`). A robot that gets no job charges if it should, or makes way for others.
+//!    (`dispatch/assignment.rs`). A robot that was just picked from takes part with the rack that it has
+//!    (`dispatch/chains.rs`): its next job is cheaper for it, and a more urgent one still goes first. A robot
+//!    that gets no job charges if it should, or makes way for others.
 //! 5. **Plan** (`traffic/plan.rs`): each robot that has a task and no route gets a search, the longest waiting first,
 //!    until the step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose
 //!    route leads into an announced closure get another one (`traffic/closures.rs`). Then robots whose reservations
@@ -251,7 +253,8 @@
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` or `kinds` |
 //! | a kind of robots | `fleet/state/kind.rs`; in scenarios: `sim/scenario/kinds.rs`; over HTTP: `server/kinds.rs` |
 //! | a kind of job | `fleet/state/job.rs`, `fact.rs`, `fleet/traffic/progress.rs`, `plan.rs`; `api/http/jobs.rs` |
-//! | which robot gets which job (dispatch) | `fleet/dispatch/jobs.rs` |
+//! | which robot gets which job (dispatch) | `fleet/dispatch/jobs.rs`; with the rack that it has: `chains.rs` |
+//! | the order of waiting jobs: priority, age, deadline | `fleet/state/index/queue.rs` (`urgency_ms`) |
 //! | cost of an assignment, Hungarian method | `fleet/dispatch/jobs.rs` (`way_ms`), `fleet/dispatch/assignment.rs` |
 //! | where racks are put, where robots rest | `fleet/state/stays.rs` |
 //! | what may happen to a job, and what its robot does | `fleet/state/life.rs` |

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Each scenario with the seconds for which it is run here.
-const RUNS: [(&str, i64); 21] = [
+const RUNS: [(&str, i64); 22] = [
     ("first", 300),
     ("lab", 300),
     ("thesis-20", 300),
@@ -31,6 +31,7 @@ const RUNS: [(&str, i64); 21] = [
     ("closure", 1500),
     ("all-jobs", 1800),
     ("permutations", 1800),
+    ("overload", 2400),
     ("few-chargers", 7200),
     ("shift", 90),
     ("mixed", 3600),
@@ -225,6 +226,19 @@ fn an_aisle_that_is_closed_for_ten_minutes_keeps_the_laws() {
 #[test]
 fn jobs_of_every_kind_keep_the_laws_and_all_of_them_end() {
     holds("all-jobs");
+}
+
+#[test]
+fn a_floor_with_more_orders_than_it_can_do_passes_no_job_by() {
+    holds("overload");
+}
+
+#[test]
+fn five_jobs_that_waited_for_ten_minutes_say_why() {
+    let mut setup = Setup::read("all-jobs");
+    setup.scenario.seed = 770_013;
+    let end = setup.run();
+    assert_eq!((end.drained, end.law_violations), (Some(true), 0), "{:?}", end.broken);
 }
 
 #[test]

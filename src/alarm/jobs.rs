@@ -172,7 +172,7 @@ impl JobWatch {
         let waits = |id: &JobId| {
             jobs.get(id).filter(|j| j.state == JobState::Waiting).is_some_and(|job| {
                 let why = view.why_job(map, *id, job);
-                matches!(why, None | Some(JobWhy::ClosedOff | JobWhy::StationFull(_)))
+                matches!(why, None | Some(JobWhy::ClosedOff | JobWhy::StationFull(_) | JobWhy::RacksWait(..)))
             })
         };
         self.starved.retain(|s, (_, id)| is_empty(*s) && waits(id));

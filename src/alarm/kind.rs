@@ -136,6 +136,8 @@ kinds! {
     DeadlineMissed: "deadline_missed", Warning, Watch, 0, 5;
     /// Jobs wait for a station, and no robot is on its way there.
     StationStarved: "station_starved", Warning, Watch, 0, 10;
+    /// Stations idle beside racks that are brought to them, or most of the fleet waits.
+    Flow: "flow", Warning, Watch, 0, 15;
     /// A robot arm beside a picker gets no trajectory.
     ArmTrouble: "arm_trouble", Warning, Watch, 1, 3;
     /// Steps take longer than the control period.
@@ -294,6 +296,9 @@ impl AlarmKind {
             K::DeadlineAtRisk => "Raise the priority of these jobs, or postpone others.",
             K::DeadlineMissed => "Tell the customer, and raise the priority of these jobs.",
             K::StationStarved => "Look at why the first of these jobs waits.",
+            K::Flow => {
+                "Look at what the first of these robots waits for, and clear that way; or send fewer robots."
+            }
             K::ArmTrouble => {
                 "Check the arm's power and connection, and bring it out of the opening. If it stays off, release the \
                  rack: by that you say that the arm is outside."

@@ -10,6 +10,7 @@ mod care;
 mod condition;
 mod deliveries;
 mod displaced;
+mod flow;
 mod groups;
 mod jobs;
 mod kind;

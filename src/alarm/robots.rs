@@ -210,7 +210,7 @@ pub(super) fn left_obstacles(
 
 /// Whether a robot waits for another one, a person, or what somebody asked for.
 fn waits_for_others(fleet: &Fleet, robot: RobotId) -> bool {
-    let wanted = |why: Why| why.is_by_itself() || matches!(why, Why::Closed(_) | Why::QueueFull(_));
+    let wanted = |why: Why| why.is_by_itself() || matches!(why, Why::Closed(_)) || why.station().is_some();
     fleet.why(robot).is_some_and(wanted)
         || matches!(fleet.wait(Party::Robot(robot)).edge, Edge::On(_) | Edge::Until(_))
 }

@@ -160,11 +160,13 @@ fn unwanted_reason(fleet: &Fleet, view: &View) -> Option<(String, String)> {
                 | JobWhy::RobotLow(_)
                 | JobWhy::NoKind,
             ) => return None,
-            Some(JobWhy::NoRobot) if charges => return None,
-            Some(JobWhy::NoRobot) => "no robot can take it".to_owned(),
+            Some(JobWhy::NoRobot | JobWhy::Outranked(_)) if charges => return None,
+            Some(JobWhy::NoRobot | JobWhy::Outranked(_)) => "no robot can take it".to_owned(),
             Some(JobWhy::ClosedOff) => "its rack, or where it is to go, is closed off".to_owned(),
             Some(JobWhy::NoPlace(_)) => "no charger or parking place is free".to_owned(),
-            Some(JobWhy::StationFull(s)) => format!("the queue of {} is full", map.stations[s].name),
+            Some(JobWhy::StationFull(s) | JobWhy::RacksWait(s, _)) => {
+                format!("enough racks wait for {}", map.stations[s].name)
+            }
             Some(JobWhy::RackBusy(rack, ..)) => format!("its rack {} is on a robot", map.racks[rack].name),
             None => "of nothing that is known".to_owned(),
         };
@@ -173,7 +175,8 @@ fn unwanted_reason(fleet: &Fleet, view: &View) -> Option<(String, String)> {
     unwanted.into_iter().next()
 }
 
-fn is_about(fleet: &Fleet, condition: &AlarmCondition, party: Party) -> bool {
+/// Whether a condition is about a party.
+pub(super) fn is_about(fleet: &Fleet, condition: &AlarmCondition, party: Party) -> bool {
     let (kind, id) = match party {
         Party::Robot(r) => (SubjectKind::Robot, fleet.ledger().robots[r].name.clone()),
         Party::Worker(w) => (SubjectKind::Worker, format!("w{}", w.0 + 1)),
@@ -187,7 +190,7 @@ fn is_wanted(fleet: &Fleet, root: Party) -> bool {
     let Party::Robot(robot) = root else { return false };
     let waits = fleet.wait(root);
     let asked = |why| {
-        matches!(why, Why::Paused | Why::Manual | Why::Maintenance | Why::Closed(_) | Why::QueueFull(_))
+        matches!(why, Why::Paused | Why::Manual | Why::Maintenance | Why::Closed(_) | Why::StationPaused(_))
     };
     waits.edge == Edge::Operator && fleet.why(robot).is_some_and(asked)
 }

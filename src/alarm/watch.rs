@@ -4,15 +4,16 @@
 //! drives the fleet calls it about once a second.
 
 use super::condition::{AlarmCondition, AlarmSubject, SubjectKind, some_of};
+use super::flow::FlowWatch;
 use super::groups::Gathering;
 use super::jobs::JobWatch;
 use super::kind::AlarmKind;
 use super::robots::{RobotWatch, left_obstacles};
 use super::roots::Roots;
 use super::server::LoopHealth;
-use super::standing::{IdleFloor, is_stopped, standstills, whole_floor};
+use super::standing::{IdleFloor, is_about, is_stopped, standstills, whole_floor};
 use super::{arms, people, server};
-use crate::fleet::{Fleet, View, Why};
+use crate::fleet::{Fleet, Party, View, Why};
 
 /// What has to be remembered from look to look.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +21,7 @@ pub struct FloorWatch {
     robots: RobotWatch,
     jobs: JobWatch,
     idle: IdleFloor,
+    flow: FlowWatch,
     gathering: Gathering,
 }
 
@@ -36,6 +38,9 @@ impl FloorWatch {
             robots.retain(|_, c| c.kind != AlarmKind::RobotBlocked);
         }
         let jobs = self.jobs.conditions(fleet, view);
+        if is_stopped(view) || is_lost {
+            self.flow = FlowWatch::default();
+        }
         if is_stopped(view) {
             // Nothing moves, as somebody wanted: what follows from that is no news.
             found.extend(jobs.into_iter().filter(|c| c.kind == AlarmKind::DeadlineMissed));
@@ -44,6 +49,12 @@ impl FloorWatch {
                 found.extend(standstills(fleet, view, &robots));
                 let stands = whole_floor(fleet, view, (&self.robots, &roots), (&mut robots, &mut found));
                 found.extend(stands.or_else(|| self.idle.look(fleet, view)));
+                let has_cause = |party: Party| {
+                    let by_robot = matches!(party, Party::Robot(r) if robots.contains_key(&r));
+                    by_robot || found.iter().any(|c| is_about(fleet, c, party))
+                };
+                let flow = self.flow.look(fleet, view, &roots, has_cause);
+                found.extend(flow);
             }
             found.extend(jobs);
         }

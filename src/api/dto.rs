@@ -9,7 +9,7 @@ use super::text::{closure_name, hand_words, job_name, round3, time_text, worker_
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::alarm::displacement_words;
 use crate::fleet::{
-    Counts, Job, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotChoice, RobotView, View,
+    Ahead, Counts, Job, JobFailure, JobKind, JobRow, JobState, JobWhy, RackAt, RobotChoice, RobotView, View,
     Visiting, Why,
 };
 use crate::id::{Dense, NodeId, RobotId, StationId};
@@ -455,9 +455,16 @@ impl Names<'_> {
                 format!("waiting for {}, which is on its way somewhere", self.robot(r))
             }
             JobWhy::NoRobot => "no robot is free".into(),
+            JobWhy::Outranked(ahead) => format!("no robot is free; jobs ahead: {}", ahead_words(ahead)),
             JobWhy::NoKind => "no robot of a kind that can do this job has joined".into(),
             JobWhy::StationFull(s) => {
-                format!("waiting for room at {}: enough racks are bound for it already", station(s))
+                format!("waiting for room at {}: a robot stands in every place", station(s))
+            }
+            JobWhy::RacksWait(s, r) => {
+                let (station, robot) = (station(s), self.robot(r));
+                format!(
+                    "waiting for room at {station}: enough racks wait for it already, first that on {robot}"
+                )
             }
             JobWhy::StationPaused(s) => format!("waiting for {} to resume: it is paused", station(s)),
             JobWhy::ClosedOff => "waiting for a closed or obstructed place at its rack or destination".into(),
@@ -533,6 +540,20 @@ impl Names<'_> {
                 Some(station) => format!("the queue of station {} is full", station.name),
                 None => "the queue of its station is full".into(),
             },
+            Why::NotItsTurn(s, r) => match self.map.stations.get(s) {
+                Some(station) => {
+                    format!(
+                        "waiting for its turn at station {}: before it comes {}",
+                        station.name,
+                        self.robot(r)
+                    )
+                }
+                None => format!("waiting for its turn at its station: before it comes {}", self.robot(r)),
+            },
+            Why::StationPaused(s) => {
+                let station = self.map.stations.get(s).map_or("its station", |s| s.name.as_str());
+                format!("waiting for {station} to resume: it is paused")
+            }
             Why::HandInOpening(s) => hand_words(self.map.stations.get(s)),
             Why::NoRoute => "no route found yet; trying again".into(),
             Why::Failed => {
@@ -577,6 +598,16 @@ impl From<Counts> for JobCountsDto {
             cancelled: c.cancelled,
             failed: c.failed,
         }
+    }
+}
+
+/// Who is before a job, in words.
+fn ahead_words(Ahead { higher, others, more }: Ahead) -> String {
+    match (higher, others) {
+        _ if more => format!("{} or more", higher + others),
+        (_, 0) => format!("{higher} of higher priority"),
+        (0, _) => format!("{others} older or due sooner"),
+        _ => format!("{higher} of higher priority and {others} older or due sooner"),
     }
 }
 

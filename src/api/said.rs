@@ -7,7 +7,7 @@ use super::dto::Names;
 use super::feed::align::Misfit;
 use super::waits::active;
 use crate::alarm::AlarmKind;
-use crate::fleet::{Displacement, Fleet, JobWhy, Settings, Why};
+use crate::fleet::{Ahead, Displacement, Fleet, JobWhy, Settings, Why};
 use crate::geometry::Spot;
 use crate::id::{ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::Time;
@@ -67,6 +67,8 @@ fn whys() -> Vec<Why> {
         Why::GivesWay(WorkerId(0)),
         Why::Closed(ClosureId(1)),
         Why::QueueFull(STATION),
+        Why::NotItsTurn(STATION, ROBOT),
+        Why::StationPaused(STATION),
         Why::HandInOpening(STATION),
         Why::NoRoute,
         Why::Failed,
@@ -92,7 +94,8 @@ fn whys() -> Vec<Why> {
 /// Fails to compile where a reason is added; list it above.
 fn listed(why: Why) {
     match why {
-        Why::WaitsFor(..) | Why::GivesWay(_) | Why::Closed(_) | Why::QueueFull(_) | Why::NoRoute => {}
+        Why::WaitsFor(..) | Why::GivesWay(_) | Why::Closed(_) | Why::NoRoute => {}
+        Why::QueueFull(_) | Why::NotItsTurn(..) | Why::StationPaused(_) => {}
         Why::HandInOpening(_) => {}
         Why::Failed | Why::EmergencyStop | Why::Manual | Why::Obstructed(_) | Why::Unplugged => {}
         Why::Displaced(_) | Why::BlockedBy(_) | Why::WayObstructed(_) | Why::Silent | Why::Paused => {}
@@ -109,8 +112,13 @@ fn job_whys() -> Vec<JobWhy> {
         JobWhy::RobotBusy(ROBOT, Some(job)),
         JobWhy::RobotBusy(ROBOT, None),
         JobWhy::NoRobot,
+        JobWhy::Outranked(Ahead { higher: 2, others: 0, more: false }),
+        JobWhy::Outranked(Ahead { higher: 0, others: 2, more: false }),
+        JobWhy::Outranked(Ahead { higher: 2, others: 1, more: false }),
+        JobWhy::Outranked(Ahead { higher: 60, others: 40, more: true }),
         JobWhy::NoKind,
         JobWhy::StationFull(STATION),
+        JobWhy::RacksWait(STATION, ROBOT),
         JobWhy::StationPaused(STATION),
         JobWhy::StationBlocked(STATION, ROBOT),
         JobWhy::ClosedOff,

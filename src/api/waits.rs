@@ -129,11 +129,12 @@ impl Names<'_> {
             JobWhy::After(j) => (About::Job, Some((job_name(j), By::Job))),
             JobWhy::RackBusy(_, r, _) => (About::Rack, Some((self.robot(r), By::Robot))),
             JobWhy::RobotBusy(r, _) | JobWhy::Robot(r, _) => (About::Robot, Some((self.robot(r), By::Robot))),
-            JobWhy::NoRobot | JobWhy::NoKind => (About::NoRobot, None),
+            JobWhy::NoRobot | JobWhy::Outranked(_) | JobWhy::NoKind => (About::NoRobot, None),
             JobWhy::StationFull(s) | JobWhy::StationPaused(s) | JobWhy::StationBlocked(s, _) => {
                 let name = self.map.stations.get(s).map(|s| (s.name.clone(), By::Station));
                 (About::Station, name)
             }
+            JobWhy::RacksWait(_, r) => (About::Turn, Some((self.robot(r), By::Robot))),
             JobWhy::ClosedOff => (About::Closed, None),
             JobWhy::WayClosed(c) => (About::Closure, Some((closure_name(c), By::Closure))),
             JobWhy::RackBlocked(_, r) | JobWhy::WayBlocked(r) => {
@@ -161,6 +162,10 @@ impl Names<'_> {
             Why::Closed(c) => (About::Closure, Some((closure_name(c), By::Closure))),
             Why::QueueFull(s) => {
                 (About::Queue, self.map.stations.get(s).map(|s| (s.name.clone(), By::Station)))
+            }
+            Why::NotItsTurn(_, r) => (About::Turn, Some((self.robot(r), By::Robot))),
+            Why::StationPaused(s) => {
+                (About::Station, self.map.stations.get(s).map(|s| (s.name.clone(), By::Station)))
             }
             Why::HandInOpening(s) => {
                 (About::Person, self.map.stations.get(s).map(|s| (s.name.clone(), By::Station)))

@@ -21,7 +21,7 @@ pub enum TimeUse {
     WaitsForRobots,
     /// It has not found a route, and no worker is known to be the reason.
     NoRoute,
-    /// It waits for a place in the queue of its station.
+    /// It waits outside its station, and no worker is the reason in the end.
     StationFull,
     /// It has nothing to do, charges, or is out of order.
     Other,
@@ -89,8 +89,8 @@ impl TimeUse {
         }
         match last {
             Some(Why::GivesWay(_)) => TimeUse::BehindOneThatGivesWay,
-            Some(Why::QueueFull(_)) => TimeUse::StationFull,
             Some(Why::NoRoute) => TimeUse::NoRoute,
+            _ if fleet.why(robot).is_some_and(|why| why.station().is_some()) => TimeUse::StationFull,
             _ if steps > 0 => TimeUse::WaitsForRobots,
             _ => TimeUse::Other,
         }

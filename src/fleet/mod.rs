@@ -34,7 +34,7 @@ pub use read::rows::{
 pub use read::safety_regions::{RegionStay, SafetyRegion};
 pub use read::shift::{EndedJob, ShiftRows};
 pub use read::unsettled::Unsettled;
-pub use read::view::{Counts, JobWhy, RobotState, RobotView, StationView, View};
+pub use read::view::{Ahead, Counts, JobWhy, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::activity::{Activity, Doing};
 pub use state::arms::ArmView;
@@ -213,8 +213,7 @@ impl Fleet {
         if core.ledger.evacuation.is_some() {
             return;
         }
-        dispatch::jobs::chain_deliveries(core, picked, now);
-        let lapsed = dispatch::jobs::assign(core, &traffic.needs, &mut traffic.planners, now);
+        let lapsed = dispatch::jobs::assign(core, &traffic.needs, &mut traffic.planners, picked, now);
         traffic.lose_places(core, &lapsed);
     }
 

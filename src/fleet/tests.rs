@@ -12,6 +12,7 @@ mod displaced;
 mod enrolment;
 mod evacuation;
 mod failure;
+mod fair;
 mod faults;
 mod hand;
 mod hands;

@@ -76,7 +76,7 @@ impl RobotTimes {
         for robot in &view.robots {
             out.activities[robot.activity as usize] += span;
             if robot.activity == Activity::Waiting {
-                out.waiting[cause(&view.robots, robot) as usize] += span;
+                out.waiting[cause(view, robot) as usize] += span;
             }
         }
         out
@@ -111,8 +111,9 @@ impl RobotTimes {
     }
 }
 
-/// What a robot waits for in the end.
-fn cause(robots: &[RobotView], from: &RobotView) -> WaitCause {
+/// What a robot waits for in the end: also one that stands outside a station waits for what keeps those that are
+/// before it there.
+fn cause(view: &View, from: &RobotView) -> WaitCause {
     let mut robot = from;
     for _ in 0..LONGEST_CHAIN {
         let next = match robot.why {
@@ -120,16 +121,21 @@ fn cause(robots: &[RobotView], from: &RobotView) -> WaitCause {
                 return WaitCause::Person;
             }
             Some(Why::Closed(_)) => return WaitCause::Closure,
-            Some(Why::QueueFull(_)) => return WaitCause::Station,
+            Some(Why::StationPaused(_)) => return WaitCause::ByHand,
             Some(Why::NoRoute) => return WaitCause::NoRoute,
             Some(Why::BlockedBy(_)) => return WaitCause::RobotOut,
             Some(Why::Obstructed(_) | Why::WayObstructed(_)) => return WaitCause::Obstacle,
-            Some(Why::WaitsFor(_, Holder::Robot(next))) => next,
+            Some(Why::WaitsFor(_, Holder::Robot(next)) | Why::NotItsTurn(_, next)) => Some(next),
+            Some(Why::QueueFull(station)) => {
+                view.stations.get(station.ix()).and_then(|s| s.robot.or(s.queue.first().copied()))
+            }
             _ => return WaitCause::Traffic,
         };
-        let Some(next) = robots.get(next.ix()) else { return WaitCause::Traffic };
+        let Some(next) = next.and_then(|next| view.robots.get(next.ix())) else { return WaitCause::Traffic };
         match next.activity {
             Activity::Waiting => robot = next,
+            // Those in a queue may be kept by what is no matter of the station.
+            Activity::Queueing | Activity::Picking if next.why.is_some() => robot = next,
             Activity::Failed | Activity::Offline => return WaitCause::RobotOut,
             Activity::Paused | Activity::Stopped | Activity::OutOfService => return WaitCause::ByHand,
             Activity::Queueing | Activity::Picking => return WaitCause::Station,

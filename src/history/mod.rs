@@ -157,11 +157,11 @@ impl History {
 
 /// Whether a robot stands and would drive on: others, people, closed areas or full queues keep it.
 pub fn waits(robot: &RobotView) -> bool {
-    let kept = matches!(
-        robot.why,
-        Some(Why::WaitsFor(..) | Why::GivesWay(_) | Why::Closed(_) | Why::QueueFull(_) | Why::NoRoute)
-    );
-    kept && robot.speed_mps < STANDS_MPS
+    let kept = |why: Why| {
+        why.station().is_some()
+            || matches!(why, Why::WaitsFor(..) | Why::GivesWay(_) | Why::Closed(_) | Why::NoRoute)
+    };
+    robot.why.is_some_and(kept) && robot.speed_mps < STANDS_MPS
 }
 
 /// The beginning of the bucket that holds a time.

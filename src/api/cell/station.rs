@@ -166,8 +166,8 @@ pub struct NextRackDto {
     pub rack: Option<String>,
     /// The robot that brings it.
     pub robot: String,
-    /// In how many seconds it is planned to be there.
-    pub in_s: f64,
+    /// In how many seconds it is planned to be there; null if it waits for something of which nobody knows when it ends.
+    pub in_s: Option<f64>,
 }
 
 /// The side of a rack at which it is picked from.
@@ -314,7 +314,7 @@ impl Names<'_> {
             next: seen.next.map(|(robot, at)| NextRackDto {
                 rack: self.rack_on(robot).map(|k| self.map.racks[k].name.clone()),
                 robot: self.robot(robot),
-                in_s: round3((at - self.view.now).max(Span::ZERO).as_secs_f64()),
+                in_s: at.map(|at| round3((at - self.view.now).max(Span::ZERO).as_secs_f64())),
             }),
         }
     }

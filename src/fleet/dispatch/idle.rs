@@ -4,10 +4,10 @@
 
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::Job;
 use crate::fleet::state::ledger::Service;
 use crate::id::{JobId, RobotId};
 use crate::time::Time;
+use std::cmp::Reverse;
 
 impl Floor<'_> {
     /// Robots with nothing to do that could do something.
@@ -20,12 +20,12 @@ impl Floor<'_> {
         self.ledger.present().filter(idle).collect()
     }
 
-    /// The job that a robot is to do next by name: the highest priority first, then the nearest deadline, then the
-    /// oldest. Nothing where none can start.
+    /// The job that a robot is to do next by name: the most urgent one. Nothing where none can start.
     pub(in crate::fleet) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
-        let named = self.ledger.index().named_for(robot).map(|id| (id, &self.ledger.jobs[&id]));
-        let ready = named.filter(|(id, _)| !self.ledger.index().waits.is_blocked(*id));
-        let rank = |j: &Job| (std::cmp::Reverse(j.request.priority), j.request.deadline.unwrap_or(Time::MAX));
-        ready.min_by_key(|(id, j)| (rank(j), *id)).map(|(id, _)| id)
+        let index = self.ledger.index();
+        let mut ready = index.named_for(robot).filter(|id| !index.waits.is_blocked(*id)).peekable();
+        ready.peek()?;
+        let (now, oldest) = (index.queue.as_of(), index.queue.oldest(index.queue.as_of()));
+        ready.max_by_key(|id| (index.queue.urgency_ms(*id, now, &oldest), Reverse(*id)))
     }
 }

@@ -1,9 +1,11 @@
-//! Fourth phase: which idle robot gets which waiting job? All of them are matched together, at the least sum of costs.
+//! Fourth phase: which robot gets which waiting job? Idle robots and those that were just picked from are matched with
+//! jobs all together, at the least sum of costs.
 //!
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
 
 use crate::fleet::dispatch::assignment::{NEVER, least_cost};
 use crate::fleet::dispatch::blocked::give_back_blocked;
+use crate::fleet::dispatch::chains::{Chain, chains};
 use crate::fleet::dispatch::charging::{give_back_jobs, rest};
 use crate::fleet::dispatch::leaving::let_leave;
 use crate::fleet::dispatch::maintenance::send_to_maintenance;
@@ -20,7 +22,7 @@ use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use crate::route::Stage;
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How many waiting jobs and idle robots one step matches at most.
 const JOBS: usize = 128;
@@ -30,33 +32,13 @@ const CONGESTION_MS: i64 = 8_000;
 /// A rack that waits longer than this for a place at its station has waited for long.
 const LONG: Span = Span::from_secs(60);
 
-/// Gives robots whose rack was just picked from, and is wanted at a station again, that job: the rack need not be put
-/// away first.
-pub(in crate::fleet) fn chain_deliveries(core: &mut Core, picked: &[RobotId], now: Time) {
-    for robot in picked.iter().copied() {
-        let floor = core.floor();
-        let Task::Store { job: None, rack, store } = floor.ledger.robots[robot].task else { continue };
-        if floor.named_job_for(robot).is_some() || floor.is_critical(robot) {
-            continue;
-        }
-        let Some(job) = floor.ledger.index().queue.next_delivery(rack) else { continue };
-        let JobKind::Deliver { station, .. } = floor.ledger.jobs[&job].request.kind else { continue };
-        let station = floor.warehouse().stations[station].node;
-        let is_allowed = floor.is_allowed(robot, &floor.ledger.jobs[&job], now);
-        if !floor.may_be_at(robot, station) || !is_allowed {
-            continue;
-        }
-        let task = Task::Deliver { job, rack, station, store };
-        core.progress(job, JobState::Carrying { robot }, Some((robot, task)), now);
-    }
-}
-
-/// Gives jobs to robots, and sends those without a job where they are wanted or in no other robot's way. Gives the
-/// robots that have lost a place which they were promised.
+/// Gives jobs to robots, and sends those without a job where they are wanted or in no other robot's way. `picked` are
+/// those that have just been picked from. Gives the robots that have lost a place which they were promised.
 pub(in crate::fleet) fn assign(
     core: &mut Core,
     needs: &Needs,
     planners: &mut Planners,
+    picked: &[RobotId],
     now: Time,
 ) -> Vec<RobotId> {
     core.ledger.advance_queue(now);
@@ -70,7 +52,7 @@ pub(in crate::fleet) fn assign(
     let idle = floor.idle_robots(now).into_iter();
     let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) =
         idle.partition(|r| floor.is_charged(*r, charger_is_free) && !floor.is_shut_in(*r));
-    resting.extend(assign_racks(core, needs, working, now));
+    resting.extend(assign_racks(core, needs, working, picked, now));
     rest(core, resting, now)
 }
 
@@ -104,41 +86,91 @@ fn begin_named(core: &mut Core, planners: &mut Planners, robot: RobotId, job: Jo
     core.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
 }
 
-/// Gives rack jobs to robots; gives back the robots that got none.
-fn assign_racks(core: &mut Core, needs: &Needs, robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
-    if robots.is_empty() || core.ledger.jobs.is_empty() {
+/// Gives rack jobs to idle robots, and to those that were just picked from jobs for the racks that they have; gives
+/// back the idle robots that got none. A robot with a rack for which a job in storage is worth more puts the rack away,
+/// and is idle then.
+fn assign_racks(
+    core: &mut Core,
+    needs: &Needs,
+    robots: Vec<RobotId>,
+    picked: &[RobotId],
+    now: Time,
+) -> Vec<RobotId> {
+    let chains = chains(core.floor(), needs, picked, now);
+    if robots.is_empty() && chains.is_empty() || core.ledger.jobs.is_empty() {
         return robots;
     }
     let has_offers = core.ledger.index().queue.has_offers();
     let jobs = if has_offers { candidates(core.floor(), needs, &robots, now) } else { Vec::new() };
-    if jobs.is_empty() {
+    if jobs.is_empty() && chains.is_empty() {
         return robots;
     }
     let (few, mut left) = nearest(core.floor().ways(&robots, &jobs, now));
-    let under_way = core.floor().under_way();
-    let work = core.floor().work_ahead(now);
-    let congestion = |id: &JobId, rack: &NodeId| {
-        let floor = core.floor();
-        floor.lack_of_work(*id, *rack, &work).unwrap_or_else(|| floor.congestion(*id, &under_way))
-    };
-    let worth: Vec<i64> =
-        jobs.iter().map(|(id, _, node, urgency_ms)| congestion(id, node) - urgency_ms).collect();
-    let cost: Vec<Vec<i64>> = (few.iter())
-        .map(|(_, ways)| {
-            let known = ways.iter().zip(&worth).map(|(way, w)| way.map_or(NEVER, |way| way + w));
-            known.chain(std::iter::repeat_n(NEVER, few.len())).collect()
-        })
-        .collect();
-    for ((robot, _), column) in few.into_iter().zip(least_cost(&cost)) {
+    let cost = costs(core.floor(), &few, &jobs, &chains, now);
+    let mut found = least_cost(&cost);
+    let goes_on = |(i, column): (usize, &Option<usize>)| *column == Some(jobs.len() + i);
+    if !few.is_empty() && !found[few.len()..].iter().enumerate().all(goes_on) {
+        // A job for which a rack is put away first waits for no robot that is idle already.
+        found[..few.len()].copy_from_slice(&least_cost(&cost[..few.len()]));
+    }
+    for ((robot, _), column) in few.iter().zip(&found) {
         match column.and_then(|c| jobs.get(c)) {
             Some(&(job, rack, node, _)) => {
                 let task = Task::Fetch { job: Some(job), rack, node };
-                core.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
+                core.progress(job, JobState::Assigned { robot: *robot }, Some((*robot, task)), now);
             }
-            None => left.push(robot),
+            None => left.push(*robot),
+        }
+    }
+    for (i, (chain, column)) in chains.iter().zip(&found[few.len()..]).enumerate() {
+        if *column == Some(jobs.len() + i) {
+            let (robot, state) = (chain.robot, JobState::Carrying { robot: chain.robot });
+            core.progress(chain.job, state, Some((robot, chain.task())), now);
         }
     }
     left
+}
+
+/// What it costs that each robot does each job, milliseconds. Rows are idle robots, then those of chains; columns are
+/// jobs for racks in storage, then those of chains, then as many as rows that mean none.
+fn costs(
+    floor: Floor<'_>,
+    few: &[(RobotId, Ways)],
+    jobs: &[(JobId, RackId, NodeId, i64)],
+    chains: &[Chain],
+    now: Time,
+) -> Vec<Vec<i64>> {
+    let under_way = floor.under_way();
+    let work = floor.work_ahead(now);
+    let congestion = |id: JobId, rack: NodeId| {
+        floor.lack_of_work(id, rack, &work).unwrap_or_else(|| floor.congestion(id, &under_way))
+    };
+    let worth: Vec<i64> =
+        jobs.iter().map(|(id, _, node, urgency_ms)| congestion(*id, *node) - urgency_ms).collect();
+    let rows = few.len() + chains.len();
+    let row = |ways: &Ways, before_ms: i64, chain: Option<(usize, i64)>| -> Vec<i64> {
+        let known = ways.iter().zip(&worth).map(|(way, w)| way.map_or(NEVER, |way| before_ms + way + w));
+        let mut row: Vec<i64> = known.chain(std::iter::repeat_n(NEVER, chains.len() + rows)).collect();
+        if let Some((i, cost)) = chain {
+            row[jobs.len() + i] = cost;
+        }
+        row
+    };
+    let queue = &floor.ledger.index().queue;
+    let oldest = queue.oldest(now);
+    let charger_is_free = floor.a_charger_is_free();
+    let idle = few.iter().map(|(_, ways)| row(ways, 0, None));
+    let carriers = chains.iter().enumerate().map(|(i, chain)| {
+        let here = floor.ledger.node_of(chain.robot);
+        let own = congestion(chain.job, here) - queue.urgency_ms(chain.job, now, &oldest);
+        // One that is to charge would take no other job.
+        let ways = match floor.is_charged(chain.robot, charger_is_free) {
+            true => floor.ways_from(chain.robot, chain.store, jobs, now),
+            false => vec![None; jobs.len()],
+        };
+        row(&ways, floor.puts_away_ms(chain), Some((i, own)))
+    });
+    idle.chain(carriers).collect()
 }
 
 /// Waiting jobs whose rack stands in storage and no robot moves, with their urgency, most urgent first; one per
@@ -167,10 +199,17 @@ fn candidates(
             continue;
         }
         let is_open = |id: &JobId| !floor.job_is_closed_off(&floor.ledger.jobs[id].request.kind, node);
+        // A job that is for another robot keeps these from none that is behind it.
+        let is_theirs = |id: &JobId| {
+            let job = &floor.ledger.jobs[id];
+            let is_for = |r: &RobotId| job.request.is_for(floor.warehouse(), floor.body(*r), (rack, node));
+            robots.iter().any(|r| floor.is_allowed(*r, job, now) && is_for(r))
+        };
         // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
-        let is_shut = floor.is_shut_off(node) || floor.ledger.jobs[&id].request.kind.station().is_some();
-        let others = queue.behind(id).take_while(|_| !is_shut);
-        if let Some(id) = std::iter::once(id).chain(others).find(is_open) {
+        let has_one_goal = floor.ledger.jobs[&id].request.kind.station().is_some();
+        let is_shut = floor.is_shut_off(node) || has_one_goal && !is_open(&id);
+        let mut all = std::iter::once(id).chain(queue.behind(id).take_while(|_| !is_shut));
+        if let Some(id) = all.find(|id| is_open(id) && (robots.is_empty() || is_theirs(id))) {
             seen.insert(rack);
             found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
         } else if floor.is_shut_off(node) {
@@ -182,23 +221,32 @@ fn candidates(
 
 /// Stations for which enough robots wait with their racks, or which are paused, or blocked for long by a robot that
 /// cannot drive: fetching another rack now would leave its robot waiting while others need it.
-pub(in crate::fleet) fn stations_with_enough(
+fn stations_with_enough(floor: Floor<'_>, needs: &Needs, now: Time) -> BTreeSet<StationId> {
+    let paused = floor.ledger.paused_stations.keys().copied();
+    let blocked = floor.restrictions.cut_off.blocked_for_long(now);
+    with_enough_racks(floor, needs, now).into_keys().chain(paused).chain(blocked).collect()
+}
+
+/// Stations for which enough robots wait with their racks, each with the one that has waited for the longest.
+pub(in crate::fleet) fn with_enough_racks(
     floor: Floor<'_>,
     needs: &Needs,
     now: Time,
-) -> BTreeSet<StationId> {
-    let mut waiting = IdVec::filled((0, Span::ZERO), floor.warehouse().stations.len());
+) -> BTreeMap<StationId, RobotId> {
+    let mut waiting: BTreeMap<StationId, (usize, Span, RobotId)> = BTreeMap::new();
     for robot in floor.ledger.present().filter(|r| floor.waits_for_room(*r)) {
-        let station = floor.station_of(robot).expect("it waits for one");
-        let (number, longest): &mut (usize, Span) = &mut waiting[station];
-        (*number, *longest) = (*number + 1, needs.waited(robot, now).max(*longest));
+        let (station, waited) =
+            (floor.station_of(robot).expect("it waits for one"), needs.waited(robot, now));
+        let (number, longest, first) = waiting.entry(station).or_insert((0, waited, robot));
+        *number += 1;
+        if waited > *longest {
+            (*longest, *first) = (waited, robot);
+        }
     }
     let places = |s: StationId| floor.warehouse().stations[s].queue.len() + 1;
     let enough = |s: StationId, longest: Span| enough(places(s), needs.set_off.get(&s).copied(), longest);
-    let paused = floor.ledger.paused_stations.keys().copied();
-    let full = waiting.pairs().filter(|(s, w)| w.0 >= enough(*s, w.1)).map(|(s, _)| s);
-    let blocked = floor.restrictions.cut_off.blocked_for_long(now);
-    full.chain(paused).chain(blocked).collect()
+    let full = waiting.into_iter().filter(|(s, (number, longest, _))| *number >= enough(*s, *longest));
+    full.map(|(s, (_, _, first))| (s, first)).collect()
 }
 
 impl Floor<'_> {
@@ -215,28 +263,42 @@ impl Floor<'_> {
         jobs: &[(JobId, RackId, NodeId, i64)],
         now: Time,
     ) -> Vec<(RobotId, Ways)> {
-        let ways = |r: RobotId| -> Ways {
-            jobs.iter().map(|(id, rack, node, _)| self.way_ms(r, *id, (*rack, *node), now)).collect()
-        };
-        robots.iter().map(|r| (*r, ways(*r))).collect()
+        robots.iter().map(|r| (*r, self.ways_from(*r, self.ledger.node_of(*r), jobs, now))).collect()
     }
 
-    /// How long the robot's way to a rack takes, milliseconds; nothing if another robot stands there for ever, or the
-    /// robot is not of a kind for the job, or its charge does not last for it, or a broken robot stands between, or an
-    /// operator wants another robot to do it.
-    fn way_ms(&self, robot: RobotId, job: JobId, (rack, node): (RackId, NodeId), now: Time) -> Option<i64> {
+    /// How long a robot's ways from a node to the racks of these jobs take.
+    fn ways_from(
+        &self,
+        robot: RobotId,
+        from: NodeId,
+        jobs: &[(JobId, RackId, NodeId, i64)],
+        now: Time,
+    ) -> Ways {
+        let way_to = |id, rack| self.way_ms((robot, from), id, rack, now);
+        jobs.iter().map(|(id, rack, node, _)| way_to(*id, (*rack, *node))).collect()
+    }
+
+    /// How long the robot's way from a node to a rack takes, milliseconds; nothing if another robot stands there for
+    /// ever, or the robot is not of a kind for the job, or its charge does not last for it, or a broken robot stands
+    /// between, or an operator wants another robot to do it.
+    pub(in crate::fleet) fn way_ms(
+        &self,
+        (robot, from): (RobotId, NodeId),
+        job: JobId,
+        (rack, node): (RackId, NodeId),
+        now: Time,
+    ) -> Option<i64> {
         let job = &self.ledger.jobs[&job];
         let kind = &job.request.kind;
         if self.ledger.resident(node).is_some_and(|r| r != robot)
             || !job.request.is_for(self.warehouse(), self.body(robot), (rack, node))
             || !self.is_allowed(robot, job, now)
-            || !self.restrictions.cut_off.may_fetch(self.ledger.node_of(robot), node)
+            || !self.restrictions.cut_off.may_fetch(from, node)
         {
             return None;
         }
         let at = |n: NodeId| self.warehouse().nodes[n].at;
-        let here = self.ledger.node_of(robot);
-        let way_m = along_axes(at(here), at(node));
+        let way_m = along_axes(at(from), at(node));
         let goal = match *kind {
             JobKind::Deliver { station, .. } => self.warehouse().stations[station].node,
             JobKind::Relocate { node, .. } => node,

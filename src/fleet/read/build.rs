@@ -4,13 +4,14 @@
 
 use crate::cell::Remaining;
 use crate::fleet::Fleet;
-use crate::fleet::dispatch::jobs::stations_with_enough;
+use crate::fleet::dispatch::jobs::with_enough_racks;
 use crate::fleet::people::intents::task_place;
-use crate::fleet::read::view::{Counts, RobotState, RobotView, StationView, View};
+use crate::fleet::read::view::{Counts, LINE, RobotState, RobotView, StationView, View};
 use crate::fleet::state::activity::Activity;
 use crate::fleet::state::arms::ArmView;
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::index::RackGoal;
 use crate::fleet::state::job::Job;
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
@@ -20,6 +21,8 @@ use crate::id::{BodyId, JobId, NodeId, RobotId, StationId, WorkerId};
 use crate::time::Time;
 use std::collections::BTreeMap;
 
+/// Of so many waiting jobs those in line are looked for: a view is made ten times a second, however many wait.
+const LOOKED: usize = 1000;
 /// A worker who has just been lost is somewhere near the place, metres.
 const LEAST_AREA_M: f64 = 1.0;
 
@@ -45,7 +48,8 @@ impl Fleet {
         let kinds = self.core.ledger.present().map(|r| self.floor().body(r)).collect();
         let forecast_coverage = self.people.coverage.forecast_coverage().to_vec();
         let (blocked, stopped) = (self.floor().blocked(), self.core.ledger.stopped);
-        let full = stations_with_enough(self.floor(), &self.traffic.needs, now);
+        let full = with_enough_racks(self.floor(), &self.traffic.needs, now);
+        let line = self.line(&full, now);
         let paused_stations = self.core.ledger.paused_stations.clone();
         let cut_off = self.core.restrictions.cut_off.clone();
         let closing = self.core.restrictions.closing_nodes();
@@ -63,6 +67,7 @@ impl Fleet {
             free: of_kind,
             free_at,
             full,
+            line,
             cut_off,
             paused_stations,
             closing,
@@ -70,6 +75,17 @@ impl Fleet {
             counts,
             forecast_coverage,
         }
+    }
+
+    /// The first jobs in line for a robot.
+    fn line(&self, full: &BTreeMap<StationId, RobotId>, now: Time) -> Vec<(JobId, u8)> {
+        let ledger = &self.core.ledger;
+        let is_open = |goal| match goal {
+            RackGoal::Station(s) => !full.contains_key(&s) && !ledger.paused_stations.contains_key(&s),
+            RackGoal::Storage => true,
+        };
+        let in_line = ledger.index().queue.in_line(now, LOOKED, is_open);
+        in_line.take(LINE).map(|id| (id, ledger.jobs[&id].request.priority)).collect()
     }
 
     /// Sums of the ledger, and what was tried.
@@ -230,7 +246,7 @@ impl Fleet {
             arm: self.arm(s, now),
             reaches: visits.reaches(s, now),
             unconfirmed: ledger.unconfirmed.get(&s).cloned(),
-            next: self.next_rack(station.node, picked),
+            next: self.next_rack(station.node, picked).map(|(robot, at)| (robot, self.known(robot, at, now))),
             paused: ledger.paused_stations.get(&s).copied(),
             queue: station.queue.iter().filter_map(|q| stands(*q)).collect(),
             served: ledger.served[s],
@@ -263,6 +279,14 @@ impl Fleet {
     /// The robot arm at a station; nothing where there is none, or it is of no known kind.
     pub fn arm(&self, station: StationId, now: Time) -> Option<ArmView> {
         self.core.arms.view(station, now)
+    }
+
+    /// The time at which a robot is planned to be somewhere; nothing if it waits for what nobody knows the end of.
+    fn known(&self, robot: RobotId, at: Time, now: Time) -> Option<Time> {
+        let chain = self.waits(robot, now);
+        let waits = chain.first().is_some_and(|link| link.because.is_waiting());
+        let has_time = !waits || chain.last().is_some_and(|root| root.until.is_some());
+        Some(at).filter(|_| has_time)
     }
 
     /// Which robot brings the next rack to a station, and when it is planned to be there.

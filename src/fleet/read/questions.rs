@@ -4,19 +4,24 @@
 
 use crate::cell::HandsSeen;
 use crate::fleet::Fleet;
+use crate::fleet::dispatch::jobs::with_enough_racks;
 use crate::fleet::people::forecast::Expected;
 use crate::fleet::people::foreseen::ForeseenPerson;
 use crate::fleet::requests::hands::warning_of;
 use crate::fleet::state::displaced::Displacement;
+use crate::fleet::state::index::urgency_ms;
 use crate::fleet::state::io::{CellWarning, Telemetry};
+use crate::fleet::state::job::{Job, JobRequest};
+use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::passing::Passing;
 use crate::fleet::state::worker::{GuidanceReason, GuidanceState};
 use crate::geometry::Point;
 use crate::human::Sighting;
 use crate::human::motion::MotionEstimate;
-use crate::id::{RobotId, StationId, WorkerId};
+use crate::id::{JobId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
 use crate::warehouse::Hull;
+use std::collections::BTreeSet;
 
 impl Fleet {
     /// Whether a robot stands where, and carries what, the ledger has for it.
@@ -37,6 +42,48 @@ impl Fleet {
     /// Whether a robot stands at its station and the pick has not ended.
     pub fn is_picked_from(&self, robot: RobotId) -> bool {
         self.floor().is_picked_from(robot)
+    }
+
+    /// Whether a robot was heard of lately and can drive.
+    pub fn is_fit(&self, robot: RobotId, now: Time) -> bool {
+        self.core.scene.fit(robot, now).is_some()
+    }
+
+    /// Whether a robot has no route for its task.
+    pub fn lacks_route(&self, robot: RobotId) -> bool {
+        self.floor().lacks_route(robot)
+    }
+
+    /// Whether it is known about where a worker is.
+    pub fn knows_place_of(&self, worker: WorkerId, now: Time) -> bool {
+        self.people.whereabouts(worker, now).is_some()
+    }
+
+    /// How urgent a job for a rack is, milliseconds: the order in which robots are matched with jobs.
+    pub fn urgency_ms(&self, job: &Job, now: Time) -> i64 {
+        let JobRequest { priority, deadline, .. } = job.request;
+        let oldest = self.core.ledger.index().queue.oldest(now)[usize::from(priority)];
+        urgency_ms(priority, job.accepted, deadline, now, oldest)
+    }
+
+    /// Stations for which no more racks are fetched, since enough robots wait with theirs.
+    pub fn full_stations(&self, now: Time) -> BTreeSet<StationId> {
+        with_enough_racks(self.floor(), &self.traffic.needs, now).into_keys().collect()
+    }
+
+    /// Whether a robot may do a job as far as operators and its kind are concerned.
+    pub fn is_allowed_for(&self, robot: RobotId, job: &Job, now: Time) -> bool {
+        self.floor().is_allowed(robot, job, now)
+    }
+
+    /// Whether a robot that has nothing else to do could do a job whose rack stands in storage.
+    pub fn could_do(&self, robot: RobotId, id: JobId, now: Time) -> bool {
+        let (floor, job) = (self.floor(), &self.core.ledger.jobs[&id]);
+        let Some(rack) = job.request.kind.rack() else { return false };
+        let RackAt::Stored(node) = self.core.ledger.racks[rack] else { return false };
+        let from = self.core.ledger.node_of(robot);
+        !floor.job_is_closed_off(&job.request.kind, node)
+            && floor.way_ms((robot, from), id, (rack, node), now).is_some()
     }
 
     /// Robots for which a route could be searched, and whose search was put off because each step has searched as much

@@ -28,6 +28,9 @@ use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+/// So many jobs in line are known to a view.
+pub const LINE: usize = 100;
+
 /// The fleet at one moment.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct View {
@@ -55,8 +58,12 @@ pub struct View {
     pub free: BTreeMap<BodyId, usize>,
     /// Where each of these stands, with its kind.
     pub free_at: Vec<(BodyId, NodeId)>,
-    /// Stations for which no more racks are fetched at present.
-    pub full: BTreeSet<StationId>,
+    /// Stations for which no more racks are fetched at present, since enough robots wait with theirs until they may
+    /// set off there; each with the one that has waited for the longest.
+    pub full: BTreeMap<StationId, RobotId>,
+    /// The first of the jobs that wait for nothing but a robot, or for others of the same rack, and that any robot may
+    /// do, with their priorities: most urgent first, [`LINE`] at most.
+    pub line: Vec<(JobId, u8)>,
     /// What robots that cannot drive cut off.
     pub cut_off: Arc<CutOff>,
     /// Stations at which nobody picks, since when.
@@ -174,14 +181,25 @@ pub struct StationView {
     pub arm: Option<ArmView>,
     /// Where hands that are on their way go, with probabilities.
     pub reaches: SmallVec<[SeenReach; 4]>,
-    /// The robot that brings the next rack, and when it is planned to be there.
-    pub next: Option<(RobotId, Time)>,
+    /// The robot that brings the next rack, and when it is planned to be there, where that can be known.
+    pub next: Option<(RobotId, Option<Time>)>,
     /// Since when nobody picks, by hand.
     pub paused: Option<Time>,
     /// Robots in its queue places, first in line first.
     pub queue: Vec<RobotId>,
     /// Racks served so far.
     pub served: u64,
+}
+
+/// Who is before a job in the line of those that wait for a robot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Ahead {
+    /// Jobs of higher priority.
+    pub higher: usize,
+    /// Other jobs: older ones, or such with a nearer deadline.
+    pub others: usize,
+    /// Whether there are more than those counted.
+    pub more: bool,
 }
 
 /// Why a job does not go on.
@@ -193,12 +211,16 @@ pub enum JobWhy {
     RackBusy(RackId, RobotId, Option<JobId>),
     /// The robot that the customer named has something else to do.
     RobotBusy(RobotId, Option<JobId>),
-    /// No robot that could do it is free.
+    /// No robot that could do it is free, and it is the first in line.
     NoRobot,
+    /// No robot that could do it is free, and these jobs are before it.
+    Outranked(Ahead),
     /// No robot has joined that can carry the rack, and may drive to it and to where it is wanted.
     NoKind,
-    /// Enough racks wait for the station already.
+    /// In every place of the station stands a robot.
     StationFull(StationId),
+    /// Enough robots wait with their racks for the station already; this one has waited for the longest.
+    RacksWait(StationId, RobotId),
     /// Nobody picks at the station.
     StationPaused(StationId),
     /// A robot that cannot drive stands at the station, in its queue or on the way out.
@@ -261,7 +283,7 @@ impl View {
             let robot = self.robot_at_work_on(rack)?;
             Some(JobWhy::RackBusy(rack, robot, self.robots.get(robot.ix())?.job))
         });
-        rack_busy.or_else(|| self.why_not_fetched(map, &job.request))
+        rack_busy.or_else(|| self.why_not_fetched(map, id, &job.request))
     }
 
     /// What keeps the robot that an operator chose for a job, if one was chosen and something keeps it.
@@ -283,7 +305,7 @@ impl View {
     }
 
     /// Why no robot fetches a rack that stands in storage.
-    fn why_not_fetched(&self, map: &Warehouse, request: &JobRequest) -> Option<JobWhy> {
+    fn why_not_fetched(&self, map: &Warehouse, id: JobId, request: &JobRequest) -> Option<JobWhy> {
         let kind = &request.kind;
         let rack = kind.rack()?;
         let RackAt::Stored(node) = *self.racks.get(rack.ix())? else { return None };
@@ -304,8 +326,11 @@ impl View {
                     cut @ (Cut::Closure(_) | Cut::Obstruction(_)) => cut.into(),
                 });
             }
-            JobKind::Deliver { station, .. } if self.full.contains(station) => {
-                return Some(JobWhy::StationFull(*station));
+            JobKind::Deliver { station, .. } if self.full.contains_key(station) => {
+                return Some(match self.is_full(map, *station) {
+                    true => JobWhy::StationFull(*station),
+                    false => JobWhy::RacksWait(*station, self.full[station]),
+                });
             }
             JobKind::Deliver { station, .. } if closed(&map.stations[*station].node) => {
                 return Some(JobWhy::ClosedOff);
@@ -320,8 +345,25 @@ impl View {
         let stays = |r: &RobotView| r.held.last().or(r.granted.last()) == Some(&node);
         let blocked = self.robots.iter().position(stays).map(|r| JobWhy::RackBlocked(rack, RobotId::at(r)));
         blocked
-            .or((!self.free.keys().any(fits)).then_some(JobWhy::NoRobot))
+            .or_else(|| (!self.free.keys().any(fits)).then(|| self.in_line(id, request.priority)))
             .or_else(|| self.out_of_reach(map, node, fits))
+    }
+
+    /// That no robot is free for a job, with who is before it.
+    fn in_line(&self, id: JobId, priority: u8) -> JobWhy {
+        let place = self.line.iter().position(|(other, _)| *other == id);
+        let before = &self.line[..place.unwrap_or(self.line.len())];
+        let higher = before.iter().filter(|(_, other)| *other > priority).count();
+        match before.len() {
+            0 => JobWhy::NoRobot,
+            all => JobWhy::Outranked(Ahead { higher, others: all - higher, more: place.is_none() }),
+        }
+    }
+
+    /// Whether in every place of a station stands a robot.
+    pub fn is_full(&self, map: &Warehouse, station: StationId) -> bool {
+        let is_at = |s: &StationView| s.robot.is_some() && s.queue.len() == map.stations[station].queue.len();
+        self.stations.get(station.ix()).is_some_and(is_at)
     }
 
     /// Whether all robots that could take a job for a rack are cut off from it.

@@ -14,13 +14,16 @@ use crate::fleet::state::wait_graph::{ChainEnd, Edge, Party, Wait};
 use crate::fleet::state::why::Why;
 use crate::fleet::traffic::state::Withheld;
 use crate::human::{Presence, Whereabouts};
-use crate::id::{ClosureId, JobId, NodeId, ResourceId, RobotId, WorkerId};
+use crate::id::{ClosureId, Dense, JobId, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time};
 use crate::timeline::Holder;
 use std::collections::BTreeSet;
 
 /// So many links at most; a chain is seldom longer than the queue of a station.
 const LONGEST: usize = 40;
+
+/// What a robot does at a stop takes no longer than this, apart from a pick as long as it was said to take.
+const HANDLES: Span = Span::from_secs(30);
 
 /// A worker whom no source knows.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,7 +43,8 @@ pub struct Waiting {
     pub who: Who,
     /// For what.
     pub because: Because,
-    /// Until when, as things stand; nothing where that cannot be known.
+    /// Until when, as things stand; nothing where that cannot be known, as for all links of a chain at whose end it
+    /// is not.
     pub until: Option<Time>,
     /// How many holders pass before, where a resource is waited for.
     pub ahead: usize,
@@ -141,20 +145,24 @@ impl Fleet {
                 Some(robot)
             }
             JobWhy::RackBlocked(_, robot) | JobWhy::RobotLow(robot) => Some(robot),
-            JobWhy::StationBlocked(_, robot) | JobWhy::WayBlocked(robot) => Some(robot),
+            JobWhy::StationBlocked(_, robot) | JobWhy::WayBlocked(robot) | JobWhy::RacksWait(_, robot) => {
+                Some(robot)
+            }
+            JobWhy::StationFull(station) => view.stations.get(station.ix()).and_then(|s| s.robot),
             JobWhy::After(_)
             | JobWhy::NoRobot
+            | JobWhy::Outranked(_)
             | JobWhy::NoKind
-            | JobWhy::StationFull(_)
             | JobWhy::StationPaused(_)
             | JobWhy::ClosedOff
             | JobWhy::WayClosed(_)
             | JobWhy::NoPlace(_) => None,
         };
-        let until = None;
+        let (until, ahead) =
+            (None, if let JobWhy::Outranked(ahead) = why { ahead.higher + ahead.others } else { 0 });
         // A job that has its robot waits for what the robot waits for: the robot's own link says it.
         if job.state == JobState::Waiting {
-            chain.push(Waiting { who, because: Because::Job(why), until, ahead: 0 });
+            chain.push(Waiting { who, because: Because::Job(why), until, ahead });
         }
         if let Some(robot) = robot {
             self.follow(robot, now, chain);
@@ -164,13 +172,13 @@ impl Fleet {
 
     /// The links from a robot on.
     fn follow(&self, robot: RobotId, now: Time, chain: &mut Vec<Waiting>) {
-        let mut seen = BTreeSet::new();
+        let (begin, mut seen) = (chain.len(), BTreeSet::new());
         let mut next = Some(Party::Robot(robot));
         let mut wanted = None;
-        while let Some(party) = next {
-            if chain.len() >= LONGEST || !seen.insert(party) {
-                return;
-            }
+        while let Some(party) = next
+            && chain.len() < LONGEST
+            && seen.insert(party)
+        {
             let link = match party {
                 Party::Robot(r) => self.robot_link(r, wanted, now),
                 Party::Worker(w) => self.worker_link(w),
@@ -185,6 +193,26 @@ impl Fleet {
                 Edge::Moves | Edge::Until(_) | Edge::Operator | Edge::NoWay | Edge::Still => None,
             };
         }
+        // What is planned behind something of which nobody knows when it ends is put off again and again.
+        let has_time = next.is_none() && chain.last().is_some_and(|root| root.until.is_some());
+        if !has_time {
+            chain[begin..].iter_mut().for_each(|link| link.until = None);
+        }
+    }
+
+    /// Whether what a robot does at a stop takes longer than it was to: its plan is put off again and again.
+    fn is_overdue(&self, robot: RobotId, act: Act, now: Time) -> bool {
+        let (_, since) = self.activity(robot, now);
+        let job = self.core.ledger.robots[robot].task.job().and_then(|id| self.core.ledger.jobs.get(&id));
+        let planned = match (act, job) {
+            // How long the lines of a visit take is estimated anew all the time.
+            (Act::Pick(_), Some(job)) if job.lines_now().is_some() => return false,
+            (Act::Pick(_), Some(job)) => job.request.stations().next().and_then(|visit| {
+                Some(visit.pick.unwrap_or(self.core.warehouse().stations.get(visit.station)?.pick))
+            }),
+            _ => None,
+        };
+        now - since > planned.unwrap_or(Span::ZERO) + HANDLES
     }
 
     /// What a robot waits for. `wanted` is what the link before wants of it, and when that is to be free.
@@ -193,7 +221,7 @@ impl Fleet {
         let link = |because, until: Option<Time>, ahead| Waiting {
             who,
             because,
-            until: until.filter(|t| !t.is_forever()),
+            until: until.filter(|t| !t.is_forever() && *t > now),
             ahead,
         };
         let chain = self.core.ledger.chain(robot);
@@ -201,7 +229,8 @@ impl Fleet {
         // A robot that is broken, silent or told to stand is so at a stop, too.
         let stopped = why.is_some_and(Why::is_by_itself);
         if let Some(act) = self.floor().act_here(robot).filter(|_| !stopped) {
-            let until = chain.get(chain.first()).map(|v| v.depart);
+            let planned = chain.get(chain.first()).map(|v| v.depart);
+            let until = planned.filter(|_| !self.is_overdue(robot, act, now));
             return link(Because::AtStop(act), until, 0);
         }
         let Some(why) = why else { return self.floor().goes_on(robot, wanted, now, link) };

@@ -98,6 +98,8 @@ impl Activity {
             | Why::GivesWay(_)
             | Why::Closed(_)
             | Why::QueueFull(_)
+            | Why::NotItsTurn(..)
+            | Why::StationPaused(_)
             | Why::NoRoute
             | Why::HandInOpening(_)
             | Why::Obstructed(_)

@@ -67,7 +67,8 @@ impl Needs {
 
     /// Whether a loaded robot may set off to its station: the station has a place for it and for all robots that come
     /// before it, so whatever happens there, no robot on its way has to wait outside. `bound` says how many places of
-    /// each station are taken. True for robots that go to none.
+    /// each station are taken. True for robots that go to none, and for one that stands at the station already: none
+    /// of those before it gets there as long as it does.
     pub fn has_its_turn(
         &self,
         floor: Floor<'_>,
@@ -81,7 +82,8 @@ impl Needs {
         let places = floor.warehouse().stations[station].queue.len() + 1;
         let left = places.saturating_sub(bound[station]);
         let is_paused = floor.ledger.paused_stations.contains_key(&station);
-        !is_paused && left > 0 && self.ahead(floor, robot, now).take(left).count() < left
+        let is_there = floor.ledger.node_of(robot) == floor.warehouse().stations[station].node;
+        !is_paused && (is_there || left > 0 && self.ahead(floor, robot, now).take(left).count() < left)
     }
 
     /// Whether a search for this robot failed lately.

@@ -15,8 +15,12 @@ pub enum Why {
     GivesWay(WorkerId),
     /// The way leads into an area that robots keep out of.
     Closed(ClosureId),
-    /// The queue of the station it is to go to has no place.
+    /// In every place of the station to which it is to go stands a robot.
     QueueFull(StationId),
+    /// It is not its turn at the station to which it is to go: this robot has a place there, or comes before it.
+    NotItsTurn(StationId, RobotId),
+    /// Nobody picks at the station to which it is to go.
+    StationPaused(StationId),
     /// A hand, or a robot arm, is in the opening of this station, where it stands or is about to come.
     HandInOpening(StationId),
     /// No route was found yet; it tries again.
@@ -54,6 +58,14 @@ pub enum Why {
 }
 
 impl Why {
+    /// The station outside which it is, if it is outside one.
+    pub fn station(self) -> Option<StationId> {
+        match self {
+            Why::QueueFull(s) | Why::NotItsTurn(s, _) | Why::StationPaused(s) => Some(s),
+            _ => None,
+        }
+    }
+
     /// Whether it is about the robot itself, whatever happens around it: no job moves it, and only the robot, or the
     /// person who stopped it, ends that.
     pub fn is_by_itself(self) -> bool {

@@ -59,6 +59,24 @@ fn a_robot_that_is_named_does_it_as_soon_as_it_is_free() {
 }
 
 #[test]
+fn a_job_that_waits_for_its_chosen_robot_keeps_no_other_job_for_the_rack_waiting() {
+    let mut floor = TestFloor::thesis(2);
+    let long = JobKind::Deliver { rack: RackId(7), station: StationId(1), pick: Some(Span::from_secs(200)) };
+    let busy = floor.submit(request(long));
+    floor.until(60, "a robot has it", |f| f.robot_of(busy).is_some());
+    let chosen = floor.robot_of(busy).expect("just seen");
+    floor.step(vec![Input::Station { token: 4, station: StationId(0), order: StationOrder::Pause }]);
+    let [first, second] = [(); 2].map(|()| floor.submit(request(deliver(40))));
+    floor.reassign(first, Some(chosen));
+    floor.step(vec![Input::Station { token: 4, station: StationId(0), order: StationOrder::Resume }]);
+    floor
+        .until(60, "the other robot does the other one", |f| f.robot_of(second).is_some_and(|r| r != chosen));
+    assert_eq!(floor.robot_of(first), None);
+    floor.until_over(1200);
+    floor.assert_done_once(&[busy, first, second]);
+}
+
+#[test]
 fn a_robot_that_rests_beneath_the_rack_makes_room_for_the_chosen_one() {
     let mut floor = TestFloor::thesis(2);
     let RackAt::Stored(node) = floor.rack(40) else { panic!("it is stored") };

@@ -46,6 +46,50 @@ fn places_at_a_station_are_given_in_the_order_of_lifting() {
 }
 
 #[test]
+fn a_station_is_said_to_be_full_only_while_a_robot_stands_in_every_place_of_it() {
+    let mut floor = crowd();
+    let (mut full, mut turns) = (0, 0);
+    for _ in 0..6000 {
+        floor.step(vec![]);
+        let node = floor.fleet.warehouse().stations[StationId(0)].node;
+        let queue = floor.fleet.warehouse().stations[StationId(0)].queue.clone();
+        let stands = |n: &NodeId| (0..14).map(RobotId::at).any(|r| floor.fleet.ledger().node_of(r) == *n);
+        let there = queue.iter().chain([&node]).filter(|n| stands(n)).count();
+        for robot in (0..14).map(RobotId::at) {
+            match floor.fleet.why(robot) {
+                Some(Why::QueueFull(_)) => {
+                    assert_eq!(there, queue.len() + 1, "at {:?}", floor.now);
+                    full += 1;
+                }
+                Some(Why::NotItsTurn(_, first)) => {
+                    let edge = floor.fleet.wait(Party::Robot(robot)).edge;
+                    assert_eq!(
+                        edge,
+                        Edge::On(Party::Robot(first)),
+                        "the chain goes on with who comes before it"
+                    );
+                    turns += 1;
+                }
+                _ => {}
+            }
+        }
+    }
+    assert!(full > 0 && turns > 0, "full {full}, turns {turns}");
+}
+
+#[test]
+fn a_robot_outside_a_station_at_which_nobody_picks_says_so() {
+    let mut floor = crowd();
+    let outside =
+        |f: &TestFloor| (0..14).map(RobotId::at).find(|r| f.fleet.why(*r).and_then(Why::station).is_some());
+    floor.until(120, "one waits outside", |f| outside(f).is_some());
+    let robot = outside(&floor).expect("just seen");
+    floor.step(vec![Input::Station { token: 4, station: StationId(0), order: StationOrder::Pause }]);
+    assert_eq!(floor.fleet.why(robot), Some(Why::StationPaused(StationId(0))));
+    assert_eq!(floor.fleet.wait(Party::Robot(robot)).edge, Edge::Operator);
+}
+
+#[test]
 fn a_place_that_was_promised_to_robots_that_cannot_come_goes_to_others_after_a_minute() {
     let mut floor = crowd();
     let mut paused = Vec::new();
@@ -61,7 +105,7 @@ fn a_place_that_was_promised_to_robots_that_cannot_come_goes_to_others_after_a_m
     }
     floor.run(40);
     assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 0, "all places are promised");
-    let waits = |r: RobotId| matches!(floor.fleet.why(r), Some(Why::QueueFull(_)));
+    let waits = |r: RobotId| matches!(floor.fleet.why(r), Some(Why::NotItsTurn(..)));
     assert!((0..14).map(RobotId::at).any(waits), "others wait for room");
     floor.until(120, "another robot delivers", |f| f.fleet.ledger().counts.robot_deliveries > 0);
     for robot in &paused {

@@ -76,7 +76,11 @@ fn a_job_at_work_gives_the_reason_of_its_robot() {
     let jobs = floor.submit_long(2..6);
     let full = |f: &TestFloor, job: &JobId| {
         let robot = f.state(*job).and_then(|s| s.robot());
-        robot.is_some_and(|r| f.why(*job) == Some(JobWhy::Robot(r, Why::QueueFull(StationId(0)))))
+        let why = f.why(*job).zip(robot).and_then(|(why, r)| match why {
+            JobWhy::Robot(of, why) if of == r => why.station(),
+            _ => None,
+        });
+        why == Some(StationId(0))
     };
     floor.until(300, "a rack waits for the queue", |f| jobs.iter().any(|j| full(f, j)));
 }
@@ -223,6 +227,8 @@ fn the_root_of_waiting_is_the_robot_that_somebody_paused() {
     let chain = floor.chain_to(300, picked);
     let (Who::Robot(last), Who::Robot(first)) = (chain[0].who, chain[1].who) else { panic!("{chain:?}") };
     floor.step(vec![Input::Halt { token: 4, robot: Some(first) }]);
-    let root = floor.fleet.waits(last, floor.now).last().map(|w| (w.who, w.because));
+    let chain = floor.fleet.waits(last, floor.now);
+    let root = chain.last().map(|w| (w.who, w.because));
     assert_eq!(root, Some((Who::Robot(first), Because::Robot(Why::Paused))));
+    assert!(chain.iter().all(|w| w.until.is_none()), "nobody knows how long that takes: {chain:?}");
 }

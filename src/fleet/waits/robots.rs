@@ -4,7 +4,7 @@
 //! Refuses: to walk a chain: one robot, one reason.
 
 use crate::fleet::state::cut_off::Cut;
-use crate::fleet::state::fact::Task;
+use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::ledger::Service;
@@ -26,7 +26,7 @@ pub(super) struct RobotWaits<'a> {
     /// How many robots are bound for each station.
     bound: IdVec<StationId, usize>,
     /// Robots at stations, in their queues and on their way there, foremost first.
-    turns: Vec<(StationId, usize, RobotId)>,
+    turns: Vec<Turn>,
     now: Time,
 }
 
@@ -103,7 +103,30 @@ impl<'a> RobotWaits<'a> {
         let is_full = |_: &StationId| !needs.has_its_turn(self.floor, robot, &self.bound, self.now);
         let full = self.floor.station_of(robot).filter(is_full);
         let in_vain = || needs.failed_before(robot).then(|| self.no_route(robot));
-        full.map(Why::QueueFull).or_else(in_vain)
+        full.and_then(|station| self.outside(robot, station)).or_else(in_vain)
+    }
+
+    /// What keeps a robot from setting off to its station: it is paused, or full, or others have its places or come
+    /// before it.
+    fn outside(&self, robot: RobotId, station: StationId) -> Option<Why> {
+        if self.floor.ledger.paused_stations.contains_key(&station) {
+            return Some(Why::StationPaused(station));
+        }
+        let places = self.floor.warehouse().stations[station].queue.len() + 1;
+        if self.turns_at(station, robot).filter(|t| t.place.is_some()).count() >= places {
+            return Some(Why::QueueFull(station));
+        }
+        // As long as a place is left, those before it are to set off.
+        let before = || self.traffic.needs.ahead(self.floor, robot, self.now).next();
+        let has_place = || self.turns_at(station, robot).map(|t| t.robot).next();
+        let first = if self.bound[station] < places { before() } else { has_place() };
+        first.map(|first| Why::NotItsTurn(station, first))
+    }
+
+    /// The other robots that have places at a station, foremost first.
+    fn turns_at(&self, station: StationId, robot: RobotId) -> impl Iterator<Item = &Turn> {
+        let first = self.turns.partition_point(|t| t.station < station);
+        self.turns[first..].iter().take_while(move |t| t.station == station).filter(move |t| t.robot != robot)
     }
 
     /// Its searches fail: because of a closed area, of something that stands in the way, of a robot that cannot drive,
@@ -176,7 +199,9 @@ impl<'a> RobotWaits<'a> {
             return Edge::Moves;
         }
         match why {
-            Why::WaitsFor(_, Holder::Robot(other)) | Why::BlockedBy(other) => Edge::On(Party::Robot(other)),
+            Why::WaitsFor(_, Holder::Robot(other)) | Why::BlockedBy(other) | Why::NotItsTurn(_, other) => {
+                Edge::On(Party::Robot(other))
+            }
             Why::WaitsFor(_, Holder::Worker(worker)) | Why::GivesWay(worker) => {
                 Edge::On(Party::Worker(worker))
             }
@@ -188,7 +213,11 @@ impl<'a> RobotWaits<'a> {
             Why::Obstructed(node) | Why::WayObstructed(node) => {
                 self.traffic.obstructed_until(node).map_or(Edge::Moves, Edge::Until)
             }
-            Why::QueueFull(station) => self.turn_at(robot, station),
+            Why::QueueFull(station) => {
+                let first = self.turns_at(station, robot).next();
+                first.map_or(Edge::Moves, |t| Edge::On(Party::Robot(t.robot)))
+            }
+            Why::StationPaused(_) => Edge::Operator,
             // The hand comes out by itself.
             Why::HandInOpening(_) => Edge::Moves,
             Why::NoRoute => self.in_the_way(robot).map_or(Edge::NoWay, |r| Edge::On(Party::Robot(r))),
@@ -202,41 +231,57 @@ impl<'a> RobotWaits<'a> {
         let other = self.floor.keeper_of_goal(robot).or(found)?;
         (other != robot && !self.floor.ledger.robots[other].is_gone()).then_some(other)
     }
+}
 
-    /// What a robot waits for whose station has no room: the one that is served, else the first in the queue, else one
-    /// that is on its way there, else the one whose turn is next.
-    fn turn_at(&self, robot: RobotId, station: StationId) -> Edge {
-        if self.floor.ledger.paused_stations.contains_key(&station) {
-            return Edge::Operator;
-        }
-        let first = self.turns.partition_point(|(s, _, _)| *s < station);
-        let others = self.turns[first..].iter().take_while(|(s, _, _)| *s == station);
-        let served = others.map(|(_, _, r)| *r).find(|r| *r != robot);
-        let ahead = served.or_else(|| self.traffic.needs.ahead(self.floor, robot, self.now).next());
-        ahead.map_or(Edge::Moves, |r| Edge::On(Party::Robot(r)))
-    }
+/// A robot that has a place at a station. The order is that in which they come to be served.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Turn {
+    station: StationId,
+    /// Not there yet; those that are come first.
+    comes: bool,
+    /// The place where it stands, from the front.
+    place: Option<usize>,
+    /// When it is planned to be at the station.
+    arrives: Time,
+    robot: RobotId,
 }
 
 impl Floor<'_> {
     /// Robots at stations, in their queues and on their way there: by station, foremost first.
-    fn turns_at_stations(&self) -> Vec<(StationId, usize, RobotId)> {
+    fn turns_at_stations(&self) -> Vec<Turn> {
         let mut turns = Vec::new();
         for robot in self.ledger.present() {
-            let turn = match self.warehouse().kind(self.ledger.node_of(robot)) {
+            let here = self.ledger.node_of(robot);
+            let there = match self.warehouse().kind(here) {
                 NodeKind::Station(s) => Some((s, 0)),
                 NodeKind::Queue(s) => {
                     let queue = &self.warehouse().stations[s].queue;
-                    let here = self.ledger.node_of(robot);
                     Some((s, 1 + queue.iter().position(|n| *n == here).unwrap_or(queue.len())))
                 }
-                _ => {
-                    let drives = !self.lacks_route(robot) && !self.ledger.robots[robot].failed;
-                    self.station_of(robot).filter(|_| drives).map(|s| (s, usize::MAX))
-                }
+                _ => None,
             };
-            turns.extend(turn.map(|(station, place)| (station, place, robot)));
+            let drives = || !self.lacks_route(robot) && !self.ledger.robots[robot].failed;
+            let station = match there {
+                Some((station, _)) => Some(station),
+                None => self.station_of(robot).filter(|_| drives()),
+            };
+            let place = there.map(|(_, place)| place);
+            let arrives = self.planned_at_station(robot).unwrap_or(Time::MAX);
+            turns.extend(station.map(|station| Turn {
+                station,
+                comes: place.is_none(),
+                place,
+                arrives,
+                robot,
+            }));
         }
         turns.sort_unstable();
         turns
+    }
+
+    /// When a robot is planned to be at its station.
+    fn planned_at_station(&self, robot: RobotId) -> Option<Time> {
+        let stop = self.ledger.robots[robot].stops.iter().find(|s| matches!(s.act, Act::Pick(_)))?;
+        self.ledger.chain(robot).get(stop.serial).map(|v| v.arrive)
     }
 }

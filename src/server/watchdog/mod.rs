@@ -42,14 +42,14 @@ impl Watchdog {
         self.looked = Some(now);
         self.health.clock_ahead = clock_ahead;
         let mut found = self.floor.look(fleet, view, &self.health);
-        found.extend(waits_in_vain(fleet));
+        found.extend(waits_in_vain(fleet, now));
         alarms.observe(found, now);
     }
 }
 
 /// Robots that wait for what does not keep them. What ends in this very step has not lasted.
-fn waits_in_vain(fleet: &Fleet) -> Option<AlarmCondition> {
-    let in_vain = fleet.ledger().present().filter(|r| untrue(fleet, *r).is_some());
+fn waits_in_vain(fleet: &Fleet, now: Time) -> Option<AlarmCondition> {
+    let in_vain = fleet.ledger().present().filter(|r| untrue(fleet, *r, now).is_some());
     let names: Vec<&str> = in_vain.map(|r| fleet.ledger().robots[r].name.as_str()).collect();
     let said = format!("robots wait for what does not keep them: {}.", names.join(", "));
     (!names.is_empty()).then(|| AlarmCondition::new(AlarmKind::WaitsInVain, AlarmSubject::floor(), said))

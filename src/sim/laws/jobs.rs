@@ -188,9 +188,25 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
         }
         JobWhy::NoRobot => !is_any_fit(fleet.view(now).free.into_keys(), job, fleet),
         JobWhy::NoKind => !is_any_fit(fleet.view(now).kinds.into_iter(), job, fleet),
+        JobWhy::Outranked(ahead) => {
+            let others = ledger.jobs.values().filter(|j| j.state == JobState::Waiting);
+            let urgency = fleet.urgency_ms(job, now);
+            let before =
+                others.filter(|j| fleet.urgency_ms(j, now) >= urgency && j.request.kind.rack().is_some());
+            let (higher, others): (Vec<&Job>, Vec<&Job>) =
+                before.partition(|j| j.request.priority > job.request.priority);
+            let counted = higher.len() >= ahead.higher && others.len() > ahead.others;
+            counted && !is_any_fit(fleet.view(now).free.into_keys(), job, fleet)
+        }
         JobWhy::StationFull(station) => {
-            let there = w_station(fleet, station);
-            ledger.present().any(|r| ledger.node_of(r) == there || works(r))
+            let place = &fleet.warehouse().stations[station];
+            let is_taken = |n| ledger.present().any(|r| ledger.node_of(r) == n);
+            place.queue.iter().chain([&place.node]).all(|n| is_taken(*n))
+        }
+        JobWhy::RacksWait(station, robot) => {
+            let goes_there =
+                |t| matches!(t, Task::Deliver { station: s, .. } if s == w_station(fleet, station));
+            goes_there(ledger.robots[robot].task) && fleet.lacks_route(robot)
         }
         JobWhy::StationBlocked(_, robot) | JobWhy::WayBlocked(robot) => ledger.robots[robot].failed,
         JobWhy::StationPaused(station) => ledger.paused_stations.contains_key(&station),

@@ -6,6 +6,7 @@
 mod calm;
 mod corridors;
 mod evacuation;
+mod fairness;
 mod hands;
 mod jobs;
 mod places;
@@ -16,7 +17,7 @@ mod waits;
 pub(super) use jobs::undrained;
 use places::PlaceLaws;
 use progress::ProgressLaws;
-pub use violation::{DELIVERS, KEPT, OVERDUE, STUCK, Violation};
+pub use violation::{DELIVERS, KEPT, OVERDUE, PASSED_BY, STUCK, Violation};
 pub use waits::untrue;
 
 pub use calm::CalmFigures;
@@ -28,6 +29,7 @@ use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
 use calm::CalmLaws;
 use corridors::CorridorLaws;
+use fairness::FairLaws;
 use hands::HandLaws;
 use jobs::{JobLaws, why_undrained};
 use std::collections::BTreeSet;
@@ -52,6 +54,7 @@ pub struct Laws {
     hands: HandLaws,
     arms: (usize, usize),
     jobs: JobLaws,
+    fair: FairLaws,
     places: PlaceLaws,
     waits: WaitLaws,
     calm: CalmLaws,
@@ -78,6 +81,7 @@ impl Laws {
             hands: HandLaws::default(),
             arms: (0, 0),
             jobs: JobLaws::new(fleet),
+            fair: FairLaws::new(fleet),
             places: PlaceLaws::default(),
             waits: WaitLaws::default(),
             calm: CalmLaws::default(),
@@ -119,6 +123,8 @@ impl Laws {
         broken.into_iter().for_each(|v| self.break_law(now, v));
         self.check_arms(now, world);
         let broken = self.jobs.check(now, world, fleet, facts);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
+        let broken = self.fair.check(now, world, fleet, facts);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.places.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));

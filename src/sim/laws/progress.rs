@@ -75,8 +75,7 @@ impl ProgressLaws {
                 continue;
             }
             let in_line = |s: &StationId| now - self.served[s].1 < STUCK || away.contains(s);
-            let in_moving_line =
-                matches!(fleet.why(*robot), Some(Why::QueueFull(station)) if in_line(&station));
+            let in_moving_line = fleet.why(*robot).and_then(Why::station).is_some_and(|s| in_line(&s));
             if in_moving_line || waits_for_people(fleet, *robot, &nodes) {
                 stood.unexcused = now;
             }

@@ -19,6 +19,10 @@ pub(in crate::sim) const CIRCLE: Span = Span::from_secs(60);
 /// Nobody stands in one spot because of the fleet for longer than this.
 pub const KEPT: Span = Span::from_secs(60);
 
+/// So many jobs that are less urgent may begin while one waits: two robots are given jobs in one step, and each may be
+/// meant for what the other one then does.
+pub const PASSED_BY: u32 = 3;
+
 /// A broken law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Violation {
@@ -46,6 +50,8 @@ pub enum Violation {
     UntrueEnd(JobId, JobKind),
     /// A job has been in one state for too long without a reason that is true.
     Unexplained(JobId, JobState, Option<JobWhy>),
+    /// A job has waited while more than [`PASSED_BY`] less urgent ones began, the last of which is this one.
+    PassedBy(JobId, JobId),
     /// Jobs wait and robots can drive, but nothing has been delivered for too long.
     NothingDelivered,
     /// After the customers stopped, so many jobs did not end, and so many racks are not in storage.
@@ -102,6 +108,12 @@ impl fmt::Display for Violation {
             }
             Violation::Unexplained(j, state, why) => {
                 write!(f, "job {j:?} has been {state:?} for {OVERDUE:?} without a true reason: {why:?}")
+            }
+            Violation::PassedBy(j, last) => {
+                write!(
+                    f,
+                    "job {j:?} waits while more than {PASSED_BY} less urgent ones began, at last {last:?}"
+                )
             }
             Violation::NothingDelivered => {
                 write!(f, "jobs wait and robots can drive, but nothing was delivered for {DELIVERS:?}")

@@ -12,7 +12,7 @@ export const ALARM_WORDS: Readonly<Record<string, string>> = wordsBy({
   worker_lost: 'alarm.kind.worker_lost', worker_kept: 'alarm.kind.worker_kept',
   closed_areas: 'alarm.kind.closed_areas', job_stuck: 'alarm.kind.job_stuck',
   deadline_at_risk: 'alarm.kind.deadline_at_risk', deadline_missed: 'alarm.kind.deadline_missed',
-  station_starved: 'alarm.kind.station_starved', arm_trouble: 'alarm.kind.arm_trouble',
+  station_starved: 'alarm.kind.station_starved', flow: 'alarm.kind.flow', arm_trouble: 'alarm.kind.arm_trouble',
   steps_late: 'alarm.kind.steps_late',
   plan_backlog: 'alarm.kind.plan_backlog', forecast: 'alarm.kind.forecast', clock: 'alarm.kind.clock',
   journal: 'alarm.kind.journal', halt: 'alarm.kind.halt', database: 'alarm.kind.database', loop: 'alarm.kind.loop',

@@ -11,6 +11,14 @@ export const write = (element: HTMLElement, text: string): void => {
 };
 const words = (className: string, text: string): HTMLElement => make('p', { className, textContent: text });
 
+type Next = NonNullable<Station['next']>;
+
+/** When the next rack comes; nobody knows that while its robot waits for something that has no known end. */
+const comesIn = ({ rack, in_s }: Next, now: (s: number) => string): string =>
+  in_s === null ? t('bar.next.unknown', { rack }) : t('bar.next', { rack, time: now(in_s) });
+const comesSoon = ({ rack, robot, in_s }: Next, now: (s: number) => string): string =>
+  in_s === null ? t('none.unknown', { rack, robot }) : t('none.soon', { rack, time: now(in_s), robot });
+
 export class Board {
   readonly bar = make('header', { className: 'bar' });
   readonly rack = make('div', { className: 'rack' });
@@ -69,9 +77,8 @@ export class Board {
     write(left, visit && lines > 0 ? t('left', { lines, pieces: visit.pieces_left }) : '');
     const ends = visit?.expected_end ?? null;
     write(end, ends ? t('end', { time: now(ends.p50), most: now(ends.p90) }) : '');
-    write(coming, next ? t('bar.next', { rack: next.rack, time: now(next.in_s) }) : t('bar.next.none'));
-    const soon = next ? t('none.soon', { rack: next.rack, time: now(next.in_s), robot: next.robot }) : t('none.later');
-    write(this.#soon, soon);
+    write(coming, next ? comesIn(next, now) : t('bar.next.none'));
+    write(this.#soon, next ? comesSoon(next, now) : t('none.later'));
   }
 
   #bigWords({ visit, hands_seen }: Station, mistake: Mistake | null): Node[] {

@@ -52,7 +52,7 @@ export interface Station {
   visit: Visit | null;
   /** The line that was not confirmed when its rack left. */
   unconfirmed: { job: string; line: Line } | null;
-  next: { rack: string; robot: string; in_s: number } | null;
+  next: { rack: string; robot: string; in_s: number | null } | null;
   arm: { kind: string } | null;
   /** Whether the hands of one person alone were seen of late, so that lines may be confirmed without a button. */
   hands_seen: boolean;

@@ -163,15 +163,24 @@ impl Queue {
         line.into_iter().flat_map(|line| line.iter()).map(|(_, j)| *j).skip_while(move |j| *j != id).skip(1)
     }
 
-    /// The delivery of a rack with the highest priority, the oldest of several.
-    pub fn next_delivery(&self, rack: RackId) -> Option<JobId> {
-        let lines = self.racks.get(&rack)?.iter().filter(|((goal, _), _)| *goal != RackGoal::Storage);
-        let oldest = |line: &QueueLine, jobs: &BTreeSet<Rank>| match line.stage {
-            DeadlineStage::Plain | DeadlineStage::Overdue => jobs.first().map(|(_, id)| *id),
-            DeadlineStage::Near | DeadlineStage::Late => jobs.iter().map(|(_, id)| *id).min(),
-        };
-        let first = lines.filter_map(|((_, line), jobs)| Some((Reverse(line.priority), oldest(line, jobs)?)));
-        first.min().map(|(_, id)| id)
+    /// The first job of each line for a rack that nothing keeps from starting, whether the rack is free or not.
+    pub fn firsts_of(&self, rack: RackId) -> impl Iterator<Item = JobId> + '_ {
+        let lines = self.racks.get(&rack).into_iter().flat_map(BTreeMap::values);
+        lines.filter_map(|jobs| jobs.first().map(|(_, id)| *id))
+    }
+
+    /// Jobs for racks that nothing but others keeps from starting and whose goal is open, most urgent first: those
+    /// among the first `looked` of all that wait.
+    pub fn in_line<'a>(
+        &'a self,
+        now: Time,
+        looked: usize,
+        is_open: impl Fn(RackGoal) -> bool + 'a,
+    ) -> impl Iterator<Item = JobId> + 'a {
+        self.in_order(now).take(looked).filter(move |id| {
+            let entry = &self.entries[id];
+            !entry.is_blocked && entry.rack.is_some_and(|(_, goal)| is_open(goal))
+        })
     }
 
     /// How urgent a waiting job is, milliseconds.

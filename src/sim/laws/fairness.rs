@@ -1,0 +1,219 @@
+//! The law of fairness: no job for a rack waits while others that are less urgent begin, one after the other.
+//!
+//! Main type: [`FairLaws`]. The order is the stated one: priority, age and nearness of the deadline, by which a priority
+//! is worth eight minutes of waiting. A job counts as passed by where it is less urgent by more than ways can make up
+//! for, and only by a robot that could have done the one that waits: its rack stands free in storage, and its station
+//! has room or is the one at which the other job ended up. Jobs that name a robot, and jobs for which an operator chose
+//! one, are orders to that robot and have an order of their own. Refuses: to count the first jobs that pass: two robots
+//! may settle in one step what each of them alone would have done otherwise.
+
+use super::super::world::World;
+use super::violation::{PASSED_BY, Violation};
+use crate::fleet::{Fact, Fleet, Job, JobState, RackAt, RobotChoice, Task};
+use crate::id::{JobId, RackId, RobotId, StationId};
+use crate::time::Time;
+use crate::warehouse::Warehouse;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a rack that is under way to a station makes others there cost at most, milliseconds.
+const CONGESTION_MS: f64 = 8_000.0;
+/// Setting a rack down and lifting another one, and what a rack that stays saves, milliseconds.
+const HANDLES_MS: f64 = 10_000.0 + 60_000.0;
+
+/// Jobs that wait, and how many less urgent ones have begun since.
+#[derive(Debug)]
+pub(super) struct FairLaws {
+    waiting: BTreeMap<JobId, u32>,
+    /// Stations for which enough racks waited after the step before.
+    full: BTreeSet<StationId>,
+    /// The sum of all sides of the floor, metres.
+    extent_m: f64,
+}
+
+/// A job that has begun, and with which robot.
+struct Begun {
+    job: JobId,
+    robot: RobotId,
+    /// Whether the robot went on with the rack that it had.
+    goes_on: bool,
+}
+
+impl FairLaws {
+    pub fn new(fleet: &Fleet) -> FairLaws {
+        let waits = fleet.ledger().jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
+        let waiting = waits.map(|(id, _)| (*id, 0)).collect();
+        FairLaws { waiting, full: BTreeSet::new(), extent_m: extent_m(fleet.warehouse()) }
+    }
+
+    /// Looks at which jobs began in a step, and which waited meanwhile.
+    pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {
+        let mut begun = Vec::new();
+        let mut fresh = BTreeSet::new();
+        for fact in facts {
+            match *fact {
+                Fact::Accepted { job, .. } => _ = fresh.insert(job),
+                Fact::Progressed { job, state: JobState::Waiting, .. } => _ = fresh.insert(job),
+                Fact::Progressed { job, state, .. } => {
+                    let waited = self.waiting.remove(&job).is_some() || fresh.remove(&job);
+                    let goes_on = matches!(state, JobState::Carrying { .. });
+                    let robot = state.robot().filter(|_| waited);
+                    begun.extend(robot.map(|robot| Begun { job, robot, goes_on }));
+                }
+                _ => {}
+            }
+        }
+        let full = fleet.full_stations(now);
+        let broken = begun.iter().filter_map(|b| self.passed_by(b, &full, now, world, fleet)).collect();
+        self.full = full;
+        self.waiting.extend(fresh.into_iter().map(|id| (id, 0)));
+        broken
+    }
+
+    /// Counts a job that has begun for all that waited and were more urgent.
+    fn passed_by(
+        &mut self,
+        begun: &Begun,
+        full: &BTreeSet<StationId>,
+        now: Time,
+        world: &World,
+        fleet: &Fleet,
+    ) -> Option<Violation> {
+        let ledger = fleet.ledger();
+        let job = ledger.jobs.get(&begun.job)?;
+        let rack = job.request.kind.rack()?;
+        if matches!(job.choice, RobotChoice::Only(..)) || begun.goes_on && is_low(begun.robot, world, fleet) {
+            return None;
+        }
+        let urgency = fleet.urgency_ms(job, now);
+        let is_open = |s: StationId| !full.contains(&s) && !self.full.contains(&s);
+        let allowed_ms = self.ways_ms(fleet, begun) + if begun.goes_on { HANDLES_MS } else { 0.0 };
+        let mut first: BTreeMap<RackId, (i64, JobId)> = BTreeMap::new();
+        for id in self.waiting.keys() {
+            let Some(other) = ledger.jobs.get(id) else { continue };
+            let ahead = fleet.urgency_ms(other, now) - urgency;
+            let is_ahead = ahead as f64 > allowed_ms;
+            if !is_ahead || !could_go_first((*id, other), (begun, job), is_open, now, fleet) {
+                continue;
+            }
+            let of_rack = other.request.kind.rack().unwrap_or(rack);
+            let best = first.entry(of_rack).or_insert((ahead, *id));
+            if ahead > best.0 {
+                *best = (ahead, *id);
+            }
+        }
+        let mut broken = None;
+        for (_, id) in first.into_values() {
+            let passed = self.waiting.get_mut(&id).expect("it waits");
+            *passed += 1;
+            if *passed > PASSED_BY {
+                *passed = 0;
+                broken = Some(Violation::PassedBy(id, begun.job));
+            }
+        }
+        broken
+    }
+
+    /// By how much the ways of one robot to two racks can differ, at most, and what crowds at stations are worth.
+    fn ways_ms(&self, fleet: &Fleet, begun: &Begun) -> f64 {
+        let moves = &fleet.settings().kind(&fleet.ledger().robots[begun.robot].kind).kinematics;
+        let away_s = if begun.goes_on { self.extent_m / moves.speed_loaded_mps } else { 0.0 };
+        let places = fleet.warehouse().stations.iter().map(|s| s.queue.len() + 1).max().unwrap_or(1);
+        (self.extent_m / moves.speed_mps + away_s) * 1000.0 + CONGESTION_MS * places as f64
+    }
+}
+
+/// Whether a job that waits could have begun in place of one that has.
+fn could_go_first(
+    (id, waits): (JobId, &Job),
+    (begun, job): (&Begun, &Job),
+    is_open: impl Fn(StationId) -> bool,
+    now: Time,
+    fleet: &Fleet,
+) -> bool {
+    let ledger = fleet.ledger();
+    let station = waits.request.kind.station();
+    let is_free = waits.request.after.iter().all(|a| !ledger.jobs.contains_key(a))
+        && !waits.request.after.iter().any(|a| ledger.ended_badly.contains_key(a));
+    let is_paused = station.is_some_and(|s| ledger.paused_stations.contains_key(&s));
+    if waits.state != JobState::Waiting || !is_free || is_paused {
+        return false;
+    }
+    let Some(rack) = waits.request.kind.rack() else { return false };
+    let same_rack = job.request.kind.rack() == Some(rack);
+    let same_station = station.is_some() && station == job.request.kind.station();
+    // Which of the jobs for one rack comes first costs no ways, but their stations may differ in crowds, and a robot that
+    // goes on keeps no station for a place at another one.
+    if same_rack {
+        let has_room = || !begun.goes_on && station.is_none_or(|s| is_open(s) && has_room(fleet, s));
+        return fleet.is_allowed_for(begun.robot, waits, now) && (same_station || has_room());
+    }
+    let RackAt::Stored(_) = ledger.racks[rack] else { return false };
+    let fetches = |r: RobotId| matches!(ledger.robots[r].task, Task::Fetch { rack: k, .. } if k == rack);
+    let has_room = match station {
+        Some(_) if same_station && begun.goes_on => true,
+        Some(s) => is_open(s) && (same_station || has_room(fleet, s)),
+        None => true,
+    };
+    has_room && !ledger.present().any(fetches) && fleet.could_do(begun.robot, id, now)
+}
+
+/// Whether fewer racks are under way to a station than it has places, and what they cost is no matter of order lines.
+fn has_room(fleet: &Fleet, station: StationId) -> bool {
+    let place = &fleet.warehouse().stations[station];
+    let ledger = fleet.ledger();
+    let jobs = ledger.robots.iter().filter_map(|r| ledger.jobs.get(&r.task.job()?));
+    let under_way = jobs.filter(|j| j.request.kind.station() == Some(station)).count();
+    let has_cells = fleet.warehouse().stations.iter().any(|s| s.cell.is_some());
+    let counts_lines = has_cells && fleet.settings().flow.counts_lines();
+    !counts_lines && under_way <= place.queue.len() + 1
+}
+
+/// Whether a robot is to charge before it fetches another rack.
+fn is_low(robot: RobotId, world: &World, fleet: &Fleet) -> bool {
+    let charging = &fleet.settings().kind(&fleet.ledger().robots[robot].kind).charging;
+    world.truth().any(|(r, t)| r == robot && t.battery < charging.low + 0.01)
+}
+
+fn extent_m(warehouse: &Warehouse) -> f64 {
+    let (low, high) = warehouse.bounds();
+    (high.x - low.x) + (high.y - low.y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::{Input, JobKind, JobRequest};
+    use crate::sim::{Scenario, Simulation};
+    use crate::warehouse::formats;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_job_that_less_urgent_ones_pass_by_is_found_at_the_fourth_of_them() {
+        let map = formats::json::parse(include_str!("../../../docs/small.json")).expect("a map");
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60, "jobs": "none"}"#;
+        let scenario = Scenario::parse(text).expect("a scenario");
+        let mut sim = Simulation::new(Arc::new(map), &scenario, &[], 1, false, || 0);
+        for _ in 0..20 {
+            sim.step();
+        }
+        let now = sim.fleet.view(Time::ZERO).robots[0].seen.expect("it reports");
+        let robot = RobotId(0);
+        let submit = |rack, priority| {
+            let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick: None };
+            let request = JobRequest { priority, ..JobRequest::new(kind) };
+            Input::Submit { token: 1, request }
+        };
+        let mut inputs = vec![Input::Halt { token: 2, robot: Some(robot) }, submit(0, 8), submit(1, 9)];
+        inputs.extend((0..4).map(|_| submit(1, 0)));
+        sim.fleet.step(now, inputs);
+        let mut laws = FairLaws::new(&sim.fleet);
+        let mut begins = |job| {
+            let state = JobState::Assigned { robot };
+            let fact = Fact::Progressed { job: JobId(job), state, tasked: None, at: now };
+            laws.check(now, &sim.world, &sim.fleet, &[fact])
+        };
+        assert_eq!(begins(2), [], "it is more urgent");
+        assert_eq!([3, 4, 5].map(&mut begins), [vec![], vec![], vec![]]);
+        assert_eq!(begins(6), [Violation::PassedBy(JobId(1), JobId(6))]);
+    }
+}
