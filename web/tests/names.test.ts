@@ -13,8 +13,8 @@ const settled = (): Promise<void> => new Promise((done) => { setTimeout(done, 0)
 
 test('names take the place of pseudonyms when the server has told them, page by page', async () => {
   const pages = [
-    { items: [{ id: 'w1', name: 'Anna' }], next: 'more' },
-    { items: [{ id: 'w2', name: 'Ben' }], next: null },
+    { items: [{ id: 'w1', pseudonym: 'worker-w1', name: 'Anna' }], next: 'more' },
+    { items: [{ id: 'w2', pseudonym: 'worker-w2', name: 'Ben' }], next: null },
   ];
   const people = vi.fn(() => Promise.resolve({ kind: 'ok' as const, value: pages.shift()! }));
   const known = new PeopleNames({ people } as unknown as Pick<Api, 'people'>, admin, () => 0);
@@ -58,4 +58,13 @@ test('names are asked for by those who may see them alone, and by nobody of whom
   // A viewer stays one.
   expect(who).toHaveBeenCalledTimes(3);
   expect(people).not.toHaveBeenCalled();
+});
+
+test('another worker who has the id of one who was erased does not get that name in a recording', async () => {
+  const people = vi.fn(() => Promise.resolve(
+    { kind: 'ok' as const, value: { items: [{ id: 'w1', pseudonym: 'worker-new', name: 'Ben' }], next: null } }));
+  const known = new PeopleNames({ people } as unknown as Pick<Api, 'people'>, admin, () => 0);
+  known.shown(floor('w1'));
+  await settled();
+  expect(names(known.shown(floor('w1')))).toEqual(['worker-w1']);
 });
