@@ -158,7 +158,8 @@ pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
     ];
     let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| RowCondition::number(sql, n)));
     let reference = rest.reference.map(|text| RowCondition::words(vec![(" AND reference = ", text)], ""));
-    let has = " AND EXISTS (SELECT 1 FROM job_labels WHERE job = jobs.id AND job_labels.key = ";
+    let has =
+        " AND EXISTS (SELECT 1 FROM job_labels INDEXED BY job_labels_by_value WHERE job = jobs.id AND key = ";
     let label =
         label.map(|(key, value)| RowCondition::words(vec![(has, key), (" AND value = ", value)], ")"));
     let conditions = RowCondition::one_of(" AND state IN (", &rest.states).into_iter();
