@@ -31,7 +31,7 @@ CREATE INDEX events_of_worker ON events (worker) WHERE worker IS NOT NULL;
 CREATE INDEX robot_changes_by_time ON robot_changes (at);
 CREATE INDEX alarms_of_people ON alarms (cleared) WHERE subject_kind = 'worker';
 CREATE INDEX alarms_by_start ON alarms (since);
-CREATE INDEX alarms_of_days ON alarms (cleared) WHERE cleared - since > 86400000000;
+CREATE INDEX alarms_of_hours ON alarms (cleared) WHERE cleared - since > 3600000000;
 CREATE INDEX tokens_by_subject ON tokens (subject) WHERE subject IS NOT NULL;
 
 -- How many of the jobs in the list each robot did, and could not do: counted where a job ends and where it is deleted.

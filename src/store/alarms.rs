@@ -28,15 +28,15 @@ const ACTIVE: &str = "SELECT * FROM alarms INDEXED BY alarms_by_end WHERE cleare
 const SOME: &str = "SELECT * FROM alarms WHERE id < $1 AND (cleared IS NULL OR cleared >= $2) AND since < $3 \
     ORDER BY id DESC LIMIT $4";
 /// The same where alarms have numbers in the order of their beginnings: those that are active, and of the others those
-/// that began in the time, a day before it, or lasted for more than a day.
+/// that began in the time, an hour before it, or lasted for more than an hour.
 const SOME_IN_ORDER: &str = "SELECT * FROM alarms WHERE id IN ( \
     SELECT * FROM (SELECT id FROM alarms INDEXED BY alarms_by_end WHERE cleared IS NULL AND id < $1 AND since < $3 \
     ORDER BY id DESC LIMIT $4) \
     UNION ALL SELECT * FROM (SELECT id FROM alarms WHERE cleared >= $2 AND since < $3 AND id < min($1, \
     coalesce((SELECT id FROM alarms INDEXED BY alarms_by_start WHERE since >= $3 ORDER BY since, id LIMIT 1), $1)) \
-    AND id >= min(coalesce((SELECT id FROM alarms INDEXED BY alarms_by_start WHERE since >= $2 - 86400000000 \
-    ORDER BY since, id LIMIT 1), $1), coalesce((SELECT min(id) FROM alarms INDEXED BY alarms_of_days \
-    WHERE cleared - since > 86400000000 AND cleared >= $2), $1)) \
+    AND id >= min(coalesce((SELECT id FROM alarms INDEXED BY alarms_by_start WHERE since >= $2 - 3600000000 \
+    ORDER BY since, id LIMIT 1), $1), coalesce((SELECT min(id) FROM alarms INDEXED BY alarms_of_hours \
+    WHERE cleared - since > 3600000000 AND cleared >= $2), $1)) \
     ORDER BY id DESC LIMIT $4)) ORDER BY id DESC LIMIT $4";
 const SHELVED: &str = "SELECT * FROM alarms INDEXED BY alarms_by_shelf \
     WHERE cleared IS NOT NULL AND shelved_until > $1 ORDER BY id";

@@ -5,7 +5,7 @@
 use super::gone::Gone;
 use super::job_record::{ChoiceRecord, StationRecord, visiting};
 use super::line_record::LinesRecord;
-use super::listing::{Arm, Condition, Given, Listing, Reach, TimeStatements};
+use super::listing::{Arm, Given, Listing, Reach, RowCondition, TimeStatements};
 use super::{Store, StoreError, job_record};
 use crate::cell::{LineChange, LineOutcome, Lines};
 use crate::fleet::{
@@ -162,16 +162,17 @@ pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
         (" AND station = ", rest.station.map(|station| i64::from(station.0))),
         (" AND worker = ", rest.robot.map(|robot| i64::from(robot.0))),
     ];
-    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| Condition::number(sql, n)));
-    let reference = rest.reference.map(|text| Condition::words(vec![(" AND reference = ", text)], ""));
+    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| RowCondition::number(sql, n)));
+    let reference = rest.reference.map(|text| RowCondition::words(vec![(" AND reference = ", text)], ""));
     let part = rest.reference_part;
     let part =
-        part.map(|text| Condition::words(vec![(" AND instr(lower(reference), lower(", text)], ")) > 0"));
-    let has = " AND EXISTS (SELECT 1 FROM job_labels WHERE job = jobs.id AND job_labels.key = ";
-    let label = label.map(|(key, value)| Condition::words(vec![(has, key), (" AND value = ", value)], ")"));
-    let conditions = Condition::one_of(" AND state IN (", &rest.states).into_iter();
-    let conditions =
-        conditions.chain(times).chain(numbers).chain(reference).chain(part).chain(label).collect();
+        part.map(|text| RowCondition::words(vec![(" AND instr(lower(reference), lower(", text)], ")) > 0"));
+    let has =
+        " AND EXISTS (SELECT 1 FROM job_labels INDEXED BY job_labels_by_value WHERE job = jobs.id AND key = ";
+    let label =
+        label.map(|(key, value)| RowCondition::words(vec![(has, key), (" AND value = ", value)], ")"));
+    let conditions = RowCondition::one_of(" AND state IN (", &rest.states).into_iter();
+    let conditions = conditions.chain(times).chain(numbers).chain(reference).chain(part).chain(label).collect();
     reach.listing((SOME, NEWEST_FIRST), arms, conditions, q.limit + 1)
 }
 

@@ -1,9 +1,9 @@
 //! How a page of a list is read, so that it costs the same however long the list is.
 //!
 //! Main types: [`Reach`] (what times leave of a list), [`Listing`] (where a page comes from), [`Arm`] (one index, read
-//! in the order of the list), [`Condition`] (what no index answers). A page has the best rows of its arms. Where rows
-//! are left out by conditions, a page looks at no more than so many rows and says from where to go on. Refuses: to sort a
-//! list, and to choose an index by itself: each arm names one, and SQLite refuses a statement whose index is not there.
+//! in the order of the list), [`RowCondition`] (what no index answers). A page has the best rows of its arms. Where
+//! conditions leave rows out, it looks at no more than so many and says from where to go on. Refuses: to sort a list,
+//! and to choose an index by itself: each arm names one, and SQLite refuses a statement whose index is not there.
 
 use super::{Store, StoreError};
 use crate::time::{Span, Time};
@@ -65,26 +65,26 @@ impl Arm {
 
 /// What a row must be beside that: pieces of SQL, each with what follows it.
 #[derive(Clone, Debug)]
-pub(super) struct Condition {
+pub(super) struct RowCondition {
     parts: Vec<(&'static str, Given)>,
     end: &'static str,
 }
 
-impl Condition {
+impl RowCondition {
     /// A comparison with a number.
-    pub fn number(comparison: &'static str, number: i64) -> Condition {
-        Condition { parts: vec![(comparison, Given::Number(number))], end: "" }
+    pub fn number(comparison: &'static str, number: i64) -> RowCondition {
+        RowCondition { parts: vec![(comparison, Given::Number(number))], end: "" }
     }
 
     /// Pieces with words behind them.
-    pub fn words(parts: Vec<(&'static str, String)>, end: &'static str) -> Condition {
-        Condition { parts: parts.into_iter().map(|(sql, word)| (sql, Given::Word(word))).collect(), end }
+    pub fn words(parts: Vec<(&'static str, String)>, end: &'static str) -> RowCondition {
+        RowCondition { parts: parts.into_iter().map(|(sql, word)| (sql, Given::Word(word))).collect(), end }
     }
 
     /// One of these words, if there are any.
-    pub fn one_of(begin: &'static str, words: &[&'static str]) -> Option<Condition> {
+    pub fn one_of(begin: &'static str, words: &[&'static str]) -> Option<RowCondition> {
         let part = |(i, word): (usize, &&str)| (if i == 0 { begin } else { ", " }, (*word).to_owned());
-        (!words.is_empty()).then(|| Condition::words(words.iter().enumerate().map(part).collect(), ")"))
+        (!words.is_empty()).then(|| RowCondition::words(words.iter().enumerate().map(part).collect(), ")"))
     }
 }
 
@@ -106,10 +106,10 @@ impl Reach {
     pub fn conditions(
         &self,
         (from, to, since): (Option<Time>, Option<Time>, Option<Time>),
-    ) -> impl Iterator<Item = Condition> + use<> {
+    ) -> impl Iterator<Item = RowCondition> + use<> {
         let (from, to) = if self.is_orderly { (None, None) } else { (from, to) };
         let times = [(" AND created >= ", from), (" AND created < ", to), (" AND updated >= ", since)];
-        times.into_iter().filter_map(|(sql, t)| t.map(|t| Condition::number(sql, t.0)))
+        times.into_iter().filter_map(|(sql, t)| t.map(|t| RowCondition::number(sql, t.0)))
     }
 
     /// A listing within these bounds.
@@ -117,7 +117,7 @@ impl Reach {
         &self,
         (rows, order): (&'static str, &'static str),
         arms: Vec<Arm>,
-        conditions: Vec<Condition>,
+        conditions: Vec<RowCondition>,
         limit: u32,
     ) -> Listing {
         let Reach { low, before, is_short, .. } = *self;
@@ -191,7 +191,7 @@ pub(super) struct Listing {
     /// Where rows may be.
     pub arms: Vec<Arm>,
     /// What they must be beside that.
-    pub conditions: Vec<Condition>,
+    pub conditions: Vec<RowCondition>,
     /// Numbers are not below this.
     pub low: i64,
     /// Numbers are below this.

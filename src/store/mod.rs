@@ -292,7 +292,7 @@ async fn prepare(
     if last < known {
         return Err(StoreError::Lost { path: path.into(), found: last, known });
     }
-    if lock.is_bare() && last > 0 && is_open(writer).await? {
+    if lock.is_bare() && is_open(writer).await? {
         lock.leave_bare();
         return Err(StoreError::Alone(path.into()));
     }
@@ -308,6 +308,10 @@ async fn prepare(
 
 /// Whether the run that had the database last did not close it. An earlier Giveway says nothing about that.
 async fn is_open(db: &SqlitePool) -> Result<bool, StoreError> {
+    let tables: i64 = sqlx::query_scalar(JOURNALS).fetch_one(db).await?;
+    if tables == 0 {
+        return Ok(false);
+    }
     let about = async |key| -> Result<Option<String>, StoreError> {
         Ok(sqlx::query_scalar(ABOUT).bind(key).fetch_optional(db).await?)
     };

@@ -3,7 +3,7 @@
 //! Refuses: names, which others give to ids.
 
 use super::gone::Gone;
-use super::listing::{Arm, Condition, Given, LOOKED_AT, Listing, Reach, TimeStatements, count, first};
+use super::listing::{Arm, Given, LOOKED_AT, Listing, Reach, RowCondition, TimeStatements, count, first};
 use super::{Store, StoreError};
 use crate::fleet::{
     Assignment, AssignmentQuery, AssignmentRequest, AssignmentRow, AssignmentState, ClientKey, Encounter,
@@ -171,9 +171,9 @@ pub(super) fn list_assignments(q: &AssignmentQuery, reach: &Reach) -> Listing {
         (" AND worker = ", rest.worker.map(|w| i64::from(w.0))),
         (" AND place = ", rest.place.map(|n| i64::from(n.0))),
     ];
-    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| Condition::number(sql, n)));
+    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| RowCondition::number(sql, n)));
     let times = reach.conditions((rest.from, rest.to, rest.updated_since));
-    let states = Condition::one_of(" AND state IN (", &rest.states).into_iter();
+    let states = RowCondition::one_of(" AND state IN (", &rest.states).into_iter();
     let conditions = states.chain(times).chain(numbers).collect();
     reach.listing((ASSIGNMENTS, NEWEST_FIRST), arms, conditions, q.limit + 1)
 }
@@ -215,8 +215,8 @@ pub(super) fn list_encounters(
         (" AND began >= ", rest.from.map(|t| t.0)),
         (" AND began < ", rest.to.map(|t| t.0)),
     ];
-    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| Condition::number(sql, n)));
-    let words = Condition::one_of(" AND reaction IN (", &rest.reactions).into_iter();
+    let numbers = numbers.into_iter().filter_map(|(sql, n)| n.map(|n| RowCondition::number(sql, n)));
+    let words = RowCondition::one_of(" AND reaction IN (", &rest.reactions).into_iter();
     reach.listing((ENCOUNTERS, LATEST_FIRST), arms, words.chain(numbers).collect(), q.limit + 1)
 }
 

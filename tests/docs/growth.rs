@@ -122,6 +122,7 @@ fn files(folder: &str) -> Vec<String> {
             }
         }
     }
+    found.sort();
     found
 }
 

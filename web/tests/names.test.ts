@@ -59,3 +59,12 @@ test('names are asked for by those who may see them alone, and by nobody of whom
   expect(who).toHaveBeenCalledTimes(3);
   expect(people).not.toHaveBeenCalled();
 });
+
+test('another worker who has the id of one who was erased does not get that name in a recording', async () => {
+  const people = vi.fn(() => Promise.resolve(
+    { kind: 'ok' as const, value: { items: [{ id: 'w1', pseudonym: 'worker-new', name: 'Ben' }], next: null } }));
+  const known = new PeopleNames({ people } as unknown as Pick<Api, 'people'>, admin, () => 0);
+  known.shown(floor('w1'));
+  await settled();
+  expect(names(known.shown(floor('w1')))).toEqual(['worker-w1']);
+});

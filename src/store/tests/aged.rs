@@ -45,7 +45,7 @@ struct Cost {
 }
 
 /// What is asked of a store, beside appends: every list with every filter by itself, and reports.
-struct Asked {
+struct ListQueries {
     jobs: Vec<(&'static str, JobQuery)>,
     /// Filters that no index answers together.
     mixed: Vec<(&'static str, JobQuery)>,
@@ -53,13 +53,13 @@ struct Asked {
     encounters: Vec<(&'static str, EncounterQuery)>,
 }
 
-fn asked() -> Asked {
+fn asked() -> ListQueries {
     let (ago, before) = (Some(NOW - MINUTE * 30), Some(NOW - MINUTE * 15));
     let jobs = JobQuery { limit: 50, ..JobQuery::default() };
     let tasks = AssignmentQuery { limit: 10, ..AssignmentQuery::default() };
     let met = EncounterQuery { limit: 10, ..EncounterQuery::default() };
     let rack = Some(RackId(8));
-    Asked {
+    ListQueries {
         jobs: vec![
             ("jobs", jobs.clone()),
             ("jobs: state=done", JobQuery { states: vec!["done"], ..jobs.clone() }),
@@ -128,14 +128,14 @@ fn job_steps(first: i64, count: i64, at: Time) -> Vec<StepEntry> {
 }
 
 /// Calls everything, each so many times.
-struct Caller {
+struct StoreCaller {
     store: Store,
     steps: Arc<AtomicU64>,
     rounds: u32,
     costs: Vec<Cost>,
 }
 
-impl Caller {
+impl StoreCaller {
     async fn call<T>(&mut self, what: &'static str, work: impl AsyncFn(&Store) -> T) {
         work(&self.store).await;
         let (mut steps, mut times) = (0, Vec::new());
@@ -162,7 +162,7 @@ impl Caller {
             store.last_audit().await.unwrap();
         })
         .await;
-        let Asked { jobs, mixed, assignments, encounters } = asked();
+        let ListQueries { jobs, mixed, assignments, encounters } = asked();
         for (what, q) in jobs.into_iter().chain(mixed) {
             self.call(what, async |store| store.jobs(&q).await.unwrap()).await;
         }
@@ -195,7 +195,7 @@ impl Caller {
             from: None,
             to: None,
             before: None,
-            limit: 10,
+            limit: 1,
         };
         self.call("what happened to a robot", async |store| store.robot_events(&life).await.unwrap()).await;
         self.call("jobs of a robot", async |store| store.robot_jobs(RobotId(7)).await.unwrap()).await;
@@ -215,7 +215,7 @@ impl Caller {
 async fn costs(path: &Path, jobs: i64, rounds: u32) -> Vec<Cost> {
     let store = Store::open(path, &year::map()).await.unwrap();
     let steps = count_steps(&store).await;
-    let mut caller = Caller { store, steps, rounds, costs: Vec::new() };
+    let mut caller = StoreCaller { store, steps, rounds, costs: Vec::new() };
     caller.call_all(jobs).await;
     caller.store.close().await;
     caller.costs
@@ -230,7 +230,9 @@ fn folder(name: &str) -> PathBuf {
 /// What is more work than it may be: half as much again as on a new database, or, for filters that no index answers
 /// together, so many rows that are looked at.
 fn too_much(new: &[Cost], old: &[Cost]) -> Vec<String> {
-    let mixed: Vec<&str> = asked().mixed.iter().map(|(what, _)| *what).collect();
+    let mut mixed: Vec<&str> = asked().mixed.iter().map(|(what, _)| *what).collect();
+    // They are in the order of their ends: when they began is a condition.
+    mixed.push("encounters: to");
     let mut found = Vec::new();
     for (new, old) in new.iter().zip(old) {
         let most =
@@ -249,7 +251,7 @@ fn too_much(new: &[Cost], old: &[Cost]) -> Vec<String> {
 async fn an_old_database_makes_no_more_work_than_a_new_one() {
     let folder = folder("aged");
     let (new, old) = (folder.join("new.sqlite"), folder.join("old.sqlite"));
-    let (few, many) = (year::fill(&new, 1).await, year::fill(&old, 24).await);
+    let (few, many) = (year::fill(&new, 2).await, year::fill(&old, 20).await);
     let (new, old) = (costs(&new, few, 1).await, costs(&old, many, 1).await);
     std::fs::remove_dir_all(folder).unwrap();
     let found = too_much(&new, &old);
@@ -266,7 +268,7 @@ async fn a_year_of_100_robots() {
     let folder = folder("year");
     let new = folder.join("new.sqlite");
     let old = std::env::var("GIVEWAY_YEAR").map_or(folder.join("old.sqlite"), PathBuf::from);
-    let few = year::fill(&new, 1).await;
+    let few = year::fill(&new, 2).await;
     let began = Instant::now();
     let many = year::fill(&old, hours).await;
     let size = std::fs::metadata(&old).unwrap().len() as f64 / 1e9;
@@ -277,7 +279,7 @@ async fn a_year_of_100_robots() {
         println!("{name}: opened in {:.1} ms", began.elapsed().as_secs_f64() * 1000.0);
         store.close().await;
     }
-    let (new, old) = (costs(&new, few, 101).await, costs(&old, many, 101).await);
+    let (new, old) = (costs(&new, few, 21).await, costs(&old, many, 21).await);
     println!("| | new: steps | ms | old: steps | ms | work |\n|---|---|---|---|---|---|");
     for (new, old) in new.iter().zip(&old) {
         let ms = |time: Duration| time.as_secs_f64() * 1000.0;

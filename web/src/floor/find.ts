@@ -29,7 +29,7 @@ export function namesOn(mirror: Mirror, map: FloorMap | null): Found[] {
   const all: Found[] = [];
   const robots = onFloor(mirror);
   for (const r of robots) all.push({ kind: 'robot', id: r.id, name: r.id, word: t('robot'), more: '' });
-  for (const { id, name } of mirror.workers.rows) all.push({ kind: 'worker', id, name, word: t('person'), more: name === id ? '' : id });
+  for (const { id, name } of mirror.workers.rows) if (name !== '') all.push({ kind: 'worker', id, name, word: t('person'), more: name === id ? '' : id });
   for (const s of mirror.stations.rows) all.push({ kind: 'station', id: s.id, name: s.id, word: t('station'), more: '' });
   for (const { id, robot } of mirror.racks.rows) {
     all.push({ kind: 'rack', id, name: id, word: t('job.rack'), more: robot === null ? '' : t('rack.on', { robot }) });
