@@ -287,12 +287,12 @@ mod tests {
         guests[0].asks();
         guests[1].is_answered(now + Duration::from_secs(9));
         second.is_answered(now + Duration::from_secs(5));
-        let third = budget.arrive(address(2), now);
+        let third = budget.arrive(address(2), now + Duration::from_secs(10));
         assert!(second.is_told() && !guests[0].is_told() && !guests[1].is_told() && !third.is_told());
         third.let_in();
         guests[1].asks();
         third.asks();
-        let fourth = budget.arrive(address(2), now);
+        let fourth = budget.arrive(address(2), now + Duration::from_secs(10));
         assert!(fourth.is_told(), "nobody who is here is idle");
     }
 
