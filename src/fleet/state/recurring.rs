@@ -198,7 +198,7 @@ mod tests {
         };
         // From midnight UTC of a day: when it begins, and how many minutes it lasts.
         let on = |series: &RecurringClosure, day: i64| {
-            let begins = series.first_from(at(day - 1, 20)).unwrap();
+            let begins = series.first_from(at(day, 0)).unwrap();
             let window = series.occurrence(begins).window;
             ((begins - at(day, 0)).0 * 60 / HOUR, (window.end() - begins).0 * 60 / HOUR)
         };

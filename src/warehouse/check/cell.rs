@@ -240,7 +240,7 @@ mod tests {
                 cell(d).workplace.iter_mut().for_each(|p| p.y += 1.2);
             }),
             ("the workplace of station P: the area that it encloses", |d| cell(d).workplace.swap(1, 2)),
-            ("the opening of station P: it has no width", |d| {
+            ("the opening of station P: it is no outline", |d| {
                 let y = cell(d).opening.outline[0].y;
                 cell(d).opening.outline.iter_mut().for_each(|p| p.y = y);
             }),

@@ -6,7 +6,7 @@
 use super::place::FindingPlace;
 use super::{Doubts, Findings, cell, corridor};
 use crate::geometry::{FARTHEST_M, OutlineFault, Point, outline_area_m2};
-use crate::text::name_fault;
+use crate::text::{NameFault, name_fault};
 use crate::warehouse::build::{Draft, DraftLane, DraftRack};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -81,8 +81,11 @@ pub(super) fn is_far(p: Point) -> bool {
 
 pub(super) fn good_name(name: &str, place: &FindingPlace, found: &mut Findings) {
     if let Some(fault) = name_fault(name, NAME_MAX) {
-        let shown = name.escape_debug();
-        found.add(place, format!("its name \"{shown}\" can be taken for another one"), fault.to_string());
+        let problem = match fault {
+            NameFault::Length(_) => "its name is empty or too long".to_owned(),
+            _ => format!("its name \"{}\" can be taken for another one", name.escape_debug()),
+        };
+        found.add(place, problem, fault.to_string());
     }
 }
 
