@@ -1,7 +1,7 @@
-//! A floor that has worked for a while: with what a server begins that is to show the middle of a shift, not an empty hall.
+//! A floor that has worked for a while: what a server begins with that is to show the middle of a shift.
 //!
-//! Main function: [`warm_up`]. What it gives is a past like any other: facts, which a journal takes, and figures. Refuses:
-//! laws and measurements, which are for the simulation.
+//! Main function: [`warm_up`]. What it gives is a past like any other: facts, which a journal takes, and figures.
+//! Refuses: laws and measurements, which are for the simulation.
 
 use super::customers::OrderFileLine;
 use super::scenario::Scenario;
@@ -68,7 +68,10 @@ mod tests {
         past.steps.iter().flat_map(|(_, facts)| facts).for_each(|fact| ledger.evolve(fact));
         assert!(ledger.counts.robot_deliveries >= 10, "{:?}", ledger.counts);
         assert_eq!(ledger.workers.len(), scenario.workers.count);
-        assert!(past.steps.windows(2).all(|pair| pair[0].0 < pair[1].0) && past.steps[0].0 >= until - scenario.warm_up);
+        assert!(
+            past.steps.windows(2).all(|pair| pair[0].0 < pair[1].0)
+                && past.steps[0].0 >= until - scenario.warm_up
+        );
         let buckets = past.history.read(until - scenario.warm_up, until, Span::from_secs(10));
         assert!(buckets.len() >= 29, "{} buckets", buckets.len());
         assert!(buckets.iter().map(|b| b.worker_time.0).sum::<i64>() > 0, "people are on the floor");

@@ -24,7 +24,7 @@ const FORGET: &str =
     "DELETE FROM alarms WHERE cleared IS NOT NULL AND id <= (SELECT max(id) FROM alarms) - $1";
 const LAST: &str = "SELECT coalesce(max(id), 0) FROM alarms";
 const ACTIVE: &str = "SELECT * FROM alarms WHERE cleared IS NULL ORDER BY id";
-const SHELVED: &str = "SELECT * FROM alarms WHERE cleared IS NOT NULL AND shelved_until > $1 ORDER BY id";
+const SHELVED: &str = "SELECT * FROM alarms WHERE shelved_until > $1 AND +cleared IS NOT NULL";
 const SOME: &str = "SELECT * FROM alarms WHERE id < $1 AND (cleared IS NULL OR cleared >= $2) AND since < $3 \
     ORDER BY id DESC LIMIT $4";
 const OF_GROUP: &str = "SELECT * FROM alarms WHERE grp = $5 AND id < $1 AND (cleared IS NULL OR cleared >= $2) \

@@ -52,7 +52,10 @@ async fn every_request_that_changes_something_is_told_with_who_asked_and_what_ca
     assert_eq!(all.iter().map(told).collect::<Vec<_>>(), expected, "newest first");
     assert_eq!(all[1]["status"], 403);
     let acts: Vec<&str> = all.iter().map(|e| e["act"].as_str().expect("it has a word")).collect();
-    assert_eq!(acts, ["pause_robot", "resume_robot", "submit_job", "pause_robot", "make_token", "make_token"]);
+    assert_eq!(
+        acts,
+        ["pause_robot", "resume_robot", "submit_job", "pause_robot", "make_token", "make_token"]
+    );
     let report = with(at, &operator, "GET", "/v1/report", "").await.json();
     let done: Vec<_> = report["acts"].as_array().unwrap().iter().map(|a| (&a["act"], &a["count"])).collect();
     assert!(done.contains(&(&json!("make_token"), &json!(2))), "{done:?}");
