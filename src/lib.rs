@@ -321,6 +321,9 @@
 //! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
 //! | a key of scenario files | `sim/scenario/`, `docs/scenarios.md` |
 //! | alarms: what is one, what it suppresses, its life | `alarm/`; `store/alarms.rs`, `api/alarms.rs` |
+//! | alarms: groups; what people do about one | `alarm/groups.rs`; `alarm/care.rs`, `alarm/register/mod.rs` |
+//! | what an act is called; what a role may do | `api/acts.rs`, `web/src/words/acts.ts`; `api/roles.rs` |
+//! | a floor that has worked before a server begins | `sim/warm_up.rs`; `server/start.rs` |
 //! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog/` |
 //! | what the swarm draws, how it shrinks, prints | `sim/swarm/draw.rs`, `maps.rs`; `shrink.rs`; `cli/swarm.rs` |
 //! | what a recording holds | `sim/recording.rs` |

@@ -1,8 +1,8 @@
 //! Many robots with the same trouble: one alarm that calls, with those of the single robots as its members.
 //!
 //! Main types: [`Gathering`] (which kinds are gathered, with hysteresis), [`AlarmMember`]. Members keep their numbers,
-//! places, notes and acknowledgements while they are in a group and after it. Refuses: to forget a member, and to decide
-//! how long a cause must last.
+//! places, notes and acknowledgements while they are in a group and after it. Refuses: to forget a member, and to
+//! decide how long a cause must last.
 
 use super::condition::{AlarmCondition, AlarmSubject, some_of};
 use super::kind::{AlarmKind, AlarmSeverity};

@@ -1,8 +1,8 @@
 //! What people and machines do, in one word each: the audit, the page's buttons, what is undone and the report of a
 //! shift all speak of the same acts.
 //!
-//! Main type: [`Act`]; [`Act::of`] is the act of what the audit keeps, [`Act::remedies`] those that help against an alarm.
-//! Refuses: to say who may: `roles.rs` does.
+//! Main type: [`Act`]; [`Act::of`] is the act of what the audit keeps, [`Act::remedies`] those that help against an
+//! alarm. Refuses: to say who may: `roles.rs` does.
 
 use super::caller::{Caller, Role};
 use super::roles::{Access, RULES};

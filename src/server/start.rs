@@ -16,7 +16,7 @@ use crate::api::port::SharedHistory;
 use crate::fleet::{Fleet, Ledger, Settings};
 use crate::history::History;
 use crate::sim::{OrderFileLine, Scenario, World, nothing_to_order, warm_up};
-use crate::store::{CarryOver, MapNote, Opening, StepEntry, Store, StoreError};
+use crate::store::{CarryOver, Loaded, MapNote, Opening, StepEntry, Store, StoreError};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use anyhow::Context;
@@ -176,6 +176,22 @@ async fn begin_in_the_middle(
     Ok(())
 }
 
+/// What the database has; what the floor did before this moment, where it has nothing and that is wanted.
+async fn load(
+    store: &Store,
+    map: &Arc<Warehouse>,
+    scenario: &Scenario,
+    lines: &[OrderFileLine],
+) -> anyhow::Result<Loaded> {
+    let empty = || Ledger::new(map.clone(), scenario.settings().clearance(), false);
+    let loaded = store.load(empty()).await?;
+    if loaded.last.is_some() || scenario.warm_up == Span::ZERO {
+        return Ok(loaded);
+    }
+    begin_in_the_middle(store, (map, scenario, lines), loaded.next).await?;
+    Ok(store.load(empty()).await?)
+}
+
 /// Makes the parts from what the database has.
 pub async fn build(
     config: &Config,
@@ -184,12 +200,7 @@ pub async fn build(
     store: &Arc<Store>,
 ) -> anyhow::Result<(Built, StartSummary)> {
     let SimulatedFloor { scenario, map, lines } = floor;
-    let empty = || Ledger::new(map.clone(), scenario.settings().clearance(), false);
-    let mut loaded = store.load(empty()).await?;
-    if loaded.last.is_none() && scenario.warm_up > Span::ZERO {
-        begin_in_the_middle(store, (&map, &scenario, &lines), loaded.next).await?;
-        loaded = store.load(empty()).await?;
-    }
+    let loaded = load(store, &map, &scenario, &lines).await?;
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
     let (published, map_name) = (basis.published.clone(), map.name.clone());
     let idle = nothing_to_order(&scenario, &map);

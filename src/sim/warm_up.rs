@@ -1,7 +1,7 @@
-//! A floor that has worked for a while: with what a server begins that is to show the middle of a shift, not an empty hall.
+//! A floor that has worked for a while: what a server begins with that is to show the middle of a shift.
 //!
-//! Main function: [`warm_up`]. What it gives is a past like any other: facts, which a journal takes, and figures. Refuses:
-//! laws and measurements, which are for the simulation.
+//! Main function: [`warm_up`]. What it gives is a past like any other: facts, which a journal takes, and figures.
+//! Refuses: laws and measurements, which are for the simulation.
 
 use super::customers::OrderFileLine;
 use super::scenario::Scenario;

@@ -356,6 +356,8 @@ fn migrator() -> Migrator {
     let twentieth = include_str!("../../migrations/sqlite/0020_lines.sql").into_sql_str();
     let twenty_first = include_str!("../../migrations/sqlite/0021_cells.sql").into_sql_str();
     let twenty_second = include_str!("../../migrations/sqlite/0022_pages.sql").into_sql_str();
+    let thirty_third = include_str!("../../migrations/sqlite/0033_alarm_care.sql").into_sql_str();
+    let thirty_fourth = include_str!("../../migrations/sqlite/0034_job_references.sql").into_sql_str();
     Migrator::with_migrations(vec![
         Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
         Migration::new(2, "people".into(), MigrationType::Simple, second, false),
@@ -377,6 +379,8 @@ fn migrator() -> Migrator {
         Migration::new(20, "lines".into(), MigrationType::Simple, twentieth, false),
         Migration::new(21, "cells".into(), MigrationType::Simple, twenty_first, false),
         Migration::new(22, "pages".into(), MigrationType::Simple, twenty_second, false),
+        Migration::new(33, "alarm_care".into(), MigrationType::Simple, thirty_third, false),
+        Migration::new(34, "job_references".into(), MigrationType::Simple, thirty_fourth, false),
     ])
 }
 

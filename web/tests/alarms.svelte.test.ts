@@ -1,6 +1,7 @@
 // Alarms on the page: which of them call for a person, what a click shows, who acknowledges, and when it makes a sound.
 import { flushSync, mount, unmount } from 'svelte';
 import { describe, expect, test } from 'vitest';
+import AlarmPage from '../src/alarms/AlarmPage.svelte';
 import Alarms from '../src/alarms/Alarms.svelte';
 import { handover } from '../src/alarms/handover';
 import { fresh, secondsBetween, showsOf, titleOf } from '../src/alarms/shown';
@@ -211,5 +212,35 @@ describe('the alarm page', () => {
     expect(text).toMatch(/acknowledged by Ana\n.*Ana: no power/);
     expect(text).toMatch(/Critical: .*\n {2}nobody looks after it yet\n {2}Put aside until .* by Ben: radio/);
     expect(text).toContain('1 alarm ended in the last 8 hours.');
+  });
+  test('shows groups that open, and sends what somebody does with the name that is known', async () => {
+    const member = { id: 'al5', subject: { kind: 'robot' as const, id: 'robot-77' }, text: 'robot-77 sends no reports.', x: 1, y: 2, since: '2027-01-31T06:00:00Z', acknowledged_by: 'Ben' };
+    const items = [record('al9', { severity: 'critical', subject: { kind: 'floor', id: 'floor' }, text: '7 of 9 robots send no reports: robot-77.', members: [member] })];
+    const asked: unknown[] = [];
+    const answer = (what: string) => (...more: unknown[]) => { asked.push([what, ...more]); return Promise.resolve({ kind: 'ok' as const, value: items[0]! }); };
+    const api = {
+      alarms: () => Promise.resolve({ kind: 'ok' as const, value: { items, next: null } }), acknowledge: answer('acknowledge'), shelve: answer('shelve'), unshelve: answer('unshelve'), noteAlarm: answer('note'),
+    } as never;
+    const target = document.createElement('div');
+    const page = mount(AlarmPage, { target, props: {
+      api, signals: new Signals(means({ 'giveway.name': 'Ana' }).all), notices: new Notices(), onPick: () => {}, onJob: () => {}, onPlace: () => {}, onDraw: () => {},
+    } });
+    const button = (words: string) => [...target.querySelectorAll('button')].find((one) => one.textContent?.startsWith(words));
+    await expect.poll(() => { flushSync(); return button('1 robot') !== undefined; }).toBe(true);
+    expect(target.textContent).not.toContain('robot-77 sends no reports.');
+    button('1 robot')!.click();
+    flushSync();
+    expect(target.querySelector('.inside')!.textContent!.replaceAll(/\s+/g, ' ')).toContain('robot-77 robot-77 sends no reports.');
+    button('Acknowledge al9')!.click();
+    const [note, reason] = [...target.querySelectorAll<HTMLInputElement>('.forms input')];
+    for (const [input, text] of [[note!, 'no power'], [reason!, 'being mended']] as const) {
+      input.value = text;
+      input.dispatchEvent(new Event('input', { bubbles: true }));
+      flushSync();
+      input.closest('form')!.dispatchEvent(new Event('submit', { bubbles: true, cancelable: true }));
+      flushSync();
+    }
+    expect(asked).toEqual([['acknowledge', 'al9', 'Ana'], ['note', 'al9', 'Ana', 'no power'], ['shelve', 'al9', { by: 'Ana', for_s: 3600, reason: 'being mended' }]]);
+    await unmount(page);
   });
 });

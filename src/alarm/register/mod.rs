@@ -118,6 +118,7 @@ impl AlarmRegister {
             let members = self.members(kind).len();
             self.active.values_mut().filter(|a| a.is_group_of(kind)).for_each(|a| a.noted = members);
         }
+        self.join();
     }
 
     /// Takes in everything of a scope that is wrong now. Gives the alarms that are new, of a group the group alone.

@@ -1,7 +1,7 @@
 //! `/v1/alarms`: what is wrong now, what was wrong, who has taken note, what was put aside, what was written down.
 //!
-//! Main types: [`AlarmParams`], [`AcknowledgeBody`], [`ShelveBody`], [`NoteBody`]. Refuses: to do anything about what is
-//! over, or without a name.
+//! Main types: [`AlarmParams`], [`AcknowledgeBody`], [`ShelveBody`], [`NoteBody`]. Refuses: to do anything about what
+//! is over, or without a name.
 
 use super::lists::checked_limit;
 use crate::alarm::{
@@ -42,8 +42,8 @@ pub struct AlarmParams {
     cursor: Option<String>,
 }
 
-/// List alarms: those that are active, or the history. Where many robots have the same trouble, one alarm stands for all
-/// of them and has theirs as its `members`.
+/// List alarms: those that are active, or the history. Where many robots have the same trouble, one alarm stands for
+/// all of them and has theirs as its `members`.
 #[utoipa::path(get, path = "/v1/alarms", tag = "server", operation_id = "listAlarms", params(AlarmParams), responses(
     (status = 200, description = "Alarms: the active ones, the worst first; or the history, newest first",
      body = Page<AlarmDto>),
@@ -153,9 +153,9 @@ pub struct ShelveBody {
     reason: String,
 }
 
-/// Put an active alarm aside: it stays active, is listed last, and calls nobody until its time is over or it becomes more
-/// severe. If it is cleared and raised again meanwhile, the new one is put aside as well. Alarms about what keeps the
-/// server from promising anything, and evacuations, always call.
+/// Put an active alarm aside: it stays active, is listed last, and calls nobody until its time is over or it becomes
+/// more severe. If it is cleared and raised again meanwhile, the new one is put aside as well. Alarms about what keeps
+/// the server from promising anything, and evacuations, always call.
 #[utoipa::path(post, path = "/v1/alarms/{id}/shelve", tag = "server", operation_id = "shelveAlarm",
     params(("id" = String, Path, example = "al17")), request_body = ShelveBody, responses(
     (status = 200, description = "The alarm, with who put it aside", body = AlarmDto),
