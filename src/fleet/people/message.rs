@@ -26,7 +26,7 @@ pub(in crate::fleet) type Words = (GuidanceState, Option<GuidanceReason>);
 pub(in crate::fleet) struct Message {
     /// What.
     pub words: Words,
-    /// Since when.
+    /// Since when the state has been this one; the reason may have changed.
     pub since: Time,
     /// Since when the worker has been told to stand for a robot that waits for that worker.
     standoff: Option<Time>,
@@ -38,7 +38,9 @@ impl Message {
         let began = before.and_then(|m| m.standoff).unwrap_or(now);
         let standoff = standoff.then_some(began);
         match before {
-            Some(m) if m.words == words || !is_more_severe(words, m.words) && now - m.since < MESSAGE => {
+            // Why somebody is told to stand is always what is so now.
+            Some(m) if m.words.0 == words.0 => Message { words, standoff, ..m },
+            Some(m) if !is_more_severe(words, m.words) && now - m.since < MESSAGE => {
                 Message { standoff, ..m }
             }
             _ => Message { words, since: now, standoff },

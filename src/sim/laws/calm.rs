@@ -68,7 +68,7 @@ impl CalmLaws {
             self.told.insert(worker, (words, now));
             return None;
         };
-        if before == words {
+        if before.0 == words.0 {
             return None;
         }
         self.told.insert(worker, (words, now));
