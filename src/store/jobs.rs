@@ -172,7 +172,8 @@ pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
     let label =
         label.map(|(key, value)| RowCondition::words(vec![(has, key), (" AND value = ", value)], ")"));
     let conditions = RowCondition::one_of(" AND state IN (", &rest.states).into_iter();
-    let conditions = conditions.chain(times).chain(numbers).chain(reference).chain(part).chain(label).collect();
+    let conditions =
+        conditions.chain(times).chain(numbers).chain(reference).chain(part).chain(label).collect();
     reach.listing((SOME, NEWEST_FIRST), arms, conditions, q.limit + 1)
 }
 
