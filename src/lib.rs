@@ -212,6 +212,15 @@
 //! where it may stay (`fleet/traffic/step_out.rs`), and plans its task from there. The outermost robots can always do
 //! that, since no place where a robot may stay is in the way of another; then those behind them can.
 //!
+//! Then all robots without routes stand where they may stay, and each of them wants a place. If no robot keeps that place
+//! for ever, the search finds a route in the end, since every place can be reached without crossing a lasting one, and
+//! since a search that fails doubles its budget (in a crowd a route is farther than one budget reaches). Else the robot
+//! waits for the keeper. Follow these edges, one from each robot: they end in a robot that has a route, which leaves; in
+//! one that a person has to set free; in an idle one; or in a cycle. An idle robot, or one member of the cycle, leaves
+//! for a free place and keeps its task (`fleet/traffic/goal_chain.rs`). The robot behind it then has a free goal, and
+//! the others after it, so each such step ends with at least one task done. If there is no free place, the newest of
+//! their jobs fails, and says why.
+//!
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. But a robot and a person
 //! can wait for one another. So a robot on a person's path leaves it. A robot that has yielded to a person for long
@@ -271,11 +280,13 @@
 //! | whose turn it is at a station; places that lapse | `fleet/state/tickets.rs`; `fleet/traffic/turns.rs` |
 //! | a grant is revoked, a route is truncated | `fleet/traffic/revoke.rs`; `fleet/traffic/truncate.rs` |
 //! | delays, going on early, breakdowns | `timeline/delay.rs`, `advance.rs`; `fleet/traffic/truncate.rs` |
-//! | what a broken robot cuts off; jobs given back | `fleet/state/cut_off.rs`; `fleet/dispatch/blocked.rs` |
+//! | what broken robots and closures cut off | `fleet/state/cut_off.rs`; `fleet/dispatch/blocked.rs` |
 //! | people take a rack off a broken robot | `fleet/requests/racks.rs`; `api/http/robots.rs` (`take_rack`) |
 //! | faults of robots, e-stop; a blocked path | `fleet/state/fault.rs`; `fleet/traffic/obstruction.rs` |
 //! | a robot arm beside a picker: its lines, its ways | `fleet/requests/arm.rs`; `cell/arm/task.rs`, `site.rs` |
 //! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `alarm/displaced.rs` |
+//! | robots that keep one another's goals | `fleet/traffic/goal_chain.rs` |
+//! | what closing an area would do | `fleet/read/closing.rs`; `api/http/closing.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog/` |
 //! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |

@@ -156,7 +156,7 @@ pub const OIDC_CALLBACK: &str = "/v1/session/oidc/callback";
 const REPORTS: [&str; 3] = ["/v1/positions", "/v1/workers/{id}/position", "/v1/massrobotics"];
 
 /// Routes that work out an answer and change nothing.
-const TRIALS: [&str; 3] = ["/v1/map:check", "/v1/maps:check", "/v1/maps:try"];
+const TRIALS: [&str; 4] = ["/v1/map:check", "/v1/maps:check", "/v1/maps:try", "/v1/closures/preview"];
 
 impl Access {
     /// The roles that may, besides a device for its own; none where everybody may.

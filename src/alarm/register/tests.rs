@@ -172,15 +172,15 @@ fn a_group_of_which_somebody_took_note_asks_again_when_it_has_more_than_doubled(
     let (mut register, mut gathering) = (AlarmRegister::default(), Default::default());
     let mut look = |register: &mut AlarmRegister, s: i64, robots: usize| {
         register.observe(AlarmScope::Watch, silent_ones(robots, &mut gathering), at(s));
-        register.active()[0].clone()
+        register.active().first().cloned()
     };
     (0..10).for_each(|s| _ = look(&mut register, s, 6));
-    let id = look(&mut register, 10, 6).id;
+    let id = look(&mut register, 10, 6).expect("the group is active").id;
     register.acknowledge(id, "ben", at(11));
-    let grown = (12..30).map(|s| look(&mut register, s, 12)).last().expect("looked");
+    let grown = (12..30).filter_map(|s| look(&mut register, s, 12)).last().expect("looked");
     let noted = grown.members.iter().all(|m| m.acknowledged_by.as_deref() == Some("ben"));
     assert!(grown.acknowledged.is_some() && noted, "who comes to it is looked after, too: {grown:?}");
-    let grown = (30..50).map(|s| look(&mut register, s, 13)).last().expect("looked");
+    let grown = (30..50).filter_map(|s| look(&mut register, s, 13)).last().expect("looked");
     assert_eq!((grown.id, grown.acknowledged), (id, None), "this is more than somebody took note of");
 }
 

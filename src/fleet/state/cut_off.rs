@@ -189,11 +189,6 @@ impl CutOff {
         walks.walk([node], LaneSense::Forward, true, |_| false).met.or(self.held.values().next().copied())
     }
 
-    /// Whether this still keeps robots away.
-    pub fn has(&self, cut: Cut) -> bool {
-        self.held.values().any(|c| *c == cut)
-    }
-
     /// The first cut on the ways of a robot from where it is to a node, if none of them leads there past all of them
     /// and past what robots found `obstructed`.
     pub fn between(

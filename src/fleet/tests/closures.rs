@@ -81,9 +81,13 @@ fn an_aisle_is_used_before_and_after_its_hour_and_empty_meanwhile() {
 
 /// A node, closed from now on.
 fn closed(floor: &TestFloor, names: &[&str], until: Time) -> Closure {
-    let nodes = names.iter().map(|n| floor.node(n)).collect();
+    let nodes: Vec<NodeId> = names.iter().map(|n| floor.node(n)).collect();
     let window = Window::new(floor.now, until);
-    Closure { outline: Vec::new(), nodes, window, reason: "oil".into(), binds: Binds::Robots, series: None }
+    // People see the outline; the nodes alone count.
+    let at = floor.fleet.warehouse().nodes[nodes[0]].at;
+    let corners = [(-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)];
+    let outline = corners.iter().map(|(x, y)| Point::new(at.x + x, at.y + y).into()).collect();
+    Closure { outline, nodes, window, reason: "oil".into(), binds: Binds::Robots, series: None }
 }
 
 #[test]

@@ -137,11 +137,13 @@ impl<'a> RobotWaits<'a> {
             Some(Cut::Obstruction(node)) if self.traffic.obstructed_until(node).is_some() => {
                 return Why::WayObstructed(node);
             }
-            Some(cut) if self.floor.restrictions.cut_off.has(cut) => match cut {
-                Cut::Closure(closure) => return Why::Closed(closure),
-                Cut::Robot(broken) => return Why::BlockedBy(broken),
-                Cut::Obstruction(_) => {}
-            },
+            // What was so when the search failed may have ended since, in this step too.
+            Some(Cut::Closure(closure)) if self.floor.ledger.closures.contains_key(&closure) => {
+                return Why::Closed(closure);
+            }
+            Some(Cut::Robot(broken)) if self.floor.ledger.robots[broken].failed => {
+                return Why::BlockedBy(broken);
+            }
             _ => {}
         }
         let broken = self.in_the_way(robot).filter(|r| self.floor.ledger.robots[*r].failed);
