@@ -33,7 +33,7 @@ const UNFILLED: [&str; 9] = [
 ];
 
 #[rustfmt::skip]
-const ALL: [Grows; 29] = [
+const ALL: [Grows; 31] = [
     ("jobs that are not over", Some((SETTINGS, "waiting_max", "100_000")), &[], &[],
         "one_job_too_many_is_refused_and_one_that_comes_after_too_many"),
     ("assignments that are not over", Some((SETTINGS, "assignments_max", "10_000")), &[], &[],
@@ -52,7 +52,7 @@ const ALL: [Grows; 29] = [
     ("answers to other requests with a key", None, &["answers"], &[],
         "answers_are_forgotten_after_seven_days"),
     ("lists of jobs, assignments, encounters, changes of robots, and the audit", None,
-        &["jobs", "job_labels", "assignments", "encounters", "robot_changes", "audit"], &[],
+        &["jobs", "job_labels", "job_references", "assignments", "encounters", "robot_changes", "audit"], &[],
         "what_is_over_leaves_the_lists_after_the_days_of_the_settings_in_slices"),
     ("events", None, &["events"], &[],
         "events_are_forgotten_after_a_week_from_the_first_on"),
@@ -89,9 +89,13 @@ const ALL: [Grows; 29] = [
     ("frames of the past", None, &[], &[],
         "files_follow_one_another_without_a_seam_and_old_ones_go"),
     (UNFILLED[6], Some(("src/api/recording/folder.rs", "MOST_MARKS", "5000")), &[], &[], ""),
-    ("connections of strangers", Some(("src/server/strangers.rs", "MOST_STRANGERS", "256")), &[],
+    ("connections of strangers", Some(("src/server/budget.rs", "MOST_STRANGERS", "256")), &[],
         &["src/server/tls.rs"],
-        "the_oldest_stranger_leaves_for_a_new_one_and_who_was_let_in_stays"),
+        "the_oldest_stranger_of_the_address_with_most_leaves_for_a_new_one_and_known_ones_stay"),
+    ("connections", None, &[], &[],
+        "if_all_descriptors_are_used_strangers_leave_first_and_then_the_one_that_is_idle_for_longest"),
+    ("bytes that wait for clients to take them", None, &[], &[],
+        "if_too_many_bytes_wait_the_one_leaves_that_has_taken_none_for_longest"),
 ];
 
 /// Rows without a limit of their own in this list: several small ones.
@@ -154,7 +158,8 @@ fn each_table_of_the_database_and_each_queue_of_the_server_belongs_to_a_row() {
     let mut tables = BTreeSet::new();
     for file in files("migrations/sqlite") {
         for line in read(&file).lines() {
-            let name = line.strip_prefix("CREATE TABLE ").and_then(|rest| rest.split(' ').next());
+            let made = line.strip_prefix("CREATE TABLE ").or(line.strip_prefix("CREATE VIRTUAL TABLE "));
+            let name = made.and_then(|rest| rest.split(' ').next());
             tables.extend(name.map(str::to_owned));
             if let Some(gone) = line.strip_prefix("DROP TABLE ") {
                 tables.remove(gone.trim_end_matches(';'));

@@ -124,9 +124,15 @@ fn the_root_of_waiting_is_the_closed_place() {
     let both = |f: &TestFloor| f.fleet.ledger().jobs.values().all(|j| j.state.word() == "carrying");
     floor.until(300, "racks are carried", both);
     floor.step(vec![Input::Close { token: 5, area }]);
-    let closed = |c: &[Waiting]| matches!(c.last().map(|w| w.because), Some(Because::Robot(Why::Closed(_))));
-    let chain = floor.chain_to(120, closed);
-    assert_eq!(chain.last().and_then(|w| w.until), None, "nobody said until when");
+    let all_wait = |f: &TestFloor| f.fleet.ledger().jobs.values().all(|j| j.state == JobState::Waiting);
+    floor.until(200, "the racks are set down, since none of them gets there", all_wait);
+    let jobs: Vec<JobId> = floor.fleet.ledger().jobs.keys().copied().collect();
+    for job in jobs {
+        let chain = floor.fleet.job_waits(job, floor.now);
+        let root = chain.last().expect("it waits");
+        assert!(matches!(root.because, Because::Job(JobWhy::WayClosed(_))), "{chain:?}");
+        assert_eq!(root.until, None, "nobody said until when");
+    }
 }
 
 #[test]
