@@ -105,18 +105,20 @@ fn a_rack_is_not_lifted_while_a_closed_area_cuts_its_station_off_and_goes_at_onc
     let go = floor.go(RobotId(0), floor.node("s1"));
     floor.until(60, "it does its other jobs", |f| f.state(go).is_none());
     floor.step(vec![Input::Reopen { token: 6, closure }]);
-    floor.until(2, "it begins", |f| f.is(job, "assigned"));
+    floor.until(60, "it begins", |f| f.is(job, "assigned"));
     floor.until_over(120);
 }
 
 #[test]
 fn a_robot_with_a_rack_sets_it_down_when_a_closed_area_cuts_its_station_off() {
-    let mut floor = TestFloor::small(1);
+    let mut floor = TestFloor::thesis(1);
     let deliver = request(JobKind::Deliver { rack: RackId(0), station: StationId(0), pick: None });
     let job = floor.submit(deliver);
-    floor.until(60, "it carries the rack", |f| f.is(job, "carrying"));
-    let closure = floor.close(closed(&floor, &["w", "a2"], Time::MAX));
-    floor.until(90, "it gives the job back and sets the rack down", |f| {
+    floor.until(120, "it carries the rack", |f| f.is(job, "carrying"));
+    let station = floor.fleet.warehouse().stations[StationId(0)].node;
+    let name = floor.fleet.warehouse().nodes[station].name.clone();
+    let closure = floor.close(closed(&floor, &[&name], Time::MAX));
+    floor.until(120, "it gives the job back and sets the rack down", |f| {
         f.is(job, "waiting") && matches!(f.rack(0), RackAt::Stored(_))
     });
     assert_eq!(floor.why_job(job), Some(JobWhy::WayClosed(closure)));

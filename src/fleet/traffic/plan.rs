@@ -165,7 +165,9 @@ impl Traffic {
     /// may be farther from the first labels than one budget reaches; with the same one, the search would fail for ever.
     fn budget(&self, core: &Core, robot: RobotId) -> u32 {
         let tries = self.needs.waiting.get(&robot).map_or(0, |need| need.tries);
-        core.settings.expansions_per_plan << tries.min(DOUBLINGS)
+        let usual = core.settings.expansions_per_plan;
+        // A step expands no more than it may, and the usual budget of its last search.
+        (usual << tries.min(DOUBLINGS)).min(self.effort.left().max(usual))
     }
 
     /// A route from where the robot's grants end.

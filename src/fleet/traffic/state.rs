@@ -92,6 +92,11 @@ impl Effort {
         self.spent += labels;
     }
 
+    /// What is left of it.
+    pub fn left(self) -> u32 {
+        self.whole.saturating_sub(self.spent)
+    }
+
     pub fn is_spent(self) -> bool {
         self.spent >= self.whole
     }
