@@ -124,7 +124,10 @@ fn the_root_of_waiting_is_the_closed_place() {
     let both = |f: &TestFloor| f.fleet.ledger().jobs.values().all(|j| j.state.word() == "carrying");
     floor.until(300, "racks are carried", both);
     floor.step(vec![Input::Close { token: 5, area }]);
-    let all_wait = |f: &TestFloor| f.fleet.ledger().jobs.values().all(|j| j.state == JobState::Waiting);
+    let all_wait = |f: &TestFloor| {
+        let stored = f.fleet.ledger().racks.iter().all(|r| matches!(r, RackAt::Stored(_)));
+        stored && f.fleet.ledger().jobs.values().all(|j| j.state == JobState::Waiting)
+    };
     floor.until(200, "the racks are set down, since none of them gets there", all_wait);
     let jobs: Vec<JobId> = floor.fleet.ledger().jobs.keys().copied().collect();
     for job in jobs {
