@@ -47,6 +47,7 @@ pub mod text;
 pub mod trial;
 pub mod waits;
 pub mod webhooks;
+mod whys;
 mod words;
 mod ws;
 

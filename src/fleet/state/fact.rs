@@ -591,10 +591,7 @@ impl Fact {
             | Fact::Left { robot, .. }
             | Fact::Returned { robot, .. }
             | Fact::RackTaken { robot, .. } => Some(*robot),
-            Fact::Routed { bookings } => match &bookings[..] {
-                [only] => Some(only.robot),
-                _ => None,
-            },
+            Fact::Routed { bookings } if bookings.len() == 1 => Some(bookings[0].robot),
             _ => None,
         }
     }
