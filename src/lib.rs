@@ -212,14 +212,14 @@
 //! where it may stay (`fleet/traffic/step_out.rs`), and plans its task from there. The outermost robots can always do
 //! that, since no place where a robot may stay is in the way of another; then those behind them can.
 //!
-//! Then all robots without routes stand where they may stay, and each of them wants a place. If no robot keeps that place
-//! for ever, the search finds a route in the end, since every place can be reached without crossing a lasting one, and
-//! since a search that fails doubles its budget (in a crowd a route is farther than one budget reaches). Else the robot
-//! waits for the keeper. Follow these edges, one from each robot: they end in a robot that has a route, which leaves; in
-//! one that a person has to set free; in an idle one; or in a cycle. An idle robot, or one member of the cycle, leaves
-//! for a free place and keeps its task (`fleet/traffic/goal_chain.rs`). The robot behind it then has a free goal, and
-//! the others after it, so each such step ends with at least one task done. If there is no free place, the newest of
-//! their jobs fails, and says why.
+//! Then all robots without routes stand where they may stay, and each of them wants a place. If no robot keeps that
+//! place for ever, the search finds a route in the end, since every place can be reached without crossing a lasting
+//! one, and since a search that fails doubles its budget (in a crowd a route is farther than one budget reaches). Else
+//! the robot waits for the keeper. Follow these edges, one from each robot: they end in a robot that has a route, which
+//! leaves; in one that a person has to set free; in an idle one; or in a cycle. An idle robot, or one member of the
+//! cycle, leaves for a free place and keeps its task (`fleet/traffic/goal_chain.rs`). The robot behind it then has a
+//! free goal, and the others after it, so each such step ends with at least one task done. If there is no free place,
+//! the newest of their jobs fails, and says why.
 //!
 //! *People* are outside of the argument on purpose. A worker holds nothing in the timeline: a grant that would meet
 //! a condition waits, which is a delay like any other, and the order of robots stays as it is. But a robot and a person

@@ -163,14 +163,14 @@ mod tests {
     use std::sync::Arc;
 
     /// A fleet of which `waiting` robots wait outside the first station and the others drive, looked at every second.
-    struct Shown {
+    struct FlowFloor {
         fleet: Fleet,
         view: View,
         watch: FlowWatch,
     }
 
-    impl Shown {
-        fn new() -> Shown {
+    impl FlowFloor {
+        fn new() -> FlowFloor {
             let fleet = Fleet::new(Arc::new(thesis()), Settings::default());
             let mut view = fleet.view(Time::ZERO);
             let rests = |k| matches!(k, NodeKind::Parking | NodeKind::Charger);
@@ -189,7 +189,7 @@ mod tests {
                 registered.collect::<Vec<_>>(),
             );
             view.robots = fleet.view(Time::ZERO).robots;
-            Shown { fleet, view, watch: FlowWatch::default() }
+            FlowFloor { fleet, view, watch: FlowWatch::default() }
         }
 
         /// What is said at last after so many seconds.
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_station_that_idles_beside_waiting_racks_is_said_to_be_dry_until_it_picks_again() {
-        let mut shown = Shown::new();
+        let mut shown = FlowFloor::new();
         let name = shown.fleet.warehouse().stations[StationId(0)].name.clone();
         assert_eq!(shown.look(180, 1, false), None, "not yet");
         let said = shown.look(5, 1, false).expect("it is dry");
@@ -230,10 +230,10 @@ mod tests {
 
     #[test]
     fn half_of_a_fleet_that_waits_is_said_to_until_fewer_do() {
-        let mut shown = Shown::new();
+        let mut shown = FlowFloor::new();
         assert_eq!(shown.look(120, 4, true), None);
         assert_eq!(shown.look(300, 6, true), None, "they wait for their turn at a station that picks");
-        let mut shown = Shown::new();
+        let mut shown = FlowFloor::new();
         assert_eq!(shown.look(119, 5, false), None, "not yet");
         let said = shown.look(3, 5, false).expect("half of them");
         assert_eq!(said, "5 of 10 robots at work wait.");

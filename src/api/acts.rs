@@ -1,8 +1,8 @@
 //! What people and machines do, in one word each: the audit, the page's buttons, what is undone and the report of a
 //! shift all speak of the same acts.
 //!
-//! Main type: [`Act`]; [`Act::of`] is the act of what the audit keeps, [`Act::remedies`] those that help against an
-//! alarm. Refuses: to say who may: `roles.rs` does.
+//! Main type: [`AuditAct`]; [`AuditAct::of`] is the act of what the audit keeps, [`AuditAct::remedies`] those that help
+//! against an alarm. Refuses: to say who may: `roles.rs` does.
 
 use super::caller::{Caller, Role};
 use super::roles::{Access, RULES};
@@ -14,20 +14,20 @@ macro_rules! acts {
     ($($(#[$doc:meta])* $name:ident $word:literal: $($what:literal)|+,)+) => {
         /// Something that changes something, or is to.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, ToSchema)]
-        pub enum Act { $($(#[$doc])* #[serde(rename = $word)] $name,)+ }
+        pub enum AuditAct { $($(#[$doc])* #[serde(rename = $word)] $name,)+ }
 
-        impl Act {
+        impl AuditAct {
             /// All of them.
-            pub const ALL: [Act; [$(Act::$name),+].len()] = [$(Act::$name),+];
+            pub const ALL: [AuditAct; [$(AuditAct::$name),+].len()] = [$(AuditAct::$name),+];
 
             /// Its word on the wire.
             pub fn word(self) -> &'static str {
-                match self { $(Act::$name => $word,)+ }
+                match self { $(AuditAct::$name => $word,)+ }
             }
 
             /// What the audit keeps of it: methods with routes, and words of what comes another way.
             fn whats(self) -> &'static [&'static str] {
-                match self { $(Act::$name => &[$($what),+],)+ }
+                match self { $(AuditAct::$name => &[$($what),+],)+ }
             }
         }
     };
@@ -130,37 +130,37 @@ acts! {
     NoteAlarm "note_alarm": "POST /v1/alarms/{id}/notes",
 }
 
-impl Act {
+impl AuditAct {
     /// The act of what the audit keeps: nothing where it is from another version.
-    pub fn of(what: &str) -> Option<Act> {
-        Act::ALL.into_iter().find(|act| act.whats().contains(&what))
+    pub fn of(what: &str) -> Option<AuditAct> {
+        AuditAct::ALL.into_iter().find(|act| act.whats().contains(&what))
     }
 
     /// What this caller may do, a device for its own worker or robot.
-    pub fn of_caller(caller: &Caller) -> Vec<Act> {
+    pub fn of_caller(caller: &Caller) -> Vec<AuditAct> {
         let may = |access: Access| {
             let own = access.is_for_own() && caller.role == Role::Device && caller.subject.is_some();
             access == Access::Open || access.roles().contains(&caller.role) || own
         };
-        let allowed = |act: &Act| {
+        let allowed = |act: &AuditAct| {
             let mut rules =
                 RULES.iter().filter(|(method, path, _)| act.whats().contains(&&*format!("{method} {path}")));
             rules.any(|(_, _, access)| may(*access))
         };
-        Act::ALL.into_iter().filter(allowed).collect()
+        AuditAct::ALL.into_iter().filter(allowed).collect()
     }
 
     /// What a person can do about an alarm of this kind from where it is shown, the likeliest first.
-    pub fn remedies(kind: AlarmKind) -> &'static [Act] {
+    pub fn remedies(kind: AlarmKind) -> &'static [AuditAct] {
         use AlarmKind as K;
         match kind {
-            K::RobotFailed => &[Act::StartMaintenance, Act::RemoveRobot],
-            K::RobotStuck | K::WaitsInVain => &[Act::PauseRobot, Act::ResumeRobot],
-            K::RobotFenced | K::Paused => &[Act::ResumeRobot],
-            K::BeyondGrant => &[Act::PauseRobot],
-            K::WorkerLost => &[Act::ClearWorker, Act::NarrowWorker],
-            K::Stopped => &[Act::ResumeFleet],
-            K::Evacuation => &[Act::EndEvacuation],
+            K::RobotFailed => &[AuditAct::StartMaintenance, AuditAct::RemoveRobot],
+            K::RobotStuck | K::WaitsInVain => &[AuditAct::PauseRobot, AuditAct::ResumeRobot],
+            K::RobotFenced | K::Paused => &[AuditAct::ResumeRobot],
+            K::BeyondGrant => &[AuditAct::PauseRobot],
+            K::WorkerLost => &[AuditAct::ClearWorker, AuditAct::NarrowWorker],
+            K::Stopped => &[AuditAct::ResumeFleet],
+            K::Evacuation => &[AuditAct::EndEvacuation],
             _ => &[],
         }
     }
@@ -176,39 +176,39 @@ mod tests {
     fn every_request_that_is_audited_is_an_act_and_every_act_can_be_asked_for() {
         let mut known = BTreeSet::new();
         for (method, path, _) in RULES.iter().filter(|(method, path, _)| is_audited(method, path)) {
-            let act = Act::of(&format!("{method} {path}"));
+            let act = AuditAct::of(&format!("{method} {path}"));
             known.insert(act.unwrap_or_else(|| panic!("{method} {path} has no act")));
         }
-        let besides = [Act::SignIn, Act::SignOut, Act::SignOff];
-        let left: Vec<Act> =
-            Act::ALL.into_iter().filter(|a| !known.contains(a) && !besides.contains(a)).collect();
+        let besides = [AuditAct::SignIn, AuditAct::SignOut, AuditAct::SignOff];
+        let left: Vec<AuditAct> =
+            AuditAct::ALL.into_iter().filter(|a| !known.contains(a) && !besides.contains(a)).collect();
         assert_eq!(left, [], "no request asks for these");
-        assert_eq!(Act::of("done, over the feed"), Some(Act::FinishTask));
-        assert_eq!(Act::of("POST /v1/of/another/version"), None);
+        assert_eq!(AuditAct::of("done, over the feed"), Some(AuditAct::FinishTask));
+        assert_eq!(AuditAct::of("POST /v1/of/another/version"), None);
     }
 
     #[test]
     fn what_a_caller_may_is_what_its_role_may() {
         let of = |role, subject: Option<&str>| {
-            Act::of_caller(&Caller { role, subject: subject.map(Into::into), ..Caller::anonymous() })
+            AuditAct::of_caller(&Caller { role, subject: subject.map(Into::into), ..Caller::anonymous() })
         };
         let viewer = of(Role::Viewer, None);
-        assert_eq!(viewer, [Act::SignIn, Act::SignOut], "a viewer changes nothing");
+        assert_eq!(viewer, [AuditAct::SignIn, AuditAct::SignOut], "a viewer changes nothing");
         let operator = of(Role::Operator, None);
         for act in [
-            Act::StopFleet,
-            Act::Evacuate,
-            Act::SubmitJob,
-            Act::SubmitJobs,
-            Act::AssignTask,
-            Act::ShelveAlarm,
+            AuditAct::StopFleet,
+            AuditAct::Evacuate,
+            AuditAct::SubmitJob,
+            AuditAct::SubmitJobs,
+            AuditAct::AssignTask,
+            AuditAct::ShelveAlarm,
         ] {
             assert!(operator.contains(&act), "{act:?}");
         }
-        assert!(!operator.contains(&Act::PublishMap) && !operator.contains(&Act::MakeToken));
-        assert_eq!(of(Role::Admin, None).len(), Act::ALL.len() - 1, "all but to sign off for a wearer");
-        assert!(of(Role::Device, Some("w1")).contains(&Act::ClearWorker));
-        assert!(!of(Role::Device, None).contains(&Act::ClearWorker));
+        assert!(!operator.contains(&AuditAct::PublishMap) && !operator.contains(&AuditAct::MakeToken));
+        assert_eq!(of(Role::Admin, None).len(), AuditAct::ALL.len() - 1, "all but to sign off for a wearer");
+        assert!(of(Role::Device, Some("w1")).contains(&AuditAct::ClearWorker));
+        assert!(!of(Role::Device, None).contains(&AuditAct::ClearWorker));
     }
 
     #[test]
@@ -218,6 +218,6 @@ mod tests {
         let list = list.split_once(']').expect("the list ends").0;
         let words: Vec<&str> =
             list.split(',').map(|w| w.trim().trim_matches('\'')).filter(|w| !w.is_empty()).collect();
-        assert_eq!(words, Act::ALL.map(Act::word));
+        assert_eq!(words, AuditAct::ALL.map(AuditAct::word));
     }
 }

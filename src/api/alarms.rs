@@ -3,7 +3,7 @@
 //! Main types: [`Alarms`], [`AlarmDto`]. Every alarm that is new is logged here, once. Refuses: to find out what is
 //! wrong, and to write anything down: it hands out what changed.
 
-use super::acts::Act;
+use super::acts::AuditAct;
 use super::text::{alarm_name, round3, time_text};
 use super::words::{AlarmKindDto, AlarmSeverityDto, AlarmStateDto, SubjectKindDto};
 use crate::alarm::{
@@ -272,7 +272,7 @@ pub struct AlarmDto {
     /// What people wrote down about it, in order.
     pub notes: Vec<AlarmNoteDto>,
     /// What can be done about it in one request, the likeliest first.
-    pub acts: Vec<Act>,
+    pub acts: Vec<AuditAct>,
     /// The group of which it is a member, or was when it ended; null if there is none.
     #[schema(example = "al18")]
     pub group: Option<String>,
@@ -301,7 +301,7 @@ impl From<&Alarm> for AlarmDto {
             acknowledged: a.acknowledged.as_ref().map(noted),
             shelved: a.shelved.as_ref().map(shelving),
             notes: a.notes.iter().map(note).collect(),
-            acts: Act::remedies(a.kind).to_vec(),
+            acts: AuditAct::remedies(a.kind).to_vec(),
             group: a.group.map(alarm_name),
             members: a.members.iter().map(Into::into).collect(),
             cleared: a.cleared.map(time_text),
@@ -362,7 +362,7 @@ pub struct AlarmRowDto {
     /// Until when it is put aside, RFC 3339; null if it is not.
     pub shelved_until: Option<String>,
     /// What can be done about it in one request, the likeliest first.
-    pub acts: Vec<Act>,
+    pub acts: Vec<AuditAct>,
     /// Of a group: its members.
     pub members: Vec<AlarmMemberRowDto>,
 }
@@ -385,7 +385,7 @@ pub(super) fn row(alarm: &Alarm, started_s: f64) -> Value {
         since_s: round3(alarm.since.as_secs_f64() - started_s),
         acknowledged_by: alarm.acknowledged.as_ref().map(|n| n.by.clone()),
         shelved_until: alarm.shelved.as_ref().map(|s| time_text(s.until)),
-        acts: Act::remedies(alarm.kind).to_vec(),
+        acts: AuditAct::remedies(alarm.kind).to_vec(),
         members: alarm.members.iter().map(member_row).collect(),
     })
 }

@@ -66,8 +66,8 @@ pub trait Records: Send + Sync {
     fn audit(&self, _: AuditQuery) -> Later<'_, Result<Vec<AuditEntry>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }
-    /// How often what was asked, as the audit has it, and done, from one moment to another; nothing where a recording is
-    /// shown.
+    /// How often what was asked, as the audit has it, and done, from one moment to another; nothing where a recording
+    /// is shown.
     fn acts(&self, _: (Time, Time)) -> Later<'_, Result<Vec<(String, u64)>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }

@@ -7,7 +7,7 @@ use super::dto::Names;
 use super::feed::align::Misfit;
 use super::waits::active;
 use crate::alarm::AlarmKind;
-use crate::fleet::{Ahead, Displacement, Fleet, JobWhy, Settings, Why};
+use crate::fleet::{Displacement, Fleet, JobWhy, JobsAhead, Settings, Why};
 use crate::geometry::Spot;
 use crate::id::{ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::Time;
@@ -112,10 +112,10 @@ fn job_whys() -> Vec<JobWhy> {
         JobWhy::RobotBusy(ROBOT, Some(job)),
         JobWhy::RobotBusy(ROBOT, None),
         JobWhy::NoRobot,
-        JobWhy::Outranked(Ahead { higher: 2, others: 0, more: false }),
-        JobWhy::Outranked(Ahead { higher: 0, others: 2, more: false }),
-        JobWhy::Outranked(Ahead { higher: 2, others: 1, more: false }),
-        JobWhy::Outranked(Ahead { higher: 60, others: 40, more: true }),
+        JobWhy::Outranked(JobsAhead { higher: 2, others: 0, more: false }),
+        JobWhy::Outranked(JobsAhead { higher: 0, others: 2, more: false }),
+        JobWhy::Outranked(JobsAhead { higher: 2, others: 1, more: false }),
+        JobWhy::Outranked(JobsAhead { higher: 60, others: 40, more: true }),
         JobWhy::NoKind,
         JobWhy::StationFull(STATION),
         JobWhy::RacksWait(STATION, ROBOT),

@@ -60,17 +60,17 @@ pub struct Judged {
 
 /// Wrong secrets of all addresses.
 #[derive(Debug, Default)]
-pub struct WrongSecrets(Mutex<Seen>);
+pub struct WrongSecrets(Mutex<SecretsSeen>);
 
 #[derive(Debug, Default)]
-struct Seen {
-    by_address: HashMap<IpAddr, Guesses>,
+struct SecretsSeen {
+    by_address: HashMap<IpAddr, AddressGuesses>,
     /// When the present minute of notes began, and how many there were.
     notes: Option<(Instant, u32)>,
 }
 
 #[derive(Debug)]
-struct Guesses {
+struct AddressGuesses {
     times: u32,
     last: Instant,
     /// When the answer to the last one leaves.
@@ -86,7 +86,7 @@ impl WrongSecrets {
         if seen.by_address.len() >= MOST_ADDRESSES && !seen.by_address.contains_key(&from) {
             return Judged { pause: LONGEST_PAUSE, note: None };
         }
-        let fresh = Guesses { times: 0, last: now, answered: now };
+        let fresh = AddressGuesses { times: 0, last: now, answered: now };
         let guesses = seen.by_address.entry(from).or_insert(fresh);
         guesses.times = guesses.times.saturating_add(1);
         guesses.last = now;
@@ -110,12 +110,12 @@ impl WrongSecrets {
         many
     }
 
-    fn seen(&self) -> MutexGuard<'_, Seen> {
+    fn seen(&self) -> MutexGuard<'_, SecretsSeen> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl Seen {
+impl SecretsSeen {
     /// Forgets addresses that have shown no wrong secret for a while.
     fn forget(&mut self, now: Instant) {
         self.by_address.retain(|_, guesses| now.saturating_duration_since(guesses.last) < FORGOTTEN);

@@ -1,12 +1,12 @@
 //! Why jobs and robots do not go on, and why jobs failed, in words.
 //!
-//! Adds these questions to [`Names`]. `web/src/language/said/` has each sentence in other languages. Refuses: to find out
-//! why; the fleet does.
+//! Adds these questions to [`Names`]. `web/src/language/said/` has each sentence in other languages. Refuses: to find
+//! out why; the fleet does.
 
 use super::dto::Names;
 use super::text::{closure_name, hand_words, job_name, worker_name};
 use crate::alarm::displacement_words;
-use crate::fleet::{Ahead, JobFailure, JobWhy, RobotView, Why};
+use crate::fleet::{JobFailure, JobWhy, JobsAhead, RobotView, Why};
 use crate::id::{Dense, RobotId};
 use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
@@ -192,7 +192,7 @@ impl Names<'_> {
 }
 
 /// Who is before a job, in words.
-fn ahead_words(Ahead { higher, others, more }: Ahead) -> String {
+fn ahead_words(JobsAhead { higher, others, more }: JobsAhead) -> String {
     match (higher, others) {
         _ if more => format!("{} or more", higher + others),
         (_, 0) => format!("{higher} of higher priority"),

@@ -239,7 +239,8 @@ words! {
     /// What a link of a wait chain is about. A robot that waits for nothing has `stop`, `drives`, `later` or `stays`; a
     /// worker `robot`, `no_way`, `walks`, `stands` or `lost`.
     WaitCauseDto {
-        Resource "resource", Queue "queue", Turn "turn", Person "person", Closure "closure", Route "route", Failed "failed",
+        Resource "resource", Queue "queue", Turn "turn", Person "person", Closure "closure", Route "route",
+        Failed "failed",
         EmergencyStop "emergency_stop", Manual "manual", Obstructed "obstructed", Unplugged "unplugged",
         Displaced "displaced", Silent "silent", Paused "paused", Maintenance "maintenance", Leaving "leaving",
         Stopped "stopped", Evacuation "evacuation", Job "job", Rack "rack", Robot "robot", NoRobot "no_robot",

@@ -31,7 +31,7 @@ pub(super) struct Budget(Arc<Mutex<Open>>);
 
 #[derive(Debug)]
 struct Open {
-    limits: Limits,
+    limits: ConnectionLimits,
     next: u64,
     /// By number, so in order of arrival.
     guests: BTreeMap<u64, Place>,
@@ -41,7 +41,7 @@ struct Open {
 
 /// How much of everything there may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Limits {
+struct ConnectionLimits {
     connections: usize,
     strangers: usize,
     bytes: usize,
@@ -81,10 +81,10 @@ impl Budget {
     pub fn of(descriptors: usize) -> Budget {
         let connections = descriptors.saturating_sub(KEPT_BACK).max(8);
         let strangers = MOST_STRANGERS.min(connections / 2);
-        Budget::within(Limits { connections, strangers, bytes: MOST_BYTES })
+        Budget::within(ConnectionLimits { connections, strangers, bytes: MOST_BYTES })
     }
 
-    fn within(limits: Limits) -> Budget {
+    fn within(limits: ConnectionLimits) -> Budget {
         Budget(Arc::new(Mutex::new(Open { limits, next: 0, guests: BTreeMap::new(), bytes: 0 })))
     }
 
@@ -258,7 +258,7 @@ mod tests {
     }
 
     fn budget(connections: usize, strangers: usize, bytes: usize) -> Budget {
-        Budget::within(Limits { connections, strangers, bytes })
+        Budget::within(ConnectionLimits { connections, strangers, bytes })
     }
 
     #[tokio::test]

@@ -42,7 +42,7 @@ const DESCRIPTORS: u64 = 65_536;
 
 /// What all connections have in common.
 #[derive(Clone)]
-struct Service {
+struct ConnectionService {
     router: Router,
     /// Where HTTPS is spoken.
     tls: Option<TlsAcceptor>,
@@ -58,7 +58,7 @@ pub(super) async fn serve(
     mut closes: watch::Receiver<bool>,
 ) {
     let budget = Budget::of(descriptors());
-    let service = Service { router, tls: tls.map(TlsAcceptor::from), closes: closes.clone() };
+    let service = ConnectionService { router, tls: tls.map(TlsAcceptor::from), closes: closes.clone() };
     let mut open = JoinSet::new();
     loop {
         tokio::select! {
@@ -99,7 +99,7 @@ fn is_of_client(e: &io::Error) -> bool {
 }
 
 /// One connection, from its first byte.
-async fn begin(stream: TcpStream, from: SocketAddr, service: Service, guest: Arc<Guest>) {
+async fn begin(stream: TcpStream, from: SocketAddr, service: ConnectionService, guest: Arc<Guest>) {
     let Some(acceptor) = service.tls.clone() else { return connection(stream, from, service, guest).await };
     let shaken = tokio::select! {
         shaken = shake(stream, &acceptor) => shaken,
@@ -113,11 +113,11 @@ async fn begin(stream: TcpStream, from: SocketAddr, service: Service, guest: Arc
 }
 
 /// The requests of a connection, to the last, or until it is a WebSocket.
-async fn connection<I>(io: I, from: SocketAddr, service: Service, guest: Arc<Guest>)
+async fn connection<I>(io: I, from: SocketAddr, service: ConnectionService, guest: Arc<Guest>)
 where
     I: tokio::io::AsyncRead + tokio::io::AsyncWrite + Unpin + Send + 'static,
 {
-    let Service { router, mut closes, .. } = service;
+    let ConnectionService { router, mut closes, .. } = service;
     let answers = guest.clone();
     let service = hyper::service::service_fn(move |request: Request<Incoming>| {
         answer(router.clone(), answers.clone(), Peer(from.ip()), request)

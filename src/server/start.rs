@@ -210,8 +210,7 @@ pub async fn build(
     let (buckets, heat) = store.load_history().await?;
     let history = History::restore(buckets, heat);
     let figures = Arc::new(SharedHistory::new(clock.started(), settings.policy.word(), history));
-    let (now, floor) = (clock.now(), map.clone());
-    let period = scenario.period;
+    let (now, floor, period) = (clock.now(), map.clone(), scenario.period);
     let fold = move || {
         let (ledger, facts) = loaded.into_parts();
         let fleet = Fleet::resume(ledger, settings, facts);

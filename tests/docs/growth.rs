@@ -56,7 +56,7 @@ const ALL: [Grows; 31] = [
         "what_is_over_leaves_the_lists_after_the_days_of_the_settings_in_slices"),
     ("events", None, &["events"], &[],
         "events_are_forgotten_after_a_week_from_the_first_on"),
-    ("alarms that are active", Some(("src/alarm/register.rs", "MOST_ACTIVE", "500")), &[], &[],
+    ("alarms that are active", Some(("src/alarm/register/mod.rs", "MOST_ACTIVE", "500")), &[], &[],
         "there_are_never_more_than_so_many_and_the_worst_have_room"),
     ("alarms that are over", Some(("src/store/alarms.rs", "MOST_PAST", "20_000")), &["alarms"], &[],
         "of_alarms_that_are_over_the_newest_are_kept"),

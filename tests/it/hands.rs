@@ -1,5 +1,5 @@
-//! Hands of a headset at a picking station, over its WebSocket: they confirm a line without a button, and a wrong slot is
-//! warned of.
+//! Hands of a headset at a picking station, over its WebSocket: they confirm a line without a button, and a wrong slot
+//! is warned of.
 
 use crate::feed::{Headset, hire};
 use crate::helper::{Folder, get, post};

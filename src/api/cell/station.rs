@@ -166,7 +166,8 @@ pub struct NextRackDto {
     pub rack: Option<String>,
     /// The robot that brings it.
     pub robot: String,
-    /// In how many seconds it is planned to be there; null if it waits for something of which nobody knows when it ends.
+    /// In how many seconds it is planned to be there; null if it waits for something of which nobody knows when it
+    /// ends.
     pub in_s: Option<f64>,
 }
 

@@ -3,7 +3,7 @@
 //! Main types: [`AuditDto`], [`AuditParams`]. Refuses: pages of more than 500.
 
 use super::lists::checked_limit;
-use crate::api::acts::Act;
+use crate::api::acts::AuditAct;
 use crate::api::audit::{AuditEntry, AuditQuery};
 use crate::api::called::Called;
 use crate::api::caller::Role;
@@ -35,7 +35,7 @@ pub struct AuditDto {
     #[schema(example = "POST /v1/robots/{id}/pause")]
     pub what: String,
     /// The same as an act; null where an earlier or a later version knew it.
-    pub act: Option<Act>,
+    pub act: Option<AuditAct>,
     /// Of what: the id in the path, or of what was made; null if there is none.
     #[schema(example = "robot-2")]
     pub subject: Option<String>,
@@ -117,6 +117,6 @@ fn dto(entry: AuditEntry) -> AuditDto {
         Some(400..500) => AuditOutcome::Refused,
         Some(_) => AuditOutcome::Failed,
     };
-    let (act, id, at) = (Act::of(&what), id.to_string(), time_text(Time(id)));
+    let (act, id, at) = (AuditAct::of(&what), id.to_string(), time_text(Time(id)));
     AuditDto { id, at, actor, role, what, act, subject, outcome, status }
 }

@@ -1,17 +1,13 @@
-//! `/v1/closures/preview`: what closing an area would do, before it is closed.
+//! What closing an area does, as `/v1/closures` and `/v1/closures/preview` say it.
 //!
-//! Main type: [`ClosingEffectDto`], which the answer of `POST /v1/closures` has, too. Refuses: to close anything.
+//! Main type: [`ClosingEffectDto`]. Refuses: to close anything.
 
-use super::closures::NewClosure;
 use crate::api::Api;
-use crate::api::called::Called;
 use crate::api::dto::Names;
 use crate::api::error::Problem;
-use crate::api::extract::JsonBody;
 use crate::api::port::Question;
 use crate::api::text::{job_name, time_text};
 use crate::fleet::{Affected, ClosingEffect, Closure};
-use axum::Json;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -31,8 +27,8 @@ pub struct ClosingEffectDto {
     pub waiting: AffectedDto,
     /// Jobs at work whose robots are to pass it.
     pub under_way: AffectedDto,
-    /// When the last of these robots is expected to be out of it, RFC 3339: closed from then on, it lets them pass; null
-    /// if there are none.
+    /// When the last of these robots is expected to be out of it, RFC 3339: closed from then on, it lets them pass;
+    /// null if there are none.
     #[schema(example = "2027-01-31T12:00:40Z")]
     pub clear_at: Option<String>,
 }
@@ -44,23 +40,6 @@ pub struct AffectedDto {
     pub total: usize,
     /// The names of the first 20.
     pub first: Vec<String>,
-}
-
-/// What closing an area would do as things stand: which stations and racks it would cut off, which robots it would trap,
-/// which jobs would wait and which are under way through it. Nothing is closed.
-#[utoipa::path(post, path = "/v1/closures/preview", tag = "people",
-    operation_id = "previewClosure", request_body = NewClosure,
-    responses(
-    (status = 200, description = "What it would do", body = ClosingEffectDto),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
-pub async fn preview(
-    Called(api): Called,
-    JsonBody(new): JsonBody<NewClosure>,
-) -> Result<Json<ClosingEffectDto>, Problem> {
-    let (area, _) = new.read(&api)?;
-    Ok(Json(effect_of(&api, &area).await?))
 }
 
 /// What closing an area does, as things stand.

@@ -187,6 +187,23 @@ pub async fn close(
     }
 }
 
+/// What closing an area would do as things stand: which stations and racks it would cut off, which robots it would
+/// trap, which jobs would wait and which are under way through it. Nothing is closed.
+#[utoipa::path(post, path = "/v1/closures/preview", tag = "people",
+    operation_id = "previewClosure", request_body = NewClosure,
+    responses(
+    (status = 200, description = "What it would do", body = ClosingEffectDto),
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
+     content_type = "application/problem+json")))]
+pub async fn preview(
+    Called(api): Called,
+    JsonBody(new): JsonBody<NewClosure>,
+) -> Result<Json<ClosingEffectDto>, Problem> {
+    let (area, _) = new.read(&api)?;
+    Ok(Json(effect_of(&api, &area).await?))
+}
+
 async fn recur(
     api: &Api,
     closure: RecurringClosure,

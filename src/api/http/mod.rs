@@ -209,7 +209,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(assignments::get, assignments::cancel))
         .routes(routes!(assignments::finish))
         .routes(routes!(closures::list, closures::close))
-        .routes(routes!(closing::preview))
+        .routes(routes!(closures::preview))
         .routes(routes!(recurring::list))
         .routes(routes!(closures::get, closures::reopen))
         .routes(routes!(evacuation::get, evacuation::begin, evacuation::end))

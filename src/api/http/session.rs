@@ -3,7 +3,7 @@
 //! Main types: [`SignIn`], [`SessionDto`]. Refuses: to tell scripts of the page what the cookie says.
 
 use crate::api::Api;
-use crate::api::acts::Act;
+use crate::api::acts::AuditAct;
 use crate::api::audit::AuditEntry;
 use crate::api::auth::{SESSION_LIFE, fresh_token, hash_of};
 use crate::api::called::Called;
@@ -57,7 +57,7 @@ pub struct SessionDto {
     /// When the session or the token ends, RFC 3339; null if it does not.
     pub expires: Option<String>,
     /// What it may do, besides reading; a device for its own worker or robot.
-    pub may: Vec<Act>,
+    pub may: Vec<AuditAct>,
 }
 
 /// Who I am.
@@ -125,7 +125,7 @@ fn dto(api: &Api, caller: &Caller) -> SessionDto {
         (None, Some(_)) => SignedInBy::Token,
         (None, None) => SignedInBy::Nothing,
     };
-    let may = Act::of_caller(caller);
+    let may = AuditAct::of_caller(caller);
     let Caller { name, role, subject, .. } = caller.clone();
     let expires = api.gate.end_of(caller, (api.now)()).map(time_text);
     SessionDto { name, role, subject, by, expires, may }

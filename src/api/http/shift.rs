@@ -39,8 +39,9 @@ pub struct ReportParams {
 }
 
 /// Deliveries by station and how long orders took, what was late, what robots, stations and chargers were at, what
-/// robots waited for, alarms, what was done, encounters, people. Counts of jobs and encounters are exact; what is a share of time, or
-/// counted with it, is summed in steps of ten seconds in the last hour, a minute in the last day, ten minutes before.
+/// robots waited for, alarms, what was done, encounters, people. Counts of jobs and encounters are exact; what is a
+/// share of time, or counted with it, is summed in steps of ten seconds in the last hour, a minute in the last day, ten
+/// minutes before.
 #[utoipa::path(get, path = "/v1/report", tag = "floor", operation_id = "getReport", params(ReportParams), responses(
     (status = 200, description = "The report", content(
         (ShiftReportDto = "application/json"), (String = "text/csv"))),

@@ -3,7 +3,7 @@
 //!
 //! Main types: [`ShiftReportDto`], [`ShiftSources`]. Refuses: figures by person.
 
-use super::acts::Act;
+use super::acts::AuditAct;
 use super::text::{round3, time_text};
 use crate::alarm::Alarm;
 use crate::fleet::{Activity, Encounter, EndedJob, ShiftRows};
@@ -154,7 +154,7 @@ pub struct AlarmsShiftDto {
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ActsShiftDto {
     /// Which.
-    pub act: Act,
+    pub act: AuditAct,
     /// How often it was done.
     pub count: u64,
 }
@@ -273,9 +273,9 @@ impl ShiftSources<'_> {
 
     /// What another version calls otherwise is left out.
     fn acts(&self) -> Vec<ActsShiftDto> {
-        let mut counts: BTreeMap<Act, u64> = BTreeMap::new();
+        let mut counts: BTreeMap<AuditAct, u64> = BTreeMap::new();
         for (what, count) in self.acts {
-            if let Some(act) = Act::of(what) {
+            if let Some(act) = AuditAct::of(what) {
                 *counts.entry(act).or_default() += count;
             }
         }

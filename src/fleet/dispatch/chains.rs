@@ -1,10 +1,10 @@
 //! Robots whose rack was just picked from and is wanted at a station again, so that it need not be put away first.
 //!
-//! Main type: [`Chain`]. Such a job saves ways, and no more than that: it is matched together with all others, and a
-//! more urgent one is not passed by. Refuses: to keep a robot at a station for a place at another one, and to let the
+//! Main type: [`ChainedJob`]. Such a job saves ways, and no more than that: it is matched together with all others, and
+//! a more urgent one is not passed by. Refuses: to keep a robot at a station for a place at another one, and to let the
 //! robots behind it wait for jobs that are less urgent than theirs.
 
-use crate::fleet::dispatch::jobs::with_enough_racks;
+use crate::fleet::dispatch::enough::with_enough_racks;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::index::{RackGoal, urgency_ms};
@@ -24,7 +24,7 @@ const SETS_DOWN_MS: i64 = 10_000;
 
 /// A job that a robot can do with the rack that it has.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Chain {
+pub(super) struct ChainedJob {
     pub robot: RobotId,
     pub job: JobId,
     pub rack: RackId,
@@ -34,7 +34,7 @@ pub(super) struct Chain {
     pub store: NodeId,
 }
 
-impl Chain {
+impl ChainedJob {
     /// What the robot does if it gets the job.
     pub fn task(&self) -> Task {
         Task::Deliver { job: self.job, rack: self.rack, station: self.station, store: self.store }
@@ -42,7 +42,7 @@ impl Chain {
 }
 
 /// The chains that are possible: one for each of the robots that were picked from, at most.
-pub(super) fn chains(floor: Floor<'_>, needs: &Needs, picked: &[RobotId], now: Time) -> Vec<Chain> {
+pub(super) fn chains(floor: Floor<'_>, needs: &Needs, picked: &[RobotId], now: Time) -> Vec<ChainedJob> {
     if picked.is_empty() {
         return Vec::new();
     }
@@ -96,7 +96,7 @@ impl Room {
 
 impl Floor<'_> {
     /// The most urgent job for the rack on a robot, if that is a delivery which it can go on with at once.
-    fn chain(&self, robot: RobotId, room: &Room, now: Time) -> Option<Chain> {
+    fn chain(&self, robot: RobotId, room: &Room, now: Time) -> Option<ChainedJob> {
         let record = &self.ledger.robots[robot];
         let Task::Store { job: None, rack, store } = record.task else { return None };
         let is_wanted = self.named_job_for(robot).is_some() || record.service != Service::Works;
@@ -110,10 +110,11 @@ impl Floor<'_> {
         let job = open.max_by_key(|id| (urgency(*id), Reverse(*id)))?;
         let JobKind::Deliver { station, .. } = self.ledger.jobs[&job].request.kind else { return None };
         let station = self.warehouse().stations[station].node;
-        Some(Chain { robot, job, rack, station, store })
+        Some(ChainedJob { robot, job, rack, station, store })
     }
 
-    /// Whether a robot with the rack of a job could go on with it at once. True for jobs that bring the rack to storage.
+    /// Whether a robot with the rack of a job could go on with it at once. True for jobs that bring the rack to
+    /// storage.
     fn can_go_on(&self, robot: RobotId, id: JobId, urgency_ms: i64, room: &Room, now: Time) -> bool {
         let job = &self.ledger.jobs[&id];
         let Some(station) = job.request.kind.station() else { return true };
@@ -132,7 +133,7 @@ impl Floor<'_> {
     }
 
     /// How long it takes a robot to put away the rack of its chain and to be ready for another one, milliseconds.
-    pub(super) fn puts_away_ms(&self, chain: &Chain) -> i64 {
+    pub(super) fn puts_away_ms(&self, chain: &ChainedJob) -> i64 {
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let way_m = along_axes(at(self.ledger.node_of(chain.robot)), at(chain.store));
         (way_m / self.kinematics(chain.robot).speed_loaded_mps * 1000.0) as i64 + SETS_DOWN_MS

@@ -1,6 +1,6 @@
 //! When robots charge: which may take a job, which go to a charger, and which leave one for another robot.
 //!
-//! Settings: [`Charging`] of the robot's kind. A robot below `low` charges before it works if a charger is free, and
+//! Settings: [`Charging`](crate::fleet::state::kind::Charging) of the robot's kind. A robot below `low` charges before it works if a charger is free, and
 //! works on if none is; below `critical` it takes no job, gives back the one that it has not begun, and is next at a
 //! charger: the fullest robot that stands at one leaves it. A robot that rests at a parking place leaves it likewise
 //! for one that a customer sends there. Refuses: to trust a battery that says nothing is left; that robot has failed.
@@ -9,7 +9,6 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
-use crate::fleet::state::kind::Charging;
 use crate::id::{JobId, NodeId, RackId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
@@ -141,16 +140,6 @@ impl Floor<'_> {
         self.free_place(robot, NodeKind::Charger)
     }
 
-    /// Charge of a robot, 0 to 1; 0 if it was never heard of.
-    pub(in crate::fleet) fn battery(&self, robot: RobotId) -> f64 {
-        self.scene.robot(robot).map_or(0.0, |t| t.battery)
-    }
-
-    /// Whether a robot has too little charge for any job.
-    pub(in crate::fleet) fn is_critical(&self, robot: RobotId) -> bool {
-        self.battery(robot) < self.charging(robot).critical
-    }
-
     /// Whether a robot has the charge to take jobs. Below `low` it charges first, but works on if no charger is free.
     pub(in crate::fleet) fn is_charged(&self, robot: RobotId, charger_is_free: bool) -> bool {
         let (battery, c) = (self.battery(robot), self.charging(robot));
@@ -158,11 +147,6 @@ impl Floor<'_> {
             true => battery >= c.enough,
             false => battery >= c.low || (battery >= c.critical && !charger_is_free),
         }
-    }
-
-    /// When robots like this one charge.
-    pub(in crate::fleet) fn charging(&self, robot: RobotId) -> &Charging {
-        &self.kind(robot).charging
     }
 
     /// The share of a full charge that so many metres take a robot.

@@ -7,6 +7,7 @@ pub(in crate::fleet) mod assignment;
 pub(in crate::fleet) mod blocked;
 mod chains;
 pub(in crate::fleet) mod charging;
+pub(in crate::fleet) mod enough;
 pub(in crate::fleet) mod idle;
 pub(in crate::fleet) mod jobs;
 pub(in crate::fleet) mod leaving;

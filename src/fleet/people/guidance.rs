@@ -77,7 +77,7 @@ impl HumanState {
             next: path.first().copied(),
             eta: (!path.is_empty()).then(|| now + Span::from_secs_f64(length / USUAL_MPS)),
             path,
-            wait: person.waits().map(|w| w.until),
+            wait: person.waits().map(|w| w.until).or_else(|| person.message.and_then(Message::waits_on)),
             assignment: plan.and_then(|p| p.assignment),
             arrived: plan.is_some_and(|p| p.assignment.is_some()) && person.there_since.is_some(),
             near,

@@ -47,6 +47,11 @@ impl Message {
         }
     }
 
+    /// Until when the message stands at least, if it tells the worker to wait for a robot that crosses.
+    pub fn waits_on(self) -> Option<Time> {
+        matches!(self.words.1, Some(GuidanceReason::RobotCrosses(_))).then_some(self.since + MESSAGE)
+    }
+
     /// Whether the worker has stood for a robot for so long that the worker had better go.
     pub fn is_standoff(&self, now: Time) -> bool {
         self.standoff.is_some_and(|since| now - since >= STANDOFF)

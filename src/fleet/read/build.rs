@@ -4,7 +4,7 @@
 
 use crate::cell::Remaining;
 use crate::fleet::Fleet;
-use crate::fleet::dispatch::jobs::with_enough_racks;
+use crate::fleet::dispatch::enough::with_enough_racks;
 use crate::fleet::people::intents::task_place;
 use crate::fleet::read::view::{Counts, LINE, RobotState, RobotView, StationView, View};
 use crate::fleet::state::activity::Activity;

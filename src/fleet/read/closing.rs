@@ -1,5 +1,5 @@
-//! What closing an area would do: which stations and racks it cuts off, which robots it traps, which jobs would wait, and
-//! which are under way through it.
+//! What closing an area would do: which stations and racks it cuts off, which robots it traps, which jobs would wait,
+//! and which are under way through it.
 //!
 //! Main types: [`ClosingEffect`], [`Affected`]. The same walks answer that decide later which jobs wait
 //! ([`CutOff`](crate::fleet::state::cut_off::CutOff)), so the answer is what will happen. Refuses: to close anything.

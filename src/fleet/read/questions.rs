@@ -4,7 +4,7 @@
 
 use crate::cell::HandsSeen;
 use crate::fleet::Fleet;
-use crate::fleet::dispatch::jobs::with_enough_racks;
+use crate::fleet::dispatch::enough::with_enough_racks;
 use crate::fleet::people::forecast::Expected;
 use crate::fleet::people::foreseen::ForeseenPerson;
 use crate::fleet::requests::hands::warning_of;

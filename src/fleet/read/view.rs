@@ -7,7 +7,7 @@ use crate::aware::zone_answers::ZoneCounts;
 use crate::cell::{Lines, Remaining, SeenReach};
 use crate::fleet::state::activity::{Activity, Doing};
 use crate::fleet::state::arms::ArmView;
-use crate::fleet::state::cut_off::{Cut, CutOff};
+use crate::fleet::state::cut_off::{Barrier, CutOff};
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::io::WrongReach;
@@ -193,7 +193,7 @@ pub struct StationView {
 
 /// Who is before a job in the line of those that wait for a robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Ahead {
+pub struct JobsAhead {
     /// Jobs of higher priority.
     pub higher: usize,
     /// Other jobs: older ones, or such with a nearer deadline.
@@ -214,7 +214,7 @@ pub enum JobWhy {
     /// No robot that could do it is free, and it is the first in line.
     NoRobot,
     /// No robot that could do it is free, and these jobs are before it.
-    Outranked(Ahead),
+    Outranked(JobsAhead),
     /// No robot has joined that can carry the rack, and may drive to it and to where it is wanted.
     NoKind,
     /// In every place of the station stands a robot.
@@ -242,12 +242,12 @@ pub enum JobWhy {
 }
 
 /// What is on the only way of a job.
-impl From<Cut> for JobWhy {
-    fn from(cut: Cut) -> JobWhy {
+impl From<Barrier> for JobWhy {
+    fn from(cut: Barrier) -> JobWhy {
         match cut {
-            Cut::Robot(robot) => JobWhy::WayBlocked(robot),
-            Cut::Closure(closure) => JobWhy::WayClosed(closure),
-            Cut::Obstruction(_) => JobWhy::ClosedOff,
+            Barrier::Robot(robot) => JobWhy::WayBlocked(robot),
+            Barrier::Closure(closure) => JobWhy::WayClosed(closure),
+            Barrier::Obstruction(_) => JobWhy::ClosedOff,
         }
     }
 }
@@ -322,8 +322,8 @@ impl View {
                 if self.cut_off.blocks_for_long(*station, self.now).is_some() =>
             {
                 return Some(match self.cut_off.blocks_for_long(*station, self.now)? {
-                    Cut::Robot(robot) => JobWhy::StationBlocked(*station, robot),
-                    cut @ (Cut::Closure(_) | Cut::Obstruction(_)) => cut.into(),
+                    Barrier::Robot(robot) => JobWhy::StationBlocked(*station, robot),
+                    cut @ (Barrier::Closure(_) | Barrier::Obstruction(_)) => cut.into(),
                 });
             }
             JobKind::Deliver { station, .. } if self.full.contains_key(station) => {
@@ -356,7 +356,7 @@ impl View {
         let higher = before.iter().filter(|(_, other)| *other > priority).count();
         match before.len() {
             0 => JobWhy::NoRobot,
-            all => JobWhy::Outranked(Ahead { higher, others: all - higher, more: place.is_none() }),
+            all => JobWhy::Outranked(JobsAhead { higher, others: all - higher, more: place.is_none() }),
         }
     }
 

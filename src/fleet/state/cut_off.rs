@@ -1,10 +1,10 @@
 //! What robots that cannot drive, and closed areas, cut off: stations to which no rack comes past them, and storage
 //! whose racks do not come out.
 //!
-//! Main types: [`CutOff`], [`Cut`]. It is found out anew only when a robot breaks down, is repaired or stands elsewhere,
-//! and when an area is closed or opened: a few walks over the floor, which leave out what is held. Kinds of robots are
-//! not told apart, and lanes that are in conflict with a hold count as open. Refuses: to plan: that a place is not cut
-//! off is no promise of a route.
+//! Main types: [`CutOff`], [`Barrier`]. It is found out anew only when a robot breaks down, is repaired or stands
+//! elsewhere, and when an area is closed or opened: a few walks over the floor, which leave out what is held. Kinds of
+//! robots are not told apart, and lanes that are in conflict with a hold count as open. Refuses: to plan: that a place
+//! is not cut off is no promise of a route.
 
 use crate::fleet::state::job::JobKind;
 use crate::fleet::state::ledger::Ledger;
@@ -19,7 +19,7 @@ const LONG: Span = Span::from_secs(60);
 
 /// What no robot gets past.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Cut {
+pub enum Barrier {
     /// This robot, which cannot drive.
     Robot(RobotId),
     /// This area, which is closed or will be soon.
@@ -31,7 +31,7 @@ pub enum Cut {
 /// What has blocked a station, and since when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Blocker {
-    cut: Cut,
+    cut: Barrier,
     since: Time,
 }
 
@@ -39,9 +39,9 @@ impl Blocker {
     /// A robot may drive on in a moment. How long an area stays closed is known, and that is long.
     fn is_for_long(&self, now: Time) -> bool {
         match self.cut {
-            Cut::Robot(_) => now - self.since > LONG,
-            Cut::Closure(_) => true,
-            Cut::Obstruction(_) => false,
+            Barrier::Robot(_) => now - self.since > LONG,
+            Barrier::Closure(_) => true,
+            Barrier::Obstruction(_) => false,
         }
     }
 }
@@ -50,12 +50,12 @@ impl Blocker {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CutOff {
     /// Nodes that are closed, or on which such a robot may stand, or which it blocks.
-    held: BTreeMap<NodeId, Cut>,
+    held: BTreeMap<NodeId, Barrier>,
     /// Stations to which no rack comes, or from which none gets away.
     blocked: BTreeMap<StationId, Blocker>,
     /// What the others are joined to.
     open: BTreeMap<StationId, Region>,
-    storage: BTreeMap<NodeId, Cut>,
+    storage: BTreeMap<NodeId, Barrier>,
 }
 
 /// What a station is joined to: nodes from which robots get there, without and with a rack, and to which they get from
@@ -78,7 +78,7 @@ impl CutOff {
         let mut held = held_by_failed(ledger, scene);
         // A closure ends at a known time, a broken robot may stay for longer.
         closed.iter().for_each(|(n, c)| {
-            held.entry(*n).or_insert(Cut::Closure(*c));
+            held.entry(*n).or_insert(Barrier::Closure(*c));
         });
         if held == self.held { None } else { Some(self.with(ledger.warehouse(), held, now)) }
     }
@@ -92,11 +92,11 @@ impl CutOff {
         now: Time,
     ) -> CutOff {
         let mut held = self.held.clone();
-        held.extend(nodes.iter().map(|n| (*n, Cut::Closure(closure))));
+        held.extend(nodes.iter().map(|n| (*n, Barrier::Closure(closure))));
         self.with(w, held, now)
     }
 
-    fn with(&self, w: &Warehouse, held: BTreeMap<NodeId, Cut>, now: Time) -> CutOff {
+    fn with(&self, w: &Warehouse, held: BTreeMap<NodeId, Barrier>, now: Time) -> CutOff {
         let mut found = CutOff { held, ..CutOff::default() };
         if found.held.is_empty() {
             return found;
@@ -121,12 +121,12 @@ impl CutOff {
     }
 
     /// What has blocked a station for long.
-    pub fn blocks_for_long(&self, station: StationId, now: Time) -> Option<Cut> {
+    pub fn blocks_for_long(&self, station: StationId, now: Time) -> Option<Barrier> {
         self.blocked.get(&station).filter(|b| b.is_for_long(now)).map(|b| b.cut)
     }
 
-    /// Whether a robot that stands on a node gets to no storage node, past nothing that is held: with a rack, it can set
-    /// that down nowhere else.
+    /// Whether a robot that stands on a node gets to no storage node, past nothing that is held: with a rack, it can
+    /// set that down nowhere else.
     pub fn traps(&self, w: &Warehouse, here: NodeId) -> bool {
         if self.held.is_empty() || w.kind(here) == NodeKind::Storage {
             return false;
@@ -144,7 +144,7 @@ impl CutOff {
     }
 
     /// Storage nodes that are cut off from all stations, with what cuts each off.
-    pub fn storage(&self) -> &BTreeMap<NodeId, Cut> {
+    pub fn storage(&self) -> &BTreeMap<NodeId, Barrier> {
         &self.storage
     }
 
@@ -171,7 +171,7 @@ impl CutOff {
     }
 
     /// What is between a rack and where a job is to bring it. A blocked station is another matter.
-    pub fn blocks_job(&self, w: &Warehouse, kind: &JobKind, rack_at: NodeId) -> Option<Cut> {
+    pub fn blocks_job(&self, w: &Warehouse, kind: &JobKind, rack_at: NodeId) -> Option<Barrier> {
         if let Some(cut) = self.storage.get(&rack_at) {
             return Some(*cut);
         }
@@ -184,7 +184,7 @@ impl CutOff {
     }
 
     /// The first cut on the ways of a rack from a node, else any.
-    pub fn first_met(&self, w: &Warehouse, node: NodeId) -> Option<Cut> {
+    pub fn first_met(&self, w: &Warehouse, node: NodeId) -> Option<Barrier> {
         let walks = FloorWalks { w, held: &self.held, into: IdVec::new() };
         walks.walk([node], LaneSense::Forward, true, |_| false).met.or(self.held.values().next().copied())
     }
@@ -197,8 +197,8 @@ impl CutOff {
         (here, goal): (NodeId, NodeId),
         loaded: bool,
         obstructed: impl Iterator<Item = NodeId>,
-    ) -> Option<Cut> {
-        let mut held: BTreeMap<NodeId, Cut> = obstructed.map(|n| (n, Cut::Obstruction(n))).collect();
+    ) -> Option<Barrier> {
+        let mut held: BTreeMap<NodeId, Barrier> = obstructed.map(|n| (n, Barrier::Obstruction(n))).collect();
         held.extend(self.held.iter().map(|(n, cut)| (*n, *cut)));
         held.remove(&here);
         if held.is_empty() {
@@ -216,7 +216,7 @@ impl CutOff {
 }
 
 /// Nodes on which robots that cannot drive may stand, or which they block.
-fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, Cut> {
+fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, Barrier> {
     let w = ledger.warehouse();
     let mut held = BTreeMap::new();
     for robot in ledger.present().filter(|r| ledger.robots[*r].failed) {
@@ -226,7 +226,7 @@ fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, Cut> {
         let off = scene.displaced(robot).map_or(&[][..], |d| &d.nodes);
         for node in own.chain(off.iter().copied()) {
             let beside = w.conflicts(w.node_resource(node)).iter().filter_map(|r| w.resource(*r).ok());
-            held.extend(beside.chain([node]).map(|n| (n, Cut::Robot(robot))));
+            held.extend(beside.chain([node]).map(|n| (n, Barrier::Robot(robot))));
         }
     }
     held
@@ -235,7 +235,7 @@ fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, Cut> {
 /// Walks over the floor that leave out what is held.
 struct FloorWalks<'a> {
     w: &'a Warehouse,
-    held: &'a BTreeMap<NodeId, Cut>,
+    held: &'a BTreeMap<NodeId, Barrier>,
     /// The arcs that end at each node.
     into: IdVec<NodeId, Vec<ArcId>>,
 }
@@ -249,7 +249,7 @@ enum LaneSense {
 
 impl FloorWalks<'_> {
     /// What no rack passes on its way from storage to a station, or from there to storage.
-    fn blocks(&self, station: StationId) -> Option<Cut> {
+    fn blocks(&self, station: StationId) -> Option<Barrier> {
         let node = self.w.stations[station].node;
         let is_end = |n: NodeId| self.w.kind(n) == NodeKind::Storage;
         [LaneSense::Forward, LaneSense::Back].into_iter().find_map(|along| {
@@ -267,10 +267,10 @@ impl FloorWalks<'_> {
 
     /// Storage nodes from which no rack comes to a station that is open, or which no robot reaches from there; with
     /// what is in the way. If no station is open, those that are held.
-    fn storage(&self, open: &BTreeMap<StationId, Region>) -> BTreeMap<NodeId, Cut> {
+    fn storage(&self, open: &BTreeMap<StationId, Region>) -> BTreeMap<NodeId, Barrier> {
         let is_storage = |n: &NodeId| self.w.kind(*n) == NodeKind::Storage;
         let held = self.held.iter().filter(|(n, _)| is_storage(n));
-        let mut cut_off: BTreeMap<NodeId, Cut> = held.map(|(n, r)| (*n, *r)).collect();
+        let mut cut_off: BTreeMap<NodeId, Barrier> = held.map(|(n, r)| (*n, *r)).collect();
         let is_joined = |n: NodeId| open.is_empty() || open.values().any(|r| r.from[1][n] && r.to[n]);
         for n in self.w.nodes.ids().filter(|n| is_storage(n) && !is_joined(*n)) {
             let out = self.walk([n], LaneSense::Forward, true, |_| false);
@@ -326,7 +326,7 @@ impl FloorWalks<'_> {
 struct FloorWalk {
     seen: IdVec<NodeId, bool>,
     /// The first cut that it met.
-    met: Option<Cut>,
+    met: Option<Barrier>,
     /// Whether it came to where it was to end.
     ended: bool,
 }

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Needs`]. Refuses: to look for routes.
 
-use super::cut_off::Cut;
+use super::cut_off::Barrier;
 use super::floor::Floor;
 use super::tickets::{LAPSE, Ticket, Tickets};
 use crate::id::{IdVec, RobotId, StationId};
@@ -21,7 +21,7 @@ pub(in crate::fleet) struct Need {
     /// that cannot drive if there is no route past it.
     pub behind: Option<RobotId>,
     /// What cut the robot off from its goal when its last search failed.
-    pub cut: Option<Cut>,
+    pub cut: Option<Barrier>,
 }
 
 /// Robots that need a route, and when each looked for a better one last.

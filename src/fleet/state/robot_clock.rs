@@ -6,9 +6,9 @@
 
 use crate::time::{Span, Time};
 
-/// A clock that is suddenly ahead by more than this was set, or the report is dated wrongly. Less may be a report that
-/// came fast after slow ones.
-const JUMP: Span = Span::from_secs(30);
+/// No message is under way for longer: one that is overtaken by less may only be late. A date that is ahead by more, or
+/// before the newest by more, is wrong, or the clock was set. So a wrong date silences a robot for this long at most.
+const LATEST: Span = Span::from_secs(60);
 
 /// After so many reports in a row that say so, the clock was set.
 const AGREE: u32 = 10;
@@ -43,7 +43,7 @@ impl RobotClock {
         let elapsed_s = (now - self.at).max(Span::ZERO).as_secs_f64();
         self.ahead = self.ahead - Span::from_secs_f64(elapsed_s * DRIFT);
         self.at = now;
-        if by_arrival <= self.ahead + JUMP {
+        if by_arrival <= self.ahead + LATEST {
             self.odd = 0;
             self.ahead = self.ahead.max(by_arrival);
             return date;
@@ -73,7 +73,7 @@ impl ReportOrder {
         let clock = self.clock.get_or_insert_with(|| RobotClock::new(date, now));
         let mut believed = clock.believe(date, now);
         if let Some((newest, heard)) = self.newest.filter(|(newest, _)| believed <= *newest) {
-            if believed == newest {
+            if newest - believed <= LATEST {
                 return None;
             }
             let count = self.older.filter(|(last, _)| *last < date).map_or(1, |(_, count)| count + 1);

@@ -6,6 +6,7 @@ use super::fact::{Act, Task};
 use super::fault::Fault;
 use super::floor::Floor;
 use super::job::JobKind;
+use super::kind::Charging;
 use crate::id::{AssignmentId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::warehouse::NodeKind;
 
@@ -126,5 +127,20 @@ impl Floor<'_> {
     /// The assignment that a worker is at, or is to begin.
     pub fn next_assignment(&self, worker: WorkerId) -> Option<AssignmentId> {
         self.ledger.index().assignments_of(worker).next()
+    }
+
+    /// Charge of a robot, 0 to 1; 0 if it was never heard of.
+    pub(in crate::fleet) fn battery(&self, robot: RobotId) -> f64 {
+        self.scene.robot(robot).map_or(0.0, |t| t.battery)
+    }
+
+    /// Whether a robot has too little charge for any job.
+    pub(in crate::fleet) fn is_critical(&self, robot: RobotId) -> bool {
+        self.battery(robot) < self.charging(robot).critical
+    }
+
+    /// When robots like this one charge.
+    pub(in crate::fleet) fn charging(&self, robot: RobotId) -> &Charging {
+        &self.kind(robot).charging
     }
 }

@@ -96,7 +96,7 @@ fn a_job_in_line_says_how_many_are_before_it() {
         f.fleet.view(f.now).why_job(f.fleet.warehouse(), job, &f.fleet.ledger().jobs[&job])
     };
     assert_eq!(why(&floor, urgent[0]), Some(JobWhy::NoRobot), "it is the first in line");
-    let ahead = |higher, others| Some(JobWhy::Outranked(Ahead { higher, others, more: false }));
+    let ahead = |higher, others| Some(JobWhy::Outranked(JobsAhead { higher, others, more: false }));
     assert_eq!(why(&floor, urgent[1]), ahead(0, 1));
     assert_eq!((why(&floor, old), why(&floor, own)), (ahead(2, 0), ahead(2, 1)));
     let chain = floor.fleet.job_waits(own, floor.now);

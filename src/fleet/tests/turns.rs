@@ -47,7 +47,13 @@ fn places_at_a_station_are_given_in_the_order_of_lifting() {
 
 #[test]
 fn a_station_is_said_to_be_full_only_while_a_robot_stands_in_every_place_of_it() {
-    let mut floor = crowd();
+    let mut floor = TestFloor::new(thesis(), &scenario(14));
+    // Picks that last for so long that the line fills up behind them.
+    let pick = Some(Span::from_secs(60));
+    for rack in 0..14 {
+        let kind = JobKind::Deliver { rack: RackId(rack * 5), station: StationId(0), pick };
+        floor.submit(request(kind));
+    }
     let (mut full, mut turns) = (0, 0);
     for _ in 0..6000 {
         floor.step(vec![]);

@@ -65,7 +65,7 @@ fn a_waiting_job_says_what_it_waits_for() {
     let second = floor.submit(request(deliver(8)));
     floor.until(60, "the other robot has it", |f| f.is(second, "assigned"));
     let third = floor.submit(request(deliver(5)));
-    let ahead = Ahead { higher: 0, others: 1, more: false };
+    let ahead = JobsAhead { higher: 0, others: 1, more: false };
     assert_eq!(floor.why(third), Some(JobWhy::Outranked(ahead)), "the second one for the rack is older");
     floor.until(300, "the rack is carried", |f| f.is(first, "carrying"));
     assert_eq!(floor.why(same), Some(JobWhy::RackBusy(RackId(3), robot, Some(first))));

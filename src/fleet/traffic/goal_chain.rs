@@ -35,8 +35,8 @@ struct GoalChain {
 }
 
 impl Traffic {
-    /// If a robot waits for places in a cycle, or behind an idle robot, sends one of them to a free place, or gives a job
-    /// up if there has been none for long.
+    /// If a robot waits for places in a cycle, or behind an idle robot, sends one of them to a free place, or gives a
+    /// job up if there has been none for long.
     pub(super) fn break_goal_chain(&mut self, core: &mut Core, robot: RobotId, now: Time) {
         let floor = core.floor();
         let Some(GoalChain { robots, leaver }) = floor.goal_chain(robot) else { return };

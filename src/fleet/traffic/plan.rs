@@ -5,7 +5,7 @@
 //! a). Refuses: to let the time of day decide how much is planned.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::cut_off::Cut;
+use crate::fleet::state::cut_off::Barrier;
 use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
@@ -161,8 +161,9 @@ impl Traffic {
         }
     }
 
-    /// Labels that a search for a robot may expand: twice as many after each one that failed. On a crowded floor a route
-    /// may be farther from the first labels than one budget reaches; with the same one, the search would fail for ever.
+    /// Labels that a search for a robot may expand: twice as many after each one that failed. On a crowded floor a
+    /// route may be farther from the first labels than one budget reaches; with the same one, the search would fail for
+    /// ever.
     fn budget(&self, core: &Core, robot: RobotId) -> u32 {
         let tries = self.needs.waiting.get(&robot).map_or(0, |need| need.tries);
         let usual = core.settings.expansions_per_plan;
@@ -295,7 +296,7 @@ impl Traffic {
 
 impl Floor<'_> {
     /// What cuts a robot off from the next goal of its task, if something does.
-    fn cut_before_goal(&self, robot: RobotId, obstructed: impl Iterator<Item = NodeId>) -> Option<Cut> {
+    fn cut_before_goal(&self, robot: RobotId, obstructed: impl Iterator<Item = NodeId>) -> Option<Barrier> {
         let stages = self.stages(robot);
         let (here, next) = (self.ledger.node_of(robot), stages.first()?);
         let cut_off = &self.restrictions.cut_off;

@@ -3,7 +3,7 @@
 //! Main type: [`RobotWaits`]. Reasons that a person has to end come first, since they hold whatever else is so.
 //! Refuses: to walk a chain: one robot, one reason.
 
-use crate::fleet::state::cut_off::Cut;
+use crate::fleet::state::cut_off::Barrier;
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
@@ -26,7 +26,7 @@ pub(super) struct RobotWaits<'a> {
     /// How many robots are bound for each station.
     bound: IdVec<StationId, usize>,
     /// Robots at stations, in their queues and on their way there, foremost first.
-    turns: Vec<Turn>,
+    turns: Vec<StationTurn>,
     now: Time,
 }
 
@@ -124,7 +124,7 @@ impl<'a> RobotWaits<'a> {
     }
 
     /// The other robots that have places at a station, foremost first.
-    fn turns_at(&self, station: StationId, robot: RobotId) -> impl Iterator<Item = &Turn> {
+    fn turns_at(&self, station: StationId, robot: RobotId) -> impl Iterator<Item = &StationTurn> {
         let first = self.turns.partition_point(|t| t.station < station);
         self.turns[first..].iter().take_while(move |t| t.station == station).filter(move |t| t.robot != robot)
     }
@@ -134,14 +134,14 @@ impl<'a> RobotWaits<'a> {
     fn no_route(&self, robot: RobotId) -> Why {
         let cut = self.traffic.needs.waiting.get(&robot).and_then(|need| need.cut);
         match cut {
-            Some(Cut::Obstruction(node)) if self.traffic.obstructed_until(node).is_some() => {
+            Some(Barrier::Obstruction(node)) if self.traffic.obstructed_until(node).is_some() => {
                 return Why::WayObstructed(node);
             }
             // What was so when the search failed may have ended since, in this step too.
-            Some(Cut::Closure(closure)) if self.floor.ledger.closures.contains_key(&closure) => {
+            Some(Barrier::Closure(closure)) if self.floor.ledger.closures.contains_key(&closure) => {
                 return Why::Closed(closure);
             }
-            Some(Cut::Robot(broken)) if self.floor.ledger.robots[broken].failed => {
+            Some(Barrier::Robot(broken)) if self.floor.ledger.robots[broken].failed => {
                 return Why::BlockedBy(broken);
             }
             _ => {}
@@ -237,7 +237,7 @@ impl<'a> RobotWaits<'a> {
 
 /// A robot that has a place at a station. The order is that in which they come to be served.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Turn {
+struct StationTurn {
     station: StationId,
     /// Not there yet; those that are come first.
     comes: bool,
@@ -250,7 +250,7 @@ struct Turn {
 
 impl Floor<'_> {
     /// Robots at stations, in their queues and on their way there: by station, foremost first.
-    fn turns_at_stations(&self) -> Vec<Turn> {
+    fn turns_at_stations(&self) -> Vec<StationTurn> {
         let mut turns = Vec::new();
         for robot in self.ledger.present() {
             let here = self.ledger.node_of(robot);
@@ -269,7 +269,7 @@ impl Floor<'_> {
             };
             let place = there.map(|(_, place)| place);
             let arrives = self.planned_at_station(robot).unwrap_or(Time::MAX);
-            turns.extend(station.map(|station| Turn {
+            turns.extend(station.map(|station| StationTurn {
                 station,
                 comes: place.is_none(),
                 place,

@@ -1,11 +1,11 @@
 //! The law of fairness: no job for a rack waits while others that are less urgent begin, one after the other.
 //!
-//! Main type: [`FairLaws`]. The order is the stated one: priority, age and nearness of the deadline, by which a priority
-//! is worth eight minutes of waiting. A job counts as passed by where it is less urgent by more than ways can make up
-//! for, and only by a robot that could have done the one that waits: its rack stands free in storage, and its station
-//! has room or is the one at which the other job ended up. Jobs that name a robot, and jobs for which an operator chose
-//! one, are orders to that robot and have an order of their own. Refuses: to count the first jobs that pass: two robots
-//! may settle in one step what each of them alone would have done otherwise.
+//! Main type: [`FairLaws`]. The order is the stated one: priority, age and nearness of the deadline, by which a
+//! priority is worth eight minutes of waiting. A job counts as passed by where it is less urgent by more than ways can
+//! make up for, and only by a robot that could have done the one that waits: its rack stands free in storage, and its
+//! station has room or is the one at which the other job ended up. Jobs that name a robot, and jobs for which an
+//! operator chose one, are orders to that robot and have an order of their own. Refuses: to count the first jobs that
+//! pass: two robots may settle in one step what each of them alone would have done otherwise.
 
 use super::super::world::World;
 use super::violation::{PASSED_BY, Violation};
@@ -141,8 +141,8 @@ fn could_go_first(
     let Some(rack) = waits.request.kind.rack() else { return false };
     let same_rack = job.request.kind.rack() == Some(rack);
     let same_station = station.is_some() && station == job.request.kind.station();
-    // Which of the jobs for one rack comes first costs no ways, but their stations may differ in crowds, and a robot that
-    // goes on keeps no station for a place at another one.
+    // Which of the jobs for one rack comes first costs no ways, but their stations may differ in crowds, and a robot
+    // that goes on keeps no station for a place at another one.
     if same_rack {
         let has_room = || !begun.goes_on && station.is_none_or(|s| is_open(s) && has_room(fleet, s));
         return fleet.is_allowed_for(begun.robot, waits, now) && (same_station || has_room());

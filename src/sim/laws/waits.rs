@@ -138,8 +138,8 @@ pub fn untrue(fleet: &Fleet, robot: RobotId, now: Time) -> Option<Why> {
     (!is_so).then_some(why)
 }
 
-/// Whether a robot that carries a rack is kept out of its station as it says: nobody picks there, a robot stands in each
-/// place, or this one has a place, or carries a rack there that was lifted before.
+/// Whether a robot that carries a rack is kept out of its station as it says: nobody picks there, a robot stands in
+/// each place, or this one has a place, or carries a rack there that was lifted before.
 fn is_outside(fleet: &Fleet, robot: RobotId, why: Why) -> bool {
     let ledger = fleet.ledger();
     let Some(station) = why.station() else { return false };

@@ -41,7 +41,11 @@ const SMALL: [(&str, &str); 14] = [
 const OFFLINE: [&str; 2] = ["carry.rs", "set_clock.rs"];
 
 /// Other statements that read a table from one end, and why that is as much as they give.
-const WALKS: [(&str, &str); 10] = [
+const WALKS: [(&str, &str); 11] = [
+    (
+        "SELECT what, count(*) FROM audit WHERE id >= $1 AND id <",
+        "a report of 31 days at most, by the numbers of requests",
+    ),
     (
         "SELECT count(*), coalesce(sum(state NOT IN",
         "`giveway database check` counts everything, beside the server",
@@ -311,8 +315,10 @@ async fn what_triggers_do_reads_no_more_than_a_row() {
                 if is_row { format!("?{}", &word[word.len() - end..]) } else { (*word).to_owned() }
             });
             let plan = plan(&mut db, &bound.collect::<String>()).await.unwrap();
-            let is_row =
-                |line: &String| !line.starts_with("SCAN") && !line.contains("<?") && !line.contains(">?");
+            let is_row = |line: &String| {
+                let by_number = line == "SCAN job_references VIRTUAL TABLE INDEX 0:=";
+                by_number || !line.starts_with("SCAN") && !line.contains("<?") && !line.contains(">?")
+            };
             assert!(plan.iter().all(is_row), "{statement}: {plan:?}");
         }
     }
