@@ -18,7 +18,7 @@ mod yielding;
 pub use crate::aware::zone_answers::ZoneCounts;
 pub use people::forecast::{AHEAD_S, Expected};
 pub use people::foreseen::ForeseenPerson;
-pub use people::message::{MESSAGE, STANDOFF, severity};
+pub use people::message::{MESSAGE, STANDOFF, replaces};
 pub use read::area::Area;
 pub use read::backlog::{Backlog, Pending};
 pub use read::closing::{Affected, ClosingEffect, NAMED};

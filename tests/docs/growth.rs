@@ -75,7 +75,7 @@ const ALL: [Grows; 31] = [
         "requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk"),
     (UNFILLED[1], Some(("src/api/feed/hub.rs", "WAITING", "12_000")), &[], &["src/api/feed/hub.rs"], ""),
     (UNFILLED[2], None, &["tokens"], &[], ""),
-    ("sessions", Some(("src/store/sessions.rs", "MOST", "1000")), &["sessions"], &[],
+    ("sessions", Some(("src/store/sessions.rs", "MOST_EACH", "100")), &["sessions"], &[],
         "of_sessions_the_newest_are_kept"),
     ("people who are signing in with an identity provider", Some(("src/api/oidc/pending.rs", "MOST", "1000")), &[], &[],
         "there_are_never_more_than_a_thousand_and_the_oldest_end"),

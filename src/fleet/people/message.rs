@@ -1,8 +1,8 @@
 //! Calm guidance: a message stands for a while unless it becomes more severe, and nobody stands for a robot that stands
 //! for them.
 //!
-//! Main type: [`Message`]. It says when another one replaces it. Refuses: to hold back anything more severe than what
-//! is said: stops leave at once.
+//! Main type: [`Message`]. It says when another one replaces it ([`replaces`]). Refuses: to hold back anything more
+//! severe than what is said: stops leave at once.
 
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::wait_graph::{Edge, Party};
@@ -19,7 +19,7 @@ pub const MESSAGE: Span = Span::from_secs(2);
 pub const STANDOFF: Span = Span::from_secs(4);
 
 /// What a worker is told, besides the path.
-pub(in crate::fleet) type Words = (GuidanceState, Option<GuidanceReason>);
+pub type Words = (GuidanceState, Option<GuidanceReason>);
 
 /// What a worker is told and since when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,9 +40,7 @@ impl Message {
         match before {
             // Why somebody is told to stand is always what is so now.
             Some(m) if m.words.0 == words.0 => Message { words, standoff, ..m },
-            Some(m) if !is_more_severe(words, m.words) && now - m.since < MESSAGE => {
-                Message { standoff, ..m }
-            }
+            Some(m) if !replaces(words, m.words) && now - m.since < MESSAGE => Message { standoff, ..m },
             _ => Message { words, since: now, standoff },
         }
     }
@@ -58,12 +56,15 @@ impl Message {
     }
 }
 
-fn is_more_severe(words: Words, before: Words) -> bool {
-    severity(words.0) > severity(before.0)
+/// Whether words replace others at once: they are more severe, or the worker has done what those asked for, and has to
+/// hear what comes next.
+pub fn replaces(words: Words, before: Words) -> bool {
+    let asked = matches!(before.1, Some(GuidanceReason::PlaceUnsure(_) | GuidanceReason::NotTracked));
+    asked || severity(words.0) > severity(before.0)
 }
 
 /// How much depends on it that the worker does as told.
-pub fn severity(state: GuidanceState) -> u8 {
+fn severity(state: GuidanceState) -> u8 {
     match state {
         GuidanceState::Idle => 0,
         GuidanceState::Following => 1,

@@ -6,7 +6,7 @@
 
 use super::violation::Violation;
 use crate::aware::HumanAwarePolicy;
-use crate::fleet::{Edge, Fleet, GuidanceReason, GuidanceState, MESSAGE, Party, STANDOFF, severity};
+use crate::fleet::{Edge, Fleet, GuidanceReason, GuidanceState, MESSAGE, Party, STANDOFF, replaces};
 use crate::id::{RobotId, WorkerId};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
@@ -74,7 +74,7 @@ impl CalmLaws {
         self.told.insert(worker, (words, now));
         self.figures.changes += 1;
         self.figures.stops += u64::from(words.0 == GuidanceState::Stop && before.0 != GuidanceState::Stop);
-        let flickers = now - since < MESSAGE && severity(words.0) <= severity(before.0);
+        let flickers = now - since < MESSAGE && !replaces(words, before);
         flickers.then_some(Violation::Flickers(worker))
     }
 }

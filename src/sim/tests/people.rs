@@ -132,7 +132,8 @@ fn waits(price: f64) -> (u64, f64) {
 #[test]
 fn workers_wait_a_moment_for_robots_and_the_more_they_are_worth_the_more_seldom() {
     let (usual, longest) = waits(3.0);
-    assert!(usual > 0 && longest <= 13.5, "{usual} times, {longest} s");
+    // Twelve seconds, what a robot takes to notice, and two for which any message stands.
+    assert!(usual > 0 && longest <= 15.5, "{usual} times, {longest} s");
     let (cheap, _) = waits(0.0);
     let (dear, _) = waits(1000.0);
     assert!(cheap > dear, "{cheap} times where workers cost nothing, {dear} times where they cost a lot");
