@@ -275,7 +275,7 @@ enum Record {
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         assignments: Vec<u64>,
     },
-    ForTheRecord(NoteRecord),
+    FloorNoted(NoteRecord),
 }
 
 /// Robots from before there were kinds are of this one, and it is left out of what is written.
@@ -398,7 +398,7 @@ fn record_assigned(id: AssignmentId, worker: Option<WorkerId>, r: &AssignmentReq
 /// Where workers are, what is noted, and what is closed.
 fn of_places(fact: &Fact) -> Record {
     match fact {
-        Fact::Noted(note) => Record::ForTheRecord(note.into()),
+        Fact::Noted(note) => Record::FloorNoted(note.into()),
         Fact::WorkerNoted { worker, place } => Record::Noted { worker: worker.0, place: (*place).into() },
         Fact::WorkerNarrowed { worker, place, by, at } => {
             Record::Narrowed { worker: worker.0, place: (*place).into(), by: by.clone(), at: at.0 }
@@ -529,7 +529,7 @@ impl From<Record> for Fact {
 
 fn about_places(record: Record) -> Fact {
     match record {
-        Record::ForTheRecord(note) => Fact::Noted(note.into()),
+        Record::FloorNoted(note) => Fact::Noted(note.into()),
         Record::Noted { worker, place } => {
             Fact::WorkerNoted { worker: WorkerId(worker), place: place.into() }
         }
