@@ -1,9 +1,10 @@
 //! When robots charge: which may take a job, which go to a charger, and which leave one for another robot.
 //!
 //! Settings: [`Charging`](crate::fleet::state::kind::Charging) of the robot's kind. A robot below `low` charges before
-//! it works if a charger is free, and works on if none is; below `critical` it takes no job, gives back the one that it has not begun, and is next at a
-//! charger: the fullest robot that stands at one leaves it. A robot that rests at a parking place leaves it likewise
-//! for one that a customer sends there. Refuses: to trust a battery that says nothing is left; that robot has failed.
+//! it works if a charger is free, and works on if none is; below `critical` it takes no job, gives back the one that it
+//! has not begun, and is next at a charger: the fullest robot that stands at one leaves it. A robot that rests at a
+//! parking place leaves it likewise for one that a customer sends there. Refuses: to trust a battery that says nothing
+//! is left; that robot has failed.
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
