@@ -11,7 +11,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 macro_rules! acts {
-    ($($(#[$doc:meta])* $name:ident $word:literal: $($what:literal)|+,)+) => {
+    ($($(#[$doc:meta])* $name:ident $word:tt: $($what:literal)|+,)+) => {
         /// Something that changes something, or is to.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, ToSchema)]
         pub enum AuditAct { $($(#[$doc])* #[serde(rename = $word)] $name,)+ }

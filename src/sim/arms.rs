@@ -324,8 +324,11 @@ mod tests {
 
     #[test]
     fn arms_pick_lines_beside_people_in_every_mode_touch_nobody_and_no_line_is_picked_twice() {
-        for mode in [ArmModeWord::Turns, ArmModeWord::Reactive, ArmModeWord::Predictive] {
-            let mut sim = simulation(&scenario(mode, 600));
+        // By turns, an arm brings a piece every seven minutes or so.
+        for (mode, seconds) in
+            [(ArmModeWord::Turns, 1200), (ArmModeWord::Reactive, 600), (ArmModeWord::Predictive, 600)]
+        {
+            let mut sim = simulation(&scenario(mode, seconds));
             let given = run(&mut sim);
             let arms = sim.world.arms().expect("they are on");
             let all: Vec<ArmFigures> = arms.figures().map(|(_, f)| f).collect();

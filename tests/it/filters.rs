@@ -136,6 +136,7 @@ async fn jobs_are_found_by_any_part_of_their_reference_newest_first_and_page_by_
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
+    until(at, "/v1/robots", &["robot-1", "robot-2"]).await;
     for reference in ["Order-4711/a", "order-4712", "50% \"off\" 4711", "wave 9"] {
         let job = json!({"kind": "charge", "robot": "robot-1", "reference": reference});
         post(at, "/v1/jobs", &job).await;

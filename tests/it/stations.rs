@@ -123,24 +123,25 @@ async fn the_next_robot_sets_off_when_a_pick_of_a_quarter_of_an_hour_is_cancelle
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_robot_before_a_closed_area_sets_off_when_the_area_is_opened_long_before_its_time() {
+async fn a_job_that_a_closed_area_cuts_off_begins_when_the_area_is_opened_long_before_its_time() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
     let station = map().stations.iter().next().unwrap().clone();
     let queue = map().nodes[station.queue[0]].name.clone();
-    let until = (jiff::Timestamp::now() + jiff::SignedDuration::from_mins(10)).to_string();
-    let closure = json!({"nodes": [queue], "until": until, "reason": "oil"}).to_string();
+    let end = (jiff::Timestamp::now() + jiff::SignedDuration::from_mins(10)).to_string();
+    let closure = json!({"nodes": [queue], "until": end, "reason": "oil"}).to_string();
     let closed =
         send(at, "POST", "/v1/closures", &[("content-type", "application/json")], &closure).await.unwrap();
     assert_eq!(closed.status, 201, "{}", closed.text);
     let job = post(at, None, &delivery(0)).await.unwrap().json();
-    let job = job["id"].as_str().unwrap();
-    let from = stands(at, job).await;
-    let path = format!("/v1/closures/{}", closed.json()["id"].as_str().unwrap());
-    let opened = send(at, "DELETE", &path, &[], "").await.unwrap();
+    let job = format!("/v1/jobs/{}", job["id"].as_str().unwrap());
+    let area = closed.json()["id"].as_str().unwrap().to_owned();
+    let why = format!("waiting for closed area {area} to open: it cuts the rack off from its destination");
+    until("the job says what cuts it off", at, &job, |j| j["why"] == *why).await;
+    let opened = send(at, "DELETE", &format!("/v1/closures/{area}"), &[], "").await.unwrap();
     assert!(opened.status < 300, "{}", opened.text);
-    sets_off(at, job, from).await;
+    until("a robot has it", at, &job, |j| j["state"] != "waiting").await;
     server.stop().await.unwrap();
 }
 
