@@ -2,7 +2,7 @@
 //! and which are under way through it.
 //!
 //! Main types: [`ClosingEffect`], [`Affected`]. The same walks answer that decide later which jobs wait
-//! ([`CutOff`](crate::fleet::state::cut_off::CutOff)), so the answer is what will happen. Refuses: to close anything.
+//! ([`CutOff`]), so the answer is what will happen. Refuses: to close anything.
 
 use crate::fleet::Fleet;
 use crate::fleet::state::closed_areas::nodes_of;
@@ -60,6 +60,11 @@ pub struct ClosingEffect {
 }
 
 impl Fleet {
+    /// The nodes that a closure closes, each once.
+    pub fn closed_by(&self, area: &Closure) -> Vec<NodeId> {
+        nodes_of(area, self.core.warehouse())
+    }
+
     /// What closing an area would do.
     ///
     /// O(nodes × stations + open jobs): for a question, not for a step.

@@ -4,6 +4,7 @@
 //! Refuses: to mend anything; one violation fails the run.
 
 mod calm;
+mod carried;
 mod corridors;
 mod evacuation;
 mod fairness;
@@ -28,6 +29,7 @@ use crate::geometry::{Point, axis_distance};
 use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
 use calm::CalmLaws;
+use carried::CarryLaws;
 use corridors::CorridorLaws;
 use fairness::FairLaws;
 use hands::HandLaws;
@@ -58,6 +60,7 @@ pub struct Laws {
     places: PlaceLaws,
     waits: WaitLaws,
     calm: CalmLaws,
+    carried: CarryLaws,
     corridors: CorridorLaws,
     steps: u64,
     reach_m: f64,
@@ -85,6 +88,7 @@ impl Laws {
             places: PlaceLaws::default(),
             waits: WaitLaws::default(),
             calm: CalmLaws::default(),
+            carried: CarryLaws::default(),
             corridors: CorridorLaws::default(),
             steps: 0,
             reach_m: 2.0 * fleet.warehouse().widest_half_m() - SLACK_M,
@@ -129,6 +133,8 @@ impl Laws {
         let broken = self.places.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.waits.check(now, world, fleet);
+        broken.into_iter().for_each(|v| self.break_law(now, v));
+        let broken = self.carried.check(now, world, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));
         let broken = self.calm.check(now, fleet);
         broken.into_iter().for_each(|v| self.break_law(now, v));

@@ -19,6 +19,9 @@ pub(in crate::sim) const CIRCLE: Span = Span::from_secs(60);
 /// Nobody stands in one spot because of the fleet for longer than this.
 pub const KEPT: Span = Span::from_secs(60);
 
+/// No robot stands for longer than this with a rack for which there is no way, while it could set the rack down.
+pub(in crate::sim) const CARRIED: Span = Span::from_secs(180);
+
 /// So many jobs that are less urgent may begin while one waits: two robots are given jobs in one step, and each may be
 /// meant for what the other one then does.
 pub const PASSED_BY: u32 = 3;
@@ -60,6 +63,8 @@ pub enum Violation {
     RunOver(RobotId, usize),
     /// A robot has been standing where the fleet does not know it to be, or is called displaced and is not.
     Misjudged(RobotId),
+    /// A robot has stood for too long with a rack for which there is no way, though it could set the rack down.
+    CarriedInVain(RobotId),
     /// Robots and workers have waited for one another for too long.
     Circle(Vec<Party>),
     /// A person has stood in one spot for too long, waiting for a robot or for a way; what for at last.
@@ -124,6 +129,9 @@ impl fmt::Display for Violation {
             }
             Violation::Misjudged(r) => {
                 write!(f, "robot {} does not stand where the fleet believes it to be", r.0 + 1)
+            }
+            Violation::CarriedInVain(r) => {
+                write!(f, "robot {} stood for {CARRIED:?} with a rack for which there is no way", r.0 + 1)
             }
             Violation::Circle(parties) => {
                 write!(f, "wait for one another for more than {CIRCLE:?}: {parties:?}")

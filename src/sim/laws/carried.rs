@@ -1,0 +1,175 @@
+//! The law about racks on robots: none is carried for long without a way to where it is to go, while a free place in
+//! storage can be reached, at which the robot could set it down.
+//!
+//! Main type: [`CarryLaws`]. It walks over the floor anew, from the closed areas and broken robots of this moment, and
+//! asks nothing of what the fleet has worked out. Refuses: to judge robots that are told to stand, and those before
+//! which people or other robots stand: these are no lasting cuts.
+
+use super::super::world::World;
+use super::violation::{CARRIED, Violation};
+use crate::fleet::{Fleet, JobState, RackAt, Task};
+use crate::id::{NodeId, RobotId};
+use crate::time::Time;
+use crate::warehouse::{NodeKind, Warehouse};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Every how many steps robots are looked at.
+const LOOKS_EVERY: u64 = 50;
+
+/// Robots that stand with a rack and have no way for it, since when and where.
+#[derive(Debug, Default)]
+pub(super) struct CarryLaws {
+    in_vain: BTreeMap<RobotId, (NodeId, Time)>,
+    steps: u64,
+}
+
+impl CarryLaws {
+    pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
+        self.steps += 1;
+        let ledger = fleet.ledger();
+        if !self.steps.is_multiple_of(LOOKS_EVERY) {
+            return Vec::new();
+        }
+        let held = held(fleet, now);
+        if held.is_empty() || ledger.stopped.is_some() {
+            self.in_vain.clear();
+            return Vec::new();
+        }
+        let taken = taken_storage(fleet);
+        let w = fleet.warehouse();
+        let is_free = |n: NodeId, robot: RobotId| {
+            w.kind(n) == NodeKind::Storage && taken.get(&n).is_none_or(|by| *by == Some(robot))
+        };
+        let mut broken = Vec::new();
+        for (robot, truth) in world.truth() {
+            let here = ledger.node_of(robot);
+            let record = &ledger.robots[robot];
+            let may_drive = !record.failed && record.paused.is_none() && truth.fault.is_none();
+            let stands = may_drive && truth.speed_mps == 0.0;
+            let goal = bound_for(fleet, robot).filter(|g| stands && *g != here);
+            let in_vain = goal.is_some_and(|goal| {
+                let reached = reached(w, &held, here, goal);
+                !reached.contains(&goal) && reached.iter().any(|n| is_free(*n, robot))
+            });
+            if !in_vain {
+                self.in_vain.remove(&robot);
+                continue;
+            }
+            let (at, since) = self.in_vain.entry(robot).or_insert((here, now));
+            if *at != here {
+                (*at, *since) = (here, now);
+            }
+            if now - *since > CARRIED {
+                *since = now;
+                broken.push(Violation::CarriedInVain(robot));
+            }
+        }
+        broken
+    }
+}
+
+/// Where a robot is to bring the rack that it carries.
+fn bound_for(fleet: &Fleet, robot: RobotId) -> Option<NodeId> {
+    let ledger = fleet.ledger();
+    match ledger.robots[robot].task {
+        Task::Deliver { job, station, store, .. } => match ledger.jobs.get(&job).map(|j| &j.state) {
+            Some(JobState::Carrying { .. }) => Some(station),
+            Some(JobState::Picking { .. }) => None,
+            _ => Some(store),
+        },
+        Task::Store { store, .. } => Some(store),
+        Task::Idle | Task::Fetch { .. } | Task::Move { .. } => None,
+    }
+}
+
+/// Nodes that are closed to robots, or on which a broken robot stands.
+fn held(fleet: &Fleet, now: Time) -> BTreeSet<NodeId> {
+    let ledger = fleet.ledger();
+    let closed = ledger.closures.values().filter(|c| c.binds.robots() && c.window.contains(now));
+    let closed = closed.flat_map(|c| fleet.closed_by(c));
+    let failed = ledger.present().filter(|r| ledger.robots[*r].failed).map(|r| ledger.node_of(r));
+    closed.chain(failed).collect()
+}
+
+/// Storage nodes on which a rack stands, or to which one is being brought, with the robot that brings it.
+fn taken_storage(fleet: &Fleet) -> BTreeMap<NodeId, Option<RobotId>> {
+    let ledger = fleet.ledger();
+    let promised = ledger.robots.pairs().filter_map(|(robot, r)| match r.task {
+        Task::Deliver { store, .. } | Task::Store { store, .. } => Some((store, Some(robot))),
+        Task::Fetch { .. } | Task::Idle | Task::Move { .. } => None,
+    });
+    let stored = ledger.racks.iter().filter_map(|r| if let RackAt::Stored(n) = r { Some(*n) } else { None });
+    promised.chain(stored.map(|n| (n, None))).collect()
+}
+
+/// Nodes that a robot with a rack gets to, on its way to a goal: not past what is held, through storage, or through the
+/// places of a station for which it is not bound.
+fn reached(w: &Warehouse, held: &BTreeSet<NodeId>, here: NodeId, goal: NodeId) -> BTreeSet<NodeId> {
+    let bound = w.kind(goal).reserved_for();
+    let (mut seen, mut next) = (BTreeSet::from([here]), vec![here]);
+    while let Some(node) = next.pop() {
+        if node != here && w.kind(node) == NodeKind::Storage {
+            continue;
+        }
+        let leaves = w.kind(node).reserved_for();
+        for (_, arc) in w.out(node).filter(|(_, a)| a.users.allows(true) && !held.contains(&a.to)) {
+            let theirs = w.kind(arc.to).reserved_for();
+            if (theirs.is_none() || theirs == bound || theirs == leaves) && seen.insert(arc.to) {
+                next.push(arc.to);
+            }
+        }
+    }
+    seen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fleet::{Binds, Closure, Input};
+    use crate::id::StationId;
+    use crate::sim::{Scenario, Simulation};
+    use crate::time::{Span, Window};
+    use crate::warehouse::formats;
+    use std::sync::Arc;
+
+    /// How often the law is broken within a time, where a robot stands with the rack that it has just lifted; where
+    /// the places before its station are closed, or are not.
+    fn broken(closes: bool, within: Span) -> usize {
+        let map = formats::json::parse(include_str!("../../../docs/small.json")).expect("a map");
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 600}"#;
+        let scenario = Scenario::parse(text).expect("a scenario");
+        let mut sim = Simulation::new(Arc::new(map), &scenario, &[], 1, false, || 0);
+        let lifted = |sim: &Simulation| {
+            sim.fleet.ledger().jobs.values().any(|j| matches!(j.state, JobState::Carrying { .. }))
+        };
+        while !lifted(&sim) {
+            sim.step();
+        }
+        let now = sim.now();
+        if closes {
+            let station = &sim.fleet.warehouse().stations[StationId(0)];
+            let nodes = station.queue.iter().copied().chain([station.node]).collect();
+            let window = Window::new(now, now + Span::from_secs(3600));
+            let area = Closure {
+                outline: Vec::new(),
+                nodes,
+                window,
+                reason: "oil".into(),
+                binds: Binds::Both,
+                series: None,
+            };
+            sim.fleet.step(now, vec![Input::Close { token: 2, area }]);
+        }
+        let mut laws = CarryLaws::default();
+        let period = sim.fleet.settings().period;
+        let steps = within.0 / period.0;
+        (1..=steps).map(|n| laws.check(now + Span(n * period.0), &sim.world, &sim.fleet).len()).sum()
+    }
+
+    #[test]
+    fn a_robot_that_stands_with_a_rack_before_a_closed_station_breaks_the_law_after_three_minutes() {
+        assert_eq!(broken(true, CARRIED), 0);
+        assert_eq!(broken(true, CARRIED + Span::from_secs(20)), 1);
+        assert_eq!(broken(false, CARRIED + Span::from_secs(20)), 0);
+    }
+}
