@@ -14,7 +14,11 @@ const LONG: Span = Span::from_secs(60);
 
 /// Stations for which enough robots wait with their racks, or which are paused, or blocked for long by a robot that
 /// cannot drive: fetching another rack now would leave its robot waiting while others need it.
-pub(super) fn stations_with_enough(floor: Floor<'_>, needs: &Needs, now: Time) -> BTreeSet<StationId> {
+pub(in crate::fleet) fn stations_with_enough(
+    floor: Floor<'_>,
+    needs: &Needs,
+    now: Time,
+) -> BTreeSet<StationId> {
     let paused = floor.ledger.paused_stations.keys().copied();
     let blocked = floor.restrictions.cut_off.blocked_for_long(now);
     with_enough_racks(floor, needs, now).into_keys().chain(paused).chain(blocked).collect()

@@ -4,7 +4,7 @@
 
 use crate::cell::HandsSeen;
 use crate::fleet::Fleet;
-use crate::fleet::dispatch::enough::with_enough_racks;
+use crate::fleet::dispatch::enough::stations_with_enough;
 use crate::fleet::people::forecast::Expected;
 use crate::fleet::people::foreseen::ForeseenPerson;
 use crate::fleet::requests::hands::warning_of;
@@ -66,9 +66,10 @@ impl Fleet {
         urgency_ms(priority, job.accepted, deadline, now, oldest)
     }
 
-    /// Stations for which no more racks are fetched, since enough robots wait with theirs.
+    /// Stations for which no more racks are fetched: enough robots wait with theirs, or the station is paused or has been
+    /// blocked for long by a robot that cannot drive.
     pub fn full_stations(&self, now: Time) -> BTreeSet<StationId> {
-        with_enough_racks(self.floor(), &self.traffic.needs, now).into_keys().collect()
+        stations_with_enough(self.floor(), &self.traffic.needs, now)
     }
 
     /// Whether a robot may do a job as far as operators and its kind are concerned.

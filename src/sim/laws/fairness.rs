@@ -10,7 +10,7 @@
 use super::super::world::World;
 use super::violation::{PASSED_BY, Violation};
 use crate::fleet::{Fact, Fleet, Job, JobState, RackAt, RobotChoice, Task};
-use crate::id::{JobId, RackId, RobotId, StationId};
+use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -24,8 +24,10 @@ const HANDLES_MS: f64 = 10_000.0 + 60_000.0;
 #[derive(Debug)]
 pub(super) struct FairLaws {
     waiting: BTreeMap<JobId, u32>,
-    /// Stations for which enough racks waited after the step before.
+    /// Stations for which no more racks were fetched after the step before.
     full: BTreeSet<StationId>,
+    /// Which robots stood on which nodes, or were to end there, after the step before.
+    stood: BTreeMap<NodeId, RobotId>,
     /// The sum of all sides of the floor, metres.
     extent_m: f64,
 }
@@ -42,7 +44,12 @@ impl FairLaws {
     pub fn new(fleet: &Fleet) -> FairLaws {
         let waits = fleet.ledger().jobs.iter().filter(|(_, j)| j.state == JobState::Waiting);
         let waiting = waits.map(|(id, _)| (*id, 0)).collect();
-        FairLaws { waiting, full: BTreeSet::new(), extent_m: extent_m(fleet.warehouse()) }
+        FairLaws {
+            waiting,
+            full: BTreeSet::new(),
+            stood: stood(fleet),
+            extent_m: extent_m(fleet.warehouse()),
+        }
     }
 
     /// Looks at which jobs began in a step, and which waited meanwhile.
@@ -65,6 +72,7 @@ impl FairLaws {
         let full = fleet.full_stations(now);
         let broken = begun.iter().filter_map(|b| self.passed_by(b, &full, now, world, fleet)).collect();
         self.full = full;
+        self.stood = stood(fleet);
         self.waiting.extend(fresh.into_iter().map(|id| (id, 0)));
         broken
     }
@@ -92,7 +100,7 @@ impl FairLaws {
             let Some(other) = ledger.jobs.get(id) else { continue };
             let ahead = fleet.urgency_ms(other, now) - urgency;
             let is_ahead = ahead as f64 > allowed_ms;
-            if !is_ahead || !could_go_first((*id, other), (begun, job), is_open, now, fleet) {
+            if !is_ahead || !self.could_go_first((*id, other), (begun, job), is_open, now, fleet) {
                 continue;
             }
             let of_rack = other.request.kind.rack().unwrap_or(rack);
@@ -113,6 +121,49 @@ impl FairLaws {
         broken
     }
 
+    /// Whether a job that waits could have begun in place of one that has.
+    fn could_go_first(
+        &self,
+        (id, waits): (JobId, &Job),
+        (begun, job): (&Begun, &Job),
+        is_open: impl Fn(StationId) -> bool,
+        now: Time,
+        fleet: &Fleet,
+    ) -> bool {
+        let ledger = fleet.ledger();
+        let station = waits.request.kind.station();
+        let is_free = waits.request.after.iter().all(|a| !ledger.jobs.contains_key(a))
+            && !waits.request.after.iter().any(|a| ledger.ended_badly.contains_key(a));
+        if waits.state != JobState::Waiting || !is_free {
+            return false;
+        }
+        let Some(rack) = waits.request.kind.rack() else { return false };
+        let same_rack = job.request.kind.rack() == Some(rack);
+        let same_station = station.is_some() && station == job.request.kind.station();
+        // Which of the jobs for one rack comes first costs no ways, but their stations may differ in crowds, and a robot
+        // that goes on keeps no station for a place at another one.
+        if same_rack {
+            let has_room = || !begun.goes_on && station.is_none_or(|s| is_open(s) && has_room(fleet, s));
+            let could = match begun.goes_on {
+                true => fleet.is_allowed_for(begun.robot, waits, now),
+                false => fleet.could_do(begun.robot, id, now),
+            };
+            return could && (same_station || has_room());
+        }
+        let RackAt::Stored(node) = ledger.racks[rack] else { return false };
+        // No other robot gets beneath a rack under which one stands, though that one may set off in the same step.
+        if self.stood.get(&node).is_some_and(|r| *r != begun.robot) {
+            return false;
+        }
+        let fetches = |r: RobotId| matches!(ledger.robots[r].task, Task::Fetch { rack: k, .. } if k == rack);
+        let has_room = match station {
+            Some(_) if same_station && begun.goes_on => true,
+            Some(s) => is_open(s) && (same_station || has_room(fleet, s)),
+            None => true,
+        };
+        has_room && !ledger.present().any(fetches) && fleet.could_do(begun.robot, id, now)
+    }
+
     /// By how much the ways of one robot to two racks can differ, at most, and what crowds at stations are worth.
     fn ways_ms(&self, fleet: &Fleet, begun: &Begun) -> f64 {
         let moves = &fleet.settings().kind(&fleet.ledger().robots[begun.robot].kind).kinematics;
@@ -122,39 +173,15 @@ impl FairLaws {
     }
 }
 
-/// Whether a job that waits could have begun in place of one that has.
-fn could_go_first(
-    (id, waits): (JobId, &Job),
-    (begun, job): (&Begun, &Job),
-    is_open: impl Fn(StationId) -> bool,
-    now: Time,
-    fleet: &Fleet,
-) -> bool {
+/// Which robots stand on which nodes, or are to end there.
+fn stood(fleet: &Fleet) -> BTreeMap<NodeId, RobotId> {
     let ledger = fleet.ledger();
-    let station = waits.request.kind.station();
-    let is_free = waits.request.after.iter().all(|a| !ledger.jobs.contains_key(a))
-        && !waits.request.after.iter().any(|a| ledger.ended_badly.contains_key(a));
-    let is_paused = station.is_some_and(|s| ledger.paused_stations.contains_key(&s));
-    if waits.state != JobState::Waiting || !is_free || is_paused {
-        return false;
-    }
-    let Some(rack) = waits.request.kind.rack() else { return false };
-    let same_rack = job.request.kind.rack() == Some(rack);
-    let same_station = station.is_some() && station == job.request.kind.station();
-    // Which of the jobs for one rack comes first costs no ways, but their stations may differ in crowds, and a robot
-    // that goes on keeps no station for a place at another one.
-    if same_rack {
-        let has_room = || !begun.goes_on && station.is_none_or(|s| is_open(s) && has_room(fleet, s));
-        return fleet.is_allowed_for(begun.robot, waits, now) && (same_station || has_room());
-    }
-    let RackAt::Stored(_) = ledger.racks[rack] else { return false };
-    let fetches = |r: RobotId| matches!(ledger.robots[r].task, Task::Fetch { rack: k, .. } if k == rack);
-    let has_room = match station {
-        Some(_) if same_station && begun.goes_on => true,
-        Some(s) => is_open(s) && (same_station || has_room(fleet, s)),
-        None => true,
-    };
-    has_room && !ledger.present().any(fetches) && fleet.could_do(begun.robot, id, now)
+    let ends = |r: RobotId| ledger.chain(r).visits().last().map(|v| v.node);
+    ledger
+        .present()
+        .flat_map(|r| [Some(ledger.node_of(r)), ends(r)].map(|n| Some((n?, r))))
+        .flatten()
+        .collect()
 }
 
 /// Whether fewer racks are under way to a station than it has places, and what they cost is no matter of order lines.
