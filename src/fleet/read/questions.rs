@@ -66,8 +66,8 @@ impl Fleet {
         urgency_ms(priority, job.accepted, deadline, now, oldest)
     }
 
-    /// Stations for which no more racks are fetched: enough robots wait with theirs, or the station is paused or has been
-    /// blocked for long by a robot that cannot drive.
+    /// Stations for which no more racks are fetched: enough robots wait with theirs, or the station is paused or has
+    /// been blocked for long by a robot that cannot drive.
     pub fn full_stations(&self, now: Time) -> BTreeSet<StationId> {
         stations_with_enough(self.floor(), &self.traffic.needs, now)
     }

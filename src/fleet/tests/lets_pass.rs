@@ -66,7 +66,7 @@ fn a_person_whose_headset_knows_its_place_badly_is_asked_for_marks_before_robots
         let (mut floor, mut ana, ends) = before_the_station();
         ana.accuracy_m = 1.2;
         let (mut next, mut reasons) = (0, Vec::new());
-        for _ in 0..4000 {
+        for _ in 0..6000 {
             let told = floor.fleet.view(floor.now).workers[0].guidance.reason;
             if told != reasons.last().copied() {
                 reasons.extend(told);

@@ -158,8 +158,9 @@ impl<'a> RobotWaits<'a> {
         }
         let chain = self.floor.ledger.chain(robot);
         let may_drive = chain.first() + 1 < chain.granted();
-        let stands = yielding.stands.filter(|_| may_drive).map(|s| s.worker);
-        yielding.to.map(|to| to.worker).or(stands).map(Why::GivesWay)
+        // Whom it gave way to at first may have left: what counts is for whom it stands now.
+        let stands = yielding.stands.filter(|_| may_drive || yielding.to.is_some());
+        stands.map(|s| Why::GivesWay(s.worker))
     }
 
     /// It was told to stand because of a hand at a station.

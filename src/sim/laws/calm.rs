@@ -69,6 +69,8 @@ impl CalmLaws {
             return None;
         };
         if before.0 == words.0 {
+            // The reason is always what is so now, and what may replace it goes by that.
+            self.told.insert(worker, (words, since));
             return None;
         }
         self.told.insert(worker, (words, now));

@@ -140,8 +140,8 @@ impl FairLaws {
         let Some(rack) = waits.request.kind.rack() else { return false };
         let same_rack = job.request.kind.rack() == Some(rack);
         let same_station = station.is_some() && station == job.request.kind.station();
-        // Which of the jobs for one rack comes first costs no ways, but their stations may differ in crowds, and a robot
-        // that goes on keeps no station for a place at another one.
+        // Which of the jobs for one rack comes first costs no ways, but their stations may differ in crowds, and a
+        // robot that goes on keeps no station for a place at another one.
         if same_rack {
             let has_room = || !begun.goes_on && station.is_none_or(|s| is_open(s) && has_room(fleet, s));
             let could = match begun.goes_on {
