@@ -64,8 +64,8 @@ fn assign_named(core: &mut Core, planners: &mut Planners, now: Time) {
     }
 }
 
-/// Sends an idle robot where a job says. The job waits while there is no place for it, and fails where no way
-/// leads.
+/// Sends an idle robot where a job says. The job waits while there is no place for it, and while closed areas or broken
+/// robots are on all ways; it fails where no way leads.
 fn begin_named(core: &mut Core, planners: &mut Planners, robot: RobotId, job: JobId, now: Time) {
     let floor = core.floor();
     let (goal, stay, purpose) = match floor.ledger.jobs[&job].request.kind {
@@ -76,9 +76,14 @@ fn begin_named(core: &mut Core, planners: &mut Planners, robot: RobotId, job: Jo
     };
     let Some(stay) = stay else { return };
     let goal = goal.unwrap_or(stay);
+    let here = core.ledger.node_of(robot);
+    let cut_off = &core.restrictions.cut_off;
+    if cut_off.between(core.warehouse(), (here, goal), false, std::iter::empty()).is_some() {
+        return;
+    }
     let ways = [Stage::to_stay(goal), Stage::to_stay(stay)];
     let kind = core.settings.kind(&core.ledger.robots[robot].kind);
-    if planners.of_mut(kind).free_flow(core.ledger.node_of(robot), &ways).is_none() {
+    if planners.of_mut(kind).free_flow(here, &ways).is_none() {
         return core.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
     }
     let task = Task::Move { job: Some(job), goal, stay, purpose };

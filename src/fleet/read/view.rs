@@ -271,6 +271,9 @@ impl View {
                 _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(named, robot.job)),
                 _ => match job.request.kind {
                     JobKind::Charge { .. } => Some(JobWhy::NoPlace(NodeKind::Charger)),
+                    JobKind::Go { node, .. } if self.cuts_off(map, robot, node).is_some() => {
+                        self.cuts_off(map, robot, node).map(JobWhy::from)
+                    }
                     _ if robot.battery < robot.critical => Some(JobWhy::RobotLow(named)),
                     _ => Some(JobWhy::NoPlace(NodeKind::Parking)),
                 },
@@ -358,6 +361,12 @@ impl View {
             0 => JobWhy::NoRobot,
             all => JobWhy::Outranked(JobsAhead { higher, others: all - higher, more: place.is_none() }),
         }
+    }
+
+    /// What is on all ways of a robot to a node.
+    fn cuts_off(&self, map: &Warehouse, robot: &RobotView, node: NodeId) -> Option<Barrier> {
+        let here = robot.held.last().or(robot.granted.last())?;
+        self.cut_off.between(map, (*here, node), false, std::iter::empty())
     }
 
     /// Whether in every place of a station stands a robot.

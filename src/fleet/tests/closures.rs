@@ -110,6 +110,21 @@ fn a_rack_is_not_lifted_while_a_closed_area_cuts_its_station_off_and_goes_at_onc
 }
 
 #[test]
+fn a_robot_is_not_sent_to_a_place_that_a_closed_area_cuts_off_and_goes_when_that_is_opened() {
+    let mut floor = TestFloor::small(1);
+    let closure = floor.close(closed(&floor, &["a2"], Time::MAX));
+    let goal = floor.node("p");
+    let go = floor.go(RobotId(0), goal);
+    floor.run(30);
+    assert_eq!(
+        (floor.state(go), floor.why_job(go)),
+        (Some(JobState::Waiting), Some(JobWhy::WayClosed(closure)))
+    );
+    floor.step(vec![Input::Reopen { token: 6, closure }]);
+    floor.until(60, "it goes", |f| f.state(go).is_none());
+}
+
+#[test]
 fn a_robot_with_a_rack_sets_it_down_when_a_closed_area_cuts_its_station_off() {
     let mut floor = TestFloor::thesis(1);
     let deliver = request(JobKind::Deliver { rack: RackId(0), station: StationId(0), pick: None });
