@@ -80,7 +80,8 @@ await check('The tab Audit says who did what', async () => {
   assert(/configuration admin Stopped all robots – done/.test(words), words);
   const signed = audit.getByRole('row').filter({ hasText: 'Signed in' });
   assert(await signed.count() > 0, 'signing in is written down');
-  await page.getByRole('button', { name: 'Resume all robots' }).click();
+  // The banner offers it, and so does the alarm.
+  await page.getByRole('button', { name: 'Resume all robots' }).first().click();
   await page.getByRole('dialog').getByRole('button', { name: 'Resume all robots' }).click();
   return words;
 });
