@@ -77,6 +77,25 @@ for (const [width, height, colorScheme] of [[1440, 900, 'light'], [1440, 900, 'd
     await other.context().close();
   });
 }
+await check('Jobs are sorted by a heading, found by a part of their reference, and one that is late says by how much', async () => {
+  const { racks, stations } = await ask('/v1/map');
+  const order = { kind: 'deliver', rack: racks[0].id, station: stations[0].id, pick_s: 600, deadline: new Date(Date.now() + 1_000).toISOString() };
+  for (const reference of ['ORDER-4711-A', 'ORDER-4711-B']) {
+    const answer = await page.request.post(new URL('/v1/jobs', url).href, { data: { ...order, reference } });
+    assert(answer.ok(), await answer.text());
+  }
+  const table = page.getByRole('region', { name: 'Table of jobs' });
+  const rows = table.locator('tbody tr');
+  await table.getByRole('button', { name: 'Deadline' }).click();
+  await table.getByText(/^late by \d+/).nth(1).waitFor({ timeout: PATIENCE });
+  assert((await table.locator('th[aria-sort="ascending"]').innerText()).startsWith('Deadline'), 'it is sorted by something else');
+  await page.screenshot({ path: `${SHOTS}jobs-light.png` });
+  const search = page.getByRole('searchbox', { name: 'Search jobs by a part of their reference' });
+  await search.fill('4711-b');
+  await until('one job', async () => (await rows.count()) === 1 && (await rows.first().innerText()).includes('ORDER-4711-B'), 20);
+  await search.fill('');
+  await until('all jobs', async () => (await rows.count()) > 2, 20);
+});
 await check('Before an aisle is closed the page says what that cuts off and which jobs it meets; those may pass first', async () => {
   const effect = closures.getByRole('status', { name: 'What this does' });
   const map = await ask('/v1/map');

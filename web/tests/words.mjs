@@ -204,7 +204,7 @@ await check('Each mark of the map has a sheet with a code, on a page of its own'
 });
 await check('axe finds nothing wrong (sheets)', () => assertAccessible(sheets, 'sheets'));
 const DESK = { viewport: { width: 1440, height: 900 }, hasTouch: false };
-const TABS = 8;
+const TABS = 9;
 /** What a visitor of the dashboard sees and hears, but for the rows of the audit, which name requests, and examples
  *  of CSV. */
 const said = (page) => page.evaluate(() => {
