@@ -266,6 +266,8 @@ await check('What was done is undone by a button, by keys, and for a robot, a fl
   await open(`#robot/${id}`);
   await card.getByRole('button', { name: 'Pause this robot' }).click();
   await messages.getByText(`Paused a robot: ${id}`).waitFor({ timeout: PATIENCE });
+  // With the focus the offer stays for as long as the pictures take.
+  await undo.focus();
   await both('map-undo');
   await undo.click();
   await until('a robot that goes on', async () => (await one()).activity !== 'paused', 20);
