@@ -149,7 +149,9 @@ await check('Somebody loses a headset: it is seen where, an alarm calls, and has
 await check('Whoever walks in is in the hall, in this window', async () => {
   await things.getByRole('link', { name: 'Walk in yourself' }).click();
   await page.waitForURL(/\/headset\?twin$/, { timeout: PATIENCE });
-  await page.getByRole('button', { name: 'Enter the twin' }).or(page.locator('#headset[data-twin="window"]')).first().waitFor({ timeout: PATIENCE });
+  await page.locator('#headset[data-twin="window"][data-link="live"]').waitFor({ timeout: PATIENCE });
+  await page.waitForFunction(() => Number(document.querySelector('#headset').dataset.robots) > 0, null, { timeout: PATIENCE });
+  await page.waitForTimeout(600);
   await page.screenshot({ path: `${SHOTS}first-walk.png` });
 });
 await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
