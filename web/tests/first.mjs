@@ -53,7 +53,8 @@ await check(`A first visit to a hall with ${ROBOTS} robots takes at most 200 kB,
   const visits = [];
   for (let i = 0; i < 5; i++) visits.push(await visit());
   const totals = visits.map(({ sizes }) => [...sizes.values()].reduce((sum, bytes) => sum + bytes, 0));
-  const largest = [...visits[0].sizes].sort((a, b) => b[1] - a[1]).slice(0, 6);
+  const { sizes } = visits[totals.indexOf(Math.max(...totals))];
+  const largest = [...sizes].sort((a, b) => b[1] - a[1]).slice(0, 12);
   const told = largest.map(([url, bytes]) => `${url} ${(bytes / 1_000).toFixed(1)} kB`).join(', ');
   assert(Math.max(...totals) <= MOST_BYTES, `${totals.join(', ')} bytes: ${told}`);
   const ms = visits.map(({ took }) => took).sort((a, b) => a - b);
