@@ -161,9 +161,9 @@ async fn begin_in_the_middle(
     (map, scenario, lines): (&Arc<Warehouse>, &Scenario, &[OrderFileLine]),
     next: i64,
 ) -> anyhow::Result<()> {
-    let until = Clock::start(None).started();
+    let now = || Clock::start(None).started();
     let (map, scenario, lines) = (map.clone(), scenario.clone(), lines.to_vec());
-    let past = tokio::task::spawn_blocking(move || warm_up(&map, &scenario, &lines, until)).await?;
+    let past = tokio::task::spawn_blocking(move || warm_up(&map, &scenario, &lines, now)).await?;
     let entry = |(at, facts)| StepEntry { at, facts, causes: Vec::new() };
     let steps: Vec<StepEntry> = past.steps.into_iter().map(entry).collect();
     let mut next = next;
@@ -172,7 +172,7 @@ async fn begin_in_the_middle(
         next += some.len() as i64;
     }
     let (buckets, heat) = (past.history.since(Time(0)), past.history.heat().since(Time(0)));
-    store.keep_history(until, &buckets, &heat).await?;
+    store.keep_history(now(), &buckets, &heat).await?;
     Ok(())
 }
 

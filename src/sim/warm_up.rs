@@ -23,14 +23,22 @@ pub struct WarmUp {
     pub history: History,
 }
 
-/// Lets a new floor work for the scenario's `warm_up_s`, up to this moment.
-pub fn warm_up(map: &Arc<Warehouse>, scenario: &Scenario, lines: &[OrderFileLine], until: Time) -> WarmUp {
-    let mut now = until - scenario.warm_up;
+/// Lets a new floor work for the scenario's `warm_up_s`, up to this moment; the time that this takes is caught up with,
+/// or people would be lost for as long when the server begins.
+pub fn warm_up(
+    map: &Arc<Warehouse>,
+    scenario: &Scenario,
+    lines: &[OrderFileLine],
+    until: impl Fn() -> Time,
+) -> WarmUp {
+    let mut now = until() - scenario.warm_up;
+    // A machine that is slower than the floor itself never gets there.
+    let last = now + scenario.warm_up + scenario.warm_up;
     let mut fleet = Fleet::new(map.clone(), scenario.settings());
     let mut world = World::new(map.clone(), scenario, lines, scenario.seed, &fleet, now);
     let mut out = WarmUp { steps: Vec::new(), history: History::default() };
     let mut looked = now - LOOK;
-    while now < until {
+    while now < until().min(last) {
         let inputs = world.advance(now, &fleet);
         let step = fleet.step(now, inputs);
         world.answer(now, &step.replies);
@@ -63,7 +71,7 @@ mod tests {
         let scenario = Scenario::parse(text).expect("it is read");
         let scenario = Scenario { warm_up: Span::from_secs(300), ..scenario };
         let (map, until) = (Arc::new(thesis()), Time(1_800_000_000_000_000));
-        let past = warm_up(&map, &scenario, &[], until);
+        let past = warm_up(&map, &scenario, &[], || until);
         let mut ledger = Ledger::new(map, scenario.settings().clearance(), false);
         past.steps.iter().flat_map(|(_, facts)| facts).for_each(|fact| ledger.evolve(fact));
         assert!(ledger.counts.robot_deliveries >= 10, "{:?}", ledger.counts);

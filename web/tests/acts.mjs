@@ -45,13 +45,18 @@ await check('A job that comes after another says so, to the root', async () => {
   return words;
 });
 await check('A robot that waits says for what, in its card', async () => {
-  // Somebody waits sooner or later on a busy floor.
-  let id = null;
-  for (let i = 0; i < 120 && id === null; i++) {
-    id = (await ask('/v1/robots')).items.find((r) => /waiting|queue|giving/.test(r.why ?? ''))?.id ?? null;
-    if (id === null) await page.waitForTimeout(500);
+  // A pick lasts until this test ends it, and another robot comes to the same station meanwhile.
+  const station = map.stations[0].id;
+  const jobs = [];
+  for (const { id: rack } of map.racks.slice(0, 2)) {
+    const data = { kind: 'deliver', rack, station, pick_s: 3600, priority: 9 };
+    jobs.push((await (await context.request.post(new URL('/v1/jobs', url).href, { data })).json()).id);
   }
-  if (id === null) return 'nobody waited for a minute; not looked at';
+  let id = null;
+  await until('a robot that waits', async () => {
+    id = (await ask('/v1/robots')).items.find((r) => r.activity === 'queueing' && r.why !== null)?.id ?? null;
+    return id !== null;
+  });
   await page.getByLabel('Find on the floor').fill(id);
   await page.keyboard.press('Enter');
   const card = page.getByRole('region', { name: 'Robot', exact: true });
@@ -59,7 +64,14 @@ await check('A robot that waits says for what, in its card', async () => {
   await page.waitForTimeout(800);
   await page.screenshot({ path: `${SHOTS}why-robot.png` });
   const words = (await card.innerText()).replaceAll(/\s+/g, ' ');
+  assert(words.includes(station), words);
   await card.getByRole('button', { name: 'Close' }).click();
+  for (const job of jobs) {
+    await until(`an end of ${job}`, async () => {
+      await context.request.post(new URL(`/v1/stations/${station}/done`, url).href);
+      return (await ask(`/v1/jobs/${job}`)).state === 'done';
+    });
+  }
   return words;
 });
 await check('Timelines show who holds the places of what is drawn, and a click chooses the robot', async () => {
@@ -154,10 +166,12 @@ await check('One click stops all robots, everybody sees it, and they go on only 
   await page.waitForTimeout(400);
   await page.screenshot({ path: `${SHOTS}stopped.png` });
   await assertAccessible(page, 'stopped');
-  await button('Resume all robots').click();
+  // The banner offers it first; the alarm does, too.
+  const resume = button('Resume all robots').first();
+  await resume.click();
   await page.getByRole('dialog').getByRole('button', { name: 'Keep them stopped' }).click();
   assert((await ask('/v1/fleet')).stopped !== null, 'they went on although they were to stay');
-  await button('Resume all robots').click();
+  await resume.click();
   await page.getByRole('dialog').getByRole('button', { name: 'Resume all robots' }).click();
   await banner.waitFor({ state: 'detached', timeout: PATIENCE });
 });

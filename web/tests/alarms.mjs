@@ -118,9 +118,12 @@ await check('The alarm page has it: a note, a time put aside, the text for the n
   await board.getByRole('button', { name: 'Take back up' }).click();
   await until('an alarm that calls again', async () => (await active()).every((a) => a.shelved === null), 20);
   await board.getByRole('button', { name: 'Hand-over text' }).click();
-  const text = await page.getByLabel('For the next shift').inputValue();
+  const shift = page.getByLabel('For the next shift');
+  await shift.waitFor({ timeout: PATIENCE });
+  const text = await shift.inputValue();
   assert(/acknowledged by Ben/.test(text) && /Ben: a wheel is loose/.test(text), text);
   await assertAccessible(page, 'the hand-over');
+  await page.screenshot({ path: `${SHOTS}alarm-hand-over.png` });
   await page.keyboard.press('Escape');
 });
 await check('The history has it, with who acknowledged it', async () => {

@@ -37,3 +37,9 @@ test('while the past is shown, only the stop of all robots is sent to the presen
   expect(vi.mocked(fetch).mock.calls[0]![0]).toBe('/v1/fleet/stop');
   expect((await api.map()).kind).toBe('ok');
 });
+test('what is taken without a word back is done, whichever status says so', async () => {
+  for (const status of [202, 204]) {
+    vi.stubGlobal('fetch', vi.fn(() => Promise.resolve(new Response(null, { status }))));
+    expect(await new Api().seenAt('w1', { x: 1, y: 2, accuracy_m: 0.2 })).toEqual({ kind: 'ok', value: null });
+  }
+});

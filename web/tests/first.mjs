@@ -14,8 +14,10 @@ const program = process.argv[2];
 const scenario = fileURLToPath(new URL('../../scenarios/kiva-800.json', import.meta.url));
 const server = await serve(program, scenario, mkdtempSync(`${tmpdir()}/giveway-first-`));
 const browser = await openBrowser();
-// The map is compressed at its best beside the start. From then on its length is known before it is sent.
-await until('the packed map', async () => (await fetch(`${server.url}/v1/map`, { headers: { 'Accept-Encoding': 'br' } })).headers.has('content-length'));
+// What all are sent is compressed at its best beside the start, or when the first one asks; until then it goes as it is.
+for (const path of ['/v1/map', '/openapi.json']) {
+  await until(`the packed ${path}`, async () => (await fetch(server.url + path, { headers: { 'Accept-Encoding': 'br' } })).headers.get('content-encoding') === 'br');
+}
 
 /** Visits the floor with nothing in the cache, and counts until all robots are drawn. */
 async function visit() {
@@ -51,7 +53,8 @@ await check(`A first visit to a hall with ${ROBOTS} robots takes at most 200 kB,
   const visits = [];
   for (let i = 0; i < 5; i++) visits.push(await visit());
   const totals = visits.map(({ sizes }) => [...sizes.values()].reduce((sum, bytes) => sum + bytes, 0));
-  const largest = [...visits[0].sizes].sort((a, b) => b[1] - a[1]).slice(0, 6);
+  const { sizes } = visits[totals.indexOf(Math.max(...totals))];
+  const largest = [...sizes].sort((a, b) => b[1] - a[1]).slice(0, 12);
   const told = largest.map(([url, bytes]) => `${url} ${(bytes / 1_000).toFixed(1)} kB`).join(', ');
   assert(Math.max(...totals) <= MOST_BYTES, `${totals.join(', ')} bytes: ${told}`);
   const ms = visits.map(({ took }) => took).sort((a, b) => a - b);

@@ -244,7 +244,8 @@ await check('The page speaks the language that is chosen, also after it is opene
   await other.waitForFunction(() => document.documentElement.lang === 'de', null, { timeout: PATIENCE });
   await other.getByRole('heading', { name: /^(Alarme|\d+ Alarme?)\b/ }).waitFor({ timeout: PATIENCE });
   await other.reload();
-  await other.waitForFunction(() => document.documentElement.lang === 'de', null, { timeout: PATIENCE });
+  await other.waitForFunction(() => document.documentElement.lang === 'de' && Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+  await other.getByText(/^\d+ Roboter bring/).waitFor({ timeout: PATIENCE });
   await other.screenshot({ path: `${SHOTS}german.png` });
   await other.locator('header select').first().selectOption('en');
   await other.waitForFunction(() => document.documentElement.lang === 'en', null, { timeout: PATIENCE });

@@ -188,8 +188,8 @@ await check('Jobs are found by id and by reference, people by name, racks, stati
     await job.getByRole('button', { name: 'Close' }).click();
   }
   await context.request.delete(new URL(`/v1/jobs/${id}`, url).href);
-  const [x0, y0] = map.bounds;
-  const area = await post('/v1/closures', { outline: [[x0, y0], [x0 + 0.3, y0], [x0 + 0.3, y0 + 0.3]], reason: 'Paint is drying' });
+  // It covers a place: one that covers nothing is refused.
+  const area = await post('/v1/closures', { outline: [[0, 0], [0.3, 0], [0.3, 0.3]], reason: 'Paint is drying' });
   await until('the area', async () => (await closures.getByText('Paint is drying').count()) > 0, 20);
   const charger = map.nodes.find((n) => n.kind === 'charger').id;
   const expected = [[map.racks[3].id, 'Rack'], [map.stations[1].id, 'Station'], [charger, 'Charger'], ['drying paint', 'Closed area'],
@@ -266,6 +266,8 @@ await check('What was done is undone by a button, by keys, and for a robot, a fl
   await open(`#robot/${id}`);
   await card.getByRole('button', { name: 'Pause this robot' }).click();
   await messages.getByText(`Paused a robot: ${id}`).waitFor({ timeout: PATIENCE });
+  // With the focus the offer stays for as long as the pictures take.
+  await undo.focus();
   await both('map-undo');
   await undo.click();
   await until('a robot that goes on', async () => (await one()).activity !== 'paused', 20);

@@ -182,7 +182,8 @@ await check('It shows a robot that gives way, with the reason', async () => {
 await astray;
 await page.waitForFunction((end) => globalThis.floor.time_s >= end, began + MINUTE_S, { timeout: 2 * MINUTE_S * 1_000 });
 
-const told = await story();
+// Where the first check failed, nothing was told, and those below say what they miss.
+const told = (await story()) ?? [];
 const deviated = told.find((s) => s.state === 'deviating' || s.state === 'redirected');
 /** How much the probability of the likeliest changed within half a second of a moment; nothing if another was likelier. */
 const change = (s) => {

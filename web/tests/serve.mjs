@@ -3,12 +3,12 @@ import { spawn } from 'node:child_process';
 import { rmSync } from 'node:fs';
 
 /**
- * Starts the program with a scenario and a database in a folder that is removed when it is stopped. One that was killed
- * can be started again on the same database and port.
+ * Starts the program with a scenario, or with what it shows by itself where that is null, and with a database in a folder
+ * that is removed when it is stopped. One that was killed can be started again on the same database and port.
  */
 export async function serve(program, scenario, scratch, port = 0) {
   const server = spawn(program, [
-    'serve', '--scenario', scenario, '--listen', `127.0.0.1:${port}`, '--database', `${scratch}/db.sqlite`,
+    'serve', ...(scenario === null ? [] : ['--scenario', scenario]), '--listen', `127.0.0.1:${port}`, '--database', `${scratch}/db.sqlite`,
   ]);
   let log = '';
   server.stderr.on('data', (text) => { log += text; });
@@ -19,7 +19,8 @@ export async function serve(program, scenario, scratch, port = 0) {
     await ended;
   };
   process.once('exit', () => server.kill('SIGKILL'));
-  for (let i = 0; i < 300; i++) {
+  // A floor that works before the server begins takes a while on a machine that does much else.
+  for (let i = 0; i < 1_500; i++) {
     const url = /^Giveway is at (http:\/\/[^/]*)\/$/m.exec(log)?.[1];
     const stop = async () => {
       await ends('SIGTERM');

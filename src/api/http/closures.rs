@@ -58,12 +58,26 @@ pub struct NewClosure {
     recurs: Option<NewRecurrence>,
 }
 
-/// What was closed, and what that does.
+/// What was closed and what that does: an area once, or again and again.
+///
+/// A choice of wholes rather than a whole with a choice inside, which generators of clients leave out.
 #[derive(Serialize, ToSchema)]
-pub struct JustClosedDto {
+#[serde(untagged)]
+pub enum JustClosedDto {
+    /// Once.
+    Once(JustClosedAreaDto<ClosureDto>),
+    /// Again and again.
+    Recurring(JustClosedAreaDto<RecurringClosureDto>),
+}
+
+/// A closed area, what it covers, and what closing it does.
+#[derive(Serialize, ToSchema)]
+pub struct JustClosedAreaDto<T> {
     /// The area.
     #[serde(flatten)]
-    closed: ClosedDto,
+    closed: T,
+    /// What it covers.
+    covered: CoveredDto,
     /// What closing it does to robots, racks and jobs, as things stood.
     effect: ClosingEffectDto,
 }
@@ -174,12 +188,12 @@ pub async fn close(
         Reply::Closed { closure, .. } => {
             let moment = api.moment();
             let names = Names { map: &api.map, view: &moment.view };
-            let dto = once(names, closure, &area, (api.now)());
+            let ClosedAreaDto { closed, covered } = once(names, closure, &area, (api.now)());
             let place = format!("/v1/closures/{}", closure_name(closure));
             Ok((
                 StatusCode::CREATED,
                 [(header::LOCATION, place)],
-                Json(JustClosedDto { closed: dto, effect }),
+                Json(JustClosedDto::Once(JustClosedAreaDto { closed, covered, effect })),
             ))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
@@ -213,12 +227,12 @@ async fn recur(
         Reply::Recurs { series, .. } => {
             let moment = api.moment();
             let names = Names { map: &api.map, view: &moment.view };
-            let dto = recurring(names, series, &closure, (api.now)());
+            let ClosedAreaDto { closed, covered } = recurring(names, series, &closure, (api.now)());
             let place = format!("/v1/closures/{}", series_name(series));
             Ok((
                 StatusCode::CREATED,
                 [(header::LOCATION, place)],
-                Json(JustClosedDto { closed: dto, effect }),
+                Json(JustClosedDto::Recurring(JustClosedAreaDto { closed, covered, effect })),
             ))
         }
         Reply::Refused { why, .. } => Err(refused(&api.map, why)),
@@ -239,23 +253,26 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Clo
         ClosedId::Recurring(series) => {
             let found = moment.view.recurring.get(&series);
             let found = found.ok_or_else(|| refused(&api.map, Refusal::UnknownSeries(series)))?;
-            return Ok(Json(recurring(names, series, found, (api.now)())));
+            return Ok(Json(ClosedDto::Recurring(recurring(names, series, found, (api.now)()))));
         }
     };
     let found = moment.view.closures.iter().find(|c| c.id == id);
     let detail = || format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
     let found = found.ok_or_else(|| Problem::unknown("closure", detail()))?;
-    Ok(Json(once(names, id, &found.closure, (api.now)())))
+    Ok(Json(ClosedDto::Once(once(names, id, &found.closure, (api.now)()))))
 }
 
-fn once(names: Names<'_>, id: ClosureId, area: &Closure, now: Time) -> ClosedDto {
-    let (closed, covered) = (names.closure(id, area, now), names.covered(area));
-    ClosedDto::Once(ClosedAreaDto { closed, covered })
+fn once(names: Names<'_>, id: ClosureId, area: &Closure, now: Time) -> ClosedAreaDto<ClosureDto> {
+    ClosedAreaDto { closed: names.closure(id, area, now), covered: names.covered(area) }
 }
 
-fn recurring(names: Names<'_>, id: SeriesId, area: &RecurringClosure, now: Time) -> ClosedDto {
-    let (closed, covered) = (names.recurring(id, area, now), names.covered(&area.area));
-    ClosedDto::Recurring(ClosedAreaDto { closed, covered })
+fn recurring(
+    names: Names<'_>,
+    id: SeriesId,
+    area: &RecurringClosure,
+    now: Time,
+) -> ClosedAreaDto<RecurringClosureDto> {
+    ClosedAreaDto { closed: names.recurring(id, area, now), covered: names.covered(&area.area) }
 }
 
 /// Open an area again. Of a recurring closure, one occurrence (c7), or all of them for good (s1).

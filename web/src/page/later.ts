@@ -5,7 +5,13 @@ import { learnMore } from '../words';
 /** A part and its messages. */
 export const fetched = async <T>(part: Promise<{ default: T }>): Promise<T> => (await Promise.all([part, learnMore()]))[0].default;
 
+/** A part whose messages are there from the beginning. */
+const part = <T>(one: Promise<{ default: T }>): Promise<T> => one.then((found) => found.default);
+
 export const later = {
+  tryOut: () => part(import('./TryOut.svelte')),
+  order: () => part(import('../jobs/JobForm.svelte')),
+  closing: () => part(import('../places/ClosureForm.svelte')),
   card: () => fetched(import('./PickedCard.svelte')),
   job: () => fetched(import('../jobs/JobPanel.svelte')),
   csv: () => fetched(import('../jobs/CsvJobs.svelte')),
@@ -18,5 +24,5 @@ export const later = {
 
 /** Fetches them all. What cannot be fetched now is asked for again when it is needed. */
 export function fetchLater(): void {
-  for (const part of Object.values(later)) part().catch(() => {});
+  for (const fetchIt of Object.values(later)) fetchIt().catch(() => {});
 }

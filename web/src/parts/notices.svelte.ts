@@ -22,6 +22,12 @@ export class Notices {
     this.resume();
   }
 
+  /** Says what was done, where that cannot be undone. */
+  tell(words: string): void {
+    this.#show({ words, undo: null, wrong: false });
+    this.resume();
+  }
+
   /** Says what could not be shown or done; it stays until it is dismissed. */
   say(words: string): void {
     this.#show({ words, undo: null, wrong: true });

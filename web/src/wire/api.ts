@@ -178,7 +178,8 @@ export class Api {
         method, headers: all, signal: AbortSignal.timeout(PATIENCE_MS),
         ...(body ? { body: JSON.stringify(body) } : {}),
       });
-      if (response.status === 204) return { kind: 'ok', value: null as T };
+      // Done, with nothing to tell: 204, or 202 without a body.
+      if (response.status === 204 || (response.ok && !response.headers.has('content-type'))) return { kind: 'ok', value: null as T };
       if (response.ok) {
         const isFile = /^(application\/gzip|text\/csv)\b/.test(response.headers.get('content-type') ?? '');
         return { kind: 'ok', value: (await (isFile ? response.blob() : response.json())) as T };
