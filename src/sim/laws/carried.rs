@@ -136,13 +136,15 @@ mod tests {
     /// the places before its station are closed, or are not.
     fn broken(closes: bool, within: Span) -> usize {
         let map = formats::json::parse(include_str!("../../../docs/small.json")).expect("a map");
-        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 600}"#;
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 600,
+            "jobs": {"backlog": 4}}"#;
         let scenario = Scenario::parse(text).expect("a scenario");
         let mut sim = Simulation::new(Arc::new(map), &scenario, &[], 1, false, || 0);
         let lifted = |sim: &Simulation| {
             sim.fleet.ledger().jobs.values().any(|j| matches!(j.state, JobState::Carrying { .. }))
         };
         while !lifted(&sim) {
+            assert!(!sim.is_over(), "no rack was lifted");
             sim.step();
         }
         let now = sim.now();
