@@ -33,6 +33,8 @@ const AHEAD: u64 = 2;
 const TASKS: u64 = 20;
 /// Workers come in one after another, so far apart.
 const APART: Span = Span::from_secs(3);
+/// Who was on the floor before this world began is not put nearer than this to a robot, metres.
+const BESIDE_M: f64 = 1.0;
 /// What has not come through, either way, is sent again after this.
 const AGAIN: Span = Span::from_millis(300);
 /// Workers who are told that the headset does not know where it is have touched marks after this.
@@ -44,6 +46,8 @@ struct Member {
     name: String,
     id: Option<WorkerId>,
     enters: Time,
+    /// Where the fleet knew it to be before this world began: it never left.
+    stays: Option<Point>,
     leaves: Time,
     walker: Option<Walker>,
     device: Option<Device>,
@@ -178,6 +182,11 @@ impl Crew {
             let name = self.members[i].name.clone();
             let known = fleet.ledger().workers.pairs().find(|(_, n)| **n == name);
             self.members[i].id = known.map(|(w, _)| w);
+            let place = known.and_then(|(w, _)| fleet.ledger().on_floor.get(&w));
+            if let Some(place) = place {
+                self.members[i].stays = self.walkways.on_floor(place.at.into());
+                self.members[i].enters = self.start;
+            }
             if known.is_none() {
                 inputs.push(Input::RegisterWorker { token: self.token(), name });
             }
@@ -277,7 +286,10 @@ impl Crew {
             if member.walker.is_none() {
                 let door = self.doors[i % self.doors.len()];
                 let waits = now >= member.enters && now < member.leaves && member.id.is_some();
-                if waits && let Some(at) = entrance(door, &self.walkways, others(), robots) {
+                let beside = |at: &Point| robots.iter().any(|r| (r.at - at).norm() < BESIDE_M);
+                let stays = member.stays.filter(|at| !beside(at));
+                if waits && let Some(at) = stays.or_else(|| entrance(door, &self.walkways, others(), robots))
+                {
                     member.walker =
                         Some(Walker::new(&self.workers, self.seed, i as u64, at, self.start, now));
                     member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
@@ -371,6 +383,7 @@ impl Member {
             name: format!("worker-{}", i + 1),
             id: None,
             enters,
+            stays: None,
             leaves: workers.leave_s.map_or(Time::MAX, |s| now + Span::from_secs_f64(s)),
             walker: None,
             device: None,
