@@ -271,10 +271,11 @@ impl View {
                 _ if robot.task != Task::Idle => Some(JobWhy::RobotBusy(named, robot.job)),
                 _ => match job.request.kind {
                     JobKind::Charge { .. } => Some(JobWhy::NoPlace(NodeKind::Charger)),
-                    JobKind::Go { node, .. } if self.cuts_off(map, robot, node).is_some() => {
-                        self.cuts_off(map, robot, node).map(JobWhy::from)
-                    }
                     _ if robot.battery < robot.critical => Some(JobWhy::RobotLow(named)),
+                    JobKind::Go { node, .. } => {
+                        let cut = self.cuts_off(map, robot, node).map(JobWhy::from);
+                        cut.or(Some(JobWhy::NoPlace(NodeKind::Parking)))
+                    }
                     _ => Some(JobWhy::NoPlace(NodeKind::Parking)),
                 },
             };
