@@ -55,6 +55,8 @@ pub async fn report(
     let table = wants_table(&headers, p.format.as_deref())?;
     let (from, to) = stretch(&api, p.from.as_deref(), p.to.as_deref())?;
     let now = api.moment().view.now;
+    // The fleet's time is that of its last step; what was asked for since then belongs to this moment, too.
+    let acts_to = if to > now { Time(i64::MAX) } else { to };
     let to = to.min(now + Span(1)).max(from + Span(1));
     if to - from > LONGEST {
         let detail = "must be 31 days before `to` at most: older figures are not kept";
@@ -65,7 +67,7 @@ pub async fn report(
     let asked = AlarmQuery { from: Some(from), to: Some(to), limit: ALARMS, ..AlarmQuery::default() };
     let alarms = api.records.alarms(asked).await.map_err(refused)?;
     let buckets = api.figures.with(|h| h.read(from, to, step(from, now)));
-    let acts = api.records.acts((from, to)).await.map_err(refused)?;
+    let acts = api.records.acts((from, acts_to)).await.map_err(refused)?;
     let (between, map) = ((from, to), &*api.map);
     let sources = ShiftSources { map, between, buckets: &buckets, rows: &rows, alarms: &alarms, acts: &acts };
     let report = sources.report();
