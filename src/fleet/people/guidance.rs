@@ -37,9 +37,9 @@ impl HumanState {
                 continue;
             };
             let words = self.words(floor, worker, &place, now);
-            let standoff = floor.stands_against(worker, words).is_some();
+            let against = |words| floor.stands_against(worker, words).is_some();
             let before = self.people[worker].message;
-            self.people[worker].message = Some(Message::next(before, words, standoff, now));
+            self.people[worker].message = Some(Message::next(before, words, against, now));
             let guidance = self.guidance(floor, worker, &place, now);
             let due = match &self.people[worker].told {
                 Some((last, at)) => {
@@ -102,8 +102,8 @@ impl HumanState {
             Some(_) => (state, reason),
         };
         let in_the_way = matches!(words.1, Some(GuidanceReason::RobotInTheWay(_)));
-        let is_over = in_the_way || person.message.is_some_and(|message| message.is_standoff(now));
-        match floor.stands_against(worker, words).filter(|_| is_over && ours) {
+        let goes = |robot: &RobotId| in_the_way || person.message.is_some_and(|m| m.goes_before(*robot, now));
+        match floor.stands_against(worker, words).filter(|robot| ours && goes(robot)) {
             Some(robot) => (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(robot))),
             None => words,
         }

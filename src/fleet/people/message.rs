@@ -33,16 +33,22 @@ pub(in crate::fleet) struct Message {
 }
 
 impl Message {
-    /// What a worker is told now who is to be told this.
-    pub fn next(before: Option<Message>, words: Words, standoff: bool, now: Time) -> Message {
-        let began = before.and_then(|m| m.standoff).unwrap_or(now);
-        let standoff = standoff.then_some(began);
-        match before {
+    /// What a worker is told now who is to be told this. What is said decides whether it is a standoff: words that
+    /// would end one may come and go while the message that they would replace still stands.
+    pub fn next(
+        before: Option<Message>,
+        words: Words,
+        is_against: impl Fn(Words) -> bool,
+        now: Time,
+    ) -> Message {
+        let (words, since) = match before {
             // Why somebody is told to stand is always what is so now.
-            Some(m) if m.words.0 == words.0 => Message { words, standoff, ..m },
-            Some(m) if !replaces(words, m.words) && now - m.since < MESSAGE => Message { standoff, ..m },
-            _ => Message { words, since: now, standoff },
-        }
+            Some(m) if m.words.0 == words.0 => (words, m.since),
+            Some(m) if !replaces(words, m.words) && now - m.since < MESSAGE => (m.words, m.since),
+            _ => (words, now),
+        };
+        let began = before.and_then(|m| m.standoff).unwrap_or(now);
+        Message { words, since, standoff: is_against(words).then_some(began) }
     }
 
     /// Until when the message stands at least, if it tells the worker to wait for a robot that crosses.
@@ -53,6 +59,13 @@ impl Message {
     /// Whether the worker has stood for a robot for so long that the worker had better go.
     pub fn is_standoff(&self, now: Time) -> bool {
         self.standoff.is_some_and(|since| now - since >= STANDOFF)
+    }
+
+    /// Whether the worker goes before this robot, which waits for the worker: it is time to, or was, and that has been
+    /// said.
+    pub fn goes_before(&self, robot: RobotId, now: Time) -> bool {
+        let told = (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(robot)));
+        self.words == told || self.is_standoff(now)
     }
 }
 
@@ -103,23 +116,33 @@ mod tests {
     const FOLLOW: Words = (GuidanceState::Following, None);
     const STOP: Words = (GuidanceState::Stop, Some(GuidanceReason::RobotComes(R)));
 
+    const GO: Words = (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(R)));
+
+    fn against(words: Words) -> bool {
+        words == STOP
+    }
+
+    fn never(_: Words) -> bool {
+        false
+    }
+
     #[test]
     fn a_stop_replaces_everything_at_once_and_itself_stands_for_two_seconds() {
         let at = |ms: i64| Time(ms * 1000);
-        let first = Message::next(None, FOLLOW, false, at(0));
-        let stop = Message::next(Some(first), STOP, false, at(50));
+        let first = Message::next(None, FOLLOW, never, at(0));
+        let stop = Message::next(Some(first), STOP, never, at(50));
         assert_eq!((stop.words, stop.since), (STOP, at(50)), "at once");
-        let held = Message::next(Some(stop), FOLLOW, false, at(2040));
+        let held = Message::next(Some(stop), FOLLOW, never, at(2040));
         assert_eq!((held.words, held.since), (STOP, at(50)));
-        assert_eq!(Message::next(Some(held), FOLLOW, false, at(2050)).words, FOLLOW);
+        assert_eq!(Message::next(Some(held), FOLLOW, never, at(2050)).words, FOLLOW);
     }
 
     #[test]
     fn a_message_that_comes_and_goes_ten_times_a_second_changes_every_two_seconds_at_most() {
-        let (mut message, mut changes) = (Message::next(None, FOLLOW, false, Time(0)), 0);
+        let (mut message, mut changes) = (Message::next(None, FOLLOW, never, Time(0)), 0);
         for i in 1..=900i64 {
             let words = if i % 2 == 0 { FOLLOW } else { STOP };
-            let next = Message::next(Some(message), words, false, Time(i * 100_000));
+            let next = Message::next(Some(message), words, never, Time(i * 100_000));
             changes += i32::from(next.words != message.words);
             message = next;
         }
@@ -130,12 +153,33 @@ mod tests {
     fn a_standoff_is_one_after_four_seconds_without_a_break() {
         let mut message = None;
         for ms in (0..4000).step_by(100) {
-            let next = Message::next(message, STOP, true, Time(ms * 1000));
+            let next = Message::next(message, STOP, against, Time(ms * 1000));
             assert!(!next.is_standoff(Time(ms * 1000)));
             message = Some(next);
         }
         let now = Time(4_000_000);
-        assert!(Message::next(message, STOP, true, now).is_standoff(now));
-        assert!(!Message::next(message, STOP, false, now).is_standoff(now), "the robot drives");
+        assert!(Message::next(message, STOP, against, now).is_standoff(now));
+        assert!(!Message::next(message, STOP, never, now).is_standoff(now), "the robot drives");
+    }
+
+    #[test]
+    fn words_that_come_and_go_behind_a_message_that_stands_are_no_break_of_a_standoff() {
+        let mut message = None;
+        for ms in (0..=4000).step_by(100) {
+            let wanted = if (500..1000).contains(&ms) { FOLLOW } else { STOP };
+            message = Some(Message::next(message, wanted, against, Time(ms * 1000)));
+            assert_eq!(message.unwrap().words, STOP, "nobody hears the other words");
+        }
+        assert!(message.unwrap().is_standoff(Time(4_000_000)));
+    }
+
+    #[test]
+    fn who_was_told_to_go_before_a_robot_goes_on_being_told_so() {
+        let at = |s: i64| Time(s * 1_000_000);
+        let stop = Message::next(None, STOP, against, at(0));
+        assert!(!stop.goes_before(R, at(3)) && stop.goes_before(R, at(4)));
+        let go = Message::next(Some(stop), GO, against, at(4));
+        assert!(go.words == GO && go.goes_before(R, at(4)) && go.goes_before(R, at(9)));
+        assert!(!go.goes_before(RobotId(2), at(9)), "the one that comes then is another one");
     }
 }
