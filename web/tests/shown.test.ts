@@ -35,6 +35,12 @@ describe('jobs', () => {
     expect(ids(turnedJobs(turnedJobs(NEWEST, 'deadline'), 'deadline'))).toEqual(['j10', 'j2', 'j9']);
     expect(turnedJobs(turnedJobs(NEWEST, 'id'), 'id')).toBe(NEWEST);
   });
+  test('a reason that begins with the state stands for both', () => {
+    const state = (why: string) => latestJobs({ own: [], items: [job('j1', { why })], state: 'any', part: '' }).tables[0]!.lines[0]!.cells[4]!;
+    expect(state('waiting for job j2 to be over')).toEqual({ text: 'waiting for job j2 to be over' });
+    expect(state('no robot is free')).toEqual({ text: 'waiting', more: 'no robot is free' });
+  });
+
   test('one that is late says so, while it waits and when it is done', () => {
     const at = (time: string) => Date.parse(`2027-01-31T${time}Z`);
     const late = job('j1', { deadline: '2027-01-31T12:00:00Z' });

@@ -95,6 +95,13 @@ export function lateFor_s(job: Pick<Job, 'deadline' | 'state' | 'updated'>, now:
   return late > 0 ? late : null;
 }
 
+/** A job's state and why it does not go on; the reason alone where it begins with the state. */
+function stateCell(job: Job): Cell {
+  const [state, why] = [STATE_WORDS[job.state] ?? job.state, job.why === null ? null : said(job.why)];
+  const repeats = why?.toLowerCase().startsWith(`${state.toLowerCase()} `);
+  return why !== null && repeats ? { text: why } : { text: state, more: why };
+}
+
 function deadlineCell(job: Job, now: number | null): Cell {
   const late = lateFor_s(job, now);
   if (late === null) return extra(timeOfDay(job.deadline));
@@ -110,7 +117,7 @@ export function latestJobs({ own, items, state, part }: Pick<Jobs, 'own' | 'item
     id: job.id, job, mine: mine.has(job.id),
     cells: [
       extra(job.reference ?? '–'), extra(SHORT_KIND_WORDS[job.kind] ?? job.kind), { text: whatOf(job) || '–' }, robotCell(job.robot),
-      { text: STATE_WORDS[job.state] ?? job.state, more: job.why === null ? null : said(job.why) }, extra(String(job.priority)), deadlineCell(job, now), extra(timeOfDay(job.created)),
+      stateCell(job), extra(String(job.priority)), deadlineCell(job, now), extra(timeOfDay(job.created)),
     ],
   }));
   const columns: JobTable['columns'] = [
