@@ -116,10 +116,14 @@ impl Problem {
         Problem::conflict("recording", "This is a recording", detail)
     }
 
-    /// 429: there are as many as the server takes.
+    /// 429: there are as many as the server takes, and it gets room when somebody makes it.
+    pub fn no_room(detail: impl Into<String>) -> Problem {
+        Problem::new(StatusCode::TOO_MANY_REQUESTS, "too-many", "A limit is reached", detail)
+    }
+
+    /// 429: there are as many as the server takes, for a while.
     pub fn too_many(detail: impl Into<String>, retry_after: u32) -> Problem {
-        let problem = Problem::new(StatusCode::TOO_MANY_REQUESTS, "too-many", "A limit is reached", detail);
-        Problem { retry_after: Some(retry_after), ..problem }
+        Problem { retry_after: Some(retry_after), ..Problem::no_room(detail) }
     }
 
     /// 503: not now.

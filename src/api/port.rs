@@ -281,6 +281,8 @@ pub enum KindRefusal {
     Figure(String, String),
     /// The map was not drawn for it: what was found.
     Map(Vec<String>),
+    /// There are so many with those of the scenario, as many as a floor may have.
+    TooMany(usize),
     /// The database did not answer, or took nothing.
     Database,
 }

@@ -110,3 +110,27 @@ impl MapDesk {
         answer.await.map_err(|_| Problem::unavailable(gone, 3))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn a_map_beyond_those_that_may_wait_is_refused_until_one_is_answered() {
+        let (send, mut waiting) = mpsc::channel(1);
+        let desk = MapDesk { origin: None, requests: Some(send) };
+        let check = |reply| MapRequest::Check(Box::default(), reply);
+        let first = tokio::spawn({
+            let desk = desk.clone();
+            async move { desk.ask(check).await }
+        });
+        while waiting.is_empty() {
+            tokio::task::yield_now().await;
+        }
+        let busy = desk.ask(check).await.unwrap_err();
+        assert_eq!((busy.status, busy.retry_after), (503, Some(3)));
+        let Some(MapRequest::Check(_, reply)) = waiting.recv().await else { panic!("it waits") };
+        drop(reply);
+        assert_eq!(first.await.unwrap().unwrap_err().status, 503, "nobody answered it");
+    }
+}

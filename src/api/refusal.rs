@@ -265,8 +265,8 @@ fn too_many(kind: Bounded, n: usize) -> Problem {
     };
     // Only what ends by itself is worth another try later.
     let ends = matches!(kind, Bounded::Jobs | Bounded::Assignments | Bounded::Closures);
-    let problem = Problem::too_many(format!("{n} {what}, which is the limit: {remedy}"), 10);
-    if ends { problem } else { Problem { retry_after: None, ..problem } }
+    let detail = format!("{n} {what}, which is the limit: {remedy}");
+    if ends { Problem::too_many(detail, 10) } else { Problem::no_room(detail) }
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ pub struct LiveParams {
     (status = 101, description = "The feed begins"),
     (status = 426, description = "Not a WebSocket", body = Problem,
      content_type = "application/problem+json"),
-    (status = 503, description = "Too many readers", body = Problem,
+    (status = 429, description = "Too many readers", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn live(
     Called(api): Called,
@@ -87,10 +87,7 @@ pub(super) fn reader_upgrade(
         Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
     })?;
     if api.metrics.live_clients.get() >= MOST_READERS {
-        return Err(Problem::unavailable(
-            format!("{MOST_READERS} live feeds are open, which is the limit"),
-            10,
-        ));
+        return Err(Problem::too_many(format!("{MOST_READERS} live feeds are open, which is the limit"), 10));
     }
     Ok(upgrade.protocols(["giveway"]).max_message_size(4096).max_write_buffer_size(64 << 20))
 }

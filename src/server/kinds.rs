@@ -9,7 +9,7 @@ use crate::api::port::{KindRefusal, KindRequest};
 use crate::fleet::{Fleet, RobotKind};
 use crate::sim::{Scenario, ScenarioError};
 use crate::store::{KindText, Store, StoreError};
-use crate::warehouse::Warehouse;
+use crate::warehouse::{MOST_BODIES, Warehouse};
 use std::path::Path;
 use std::sync::Arc;
 use tokio::sync::mpsc;
@@ -131,6 +131,9 @@ impl KindKeeper {
         let known = all.len();
         all.retain(|k| k.name != kind.name);
         let is_new = all.len() == known;
+        if is_new && known + self.scenario.kinds.len() >= MOST_BODIES {
+            return Err(KindRefusal::TooMany(MOST_BODIES));
+        }
         let (mut scenario, map, wanted) = (self.scenario.clone(), self.map.clone(), kind.clone());
         let more = aside(move || {
             let map = join_kinds(&mut scenario, map, &all);

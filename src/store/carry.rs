@@ -19,7 +19,7 @@ use crate::id::{Dense, IdVec};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use sqlx::sqlite::{SqliteConnection, SqlitePool};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -30,6 +30,16 @@ const MAP_ID: &str = "INSERT INTO temp.ids \
 const DROP_IDS: &str = "DROP TABLE temp.ids";
 const FORGET_GONE: &str = "DELETE FROM gone";
 const NOTE_GONE: &str = "INSERT INTO gone (kind, id, name) VALUES ($1, $2, $3)";
+/// What rows name that is gone: ids from a number on.
+const NAMED: &str = "SELECT 'rack', rack FROM jobs WHERE rack >= $1 \
+    UNION SELECT 'station', station FROM jobs WHERE station >= $1 \
+    UNION SELECT 'station', value FROM jobs, json_tree(stops) WHERE type = 'integer' AND value >= $1 \
+    UNION SELECT 'station', subject FROM events WHERE kind = 'station' AND subject >= $1 \
+    UNION SELECT 'node', node FROM jobs WHERE node >= $1 \
+    UNION SELECT 'node', json_extract(why, '$.storage_taken') FROM jobs WHERE state = 'failed' \
+        AND why LIKE '{\"storage_taken\"%' AND json_extract(why, '$.storage_taken') >= $1 \
+    UNION SELECT 'node', place FROM assignments WHERE place >= $1 \
+    UNION SELECT 'node', node FROM heat WHERE node >= $1";
 /// Rows of the heat are known by their node: each goes below 0 first, so that no two have one number in between.
 const RENUMBER: [&str; 8] = [
     "UPDATE jobs SET rack = (SELECT new FROM temp.ids WHERE kind = 'rack' AND old = rack) \
@@ -228,7 +238,7 @@ fn numbers<I: Copy>(ids: &[I], number: impl Fn(I) -> u64) -> String {
     serde_json::to_string(&ids).expect("a list of numbers is JSON")
 }
 
-/// Gives the rows of all lists the new map's ids, and notes the names of what is gone.
+/// Gives the rows of all lists the new map's ids, and notes the names of what is gone and some row speaks of.
 async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -> Result<(), StoreError> {
     let known = Gone::of(&mut *db).await?;
     let mut gone = Gone::default();
@@ -246,6 +256,9 @@ async fn renumber(db: &mut SqliteConnection, old: &Warehouse, new: &Warehouse) -
     }
     sqlx::query(DROP_IDS).execute(&mut *db).await?;
     sqlx::query(FORGET_GONE).execute(&mut *db).await?;
+    let named: BTreeSet<(String, u32)> =
+        sqlx::query_as(NAMED).bind(BEYOND).fetch_all(&mut *db).await?.into_iter().collect();
+    gone.0.retain(|(kind, id), _| named.contains(&(kind.word().to_owned(), *id)));
     for ((kind, id), name) in &gone.0 {
         sqlx::query(NOTE_GONE).bind(kind.word()).bind(id).bind(name).execute(&mut *db).await?;
     }

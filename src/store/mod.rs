@@ -67,7 +67,7 @@ pub use seal::seal;
 pub use sessions::SessionRow;
 pub use snapshot::SNAPSHOT_AFTER;
 pub use steps::{Loaded, StepEntry};
-pub use tokens::{TokenDraft, TokenRow, TokenTable};
+pub use tokens::{MOST_OVER, TokenDraft, TokenRow, TokenTable};
 pub use webhooks::{FailedRow, HookRow};
 
 use crate::time::Span;

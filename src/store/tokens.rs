@@ -1,7 +1,8 @@
 //! Named tokens: what is kept of each, which is never the token itself.
 //!
 //! Main types: [`TokenTable`], [`TokenRow`], [`TokenDraft`]. The table can be written beside a running server, which
-//! reads it again every second. Refuses: to delete a row, and two tokens of one name that both hold.
+//! reads it again every second. Of those that no longer hold the newest are kept, so that the audit can be read. Refuses:
+//! two tokens of one name that both hold.
 
 use super::{AuditRow, BUSY, Store, StoreError, audit};
 use crate::time::Time;
@@ -14,10 +15,15 @@ const ALL: &str = "SELECT * FROM tokens ORDER BY id";
 const ONE: &str = "SELECT * FROM tokens WHERE id = $1";
 const ADD: &str = "INSERT INTO tokens (name, role, subject, hash, created, expires) VALUES ($1, $2, $3, $4, $5, $6) \
     RETURNING id";
+const FORGET: &str = "DELETE FROM tokens WHERE id IN (SELECT id FROM tokens \
+    WHERE revoked IS NOT NULL OR expires <= $1 ORDER BY id DESC LIMIT -1 OFFSET $2)";
 const REVOKE: &str = "UPDATE tokens SET revoked = $2 WHERE id = $1 AND revoked IS NULL";
 const ROTATE: &str = "UPDATE tokens SET hash = $2, created = $3 \
     WHERE id = $1 AND revoked IS NULL AND coalesce(expires > $3, true)";
 const USED: &str = "UPDATE tokens SET last_used = $2 WHERE id = $1";
+
+/// So many of those that no longer hold are kept.
+pub const MOST_OVER: i64 = 1_000;
 
 /// What is kept of a token.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -135,7 +141,10 @@ impl TokenTable {
             .fetch_one(&self.writer)
             .await;
         match added {
-            Ok(id) => Ok(Some(id)),
+            Ok(id) => {
+                sqlx::query(FORGET).bind(new.created.0).bind(MOST_OVER).execute(&self.writer).await?;
+                Ok(Some(id))
+            }
             Err(sqlx::Error::Database(e)) if e.is_unique_violation() => Ok(None),
             Err(e) => Err(e.into()),
         }

@@ -391,6 +391,20 @@ async fn a_database_of_a_build_that_did_not_keep_the_map_wants_its_old_map_once(
     store.close().await;
 }
 
+/// The names of the racks that robots hold.
+async fn racks_on_robots(folder: &Folder) -> Vec<String> {
+    let scenario = Scenario::parse(BUSY).unwrap();
+    let store = Store::open(&folder.database(), &map()).await.unwrap();
+    let held = {
+        let run = Run::restart(&Arc::new(map()), &scenario, &store).await;
+        let racks = run.fleet.ledger().racks.pairs();
+        let on = racks.filter(|(_, at)| matches!(at, giveway::fleet::RackAt::On(_)));
+        on.map(|(rack, _)| map().racks[rack].name.clone()).collect()
+    };
+    store.close().await;
+    held
+}
+
 #[tokio::test]
 async fn names_that_are_gone_from_the_map_stay_in_the_lists_over_several_changes() {
     let folder = Folder::new();
@@ -407,15 +421,7 @@ async fn names_that_are_gone_from_the_map_stay_in_the_lists_over_several_changes
     let before = named(store.jobs(&all).await.unwrap().rows, &map());
     store.close().await;
     // No rack keeps its name, except those on robots, which cannot be given up.
-    let scenario = Scenario::parse(BUSY).unwrap();
-    let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let held: Vec<String> = {
-        let run = Run::restart(&Arc::new(map()), &scenario, &store).await;
-        let racks = run.fleet.ledger().racks.pairs();
-        let on = racks.filter(|(_, at)| matches!(at, giveway::fleet::RackAt::On(_)));
-        on.map(|(rack, _)| map().racks[rack].name.clone()).collect()
-    };
-    store.close().await;
+    let held = racks_on_robots(&folder).await;
     let renamed = |suffix: &str| {
         changed(|draft| {
             let rename = |name: &mut String| *name += suffix;
@@ -432,4 +438,35 @@ async fn names_that_are_gone_from_the_map_stay_in_the_lists_over_several_changes
         assert_eq!(named(rows, &new), before, "after {suffix:?}");
         store.close().await;
     }
+}
+
+/// How many names of what is gone the database has, and how many of racks its jobs speak of.
+async fn gone_names(folder: &Folder) -> (i64, i64) {
+    let options = SqliteConnectOptions::new().filename(folder.database());
+    let mut db = SqliteConnection::connect_with(&options).await.unwrap();
+    let noted = sqlx::query_scalar("SELECT count(*) FROM gone").fetch_one(&mut db).await.unwrap();
+    let racks = "SELECT count(DISTINCT rack) FROM jobs WHERE rack >= 1 << 31";
+    (noted, sqlx::query_scalar(racks).fetch_one(&mut db).await.unwrap())
+}
+
+#[tokio::test]
+async fn names_that_no_row_has_any_more_go_with_the_next_change_of_the_map() {
+    let folder = Folder::new();
+    work(&folder, &Arc::new(map()), 1300, 400).await;
+    let held = racks_on_robots(&folder).await;
+    let renamed = |suffix: &str| {
+        changed(|draft| {
+            let names = draft.racks.iter_mut().map(|rack| &mut rack.name);
+            names.filter(|name| !held.contains(name)).for_each(|name| *name += suffix);
+        })
+    };
+    open(&folder, &renamed("-b"), true).await.unwrap().close().await;
+    let (noted, named) = gone_names(&folder).await;
+    assert!(named > 0 && noted == named, "{noted} names are noted, {named} are needed");
+    let options = SqliteConnectOptions::new().filename(folder.database());
+    let mut db = SqliteConnection::connect_with(&options).await.unwrap();
+    sqlx::query("DELETE FROM jobs").execute(&mut db).await.unwrap();
+    db.close().await.unwrap();
+    open(&folder, &renamed("-c"), true).await.unwrap().close().await;
+    assert_eq!(gone_names(&folder).await, (0, 0), "nothing speaks of them any more");
 }

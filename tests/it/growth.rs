@@ -1,10 +1,17 @@
 //! What fills to its limit, and gets room again: the tables of the database that no fleet bounds.
 
-use crate::helper::{Folder, map};
+use crate::helper::{Answer, Folder, get, map, send, start};
+use crate::live::connect;
+use crate::people::{delete, post};
 use giveway::alarm::{Alarm, AlarmKind, AlarmQuery, AlarmSubject, SubjectKind};
 use giveway::fleet::{EventKind, EventQuery, Fact};
-use giveway::store::{MOST_PAST, SessionRow, StepEntry, Store};
+use giveway::store::{MOST_OVER, MOST_PAST, SessionRow, StepEntry, Store, TokenDraft};
 use giveway::time::{Span, Time};
+use serde_json::json;
+use std::net::SocketAddr;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio_tungstenite::tungstenite::Error;
 
 const DAY: Span = Span::from_secs(24 * 3600);
 const AT: Time = Time(1_800_000_000_000_000);
@@ -121,4 +128,137 @@ async fn answers_are_forgotten_after_seven_days() {
     assert!(store.begin_keyed(again, "body", AT + DAY * 6).await.unwrap().is_some(), "it is known");
     assert_eq!(store.begin_keyed(again, "body", AT + DAY * 8).await.unwrap(), None, "it is not any more");
     store.close().await;
+}
+
+/// A limit is reached, and whether it is worth another try later by itself.
+fn is_full(answer: &Answer, again: bool) {
+    let detail = answer.problem(429)["detail"].as_str().unwrap().to_owned();
+    assert!(detail.contains("limit"), "{detail}");
+    assert_eq!(answer.header("retry-after").is_some(), again, "{answer:?}");
+}
+
+fn token(n: i64) -> TokenDraft {
+    let mut hash = [0; 32];
+    hash[..8].copy_from_slice(&n.to_le_bytes());
+    let (name, role) = (format!("system {n}"), "viewer".into());
+    TokenDraft { name, role, subject: None, hash, created: AT + Span(n), expires: None }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_tokens_a_thousand_hold_until_one_is_revoked_and_the_newest_that_hold_no_more_are_kept() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let (at, table) = (server.address(), server.store().tokens());
+    for n in 0..MOST_OVER + 5 {
+        let id = table.add(&token(n)).await.unwrap().unwrap();
+        assert!(table.revoke(id, AT + Span(n)).await.unwrap());
+    }
+    for n in 0..1_000 {
+        table.add(&token(2_000 + n)).await.unwrap().unwrap();
+    }
+    let all = table.all().await.unwrap();
+    assert_eq!(all.len(), 2_000, "those that hold, and as many that do not");
+    assert_eq!(all[0].name, "system 5", "the oldest of those went first");
+    let more = json!({"name": "one more", "role": "viewer"});
+    is_full(&post(at, "/v1/tokens", &more).await, false);
+    assert_eq!(delete(at, "/v1/tokens/t1500").await.status, 204);
+    assert_eq!(post(at, "/v1/tokens", &more).await.status, 201);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_webhooks_there_are_thirty_two_until_one_is_removed() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let hook = json!({"url": "http://127.0.0.1:9/"});
+    let mut last = String::new();
+    for _ in 0..32 {
+        let made = post(at, "/v1/webhooks", &hook).await;
+        assert_eq!(made.status, 201, "{made:?}");
+        last = made.json()["id"].as_str().unwrap().to_owned();
+    }
+    is_full(&post(at, "/v1/webhooks", &hook).await, false);
+    assert_eq!(delete(at, &format!("/v1/webhooks/{last}")).await.status, 204);
+    assert_eq!(post(at, "/v1/webhooks", &hook).await.status, 201);
+    server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_kinds_of_robots_there_are_thirty_two_until_one_is_removed() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let put = |n: usize| async move {
+        let headers = [("content-type", "application/json")];
+        send(at, "PUT", &format!("/v1/kinds/kind-{n}"), &headers, "{}").await.unwrap()
+    };
+    let of_scenario = get(at, "/v1/kinds").await.json().as_array().unwrap().len();
+    for n in of_scenario..32 {
+        let made = put(n).await;
+        assert_eq!(made.status, 201, "{made:?}");
+    }
+    is_full(&put(100).await, false);
+    assert_eq!(put(7).await.status, 200, "another one of a name that is there");
+    assert_eq!(delete(at, "/v1/kinds/kind-7").await.status, 204);
+    assert_eq!(put(100).await.status, 201);
+    server.stop().await.unwrap();
+}
+
+/// Opens a stream of events; its status.
+async fn stream(at: SocketAddr) -> (TcpStream, String) {
+    let mut stream = TcpStream::connect(at).await.unwrap();
+    let request = format!("GET /v1/events HTTP/1.1\r\nhost: {at}\r\naccept: text/event-stream\r\n\r\n");
+    stream.write_all(request.as_bytes()).await.unwrap();
+    let mut head = [0; 12];
+    stream.read_exact(&mut head).await.unwrap();
+    (stream, String::from_utf8_lossy(&head[9..]).into_owned())
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_streams_of_events_a_hundred_are_open_until_one_leaves() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let mut open = Vec::new();
+    for _ in 0..100 {
+        let (stream, status) = stream(at).await;
+        assert_eq!(status, "200");
+        open.push(stream);
+    }
+    let headers = [("accept", "text/event-stream")];
+    is_full(&send(at, "GET", "/v1/events", &headers, "").await.unwrap(), true);
+    assert_eq!(get(at, "/v1/events").await.status, 200, "a page is no stream");
+    open.clear();
+    // The server sees that somebody has left when it next has something to say, in fifteen seconds at most.
+    for _ in 0..400 {
+        if stream(at).await.1 == "200" {
+            return server.stop().await.unwrap();
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    panic!("there is never room again");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn of_readers_of_the_live_feed_a_thousand_are_there_until_one_leaves() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
+    let mut open = Vec::new();
+    for _ in 0..1_000 {
+        open.push(connect(at, "?thin=true&packed=true", "giveway").await.unwrap());
+    }
+    match connect(at, "", "giveway").await {
+        Err(Error::Http(answer)) => assert_eq!(answer.status(), 429),
+        other => panic!("{:?}", other.map(|_| "one too many is taken")),
+    }
+    drop(open.split_off(990));
+    for _ in 0..100 {
+        if connect(at, "", "giveway").await.is_ok() {
+            return server.stop().await.unwrap();
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    }
+    panic!("there is never room again");
 }

@@ -3,15 +3,11 @@
 
 use crate::carry;
 use crate::helper::{Answer, Folder, get, map, send, start};
+use crate::people::post;
 use giveway::geometry::Vector;
 use giveway::warehouse::{Warehouse, formats::json};
 use serde_json::{Value, json};
-use std::net::SocketAddr;
 use std::process::{Command, Output};
-
-async fn post(at: SocketAddr, path: &str, body: &Value) -> Answer {
-    send(at, "POST", path, &[("content-type", "application/json")], &body.to_string()).await.unwrap()
-}
 
 /// What is wrong with the first field of a refused request.
 fn detail(answer: &Answer) -> String {

@@ -7,11 +7,11 @@ use std::net::SocketAddr;
 
 const JSON: (&str, &str) = ("content-type", "application/json");
 
-async fn post(at: SocketAddr, path: &str, body: &Value) -> Answer {
+pub async fn post(at: SocketAddr, path: &str, body: &Value) -> Answer {
     send(at, "POST", path, &[JSON], &body.to_string()).await.unwrap()
 }
 
-async fn delete(at: SocketAddr, path: &str) -> Answer {
+pub async fn delete(at: SocketAddr, path: &str) -> Answer {
     send(at, "DELETE", path, &[], "").await.unwrap()
 }
 

@@ -28,7 +28,7 @@ const AT_LEAST: Duration = Duration::from_secs(1);
     (status = 404, description = "There is no such station", body = Problem,
      content_type = "application/problem+json"),
     (status = 426, description = "Not a WebSocket", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Too many readers", body = Problem, content_type = "application/problem+json")))]
+    (status = 429, description = "Too many readers", body = Problem, content_type = "application/problem+json")))]
 pub async fn live_station(
     Called(api): Called,
     PathPart(id): PathPart,

@@ -445,6 +445,20 @@ mod tests {
     }
 
     #[test]
+    fn poses_beyond_those_that_may_wait_are_dropped_until_the_loop_has_taken_some() {
+        let (feeds, mut heard) = feeds();
+        let connection = feeds.sit(ANNA).unwrap();
+        let hand = |i: usize| {
+            let at = Time(i as i64 * 20_000);
+            feeds.hand(&connection, sighting(1, i as u64), Senses::default(), at)
+        };
+        assert!((0..WAITING).all(hand));
+        assert!(!hand(WAITING), "there is no room");
+        heard.try_recv().unwrap();
+        assert!(hand(WAITING + 1) && !hand(WAITING + 2));
+    }
+
+    #[test]
     fn a_tag_counts_beside_a_headset_and_does_not_hide_what_the_headset_senses() {
         let (feeds, mut heard) = feeds();
         let connection = feeds.sit(ANNA).unwrap();

@@ -3,7 +3,7 @@
 use super::hub::{Feeds, HeardSighting};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::alarms::Alarms;
-use crate::api::port::{Later, Moment, Records, SharedHistory};
+use crate::api::port::{Later, Moment, Question, Records, SharedHistory};
 use crate::api::{
     Api, Kinds, audit::AuditDesk, auth::Gate, caller::Caller, live::Live, massrobotics::Interop,
     metrics::Metrics, router,
@@ -21,6 +21,7 @@ use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::sync::{mpsc, watch};
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
@@ -69,6 +70,7 @@ struct TestServer {
     at: SocketAddr,
     feeds: Arc<Feeds>,
     heard: mpsc::Receiver<HeardSighting>,
+    questions: mpsc::Receiver<Question>,
     clock: Arc<AtomicI64>,
     metrics: Arc<Metrics>,
     _moments: watch::Sender<Arc<Moment>>,
@@ -85,6 +87,7 @@ impl TestServer {
         let (moments, picture) = watch::channel(Arc::new(Moment::default()));
         let (closing, closes) = watch::channel(false);
         let clock = Arc::new(AtomicI64::new(1_800_000_000_000_000));
+        let (asked, questions) = mpsc::channel(1);
         let (ticks, metrics) = (clock.clone(), Arc::new(Metrics::default()));
         let api = Api {
             map: map.clone(),
@@ -94,7 +97,7 @@ impl TestServer {
             figures: Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default())),
             queue: Some(mpsc::channel(1).0),
             hooks: None,
-            questions: mpsc::channel(1).0,
+            questions: asked,
             alarms: Arc::new(Alarms::default()),
             past: None,
             live: Arc::new(Live::new(map, 1)),
@@ -117,7 +120,7 @@ impl TestServer {
         let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.unwrap();
         let at = listener.local_addr().unwrap();
         tokio::spawn(async move { axum::serve(listener, router(api).0).await });
-        TestServer { at, feeds, heard, clock, metrics, _moments: moments, _closing: closing }
+        TestServer { at, feeds, heard, questions, clock, metrics, _moments: moments, _closing: closing }
     }
 
     fn now(&self) -> Time {
@@ -319,4 +322,30 @@ async fn hands_that_cannot_be_are_not_seen_and_the_wearer_is_told() {
     assert!(warning["text"].as_str().unwrap().contains("left and right changed places"), "{warning}");
     let text = stage.metrics.text(&Moment::default());
     assert!(text.contains("giveway_hands_refused_total 5"), "{text}");
+}
+
+#[tokio::test]
+async fn a_question_beyond_those_that_may_wait_is_refused_until_one_is_answered() {
+    let mut server = TestServer::new().await;
+    let at = server.at;
+    let ask = move || async move {
+        let mut stream = tokio::net::TcpStream::connect(at).await.unwrap();
+        let request = format!(
+            "GET /v1/timelines?x0=0&y0=0&x1=1&y1=1 HTTP/1.1\r\nhost: {at}\r\nconnection: close\r\n\r\n"
+        );
+        stream.write_all(request.as_bytes()).await.unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).await.unwrap();
+        answer.to_lowercase()
+    };
+    let first = tokio::spawn(ask());
+    while server.questions.is_empty() {
+        tokio::task::yield_now().await;
+    }
+    let busy = ask().await;
+    assert!(busy.starts_with("http/1.1 503") && busy.contains("retry-after: 1\r\n"), "{busy}");
+    // Whoever was to answer is gone.
+    drop(server.questions.recv().await);
+    assert!(first.await.unwrap().starts_with("http/1.1 503"));
+    assert!(server.questions.is_empty());
 }

@@ -83,7 +83,9 @@ pub struct EventParams {
      the database is another one. Read the lists again, and go on after `last`", body = Problem,
      content_type = "application/problem+json"),
     (status = 422, description = "A parameter is wrong", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer, or there are too many streams", body = Problem,
+    (status = 429, description = "There are too many streams", body = Problem,
+     content_type = "application/problem+json"),
+    (status = 503, description = "The database does not answer", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn list(
     Called(api): Called,
@@ -178,7 +180,7 @@ impl Drop for EventStream {
 fn stream(api: Api, query: EventQuery, changed: watch::Receiver<()>) -> Result<Response, Problem> {
     if api.metrics.event_streams.get() >= MOST_STREAMS {
         let detail = format!("{MOST_STREAMS} streams of events are open, which is the limit");
-        return Err(Problem::unavailable(detail, 10));
+        return Err(Problem::too_many(detail, 10));
     }
     api.metrics.event_streams.inc();
     let closing = api.closing.clone();

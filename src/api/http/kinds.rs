@@ -187,6 +187,8 @@ pub async fn kinds(Called(api): Called) -> Result<Json<Vec<KindDto>>, Problem> {
      content_type = "application/problem+json"),
     (status = 422, description = "A figure cannot be, or the map was not drawn for such robots", body = Problem,
      content_type = "application/problem+json"),
+    (status = 429, description = "There are as many as a floor may have", body = Problem,
+     content_type = "application/problem+json"),
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn put(
@@ -282,6 +284,9 @@ fn refused(why: KindRefusal, name: &str) -> Problem {
         KindRefusal::Map(found) => {
             Problem::invalid(found.into_iter().map(|text| FieldError::new("footprint", text)).collect())
         }
+        KindRefusal::TooMany(most) => {
+            Problem::no_room(format!("there are {most} kinds, which is the limit: remove one that was added"))
+        }
         KindRefusal::Database => {
             let detail = "the database does not answer; the server's log says why. Nothing was changed.";
             Problem::unavailable(detail, 2)
@@ -323,5 +328,30 @@ impl From<&Footprint> for FootprintDto {
                 FootprintDto::PolygonM(corners.iter().map(|c| [c.x, c.y]).collect())
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tokio::sync::mpsc;
+
+    #[tokio::test]
+    async fn a_change_of_kinds_beyond_those_that_may_wait_is_refused_until_one_is_answered() {
+        let (send, mut waiting) = mpsc::channel(1);
+        let kinds = Kinds { requests: Some(send), ..Kinds::default() };
+        let first = tokio::spawn({
+            let kinds = kinds.clone();
+            async move { kinds.ask("", KindRequest::List).await }
+        });
+        while waiting.is_empty() {
+            tokio::task::yield_now().await;
+        }
+        let busy = kinds.ask("", KindRequest::List).await.unwrap_err();
+        assert_eq!((busy.status, busy.retry_after), (503, Some(1)));
+        let Some(KindRequest::List(reply)) = waiting.recv().await else { panic!("it waits") };
+        reply.send(Ok(Vec::new())).unwrap();
+        assert_eq!(first.await.unwrap().unwrap(), []);
+        drop(waiting);
     }
 }

@@ -22,6 +22,9 @@ use utoipa::ToSchema;
 /// The longest name of a token, characters.
 const LONGEST_NAME: usize = 64;
 
+/// So many tokens hold at once.
+const MOST_TOKENS: usize = 1_000;
+
 /// What is known of a token. Times are RFC 3339.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TokenDto {
@@ -94,7 +97,9 @@ pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json
      headers(("Location" = String))),
     (status = 409, description = "Another token of this name holds, or a recording is shown", body = Problem,
      content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422, body = Problem, content_type = "application/problem+json"),
+    (status = 429, description = "As many hold as may", body = Problem,
+     content_type = "application/problem+json")))]
 pub async fn make(
     Called(api): Called,
     JsonBody(new): JsonBody<NewToken>,
@@ -102,6 +107,12 @@ pub async fn make(
     let token = fresh_token();
     let wanted = NamedToken { hash: hash_of(&token), ..new.read(&api)? };
     let name = wanted.name.clone();
+    let holds = |t: &NamedToken| t.revoked.is_none() && t.expires.is_none_or(|end| end > (api.now)());
+    let all = desk(&api)?.list().await.map_err(|why| Problem::unavailable(why, 2))?;
+    if all.iter().filter(|t| holds(t)).count() >= MOST_TOKENS {
+        let detail = format!("{MOST_TOKENS} tokens hold, which is the limit: revoke one that nobody uses");
+        return Err(Problem::no_room(detail));
+    }
     let made = desk(&api)?.add(wanted).await.map_err(|why| Problem::unavailable(why, 2))?;
     let Some(made) = made else {
         let detail = format!("a token of \"{name}\" holds: rotate or revoke it, or take another name");

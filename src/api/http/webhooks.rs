@@ -115,10 +115,10 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
     responses(
     (status = 201, description = "From now on it is told; the secret is not shown again", body = WebhookDto),
     (status = 400, description = "The body is not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "There are too many, a recording is shown, or the request with this key is in \
-     progress or its outcome is not known", body = Problem,
-     content_type = "application/problem+json"),
+    (status = 409, description = "A recording is shown, or the request with this key is in progress or its outcome is \
+     not known", body = Problem, content_type = "application/problem+json"),
     (status = 422, description = "A field is wrong", body = Problem, content_type = "application/problem+json"),
+    (status = 429, description = "There are too many", body = Problem, content_type = "application/problem+json"),
     (status = 503, description = "The database does not answer", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn add(
@@ -129,7 +129,7 @@ pub async fn add(
     check_target(&api, &new.url).await?;
     if ask(&api, HookRequest::List).await?.len() >= MOST_HOOKS {
         let detail = format!("there are {MOST_HOOKS} webhooks, which is the limit: remove one first");
-        return Err(Problem::conflict("too-many-webhooks", "There are too many webhooks", detail));
+        return Err(Problem::no_room(detail));
     }
     let told = secret.clone();
     let hook = ask(&api, |reply| HookRequest::Add(new.url, kinds, secret, reply)).await?;

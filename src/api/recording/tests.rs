@@ -178,3 +178,21 @@ fn where_the_disk_refuses_nothing_breaks_and_the_past_goes_on_later() {
     assert_eq!(folder.past(0.0, 0.0).spans, [(5.0, 29.0)]);
     assert!(cut(&folder, 0.0, 9.0)[2].get("key").is_some(), "it begins with a key frame");
 }
+
+#[test]
+fn of_the_bookmarks_of_an_hour_the_first_are_kept_and_the_next_file_has_room_again() {
+    let test = TestFolder::new("many-marks");
+    let folder = test.folder(0);
+    let frame = |at_s: f64, marks: usize| {
+        let (words, who) = ("a robot stood".to_owned(), Vec::new());
+        let mark = Mark { at_s, kind: MarkKind::Alarm, words, who, place: None, encounter: None };
+        RecordedFrame { at_s, marks: vec![mark; marks], ..RecordedFrame::default() }
+    };
+    folder.begin(0.0).unwrap();
+    folder.grow(frame(1.0, 4_990));
+    folder.grow(frame(2.0, 20));
+    assert_eq!(folder.past(0.0, 4000.0).marks.len(), 5_000);
+    folder.begin(3600.0).unwrap();
+    folder.grow(frame(3601.0, 20));
+    assert_eq!(folder.past(0.0, 4000.0).marks.len(), 5_020);
+}

@@ -31,7 +31,7 @@ const SMALL: [(&str, &str); 14] = [
     ("snapshots", "two"),
     ("sqlite_schema", "tables and indexes"),
     ("sqlite_sequence", "a row for a table"),
-    ("tokens", "what people made by hand"),
+    ("tokens", "1 000 that hold, and the newest 1 000 that do not"),
     ("webhook_failures", "1 000 for each webhook"),
     ("webhooks", "32 at most"),
 ];

@@ -112,3 +112,22 @@ impl SuccessorIndex {
         Some(found.1)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_bad_ends_beyond_the_limit_the_oldest_is_forgotten_and_none_before_its_time() {
+        let mut index = SuccessorIndex::default();
+        let end = |i: usize| (JobId(i as u64), Time(i as i64));
+        (0..BAD_ENDS_MAX).map(end).for_each(|(id, at)| index.note_bad_end(id, at));
+        let now = Time(BAD_ENDS_MAX as i64);
+        assert_eq!(index.forget_bad_end(now), None, "there are as many as there may be");
+        let (id, at) = end(BAD_ENDS_MAX);
+        index.note_bad_end(id, at);
+        assert_eq!(index.forget_bad_end(now), Some(JobId(0)));
+        assert_eq!(index.forget_bad_end(now), None);
+        assert_eq!(index.forget_bad_end(end(1).1 + BAD_END_KNOWN), Some(JobId(1)), "a week is over");
+    }
+}
