@@ -111,7 +111,6 @@ export const STATE_WORDS = wordsBy<JobState>({
 const ROLE_WORDS: Readonly<Record<string, string>> = wordsBy({
   viewer: 'role.viewer', operator: 'role.operator', integrator: 'role.integrator', device: 'role.device', admin: 'role.admin',
 });
-/** A newer server may know other roles; then its own word is shown. */
 /** Because of whom or what a robot got another way. */
 export function replanCause({ kind, id }: Pick<Replanned, 'kind' | 'id'>): string {
   const what = id ?? '';
@@ -123,6 +122,7 @@ export function replanCause({ kind, id }: Pick<Replanned, 'kind' | 'id'>): strin
   }
 }
 
+/** A newer server may know other roles; then its own word is shown. */
 export const roleWords = (role: string): string => ROLE_WORDS[role] ?? role;
 
 export const isOver = (state: JobState): boolean =>
