@@ -6,6 +6,7 @@
 use super::error::{FieldError, Problem};
 use super::text::{LATEST, is_never, parse_time};
 use crate::time::Time;
+use axum::body::Bytes;
 use axum::extract::rejection::{PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
 use axum::http::{StatusCode, header, request::Parts};
@@ -61,31 +62,45 @@ impl<T: DeserializeOwned, S: Send + Sync, const LIMIT: usize> FromRequest<S> for
     type Rejection = Problem;
 
     async fn from_request(request: Request, _: &S) -> Result<Self, Problem> {
-        let media = request.headers().get(header::CONTENT_TYPE).and_then(|v| v.to_str().ok()).unwrap_or("");
-        let media = media.split(';').next().unwrap_or("").trim();
-        if !media.eq_ignore_ascii_case("application/json") {
-            let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
-            let detail = format!("the body is \"{media}\": send JSON with `Content-Type: application/json`");
-            return Err(Problem::new(status, "media-type", "The body is not JSON", detail));
+        let text = json_text(request, LIMIT).await?;
+        serde_json::from_slice(&text).map(JsonBody).map_err(|e| not_as_wanted(&e))
+    }
+}
+
+/// The text of a JSON body of so many bytes at most.
+///
+/// # Errors
+/// Where the body is of another kind, too long or too slow.
+pub(super) async fn json_text(request: Request, limit: usize) -> Result<Bytes, Problem> {
+    let media = request.headers().get(header::CONTENT_TYPE).and_then(|v| v.to_str().ok()).unwrap_or("");
+    let media = media.split(';').next().unwrap_or("").trim();
+    if !media.eq_ignore_ascii_case("application/json") {
+        let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
+        let detail = format!("the body is \"{media}\": send JSON with `Content-Type: application/json`");
+        return Err(Problem::new(status, "media-type", "The body is not JSON", detail));
+    }
+    let read = axum::body::to_bytes(request.into_body(), limit);
+    let read = tokio::time::timeout(BODY_TIME, read).await.map_err(|_| {
+        let detail = format!("the body did not come within {} s: send it at once", BODY_TIME.as_secs());
+        Problem::new(StatusCode::REQUEST_TIMEOUT, "slow-body", "The body is too slow", detail)
+    })?;
+    let bytes = read.map_err(|_| {
+        let detail = format!("the body is cut off or longer than {limit} bytes");
+        Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
+    })?;
+    // Some programs begin every text with a byte order mark, which means nothing in UTF-8.
+    let mark = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+    Ok(bytes.slice(mark..))
+}
+
+/// A body that is no JSON, or JSON that is not what is wanted.
+pub(super) fn not_as_wanted(e: &serde_json::Error) -> Problem {
+    match e.classify() {
+        serde_json::error::Category::Data => {
+            let status = StatusCode::UNPROCESSABLE_ENTITY;
+            Problem::new(status, "invalid", "Some fields are wrong", e.to_string())
         }
-        let read = axum::body::to_bytes(request.into_body(), LIMIT);
-        let read = tokio::time::timeout(BODY_TIME, read).await.map_err(|_| {
-            let detail = format!("the body did not come within {} s: send it at once", BODY_TIME.as_secs());
-            Problem::new(StatusCode::REQUEST_TIMEOUT, "slow-body", "The body is too slow", detail)
-        })?;
-        let bytes = read.map_err(|_| {
-            let detail = format!("the body is cut off or longer than {LIMIT} bytes");
-            Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
-        })?;
-        // Some programs begin every text with a byte order mark, which means nothing in UTF-8.
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-        serde_json::from_slice(text).map(JsonBody).map_err(|e| match e.classify() {
-            serde_json::error::Category::Data => {
-                let status = StatusCode::UNPROCESSABLE_ENTITY;
-                Problem::new(status, "invalid", "Some fields are wrong", e.to_string())
-            }
-            _ => Problem::malformed(format!("the body is not JSON: {e}")),
-        })
+        _ => Problem::malformed(format!("the body is not JSON: {e}")),
     }
 }
 

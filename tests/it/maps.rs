@@ -37,6 +37,11 @@ async fn a_map_is_checked_with_its_findings_in_place() {
     let problem = check(&misspelt).await.problem(422);
     assert!(problem["detail"].as_str().unwrap().contains("unknown field `Nodes`"), "{problem}");
     send(at, "POST", "/v1/maps:check", &[JSON], "{").await.unwrap().problem(400);
+    let layout = json!({"metaInformation": {"lifVersion": "1.0.0"}, "layouts": []});
+    for path in ["/v1/maps:check", "/v1/map:check"] {
+        let refused = send(at, "POST", path, &[JSON], &layout.to_string()).await.unwrap().problem(422);
+        assert!(refused["detail"].as_str().unwrap().contains("this is a LIF layout"), "{path}: {refused}");
+    }
     send(at, "POST", "/v1/maps:check", &[("content-type", "text/plain")], "{}").await.unwrap().problem(415);
     let long = format!("\"{}\"", "x".repeat(9 * 1024 * 1024));
     if let Ok(answer) = send(at, "POST", "/v1/maps:check", &[JSON], &long).await {

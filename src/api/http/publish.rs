@@ -5,7 +5,7 @@
 //! on the floor, unless that is accepted.
 
 use super::map::MapAnswer;
-use super::maps::{LIMIT, MOST, MapFile, MapReviewDto};
+use super::maps::{LIMIT, MOST, MapBody, MapFile, MapReviewDto};
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params};
@@ -155,7 +155,7 @@ fn entries(list: &[ReportEntry]) -> Vec<CarryFindingDto> {
 pub async fn check(
     Called(api): Called,
     Extension(answer): Extension<Arc<MapAnswer>>,
-    JsonBody(MapFile(draft)): JsonBody<MapFile, LIMIT>,
+    MapBody(draft): MapBody,
 ) -> Result<Json<MapCheckDto>, Problem> {
     let outlook = api.maps.ask(|reply| MapRequest::Check(Box::new(draft), reply)).await?;
     let MapOutlook { review, differences, report } = outlook.map_err(|why| refused(&why))?;

@@ -96,15 +96,16 @@ pub fn import(text: &str, options: &Options) -> Result<(Warehouse, ImportNotes),
 /// [`MapError::Syntax`] where the text follows no known format.
 pub fn import_draft(text: &str, options: &Options) -> Result<(Draft, ImportNotes), MapError> {
     let text = text.trim_start_matches('\u{feff}');
-    read_any(text, options).map_err(|why| match foreign::foreign_layout(text) {
-        Some(format) => {
-            let message = format!(
-                "this is {format}, which cannot be read yet: draw the floor in the editor, or {KNOWN}"
-            );
-            MapError::syntax(1, 1, message)
-        }
+    read_any(text, options).map_err(|why| match of_others(text) {
+        Some(message) => MapError::syntax(1, 1, message),
         None => why,
     })
+}
+
+/// What to tell whoever gives the layout of another system; nothing where a text is no such layout.
+pub fn of_others(text: &str) -> Option<String> {
+    let format = foreign::foreign_layout(text)?;
+    Some(format!("this is {format}, which cannot be read yet: draw the floor in the editor, or {KNOWN}"))
 }
 
 /// What can be read.
