@@ -8,8 +8,10 @@ import { PATIENCE, assert, check, finish, openBrowser, until } from './chromium.
 import { serve } from './serve.mjs';
 
 const ROBOTS = 800;
-/** A third of it is the snapshot, which on a busy floor is twice as long as on one that has just started. */
-const MOST_BYTES = 200_000;
+/** Files and answers, in the median of five visits. */
+const MOST_BYTES = 135_000;
+/** Of the snapshot, for each robot: it grows with what robots are at, and how far the floor has got depends on the machine. */
+const MOST_BYTES_EACH = 110;
 const program = process.argv[2];
 const scenario = fileURLToPath(new URL('../../scenarios/kiva-800.json', import.meta.url));
 const server = await serve(program, scenario, mkdtempSync(`${tmpdir()}/giveway-first-`));
@@ -49,16 +51,18 @@ async function visit() {
   return { took, sizes, live };
 }
 
-await check(`A first visit to a hall with ${ROBOTS} robots takes at most 200 kB in the median, the snapshot included`, async () => {
+await check(`A first visit takes at most ${MOST_BYTES / 1000} kB, and ${MOST_BYTES_EACH} bytes for each of ${ROBOTS} robots`, async () => {
   const visits = [];
   for (let i = 0; i < 5; i++) visits.push(await visit());
   const totals = visits.map(({ sizes }) => [...sizes.values()].reduce((sum, bytes) => sum + bytes, 0));
   const { sizes } = visits[totals.indexOf(Math.max(...totals))];
   const largest = [...sizes].sort((a, b) => b[1] - a[1]).slice(0, 12);
   const told = largest.map(([url, bytes]) => `${url} ${(bytes / 1_000).toFixed(1)} kB`).join(', ');
-  // How long the snapshot is depends on how busy the floor is by then, and one visit may come late.
-  const median = totals.toSorted((a, b) => a - b)[2];
-  assert(median <= MOST_BYTES, `${totals.join(', ')} bytes: ${told}`);
+  const snapshots = visits.map((visit) => visit.sizes.get('/v1/live'));
+  // In a slow visit some of what the page fetches a little later is there before the robots are.
+  const rest = totals.map((total, i) => total - snapshots[i]).sort((a, b) => a - b);
+  assert(rest[2] <= MOST_BYTES, `${rest.join(', ')} bytes beside the snapshot: ${told}`);
+  assert(Math.max(...snapshots) <= MOST_BYTES_EACH * ROBOTS, `${snapshots.join(', ')} bytes of snapshots`);
   const ms = visits.map(({ took }) => took).sort((a, b) => a - b);
   return `${(Math.max(...totals) / 1_000).toFixed(0)} kB: ${told}; until all are drawn ${(Math.max(...visits.map((v) => v.live)) / 1_000).toFixed(0)} kB of patches at most, and ${ms[2].toFixed(0)} ms, median of five, ${ms[0].toFixed(0)} to ${ms[4].toFixed(0)}`;
 });
