@@ -16,9 +16,12 @@ use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Time;
 use std::cmp::Reverse;
 
-/// What it saves not to put a rack away and fetch it again, as a rule, milliseconds: by so much may the jobs of robots
-/// behind it be more urgent.
-const SAVED_MS: i64 = 60_000;
+/// By so much may the jobs of robots behind it be more urgent, milliseconds: half of what a priority is worth, for they
+/// wait no longer than a rack is picked from.
+const BEHIND_MS: i64 = 240_000;
+/// So many times as long as it takes to put a rack away does it cost in the end: it is put away, some robot drives there
+/// again, and brings it back.
+const WAYS: i64 = 3;
 /// How long it takes to set a rack down and to lift another one, milliseconds.
 const SETS_DOWN_MS: i64 = 10_000;
 
@@ -121,7 +124,7 @@ impl Floor<'_> {
         let place = &self.warehouse().stations[station];
         let is_there = self.ledger.node_of(robot) == place.node;
         let has_room = match is_there {
-            true => room.urgent_ms[station] <= urgency_ms.saturating_add(SAVED_MS),
+            true => room.urgent_ms[station] <= urgency_ms.saturating_add(BEHIND_MS),
             false => room.bound[station] <= place.queue.len(),
         };
         has_room
@@ -132,10 +135,11 @@ impl Floor<'_> {
             && self.restrictions.cut_off.blocks_for_long(station, now).is_none()
     }
 
-    /// How long it takes a robot to put away the rack of its chain and to be ready for another one, milliseconds.
+    /// What it costs if a robot does not go on with its chain but puts the rack away, milliseconds of robots: the way
+    /// there, and those of whoever fetches the rack for that job later.
     pub(super) fn puts_away_ms(&self, chain: &ChainedJob) -> i64 {
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let way_m = along_axes(at(self.ledger.node_of(chain.robot)), at(chain.store));
-        (way_m / self.kinematics(chain.robot).speed_loaded_mps * 1000.0) as i64 + SETS_DOWN_MS
+        WAYS * ((way_m / self.kinematics(chain.robot).speed_loaded_mps * 1000.0) as i64 + SETS_DOWN_MS)
     }
 }

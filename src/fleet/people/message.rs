@@ -18,6 +18,9 @@ pub const MESSAGE: Span = Span::from_secs(2);
 /// first set off within it once the worker stands.
 pub const STANDOFF: Span = Span::from_secs(4);
 
+/// A standoff that is broken for less than this goes on: another robot comes by, or the one that waits moves a little.
+const BREAK: Span = Span::from_secs(1);
+
 /// What a worker is told, besides the path.
 pub type Words = (GuidanceState, Option<GuidanceReason>);
 
@@ -28,8 +31,30 @@ pub(in crate::fleet) struct Message {
     pub words: Words,
     /// Since when the state has been this one; the reason may have changed.
     pub since: Time,
-    /// Since when the worker has been told to stand for a robot that waits for that worker.
-    standoff: Option<Time>,
+    standoff: Option<Standoff>,
+}
+
+/// A worker is told to stand for a robot that waits for that worker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Standoff {
+    since: Time,
+    /// When it was so last.
+    last: Time,
+    /// Whether it is so now, and not only was a moment ago.
+    lasts: bool,
+}
+
+impl Standoff {
+    fn next(before: Option<Standoff>, is_against: bool, now: Time) -> Option<Standoff> {
+        match before {
+            _ if is_against => {
+                let since = before.map_or(now, |s| s.since);
+                Some(Standoff { since, last: now, lasts: true })
+            }
+            Some(s) if now - s.last < BREAK => Some(Standoff { lasts: false, ..s }),
+            _ => None,
+        }
+    }
 }
 
 impl Message {
@@ -47,8 +72,8 @@ impl Message {
             Some(m) if !replaces(words, m.words) && now - m.since < MESSAGE => (m.words, m.since),
             _ => (words, now),
         };
-        let began = before.and_then(|m| m.standoff).unwrap_or(now);
-        Message { words, since, standoff: is_against(words).then_some(began) }
+        let standoff = Standoff::next(before.and_then(|m| m.standoff), is_against(words), now);
+        Message { words, since, standoff }
     }
 
     /// Until when the message stands at least, if it tells the worker to wait for a robot that crosses.
@@ -58,7 +83,7 @@ impl Message {
 
     /// Whether the worker has stood for a robot for so long that the worker had better go.
     pub fn is_standoff(&self, now: Time) -> bool {
-        self.standoff.is_some_and(|since| now - since >= STANDOFF)
+        self.standoff.is_some_and(|s| s.lasts && now - s.since >= STANDOFF)
     }
 
     /// Whether the worker goes before this robot, which waits for the worker: it is time to, or was, and that has been
@@ -147,6 +172,22 @@ mod tests {
             message = next;
         }
         assert!((40..=90).contains(&changes), "{changes} in 90 s, every stop for two seconds");
+    }
+
+    #[test]
+    fn another_robot_that_comes_by_for_a_moment_is_no_break_and_one_that_drives_on_is() {
+        let other: Words = (GuidanceState::Stop, Some(GuidanceReason::RobotComes(RobotId(2))));
+        let after = |moment: std::ops::Range<i64>| {
+            let mut message = None;
+            for ms in (0..=4000).step_by(100) {
+                let wanted = if moment.contains(&ms) { other } else { STOP };
+                message = Some(Message::next(message, wanted, against, Time(ms * 1000)));
+            }
+            message.unwrap().is_standoff(Time(4_000_000))
+        };
+        assert!(after(1000..1800) && after(2000..2100));
+        assert!(!after(1000..2200), "it begins anew");
+        assert!(!after(3900..4100), "nobody goes before a robot that does not wait just now");
     }
 
     #[test]
