@@ -26,10 +26,9 @@ const TAKE: Span = Span::from_millis(900);
 const PUT: Span = Span::from_millis(300);
 /// Share of grasps that find nothing.
 const EMPTY: f64 = 0.02;
-/// Its stop leaves so much, metres: a hand that stood still may be as fast as hands are before the arm stands.
+/// Its stop leaves so much, metres: a hand that stood still may be as fast as hands are before the arm stands. So an
+/// arm that stands nearer to a person does not start, whichever way.
 const LEFT_M: f64 = 0.06;
-/// An arm that stands nearer to a person than this does not start, metres: that is a part of its protective stop.
-const START_M: f64 = 0.02;
 
 /// What became of one arm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -137,7 +136,7 @@ impl SimArms {
             if post.silent_until.is_none() && order.trajectory.number > post.newest {
                 post.newest = order.trajectory.number;
                 post.step_s = order.trajectory.step.as_secs_f64();
-                if !(post.stands && post.apart_m < START_M) {
+                if !(post.stands && post.apart_m < LEFT_M) {
                     post.arm.follow(&order.trajectory.steps, post.step_s);
                 }
                 post.wanted = order.grip;
@@ -320,6 +319,14 @@ mod tests {
             }
         }
         given
+    }
+
+    #[test]
+    fn a_robot_whose_way_changes_while_a_hand_is_in_the_opening_says_what_is_so() {
+        let scenario = scenario(ArmModeWord::Turns, 260);
+        let mut sim = Simulation::new(Arc::new(stations()), &scenario, &[], 7, false, || 0);
+        run(&mut sim);
+        assert!(sim.broken().is_empty(), "{:?}", sim.broken());
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Named tokens: what is kept of each, which is never the token itself.
 //!
 //! Main types: [`TokenTable`], [`TokenRow`], [`TokenDraft`]. The table can be written beside a running server, which
-//! reads it again every second. Of those that no longer hold the newest are kept, so that the audit can be read. Refuses:
-//! two tokens of one name that both hold.
+//! reads it again every second. Of those that no longer hold the newest are kept, so that the audit can be read.
+//! Refuses: two tokens of one name that both hold.
 
 use super::{AuditRow, BUSY, Store, StoreError, audit};
 use crate::time::Time;

@@ -16,8 +16,8 @@ use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Time;
 use std::cmp::Reverse;
 
-/// By so much may the jobs of robots behind it be more urgent, milliseconds: half of what a priority is worth, for they
-/// wait no longer than a rack is picked from.
+/// By so much may the jobs of robots behind it be more urgent, milliseconds: half of what a priority is worth, for
+/// they wait no longer than a rack is picked from.
 const BEHIND_MS: i64 = 240_000;
 /// So many times as long as it takes to put a rack away does it cost in the end: it is put away, some robot drives there
 /// again, and brings it back.

@@ -163,11 +163,14 @@ impl<'a> RobotWaits<'a> {
         stands.map(|s| Why::GivesWay(s.worker))
     }
 
-    /// It was told to stand because of a hand at a station.
+    /// It was told to stand because of a hand at a station, to which its way still leads.
     fn at_hands(&self, robot: RobotId) -> Option<Why> {
         let chain = self.floor.ledger.chain(robot);
         let may_drive = chain.first() + 1 < chain.granted();
-        self.floor.visits.at_hands(robot).filter(|_| may_drive).map(Why::HandInOpening)
+        let stations = &self.floor.warehouse().stations;
+        let leads_there = |s: &StationId| chain.visits().any(|v| v.node == stations[*s].node);
+        let station = self.floor.visits.at_hands(robot).filter(|_| may_drive);
+        station.filter(leads_there).map(Why::HandInOpening)
     }
 
     /// It is at the end of what it was granted, and gets no more.
