@@ -19,8 +19,8 @@ use std::cmp::Reverse;
 /// By so much may the jobs of robots behind it be more urgent, milliseconds: half of what a priority is worth, for
 /// they wait no longer than a rack is picked from.
 const BEHIND_MS: i64 = 240_000;
-/// So many times as long as it takes to put a rack away does it cost in the end: it is put away, some robot drives there
-/// again, and brings it back.
+/// So many times as long as it takes to put a rack away does it cost in the end: it is put away, some robot drives
+/// there again, and brings it back.
 const WAYS: i64 = 3;
 /// How long it takes to set a rack down and to lift another one, milliseconds.
 const SETS_DOWN_MS: i64 = 10_000;
