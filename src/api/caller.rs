@@ -155,6 +155,9 @@ pub struct NamedToken {
     pub last_used: Option<Time>,
 }
 
+/// So many tokens hold at once.
+pub const MOST_TOKENS: usize = 1_000;
+
 impl NamedToken {
     /// Whether it lets anybody in now.
     pub fn holds(&self, now: Time) -> bool {

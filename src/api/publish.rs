@@ -131,6 +131,6 @@ mod tests {
         assert_eq!((busy.status, busy.retry_after), (503, Some(3)));
         let Some(MapRequest::Check(_, reply)) = waiting.recv().await else { panic!("it waits") };
         drop(reply);
-        assert_eq!(first.await.unwrap().unwrap_err().status, 503, "nobody answered it");
+        assert_eq!(first.await.unwrap().unwrap_err().status, 503, "the answer never comes");
     }
 }

@@ -4,7 +4,7 @@
 //! Refuses: to print a token a second time.
 
 use crate::api::auth::{fresh_token, hash_of};
-use crate::api::caller::{Caller, Role};
+use crate::api::caller::{Caller, MOST_TOKENS, Role};
 use crate::api::text::{parse_token_name, time_text, token_name};
 use crate::server::{Config, Flags};
 use crate::store::{AuditRow, TokenDraft, TokenRow, TokenTable};
@@ -144,6 +144,10 @@ async fn carry_out(table: &TokenTable, command: TokenCommand) -> anyhow::Result<
             Ok(table.all().await?.into_iter().map(|row| TokenLine::new(row, None)).collect())
         }
         TokenCommand::Add { name, role, subject, days } => {
+            let all = table.all().await?;
+            let holds = |row: &&TokenRow| row.revoked.is_none() && row.expires.is_none_or(|end| now < end);
+            let remedy = "tokens hold, which is the limit: revoke one that nobody uses";
+            ensure!(all.iter().filter(holds).count() < MOST_TOKENS, "{MOST_TOKENS} {remedy}");
             let token = fresh_token();
             let draft = draft((name.trim(), &role, subject), days, hash_of(&token), now)?;
             let id = table.add(&draft).await?.with_context(|| {

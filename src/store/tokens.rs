@@ -131,6 +131,8 @@ impl TokenTable {
     /// # Errors
     /// Where the database takes nothing.
     pub async fn add(&self, new: &TokenDraft) -> Result<Option<i64>, StoreError> {
+        // First, so that an error means that no token was added.
+        sqlx::query(FORGET).bind(new.created.0).bind(MOST_OVER).execute(&self.writer).await?;
         let added = sqlx::query_scalar(ADD)
             .bind(&new.name)
             .bind(&new.role)
@@ -141,10 +143,7 @@ impl TokenTable {
             .fetch_one(&self.writer)
             .await;
         match added {
-            Ok(id) => {
-                sqlx::query(FORGET).bind(new.created.0).bind(MOST_OVER).execute(&self.writer).await?;
-                Ok(Some(id))
-            }
+            Ok(id) => Ok(Some(id)),
             Err(sqlx::Error::Database(e)) if e.is_unique_violation() => Ok(None),
             Err(e) => Err(e.into()),
         }

@@ -64,7 +64,7 @@ const ALL: [Grows; 31] = [
         "requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk"),
     ("poses that wait for the loop", Some(("src/api/feed/hub.rs", "WAITING", "12_000")), &[], &["src/api/feed/hub.rs"],
         "poses_beyond_those_that_may_wait_are_dropped_until_the_loop_has_taken_some"),
-    ("tokens", Some(("src/api/http/tokens.rs", "MOST_TOKENS", "1_000")), &["tokens"], &[],
+    ("tokens", Some(("src/api/caller.rs", "MOST_TOKENS", "1_000")), &["tokens"], &[],
         "of_tokens_a_thousand_hold_until_one_is_revoked_and_the_newest_that_hold_no_more_are_kept"),
     ("sessions", Some(("src/store/sessions.rs", "MOST_EACH", "100")), &["sessions"], &[],
         "of_sessions_the_newest_are_kept"),

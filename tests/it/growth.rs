@@ -230,7 +230,7 @@ async fn of_streams_of_events_a_hundred_are_open_until_one_leaves() {
     is_full(&send(at, "GET", "/v1/events", &headers, "").await.unwrap(), true);
     assert_eq!(get(at, "/v1/events").await.status, 200, "a page is no stream");
     open.clear();
-    // The server sees that somebody has left when it next has something to say, in fifteen seconds at most.
+    // The server sees that a reader has left when it next has something to say, in fifteen seconds at most.
     for _ in 0..400 {
         if stream(at).await.1 == "200" {
             return server.stop().await.unwrap();

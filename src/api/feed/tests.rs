@@ -344,7 +344,7 @@ async fn a_question_beyond_those_that_may_wait_is_refused_until_one_is_answered(
     }
     let busy = ask().await;
     assert!(busy.starts_with("http/1.1 503") && busy.contains("retry-after: 1\r\n"), "{busy}");
-    // Whoever was to answer is gone.
+    // The answer never comes.
     drop(server.questions.recv().await);
     assert!(first.await.unwrap().starts_with("http/1.1 503"));
     assert!(server.questions.is_empty());

@@ -7,7 +7,7 @@ use super::why::parse_robot;
 use crate::api::Api;
 use crate::api::auth::{fresh_token, hash_of};
 use crate::api::called::Called;
-use crate::api::caller::{Caller, NamedToken, Role};
+use crate::api::caller::{Caller, MOST_TOKENS, NamedToken, Role};
 use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart, read_end};
@@ -21,9 +21,6 @@ use utoipa::ToSchema;
 
 /// The longest name of a token, characters.
 const LONGEST_NAME: usize = 64;
-
-/// So many tokens hold at once.
-const MOST_TOKENS: usize = 1_000;
 
 /// What is known of a token. Times are RFC 3339.
 #[derive(Debug, Serialize, ToSchema)]
@@ -107,9 +104,9 @@ pub async fn make(
     let token = fresh_token();
     let wanted = NamedToken { hash: hash_of(&token), ..new.read(&api)? };
     let name = wanted.name.clone();
-    let holds = |t: &NamedToken| t.revoked.is_none() && t.expires.is_none_or(|end| end > (api.now)());
     let all = desk(&api)?.list().await.map_err(|why| Problem::unavailable(why, 2))?;
-    if all.iter().filter(|t| holds(t)).count() >= MOST_TOKENS {
+    let now = (api.now)();
+    if all.iter().filter(|t| t.holds(now)).count() >= MOST_TOKENS {
         let detail = format!("{MOST_TOKENS} tokens hold, which is the limit: revoke one that nobody uses");
         return Err(Problem::no_room(detail));
     }

@@ -135,9 +135,9 @@ impl Floor<'_> {
             && self.restrictions.cut_off.blocks_for_long(station, now).is_none()
     }
 
-    /// What it costs if a robot does not go on with its chain but puts the rack away, milliseconds of robots: the way
-    /// there, and those of whoever fetches the rack for that job later.
-    pub(super) fn puts_away_ms(&self, chain: &ChainedJob) -> i64 {
+    /// What a robot saves that goes on with its chain and does not put the rack away, milliseconds of robots: the way
+    /// there, and those of the robot that fetches the rack for that job later.
+    pub(super) fn saves_ms(&self, chain: &ChainedJob) -> i64 {
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let way_m = along_axes(at(self.ledger.node_of(chain.robot)), at(chain.store));
         WAYS * ((way_m / self.kinematics(chain.robot).speed_loaded_mps * 1000.0) as i64 + SETS_DOWN_MS)

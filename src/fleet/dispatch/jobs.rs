@@ -172,7 +172,7 @@ fn costs(
             true => floor.ways_from(chain.robot, chain.store, jobs, now),
             false => vec![None; jobs.len()],
         };
-        row(&ways, floor.puts_away_ms(chain), Some((i, own)))
+        row(&ways, floor.saves_ms(chain), Some((i, own)))
     });
     idle.chain(carriers).collect()
 }

@@ -140,7 +140,6 @@ mod tests {
     const R: RobotId = RobotId(1);
     const FOLLOW: Words = (GuidanceState::Following, None);
     const STOP: Words = (GuidanceState::Stop, Some(GuidanceReason::RobotComes(R)));
-
     const GO: Words = (GuidanceState::Redirected, Some(GuidanceReason::RobotWaits(R)));
 
     fn against(words: Words) -> bool {
