@@ -41,6 +41,7 @@ describe('a bookmark', () => {
   test('is about the worker, also where the moment that is shown does not have them yet', () => {
     expect(subjectOf(mark('deviation', ['w1']), EMPTY)).toEqual({ kind: 'worker', id: 'w1' });
     expect(subjectOf(mark('encounter', ['w1', 'r1']), shown)).toEqual({ kind: 'worker', id: 'w1' });
+    expect(subjectOf(mark('replan', ['r1', 'w1']), EMPTY)).toEqual({ kind: 'robot', id: 'r1' });
     expect(subjectOf(mark('failure', ['r1']), EMPTY)).toEqual({ kind: 'robot', id: 'r1' });
   });
   test('that is an alarm picks whom the floor has, and nothing else', () => {

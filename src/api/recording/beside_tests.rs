@@ -4,11 +4,11 @@ use super::tests::{TestFolder, cut};
 use super::*;
 use crate::api::port::Moment;
 use crate::fleet::{
-    Activity, Backlog, Counts, Doing, Encounter, JobKind, Pending, Reaction, RobotState, RobotView, Task,
-    View, Why,
+    Activity, Backlog, Counts, Doing, Encounter, Fact, FloorNote, JobKind, Pending, Reaction, ReplanCause,
+    RobotState, RobotView, Task, View, Why,
 };
 use crate::geometry::{Point, Pose, Spot};
-use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{ClosureId, Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::warehouse::lab;
 use serde_json::{Value, json};
 
@@ -120,6 +120,31 @@ fn sums_are_there_after_a_restart_and_what_an_older_version_indexed_opens_withou
     let old = place.folder(1100);
     assert_eq!(old.sums(-200.0, 0.0), []);
     assert_eq!(old.past(0.0, 0.0).spans.len(), 2);
+}
+
+#[test]
+fn a_robot_that_goes_another_way_is_a_bookmark_that_says_for_whom() {
+    let mut recording = Recording::new(Arc::new(lab()), "lab".into(), None);
+    let (robot, at) = (RobotId::at(0), Time::from_secs_f64(0.5));
+    for cause in [
+        ReplanCause::Worker(WorkerId::at(0)),
+        ReplanCause::Closure(ClosureId(3)),
+        ReplanCause::Robot(robot),
+        ReplanCause::Obstruction,
+    ] {
+        recording.note(&Fact::Noted(FloorNote::Replanned { robot, cause, was: vec![], now: vec![], at }));
+    }
+    let marks = recording.add(&frame(Time::ZERO, 1.0)).unwrap().marks;
+    let said: Vec<_> = marks.iter().map(|m| (m.kind, m.words.as_str(), m.who.join(" "))).collect();
+    let of = |words, who: &str| (MarkKind::Replan, words, who.to_owned());
+    let expected = [
+        of("robot-1 went another way for w1", "robot-1 w1"),
+        of("robot-1 went round c3", "robot-1"),
+        of("robot-1 went round robot-1", "robot-1 robot-1"),
+        of("robot-1 went round an obstruction", "robot-1"),
+    ];
+    assert_eq!(said, expected);
+    assert!(marks.iter().all(|m| m.place == Some([1.0, 2.0]) && m.at_s == 0.5), "{marks:?}");
 }
 
 #[test]

@@ -7,7 +7,7 @@
 use crate::api::live::Frame;
 use crate::api::text::{closure_name, round3, worker_name};
 use crate::api::words::{PresenceDto, ReactionDto};
-use crate::fleet::{Encounter, Fact, Reaction};
+use crate::fleet::{Encounter, Fact, FloorNote, Reaction, ReplanCause};
 use crate::id::{Dense, RobotId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
@@ -79,6 +79,8 @@ pub enum MarkKind {
     Deviation,
     /// A moving robot came into region 1 of a worker.
     Encounter,
+    /// A robot got another way because of a worker, a closure, a robot that cannot drive, or an obstruction.
+    Replan,
     /// Somebody stopped robots, or let them go on.
     Stop,
     /// A robot broke down, or works again.
@@ -98,6 +100,7 @@ pub fn is_notable(fact: &Fact) -> bool {
         fact,
         Fact::Deviated { .. }
             | Fact::Encountered(_)
+            | Fact::Noted(FloorNote::Replanned { .. })
             | Fact::Halted { .. }
             | Fact::Released { .. }
             | Fact::Failed { .. }
@@ -131,6 +134,12 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
             Some(Mark { at_s: seconds(at), kind: MarkKind::Deviation, words, who, place, encounter: None })
         }
         Fact::Encountered(e) => Some(met(e, seconds, robot(&e.robot)?.0, frame)),
+        Fact::Noted(FloorNote::Replanned { robot: r, cause, at, .. }) => {
+            let (what, with) = replanned(cause, frame)?;
+            let mut mark = of_robot(MarkKind::Replan, at, r, &what)?;
+            mark.who.extend(with);
+            Some(mark)
+        }
         Fact::Halted { robot: Some(r), at } => of_robot(MarkKind::Stop, at, r, "was paused by hand"),
         Fact::Released { robot: Some(r), at } => of_robot(MarkKind::Stop, at, r, "goes on"),
         Fact::Halted { robot: None, at } => {
@@ -159,6 +168,21 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
         }
         _ => None,
     }
+}
+
+/// What a robot did because of somebody or something, in words, and who else that is about.
+fn replanned(cause: &ReplanCause, frame: &Frame) -> Option<(String, Option<String>)> {
+    Some(match cause {
+        ReplanCause::Worker(worker) => {
+            (format!("went another way for {}", called(*worker, frame)), Some(worker_name(*worker)))
+        }
+        ReplanCause::Closure(closure) => (format!("went round {}", closure_name(*closure)), None),
+        ReplanCause::Robot(robot) => {
+            let id = frame.robots.get(robot.ix())?.id.clone();
+            (format!("went round {id}"), Some(id))
+        }
+        ReplanCause::Obstruction => ("went round an obstruction".to_owned(), None),
+    })
 }
 
 /// What people call a worker: by the name, where there is one.

@@ -11,7 +11,7 @@ export function subjectOf(mark: Mark, shown: Mirror): Subject | null {
   const id = mark.who[0];
   if (id === undefined) return null;
   if (mark.kind === 'deviation' || mark.kind === 'encounter') return { kind: 'worker', id };
-  if (mark.kind === 'failure' || mark.kind === 'stop') return { kind: 'robot', id };
+  if (mark.kind === 'replan' || mark.kind === 'failure' || mark.kind === 'stop') return { kind: 'robot', id };
   if (row(shown.workers, id)) return { kind: 'worker', id };
   return row(shown.robots, id) ? { kind: 'robot', id } : null;
 }

@@ -12,7 +12,7 @@ export interface Past {
   bookmarks: Mark[];
 }
 
-export const MARK_KINDS = ['deviation', 'encounter', 'stop', 'failure', 'closure', 'alarm'] as const;
+export const MARK_KINDS = ['deviation', 'encounter', 'replan', 'stop', 'failure', 'closure', 'alarm'] as const;
 export type MarkKind = (typeof MARK_KINDS)[number];
 export interface Mark {
   at_s: number;

@@ -4,7 +4,7 @@ import { wordsBy } from './say';
 import type { MarkKind } from '../wire';
 
 export const MARK_WORDS = wordsBy<MarkKind>({
-  deviation: 'happened.deviation', encounter: 'happened.encounter', stop: 'happened.stop', failure: 'happened.failure',
+  deviation: 'happened.deviation', encounter: 'happened.encounter', replan: 'happened.replan', stop: 'happened.stop', failure: 'happened.failure',
   closure: 'happened.closure', alarm: 'happened.alarm',
 });
 
