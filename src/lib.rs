@@ -267,7 +267,8 @@
 //! | cost of an assignment, Hungarian method | `fleet/dispatch/jobs.rs` (`way_ms`), `fleet/dispatch/assignment.rs` |
 //! | where racks are put, where robots rest | `fleet/state/stays.rs` |
 //! | what may happen to a job, and what its robot does | `fleet/state/life.rs` |
-//! | cancel a job | `fleet/requests/absorb.rs` (`cancel`); `api/http/jobs.rs` |
+//! | a request to the fleet and its answer | `fleet/state/request.rs`; carried out: `fleet/requests/absorb.rs` |
+//! | submit and cancel a job | `fleet/requests/jobs.rs`; `api/http/jobs.rs` |
 //! | charging thresholds, which robot leaves a charger | `fleet/dispatch/charging.rs` |
 //! | when a pick ends, a station that is paused | `fleet/requests/station.rs`; `api/http/stations.rs` |
 //! | which waiting job comes first (queue) | `fleet/state/index/queue.rs`; jobs after jobs: `waits.rs` |
@@ -337,7 +338,7 @@
 //! | a floor that has worked before a server begins | `sim/warm_up.rs`; `server/start.rs` |
 //! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog/` |
 //! | what the swarm draws, how it shrinks, prints | `sim/swarm/draw.rs`, `maps.rs`; `shrink.rs`; `cli/swarm.rs` |
-//! | what a recording holds | `sim/recording.rs` |
+//! | what a recording holds | `sim/recording/` |
 //! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers/` |
 //! | an endpoint, a wire type | `api/http/`, `api/dto.rs`; its words: `api/words.rs`; `web/src/` |
 //! | what `/openapi.json`, `/asyncapi.json`, `/docs` say | `api/http/openapi.rs`, `asyncapi.rs`; `web/src/docs/` |

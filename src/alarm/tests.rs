@@ -1,7 +1,10 @@
 //! Each kind of alarm: raised by its cause, cleared when the cause is gone, and nothing beside it.
 
 use super::*;
-use crate::fleet::{Binds, Closure, Fault, Fleet, Input, JobKind, JobRequest, Reply, Settings, Telemetry};
+use crate::fleet::{
+    Answer, Binds, Closure, Fault, Fleet, FloorAction, Input, JobAction, JobKind, JobRequest, Made, Reply,
+    RobotAction, Settings, Telemetry, WorkerAction,
+};
 use crate::geometry::{Point, Pose};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -40,11 +43,15 @@ impl StandingFloor {
             worker: None,
         };
         let places = map.nodes_where(|kind| matches!(kind, NodeKind::Parking | NodeKind::Charger));
-        let joins = |(i, node): (usize, &NodeId)| Input::Register {
-            token: i as u64,
-            name: format!("robot-{}", i + 1),
-            kind: crate::fleet::USUAL_KIND.into(),
-            node: *node,
+        let joins = |(i, node): (usize, &NodeId)| {
+            Input::ask(
+                i as u64,
+                RobotAction::Register {
+                    name: format!("robot-{}", i + 1),
+                    kind: crate::fleet::USUAL_KIND.into(),
+                    node: *node,
+                },
+            )
         };
         floor.step(places.iter().take(robots).enumerate().map(joins).collect());
         assert_eq!(floor.fleet.ledger().robots.len(), robots);
@@ -115,8 +122,8 @@ impl StandingFloor {
 
     fn submit(&mut self, kind: JobKind, deadline: Option<Time>) -> JobId {
         let request = JobRequest { deadline, ..JobRequest::new(kind) };
-        match self.step(vec![Input::Submit { token: 7, request }]).pop() {
-            Some(Reply::Accepted { job, .. }) => job,
+        match self.step(vec![Input::ask(7, JobAction::Submit(request))]).pop() {
+            Some(Reply { answer: Ok(Answer::Job(Made { id: job, .. })), .. }) => job,
             other => panic!("not accepted: {other:?}"),
         }
     }
@@ -183,7 +190,7 @@ fn a_robot_that_ignores_its_orders_is_stuck_and_not_the_whole_floor() {
     let stuck: Vec<_> = found.iter().filter(|(kind, _)| *kind == "robot_stuck").collect();
     assert_eq!(stuck.len(), 1, "{found:?}");
     assert!(found.len() <= 2, "{found:?}");
-    floor.step(vec![Input::Cancel { token: 1, job }]);
+    floor.step(vec![Input::ask(1, JobAction::Cancel(job))]);
     floor.run(30);
     assert!(!floor.kinds().contains(&"floor_standstill"), "nothing is wanted: {:?}", floor.active());
 }
@@ -193,13 +200,13 @@ fn while_an_operator_stops_the_fleet_there_is_a_notice_and_nothing_else() {
     let mut floor = StandingFloor::new(6);
     floor.run(5);
     floor.submit(deliver(), None);
-    floor.step(vec![Input::Halt { token: 1, robot: None }]);
+    floor.step(vec![Input::ask(1, FloorAction::Halt(None))]);
     let found = floor.run(1300);
     assert_eq!(found, [("stopped", "all robots are stopped by hand.".to_owned())]);
     assert_eq!(floor.register.active()[0].severity, AlarmSeverity::Notice);
-    floor.step(vec![Input::Release { token: 1, robot: None }]);
+    floor.step(vec![Input::ask(1, FloorAction::Release(None))]);
     assert_eq!(floor.run(5), []);
-    floor.step(vec![Input::Halt { token: 1, robot: Some(RobotId(4)) }]);
+    floor.step(vec![Input::ask(1, FloorAction::Halt(Some(RobotId(4))))]);
     assert_eq!(floor.run(5), [("paused", "paused by hand: robot-5.".to_owned())]);
 }
 
@@ -222,7 +229,7 @@ fn robots_that_are_low_with_no_charger_free_are_an_alarm() {
 #[test]
 fn a_lost_worker_is_one_alarm_with_who_waits_until_seen_again() {
     let mut floor = StandingFloor::new(2);
-    floor.step(vec![Input::RegisterWorker { token: 0, name: "ana".into() }]);
+    floor.step(vec![Input::ask(0, WorkerAction::Register("ana".into()))]);
     let at = floor.fleet.warehouse().nodes[NodeId(0)].at;
     floor.worker = Some(at);
     assert_eq!(floor.run(10), []);
@@ -239,7 +246,7 @@ fn a_lost_worker_is_one_alarm_with_who_waits_until_seen_again() {
 #[test]
 fn a_worker_in_an_area_that_is_closed_to_people_is_an_alarm_until_out_of_it() {
     let mut floor = StandingFloor::new(1);
-    floor.step(vec![Input::RegisterWorker { token: 0, name: "ana".into() }]);
+    floor.step(vec![Input::ask(0, WorkerAction::Register("ana".into()))]);
     let at = floor.fleet.warehouse().nodes[NodeId(0)].at;
     floor.worker = Some(at);
     let corner = |dx: f64, dy: f64| Point::new(at.x + dx, at.y + dy).into();
@@ -251,7 +258,7 @@ fn a_worker_in_an_area_that_is_closed_to_people_is_an_alarm_until_out_of_it() {
         binds: Binds::Both,
         series: None,
     };
-    floor.step(vec![Input::Close { token: 1, area }]);
+    floor.step(vec![Input::ask(1, FloorAction::Close(area))]);
     floor.run(60);
     let found = floor.active();
     assert!(found.iter().any(|(k, t)| *k == "closed_areas" && t.contains("ana (w1) is in c1")), "{found:?}");
@@ -273,7 +280,7 @@ fn a_deadline_is_at_risk_then_missed_then_nothing_when_the_job_is_over() {
     floor.run(80);
     assert!(floor.kinds().contains(&"deadline_missed"), "{:?}", floor.active());
     assert!(!floor.kinds().contains(&"deadline_at_risk"), "one of both: {:?}", floor.active());
-    floor.step(vec![Input::Cancel { token: 1, job }]);
+    floor.step(vec![Input::ask(1, JobAction::Cancel(job))]);
     assert_eq!(floor.run(20), []);
 }
 
@@ -376,7 +383,7 @@ fn closed(floor: &StandingFloor, nodes: Vec<NodeId>) -> Input {
         binds: Binds::Robots,
         series: None,
     };
-    Input::Close { token: 1, area }
+    Input::ask(1, FloorAction::Close(area))
 }
 
 #[test]
@@ -393,7 +400,7 @@ fn a_station_for_which_jobs_wait_in_vain_is_starved_until_they_do_not() {
     let name = floor.fleet.warehouse().stations[StationId(0)].name.clone();
     let said = ("station_starved", format!("no rack is on its way to {name}, though j1 waits for it."));
     assert!(floor.active().contains(&said), "{:?}", floor.active());
-    floor.step(vec![Input::Cancel { token: 1, job }]);
+    floor.step(vec![Input::ask(1, JobAction::Cancel(job))]);
     assert_eq!(floor.run(20), []);
 }
 
@@ -408,8 +415,8 @@ fn a_job_whose_way_a_closed_area_cuts_waits_for_it_and_no_robot_is_called_blocke
     let job = floor.submit(deliver(), None);
     floor.run(80);
     assert!(!floor.kinds().contains(&"robot_blocked"), "the area is what keeps it: {:?}", floor.active());
-    floor.step(vec![Input::Reopen { token: 1, closure: crate::id::ClosureId(1) }]);
+    floor.step(vec![Input::ask(1, FloorAction::Reopen(crate::id::ClosureId(1)))]);
     floor.run(15);
     assert!(!floor.kinds().contains(&"robot_blocked"), "{:?}", floor.active());
-    floor.step(vec![Input::Cancel { token: 1, job }]);
+    floor.step(vec![Input::ask(1, JobAction::Cancel(job))]);
 }

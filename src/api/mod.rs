@@ -54,14 +54,14 @@ mod ws;
 pub use building::map_version;
 pub use http::{alive, router};
 
-use crate::fleet::{Reply, RobotKind};
+use crate::fleet::{Answered, Ask, Refusal, Request, RobotKind, WorkerAction};
 use crate::warehouse::Warehouse;
 use alarms::Alarms;
 use audit::{AuditDesk, AuditEntry};
 use caller::Caller;
 use error::Problem;
 use port::{
-    AnswerDesk, FleetRequest, KindRequest, Moment, Now, Question, Records, SharedHistory, TokenDesk, What,
+    AnswerDesk, KindRequest, Moment, Now, Question, QueuedRequest, Records, SharedHistory, TokenDesk,
 };
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
@@ -85,7 +85,7 @@ pub struct Api {
     /// Figures over time.
     pub figures: Arc<SharedHistory>,
     /// Takes requests; absent where a recording is shown, since the past takes none.
-    pub queue: Option<mpsc::Sender<FleetRequest>>,
+    pub queue: Option<mpsc::Sender<QueuedRequest>>,
     /// Webhooks; absent where a recording is shown.
     pub hooks: Option<webhooks::HookDesk>,
     /// Takes questions.
@@ -148,7 +148,7 @@ impl Api {
     }
 
     /// Where requests go; a recording takes none, nor poses.
-    fn queue(&self) -> Result<&mpsc::Sender<FleetRequest>, Problem> {
+    fn queue(&self) -> Result<&mpsc::Sender<QueuedRequest>, Problem> {
         self.queue.as_ref().ok_or_else(Problem::of_recording)
     }
 
@@ -164,21 +164,36 @@ impl Api {
     }
 
     /// The entry of a request that came over a feed.
-    fn over_feed(&self, what: &What) -> AuditEntry {
-        let (words, worker) = match what {
-            What::Finish(worker, _) => ("done, over the feed", Some(*worker)),
-            What::SignOff(worker) => ("signed off, over the feed", Some(*worker)),
+    fn over_feed(&self, request: &Request) -> AuditEntry {
+        let (words, worker) = match request {
+            Request::Worker(WorkerAction::Finish(worker, _)) => ("done, over the feed", Some(*worker)),
+            Request::Worker(WorkerAction::SignOff(worker)) => ("signed off, over the feed", Some(*worker)),
             _ => ("over a feed", None),
         };
         self.audit.begin(&self.caller, words.into(), worker.map(text::worker_name), (self.now)())
     }
 
-    /// Asks the fleet and waits until its answer is durable.
-    async fn ask(&self, what: What) -> Result<Reply, Problem> {
+    /// Asks the fleet and waits until its answer is durable; a refusal is a problem that says why.
+    async fn ask<A>(&self, ask: Ask<A>) -> Result<A, Problem> {
+        self.answer_to(ask).await?.map_err(|why| refusal::refused(&self.map, why))
+    }
+
+    /// The same, for those who do something else where the fleet refuses.
+    async fn answer_to<A>(&self, ask: Ask<A>) -> Result<Result<A, Refusal>, Problem> {
+        match self.durable_answer(ask.request.clone()).await? {
+            Err(why) => Ok(Err(why)),
+            Ok(answer) => ask.read(answer).map(Ok).ok_or_else(|| {
+                tracing::error!(request = ?ask.request, "the fleet answered what was not asked");
+                Problem::internal()
+            }),
+        }
+    }
+
+    async fn durable_answer(&self, request: Request) -> Result<Answered, Problem> {
         let queue = self.queue()?;
         let (reply, answer) = oneshot::channel();
-        let by = self.entry.clone().unwrap_or_else(|| Arc::new(self.over_feed(&what)));
-        queue.try_send(FleetRequest { what, by, reply }).map_err(|_| {
+        let by = self.entry.clone().unwrap_or_else(|| Arc::new(self.over_feed(&request)));
+        queue.try_send(QueuedRequest { request, by, reply }).map_err(|_| {
             let cause = self.alarms.list().into_iter().map(|a| a.text).collect::<Vec<_>>().join("; ");
             let cause = if cause.is_empty() { "too many requests are waiting".into() } else { cause };
             Problem::unavailable(format!("nothing was accepted: {cause}. Try again soon."), 1)

@@ -1,21 +1,19 @@
 //! What the API needs from the program that runs it: durable lists to read, a queue for requests, a clock, and the
 //! fleet's view.
 //!
-//! Main types: [`Records`], [`FleetRequest`], [`Question`], [`TokenDesk`],
+//! Main types: [`Records`], [`QueuedRequest`], [`Question`], [`TokenDesk`],
 //! [`KindRequest`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
 use super::audit::{AuditEntry, AuditQuery};
 use super::caller::{NamedToken, TokenHash, WebSession};
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::fleet::{
-    Area, AssignmentQuery, AssignmentRequest, AssignmentRow, Backlog, ClosingEffect, Closure, EncounterQuery,
-    EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobChange, JobQuery, JobRequest, JobRow,
-    Listed, NodeOccupancy, RecurringClosure, Reply, RobotEventQuery, RobotEventRow, RobotJobCounts,
-    RobotKind, ShiftRows, StationOrder, View, Waiting,
+    Answered, Area, AssignmentQuery, AssignmentRow, Backlog, ClosingEffect, Closure, EncounterQuery,
+    EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobQuery, JobRow, Listed, NodeOccupancy,
+    Request, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, ShiftRows, View, Waiting,
 };
-use crate::geometry::Spot;
 use crate::history::{History, LoopTimes};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
+use crate::id::{AssignmentId, JobId, RobotId};
 use crate::time::{Span, Time};
 use std::pin::Pin;
 use std::sync::{Arc, Mutex};
@@ -143,72 +141,15 @@ pub trait AnswerDesk: Send + Sync {
     fn leave(&self, request: &KeyedRequest);
 }
 
-/// A request to the fleet.
+/// A request on its way to the fleet.
 #[derive(Debug)]
-pub struct FleetRequest {
+pub struct QueuedRequest {
     /// What is asked.
-    pub what: What,
+    pub request: Request,
     /// Who asks, and as what it is written down.
     pub by: Arc<AuditEntry>,
     /// Gets the answer once it is durable.
-    pub reply: oneshot::Sender<Reply>,
-}
-
-/// What is asked of the fleet.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum What {
-    /// A job.
-    Submit(JobRequest),
-    /// Several jobs, each for itself.
-    SubmitBatch(Vec<JobRequest>),
-    /// The end of one.
-    Cancel(JobId),
-    /// A robot to join: its name, its kind, where it stands.
-    Register(String, String, NodeId),
-    /// That a robot goes to maintenance, or comes back.
-    Maintain(RobotId, bool),
-    /// That a robot leaves the floor.
-    Retire(RobotId),
-    /// That people took a rack off a robot that cannot drive and set it down here.
-    TakeRack(RackId, NodeId),
-    /// A worker to be known, by name.
-    Hire(String),
-    /// That nobody is where this worker was lost; who says so.
-    Clear(WorkerId, String),
-    /// Free a worker's place.
-    Forget(WorkerId),
-    /// About where a lost worker is, and how far from there at most on foot, millimetres; who says so.
-    Narrow(WorkerId, Spot, i64, String),
-    /// That a worker has taken the headset off.
-    SignOff(WorkerId),
-    /// Something for a worker to do.
-    Assign(Option<WorkerId>, AssignmentRequest),
-    /// The end of it.
-    Unassign(AssignmentId),
-    /// That a worker is done with it.
-    Finish(WorkerId, AssignmentId),
-    /// An area to keep out of.
-    Close(Closure),
-    /// The end of that.
-    Reopen(ClosureId),
-    /// An area to keep out of again and again.
-    Recur(RecurringClosure),
-    /// The end of that.
-    EndSeries(SeriesId),
-    /// That everybody leaves the building.
-    Evacuate,
-    /// The end of that.
-    EndEvacuation,
-    /// That one robot, or the whole fleet, stands.
-    Halt(Option<RobotId>),
-    /// The end of that.
-    Release(Option<RobotId>),
-    /// What the person at a station says.
-    Station(StationId, StationOrder),
-    /// What is to be different about a waiting job.
-    Change(JobId, JobChange),
-    /// A job is to be done by this robot, or by any other than the one that has it.
-    Reassign(JobId, Option<RobotId>),
+    pub reply: oneshot::Sender<Answered>,
 }
 
 /// What is too much to be in every view: the thread that owns the fleet works it out on request, from the fleet as it

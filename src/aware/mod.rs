@@ -23,7 +23,7 @@ pub use encounter::{MOVES_MPS, Meeting, Meter, Near};
 pub use occupancy::{Occupancy, Stay, occupancies};
 pub use passing::{Drive, Walk, leaves_after, moves_within};
 pub use regions::{BODY_M, Regions, SLOW_MPS, quantised};
-pub use safe_space::{Answer, Zone};
+pub use safe_space::{Adaptation, Zone};
 
 /// How the fleet deals with people: ours, and three to compare it with (Petković 2021, section 4.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

@@ -1,8 +1,8 @@
 //! Safe spaces of workers and robots, and what a robot does where its plan and a worker's share a place.
 //!
 //! Main types: [`StoppingTimes`] (how long a robot takes to react and to stop), [`Zone`] (a potential collision zone),
-//! [`Case`], [`Answer`]. Source: Ye, Guo, Guo and Luo 2024, "A construction robot path planning method based on safe
-//! space and worker trajectory prediction", equations 3 to 8 and the decision model of section 3.4. Read with its
+//! [`Case`], [`Adaptation`]. Source: Ye, Guo, Guo and Luo 2024, "A construction robot path planning method based on
+//! safe space and worker trajectory prediction", equations 3 to 8 and the decision model of section 3.4. Read with its
 //! errata: 1.78 m is an arm span, so the radius of the circle is half of it; what cases 1 and 2 say is swapped (there
 //! the *robot* has left before the worker comes, and the worker before the robot); "and" between the orders of times
 //! means "or"; equal times, which no case covers, are those of half-open windows here. Refuses: to know where a
@@ -77,7 +77,7 @@ pub enum Case {
 
 /// What the robot does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Answer {
+pub enum Adaptation {
     /// It keeps its route and its speed.
     Keep,
     /// It keeps its route, but comes no sooner than this.
@@ -112,25 +112,25 @@ impl Zone {
     }
 
     /// As published: slower only where the worker is first, and where it may come later by `slack` at most.
-    pub fn published(self, slack: Span) -> Answer {
+    pub fn published(self, slack: Span) -> Adaptation {
         match self.case() {
-            Case::RobotBefore | Case::WorkerBefore => Answer::Keep,
-            Case::RobotFirst => Answer::Change,
+            Case::RobotBefore | Case::WorkerBefore => Adaptation::Keep,
+            Case::RobotFirst => Adaptation::Change,
             Case::WorkerFirst => self.later(slack),
         }
     }
 
     /// Ours: slower wherever that is enough. A robot that would be first can let the worker through as well, and
     /// comes to its goal sooner than by most other routes.
-    pub fn answer(self, slack: Span) -> Answer {
+    pub fn answer(self, slack: Span) -> Adaptation {
         match self.case() {
-            Case::RobotBefore | Case::WorkerBefore => Answer::Keep,
+            Case::RobotBefore | Case::WorkerBefore => Adaptation::Keep,
             Case::RobotFirst | Case::WorkerFirst => self.later(slack),
         }
     }
 
-    fn later(self, slack: Span) -> Answer {
-        if self.delay() > slack { Answer::Change } else { Answer::Slow(self.worker.end()) }
+    fn later(self, slack: Span) -> Adaptation {
+        if self.delay() > slack { Adaptation::Change } else { Adaptation::Slow(self.worker.end()) }
     }
 }
 
@@ -195,8 +195,8 @@ mod tests {
     fn a_route_is_kept_exactly_where_nobody_is_met() {
         for z in all() {
             let shared = (0..8).any(|t| z.robot.contains(Time(t)) && z.worker.contains(Time(t)));
-            assert_eq!((z.meets(), z.answer(Span(2)) != Answer::Keep), (shared, shared), "{z:?}");
-            assert_eq!(z.published(Span(2)) != Answer::Keep, shared, "{z:?}");
+            assert_eq!((z.meets(), z.answer(Span(2)) != Adaptation::Keep), (shared, shared), "{z:?}");
+            assert_eq!(z.published(Span(2)) != Adaptation::Keep, shared, "{z:?}");
         }
     }
 
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn who_slows_down_comes_when_the_worker_is_through_and_not_too_late() {
         for z in all() {
-            let Answer::Slow(from) = z.answer(Span(3)) else { continue };
+            let Adaptation::Slow(from) = z.answer(Span(3)) else { continue };
             let stay = z.robot.end() - z.robot.start();
             assert!(!Zone { robot: Window::new(from, from + stay), ..z }.meets(), "{z:?}");
             assert!(from - z.robot.start() <= Span(3), "{z:?}");

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`SafeSpaceArgs`]. Refuses: to compute anything itself.
 
-use crate::aware::safe_space::{APART_M, ARM_SPAN_M, Answer, Case};
+use crate::aware::safe_space::{APART_M, ARM_SPAN_M, Adaptation, Case};
 use crate::experiment::safe_space::{Answered, Space, answers, spaces};
 use crate::human::WALK_MPS;
 use crate::route::Kinematics;
@@ -89,11 +89,11 @@ fn number(case: Case) -> u8 {
     }
 }
 
-fn word(answer: Answer) -> String {
+fn word(answer: Adaptation) -> String {
     match answer {
-        Answer::Keep => "keep".into(),
-        Answer::Slow(until) => format!("slow, enter at {}", until.as_secs_f64()),
-        Answer::Change => "change".into(),
+        Adaptation::Keep => "keep".into(),
+        Adaptation::Slow(until) => format!("slow, enter at {}", until.as_secs_f64()),
+        Adaptation::Change => "change".into(),
     }
 }
 

@@ -10,7 +10,7 @@
 
 use super::grid::Grid;
 use crate::id::{NodeId, RobotId};
-use crate::route::{Ask, NO_PEOPLE, Planner, Route, Rules, Stage};
+use crate::route::{NO_PEOPLE, Planner, Route, RouteQuery, Rules, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Timeline, Visit};
 use std::collections::BTreeSet;
@@ -223,7 +223,7 @@ impl Run<'_> {
         let stage = |goal, stay| Stage { stay, ..Stage::to_stay(goal) };
         let stages = [stage(goal, stay), stage(robot.home, Span::ZERO)];
         let heading = self.heading(i);
-        let ask = Ask {
+        let ask = RouteQuery {
             from: &here,
             heading,
             ready: now,

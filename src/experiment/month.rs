@@ -3,7 +3,10 @@
 //! Main types: [`Day`] (what the fleet keeps at its end); main function: [`run`]. Steps of a second make a month quick.
 //! Refuses: to read the memory of the process; the caller does, at the end of each day.
 
-use crate::fleet::{AssignmentRequest, Binds, Closure, Fleet, Input, JobKind, JobRequest};
+use crate::fleet::{
+    AssignmentRequest, Binds, Closure, Fleet, FloorAction, Input, JobAction, JobKind, JobRequest,
+    WorkerAction,
+};
 use crate::geometry::{Point, Spot};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{AssignmentId, Dense, JobId, NodeId, RackId, StationId, WorkerId};
@@ -94,7 +97,7 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
     let (hour, second) = (s / HOUR, s % HOUR);
     let worker = WorkerId((hour % WORKERS) as u32);
     match second {
-        0 => inputs.push(Input::RegisterWorker { token: 0, name: format!("worker-{}", worker.0) }),
+        0 => inputs.push(Input::ask(0, WorkerAction::Register(format!("worker-{}", worker.0)))),
         1 => {
             let place = aisles[(hour * 31) as usize % aisles.len()];
             let stay = Span::from_secs(30);
@@ -104,12 +107,13 @@ fn people(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
                 what: "round".into(),
                 key: Some(format!("round {hour}").into()),
             };
-            inputs.push(Input::Assign { token: 0, worker: Some(worker), request });
+            inputs.push(Input::ask(0, WorkerAction::Assign { worker: Some(worker), request }));
         }
         ON_FLOOR => {
-            inputs.push(Input::ClearWorker { token: 0, worker, by: "month".into() });
+            inputs.push(Input::ask(0, WorkerAction::Clear { worker, by: "month".into() }));
             let left: Vec<AssignmentId> = fleet.ledger().assignments.keys().copied().collect();
-            inputs.extend(left.into_iter().map(|assignment| Input::Unassign { token: 0, assignment }));
+            inputs
+                .extend(left.into_iter().map(|assignment| Input::ask(0, WorkerAction::Unassign(assignment))));
         }
         2..ON_FLOOR => {
             let node = |i: i64| w.nodes[aisles[(hour * 7 + i) as usize % aisles.len()]].at;
@@ -154,7 +158,7 @@ fn orders(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
             binds: Binds::Robots,
             series: None,
         };
-        inputs.push(Input::Close { token: 0, area });
+        inputs.push(Input::ask(0, FloorAction::Close(area)));
     }
     if s % HOUR == 10 {
         let next = fleet.ledger().next_job;
@@ -170,12 +174,12 @@ fn orders(w: &Warehouse, aisles: &[NodeId], fleet: &Fleet, s: i64, now: Time, in
                 key: key.map(Into::into),
                 ..JobRequest::new(kind)
             };
-            inputs.push(Input::Submit { token: 0, request });
+            inputs.push(Input::ask(0, JobAction::Submit(request)));
         }
     }
     if s % HOUR == 10 + MINUTE {
         let first = fleet.ledger().jobs.iter().find(|(_, j)| !j.request.after.is_empty());
         let job = first.map(|(_, j)| j.request.after[0]);
-        inputs.extend(job.map(|job| Input::Cancel { token: 0, job }));
+        inputs.extend(job.map(|job| Input::ask(0, JobAction::Cancel(job))));
     }
 }

@@ -7,7 +7,7 @@
 //! plain route. Refuses: to look at a clock itself; the caller passes a stopwatch in.
 
 use crate::id::{BodyId, Dense, NodeId, RobotId, StationId};
-use crate::route::{Ask, Kinematics, NO_PEOPLE, NoRoute, Planner, Route, Rules, Stage};
+use crate::route::{Kinematics, NO_PEOPLE, NoRoute, Planner, Route, RouteQuery, Rules, Stage};
 use crate::sim::starting_places;
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Timeline, Visit};
@@ -186,7 +186,7 @@ impl PlanningCrowd {
     fn search(&mut self, robot: usize, stages: &[Stage]) -> Result<Route, NoRoute> {
         let holder = Holder::Robot(RobotId::at(robot));
         let first: Visit = self.timeline.chain(holder).and_then(|c| c.get(0)).expect("placed").clone();
-        let ask = Ask {
+        let ask = RouteQuery {
             from: &first,
             heading: 0.0,
             ready: self.ready[robot],

@@ -4,7 +4,7 @@
 //! uses itself: this only puts numbers in. Refuses: the published tables of planning times and path lengths, which are
 //! about another search on another floor (and two of the three are pictures).
 
-use crate::aware::safe_space::{Answer, Case, StoppingTimes, Zone};
+use crate::aware::safe_space::{Adaptation, Case, StoppingTimes, Zone};
 use crate::aware::{BODY_M, Regions};
 use crate::route::Kinematics;
 use crate::time::{Span, Time, Window};
@@ -70,9 +70,9 @@ pub struct Answered {
     /// Which case that is.
     pub case: Case,
     /// The published answer.
-    pub published: Answer,
+    pub published: Adaptation,
     /// Ours.
-    pub ours: Answer,
+    pub ours: Adaptation,
 }
 
 /// All four cases, also with equal times; a robot may come `slack` later.

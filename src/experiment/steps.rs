@@ -5,7 +5,10 @@
 //! stopwatch in.
 
 use crate::cell::{OrderLine, PickedBy};
-use crate::fleet::{AssignmentRequest, Binds, Closure, Fleet, Input, JobKind, JobRequest, Settings};
+use crate::fleet::{
+    AssignmentRequest, Binds, Closure, Fleet, FloorAction, Input, JobAction, JobKind, JobRequest, Settings,
+    WorkerAction,
+};
 use crate::geometry::Spot;
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::{Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -157,7 +160,7 @@ fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
             let job = |i: usize| {
                 let request =
                     JobRequest { lines: vec![lines(i)], ..JobRequest::new(deliver(i, i * 7919 % racks)) };
-                Input::Submit { token: i as u64, request: JobRequest { priority: 5, ..request } }
+                Input::ask(i as u64, JobAction::Submit(JobRequest { priority: 5, ..request }))
             };
             (0..n).map(job).collect()
         }
@@ -166,13 +169,13 @@ fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
             // A robot that is halted never gets there.
             let robot = RobotId(0);
             let node = warehouse.racks[RackId::at(racks / 2)].home;
-            let halt = Input::Halt { token: 0, robot: Some(robot) };
+            let halt = Input::ask(0, FloorAction::Halt(Some(robot)));
             let first = submit(0, JobKind::Go { robot, node }, &[]);
             let rest = (1..n).map(|i| submit(i, deliver(i, i * 7919 % racks), &[JobId(1)]));
             [halt, first].into_iter().chain(rest).collect()
         }
         StepsCase::Assignments(n) => {
-            let hired = (0..WORKERS).map(|w| Input::RegisterWorker { token: 0, name: format!("worker-{w}") });
+            let hired = (0..WORKERS).map(|w| Input::ask(0, WorkerAction::Register(format!("worker-{w}"))));
             hired.chain((0..n).map(|i| assign(warehouse, i))).collect()
         }
     }
@@ -180,7 +183,7 @@ fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
 
 fn submit(token: usize, kind: JobKind, after: &[JobId]) -> Input {
     let request = JobRequest { priority: 5, after: after.to_vec(), ..JobRequest::new(kind) };
-    Input::Submit { token: token as u64, request }
+    Input::ask(token as u64, JobAction::Submit(request))
 }
 
 /// An area of a few nodes. The nodes are named; the outline is only there to be shown.
@@ -191,17 +194,24 @@ fn close(warehouse: &Warehouse, i: usize, now: Time) -> Input {
     let spot = |x: f64, y: f64| Spot::from(crate::geometry::Point::new(x, y));
     let outline = vec![spot(0.0, 0.0), spot(1.0, 0.0), spot(1.0, 1.0)];
     let window = Window::new(start, start + hour);
-    Input::Close {
-        token: i as u64,
-        area: Closure { outline, nodes, window, reason: "bench".into(), binds: Binds::Robots, series: None },
-    }
+    Input::ask(
+        i as u64,
+        FloorAction::Close(Closure {
+            outline,
+            nodes,
+            window,
+            reason: "bench".into(),
+            binds: Binds::Robots,
+            series: None,
+        }),
+    )
 }
 
 fn assign(warehouse: &Warehouse, i: usize) -> Input {
     let places = warehouse.nodes_where(|k| k == NodeKind::Storage);
     let place = places[i * 7919 % places.len().min(200)];
     let request = AssignmentRequest { place, stay: Span::from_secs(60), what: "bench".into(), key: None };
-    Input::Assign { token: i as u64, worker: Some(WorkerId::at(i % WORKERS)), request }
+    Input::ask(i as u64, WorkerAction::Assign { worker: Some(WorkerId::at(i % WORKERS)), request })
 }
 
 /// A worker who stands at an aisle.

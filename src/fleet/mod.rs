@@ -41,9 +41,7 @@ pub use state::arms::ArmView;
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
 pub use state::fault::Fault;
-pub use state::io::{
-    CausedFacts, CellWarning, Command, Input, Reply, StationOrder, Step, Telemetry, Waypoint, WrongReach,
-};
+pub use state::io::{CausedFacts, CellWarning, Command, Input, Step, Telemetry, Waypoint, WrongReach};
 pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, RobotChoice, Visiting};
 pub use state::keys::{ClientKey, KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
@@ -53,6 +51,10 @@ pub use state::note::{EventDetails, FloorNote, ReplanCause};
 pub use state::passing::Passing;
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::refusal::{Bounded, Refusal};
+pub use state::request::{
+    Answer, Answered, Ask, Asker, FloorAction, JobAction, JobTaken, LineNoted, Made, Reply, Request,
+    RobotAction, StationOrder, Token, WorkerAction,
+};
 pub use state::scene::SILENCE;
 pub use state::settings::Settings;
 pub use state::visits::EndsHeld;

@@ -4,6 +4,7 @@ mod activity;
 mod after;
 mod arms;
 mod arrive;
+mod asks;
 mod cancel;
 mod carry;
 mod charging;
@@ -152,18 +153,18 @@ impl TestFloor {
     }
 
     /// The answer to a request with this token; simulated pickers are answered in the same step.
-    fn answer_to(&mut self, token: u64, extra: Vec<Input>) -> Reply {
+    fn answer_to(&mut self, token: u64, extra: Vec<Input>) -> Answered {
         let replies = self.step(extra).replies;
-        replies.into_iter().find(|r| r.token() == token).expect("every request is answered")
+        replies.into_iter().find(|r| r.token == token.into()).expect("every request is answered").answer
     }
 
-    fn ask(&mut self, request: JobRequest) -> Reply {
-        self.answer_to(7, vec![Input::Submit { token: 7, request }])
+    fn ask(&mut self, request: JobRequest) -> Answered {
+        self.answer_to(7, vec![Input::ask(7, JobAction::Submit(request))])
     }
 
     fn submit(&mut self, request: JobRequest) -> JobId {
         match self.ask(request) {
-            Reply::Accepted { token: 7, job, new: true } => job,
+            Ok(Answer::Job(Made { id: job, new: true })) => job,
             other => panic!("not accepted: {other:?}"),
         }
     }
@@ -187,8 +188,8 @@ impl TestFloor {
         }
     }
 
-    fn cancel(&mut self, job: JobId) -> Reply {
-        self.answer_to(8, vec![Input::Cancel { token: 8, job }])
+    fn cancel(&mut self, job: JobId) -> Answered {
+        self.answer_to(8, vec![Input::ask(8, JobAction::Cancel(job))])
     }
 
     fn run(&mut self, seconds: i64) {

@@ -1,8 +1,8 @@
 //! One search for all robots: context-aware route planning (CARP) over free windows.
 //!
-//! Main types: [`Ask`] (what is wanted), [`Planner`] (search, estimates and scratch memory), [`Route`] (resources with
-//! windows), [`NoRoute`] (why not). Refuses: to reserve anything itself, to plan to a place where the robot could not
-//! stay, and to look at a clock: effort is counted in expansions.
+//! Main types: [`RouteQuery`] (what is wanted), [`Planner`] (search, estimates and scratch memory), [`Route`]
+//! (resources with windows), [`NoRoute`] (why not). Refuses: to reserve anything itself, to plan to a place where the
+//! robot could not stay, and to look at a clock: effort is counted in expansions.
 //!
 //! Sources: ter Mors et al. 2010 (search over the graph of free windows); thesis 4.2.3 (physical and conflicting
 //! timelines); `reference/carp.md`, pitfalls 1 to 6. What is ours: gaits (standing, rolling) as part of the label with
@@ -58,7 +58,7 @@ fn is_loaded_at(stages: &[Stage], node: NodeId, stage: usize) -> bool {
 
 /// What is wanted.
 #[derive(Clone, Debug)]
-pub struct Ask<'a> {
+pub struct RouteQuery<'a> {
     /// Where the robot is, or where what it has been granted ends: the visit that the route continues.
     pub from: &'a Visit,
     /// Its heading there, radians.
@@ -140,7 +140,7 @@ impl Planner {
     /// of `w` than that it falls). Zero, as a new planner has it, is the search as documented.
     ///
     /// With a weight, the objective is the last arrival alone, and a route takes at most `1 + k` times as long as the
-    /// best one (prices included), unless it was found in a hurry (see [`Ask::budget`]).
+    /// best one (prices included), unless it was found in a hurry (see [`RouteQuery::budget`]).
     ///
     /// # Panics
     /// If the weight is negative or no number.
@@ -169,7 +169,7 @@ impl Planner {
     ///
     /// # Errors
     /// Why there is none, or none within the budget.
-    pub fn plan(&mut self, ask: &Ask<'_>, timeline: &Timeline) -> Result<Route, NoRoute> {
+    pub fn plan(&mut self, ask: &RouteQuery<'_>, timeline: &Timeline) -> Result<Route, NoRoute> {
         search::plan(&mut self.estimates, &mut self.scratch, ask, timeline, self.weight)
     }
 

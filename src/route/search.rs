@@ -16,7 +16,7 @@ pub use constrained::COME_OUT;
 use super::estimate::{Estimates, Table, may_drive};
 use super::label::{Label, Labels, NONE, OWN_HEADING};
 use super::motion::{MotionState, Pace};
-use super::{Ask, NoRoute, Route, Stage, is_loaded_at, trace};
+use super::{NoRoute, Route, RouteQuery, Stage, is_loaded_at, trace};
 use crate::geometry::turn_between;
 use crate::id::{ArcId, BodyId, LineId, NodeId, ResourceId};
 use crate::time::{Span, Time};
@@ -52,7 +52,7 @@ struct Search<'a> {
     pace: &'a Pace,
     estimates: &'a Estimates,
     timeline: &'a Timeline,
-    ask: &'a Ask<'a>,
+    ask: &'a RouteQuery<'a>,
     tables: Vec<Arc<Table>>,
     goals: Vec<GoalWindows>,
     /// Windows of the last goal that only a closure ends: which, and the latest arrival.
@@ -102,7 +102,7 @@ struct Hop {
 pub(super) fn plan(
     estimates: &mut Estimates,
     scratch: &mut Scratch,
-    ask: &Ask<'_>,
+    ask: &RouteQuery<'_>,
     timeline: &Timeline,
     weight: f64,
 ) -> Result<Route, NoRoute> {
@@ -179,7 +179,7 @@ fn goal_windows(
     warehouse: &Warehouse,
     pace: &Pace,
     timeline: &Timeline,
-    ask: &Ask<'_>,
+    ask: &RouteQuery<'_>,
     (brief, goal_line): (&constrained::Brief, impl Fn(usize) -> LineId),
 ) -> Result<Vec<GoalWindows>, NoRoute> {
     let last = ask.stages.len() - 1;

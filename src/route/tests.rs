@@ -60,8 +60,8 @@ fn strangers(warehouse: &Arc<Warehouse>, holds: &[(u32, i64, i64)], unit: i64) -
     timeline
 }
 
-fn ask<'a>(from: &'a Visit, stages: &'a [Stage]) -> Ask<'a> {
-    Ask {
+fn ask<'a>(from: &'a Visit, stages: &'a [Stage]) -> RouteQuery<'a> {
+    RouteQuery {
         from,
         heading: 0.0,
         ready: Time(0),
@@ -305,7 +305,7 @@ fn a_late_robot_does_not_plan_over_one_that_is_to_pass_where_it_still_stands() {
     // It came at 0 and was to be gone by 4; another one passes from 5 to 7, and now it is 8.
     let timeline = strangers(&warehouse, &[(0, 5, 2)], 1_000_000);
     let (from, stages) = (start(), [to(3)]);
-    let late = |ready: i64| Ask { ready: Time(ready * 1_000_000), ..ask(&from, &stages) };
+    let late = |ready: i64| RouteQuery { ready: Time(ready * 1_000_000), ..ask(&from, &stages) };
     assert_eq!(planner.plan(&late(8), &timeline).map(|r| r.visits.len()), Err(NoRoute::Blocked));
     assert_eq!(planner.plan(&late(0), &timeline).map(|r| r.visits.len()), Ok(3), "in time there is a way");
 }
@@ -343,7 +343,7 @@ fn a_search_that_fails_is_bounded_by_its_budget() {
     let timeline = strangers(&warehouse, &[(8, 40, 10)], 500_000);
     let mut planner = Planner::new(warehouse, drive());
     let (from, stages) = (start(), [to(8)]);
-    let small = Ask { budget: 3, ..ask(&from, &stages) };
+    let small = RouteQuery { budget: 3, ..ask(&from, &stages) };
     assert_eq!(planner.plan(&small, &timeline), Err(NoRoute::BudgetSpent));
 }
 
@@ -357,7 +357,7 @@ fn bounds_never_exceed_what_the_search_finds_on_an_empty_floor() {
         let Some(bound) = planner.estimates().bound_from(&table, NodeId(0)) else { continue };
         let (from, stages) = (start(), [to(goal.ix() as u32)]);
         let best = (warehouse.headings(NodeId(0)).iter())
-            .map(|&heading| Ask { heading, ..ask(&from, &stages) })
+            .map(|&heading| RouteQuery { heading, ..ask(&from, &stages) })
             .map(|a| planner.plan(&a, &timeline).unwrap().arrival.0)
             .min()
             .unwrap();
@@ -382,7 +382,8 @@ fn a_route_leads_round_a_closed_place_in_its_time_and_through_it_before_and_afte
     let mut planner = Planner::new(warehouse.clone(), drive());
     let (from, stages) = (start(), [to(2)]);
     let mut through = |ready_s: i64| {
-        let ask = Ask { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
+        let ask =
+            RouteQuery { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
         let route = planner.plan(&ask, &timeline).expect("there are two ways");
         let visit = route.visits.iter().find(|v| v.node == NodeId(1)).cloned();
         if let Some(v) = &visit {
@@ -406,7 +407,8 @@ fn a_route_may_end_where_it_will_be_closed_only_with_time_to_come_out() {
     let mut planner = Planner::new(warehouse.clone(), drive());
     let (from, stages) = (start(), [Stage { stay: Span::from_secs(5), ..to(2) }]);
     let mut arrival = |ready_s: i64| {
-        let ask = Ask { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
+        let ask =
+            RouteQuery { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
         planner.plan(&ask, &timeline).expect("it may wait").arrival
     };
     assert!(arrival(0) < Time(10_000_000));

@@ -5,7 +5,7 @@
 
 use super::label::{Label, Labels, NONE, OWN_HEADING};
 use super::motion::{MotionState, Pace};
-use super::{Ask, Route, is_loaded_at};
+use super::{Route, RouteQuery, is_loaded_at};
 use crate::id::ArcId;
 use crate::time::{Span, Time};
 use crate::timeline::Visit;
@@ -20,7 +20,7 @@ struct TracedLabel {
 pub(super) fn route(
     labels: &Labels,
     goal: u32,
-    ask: &Ask<'_>,
+    ask: &RouteQuery<'_>,
     pace: &Pace,
     warehouse: &Warehouse,
     expansions: u32,

@@ -303,8 +303,8 @@ impl DriveLoop {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::port::{FleetRequest, SharedHistory, What};
-    use crate::fleet::{Fact, JobKind, JobRequest, Reply};
+    use crate::api::port::{QueuedRequest, SharedHistory};
+    use crate::fleet::{Answered, Fact, FloorAction, JobAction, JobKind, JobRequest, Request, WorkerAction};
     use crate::geometry::Point;
     use crate::human::{Quality, Sighting};
     use crate::id::NodeId;
@@ -320,7 +320,7 @@ mod tests {
     /// A loop with a journal that is written only when the test lets the writer run.
     async fn drive(
         folder: &std::path::Path,
-    ) -> (DriveLoop, journal::JournalSender, mpsc::Sender<FleetRequest>) {
+    ) -> (DriveLoop, journal::JournalSender, mpsc::Sender<QueuedRequest>) {
         let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
         let store = Arc::new(Store::open(&folder.join("t.sqlite"), &map).await.unwrap());
         let (clock, alarms) = (Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
@@ -386,8 +386,9 @@ mod tests {
         let fact = |i: u32| Fact::Deviated { worker: WorkerId(i), at: Time(1) };
         drive.journal.record(Time(1), (0..20_000).map(fact).collect(), Vec::new());
         assert!(drive.journal.is_full());
-        let mut job = ask(&queue, What::Cancel(crate::id::JobId(1)));
-        let mut by_hand = [What::Halt(None), What::Release(None)].map(|what| ask(&queue, what));
+        let mut job = ask(&queue, JobAction::Cancel(crate::id::JobId(1)));
+        let mut by_hand =
+            [FloorAction::Halt(None), FloorAction::Release(None)].map(|action| ask(&queue, action));
         until(&mut drive, Some(0.0)).await;
         assert_eq!(job.try_recv(), Err(oneshot::error::TryRecvError::Closed), "it is answered");
         assert!(drive.alarms.of_kind(AlarmKind::Halt).is_some());
@@ -417,8 +418,8 @@ mod tests {
         until(&mut drive, None).await;
         let (_stop, mut stop) = watch::channel(false);
         let known = drive.fleet.ledger().robots.clone();
-        let mut halt = ask(&queue, What::Halt(None));
-        let mut job = ask(&queue, What::Cancel(crate::id::JobId(1)));
+        let mut halt = ask(&queue, FloorAction::Halt(None));
+        let mut job = ask(&queue, JobAction::Cancel(crate::id::JobId(1)));
         let inputs = drive.inbox.drain(false);
         let now = drive.clock.now();
         drive.fleet.trap = Some(RobotId(0));
@@ -444,17 +445,17 @@ mod tests {
         until(&mut drive, Some(0.0)).await;
         let said = drive.alarms.of_kind(AlarmKind::Broken).expect("it says so").text;
         assert!(said.contains("again and again"), "{said}");
-        let mut refused = ask(&queue, What::Cancel(crate::id::JobId(1)));
+        let mut refused = ask(&queue, JobAction::Cancel(crate::id::JobId(1)));
         drive.turn(&mut published);
         assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));
         writer.abort();
         let _ = std::fs::remove_dir_all(&folder);
     }
 
-    fn ask(queue: &mpsc::Sender<FleetRequest>, what: What) -> oneshot::Receiver<Reply> {
+    fn ask(queue: &mpsc::Sender<QueuedRequest>, request: impl Into<Request>) -> oneshot::Receiver<Answered> {
         let (reply, answer) = oneshot::channel();
-        let by = inbox::local_request();
-        queue.try_send(FleetRequest { what, by, reply }).unwrap();
+        let (request, by) = (request.into(), inbox::local_request());
+        queue.try_send(QueuedRequest { request, by, reply }).unwrap();
         answer
     }
 
@@ -472,7 +473,8 @@ mod tests {
         let node = drive.fleet.warehouse().nodes.ids().max_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
         let kind = JobKind::Go { robot, node };
         let request = JobRequest { priority: 5, ..JobRequest::new(kind) };
-        let _answers = [ask(&queue, What::Submit(request)), ask(&queue, What::Hire("anna".into()))];
+        let hire = WorkerAction::Register("anna".into());
+        let _answers = [ask(&queue, JobAction::Submit(request)), ask(&queue, hire)];
         let seen = loop {
             drive.turn(&mut published);
             drive.release();

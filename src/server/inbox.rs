@@ -1,18 +1,16 @@
 //! Requests and sightings on their way into a step, and where the answers go.
 //!
-//! Main type: [`Inbox`]. Tokens below [`FIRST_TOKEN`] belong to requests from outside, the others to the simulated
-//! floor, so that no reply to the one can answer the other. Refuses: requests while the journal takes no facts; but
-//! stops and releases by hand are kept in their order, however many simulated orders wait.
+//! Main type: [`Inbox`]. Refuses: requests while the journal takes no facts; but stops and releases by hand are kept in
+//! their order, however many simulated orders wait.
 
 use super::audit_keeper::row_of;
 use crate::api::audit::AuditEntry;
 use crate::api::feed::hub::{HeardHands, HeardSighting};
-use crate::api::port::{FleetRequest, What};
+use crate::api::port::QueuedRequest;
 use crate::cell::HandsSeen;
-use crate::fleet::{CausedFacts, Input, Reply};
+use crate::fleet::{Answered, Asker, CausedFacts, Input, JobAction, Reply, Request, Token};
 use crate::geometry::{Point, inside};
 use crate::id::StationId;
-use crate::sim::FIRST_TOKEN;
 use crate::store::StepCause;
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
@@ -33,15 +31,15 @@ const MOST_REQUESTS: usize = 10_000;
 #[derive(Debug)]
 struct WaitingRequest {
     by: Arc<AuditEntry>,
-    reply: oneshot::Sender<Reply>,
+    reply: oneshot::Sender<Answered>,
 }
 
 /// Requests, and where their answers go.
 #[derive(Debug)]
 pub struct Inbox {
-    queue: mpsc::Receiver<FleetRequest>,
+    queue: mpsc::Receiver<QueuedRequest>,
     heard: mpsc::Receiver<HeardSighting>,
-    waiting: BTreeMap<u64, WaitingRequest>,
+    waiting: BTreeMap<Token, WaitingRequest>,
     kept: Vec<Input>,
     /// Sightings that were taken out of the channel to look at them.
     early: Vec<HeardSighting>,
@@ -52,7 +50,7 @@ pub struct Inbox {
 
 impl Inbox {
     /// An inbox that is filled from a queue and from feeds.
-    pub fn new(queue: mpsc::Receiver<FleetRequest>, heard: mpsc::Receiver<HeardSighting>) -> Inbox {
+    pub fn new(queue: mpsc::Receiver<QueuedRequest>, heard: mpsc::Receiver<HeardSighting>) -> Inbox {
         let (waiting, kept, early, workplaces) = (BTreeMap::new(), Vec::new(), Vec::new(), Vec::new());
         Inbox { queue, heard, waiting, kept, early, workplaces, next: 0 }
     }
@@ -60,7 +58,7 @@ impl Inbox {
     /// The same, which hands on hands of people in the workplaces of a building.
     pub fn of(
         warehouse: &Warehouse,
-        queue: mpsc::Receiver<FleetRequest>,
+        queue: mpsc::Receiver<QueuedRequest>,
         heard: mpsc::Receiver<HeardSighting>,
     ) -> Inbox {
         let cells = warehouse.stations.pairs();
@@ -71,13 +69,14 @@ impl Inbox {
     /// Everything that waits. While `refusing`, new requests are refused instead, but for stops and releases by hand.
     pub fn drain(&mut self, refusing: bool) -> Vec<Input> {
         let mut inputs = std::mem::take(&mut self.kept);
-        let mut room = MOST_REQUESTS.saturating_sub(inputs.iter().filter(|i| !is_simulated(i)).count());
+        let mut room =
+            MOST_REQUESTS.saturating_sub(inputs.iter().filter(|i| token_of_client(i).is_some()).count());
         while room > 0
             && let Ok(ask) = self.queue.try_recv()
         {
             // What is done by hand is neither refused nor overtaken: a release that was refused while the stop before
             // it waits would leave the floor standing.
-            let by_hand = matches!(ask.what, What::Halt(_) | What::Release(_));
+            let by_hand = ask.request.is_by_hand();
             // Dropping the reply tells the handler. A request that no handler waits for any more is not carried out.
             if !by_hand && (refusing || ask.reply.is_closed()) {
                 continue;
@@ -85,16 +84,14 @@ impl Inbox {
             room -= 1;
             let token = self.token();
             self.waiting.insert(token, WaitingRequest { by: ask.by, reply: ask.reply });
-            inputs.push(input(token, ask.what));
+            inputs.push(Input::ask(token, ask.request));
         }
         inputs
     }
 
-    fn token(&mut self) -> u64 {
-        let token = self.next;
-        assert!(token < FIRST_TOKEN, "tokens from there on are those of the simulated floor");
+    fn token(&mut self) -> Token {
         self.next += 1;
-        token
+        Token::from(self.next)
     }
 
     /// The next sighting, as soon as it is there. It waits for the next step, too.
@@ -136,20 +133,19 @@ impl Inbox {
         let before = orders;
         let mut dropped = 0;
         for input in inputs {
-            match input {
-                Input::Telemetry(_)
-                | Input::Sighted(_)
-                | Input::Hands(_)
-                | Input::Arm(_)
-                | Input::VisitEnds { .. } => {}
-                // Simulated pickers say it until their screen shows that it was heard.
-                Input::Station { .. } if is_simulated(&input) => {}
-                order if is_order(&order) && orders >= MOST_ORDERS => dropped += 1,
-                other => {
-                    orders += usize::from(is_order(&other));
-                    self.kept.push(other);
-                }
+            let Input::Ask { request, .. } = &input else { continue };
+            let is_clients = token_of_client(&input).is_some();
+            // Simulated pickers say it until their screen shows that it was heard.
+            if matches!(request, Request::Station(..)) && !is_clients {
+                continue;
             }
+            let is_order = is_order(&input);
+            if is_order && orders >= MOST_ORDERS {
+                dropped += 1;
+                continue;
+            }
+            orders += usize::from(is_order);
+            self.kept.push(input);
         }
         if dropped > 0 && before < MOST_ORDERS {
             tracing::warn!(dropped, "simulated orders are dropped: the journal is full");
@@ -157,7 +153,7 @@ impl Inbox {
     }
 
     /// Tells the handlers of these requests that nothing came of them.
-    pub fn forget(&mut self, tokens: &[u64]) {
+    pub fn forget(&mut self, tokens: &[Token]) {
         for token in tokens {
             self.waiting.remove(token);
         }
@@ -174,53 +170,29 @@ impl Inbox {
 
     /// Answers a request; simulated customers want no answer.
     pub fn answer(&mut self, reply: Reply) {
-        if let Some(waiting) = self.waiting.remove(&reply.token()) {
+        if let Some(waiting) = self.waiting.remove(&reply.token) {
             // A client that has left meanwhile finds the job in the list.
-            let _ = waiting.reply.send(reply);
+            let _ = waiting.reply.send(reply.answer);
         }
     }
 }
 
-/// A request as the step takes it.
-fn input(token: u64, what: What) -> Input {
-    match what {
-        What::Submit(request) => Input::Submit { token, request },
-        What::SubmitBatch(requests) => Input::SubmitBatch { token, requests },
-        What::Cancel(job) => Input::Cancel { token, job },
-        What::Register(name, kind, node) => Input::Register { token, name, kind, node },
-        What::Maintain(robot, begins) => Input::Maintain { token, robot, begins },
-        What::Retire(robot) => Input::Retire { token, robot },
-        What::TakeRack(rack, node) => Input::TakeRack { token, rack, node },
-        What::Hire(name) => Input::RegisterWorker { token, name },
-        What::Forget(worker) => Input::ForgetWorker { token, worker },
-        What::Clear(worker, by) => Input::ClearWorker { token, worker, by },
-        What::Narrow(worker, at, within_mm, by) => Input::NarrowWorker { token, worker, by, at, within_mm },
-        What::SignOff(worker) => Input::SignedOff { token, worker },
-        What::Assign(worker, request) => Input::Assign { token, worker, request },
-        What::Unassign(assignment) => Input::Unassign { token, assignment },
-        What::Finish(worker, assignment) => Input::Finish { token, worker, assignment },
-        What::Close(area) => Input::Close { token, area },
-        What::Reopen(closure) => Input::Reopen { token, closure },
-        What::Recur(closure) => Input::Recur { token, closure },
-        What::EndSeries(series) => Input::EndSeries { token, series },
-        What::Evacuate => Input::Evacuate { token },
-        What::EndEvacuation => Input::EndEvacuation { token },
-        What::Halt(robot) => Input::Halt { token, robot },
-        What::Release(robot) => Input::Release { token, robot },
-        What::Station(station, order) => Input::Station { token, station, order },
-        What::Change(job, change) => Input::Change { token, job, change },
-        What::Reassign(job, robot) => Input::Reassign { token, job, robot },
+/// The token of a client's request.
+pub(super) fn token_of_client(input: &Input) -> Option<Token> {
+    match input {
+        Input::Ask { token, .. } => Some(*token).filter(|token| token.asker == Asker::CLIENTS),
+        Input::Telemetry(_)
+        | Input::Sighted(_)
+        | Input::Hands(_)
+        | Input::Arm(_)
+        | Input::VisitEnds { .. } => None,
     }
-}
-
-/// Whether an input comes from the simulated floor.
-fn is_simulated(input: &Input) -> bool {
-    input.token().is_none_or(|token| token >= FIRST_TOKEN)
 }
 
 /// Whether it is a simulated customer's order, or the end of one: those come again, since customers look at what waits.
 fn is_order(input: &Input) -> bool {
-    matches!(input, Input::Submit { .. } | Input::Cancel { .. }) && is_simulated(input)
+    let asks = |r: &Request| matches!(r, Request::Job(JobAction::Submit(_) | JobAction::Cancel(_)));
+    matches!(input, Input::Ask { request, .. } if asks(request)) && token_of_client(input).is_none()
 }
 
 /// The audit entry of a request in tests.
@@ -234,7 +206,7 @@ pub fn local_request() -> Arc<AuditEntry> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::Fleet;
+    use crate::fleet::{Answer, Fleet, FloorAction};
     use crate::id::JobId;
     use crate::sim::{Scenario, World};
     use crate::time::Time;
@@ -244,15 +216,20 @@ mod tests {
         r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "jobs": {"backlog": 3}}"#;
 
     /// An inbox with the ends that feed it.
-    fn inbox() -> (Inbox, mpsc::Sender<FleetRequest>, mpsc::Sender<HeardSighting>) {
+    fn inbox() -> (Inbox, mpsc::Sender<QueuedRequest>, mpsc::Sender<HeardSighting>) {
         let ((queue, asks), (feed, heard)) = (mpsc::channel(QUEUE), mpsc::channel(1));
         (Inbox::new(asks, heard), queue, feed)
     }
 
-    fn ask(queue: &mpsc::Sender<FleetRequest>, what: What) -> oneshot::Receiver<Reply> {
+    fn ask(queue: &mpsc::Sender<QueuedRequest>, request: impl Into<Request>) -> oneshot::Receiver<Answered> {
         let (reply, answer) = oneshot::channel();
-        queue.try_send(FleetRequest { what, by: local_request(), reply }).unwrap();
+        queue.try_send(QueuedRequest { request: request.into(), by: local_request(), reply }).unwrap();
         answer
+    }
+
+    /// Whether somebody hands in a job.
+    fn submits(input: &Input) -> bool {
+        matches!(input, Input::Ask { request: Request::Job(JobAction::Submit(_)), .. })
     }
 
     /// What the simulated customers order at first.
@@ -265,16 +242,16 @@ mod tests {
     #[test]
     fn a_reply_to_a_simulated_customer_answers_no_request_from_outside() {
         let (mut inbox, queue, _feed) = inbox();
-        let mut answers: Vec<_> = (1..5).map(|job| ask(&queue, What::Cancel(JobId(job)))).collect();
+        let mut answers: Vec<_> = (1..5).map(|job| ask(&queue, JobAction::Cancel(JobId(job)))).collect();
         assert_eq!(inbox.drain(false).len(), 4);
         let tokens = orders().into_iter().filter_map(|i| match i {
-            Input::Submit { token, .. } => Some(token),
+            Input::Ask { token, .. } if submits(&i) => Some(token),
             _ => None,
         });
-        let tokens: Vec<u64> = tokens.collect();
+        let tokens: Vec<Token> = tokens.collect();
         assert_eq!(tokens.len(), 3, "the customers order");
         for token in tokens {
-            inbox.answer(Reply::Cancelled { token, job: JobId(99) });
+            inbox.answer(Reply { token, answer: Ok(Answer::Done) });
         }
         for answer in &mut answers {
             assert_eq!(answer.try_recv(), Err(oneshot::error::TryRecvError::Empty));
@@ -284,8 +261,8 @@ mod tests {
     /// Stops and releases among inputs, in order.
     fn by_hand(inputs: &[Input]) -> Vec<&'static str> {
         let word = |i: &Input| match i {
-            Input::Halt { .. } => Some("halt"),
-            Input::Release { .. } => Some("release"),
+            Input::Ask { request: Request::Floor(FloorAction::Halt(_)), .. } => Some("halt"),
+            Input::Ask { request: Request::Floor(FloorAction::Release(_)), .. } => Some("release"),
             _ => None,
         };
         inputs.iter().filter_map(word).collect()
@@ -294,12 +271,12 @@ mod tests {
     #[test]
     fn stops_and_releases_by_hand_outlast_any_load_of_simulated_orders_in_their_order() {
         let (mut inbox, queue, _feed) = inbox();
-        let order = orders().into_iter().find(|i| matches!(i, Input::Submit { .. })).unwrap();
+        let order = orders().into_iter().find(submits).unwrap();
         let flood = |n: usize| vec![order.clone(); n];
         let mut answers = Vec::new();
-        for what in [What::Halt(None), What::Release(None), What::Halt(None)] {
+        for action in [FloorAction::Halt(None), FloorAction::Release(None), FloorAction::Halt(None)] {
             inbox.keep(flood(MOST_ORDERS));
-            answers.push(ask(&queue, what));
+            answers.push(ask(&queue, action));
             let inputs = inbox.drain(true);
             inbox.keep(inputs);
             inbox.keep(flood(3));
@@ -307,11 +284,8 @@ mod tests {
         let inputs = inbox.drain(true);
         assert_eq!(by_hand(&inputs), ["halt", "release", "halt"]);
         assert_eq!(inputs.len(), MOST_ORDERS + 3, "orders have a limit, what is done by hand is beside it");
-        for (input, answer) in inputs.iter().filter(|i| !is_simulated(i)).zip(&mut answers) {
-            let (Input::Halt { token, .. } | Input::Release { token, .. }) = input else {
-                panic!("{input:?}")
-            };
-            inbox.answer(Reply::Cancelled { token: *token, job: JobId(1) });
+        for (token, answer) in inputs.iter().filter_map(token_of_client).zip(&mut answers) {
+            inbox.answer(Reply { token, answer: Ok(Answer::Done) });
             assert!(answer.try_recv().is_ok(), "it is answered");
         }
     }
@@ -319,13 +293,13 @@ mod tests {
     #[test]
     fn requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk() {
         let (mut inbox, queue, _feed) = inbox();
-        let mut refused = ask(&queue, What::Cancel(JobId(1)));
+        let mut refused = ask(&queue, JobAction::Cancel(JobId(1)));
         assert_eq!(inbox.drain(true), vec![]);
         assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));
         for token in 0..MOST_REQUESTS as u64 {
-            inbox.kept.push(Input::Halt { token, robot: None });
+            inbox.kept.push(Input::ask(token, FloorAction::Halt(None)));
         }
-        let _answer = ask(&queue, What::Halt(None));
+        let _answer = ask(&queue, FloorAction::Halt(None));
         let inputs = inbox.drain(true);
         assert_eq!(inputs.len(), MOST_REQUESTS);
         assert_eq!(inbox.drain(true).len(), 1, "it is taken as soon as there is room");
@@ -334,7 +308,7 @@ mod tests {
     #[test]
     fn facts_of_a_step_are_those_of_who_asked_for_them_and_of_nobody_where_the_floor_is_simulated() {
         let (mut inbox, queue, _feed) = inbox();
-        let _answers = [ask(&queue, What::Halt(None)), ask(&queue, What::Cancel(JobId(9)))];
+        let _answers = [ask(&queue, FloorAction::Halt(None)), ask(&queue, JobAction::Cancel(JobId(9)))];
         let mut inputs = inbox.drain(false);
         inputs.extend(orders());
         let scenario = Scenario::parse(SCENARIO).unwrap();

@@ -57,10 +57,10 @@ impl Outbox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::JobId;
+    use crate::fleet::Answer;
 
     fn reply(token: u64) -> Reply {
-        Reply::Cancelled { token, job: JobId(1) }
+        Reply { token: token.into(), answer: Ok(Answer::Done) }
     }
 
     #[test]

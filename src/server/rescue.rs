@@ -6,11 +6,11 @@
 //! Refuses: to go on with a fleet that a panic left half-way, and to lose a stop given by hand in that step.
 
 use super::drive::DriveLoop;
+use super::inbox::token_of_client;
 use super::start::panic_text;
 use crate::alarm::AlarmKind;
-use crate::fleet::{Fleet, Input, Ledger, Step};
+use crate::fleet::{Fleet, Input, Ledger, Step, Token};
 use crate::id::RobotId;
-use crate::sim::FIRST_TOKEN;
 use crate::time::{Span, Time};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -60,7 +60,7 @@ pub fn drivers(inputs: &[Input]) -> impl Iterator<Item = RobotId> {
 /// What was asked from outside in a step: had it ended in a panic, nothing of it would have happened.
 pub struct Asked {
     /// Tokens of all else that was asked.
-    pub tokens: Vec<u64>,
+    pub tokens: Vec<Token>,
     /// Stops and releases, which are asked again.
     pub by_hand: Vec<Input>,
 }
@@ -70,20 +70,19 @@ impl Asked {
     pub fn of(inputs: &[Input]) -> Asked {
         let mut asked = Asked { tokens: Vec::new(), by_hand: Vec::new() };
         for input in inputs {
-            match input.token().filter(|token| *token < FIRST_TOKEN) {
-                Some(_) if matches!(input, Input::Halt { .. } | Input::Release { .. }) => {
-                    asked.by_hand.push(input.clone());
-                }
-                Some(token) => asked.tokens.push(token),
-                None => {}
+            let Some(token) = token_of_client(input) else { continue };
+            if matches!(input, Input::Ask { request, .. } if request.is_by_hand()) {
+                asked.by_hand.push(input.clone());
+            } else {
+                asked.tokens.push(token);
             }
         }
         asked
     }
 
     /// Tokens of all of it.
-    pub fn all(&self) -> Vec<u64> {
-        self.tokens.iter().copied().chain(self.by_hand.iter().filter_map(Input::token)).collect()
+    pub fn all(&self) -> Vec<Token> {
+        self.tokens.iter().copied().chain(self.by_hand.iter().filter_map(token_of_client)).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 //! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what any client
 //! may read over the API.
 
-use super::customers::FIRST_TOKEN;
+use super::askers::CREW;
 use super::entrance::entrance;
 use super::link::{Link, LinkFaults};
 use super::pairs::{Pairs, next_to};
@@ -16,6 +16,7 @@ use super::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurround
 use super::walker::{WorkKnowledge, ease};
 use crate::fleet::{
     Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceReason, GuidanceState, Input,
+    Token, WorkerAction,
 };
 use crate::geometry::{Point, Pose};
 use crate::id::{AssignmentId, NodeId, WorkerId};
@@ -25,8 +26,6 @@ use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Requests for workers carry tokens from here on.
-const WORKER_TOKEN: u64 = FIRST_TOKEN | 1 << 62;
 /// So many assignments of a worker are always open.
 const AHEAD: u64 = 2;
 /// Purpose of the streams that draw where each works, see [`Stream::new`].
@@ -83,7 +82,7 @@ pub(super) struct Crew {
     seed: u64,
     /// When the scenario began: its times count from here.
     start: Time,
-    tokens: u64,
+    asked: u64,
     members: Vec<Member>,
     pairs: Pairs,
     shared: SharedTasks,
@@ -134,7 +133,7 @@ impl Crew {
             places,
             seed,
             start: now,
-            tokens: 0,
+            asked: 0,
             members,
             pairs,
             shared: SharedTasks::new(seed),
@@ -148,7 +147,7 @@ impl Crew {
         self.share(now, fleet, &mut inputs);
         for i in 0..self.members.len() {
             self.join(i, fleet, &mut inputs);
-            self.ask(i, now, fleet, &mut inputs);
+            self.want_assignments(i, now, fleet, &mut inputs);
             self.confirm(i, now, fleet, &mut inputs);
             self.members[i].look_up(fleet, &self.doors, &self.walkways);
             let member = &mut self.members[i];
@@ -165,15 +164,15 @@ impl Crew {
                 add(&mut self.counts, device.counts());
                 member.tag = None;
                 let by = self.members[i].name.clone();
-                inputs.push(Input::ClearWorker { token: self.token(), worker, by });
+                inputs.push(self.ask(WorkerAction::Clear { worker, by }));
             }
         }
         inputs
     }
 
-    fn token(&mut self) -> u64 {
-        self.tokens += 1;
-        WORKER_TOKEN + self.tokens
+    fn ask(&mut self, action: WorkerAction) -> Input {
+        self.asked += 1;
+        Input::ask(Token { asker: CREW, number: self.asked }, action)
     }
 
     /// A worker whom the fleet does not know joins; the number is known a step later.
@@ -188,7 +187,7 @@ impl Crew {
                 self.members[i].enters = self.start;
             }
             if known.is_none() {
-                inputs.push(Input::RegisterWorker { token: self.token(), name });
+                inputs.push(self.ask(WorkerAction::Register(name)));
             }
         }
     }
@@ -201,25 +200,23 @@ impl Crew {
         let (begins, ends) = (self.members[0].enters, self.members[0].leaves);
         if now >= ends {
             let left: Vec<AssignmentId> = unassigned(fleet).collect();
-            let back = |assignment| Input::Unassign { token: self.token(), assignment };
+            let back = |assignment| self.ask(WorkerAction::Unassign(assignment));
             inputs.extend(left.into_iter().map(back));
         } else if now >= begins {
             let (count, what) = (self.members.len(), &self.workers.assignments);
             let new = self.shared.ask(count, what, &self.fronts, fleet);
-            let ask = |request| Input::Assign { token: self.token(), worker: None, request };
+            let ask = |request| self.ask(WorkerAction::Assign { worker: None, request });
             inputs.extend(new.into_iter().map(ask));
         }
     }
 
     /// Keeps assignments open for a worker until it leaves, and takes them back then.
-    fn ask(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
+    fn want_assignments(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
         let Some(worker) = self.members[i].id else { return };
         if now >= self.members[i].leaves {
             let open = fleet.ledger().assignments.iter().filter(|(_, a)| a.worker == Some(worker));
             let open: Vec<AssignmentId> = open.map(|(id, _)| *id).collect();
-            inputs.extend(
-                open.into_iter().map(|assignment| Input::Unassign { token: self.token(), assignment }),
-            );
+            inputs.extend(open.into_iter().map(|assignment| self.ask(WorkerAction::Unassign(assignment))));
             return;
         }
         let stay_s = match self.workers.assignments {
@@ -248,7 +245,7 @@ impl Crew {
             let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
             let stay = Span::from_secs_f64(stay_s);
             let request = AssignmentRequest { place, stay, what: "pick".into(), key: key.map(Into::into) };
-            inputs.push(Input::Assign { token: self.token(), worker: Some(worker), request });
+            inputs.push(self.ask(WorkerAction::Assign { worker: Some(worker), request }));
         }
     }
 
@@ -262,7 +259,7 @@ impl Crew {
             member.button.send(now, id);
         }
         if let Some(assignment) = member.button.receive(now).filter(open) {
-            inputs.push(Input::Finish { token: self.token(), worker, assignment });
+            inputs.push(self.ask(WorkerAction::Finish(worker, assignment)));
         }
     }
 
@@ -508,7 +505,7 @@ fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::Settings;
+    use crate::fleet::{Request, Settings};
     use crate::geometry::Vector;
     use crate::human::Presence;
     use crate::sim::scenario::Sensor;
@@ -553,7 +550,10 @@ mod tests {
         let mut done = |crew: &mut Crew| {
             now += Span::from_millis(100);
             let inputs = crew.say(now, &fleet);
-            asked += inputs.iter().filter(|i| matches!(i, Input::Finish { .. })).count();
+            let says_so = |i: &&Input| {
+                matches!(i, Input::Ask { request: Request::Worker(WorkerAction::Finish(..)), .. })
+            };
+            asked += inputs.iter().filter(says_so).count();
             fleet.step(now, inputs);
             let open: Vec<AssignmentId> = fleet.ledger().assignments.keys().copied().collect();
             (fleet.ledger().counts.human_deliveries, open, asked)

@@ -3,15 +3,15 @@
 //! Main type: [`Leavers`]. Refuses: to take one away that the fleet has not let go to where it rests, unless it is
 //! broken.
 
-use super::customers::FIRST_TOKEN;
+use super::askers::ROBOTS;
 use super::random::Stream;
-use crate::fleet::{Fleet, Input, Service, Task};
+use crate::fleet::{Fleet, Input, RobotAction, Service, Task, Token};
 use crate::id::{NodeId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
 
-/// Requests about robots that leave and come back carry this token.
-const TOKEN: u64 = FIRST_TOKEN | 1 << 60;
+/// The token of requests about robots that leave and come back.
+const TOKEN: Token = Token { asker: ROBOTS, number: 0 };
 /// Where there is no room for a robot that comes back, another place is tried after this.
 const AGAIN: Span = Span::from_secs(5);
 
@@ -40,7 +40,7 @@ impl Leavers {
         let hours = period.as_secs_f64() / 3600.0;
         if !stopped && !robots.is_empty() && self.random.happens(self.per_hour * hours) {
             let robot = RobotId(self.random.below(robots.len()) as u32);
-            return Some(Input::Retire { token: TOKEN, robot });
+            return Some(Input::ask(TOKEN, RobotAction::Retire(robot)));
         }
         if now < self.next_try {
             return None;
@@ -53,7 +53,8 @@ impl Leavers {
         let places: Vec<NodeId> =
             w.nodes_where(NodeKind::is_lasting).into_iter().filter(|n| w.may_be_at(body, *n)).collect();
         let node = places[self.random.below(places.len())];
-        Some(Input::Register { token: TOKEN, name: record.name.clone(), kind: record.kind.clone(), node })
+        let (name, kind) = (record.name.clone(), record.kind.clone());
+        Some(Input::ask(TOKEN, RobotAction::Register { name, kind, node }))
     }
 }
 

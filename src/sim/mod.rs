@@ -7,8 +7,8 @@
 
 mod announce;
 pub mod arm;
-mod arm_row;
 pub mod arms;
+mod askers;
 mod beside;
 mod beside_log;
 mod consistency;
@@ -19,8 +19,6 @@ mod digest;
 pub mod encounter;
 mod entrance;
 mod guard;
-mod hand_row;
-mod job_line;
 pub mod laws;
 mod leavers;
 mod link;
@@ -33,7 +31,6 @@ pub mod recording;
 pub mod replay;
 mod robot;
 pub mod run;
-mod said_row;
 mod scenario;
 mod sensor;
 mod shared_tasks;
@@ -46,7 +43,7 @@ mod warm_up;
 mod world;
 
 pub use consistency::{Consistency, NeesFigures};
-pub use customers::{FIRST_TOKEN, OrderFileLine, nothing_to_order};
+pub use customers::{OrderFileLine, nothing_to_order};
 pub use digest::Digest;
 pub use laws::{CalmFigures, Violation};
 pub use run::{JobTally, Outcome, People, Simulation};

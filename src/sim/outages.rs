@@ -3,16 +3,16 @@
 //! Main type: [`Outages`]. A stop of a station and its end are said to the fleet as operators say them. Of a
 //! charger the fleet hears from the robot on it alone. Refuses: to draw a number where a scenario has no such faults.
 
-use super::customers::FIRST_TOKEN;
+use super::askers::OUTAGES;
 use super::random::Stream;
 use super::scenario::Faults;
-use crate::fleet::{Input, StationOrder};
+use crate::fleet::{Input, Request, StationOrder, Token};
 use crate::id::{NodeId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
 
-/// Requests about stations that stop carry this token.
-const TOKEN: u64 = FIRST_TOKEN | 1 << 59;
+/// The token of requests about stations that stop.
+const TOKEN: Token = Token { asker: OUTAGES, number: 0 };
 /// Purposes of the streams of random numbers.
 const CHARGERS: u64 = 10;
 const STATIONS: u64 = 11;
@@ -68,7 +68,7 @@ impl Outages {
             let begins = stopped.look(to, stations, self.lasts);
             self.counts[1] += u64::from(begins == Some(true));
             let order = |begins| if begins { StationOrder::Pause } else { StationOrder::Resume };
-            said.extend(begins.map(|b| Input::Station { token: TOKEN, station, order: order(b) }));
+            said.extend(begins.map(|b| Input::ask(TOKEN, Request::Station(station, order(b)))));
         }
         said
     }

@@ -3,7 +3,7 @@
 mod people;
 
 use super::*;
-use crate::fleet::{Charging, Fact, Fault, Input, JobKind, JobRequest};
+use crate::fleet::{Charging, Fact, Fault, Input, JobAction, JobKind, JobRequest};
 use crate::geometry::Point;
 use crate::id::RobotId;
 use crate::route::Kinematics;
@@ -94,7 +94,7 @@ fn a_robot_gets_no_current_from_a_charger_that_is_out_of_order_and_says_so_while
     let before = seen(&sim).battery;
     let away = sim.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
     let request = JobRequest::new(JobKind::Go { robot, node: away });
-    let go = Input::Submit { token: 1, request };
+    let go = Input::ask(1, JobAction::Submit(request));
     sim.fleet.step(sim.now(), vec![go]);
     while sim.world.node_of(robot) == Some(charger) {
         sim.step();

@@ -7,12 +7,14 @@ mod handover;
 mod incidents;
 mod motion_before;
 mod passing;
+mod starting;
 
 use super::announce::Announcements;
 use super::arms::SimArms;
+use super::askers::ROBOTS;
 use super::beside_log::BesideLog;
 use super::crew::{Crew, TrueWorker};
-use super::customers::{Customers, FIRST_TOKEN, OrderFileLine};
+use super::customers::{Customers, OrderFileLine};
 use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
 use super::leavers::{Leavers, may_be_taken};
 use super::link::{Link, LinkCounts, LinkFaults};
@@ -24,19 +26,21 @@ use super::robot::RobotBody;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
 use crate::fleet::{
-    Command, Fault, Fleet, Guidance, Input, RackAt, Reply, Service, Telemetry, most_dangerous,
+    Command, Fault, Fleet, Guidance, Input, RackAt, Reply, RobotAction, Service, Telemetry, Token,
+    most_dangerous,
 };
 use crate::geometry::Point;
-use crate::id::{BodyId, Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
+use crate::id::{Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::route::Kinematics;
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
 use motion_before::MotionBefore;
+pub use starting::starting_places;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Robots of the scenario join with this token.
-const JOINS: u64 = FIRST_TOKEN | 1 << 60;
+const JOINS: Token = Token { asker: ROBOTS, number: 0 };
 /// Robots and people live side by side in steps of this length at most.
 const TICK: Span = Span::from_millis(20);
 
@@ -180,7 +184,7 @@ impl World {
     pub fn advance(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
         self.meet(fleet);
         let mut inputs = self.customers.order(now, now - self.now, fleet);
-        let join = |(name, kind, node)| Input::Register { token: JOINS, name, kind, node };
+        let join = |(name, kind, node)| Input::ask(JOINS, RobotAction::Register { name, kind, node });
         inputs.extend(self.joining.drain(..).map(join));
         inputs.extend(self.announcements.say(now));
         inputs.extend(self.leavers.say(now, now - self.now, self.customers.have_stopped(), fleet));
@@ -341,7 +345,7 @@ impl World {
     /// Hands over answers to customers.
     pub fn answer(&mut self, now: Time, replies: &[Reply]) {
         for reply in replies {
-            if let Reply::Refused { token: JOINS, why } = reply {
+            if let Reply { token: JOINS, answer: Err(why) } = reply {
                 tracing::warn!(?why, "a robot of the scenario cannot join");
             }
             self.customers.hear(reply, now);
@@ -580,20 +584,4 @@ impl SimRobot {
             self.push_on = Some(to + Span::from_secs_f64(faults.repair_s / 2.0));
         }
     }
-}
-
-/// Where robots stand at first: chargers, parking places, then beneath racks, spread over the floor.
-pub fn starting_places(warehouse: &Warehouse, robots: usize, body: impl Fn(usize) -> BodyId) -> Vec<NodeId> {
-    let mut places = warehouse.nodes_where(|k| k == NodeKind::Charger);
-    places.extend(warehouse.nodes_where(|k| k == NodeKind::Parking));
-    let storage = warehouse.nodes_where(|k| k == NodeKind::Storage);
-    let wanted = robots.saturating_sub(places.len());
-    let step = (storage.len() / wanted.max(1)).max(1);
-    places.extend(storage.iter().copied().step_by(step));
-    let mut found = Vec::new();
-    for robot in 0..robots {
-        let first = places.iter().position(|n| warehouse.may_be_at(body(robot), *n));
-        found.extend(first.map(|at| places.remove(at)));
-    }
-    found
 }

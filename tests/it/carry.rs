@@ -3,7 +3,7 @@
 use crate::helper::{Folder, SCENARIO, all_jobs, config, get, map, post};
 use crate::journal::{commits, log_of};
 use crate::run::{Keeper, Run, nothing};
-use giveway::fleet::{Input, JobKind, JobQuery, JobRequest, JobState, Ledger};
+use giveway::fleet::{Input, JobAction, JobKind, JobQuery, JobRequest, JobState, Ledger};
 use giveway::id::{JobId, NodeId, RackId, RobotId};
 use giveway::server::{Server, SimulatedFloor};
 use giveway::sim::Scenario;
@@ -275,7 +275,7 @@ async fn work(folder: &Folder, map: &Arc<Warehouse>, steps: usize, every: usize)
         let request = JobRequest { priority: 1, ..JobRequest::new(kind) };
         let wanted = [500, 900].contains(&step);
         let (entry, _) =
-            run.step(wanted.then_some(Input::Submit { token: 1, request }).into_iter().collect());
+            run.step(wanted.then_some(Input::ask(1, JobAction::Submit(request))).into_iter().collect());
         if !entry.facts.is_empty() {
             keeper.append(std::slice::from_ref(&entry)).await;
             if keeper.next % every as i64 == 0 {

@@ -6,7 +6,8 @@
 use crate::helper::{Folder, map};
 use crate::run::{Keeper, Run, deliver, nothing};
 use giveway::fleet::{
-    AssignmentQuery, AssignmentRequest, Binds, Closure, Fleet, Input, JobKind, JobQuery, JobRequest, Reply,
+    Answer, AssignmentQuery, AssignmentRequest, Binds, Closure, Fleet, FloorAction, Input, JobAction,
+    JobKind, JobQuery, JobRequest, Made, Reply, WorkerAction,
 };
 use giveway::geometry::Spot;
 use giveway::id::{ClosureId, JobId, RackId, RobotId, WorkerId};
@@ -43,19 +44,18 @@ fn wishes(step: usize) -> Vec<Input> {
     let waits = |key: &str| JobRequest { after: vec![JobId(1)], ..deliver(2, Some(key)) };
     let moved = JobKind::Return { rack: RackId(4) };
     match step {
-        1 => vec![Input::Submit { token: 1, request: deliver(1, Some("first")) }],
-        2 => vec![Input::Submit { token: 2, request: JobRequest { kind: moved, ..waits("second") } }],
-        3 => vec![Input::RegisterWorker { token: 3, name: "anna".into() }],
-        4 => vec![Input::Assign { token: 4, worker: Some(WorkerId(0)), request }],
-        5 => vec![Input::Close { token: 5, area: area.clone() }, Input::Close { token: 6, area }],
-        6 => vec![Input::Reopen { token: 7, closure: ClosureId(1) }],
-        7 => vec![Input::Cancel { token: 8, job: JobId(2) }],
-        700 => vec![Input::Submit { token: 9, request: deliver(3, Some("third")) }],
-        701 => vec![Input::Submit {
-            token: 10,
-            request: JobRequest { after: vec![JobId(3)], ..waits("fourth") },
-        }],
-        900 => vec![Input::Halt { token: 11, robot: Some(RobotId(1)) }],
+        1 => vec![Input::ask(1, JobAction::Submit(deliver(1, Some("first"))))],
+        2 => vec![Input::ask(2, JobAction::Submit(JobRequest { kind: moved, ..waits("second") }))],
+        3 => vec![Input::ask(3, WorkerAction::Register("anna".into()))],
+        4 => vec![Input::ask(4, WorkerAction::Assign { worker: Some(WorkerId(0)), request })],
+        5 => vec![Input::ask(5, FloorAction::Close(area.clone())), Input::ask(6, FloorAction::Close(area))],
+        6 => vec![Input::ask(7, FloorAction::Reopen(ClosureId(1)))],
+        7 => vec![Input::ask(8, JobAction::Cancel(JobId(2)))],
+        700 => vec![Input::ask(9, JobAction::Submit(deliver(3, Some("third"))))],
+        701 => {
+            vec![Input::ask(10, JobAction::Submit(JobRequest { after: vec![JobId(3)], ..waits("fourth") }))]
+        }
+        900 => vec![Input::ask(11, FloorAction::Halt(Some(RobotId(1))))],
         _ => vec![],
     }
 }
@@ -121,11 +121,12 @@ async fn a_database_of_an_earlier_build_opens_and_what_it_promised_is_kept() {
     assert_eq!(promised(&store, &run.fleet).await, expected);
     let open: Vec<JobId> = run.fleet.ledger().jobs.keys().copied().collect();
     assert_eq!(open, [JobId(3), JobId(4)], "one at work and one that waits for it");
-    let resume = Input::Release { token: 1, robot: Some(RobotId(1)) };
-    let again = Input::Submit { token: 2, request: deliver(1, Some("first")) };
+    let resume = Input::ask(1, FloorAction::Release(Some(RobotId(1))));
+    let again = Input::ask(2, JobAction::Submit(deliver(1, Some("first"))));
     let (_, step) = run.step(vec![resume, again]);
     assert!(
-        step.replies.contains(&Reply::Accepted { token: 2, job: JobId(1), new: false }),
+        step.replies
+            .contains(&Reply { token: 2.into(), answer: Ok(Answer::Job(Made { id: JobId(1), new: false })) }),
         "{:?}",
         step.replies
     );

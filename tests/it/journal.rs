@@ -2,7 +2,10 @@
 
 use crate::helper::{Folder, map};
 use crate::run::{Keeper, Run, deliver, nothing};
-use giveway::fleet::{Encounter, EncounterQuery, Fact, Fleet, Input, JobQuery, JobState, Reaction, Reply};
+use giveway::fleet::{
+    Answer, Encounter, EncounterQuery, Fact, Fleet, Input, JobAction, JobQuery, JobState, Made, Reaction,
+    Reply,
+};
 use giveway::geometry::Spot;
 use giveway::id::{JobId, RobotId, WorkerId};
 use giveway::sim::{Scenario, Simulation};
@@ -83,7 +86,8 @@ async fn work(map: &Arc<Warehouse>, scenario: &Scenario, seconds: i64) -> Past {
     while run.now < end {
         count += 1;
         let request = deliver(count % 7, Some(&format!("key {count}")));
-        let extra = if count.is_multiple_of(50) { vec![Input::Submit { token: 1, request }] } else { vec![] };
+        let extra =
+            if count.is_multiple_of(50) { vec![Input::ask(1, JobAction::Submit(request))] } else { vec![] };
         let (entry, step) = run.step(extra);
         answers.extend(step.replies);
         if !entry.facts.is_empty() {
@@ -95,7 +99,7 @@ async fn work(map: &Arc<Warehouse>, scenario: &Scenario, seconds: i64) -> Past {
             next += steps.len() as i64;
             steps.clear();
             known.extend(answers.drain(..).filter_map(|reply| match reply {
-                Reply::Accepted { job, .. } => Some(job),
+                Reply { answer: Ok(Answer::Job(Made { id: job, .. })), .. } => Some(job),
                 _ => None,
             }));
             let length = std::fs::metadata(log_of(&folder.database())).unwrap().len() as usize;

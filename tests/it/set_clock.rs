@@ -3,7 +3,7 @@
 
 use crate::helper::{Folder, SCENARIO, floor, get, post, start};
 use crate::run::{Keeper, Run, deliver, nothing};
-use giveway::fleet::{Fleet, Input};
+use giveway::fleet::{Fleet, Input, JobAction};
 use giveway::store::Store;
 use giveway::time::{Span, Time};
 use serde_json::{Value, json};
@@ -20,7 +20,7 @@ async fn tomorrow(folder: &Folder) {
     for i in 0..100_u32 {
         let token = u64::from(i) + 1;
         let extra = match i {
-            5..8 => vec![Input::Submit { token, request: deliver(i, Some(&format!("k{i}"))) }],
+            5..8 => vec![Input::ask(token, JobAction::Submit(deliver(i, Some(&format!("k{i}")))))],
             _ => vec![],
         };
         let (entry, _) = run.step(extra);

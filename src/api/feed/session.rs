@@ -17,11 +17,9 @@ use crate::api::called::Called;
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
 use crate::api::guidance::{GuidanceContext, GuidanceDto, GuidanceKey, PoseRefDto, guidance};
-use crate::api::port::What;
-use crate::api::refusal::refused;
 use crate::api::text::{assignment_name, parse_assignment, worker_name};
 use crate::api::{Api, dto::Names};
-use crate::fleet::{GuidanceState, Reply};
+use crate::fleet::{Ask, GuidanceState};
 use crate::id::{AssignmentId, WorkerId};
 use crate::time::{Span, Time};
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
@@ -317,7 +315,7 @@ impl Session<'_> {
             HeadsetMessage::Bye => {
                 // Poses do not wait for the journal, nor does this. A refusal changes nothing: the silence will say it.
                 let (api, worker) = (self.api.clone(), self.worker);
-                tokio::spawn(async move { api.ask(What::SignOff(worker)).await });
+                tokio::spawn(async move { api.ask(Ask::sign_off(worker)).await });
                 Err(SessionEnd::Bye(1000, "goodbye".into()))
             }
             HeadsetMessage::Ack { version } => {
@@ -338,12 +336,7 @@ impl Session<'_> {
         }
         let (api, worker) = (self.api.clone(), self.worker);
         self.reports.spawn(async move {
-            let problem = match api.ask(What::Finish(worker, id)).await {
-                Ok(Reply::Done { .. }) => None,
-                Ok(Reply::Refused { why, .. }) => Some(refused(&api.map, why)),
-                Ok(_) => Some(Problem::internal()),
-                Err(problem) => Some(problem),
-            };
+            let problem = api.ask(Ask::finish(worker, id)).await.err();
             (id, problem.map(|p| p.detail))
         });
         Ok(())

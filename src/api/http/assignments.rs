@@ -12,11 +12,9 @@ use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_end, read_time};
 use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
-use crate::api::port::What;
-use crate::api::refusal::refused;
 use crate::api::text::{assignment_name, parse_assignment, worker_name};
 use crate::api::words::AssignmentStateDto;
-use crate::fleet::{AssignmentQuery, AssignmentRequest, AssignmentRow, Reply};
+use crate::fleet::{Ask, AssignmentQuery, AssignmentRequest, AssignmentRow, Made};
 use crate::id::{AssignmentId, WorkerId};
 use crate::time::Span;
 use axum::Json;
@@ -187,11 +185,7 @@ async fn hand_in(
     worker: Option<WorkerId>,
     request: AssignmentRequest,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
-    let (id, new) = match api.ask(What::Assign(worker, request.clone())).await? {
-        Reply::Assigned { assignment, new, .. } => (assignment, new),
-        Reply::Refused { why, .. } => return Err(refused(&api.map, why)),
-        _ => return Err(Problem::internal()),
-    };
+    let Made { id, new } = api.ask(Ask::assign(worker, request.clone())).await?;
     let record = read(api, id).await?;
     // The list does not say whose key it is.
     let known = AssignmentRequest { key: request.key.clone(), ..record.assignment.request.clone() };
@@ -222,7 +216,7 @@ async fn hand_in(
 pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let id = parse_id(&id)?;
     read(&api, id).await?;
-    end(&api, id, What::Unassign(id)).await
+    end(&api, id, Ask::unassign(id)).await
 }
 
 /// Report that the worker has finished an assignment, wherever the worker was seen. Headsets report it over the feed.
@@ -242,16 +236,13 @@ pub async fn finish(Called(api): Called, PathPart(id): PathPart) -> Result<Json<
         let title = "Nobody has the assignment yet";
         return Err(Problem::new(StatusCode::CONFLICT, "assignment-waits", title, detail));
     };
-    end(&api, id, What::Finish(worker, id)).await
+    end(&api, id, Ask::finish(worker, id)).await
 }
 
 /// Ends an assignment one way or the other.
-async fn end(api: &Api, id: AssignmentId, how: What) -> Result<Json<AssignmentDto>, Problem> {
-    match api.ask(how).await? {
-        Reply::Done { .. } => Ok(Json(dto(api, &read(api, id).await?))),
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Err(Problem::internal()),
-    }
+async fn end(api: &Api, id: AssignmentId, how: Ask<()>) -> Result<Json<AssignmentDto>, Problem> {
+    api.ask(how).await?;
+    Ok(Json(dto(api, &read(api, id).await?)))
 }
 
 /// What a list is limited to; complains about words, names and times that are none.

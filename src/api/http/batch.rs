@@ -9,10 +9,9 @@ use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{IdempotencyKey, JsonBody};
-use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::job_name;
-use crate::fleet::{JobRequest, Refusal, Reply};
+use crate::fleet::{Ask, JobRequest, JobTaken, Made};
 use crate::id::JobId;
 use axum::Json;
 use axum::http::StatusCode;
@@ -93,7 +92,7 @@ pub async fn submit(
     let rows: Vec<_> =
         new.jobs.into_iter().enumerate().map(|(i, row)| read_row(&api, row, i, &key)).collect();
     let requests: Vec<JobRequest> = rows.iter().filter_map(|row| row.as_ref().ok().cloned()).collect();
-    let taken = if requests.is_empty() { Vec::new() } else { ask(&api, requests).await? };
+    let taken = if requests.is_empty() { Vec::new() } else { api.ask(Ask::submit_batch(requests)).await? };
     let mut taken = taken.into_iter();
     let mut results = Vec::with_capacity(rows.len());
     for row in rows {
@@ -102,7 +101,7 @@ pub async fn submit(
             Err(problem) => Err(problem),
         };
         results.push(match outcome {
-            Ok((job, new)) => BatchResult { id: Some(job_name(job)), new, problem: None },
+            Ok(Made { id, new }) => BatchResult { id: Some(job_name(id)), new, problem: None },
             Err(problem) => BatchResult { id: None, new: false, problem: Some(problem) },
         });
     }
@@ -138,22 +137,11 @@ fn read_row(api: &Api, row: Value, i: usize, key: &Option<String>) -> Result<Job
     Ok(JobRequest { key, ..row.job.read(&api.map, &api.moment())? })
 }
 
-async fn ask(api: &Api, requests: Vec<JobRequest>) -> Result<Vec<Result<(JobId, bool), Refusal>>, Problem> {
-    match api.ask(What::SubmitBatch(requests)).await? {
-        Reply::BatchTaken { results, .. } => Ok(results),
-        _ => Err(Problem::internal()),
-    }
-}
-
 /// A job that is not new must be the one that this key was given for.
-async fn finish(
-    api: &Api,
-    request: JobRequest,
-    taken: Result<(JobId, bool), Refusal>,
-) -> Result<(JobId, bool), Problem> {
-    let (job, new) = taken.map_err(|why| refused(&api.map, why))?;
-    if !new {
-        check_same(&read(api, job).await?, request)?;
+async fn finish(api: &Api, request: JobRequest, taken: JobTaken) -> Result<Made<JobId>, Problem> {
+    let taken = taken.map_err(|why| refused(&api.map, why))?;
+    if !taken.new {
+        check_same(&read(api, taken.id).await?, request)?;
     }
-    Ok((job, new))
+    Ok(taken)
 }

@@ -3,6 +3,7 @@
 //! Main type: [`NewClosure`]. Refuses: areas of nothing, and times that are over.
 
 use super::closing::{ClosingEffectDto, effect_of};
+use super::halt::done;
 use super::lists::{Paging, is_wanted, page, read_words, refuse_wrong};
 use super::new_job::unknown;
 use super::recurring::NewRecurrence;
@@ -12,12 +13,11 @@ use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart, read_end, read_time};
 use crate::api::people::{ClosureDto, CoveredDto, RecurringClosureDto};
-use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{closure_name, parse_closure, parse_series, series_name};
 use crate::api::words::{BindsDto, ClosureStateDto};
 use crate::aware::check_area;
-use crate::fleet::{Binds, Closure, Recurrence, RecurringClosure, Refusal, Reply};
+use crate::fleet::{Ask, Binds, Closure, Recurrence, RecurringClosure, Refusal};
 use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId, SeriesId};
 use crate::time::{Time, Window};
@@ -184,21 +184,13 @@ pub async fn close(
         let series = RecurringClosure::new(area, recurrence).not_before(earliest);
         return recur(&api, series, effect).await;
     }
-    match api.ask(What::Close(area.clone())).await? {
-        Reply::Closed { closure, .. } => {
-            let moment = api.moment();
-            let names = Names { map: &api.map, view: &moment.view };
-            let ClosedAreaDto { closed, covered } = once(names, closure, &area, (api.now)());
-            let place = format!("/v1/closures/{}", closure_name(closure));
-            Ok((
-                StatusCode::CREATED,
-                [(header::LOCATION, place)],
-                Json(JustClosedDto::Once(JustClosedAreaDto { closed, covered, effect })),
-            ))
-        }
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Err(Problem::internal()),
-    }
+    let closure = api.ask(Ask::close(area.clone())).await?;
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    let ClosedAreaDto { closed, covered } = once(names, closure, &area, (api.now)());
+    let place = format!("/v1/closures/{}", closure_name(closure));
+    let just_closed = JustClosedDto::Once(JustClosedAreaDto { closed, covered, effect });
+    Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(just_closed)))
 }
 
 /// What closing an area would do as things stand: which stations and racks it would cut off, which robots it would
@@ -223,21 +215,13 @@ async fn recur(
     closure: RecurringClosure,
     effect: ClosingEffectDto,
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JustClosedDto>), Problem> {
-    match api.ask(What::Recur(closure.clone())).await? {
-        Reply::Recurs { series, .. } => {
-            let moment = api.moment();
-            let names = Names { map: &api.map, view: &moment.view };
-            let ClosedAreaDto { closed, covered } = recurring(names, series, &closure, (api.now)());
-            let place = format!("/v1/closures/{}", series_name(series));
-            Ok((
-                StatusCode::CREATED,
-                [(header::LOCATION, place)],
-                Json(JustClosedDto::Recurring(JustClosedAreaDto { closed, covered, effect })),
-            ))
-        }
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Err(Problem::internal()),
-    }
+    let series = api.ask(Ask::recur(closure.clone())).await?;
+    let moment = api.moment();
+    let names = Names { map: &api.map, view: &moment.view };
+    let ClosedAreaDto { closed, covered } = recurring(names, series, &closure, (api.now)());
+    let place = format!("/v1/closures/{}", series_name(series));
+    let just_closed = JustClosedDto::Recurring(JustClosedAreaDto { closed, covered, effect });
+    Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(just_closed)))
 }
 
 /// One closed area, or one that is closed again and again.
@@ -283,15 +267,11 @@ fn recurring(
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn reopen(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    let what = match parse_id(&id)? {
-        ClosedId::Once(id) => What::Reopen(id),
-        ClosedId::Recurring(series) => What::EndSeries(series),
+    let open = match parse_id(&id)? {
+        ClosedId::Once(id) => Ask::reopen(id),
+        ClosedId::Recurring(series) => Ask::end_series(series),
     };
-    match api.ask(what).await? {
-        Reply::Done { .. } => Ok(StatusCode::NO_CONTENT),
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Err(Problem::internal()),
-    }
+    done(&api, open).await
 }
 
 fn parse_id(text: &str) -> Result<ClosedId, Problem> {

@@ -5,8 +5,8 @@
 use super::halt::done;
 use crate::api::called::Called;
 use crate::api::error::Problem;
-use crate::api::port::What;
 use crate::api::text::time_text;
+use crate::fleet::Ask;
 use crate::fleet::{GuidanceReason, Presence, WorkerView};
 use crate::id::{Dense, WorkerId};
 use axum::Json;
@@ -47,7 +47,7 @@ pub async fn get(Called(api): Called) -> Json<EvacuationDto> {
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn begin(Called(api): Called) -> Result<StatusCode, Problem> {
-    done(&api, What::Evacuate).await
+    done(&api, Ask::evacuate()).await
 }
 
 /// End the evacuation. Robots go on with what they carry, jobs that wait begin, and workers go on with their
@@ -57,5 +57,5 @@ pub async fn begin(Called(api): Called) -> Result<StatusCode, Problem> {
     (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn end(Called(api): Called) -> Result<StatusCode, Problem> {
-    done(&api, What::EndEvacuation).await
+    done(&api, Ask::end_evacuation()).await
 }

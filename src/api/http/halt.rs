@@ -8,10 +8,8 @@ use crate::api::called::Called;
 use crate::api::dto::Names;
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
-use crate::api::port::What;
-use crate::api::refusal::refused;
 use crate::api::text::time_text;
-use crate::fleet::{Reply, Why};
+use crate::fleet::{Ask, Why};
 use crate::id::{Dense, RobotId};
 use axum::Json;
 use axum::http::StatusCode;
@@ -51,7 +49,7 @@ pub async fn fleet(Called(api): Called) -> Json<FleetDto> {
     (status = 503, description = "They were told, but that is not durable yet", body = Problem,
      content_type = "application/problem+json")))]
 pub async fn stop(Called(api): Called) -> Result<StatusCode, Problem> {
-    done(&api, What::Halt(None)).await
+    done(&api, Ask::halt(None)).await
 }
 
 /// Resume the fleet. Robots that were paused individually stay paused.
@@ -59,7 +57,7 @@ pub async fn stop(Called(api): Called) -> Result<StatusCode, Problem> {
     (status = 204, description = "Robots go on"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn resume(Called(api): Called) -> Result<StatusCode, Problem> {
-    done(&api, What::Release(None)).await
+    done(&api, Ask::release(None)).await
 }
 
 /// Pause one robot. It stands where it is, keeps what it holds, and gets no job; robots behind it wait.
@@ -70,7 +68,7 @@ pub async fn resume(Called(api): Called) -> Result<StatusCode, Problem> {
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let robot = parse_robot(&api, &id)?;
-    done(&api, What::Halt(Some(robot))).await
+    done(&api, Ask::halt(Some(robot))).await
 }
 
 /// Resume a robot that is paused, or that was fenced off because the facts about it contradicted one another.
@@ -81,13 +79,11 @@ pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<Status
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn go_on(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let robot = parse_robot(&api, &id)?;
-    done(&api, What::Release(Some(robot))).await
+    done(&api, Ask::release(Some(robot))).await
 }
 
 /// Asks for what is answered with 204 or a refusal.
-pub(super) async fn done(api: &Api, what: What) -> Result<StatusCode, Problem> {
-    match api.ask(what).await? {
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Ok(StatusCode::NO_CONTENT),
-    }
+pub(super) async fn done(api: &Api, ask: Ask<()>) -> Result<StatusCode, Problem> {
+    api.ask(ask).await?;
+    Ok(StatusCode::NO_CONTENT)
 }

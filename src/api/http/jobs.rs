@@ -10,11 +10,9 @@ use crate::api::called::Called;
 use crate::api::dto::{JobDto, Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_end, read_time};
-use crate::api::port::What;
-use crate::api::refusal::refused;
 use crate::api::text::{job_name, parse_job_name};
 use crate::api::words::JobStateDto;
-use crate::fleet::{JOB_STATES, JobChange, JobQuery, JobRequest, JobRow, Listed, Reply};
+use crate::fleet::{Ask, JOB_STATES, JobChange, JobQuery, JobRequest, JobRow, Listed, Made};
 use crate::id::JobId;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
@@ -149,12 +147,7 @@ pub async fn submit(
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<JobDto>), Problem> {
     let key = key.map(|text| api.caller.client_key(text));
     let request = JobRequest { key, ..new.read(&api.map, &api.moment())? };
-    let reply = api.ask(What::Submit(request.clone())).await?;
-    let (job, new) = match reply {
-        Reply::Accepted { job, new, .. } => (job, new),
-        Reply::Refused { why, .. } => return Err(refused(&api.map, why)),
-        _ => return Err(Problem::internal()),
-    };
+    let Made { id: job, new } = api.ask(Ask::submit(request.clone())).await?;
     let row = read(&api, job).await?;
     check_same(&row, request)?;
     let status = if new { StatusCode::CREATED } else { StatusCode::OK };
@@ -223,10 +216,8 @@ pub async fn change(
     JsonBody(patch): JsonBody<JobPatch>,
 ) -> Result<Json<JobDto>, Problem> {
     let id = parse_id(&id)?;
-    match api.ask(What::Change(id, patch.read(&api)?)).await? {
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Ok(Json(dto(&api, &read(&api, id).await?))),
-    }
+    api.ask(Ask::change(id, patch.read(&api)?)).await?;
+    Ok(Json(dto(&api, &read(&api, id).await?)))
 }
 
 impl JobPatch {
@@ -271,10 +262,8 @@ impl JobPatch {
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let id = parse_id(&id)?;
-    match api.ask(What::Cancel(id)).await? {
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Ok(Json(dto(&api, &read(&api, id).await?))),
-    }
+    api.ask(Ask::cancel(id)).await?;
+    Ok(Json(dto(&api, &read(&api, id).await?)))
 }
 
 /// Which robot is to do a job.
@@ -310,10 +299,8 @@ pub async fn reassign(
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
-    match api.ask(What::Reassign(id, robot)).await? {
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Ok(Json(dto(&api, &read(&api, id).await?))),
-    }
+    api.ask(Ask::reassign(id, robot)).await?;
+    Ok(Json(dto(&api, &read(&api, id).await?)))
 }
 
 fn parse_id(text: &str) -> Result<JobId, Problem> {

@@ -7,7 +7,7 @@ use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart, signed};
-use crate::api::port::What;
+use crate::fleet::Ask;
 use crate::geometry::{Spot, to_mm};
 use axum::http::StatusCode;
 use serde::Deserialize;
@@ -55,7 +55,7 @@ pub async fn clear(
 ) -> Result<StatusCode, Problem> {
     let id = api.feeds.worker(&id)?;
     let by = signed(&body.by).map_err(|e| Problem::invalid(vec![e]))?;
-    done(&api, What::Clear(id, by)).await
+    done(&api, Ask::clear_worker(id, by)).await
 }
 
 /// Say about where a lost worker is: robots keep out of that place alone, until the worker is seen again or cleared.
@@ -82,7 +82,9 @@ pub async fn narrow(
         errors.push(FieldError::new("within_m", "must be from 0.5 to 8 metres"));
     }
     match spot {
-        Some(spot) if errors.is_empty() => done(&api, What::Narrow(id, spot, to_mm(body.within_m), by)).await,
+        Some(spot) if errors.is_empty() => {
+            done(&api, Ask::narrow_worker(id, (spot, to_mm(body.within_m)), by)).await
+        }
         _ => Err(Problem::invalid(errors)),
     }
 }

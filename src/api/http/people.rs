@@ -8,8 +8,8 @@ use crate::api::called::Called;
 use crate::api::dto::Page;
 use crate::api::error::Problem;
 use crate::api::extract::{Params, PathPart};
-use crate::api::port::What;
 use crate::api::text::{assignment_name, time_text, worker_name};
+use crate::fleet::Ask;
 use crate::fleet::{AssignmentQuery, AssignmentState, Presence};
 use crate::id::{Dense, WorkerId};
 use axum::Json;
@@ -78,5 +78,5 @@ pub async fn erase(Called(api): Called, PathPart(id): PathPart) -> Result<Status
     let pseudonym = api.feeds.name(worker).unwrap_or_default();
     let erased = api.pseudonyms.erase(&pseudonym, Some(worker)).await;
     erased.map_err(|why| Problem::unavailable(why, 2))?;
-    done(&api, What::Forget(worker)).await
+    done(&api, Ask::forget_worker(worker)).await
 }

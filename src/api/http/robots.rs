@@ -10,9 +10,7 @@ use super::why::parse_robot;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart};
-use crate::api::port::What;
-use crate::api::refusal::refused;
-use crate::fleet::{Reply, USUAL_KIND};
+use crate::fleet::{Ask, Made, USUAL_KIND};
 use axum::Json;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
@@ -89,14 +87,9 @@ pub async fn register(
         wrong.push(FieldError::new("kind", detail));
     }
     let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
-    match api.ask(What::Register(name.clone(), new.kind, node)).await? {
-        Reply::Registered { new, .. } => {
-            let status = if new { StatusCode::CREATED } else { StatusCode::OK };
-            Ok((status, Json(JoinedDto { id: name })))
-        }
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Err(Problem::internal()),
-    }
+    let Made { new, .. } = api.ask(Ask::register_robot(name.clone(), new.kind, node)).await?;
+    let status = if new { StatusCode::CREATED } else { StatusCode::OK };
+    Ok((status, Json(JoinedDto { id: name })))
 }
 
 /// Take a robot off the floor for good. It finishes what it has begun, gives back what it has not, and goes to a
@@ -110,7 +103,7 @@ pub async fn register(
     (status = 409, description = "It has left already", body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    done(&api, What::Retire(parse_robot(&api, &id)?)).await
+    done(&api, Ask::retire(parse_robot(&api, &id)?)).await
 }
 
 /// Send a robot to maintenance. It finishes what it has begun, gives back what it has not, goes to a parking place and
@@ -121,7 +114,7 @@ pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn maintain(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    done(&api, What::Maintain(parse_robot(&api, &id)?, true)).await
+    done(&api, Ask::begin_maintenance(parse_robot(&api, &id)?)).await
 }
 
 /// End a robot's maintenance, or let a robot stay that was to leave.
@@ -131,7 +124,7 @@ pub async fn maintain(Called(api): Called, PathPart(id): PathPart) -> Result<Sta
     (status = 404, body = Problem, content_type = "application/problem+json"),
     (status = 503, body = Problem, content_type = "application/problem+json")))]
 pub async fn work_again(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    done(&api, What::Maintain(parse_robot(&api, &id)?, false)).await
+    done(&api, Ask::end_maintenance(parse_robot(&api, &id)?)).await
 }
 
 /// Say that people took a rack off a robot that cannot drive, and where in storage it stands now. A delivery with this
@@ -156,5 +149,5 @@ pub async fn take_rack(
     let detail = || format!("there is no node {:?}; GET /v1/map lists them", taken.node);
     let node = api.map.node_named(&taken.node);
     let node = node.ok_or_else(|| Problem::invalid(vec![FieldError::new("node", detail())]))?;
-    done(&api, What::TakeRack(rack, node)).await
+    done(&api, Ask::take_rack(rack, node)).await
 }

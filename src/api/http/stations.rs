@@ -11,11 +11,9 @@ use crate::api::cell::station::StationDetailDto;
 use crate::api::dto::Names;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPair, PathPart};
-use crate::api::port::What;
-use crate::api::refusal::refused;
 use crate::api::text::job_name;
 use crate::cell::{LineChange, LineOutcome};
-use crate::fleet::{Reply, StationOrder};
+use crate::fleet::{Ask, LineNoted, StationOrder};
 use crate::id::StationId;
 use axum::Json;
 use axum::http::StatusCode;
@@ -92,7 +90,7 @@ pub async fn line(
     let station = parse_station(&api, &id)?;
     let no_line = || Problem::unknown("line", format!("there is no line \"{n}\"; lines count from 1"));
     let n: usize = n.parse().ok().filter(|n| *n > 0).ok_or_else(no_line)?;
-    change_line(&api, station, StationOrder::Line(n - 1, change.read()?)).await
+    change_line(&api, station, Some(n - 1), change.read()?).await
 }
 
 /// Say what became of the line that was not confirmed when its rack left at the last grasp, while another rack may be
@@ -120,25 +118,23 @@ pub async fn last(
     JsonBody(change): JsonBody<LineChangeDto>,
 ) -> Result<Json<LineChangedDto>, Problem> {
     let station = parse_station(&api, &id)?;
-    change_line(&api, station, StationOrder::Last(change.read()?)).await
+    change_line(&api, station, None, change.read()?).await
 }
 
 async fn change_line(
     api: &Api,
     station: StationId,
-    order: StationOrder,
+    line: Option<usize>,
+    change: LineChange,
 ) -> Result<Json<LineChangedDto>, Problem> {
-    match api.ask(What::Station(station, order)).await? {
-        Reply::LineNoted { job, line, outcome, state, pieces, .. } => Ok(Json(LineChangedDto {
-            job: job_name(job),
-            n: line + 1,
-            state: state.into(),
-            done: pieces,
-            changed: outcome == LineOutcome::Changed,
-        })),
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Err(Problem::internal()),
-    }
+    let LineNoted { job, line, outcome, state, pieces } = api.ask(Ask::line(station, line, change)).await?;
+    Ok(Json(LineChangedDto {
+        job: job_name(job),
+        n: line + 1,
+        state: state.into(),
+        done: pieces,
+        changed: outcome == LineOutcome::Changed,
+    }))
 }
 
 /// Let the rack leave though lines are left: what is left is short, and the job ends as done.
@@ -208,10 +204,7 @@ pub async fn resume(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
 
 async fn say(api: &Api, name: &str, order: StationOrder) -> Result<StatusCode, Problem> {
     let station = parse_station(api, name)?;
-    match api.ask(What::Station(station, order)).await? {
-        Reply::Refused { why, .. } => Err(refused(&api.map, why)),
-        _ => Ok(StatusCode::NO_CONTENT),
-    }
+    super::halt::done(api, Ask::station(station, order)).await
 }
 
 /// The station of this name.

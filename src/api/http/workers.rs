@@ -10,11 +10,10 @@ use crate::api::dto::{Names, Page};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart, read_time};
 use crate::api::people::{EpisodeDto, SensesDto, WorkerDetailDto, WorkerDto};
-use crate::api::port::What;
 use crate::api::refusal::refused;
 use crate::api::text::{round3, worker_name};
 use crate::api::words::{GuidanceStateDto, PresenceDto};
-use crate::fleet::Reply;
+use crate::fleet::{Ask, Made};
 use crate::id::{Dense, WorkerId};
 use crate::text::name_fault;
 use axum::Json;
@@ -203,20 +202,19 @@ pub async fn hire(
     let taken = |name: &str| api.feeds.named(name).is_some();
     let registered = api.pseudonyms.register(name, (api.now)(), taken).await;
     let pseudonym = registered.map_err(|why| Problem::unavailable(why, 2))?;
-    match api.ask(What::Hire(pseudonym.clone())).await? {
-        Reply::WorkerRegistered { worker: id, new, .. } => {
+    match api.answer_to(Ask::register_worker(pseudonym.clone())).await? {
+        Ok(Made { id, new }) => {
             let status = if new { StatusCode::CREATED } else { StatusCode::OK };
             let (location, worker) = located(&api, id, pseudonym);
             Ok((status, location, worker))
         }
-        Reply::Refused { why, .. } => {
+        Err(why) => {
             // Nobody is registered under it: the name is not to stay.
             if let Err(why) = api.pseudonyms.erase(&pseudonym, None).await {
                 tracing::warn!("a name is kept without its worker: {why}");
             }
             Err(refused(&api.map, why))
         }
-        _ => Err(Problem::internal()),
     }
 }
 

@@ -2,19 +2,16 @@
 //!
 //! Refuses: to decide anything about robots.
 
-use crate::cell;
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Purpose, Task};
-use crate::fleet::state::floor::Floor;
+use crate::fleet::state::fact::Fact;
 use crate::fleet::state::heard::{Heard, WorkerInput};
-use crate::fleet::state::io::{CausedFacts, Input, Reply};
-use crate::fleet::state::job::{JobKind, JobRequest, JobState};
-use crate::fleet::state::ledger::RackAt;
-use crate::fleet::state::refusal::{Bounded, Refusal};
-use crate::id::{Dense, JobId, RackId, RobotId, StationId, WorkerId};
+use crate::fleet::state::io::{CausedFacts, Input};
+use crate::fleet::state::request::{
+    Answer, Answered, FloorAction, JobAction, Reply, Request, RobotAction, Token, WorkerAction,
+};
+use crate::id::{Dense, WorkerId};
 use crate::time::Time;
-use crate::warehouse::NodeKind;
 use crate::warehouse::walkway::Walkways;
 
 /// Takes all inputs in: observations of robots go to the scene, requests become facts or refusals. `walkways` is where
@@ -30,18 +27,15 @@ pub(in crate::fleet) fn absorb(
     intake.heard
 }
 
+// A new request that nothing carries out must not compile.
+#[deny(clippy::wildcard_enum_match_arm)]
 impl Intake<'_> {
     /// Takes all inputs in.
     fn take_in(&mut self, now: Time, inputs: Vec<Input>) {
         self.core.scene.begin(now);
         self.expire_keys(now);
         for input in inputs {
-            let (token, before) = (input.token(), self.core.out.facts.len());
             self.take(input, now);
-            let facts = before..self.core.out.facts.len();
-            if let Some(token) = token.filter(|_| !facts.is_empty()) {
-                self.core.out.caused.push(CausedFacts { token, facts });
-            }
         }
         self.move_arms(now);
         self.let_kept_go(now);
@@ -54,24 +48,6 @@ impl Intake<'_> {
                 self.core.scene.see(t, now)
             }
             Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot"),
-            Input::Submit { token, request } => {
-                let reply = match self.submit(request, now) {
-                    Ok((job, new)) => Reply::Accepted { token, job, new },
-                    Err(why) => Reply::Refused { token, why },
-                };
-                self.core.out.replies.push(reply);
-            }
-            Input::SubmitBatch { token, requests } => {
-                let results = requests.into_iter().map(|request| self.submit(request, now)).collect();
-                self.core.out.replies.push(Reply::BatchTaken { token, results });
-            }
-            Input::Cancel { token, job } => {
-                let reply = match self.cancel(job, now) {
-                    Ok(()) => Reply::Cancelled { token, job },
-                    Err(why) => Reply::Refused { token, why },
-                };
-                self.core.out.replies.push(reply);
-            }
             Input::Sighted(s) if self.core.ledger.knows(s.worker) => {
                 self.heard.people.push(WorkerInput::Seen(s));
             }
@@ -79,7 +55,74 @@ impl Intake<'_> {
             Input::Hands(seen) => self.hear_hands(&seen, now),
             Input::Arm(said) => self.hear_arm(&said, now),
             Input::VisitEnds { station, at } => self.core.visits.tell(station, at),
-            request => self.absorb_request(request, now),
+            Input::Ask { token, request } => self.answer(token, request, now),
+        }
+    }
+
+    /// Carries a request out or refuses it, and notes which facts it caused.
+    fn answer(&mut self, token: Token, request: Request, now: Time) {
+        let before = self.core.out.facts.len();
+        let answer = match request {
+            Request::Job(action) => self.take_job(action, now),
+            Request::Robot(action) => self.take_robot(action, now),
+            Request::Station(station, order) => self.hear_station(station, order, now),
+            Request::Worker(action) => self.take_worker(action, now),
+            Request::Floor(action) => self.take_floor(action, now),
+        };
+        self.core.out.replies.push(Reply { token, answer });
+        let facts = before..self.core.out.facts.len();
+        if !facts.is_empty() {
+            self.core.out.caused.push(CausedFacts { token, facts });
+        }
+    }
+
+    fn take_job(&mut self, action: JobAction, now: Time) -> Answered {
+        match action {
+            JobAction::Submit(request) => self.submit(request, now).map(Answer::Job),
+            JobAction::SubmitBatch(requests) => {
+                Ok(Answer::Jobs(requests.into_iter().map(|request| self.submit(request, now)).collect()))
+            }
+            JobAction::Cancel(job) => self.cancel(job, now),
+            JobAction::Change(job, change) => self.change(job, change, now),
+            JobAction::Reassign(job, robot) => self.reassign(job, robot, now),
+        }
+    }
+
+    fn take_robot(&mut self, action: RobotAction, now: Time) -> Answered {
+        match action {
+            RobotAction::Register { name, kind, node } => self.register((name, kind), node, now),
+            RobotAction::BeginMaintenance(robot) => self.begin_maintenance(robot, now),
+            RobotAction::EndMaintenance(robot) => self.end_maintenance(robot),
+            RobotAction::Retire(robot) => self.retire(robot, now),
+            RobotAction::TakeRack { rack, node } => self.take_rack_off(rack, node, now),
+        }
+    }
+
+    fn take_worker(&mut self, action: WorkerAction, now: Time) -> Answered {
+        match action {
+            WorkerAction::Register(name) => self.register_worker(name, now),
+            WorkerAction::Forget(worker) => self.forget_worker(worker, now),
+            WorkerAction::Clear { worker, by } => self.clear_worker(worker, by, now),
+            WorkerAction::Narrow { worker, by, at, within_mm } => {
+                self.narrow_worker(worker, by, (at, within_mm), now)
+            }
+            WorkerAction::SignOff(worker) => self.sign_off(worker),
+            WorkerAction::Assign { worker, request } => self.assign(worker, request, now),
+            WorkerAction::Unassign(assignment) => self.take_back(assignment, now),
+            WorkerAction::Finish(worker, assignment) => self.finish(worker, assignment, now),
+        }
+    }
+
+    fn take_floor(&mut self, action: FloorAction, now: Time) -> Answered {
+        match action {
+            FloorAction::Close(area) => self.close(area),
+            FloorAction::Reopen(closure) => self.reopen(closure, now),
+            FloorAction::Recur(closure) => self.recur(closure),
+            FloorAction::EndSeries(series) => self.end_series(series, now),
+            FloorAction::Evacuate => self.evacuate(now),
+            FloorAction::EndEvacuation => self.end_evacuation(now),
+            FloorAction::Halt(robot) => self.halt(robot, now),
+            FloorAction::Release(robot) => self.release(robot, now),
         }
     }
 
@@ -89,154 +132,6 @@ impl Intake<'_> {
             (self.core.ledger.keys.expired(now), self.core.ledger.assignment_keys.expired(now));
         if !jobs.is_empty() || !assignments.is_empty() {
             self.core.record(Fact::KeysExpired { jobs, assignments });
-        }
-    }
-
-    fn submit(&mut self, request: JobRequest, now: Time) -> Result<(JobId, bool), Refusal> {
-        if let Some(job) = request.key.as_ref().and_then(|k| self.core.ledger.keys.get(k)) {
-            return Ok((*job, false));
-        }
-        self.core.floor().check_request(&request)?;
-        if request.priority > 9 {
-            return Err(Refusal::Priority(request.priority));
-        }
-        if request.deadline.is_some_and(|deadline| deadline < now) {
-            return Err(Refusal::DeadlineIsOver);
-        }
-        if request.after.len() > self.core.settings.after_max {
-            return Err(Refusal::TooManyBefore(self.core.settings.after_max));
-        }
-        if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.core.ledger.next_job) {
-            return Err(Refusal::UnknownPredecessor(*job));
-        }
-        if self.core.ledger.jobs.len() >= self.core.settings.waiting_max {
-            return Err(Refusal::TooMany(Bounded::Jobs, self.core.ledger.jobs.len()));
-        }
-        let job = JobId(self.core.ledger.next_job);
-        self.core.record(Fact::Accepted { job, request, at: now });
-        Ok((job, true))
-    }
-
-    /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
-    fn cancel(&mut self, job: JobId, now: Time) -> Result<(), Refusal> {
-        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
-            return Err(Refusal::UnknownJob(job));
-        }
-        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
-        let tasked = record.state.robot().map(|robot| (robot, self.core.floor().task_without_job(robot)));
-        self.core.progress(job, JobState::Cancelled, tasked, now);
-        if let Some((robot, _)) = tasked {
-            self.end_cancelled_pick(robot);
-            self.heard.left_early.push(robot);
-        }
-        Ok(())
-    }
-}
-
-impl Floor<'_> {
-    /// Everything that a job names exists, and some robots can do it at all of its stations.
-    pub(super) fn check_request(&self, request: &JobRequest) -> Result<(), Refusal> {
-        let w = self.warehouse();
-        if request.then.iter().any(|v| v.station.ix() >= w.stations.len()) {
-            return Err(Refusal::UnknownPlace);
-        }
-        let visits: Vec<StationId> = request.stations().map(|v| v.station).collect();
-        if (!request.then.is_empty() && request.kind.station().is_none())
-            || visits.windows(2).any(|pair| pair[0] == pair[1])
-        {
-            return Err(Refusal::SameStationTwice);
-        }
-        self.check_places(&request.kind)?;
-        self.check_lines(request, visits)?;
-        self.check_kinds(request)
-    }
-
-    /// Each line must be one that can be picked at its station.
-    fn check_lines(&self, request: &JobRequest, visits: Vec<StationId>) -> Result<(), Refusal> {
-        if request.lines.is_empty() {
-            return Ok(());
-        }
-        if request.lines.len() != visits.len() {
-            return Err(Refusal::LinesPerStation);
-        }
-        let Some(rack) = request.kind.rack() else { return Ok(()) };
-        for (visit, (station, lines)) in visits.into_iter().zip(&request.lines).enumerate() {
-            if let Some((line, problem)) = cell::problem(self.warehouse(), rack, station, lines) {
-                return Err(Refusal::CannotPick(visit, line, problem));
-            }
-        }
-        Ok(())
-    }
-
-    fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
-        let w = self.warehouse();
-        let rack_known = |r: RackId| r.ix() < w.racks.len();
-        let robot_known = |r: RobotId| r.ix() < self.ledger.robots.len();
-        let gone = kind.robot().filter(|r| robot_known(*r) && self.ledger.robots[*r].is_gone());
-        if let Some(robot) = gone {
-            return Err(Refusal::RobotIsGone(robot));
-        }
-        let known = match *kind {
-            JobKind::Deliver { rack, station, .. } => rack_known(rack) && station.ix() < w.stations.len(),
-            JobKind::Return { rack } => rack_known(rack),
-            JobKind::Relocate { rack, node } => rack_known(rack) && node.ix() < w.nodes.len(),
-            JobKind::Charge { robot } | JobKind::Park { robot } => robot_known(robot),
-            JobKind::Go { robot, node } => robot_known(robot) && node.ix() < w.nodes.len(),
-        };
-        if !known {
-            return Err(Refusal::UnknownPlace);
-        }
-        let place = match kind {
-            JobKind::Charge { .. } => Some(NodeKind::Charger),
-            JobKind::Park { .. } => Some(NodeKind::Parking),
-            _ => None,
-        };
-        if let Some(place) = place.filter(|p| !w.nodes.iter().any(|n| n.kind == *p)) {
-            return Err(Refusal::NoSuchPlace(place));
-        }
-        if let JobKind::Relocate { rack, node } = *kind {
-            if w.nodes[node].kind != NodeKind::Storage {
-                return Err(Refusal::NotStorage(node));
-            }
-            if self.storage_taken(node, rack) {
-                return Err(Refusal::StorageTaken(node));
-            }
-        }
-        Ok(())
-    }
-
-    /// Some kind of robots must be able to do it, or that of the robot which the customer names.
-    fn check_kinds(&self, request: &JobRequest) -> Result<(), Refusal> {
-        let w = self.warehouse();
-        let kind = &request.kind;
-        if let JobKind::Go { robot, node } = *kind
-            && !self.may_be_at(robot, node)
-        {
-            return Err(Refusal::NotForKind(node));
-        }
-        let Some(rack) = kind.rack() else { return Ok(()) };
-        let node = match self.ledger.racks[rack] {
-            RackAt::Stored(node) => node,
-            RackAt::On(robot) => self.ledger.node_of(robot),
-        };
-        let fits = w.bodies().ids().any(|body| request.is_for(w, body, (rack, node)));
-        if fits { Ok(()) } else { Err(Refusal::NoKindFor(rack)) }
-    }
-
-    /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to
-    /// where it may stay.
-    pub(super) fn task_without_job(&self, robot: RobotId) -> Task {
-        match self.ledger.robots[robot].task {
-            Task::Deliver { rack, store, .. } | Task::Store { rack, store, .. } => {
-                Task::Store { job: None, rack, store }
-            }
-            // A robot that may drive to the rack already will lift it, and puts it back then.
-            Task::Fetch { rack, node, .. } if self.next_stop_is_granted(robot) => {
-                Task::Fetch { job: None, rack, node }
-            }
-            Task::Fetch { node, .. } => Task::rest_at(node, Purpose::Park),
-            Task::Move { stay, purpose, .. } => Task::rest_at(stay, purpose),
-            Task::Idle => Task::Idle,
         }
     }
 }

@@ -4,21 +4,15 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::state::io::Reply;
 use crate::fleet::state::job::{JobChange, JobKind, JobRequest, JobState};
 use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::request::{Answer, Answered};
 use crate::id::JobId;
 use crate::time::Time;
 
 impl Intake<'_> {
     /// Changes a waiting job, whole or not at all.
-    pub(in crate::fleet) fn change(
-        &mut self,
-        token: u64,
-        job: JobId,
-        change: JobChange,
-        now: Time,
-    ) -> Result<Reply, Refusal> {
+    pub(in crate::fleet) fn change(&mut self, job: JobId, change: JobChange, now: Time) -> Answered {
         if job.0 == 0 || job.0 >= self.core.ledger.next_job {
             return Err(Refusal::UnknownJob(job));
         }
@@ -44,7 +38,7 @@ impl Intake<'_> {
         } else if priority != before.priority {
             self.core.record(Fact::Prioritised { job, priority, at: now });
         }
-        Ok(Reply::Done { token })
+        Ok(Answer::Done)
     }
 }
 

@@ -8,9 +8,9 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::state::io::Reply;
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::refusal::{Bounded, Refusal};
+use crate::fleet::state::request::{Answer, Answered, Made};
 use crate::id::{Dense, NodeId, RobotId};
 use crate::time::{Time, Window};
 use crate::timeline::Holder;
@@ -19,14 +19,13 @@ impl Intake<'_> {
     /// A robot joins; one of this name is the same robot, wherever it stands by now.
     pub(in crate::fleet) fn register(
         &mut self,
-        token: u64,
         (name, kind): (String, String),
         node: NodeId,
         now: Time,
-    ) -> Result<Reply, Refusal> {
+    ) -> Answered {
         let known = self.core.ledger.robots.pairs().find(|(_, r)| r.name == name).map(|(robot, _)| robot);
         if let Some(robot) = known.filter(|r| !self.core.ledger.robots[*r].is_gone()) {
-            return Ok(Reply::Registered { token, robot, new: false });
+            return Ok(Answer::Robot(Made { id: robot, new: false }));
         }
         if known.is_none() && self.core.ledger.robots.len() >= self.core.settings.robots_max {
             return Err(Refusal::TooMany(Bounded::Robots, self.core.ledger.robots.len()));
@@ -56,38 +55,34 @@ impl Intake<'_> {
             None => Fact::Registered { robot, name, kind, node, at: now },
             Some(_) => Fact::Returned { robot, kind, node, at: now },
         });
-        Ok(Reply::Registered { token, robot, new: true })
+        Ok(Answer::Robot(Made { id: robot, new: true }))
     }
 
-    /// A robot goes to maintenance, or comes back from there.
-    pub(in crate::fleet) fn maintain(
-        &mut self,
-        token: u64,
-        robot: RobotId,
-        begins: bool,
-        now: Time,
-    ) -> Result<Reply, Refusal> {
-        match (self.service_of(robot)?, begins) {
-            (Service::Works, true) => self.core.record(Fact::Maintenance { robot, since: Some(now) }),
-            (Service::Maintenance { .. } | Service::Leaving { .. }, false) => {
+    /// A robot goes to maintenance; one that leaves goes on leaving.
+    pub(in crate::fleet) fn begin_maintenance(&mut self, robot: RobotId, now: Time) -> Answered {
+        if self.service_of(robot)? == Service::Works {
+            self.core.record(Fact::Maintenance { robot, since: Some(now) });
+        }
+        Ok(Answer::Done)
+    }
+
+    /// A robot comes back from maintenance, or does not leave after all.
+    pub(in crate::fleet) fn end_maintenance(&mut self, robot: RobotId) -> Answered {
+        match self.service_of(robot)? {
+            Service::Works | Service::Gone { .. } => {}
+            Service::Maintenance { .. } | Service::Leaving { .. } => {
                 self.core.record(Fact::Maintenance { robot, since: None });
             }
-            _ => {}
         }
-        Ok(Reply::Done { token })
+        Ok(Answer::Done)
     }
 
     /// A robot is to leave the floor.
-    pub(in crate::fleet) fn retire(
-        &mut self,
-        token: u64,
-        robot: RobotId,
-        now: Time,
-    ) -> Result<Reply, Refusal> {
+    pub(in crate::fleet) fn retire(&mut self, robot: RobotId, now: Time) -> Answered {
         if !matches!(self.service_of(robot)?, Service::Leaving { .. }) {
             self.core.record(Fact::Retired { robot, at: now });
         }
-        Ok(Reply::Done { token })
+        Ok(Answer::Done)
     }
 
     fn service_of(&self, robot: RobotId) -> Result<Service, Refusal> {

@@ -5,11 +5,13 @@
 //! Refuses: to decide anything about robots.
 
 mod absorb;
+mod areas;
 mod arm;
 mod change;
 mod enrolment;
 pub(in crate::fleet) mod hands;
 mod intake;
+mod jobs;
 mod operator;
 mod racks;
 mod reassign;

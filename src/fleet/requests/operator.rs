@@ -8,38 +8,28 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::Reply;
 use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::request::{Answer, Answered};
 use crate::id::{Dense, RobotId};
 use crate::time::Time;
 
 impl Intake<'_> {
     /// One robot, or the whole fleet, is to stand.
-    pub(in crate::fleet) fn halt(
-        &mut self,
-        token: u64,
-        robot: Option<RobotId>,
-        now: Time,
-    ) -> Result<Reply, Refusal> {
+    pub(in crate::fleet) fn halt(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
         if self.core.floor().halted_since(robot)?.is_none() {
             self.core.record(Fact::Halted { robot, at: now });
         }
-        Ok(Reply::Done { token })
+        Ok(Answer::Done)
     }
 
     /// It may go on. A robot that was paused, or is fenced off, stays so when the fleet goes on.
-    pub(in crate::fleet) fn release(
-        &mut self,
-        token: u64,
-        robot: Option<RobotId>,
-        now: Time,
-    ) -> Result<Reply, Refusal> {
+    pub(in crate::fleet) fn release(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
         let fenced =
             robot.is_some_and(|r| self.core.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
         if self.core.floor().halted_since(robot)?.is_some() || fenced {
             self.core.record(Fact::Released { robot, at: now });
         }
-        Ok(Reply::Done { token })
+        Ok(Answer::Done)
     }
 }
 

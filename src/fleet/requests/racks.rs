@@ -6,10 +6,10 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Fact, Task};
-use crate::fleet::state::io::Reply;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::request::{Answer, Answered};
 use crate::id::{Dense, NodeId, RackId, RobotId};
 use crate::time::{Time, Window};
 use crate::timeline::Holder;
@@ -17,13 +17,7 @@ use crate::warehouse::NodeKind;
 
 impl Intake<'_> {
     /// A rack stands on a storage node now, and not on the robot any more.
-    pub(in crate::fleet) fn take_rack_off(
-        &mut self,
-        token: u64,
-        rack: RackId,
-        node: NodeId,
-        now: Time,
-    ) -> Result<Reply, Refusal> {
+    pub(in crate::fleet) fn take_rack_off(&mut self, rack: RackId, node: NodeId, now: Time) -> Answered {
         let robot = self.robot_to_unload(rack, node, now)?;
         self.core.record(Fact::RackTaken { robot, rack, node, at: now });
         match self.core.ledger.robots[robot].task.job() {
@@ -42,7 +36,7 @@ impl Intake<'_> {
                 self.core.progress(job, state, Some((robot, Task::Idle)), now);
             }
         }
-        Ok(Reply::Done { token })
+        Ok(Answer::Done)
     }
 
     /// The robot that has a rack on it, if people may have set that down on a node.

@@ -7,10 +7,10 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::Reply;
 use crate::fleet::state::job::{Job, JobState, RobotChoice};
 use crate::fleet::state::ledger::{RackAt, Service};
 use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::request::{Answer, Answered};
 use crate::id::{Dense, JobId, RackId, RobotId};
 use crate::time::{Span, Time};
 
@@ -23,13 +23,7 @@ pub(in crate::fleet) const BINDS: Span = Span::from_secs(300);
 
 impl Intake<'_> {
     /// Takes a job from its robot, and gives it to `chosen`, or to any other robot if none is named.
-    pub(in crate::fleet) fn reassign(
-        &mut self,
-        token: u64,
-        job: JobId,
-        chosen: Option<RobotId>,
-        now: Time,
-    ) -> Result<Reply, Refusal> {
+    pub(in crate::fleet) fn reassign(&mut self, job: JobId, chosen: Option<RobotId>, now: Time) -> Answered {
         if job.0 == 0 || job.0 >= self.core.ledger.next_job {
             return Err(Refusal::UnknownJob(job));
         }
@@ -42,7 +36,7 @@ impl Intake<'_> {
             self.core.floor().check_choice(record, rack, robot)?;
         }
         if has.is_some() && has == chosen {
-            return Ok(Reply::Done { token });
+            return Ok(Answer::Done);
         }
         let is_delivery = record.request.kind.station().is_some();
         if matches!(state, JobState::Picking { .. })
@@ -61,7 +55,7 @@ impl Intake<'_> {
             (None, None) => RobotChoice::Any,
         };
         self.core.record(Fact::Chosen { job, choice, at: now });
-        Ok(Reply::Done { token })
+        Ok(Answer::Done)
     }
 }
 

@@ -7,12 +7,10 @@
 
 use crate::cell::{LineChange, LineOutcome, LineProgress, LineState};
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::requests::visit::NotedLine;
 use crate::fleet::state::fact::Fact;
-use crate::fleet::state::io::Reply;
-use crate::fleet::state::io::StationOrder;
 use crate::fleet::state::job::{JobFailure, JobState};
 use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::request::{Answer, Answered, LineNoted, StationOrder};
 use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{Dense, RobotId, StationId};
 use crate::time::Time;
@@ -21,11 +19,10 @@ impl Intake<'_> {
     /// Takes in what a station says.
     pub(in crate::fleet) fn hear_station(
         &mut self,
-        token: u64,
         station: StationId,
         order: StationOrder,
         now: Time,
-    ) -> Result<Reply, Refusal> {
+    ) -> Answered {
         if station.ix() >= self.core.warehouse().stations.len() {
             return Err(Refusal::UnknownPlace);
         }
@@ -49,25 +46,24 @@ impl Intake<'_> {
                 self.end_pick(robot, state, now);
             }
             StationOrder::Line(line, change) => {
-                return self.hear_of_line(token, station, (line, change), now);
+                return self.hear_of_line(station, (line, change), now);
             }
             StationOrder::Last(change) => {
                 let noted = self.hear_of_last(station, (None, change), now);
-                return Ok(noted.ok_or(Refusal::NothingToPick(station))??.reply(token));
+                return Ok(Answer::Line(noted.ok_or(Refusal::NothingToPick(station))??));
             }
         }
-        Ok(Reply::Done { token })
+        Ok(Answer::Done)
     }
 
     /// Takes in what is said about a line. The visit ends with its last one. What the hand has just confirmed, a button
     /// confirms once more.
     fn hear_of_line(
         &mut self,
-        token: u64,
         station: StationId,
         (line, change): (usize, LineChange),
         now: Time,
-    ) -> Result<Reply, Refusal> {
+    ) -> Answered {
         let noted = if let Some(robot) = self.core.floor().picked_from(station) {
             self.press(robot, station, (line, change), now)
         } else if let Some(noted) = self.hear_of_last(station, (Some(line), change), now) {
@@ -79,9 +75,9 @@ impl Intake<'_> {
             let noted = lines.all().get(line).filter(|p| is_so(p)).ok_or(Refusal::NothingToPick(station))?;
             let LineProgress { state, pieces, .. } = *noted;
             let outcome = LineOutcome::Already;
-            return Ok(Reply::LineNoted { token, job, line, outcome, state, pieces });
+            return Ok(Answer::Line(LineNoted { job, line, outcome, state, pieces }));
         };
-        Ok(noted?.reply(token))
+        Ok(Answer::Line(noted?))
     }
 
     /// A button for a line of the visit that is on. Pieces that the hand has just confirmed are not confirmed again.
@@ -91,7 +87,7 @@ impl Intake<'_> {
         station: StationId,
         (line, change): (usize, LineChange),
         now: Time,
-    ) -> Result<NotedLine, Refusal> {
+    ) -> Result<LineNoted, Refusal> {
         let Some((job, lines)) = self.lines_under(robot) else {
             return self.change_line(robot, (line, change), ConfirmedBy::Button, now);
         };
@@ -104,7 +100,7 @@ impl Intake<'_> {
             && state == LineState::Lit
             && self.core.visits.is_confirmed(station, (job, line), by_button, now)
         {
-            return Ok(NotedLine { job, line, outcome: LineOutcome::Already, state, pieces });
+            return Ok(LineNoted { job, line, outcome: LineOutcome::Already, state, pieces });
         }
         let noted = self.change_line(robot, (line, change), ConfirmedBy::Button, now)?;
         if noted.outcome == LineOutcome::Changed {
@@ -120,7 +116,7 @@ impl Intake<'_> {
         station: StationId,
         (line, change): (Option<usize>, LineChange),
         now: Time,
-    ) -> Option<Result<NotedLine, Refusal>> {
+    ) -> Option<Result<LineNoted, Refusal>> {
         let left = self.core.ledger.unconfirmed.get(&station)?;
         let (job, line, mut lines) = (left.job, line.or(left.lines.lit())?, left.lines.clone());
         Some(lines.change(line, change).map_err(Refusal::Line).map(|outcome| {
@@ -128,7 +124,7 @@ impl Intake<'_> {
                 self.core.record(Fact::LineChanged { job, line, change, at: now });
             }
             let LineProgress { state, pieces, .. } = lines.all()[line];
-            NotedLine { job, line, outcome, state, pieces }
+            LineNoted { job, line, outcome, state, pieces }
         }))
     }
 

@@ -1,14 +1,14 @@
 //! The visit that is on at a work cell: its lines change, and it ends, but not while a hand is inside.
 //!
-//! Main types: [`OnVisit`], [`NotedLine`]. Refuses: to know who says so, a button or a hand.
+//! Main type: [`OnVisit`]. Refuses: to know who says so, a button or a hand.
 
-use crate::cell::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines, PickFace};
+use crate::cell::{LineChange, LineOutcome, LineProgress, LineRefusal, Lines, PickFace};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::Reply;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::request::LineNoted;
 use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{JobId, RobotId, StationId};
 use crate::time::Time;
@@ -19,22 +19,6 @@ use std::sync::Arc;
 pub(super) struct OnVisit {
     pub robot: RobotId,
     pub job: JobId,
-}
-
-/// What a change of a line came to.
-pub(super) struct NotedLine {
-    pub job: JobId,
-    pub line: usize,
-    pub outcome: LineOutcome,
-    pub state: LineState,
-    pub pieces: u32,
-}
-
-impl NotedLine {
-    pub fn reply(self, token: u64) -> Reply {
-        let NotedLine { job, line, outcome, state, pieces } = self;
-        Reply::LineNoted { token, job, line, outcome, state, pieces }
-    }
 }
 
 impl Intake<'_> {
@@ -54,7 +38,7 @@ impl Intake<'_> {
         (line, change): (usize, LineChange),
         by: ConfirmedBy,
         now: Time,
-    ) -> Result<NotedLine, Refusal> {
+    ) -> Result<LineNoted, Refusal> {
         let Some((job, lines)) = self.lines_under(robot) else {
             return Err(Refusal::Line(LineRefusal::NoLine(0)));
         };
@@ -71,7 +55,7 @@ impl Intake<'_> {
             }
         }
         let LineProgress { state, pieces, .. } = lines.all()[line];
-        Ok(NotedLine { job, line, outcome, state, pieces })
+        Ok(LineNoted { job, line, outcome, state, pieces })
     }
 
     /// Whether the rack at a station stays although its lines are over.

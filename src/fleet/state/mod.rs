@@ -29,6 +29,7 @@ pub(in crate::fleet) mod planners;
 pub mod recurring;
 pub mod refusal;
 pub(in crate::fleet) mod regions;
+pub mod request;
 pub(in crate::fleet) mod restrictions;
 pub(in crate::fleet) mod robot_clock;
 pub mod scene;

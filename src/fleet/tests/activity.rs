@@ -82,11 +82,11 @@ fn what_a_person_ordered_has_lasted_since_the_order_also_after_a_restart() {
     let mut floor = TestFloor::lab(2);
     floor.run(2);
     let ordered = floor.now;
-    floor.step(vec![Input::Halt { token: 4, robot: Some(R0) }]);
+    floor.step(vec![Input::ask(4, FloorAction::Halt(Some(R0)))]);
     floor.run(5);
     assert_eq!(floor.activity(R0), (Activity::Paused, ordered));
     let stopped = floor.now;
-    floor.step(vec![Input::Halt { token: 5, robot: None }]);
+    floor.step(vec![Input::ask(5, FloorAction::Halt(None))]);
     let (map, settings) = (floor.fleet.warehouse().clone(), floor.fleet.settings().clone());
     floor.fleet = Fleet::restore(map, settings, floor.facts.iter().cloned());
     assert_eq!(floor.activity(R0), (Activity::Paused, ordered), "it is so before the first step");
@@ -101,7 +101,7 @@ fn a_robot_that_cannot_drive_is_failed_and_one_in_maintenance_is_out_of_service(
     floor.run(2);
     floor.world.fail(R0, floor.now + Span::from_secs(60));
     floor.until(30, "it is failed", |f| f.activity(R0).0 == Activity::Failed);
-    floor.step(vec![Input::Maintain { token: 4, robot: RobotId(1), begins: true }]);
+    floor.step(vec![Input::ask(4, RobotAction::BeginMaintenance(RobotId(1)))]);
     let rests = |f: &TestFloor| f.activity(RobotId(1)).0 == Activity::OutOfService;
     floor.until(120, "it rests in maintenance", rests);
     floor.until(120, "it is repaired", |f| f.activity(R0).0 != Activity::Failed);

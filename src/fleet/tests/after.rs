@@ -8,10 +8,10 @@ fn after(jobs: &[JobId]) -> JobRequest {
 }
 
 fn submit_all(floor: &mut TestFloor, requests: Vec<JobRequest>) -> Vec<JobId> {
-    let submit = |request| Input::Submit { token: 7, request };
+    let submit = |request| Input::ask(7, JobAction::Submit(request));
     let step = floor.step(requests.into_iter().map(submit).collect());
     let job = |reply: &Reply| match reply {
-        Reply::Accepted { job, new: true, .. } => *job,
+        Reply { answer: Ok(Answer::Job(Made { id: job, new: true })), .. } => *job,
         other => panic!("not accepted: {other:?}"),
     };
     step.replies.iter().map(job).collect()
@@ -34,7 +34,7 @@ fn dependants_of_a_cancelled_job_fail_a_few_in_each_step_and_none_is_forgotten_o
     let first = floor.submit(request(deliver(3)));
     let direct = submit_all(&mut floor, vec![after(&[first]); 5 * ORPHANS_PER_STEP]);
     let indirect = submit_all(&mut floor, direct.iter().take(40).map(|j| after(&[*j])).collect());
-    let step = floor.step(vec![Input::Cancel { token: 8, job: first }]);
+    let step = floor.step(vec![Input::ask(8, JobAction::Cancel(first))]);
     assert_eq!(failures(&step.facts), ORPHANS_PER_STEP, "the journal is not to be flooded");
     floor.restart(&scenario);
     let mut steps = 1;
@@ -53,7 +53,7 @@ fn dependants_of_a_cancelled_job_fail_a_few_in_each_step_and_none_is_forgotten_o
 fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
     let mut floor = TestFloor::lab(2);
     let robot = RobotId::at(0);
-    floor.step(vec![Input::Halt { token: 6, robot: Some(robot) }]);
+    floor.step(vec![Input::ask(6, FloorAction::Halt(Some(robot)))]);
     let first = floor.submit(request(JobKind::Park { robot }));
     assert!(floor.is(first, "waiting"), "its robot is halted");
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(3)) });
@@ -76,7 +76,7 @@ fn a_job_after_one_that_has_ended_badly_already_fails_and_one_after_a_job_that_i
     let done = floor.submit(request(deliver(3)));
     floor.until_over(300);
     let bad = floor.submit(request(deliver(4)));
-    floor.cancel(bad);
+    floor.cancel(bad).unwrap();
     let [never, now] = [after(&[done, bad]), after(&[done])].map(|r| floor.submit(r));
     floor.until_over(300);
     assert_eq!(floor.story(never), ["failed"]);

@@ -102,7 +102,7 @@ impl ArmFloor {
 
     fn done(&mut self, n: usize) {
         let order = StationOrder::Line(n, LineChange::Done(1));
-        self.floor.step(vec![Input::Station { token: 5, station: S1, order }]);
+        self.floor.step(vec![Input::ask(5, Request::Station(S1, order))]);
     }
 
     fn is_over(&self) -> bool {
@@ -228,7 +228,7 @@ fn no_rack_leaves_while_an_arm_is_inside_until_it_comes_out_or_a_person_vouches_
         assert!(!cell.is_over(), "nobody knows that it is outside");
         if vouches {
             let order = StationOrder::Release;
-            cell.floor.step(vec![Input::Station { token: 5, station: S1, order }]);
+            cell.floor.step(vec![Input::ask(5, Request::Station(S1, order))]);
             assert!(cell.is_over());
         } else {
             cell.joints = held;

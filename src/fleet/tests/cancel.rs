@@ -9,10 +9,10 @@ fn check(stage: &str, wait_s: i64, rack_moves: bool) {
     floor.until(300, stage, |f| f.is(job, stage));
     floor.run(wait_s);
     assert!(floor.is(job, stage), "it is still {stage}");
-    assert_eq!(floor.cancel(job), Reply::Cancelled { token: 8, job });
+    assert_eq!(floor.cancel(job), Ok(Answer::Done));
     assert_eq!(floor.state(job), None, "it is over at once");
     assert_eq!(floor.story(job).last(), Some(&"cancelled"));
-    assert_eq!(floor.cancel(job), Reply::Refused { token: 8, why: Refusal::JobIsOver(job) });
+    assert_eq!(floor.cancel(job), Err(Refusal::JobIsOver(job)));
     floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
     let stores = |f: &Fact| {
@@ -62,7 +62,7 @@ fn a_job_can_be_cancelled_while_its_rack_is_being_lifted() {
     let job = floor.submit(request(deliver(3)));
     let lifting = |f: &TestFloor| f.fleet.view(f.now).robots[0].doing == Doing::Lifting;
     floor.until(300, "the robot lifts", lifting);
-    floor.cancel(job);
+    floor.cancel(job).unwrap();
     assert_eq!(floor.story(job), ["assigned", "cancelled"]);
     floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
@@ -75,7 +75,7 @@ fn a_job_can_be_cancelled_while_it_waits() {
     floor.until(10, "a robot has the first", |f| f.is(first, "assigned"));
     let second = floor.submit(request(deliver(8)));
     assert!(floor.is(second, "waiting"));
-    floor.cancel(second);
+    floor.cancel(second).unwrap();
     floor.until_over(300);
     assert_eq!((floor.story(first).last(), floor.story(second)), (Some(&"done"), vec!["cancelled"]));
 }
@@ -86,7 +86,7 @@ fn a_relocation_can_be_cancelled_while_its_rack_is_carried() {
     let node = floor.free_storage();
     let job = floor.submit(request(JobKind::Relocate { rack: RackId(40), node }));
     floor.until(300, "it is carried", |f| f.is(job, "carrying"));
-    floor.cancel(job);
+    floor.cancel(job).unwrap();
     floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(40);
     assert_eq!(floor.story(job).last(), Some(&"cancelled"));
@@ -99,7 +99,7 @@ fn a_robot_sent_somewhere_goes_to_where_it_may_stay_when_that_is_cancelled() {
     let node = floor.node("R117");
     let job = floor.submit(request(JobKind::Go { robot, node }));
     floor.run(2);
-    floor.cancel(job);
+    floor.cancel(job).unwrap();
     floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     let stands = floor.fleet.warehouse().nodes[floor.fleet.ledger().node_of(robot)].kind;
     assert!(stands.is_lasting(), "it stands on {stands:?}");

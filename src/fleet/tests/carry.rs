@@ -206,7 +206,7 @@ fn a_robot_or_a_rack_on_a_node_that_is_gone_or_for_something_else_is_in_the_way(
 fn a_robot_that_has_left_stands_in_no_way_and_stays_away_under_a_changed_map() {
     let mut floor = TestFloor::thesis(2);
     let (gone, other) = (RobotId(0), RobotId(1));
-    floor.answer_to(7, vec![Input::Retire { token: 7, robot: gone }]);
+    floor.answer_to(7, vec![Input::ask(7, RobotAction::Retire(gone))]).unwrap();
     floor.until(300, "it is gone", |f| f.fleet.ledger().robots[gone].is_gone());
     let node = floor.fleet.ledger().node_of(gone);
     let job = floor.submit(request(JobKind::Go { robot: other, node }));
@@ -329,10 +329,17 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
     let corner = |x_mm, y_mm| Spot { x_mm, y_mm };
     let area = |outline: Vec<Spot>, nodes: Vec<NodeId>| {
         let (window, reason) = (Window::from(Time(9_000_000_000)), "wet".to_owned());
-        Input::Close {
-            token: 7,
-            area: Closure { outline, nodes, window, reason, binds: Binds::Robots, series: None },
-        }
+        Input::ask(
+            7,
+            FloorAction::Close(Closure {
+                outline,
+                nodes,
+                window,
+                reason,
+                binds: Binds::Robots,
+                series: None,
+            }),
+        )
     };
     let outline = vec![corner(0, 0), corner(900, 0), corner(0, 900)];
     let assigned = |place, key: &str| {
@@ -342,13 +349,13 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
             what: "count".into(),
             key: Some(key.into()),
         };
-        Input::Assign { token: 7, worker: Some(crate::id::WorkerId(0)), request }
+        Input::ask(7, WorkerAction::Assign { worker: Some(crate::id::WorkerId(0)), request })
     };
     floor.step(vec![
         area(outline.clone(), vec![]),
         area(outline.clone(), vec![gone, left]),
         area(outline, vec![gone]),
-        Input::RegisterWorker { token: 7, name: "anna".into() },
+        Input::ask(7, WorkerAction::Register("anna".into())),
         assigned(gone, "a"),
         assigned(left, "b"),
     ]);

@@ -30,8 +30,8 @@ fn is_in(p: Point) -> bool {
 
 impl TestFloor {
     fn close(&mut self, area: Closure) -> crate::id::ClosureId {
-        match self.step(vec![Input::Close { token: 5, area }]).replies.remove(0) {
-            Reply::Closed { closure, .. } => closure,
+        match self.step(vec![Input::ask(5, FloorAction::Close(area))]).replies.remove(0).answer {
+            Ok(Answer::Closure(closure)) => closure,
             other => panic!("not closed: {other:?}"),
         }
     }
@@ -104,7 +104,7 @@ fn a_rack_is_not_lifted_while_a_closed_area_cuts_its_station_off_and_goes_at_onc
     assert_eq!(floor.where_is(RobotId(0)), floor.node("c"), "the robot stays free");
     let go = floor.go(RobotId(0), floor.node("s1"));
     floor.until(60, "it does its other jobs", |f| f.state(go).is_none());
-    floor.step(vec![Input::Reopen { token: 6, closure }]);
+    floor.step(vec![Input::ask(6, FloorAction::Reopen(closure))]);
     floor.until(60, "it begins", |f| f.is(job, "assigned"));
     floor.until_over(120);
 }
@@ -120,7 +120,7 @@ fn a_robot_is_not_sent_to_a_place_that_a_closed_area_cuts_off_and_goes_when_that
         (floor.state(go), floor.why_job(go)),
         (Some(JobState::Waiting), Some(JobWhy::WayClosed(closure)))
     );
-    floor.step(vec![Input::Reopen { token: 6, closure }]);
+    floor.step(vec![Input::ask(6, FloorAction::Reopen(closure))]);
     floor.until(60, "it goes", |f| f.state(go).is_none());
 }
 
@@ -137,7 +137,7 @@ fn a_robot_with_a_rack_sets_it_down_when_a_closed_area_cuts_its_station_off() {
         f.is(job, "waiting") && matches!(f.rack(0), RackAt::Stored(_))
     });
     assert_eq!(floor.why_job(job), Some(JobWhy::WayClosed(closure)));
-    floor.step(vec![Input::Reopen { token: 6, closure }]);
+    floor.step(vec![Input::ask(6, FloorAction::Reopen(closure))]);
     floor.until_over(200);
     assert_eq!(floor.story(job).last(), Some(&"done"));
 }
@@ -181,7 +181,7 @@ fn a_robot_that_a_closed_area_shuts_in_is_named_before_and_names_the_area_after(
     let closure = floor.close(area);
     floor.run(30);
     assert_eq!(floor.fleet.why(RobotId(0)), Some(Why::Closed(closure)));
-    floor.step(vec![Input::Reopen { token: 6, closure }]);
+    floor.step(vec![Input::ask(6, FloorAction::Reopen(closure))]);
     floor.until_over(120);
 }
 

@@ -66,10 +66,10 @@ impl TestFloor {
     fn let_all_go_on(&mut self) {
         let ledger = self.fleet.ledger();
         let robots = ledger.robots.pairs().filter(|(_, r)| r.paused.is_some());
-        let robots = robots.map(|(r, _)| Input::Release { token: 7, robot: Some(r) });
+        let robots = robots.map(|(r, _)| Input::ask(7, FloorAction::Release(Some(r))));
         let stations = ledger.paused_stations.keys();
         let order = StationOrder::Resume;
-        let stations = stations.map(|s| Input::Station { token: 7, station: *s, order });
+        let stations = stations.map(|s| Input::ask(7, Request::Station(*s, order)));
         let said = robots.chain(stations).collect();
         self.step(said);
     }
@@ -109,9 +109,9 @@ fn no_robot_joins_where_a_displaced_one_is_in_the_way() {
     let far = |n: &NodeId| axis_distance(w.nodes[*n].at, place);
     let node = w.nodes.ids().min_by(|a, b| far(a).total_cmp(&far(b))).expect("a node is near");
     assert!(far(&node) < w.footprint_m, "a robot there would touch it");
-    let said = Input::Register { token: 7, name: "late".into(), kind: "robot".into(), node };
+    let said = Input::ask(7, RobotAction::Register { name: "late".into(), kind: "robot".into(), node });
     let why = Refusal::PlaceTaken(node);
-    assert_eq!(floor.answer_to(7, vec![said]), Reply::Refused { token: 7, why });
+    assert_eq!(floor.answer_to(7, vec![said]), Err(why));
 }
 
 #[test]

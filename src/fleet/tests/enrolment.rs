@@ -5,11 +5,12 @@ use super::*;
 const R0: RobotId = RobotId(0);
 
 fn join(name: &str, node: NodeId) -> Input {
-    Input::Register { token: 7, name: name.into(), kind: "robot".into(), node }
+    Input::ask(7, RobotAction::Register { name: name.into(), kind: "robot".into(), node })
 }
 
 fn maintain(robot: RobotId, begins: bool) -> Input {
-    Input::Maintain { token: 7, robot, begins }
+    let action = if begins { RobotAction::BeginMaintenance } else { RobotAction::EndMaintenance };
+    Input::ask(7, action(robot))
 }
 
 /// A parking place that no robot holds.
@@ -24,9 +25,9 @@ fn a_robot_that_joins_later_works_like_the_others() {
     let mut floor = TestFloor::thesis(2);
     let node = floor.free_storage();
     let reply = floor.answer_to(7, vec![join("late", node)]);
-    assert_eq!(reply, Reply::Registered { token: 7, robot: RobotId(2), new: true });
+    assert_eq!(reply, Ok(Answer::Robot(Made { id: RobotId(2), new: true })));
     let again = floor.answer_to(7, vec![join("late", node)]);
-    assert_eq!(again, Reply::Registered { token: 7, robot: RobotId(2), new: false });
+    assert_eq!(again, Ok(Answer::Robot(Made { id: RobotId(2), new: false })));
     let jobs = floor.submit_batch(9);
     floor.until_over(3_000);
     floor.assert_done_once(&jobs);
@@ -39,17 +40,15 @@ fn a_robot_that_joins_later_works_like_the_others() {
 fn no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit() {
     let mut floor = TestFloor::lab(2);
     let taken = floor.fleet.ledger().node_of(R0);
-    let why = |reply: Reply| match reply {
-        Reply::Refused { why, .. } => Some(why),
-        _ => None,
-    };
+    let why = Answered::err;
     assert_eq!(why(floor.answer_to(7, vec![join("x", taken)])), Some(Refusal::PlaceTaken(taken)));
     let job = floor.submit(request(deliver(3)));
     floor.until(60, "a robot is on its way", |f| f.is(job, "assigned"));
     let robot = floor.state(job).and_then(|s| s.robot()).expect("it is assigned");
     let ahead = floor.fleet.ledger().chain(robot).last().expect("it goes somewhere").node;
     assert_eq!(why(floor.answer_to(7, vec![join("x", ahead)])), Some(Refusal::PlaceTaken(ahead)));
-    let forklift = Input::Register { token: 7, name: "x".into(), kind: "forklift".into(), node: taken };
+    let forklift =
+        Input::ask(7, RobotAction::Register { name: "x".into(), kind: "forklift".into(), node: taken });
     assert_eq!(why(floor.answer_to(7, vec![forklift])), Some(Refusal::UnknownKind));
     floor.fleet.core.settings.robots_max = 2;
     let full = Some(Refusal::TooMany(Bounded::Robots, 2));
@@ -66,7 +65,7 @@ fn no_robot_joins_where_a_late_one_still_stands() {
         |f: &TestFloor| f.fleet.ledger().chain(robot).granted() > f.fleet.ledger().chain(robot).first() + 1;
     floor.until(60, "it may drive", drives);
     let (node, mut now) = (floor.fleet.ledger().node_of(robot), floor.now);
-    let refused = |r: &Reply| matches!(r, Reply::Refused { why: Refusal::PlaceTaken(n), .. } if *n == node);
+    let refused = |r: &Reply| matches!(&r.answer, Err(Refusal::PlaceTaken(n)) if *n == node);
     // By the plan it was to be gone soon, and nothing is heard of it. Its windows slide, but not in every step.
     for _ in 0..600 {
         now += floor.fleet.settings().period;
@@ -125,12 +124,12 @@ fn maintenance_survives_a_restart() {
     assert_ne!(fleet.ledger().robots[R0].service, Service::Works);
     let place = free_parking(&floor);
     let reply = floor.answer_to(7, vec![join("new", place)]);
-    assert!(matches!(reply, Reply::Registered { new: true, .. }), "{reply:?}");
+    assert!(matches!(reply, Ok(Answer::Robot(Made { new: true, .. }))), "{reply:?}");
 }
 
 impl TestFloor {
-    fn retire(&mut self, robot: RobotId) -> Reply {
-        self.answer_to(7, vec![Input::Retire { token: 7, robot }])
+    fn retire(&mut self, robot: RobotId) -> Answered {
+        self.answer_to(7, vec![Input::ask(7, RobotAction::Retire(robot))])
     }
 
     fn is_gone(&self, robot: RobotId) -> bool {
@@ -144,7 +143,7 @@ fn a_robot_that_is_to_leave_finishes_its_job_and_is_gone_when_it_was_switched_of
     let job = floor.submit(request(deliver(0)));
     floor.until(60, "a robot is at it", |f| f.is(job, "carrying"));
     let robot = floor.fleet.ledger().jobs[&job].state.robot().expect("it carries");
-    assert_eq!(floor.retire(robot), Reply::Done { token: 7 });
+    assert_eq!(floor.retire(robot), Ok(Answer::Done));
     let named = floor.submit(request(JobKind::Park { robot }));
     floor.until(300, "the job is done", |f| f.state(job).is_none());
     floor.assert_done_once(&[job]);
@@ -159,13 +158,13 @@ fn a_robot_that_is_to_leave_finishes_its_job_and_is_gone_when_it_was_switched_of
     floor.until(300, "the other one works on", |f| f.state(other).is_none());
     floor.assert_done_once(&[other]);
     let refused = floor.ask(request(JobKind::Park { robot }));
-    assert_eq!(refused, Reply::Refused { token: 7, why: Refusal::RobotIsGone(robot) });
+    assert_eq!(refused, Err(Refusal::RobotIsGone(robot)));
 }
 
 #[test]
 fn the_place_of_a_robot_that_has_left_is_free_and_it_comes_back_elsewhere() {
     let mut floor = TestFloor::thesis(2);
-    floor.retire(R0);
+    floor.retire(R0).unwrap();
     floor.until(300, "it is gone", |f| f.is_gone(R0));
     let place = floor.fleet.ledger().node_of(R0);
     let one = RobotId(1);
@@ -174,12 +173,9 @@ fn the_place_of_a_robot_that_has_left_is_free_and_it_comes_back_elsewhere() {
     assert_eq!(floor.fleet.ledger().node_of(one), place);
     let name = floor.fleet.ledger().robots[R0].name.clone();
     let taken = floor.answer_to(7, vec![join(&name, place)]);
-    assert_eq!(taken, Reply::Refused { token: 7, why: Refusal::PlaceTaken(place) });
+    assert_eq!(taken, Err(Refusal::PlaceTaken(place)));
     let free = floor.free_storage();
-    assert_eq!(
-        floor.answer_to(7, vec![join(&name, free)]),
-        Reply::Registered { token: 7, robot: R0, new: true }
-    );
+    assert_eq!(floor.answer_to(7, vec![join(&name, free)]), Ok(Answer::Robot(Made { id: R0, new: true })));
     assert_eq!(floor.fleet.ledger().robots.len(), 2, "it is the same robot");
     let job = floor.submit(request(JobKind::Park { robot: R0 }));
     floor.until(300, "it works again", |f| f.state(job).is_none());
@@ -195,7 +191,7 @@ fn a_broken_robot_leaves_where_it_stands_and_its_job_goes_to_another() {
     floor.run(1);
     floor.world.fail(robot, Time::MAX);
     floor.until(10, "the fleet knows", |f| f.fleet.ledger().robots[robot].failed);
-    floor.retire(robot);
+    floor.retire(robot).unwrap();
     floor.until(30, "it is gone", |f| f.is_gone(robot));
     floor.until(600, "the job is done", |f| f.state(job).is_none());
     floor.assert_done_once(&[job]);
@@ -204,13 +200,13 @@ fn a_broken_robot_leaves_where_it_stands_and_its_job_goes_to_another() {
 #[test]
 fn a_robot_that_is_to_leave_can_stay_and_a_restart_forgets_neither() {
     let mut floor = TestFloor::lab(2);
-    floor.retire(R0);
+    floor.retire(R0).unwrap();
     floor.restart(&scenario(2));
     assert!(matches!(floor.fleet.ledger().robots[R0].service, Service::Leaving { .. }));
-    floor.answer_to(7, vec![maintain(R0, false)]);
+    floor.answer_to(7, vec![maintain(R0, false)]).unwrap();
     assert_eq!(floor.fleet.ledger().robots[R0].service, Service::Works);
     floor.run(5);
-    floor.retire(R0);
+    floor.retire(R0).unwrap();
     floor.until(120, "it is gone", |f| f.is_gone(R0));
     floor.restart(&scenario(2));
     assert!(floor.is_gone(R0));
@@ -227,7 +223,7 @@ fn a_silent_robot_that_rests_is_not_gone_before_ten_seconds_and_none_that_was_no
     let mut floor = TestFloor::lab(2);
     floor.run(2);
     let at = floor.now;
-    floor.retire(R0);
+    floor.retire(R0).unwrap();
     floor.until(120, "it is gone", |f| f.is_gone(R0));
     assert!(floor.now - at >= Span::from_secs(10), "{}", floor.now);
     floor.run(30);

@@ -6,8 +6,12 @@ use crate::geometry::{Point, Segment};
 
 impl TestFloor {
     fn evacuate(&mut self, begins: bool) {
-        let input = if begins { Input::Evacuate { token: 9 } } else { Input::EndEvacuation { token: 9 } };
-        assert_eq!(self.step(vec![input]).replies, [Reply::Done { token: 9 }]);
+        let input = if begins {
+            Input::ask(9, FloorAction::Evacuate)
+        } else {
+            Input::ask(9, FloorAction::EndEvacuation)
+        };
+        assert_eq!(self.step(vec![input]).replies, [Reply { token: 9.into(), answer: Ok(Answer::Done) }]);
     }
 
     fn doors(&self) -> Vec<Point> {

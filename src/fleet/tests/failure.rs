@@ -123,8 +123,8 @@ fn a_robot_that_is_fenced_off_stands_whatever_it_says_and_others_take_over_until
     floor.fleet = Fleet::restore(map, settings, floor.facts.iter().cloned());
     floor.run(2);
     assert_eq!(floor.fleet.why(fenced), Some(Why::Failed), "also after a restart");
-    let released = floor.step(vec![Input::Release { token: 6, robot: Some(fenced) }]);
-    assert_eq!(released.replies, [Reply::Done { token: 6 }]);
+    let released = floor.step(vec![Input::ask(6, FloorAction::Release(Some(fenced)))]);
+    assert_eq!(released.replies, [Reply { token: 6.into(), answer: Ok(Answer::Done) }]);
     let kind = JobKind::Go { robot: fenced, node: floor.fleet.warehouse().racks[RackId(3)].home };
     let job = floor.submit(request(kind));
     floor.until_over(600);

@@ -74,7 +74,7 @@ fn jobs_that_name_a_robot_age_too() {
     let robot = RobotId(0);
     let old = floor.submit(request(JobKind::Park { robot }));
     floor.until(60, "it is done", |f| f.state(old).is_none());
-    floor.step(vec![Input::Halt { token: 4, robot: Some(robot) }]);
+    floor.step(vec![Input::ask(4, FloorAction::Halt(Some(robot)))]);
     let old = floor.submit(request(JobKind::Park { robot }));
     floor.run(485);
     let young = floor.submit(JobRequest { priority: 1, ..request(JobKind::Park { robot }) });

@@ -94,8 +94,8 @@ impl CellFloor {
         lines.all().iter().map(|p| (p.state, p.pieces)).collect()
     }
 
-    fn say(&mut self, order: StationOrder) -> Reply {
-        self.floor.answer_to(5, vec![Input::Station { token: 5, station: S1, order }])
+    fn say(&mut self, order: StationOrder) -> Answered {
+        self.floor.answer_to(5, vec![Input::ask(5, Request::Station(S1, order))])
     }
 
     fn is_done(&self) -> bool {
@@ -120,7 +120,7 @@ fn a_hand_confirms_a_line_by_its_slot_and_its_tote_without_a_button() {
     assert_eq!(cell.warnings, []);
     let again = cell.say(StationOrder::Line(1, LineChange::Done(1)));
     assert!(
-        matches!(again, Reply::LineNoted { outcome: LineOutcome::Already, line: 1, .. }),
+        matches!(again, Ok(Answer::Line(LineNoted { outcome: LineOutcome::Already, line: 1, .. }))),
         "a button for what the hand has just confirmed counts nothing: {again:?}"
     );
 }
@@ -167,11 +167,14 @@ fn a_button_decides_where_the_hand_was_not_seen_on_its_way_to_the_tote() {
         |after_s| cell.floor.fleet.view(cell.floor.now + Span::from_secs(after_s)).stations[0].saw_hands;
     assert!(saw(1) && !saw(11), "after a while without hands it says so");
     let noted = cell.say(StationOrder::Last(LineChange::Done(1)));
-    assert!(matches!(noted, Reply::LineNoted { outcome: LineOutcome::Changed, line: 0, pieces: 1, .. }));
+    assert!(matches!(
+        noted,
+        Ok(Answer::Line(LineNoted { outcome: LineOutcome::Changed, line: 0, pieces: 1, .. }))
+    ));
     assert!(cell.floor.fleet.ledger().unconfirmed.is_empty());
     let why = Refusal::NothingToPick(S1);
     let refused = cell.say(StationOrder::Last(LineChange::Done(1)));
-    assert_eq!(refused, Reply::Refused { token: 5, why }, "there is nothing left to confirm");
+    assert_eq!(refused, Err(why), "there is nothing left to confirm");
 }
 
 #[test]
@@ -179,7 +182,7 @@ fn a_rack_does_not_leave_while_a_hand_is_inside() {
     let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
     cell.enters("C3");
     let noted = cell.say(StationOrder::Line(0, LineChange::Done(1)));
-    assert!(matches!(noted, Reply::LineNoted { state: LineState::Done, .. }), "{noted:?}");
+    assert!(matches!(noted, Ok(Answer::Line(LineNoted { state: LineState::Done, .. }))), "{noted:?}");
     cell.moves(cell.at, 0.5);
     assert!(!cell.is_done(), "the hand is inside");
     cell.moves(cell.front("C3"), 0.4);
@@ -190,7 +193,7 @@ fn a_rack_does_not_leave_while_a_hand_is_inside() {
 fn a_rack_that_waits_for_a_hand_stays_when_the_hand_is_lost_inside_until_it_is_seen_outside() {
     let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
     cell.enters("C3");
-    cell.say(StationOrder::Line(0, LineChange::Done(1)));
+    cell.say(StationOrder::Line(0, LineChange::Done(1))).unwrap();
     assert!(!cell.is_done());
     cell.floor.run(5);
     assert!(!cell.is_done(), "nobody knows where the hand is");
@@ -204,10 +207,10 @@ fn a_rack_that_is_kept_for_a_hand_nobody_sees_any_more_leaves_by_a_button() {
     for order in [StationOrder::Release, StationOrder::Line(0, LineChange::Done(1))] {
         let mut cell = CellFloor::new(Flow::Hand, &[("C3", 1, "B")]);
         cell.enters("C3");
-        cell.say(StationOrder::Line(0, LineChange::Done(1)));
+        cell.say(StationOrder::Line(0, LineChange::Done(1))).unwrap();
         cell.floor.run(5);
         assert!(!cell.is_done());
-        cell.say(order);
+        cell.say(order).unwrap();
         assert!(cell.is_done(), "{order:?}");
     }
 }
@@ -221,7 +224,7 @@ fn a_rack_that_is_let_go_by_a_button_stands_while_a_hand_is_seen_inside() {
         let robot =
             cell.floor.fleet.ledger().present().find(|r| cell.floor.fleet.ledger().node_of(*r) == station);
         let robot = robot.expect("it is picked from");
-        cell.say(order);
+        cell.say(order).unwrap();
         assert!(cell.is_done(), "{order:?}");
         assert_eq!(cell.floor.fleet.core.visits.at_hands(robot), Some(S1), "in the same step: {order:?}");
     }
@@ -235,8 +238,8 @@ fn a_piece_that_hand_and_button_confirm_counts_once_whoever_is_first() {
     cell.puts(1);
     let noted = cell.say(again);
     let already = |pieces| {
-        move |noted: &Reply| match noted {
-            Reply::LineNoted { outcome, pieces: now, .. } => {
+        move |noted: &Answered| match noted {
+            Ok(Answer::Line(LineNoted { outcome, pieces: now, .. })) => {
                 *outcome == LineOutcome::Already && *now == pieces
             }
             _ => false,
@@ -244,11 +247,17 @@ fn a_piece_that_hand_and_button_confirm_counts_once_whoever_is_first() {
     };
     assert!(already(1)(&noted), "{noted:?}");
     cell.floor.run(3);
-    assert!(matches!(cell.say(again), Reply::LineNoted { outcome: LineOutcome::Changed, pieces: 2, .. }));
+    assert!(matches!(
+        cell.say(again),
+        Ok(Answer::Line(LineNoted { outcome: LineOutcome::Changed, pieces: 2, .. }))
+    ));
     let mut cell = CellFloor::new(Flow::Hand, &[("C3", 3, "B")]);
     cell.grasps("C3");
     let noted = cell.say(again);
-    assert!(matches!(noted, Reply::LineNoted { outcome: LineOutcome::Changed, pieces: 1, .. }), "{noted:?}");
+    assert!(
+        matches!(noted, Ok(Answer::Line(LineNoted { outcome: LineOutcome::Changed, pieces: 1, .. }))),
+        "{noted:?}"
+    );
     cell.puts(1);
     assert_eq!(cell.lines(), [(LineState::Lit, 1)], "that is the piece for which the button was pressed");
 }
@@ -259,9 +268,9 @@ fn in_the_usual_flow_no_pace_is_learned() {
         let mut cell = CellFloor::new(flow, &[("C3", 1, "B"), ("A1", 1, "A")]);
         let before = cell.floor.fleet.core.visits.line_s(S1, 2).0;
         cell.floor.run(30);
-        cell.say(StationOrder::Line(0, LineChange::Done(1)));
+        cell.say(StationOrder::Line(0, LineChange::Done(1))).unwrap();
         cell.floor.run(30);
-        cell.say(StationOrder::Line(1, LineChange::Done(1)));
+        cell.say(StationOrder::Line(1, LineChange::Done(1))).unwrap();
         cell.floor.run(1);
         let after = cell.floor.fleet.core.visits.line_s(S1, 2).0;
         assert_eq!(before != after, learns, "{flow:?}: {before} then {after}");

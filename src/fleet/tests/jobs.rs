@@ -32,9 +32,9 @@ fn the_same_key_makes_no_second_job_not_even_when_the_first_is_over() {
     let mut floor = TestFloor::lab(1);
     let keyed = JobRequest { key: Some("order 1".into()), ..request(deliver(3)) };
     let job = floor.submit(keyed.clone());
-    assert_eq!(floor.ask(keyed.clone()), Reply::Accepted { token: 7, job, new: false });
+    assert_eq!(floor.ask(keyed.clone()), Ok(Answer::Job(Made { id: job, new: false })));
     floor.until_over(300);
-    assert_eq!(floor.ask(keyed), Reply::Accepted { token: 7, job, new: false });
+    assert_eq!(floor.ask(keyed), Ok(Answer::Job(Made { id: job, new: false })));
     floor.run(100);
     assert_eq!((floor.done(), floor.fleet.ledger().next_job), (1, 2));
     let other = JobRequest { key: Some("order 2".into()), ..request(deliver(3)) };
@@ -143,7 +143,7 @@ fn cancelling_a_job_fails_those_that_wait_for_it_and_those_that_wait_for_them() 
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(8)) });
     let third = floor.submit(JobRequest { after: vec![second], ..request(deliver(9)) });
     let apart = floor.submit(request(deliver(1)));
-    assert_eq!(floor.cancel(first), Reply::Cancelled { token: 8, job: first });
+    assert_eq!(floor.cancel(first), Ok(Answer::Done));
     floor.until_over(600);
     let last = |j| floor.progress(j).last().expect("something happened").0;
     assert_eq!(last(second), JobState::Failed(JobFailure::Predecessor(first)));
@@ -203,7 +203,7 @@ fn robots_park_and_charge_when_they_are_told_to() {
 #[track_caller]
 fn check_refused(floor: &mut TestFloor, request: JobRequest, why: Refusal) {
     let next = floor.fleet.ledger().next_job;
-    assert_eq!(floor.ask(request), Reply::Refused { token: 7, why });
+    assert_eq!(floor.ask(request), Err(why));
     assert_eq!(floor.fleet.ledger().next_job, next, "what is refused is no job");
 }
 
@@ -234,7 +234,7 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
     check_refused(&mut floor, JobRequest { priority: 10, ..request(deliver(0)) }, Refusal::Priority(10));
     let after = |job| JobRequest { after: vec![job], ..request(deliver(0)) };
     check_refused(&mut floor, after(JobId(9)), Refusal::UnknownPredecessor(JobId(9)));
-    assert_eq!(floor.cancel(JobId(1)), Reply::Refused { token: 8, why: Refusal::UnknownJob(JobId(1)) });
+    assert_eq!(floor.cancel(JobId(1)), Err(Refusal::UnknownJob(JobId(1))));
 }
 
 #[test]

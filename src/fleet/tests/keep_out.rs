@@ -22,8 +22,8 @@ impl TestFloor {
         let outline = corners(of).into_iter().map(Into::into).collect();
         let window = Window::new(Time::from_secs_f64(from_s), Time::from_secs_f64(until_s));
         let area = Closure { outline, nodes: vec![], window, reason: "oil".into(), binds, series: None };
-        match self.step(vec![Input::Close { token: 5, area }]).replies.remove(0) {
-            Reply::Closed { closure, .. } => closure,
+        match self.step(vec![Input::ask(5, FloorAction::Close(area))]).replies.remove(0).answer {
+            Ok(Answer::Closure(closure)) => closure,
             other => panic!("not closed: {other:?}"),
         }
     }

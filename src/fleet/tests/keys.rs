@@ -26,7 +26,7 @@ fn a_key_makes_no_second_job_for_a_week_and_a_new_one_after_eight_days() {
     floor.until_over(300);
     floor.until(300, "the rack is put away", TestFloor::first_robot_is_idle);
     floor.now = Time::ZERO + DAY * 6;
-    assert_eq!(floor.ask(keyed("order")), Reply::Accepted { token: 7, job, new: false });
+    assert_eq!(floor.ask(keyed("order")), Ok(Answer::Job(Made { id: job, new: false })));
     floor.now = Time::ZERO + DAY * 8;
     // The law of progress sees the idle robot before it gets a task; otherwise it counts the two days against it.
     floor.step(vec![]);
@@ -44,15 +44,15 @@ fn the_same_key_of_two_customers_makes_two_jobs_and_two_assignments() {
     let place = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle)[0];
     let assign = |owner| {
         let request = AssignmentRequest { place, stay: Span::ZERO, what: "count".into(), key: of(owner) };
-        Input::Assign { token: 2, worker: None, request }
+        Input::ask(2, WorkerAction::Assign { worker: None, request })
     };
     let (wms, mes) = (floor.submit(keyed(1)), floor.submit(keyed(2)));
     assert_ne!(wms, mes, "a key of one customer never gives another customer's job");
-    let [first, second] = [1, 2].map(|owner| floor.step(vec![assign(owner)]).replies.remove(0));
-    let made = |assignment| Reply::Assigned { token: 2, assignment: AssignmentId(assignment), new: true };
+    let [first, second] = [1, 2].map(|owner| floor.step(vec![assign(owner)]).replies.remove(0).answer);
+    let made = |assignment| Ok(Answer::Assignment(Made { id: AssignmentId(assignment), new: true }));
     assert_eq!((first, second), (made(1), made(2)));
-    assert_eq!(floor.ask(keyed(1)), Reply::Accepted { token: 7, job: wms, new: false });
-    assert_eq!(floor.ask(keyed(2)), Reply::Accepted { token: 7, job: mes, new: false });
+    assert_eq!(floor.ask(keyed(1)), Ok(Answer::Job(Made { id: wms, new: false })));
+    assert_eq!(floor.ask(keyed(2)), Ok(Answer::Job(Made { id: mes, new: false })));
     floor.assert_fold();
 }
 
@@ -62,7 +62,7 @@ fn a_key_of_which_nobody_knows_whose_it_is_makes_no_second_job_for_any_customer(
     let job = floor.submit(keyed("order"));
     let of_one = ClientKey { owner: Some(CustomerId(1)), text: "order".into() };
     let again = JobRequest { key: Some(of_one), ..request(deliver(3)) };
-    assert_eq!(floor.ask(again), Reply::Accepted { token: 7, job, new: false });
+    assert_eq!(floor.ask(again), Ok(Answer::Job(Made { id: job, new: false })));
 }
 
 #[test]
@@ -71,14 +71,17 @@ fn the_key_of_an_open_job_is_known_however_old_it_is_and_goes_when_the_job_is_ov
     let first = floor.submit(request(deliver(1)));
     let waits = JobRequest { after: vec![first], ..keyed("waits") };
     assert!(matches!(
-        floor.step(vec![Input::Halt { token: 1, robot: None }]).replies[..],
-        [Reply::Done { .. }]
+        floor.step(vec![Input::ask(1, FloorAction::Halt(None))]).replies[..],
+        [Reply { answer: Ok(Answer::Done), .. }]
     ));
     let job = floor.submit(waits.clone());
     floor.now = Time::ZERO + DAY * 30;
-    assert_eq!(floor.ask(waits.clone()), Reply::Accepted { token: 7, job, new: false });
-    floor.cancel(job);
-    assert!(matches!(floor.ask(waits), Reply::Accepted { new: true, .. }), "over, and older than a week");
+    assert_eq!(floor.ask(waits.clone()), Ok(Answer::Job(Made { id: job, new: false })));
+    floor.cancel(job).unwrap();
+    assert!(
+        matches!(floor.ask(waits), Ok(Answer::Job(Made { new: true, .. }))),
+        "over, and older than a week"
+    );
 }
 
 #[test]
@@ -86,17 +89,15 @@ fn keys_of_assignments_are_forgotten_too() {
     let mut floor = TestFloor::lab(1);
     let place = floor.fleet.warehouse().nodes_where(|k| k == NodeKind::Aisle)[0];
     let what = AssignmentRequest { place, stay: Span::ZERO, what: "count".into(), key: Some("k".into()) };
-    let assign = |request: &AssignmentRequest| Input::Assign {
-        token: 2,
-        worker: Some(WorkerId(0)),
-        request: request.clone(),
+    let assign = |request: &AssignmentRequest| {
+        Input::ask(2, WorkerAction::Assign { worker: Some(WorkerId(0)), request: request.clone() })
     };
-    floor.step(vec![Input::RegisterWorker { token: 1, name: "anna".into() }]);
+    floor.step(vec![Input::ask(1, WorkerAction::Register("anna".into()))]);
     floor.step(vec![assign(&what)]);
-    floor.step(vec![Input::Unassign { token: 3, assignment: AssignmentId(1) }]);
+    floor.step(vec![Input::ask(3, WorkerAction::Unassign(AssignmentId(1)))]);
     floor.now = Time::ZERO + DAY * 8;
-    let reply = floor.step(vec![assign(&what)]).replies.remove(0);
-    assert_eq!(reply, Reply::Assigned { token: 2, assignment: AssignmentId(2), new: true });
+    let reply = floor.step(vec![assign(&what)]).replies.remove(0).answer;
+    assert_eq!(reply, Ok(Answer::Assignment(Made { id: AssignmentId(2), new: true })));
     floor.assert_fold();
 }
 
@@ -107,9 +108,11 @@ fn the_memory_of_keys_is_bounded_and_no_step_forgets_many() {
     for day in 0..40 {
         floor.now = Time::ZERO + DAY * day;
         let order = |i: i64| keyed(&format!("{day}-{i}"));
-        let inputs = (0..100).map(|i| Input::Submit { token: 7, request: order(i) }).collect();
+        let inputs = (0..100).map(|i| Input::ask(7, JobAction::Submit(order(i)))).collect();
         let jobs = floor.step(inputs).replies.into_iter().filter_map(|r| match r {
-            Reply::Accepted { job, new: true, .. } => Some(Input::Cancel { token: 8, job }),
+            Reply { answer: Ok(Answer::Job(Made { id: job, new: true })), .. } => {
+                Some(Input::ask(8, JobAction::Cancel(job)))
+            }
             _ => None,
         });
         let cancels: Vec<Input> = jobs.collect();

@@ -94,7 +94,8 @@ fn robots_charge_as_their_kind_does() {
 fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
     let mut floor = TestFloor::new(thesis(), &two_kinds(2, slow()));
     let node = floor.free_storage();
-    let join = |kind: &str| Input::Register { token: 7, name: "late".into(), kind: kind.into(), node };
+    let join =
+        |kind: &str| Input::ask(7, RobotAction::Register { name: "late".into(), kind: kind.into(), node });
     floor.step(vec![join("forklift")]);
     assert_eq!(floor.fleet.ledger().robots.len(), 2);
     let known = floor.fleet.settings().unknown_kinds(floor.fleet.ledger());
@@ -152,7 +153,7 @@ fn a_job_that_no_robot_of_the_floor_can_do_says_so_and_one_that_no_kind_can_do_i
     assert_eq!(why, Some(JobWhy::NoKind), "one shuttle, and a shelf");
     few.kinds.truncate(1);
     let mut floor = TestFloor::new(mixed(), &few);
-    let Reply::Refused { why, .. } = floor.ask(request(JobKind::Return { rack: shelf })) else {
+    let Err(why) = floor.ask(request(JobKind::Return { rack: shelf })) else {
         panic!("no kind carries shelves")
     };
     assert_eq!(why, Refusal::NoKindFor(shelf));

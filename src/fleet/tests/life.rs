@@ -38,7 +38,7 @@ fn a_cancelled_job_leaves_the_job_that_its_robot_is_at_alone() {
     let (mut floor, deliveries, go, park) = busy_floor_with_named_jobs();
     floor.run(30);
     for job in [go, park] {
-        floor.cancel(job);
+        floor.cancel(job).unwrap();
         floor.run(5);
     }
     floor.until_over(4_000);
@@ -51,7 +51,7 @@ fn two_racks_are_not_promised_to_one_place() {
     let node = floor.free_storage();
     let first = floor.submit(request(JobKind::Relocate { rack: RackId(40), node }));
     let again = floor.ask(request(JobKind::Relocate { rack: RackId(50), node }));
-    assert_eq!(again, Reply::Refused { token: 7, why: Refusal::StorageTaken(node) });
+    assert_eq!(again, Err(Refusal::StorageTaken(node)));
     floor.until_over(900);
     assert_eq!(floor.story(first).last(), Some(&"done"));
     assert_eq!(floor.rack(40), RackAt::Stored(node));
@@ -73,11 +73,11 @@ fn jobs_for_one_robot_are_done_by_priority() {
 fn a_paused_robot_gets_no_job_by_name_until_it_goes_on() {
     let mut floor = TestFloor::lab(1);
     let robot = RobotId::at(0);
-    floor.step(vec![Input::Halt { token: 9, robot: Some(robot) }]);
+    floor.step(vec![Input::ask(9, FloorAction::Halt(Some(robot)))]);
     let park = floor.submit(request(JobKind::Park { robot }));
     floor.run(20);
     assert!(floor.is(park, "waiting"));
-    floor.step(vec![Input::Release { token: 9, robot: Some(robot) }]);
+    floor.step(vec![Input::ask(9, FloorAction::Release(Some(robot)))]);
     floor.until_over(300);
     assert_eq!(floor.story(park), ["assigned", "done"]);
 }

@@ -12,7 +12,7 @@ fn limited(settings: impl Fn(&mut Settings)) -> Fleet {
 
 fn refusals(fleet: &mut Fleet, inputs: Vec<Input>) -> Vec<Option<Refusal>> {
     let why = |reply: &Reply| match reply {
-        Reply::Refused { why, .. } => Some(*why),
+        Reply { answer: Err(why), .. } => Some(*why),
         _ => None,
     };
     fleet.step(Time::ZERO, inputs).replies.iter().map(why).collect()
@@ -35,7 +35,7 @@ fn area(corners: usize) -> Closure {
 fn one_job_too_many_is_refused_and_one_that_comes_after_too_many() {
     let mut fleet = limited(|s| (s.waiting_max, s.after_max) = (2, 1));
     let submit =
-        |after: Vec<JobId>| Input::Submit { token: 1, request: JobRequest { after, ..request(deliver(1)) } };
+        |after: Vec<JobId>| Input::ask(1, JobAction::Submit(JobRequest { after, ..request(deliver(1)) }));
     let why = refusals(
         &mut fleet,
         vec![submit(vec![]), submit(vec![JobId(1), JobId(1)]), submit(vec![]), submit(vec![])],
@@ -47,7 +47,7 @@ fn one_job_too_many_is_refused_and_one_that_comes_after_too_many() {
 #[test]
 fn one_worker_too_many_is_refused_and_a_known_one_is_not() {
     let mut fleet = limited(|s| s.workers_max = 1);
-    let hire = |name: &str| Input::RegisterWorker { token: 1, name: name.into() };
+    let hire = |name: &str| Input::ask(1, WorkerAction::Register(name.into()));
     let why = refusals(&mut fleet, vec![hire("anna"), hire("ben"), hire("anna")]);
     assert_eq!(why, [None, Some(Refusal::TooMany(Bounded::Workers, 1)), None]);
 }
@@ -55,8 +55,8 @@ fn one_worker_too_many_is_refused_and_a_known_one_is_not() {
 #[test]
 fn a_worker_who_is_forgotten_frees_a_place_and_numbers_are_given_again_only_when_there_are_no_others() {
     let mut fleet = limited(|s| s.workers_max = 3);
-    let hire = |name: &str| Input::RegisterWorker { token: 1, name: name.into() };
-    let forget = |n: u32| Input::ForgetWorker { token: 1, worker: crate::id::WorkerId(n) };
+    let hire = |name: &str| Input::ask(1, WorkerAction::Register(name.into()));
+    let forget = |n: u32| Input::ask(1, WorkerAction::Forget(crate::id::WorkerId(n)));
     let names = |fleet: &Fleet| fleet.ledger().workers.iter().cloned().collect::<Vec<_>>();
     assert_eq!(refusals(&mut fleet, vec![hire("anna"), hire("ben"), forget(0), hire("carl")]), [None; 4]);
     assert_eq!(names(&fleet), ["", "ben", "carl"]);
@@ -75,10 +75,10 @@ fn a_worker_who_has_something_to_do_or_is_on_the_floor_is_not_forgotten() {
     let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];
     let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
     let anna = crate::id::WorkerId(0);
-    let hire = Input::RegisterWorker { token: 1, name: "anna".into() };
-    let assign = Input::Assign { token: 1, worker: Some(anna), request };
-    let forget = || Input::ForgetWorker { token: 1, worker: anna };
-    let take_back = Input::Unassign { token: 1, assignment: crate::id::AssignmentId(1) };
+    let hire = Input::ask(1, WorkerAction::Register("anna".into()));
+    let assign = Input::ask(1, WorkerAction::Assign { worker: Some(anna), request });
+    let forget = || Input::ask(1, WorkerAction::Forget(anna));
+    let take_back = Input::ask(1, WorkerAction::Unassign(crate::id::AssignmentId(1)));
     let why = refusals(&mut fleet, vec![hire, assign, forget(), take_back, forget()]);
     assert_eq!(why, [None, None, Some(Refusal::WorkerBusy(anna)), None, None]);
 }
@@ -88,10 +88,11 @@ fn one_assignment_too_many_is_refused_until_another_is_over() {
     let mut fleet = limited(|s| s.assignments_max = 1);
     let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];
     let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
-    let assign =
-        || Input::Assign { token: 1, worker: Some(crate::id::WorkerId(0)), request: request.clone() };
-    let take_back = Input::Unassign { token: 1, assignment: crate::id::AssignmentId(1) };
-    let hire = Input::RegisterWorker { token: 1, name: "anna".into() };
+    let assign = || {
+        Input::ask(1, WorkerAction::Assign { worker: Some(crate::id::WorkerId(0)), request: request.clone() })
+    };
+    let take_back = Input::ask(1, WorkerAction::Unassign(crate::id::AssignmentId(1)));
+    let hire = Input::ask(1, WorkerAction::Register("anna".into()));
     let why = refusals(&mut fleet, vec![hire, assign(), assign(), take_back, assign()]);
     let full = Some(Refusal::TooMany(Bounded::Assignments, 1));
     assert_eq!(why, [None, None, full, None, None]);
@@ -100,8 +101,8 @@ fn one_assignment_too_many_is_refused_until_another_is_over() {
 #[test]
 fn one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_many_corners() {
     let mut fleet = limited(|s| (s.closures_max, s.corners_max) = (1, 4));
-    let close = |corners| Input::Close { token: 1, area: area(corners) };
-    let reopen = Input::Reopen { token: 1, closure: crate::id::ClosureId(1) };
+    let close = |corners| Input::ask(1, FloorAction::Close(area(corners)));
+    let reopen = Input::ask(1, FloorAction::Reopen(crate::id::ClosureId(1)));
     let why = refusals(&mut fleet, vec![close(5), close(4), close(4), reopen, close(4)]);
     let full = Some(Refusal::TooMany(Bounded::Closures, 1));
     assert_eq!(why, [Some(Refusal::TooManyCorners(4)), None, full, None, None]);

@@ -27,14 +27,14 @@ impl TestFloor {
         (floor, job)
     }
 
-    fn say(&mut self, station: u32, order: StationOrder) -> Reply {
-        self.answer_to(5, vec![Input::Station { token: 5, station: StationId(station), order }])
+    fn say(&mut self, station: u32, order: StationOrder) -> Answered {
+        self.answer_to(5, vec![Input::ask(5, Request::Station(StationId(station), order))])
     }
 
     fn line_said(&mut self, n: usize, change: LineChange) -> Result<(LineOutcome, LineState, u32), Refusal> {
         match self.say(0, StationOrder::Line(n, change)) {
-            Reply::LineNoted { outcome, state, pieces, .. } => Ok((outcome, state, pieces)),
-            Reply::Refused { why, .. } => Err(why),
+            Ok(Answer::Line(LineNoted { outcome, state, pieces, .. })) => Ok((outcome, state, pieces)),
+            Err(why) => Err(why),
             other => panic!("no answer about a line: {other:?}"),
         }
     }
@@ -106,7 +106,7 @@ fn whoever_ends_the_visit_settles_all_lines_that_are_left() {
         let request = picked(&[&[line("C3", 2, "B")], &[line("A1", 1, "A")]]);
         let (mut floor, job) = TestFloor::at_cell(request);
         floor.line_said(0, LineChange::Done(1)).unwrap();
-        floor.say(0, order);
+        floor.say(0, order).unwrap();
         if story == "failed" {
             assert_eq!(floor.story(job).last(), Some(&"failed"), "{order:?}");
             continue;
@@ -118,7 +118,7 @@ fn whoever_ends_the_visit_settles_all_lines_that_are_left() {
         assert_eq!(lines[1].pieces_left(), 1);
         floor.until(300, "it is at its second station", |f| f.is(job, "picking"));
         assert_eq!(floor.lines(job), [(LineState::Lit, 0)]);
-        floor.say(1, StationOrder::Line(0, LineChange::Done(1)));
+        floor.say(1, StationOrder::Line(0, LineChange::Done(1))).unwrap();
         assert_eq!(floor.story(job).last(), Some(&"done"), "{order:?}");
     }
 }
@@ -153,7 +153,7 @@ fn a_job_whose_lines_cannot_be_picked_is_not_taken_and_each_reason_is_named() {
     ];
     for (lines, n, problem) in cases {
         let why = Refusal::CannotPick(0, n, problem);
-        assert_eq!(floor.ask(picked(&[lines])), Reply::Refused { token: 7, why });
+        assert_eq!(floor.ask(picked(&[lines])), Err(why));
     }
     let two = |lines: [Vec<OrderLine>; 2]| picked(&[&lines[0], &lines[1]]);
     let ask = |floor: &mut TestFloor, mut request: JobRequest, station: u32| {
@@ -162,14 +162,14 @@ fn a_job_whose_lines_cannot_be_picked_is_not_taken_and_each_reason_is_named() {
     };
     let why = Refusal::CannotPick(1, 0, LineProblem::NoArm);
     let refused = ask(&mut floor, two([vec![good.clone()], vec![by_arm(good.clone())]]), 3);
-    assert_eq!(refused, Reply::Refused { token: 7, why });
+    assert_eq!(refused, Err(why));
     let with_arm = ask(&mut floor, two([vec![], vec![by_arm(good.clone())]]), 1);
-    assert!(matches!(with_arm, Reply::Accepted { .. }), "{with_arm:?}");
+    assert!(matches!(with_arm, Ok(Answer::Job(_))), "{with_arm:?}");
     let half = JobRequest { lines: vec![vec![good.clone()]], ..two([vec![], vec![]]) };
-    assert_eq!(floor.ask(half), Reply::Refused { token: 7, why: Refusal::LinesPerStation });
+    assert_eq!(floor.ask(half), Err(Refusal::LinesPerStation));
     let mut plain = TestFloor::lab(1);
     let why = Refusal::CannotPick(0, 0, LineProblem::NoCell);
-    assert_eq!(plain.ask(picked(&[&[good]])), Reply::Refused { token: 7, why });
+    assert_eq!(plain.ask(picked(&[&[good]])), Err(why));
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn lines_that_are_done_one_by_one_teach_the_pace_and_lines_confirmed_at_once_do_
         match order {
             Some(order) => {
                 floor.run(15);
-                floor.say(0, order);
+                floor.say(0, order).unwrap();
             }
             None => (0..3).for_each(|n| {
                 floor.run(15);
@@ -246,8 +246,7 @@ fn seconds_of_work_and_not_racks_decide_for_which_station_the_next_rack_is_fetch
         // One rack is on its way to each station: eight lines to one, one line to the other.
         let first = [0, 1].map(|s| floor.submit(lines_for(3 + s, s, if s == busy { 8 } else { 1 })));
         floor.until(60, "both have a robot", |f| first.iter().all(|job| !f.is(*job, "waiting")));
-        let inputs =
-            [0, 1].map(|s| Input::Submit { token: 20 + u64::from(s), request: lines_for(5 + s, s, 1) });
+        let inputs = [0, 1].map(|s| Input::ask(20 + u64::from(s), JobAction::Submit(lines_for(5 + s, s, 1))));
         let replies = floor.step(inputs.into()).replies;
         let next: Vec<JobId> = replies.iter().filter_map(accepted).collect();
         floor.until(60, "one of them has the third robot", |f| next.iter().any(|job| !f.is(*job, "waiting")));
@@ -257,8 +256,8 @@ fn seconds_of_work_and_not_racks_decide_for_which_station_the_next_rack_is_fetch
 }
 
 fn accepted(reply: &Reply) -> Option<JobId> {
-    match reply {
-        Reply::Accepted { job, .. } => Some(*job),
+    match &reply.answer {
+        Ok(Answer::Job(Made { id, .. })) => Some(*id),
         _ => None,
     }
 }

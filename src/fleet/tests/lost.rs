@@ -40,7 +40,7 @@ fn a_worker_on_the_floor_is_lost_after_a_restart_until_seen_or_cleared_and_not_f
     floor.walk(&mut ana);
     assert_eq!(floor.presence(&ana), Presence::Tracked);
     floor.come_back(20);
-    floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker, by: "Ben".into() }]);
+    floor.step(vec![Input::ask(4, WorkerAction::Clear { worker: ana.worker, by: "Ben".into() })]);
     assert_eq!(floor.presence(&ana), Presence::Absent);
     floor.come_back(20);
     assert_eq!(floor.presence(&ana), Presence::Absent, "that she left is a fact, too");
@@ -68,7 +68,7 @@ fn poses_that_were_on_their_way_do_not_bring_back_who_was_cleared_and_later_ones
     let mut ana = floor.hire(floor.node_at(100));
     floor.walk(&mut ana);
     let on_its_way = ana.sighting(floor.now);
-    floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker, by: "Ben".into() }]);
+    floor.step(vec![Input::ask(4, WorkerAction::Clear { worker: ana.worker, by: "Ben".into() })]);
     floor.step(vec![on_its_way]);
     assert_eq!(floor.presence(&ana), Presence::Absent);
     floor.run(1);
@@ -82,10 +82,12 @@ fn a_supervisor_narrows_where_a_lost_worker_may_be_until_she_is_seen_again() {
     let mut ana = floor.hire(floor.node_at(100));
     floor.walk(&mut ana);
     let at: crate::geometry::Spot = ana.at.into();
-    let narrow =
-        |within_mm| Input::NarrowWorker { token: 5, worker: ana.worker, by: "Ben".into(), at, within_mm };
-    let refused = |floor: &mut TestFloor, input| match floor.step(vec![input]).replies.pop() {
-        Some(Reply::Refused { why, .. }) => Some(why),
+    let narrow = |within_mm| {
+        Input::ask(5, WorkerAction::Narrow { worker: ana.worker, by: "Ben".into(), at, within_mm })
+    };
+    let refused = |floor: &mut TestFloor, input| match floor.step(vec![input]).replies.pop().map(|r| r.answer)
+    {
+        Some(Err(why)) => Some(why),
         _ => None,
     };
     assert_eq!(refused(&mut floor, narrow(1500)), Some(Refusal::NotLost(ana.worker)));
@@ -119,7 +121,7 @@ fn who_takes_the_headset_off_at_a_door_has_left_and_elsewhere_is_lost_at_once() 
         floor.walk(&mut ana);
         let last = ana.sighting(floor.now);
         // The goodbye may come before the last poses.
-        floor.step(vec![Input::SignedOff { token: 6, worker: ana.worker }, last]);
+        floor.step(vec![Input::ask(6, WorkerAction::SignOff(ana.worker)), last]);
         assert_eq!(floor.presence(&ana), presence);
     }
 }

@@ -28,7 +28,7 @@ fn repeated_late_and_shuffled_telemetry_changes_nothing() {
             old.drain(..100);
         }
         if let Some(kind) = wanted.pop() {
-            let submit = Input::Submit { token: 1, request: request(kind) };
+            let submit = Input::ask(1, JobAction::Submit(request(kind)));
             inputs.push(submit.clone());
             heard.push(submit);
         }

@@ -16,8 +16,8 @@ impl TestFloor {
         let place = self.node(place);
         let (stay, what) = (Span::from_secs(5), "pick".to_owned());
         let request = AssignmentRequest { place, stay, what, key: key.map(Into::into) };
-        match self.answer_to(2, vec![Input::Assign { token: 2, worker: None, request }]) {
-            Reply::Assigned { assignment, .. } => assignment,
+        match self.answer_to(2, vec![Input::ask(2, WorkerAction::Assign { worker: None, request })]) {
+            Ok(Answer::Assignment(Made { id: assignment, .. })) => assignment,
             other => panic!("not taken: {other:?}"),
         }
     }
@@ -48,7 +48,7 @@ fn the_nearest_on_foot_gets_the_oldest_assignment_and_the_next_one_goes_to_the_n
     let [ana, ivo] = [both[0].worker, both[1].worker];
     assert_eq!(floor.given(), [(first, ivo), (second, ana)], "the older one first, to whoever is nearer");
     assert_eq!(floor.fleet.ledger().assignments[&third].worker, None, "it waits");
-    floor.step(vec![Input::Finish { token: 3, worker: ana, assignment: second }]);
+    floor.step(vec![Input::ask(3, WorkerAction::Finish(ana, second))]);
     floor.see(&mut both);
     assert_eq!(floor.given()[2..], [(third, ana)], "she is free again");
     floor.fleet.ledger().assert_indexed();
@@ -81,11 +81,11 @@ fn one_that_waits_is_made_once_cancelled_and_survives_a_restart() {
     let kept = floor.offer("S10-1", Some("k"));
     assert_eq!(floor.offer("S10-1", Some("k")), kept, "the key says that it is the same");
     let gone = floor.offer("S11-1", None);
-    let reply = floor.answer_to(4, vec![Input::Unassign { token: 4, assignment: gone }]);
-    assert_eq!(reply, Reply::Done { token: 4 });
-    let nobody = Input::Finish { token: 5, worker: WorkerId(0), assignment: kept };
+    let reply = floor.answer_to(4, vec![Input::ask(4, WorkerAction::Unassign(gone))]);
+    assert_eq!(reply, Ok(Answer::Done));
+    let nobody = Input::ask(5, WorkerAction::Finish(WorkerId(0), kept));
     let refused = floor.answer_to(5, vec![nobody]);
-    assert!(matches!(refused, Reply::Refused { why: Refusal::UnknownAssignment(id), .. } if id == kept));
+    assert!(matches!(refused, Err(Refusal::UnknownAssignment(id)) if id == kept));
     floor.restart(&scenario);
     floor.assert_fold();
     let parts = floor.fleet.ledger().to_parts();

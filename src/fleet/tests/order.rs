@@ -122,8 +122,8 @@ fn close(floor: &mut TestFloor, nodes: Vec<NodeId>, from_s: i64, until_s: i64) -
     let spot = |x: f64| Spot::from(crate::geometry::Point::new(x, x * x));
     let (window, outline) = (Window::new(at(from_s), at(until_s)), vec![spot(0.0), spot(1.0), spot(2.0)]);
     let area = Closure { outline, nodes, window, reason: "test".into(), binds: Binds::Robots, series: None };
-    match floor.step(vec![Input::Close { token: 9, area }]).replies.remove(0) {
-        Reply::Closed { closure, .. } => closure,
+    match floor.step(vec![Input::ask(9, FloorAction::Close(area))]).replies.remove(0).answer {
+        Ok(Answer::Closure(closure)) => closure,
         other => panic!("not closed: {other:?}"),
     }
 }
@@ -139,7 +139,7 @@ fn closures_that_come_and_go_leave_the_conditions_that_the_list_says() {
     let mut changes = 0;
     let mut before = String::new();
     for step in 0..4_000 {
-        let extra = if step == 2_500 { vec![Input::Reopen { token: 9, closure: second }] } else { vec![] };
+        let extra = if step == 2_500 { vec![Input::ask(9, FloorAction::Reopen(second))] } else { vec![] };
         floor.step(extra);
         let now = floor.now - floor.fleet.settings().period;
         let closures = &floor.fleet.ledger().closures;

@@ -77,17 +77,18 @@ impl TestFloor {
     }
 
     pub(super) fn hire_as(&mut self, name: &str, at: Point) -> Puppet {
-        let reply = self.step(vec![Input::RegisterWorker { token: 1, name: name.into() }]).replies.remove(0);
-        let Reply::WorkerRegistered { worker, .. } = reply else { panic!("not hired: {reply:?}") };
+        let reply =
+            self.step(vec![Input::ask(1, WorkerAction::Register(name.into()))]).replies.remove(0).answer;
+        let Ok(Answer::Worker(Made { id: worker, .. })) = reply else { panic!("not hired: {reply:?}") };
         Puppet { worker, at, way: vec![], own: false, epoch: 0, seq: 0, waited_s: 0.0, accuracy_m: 0.02 }
     }
 
     pub(super) fn assign(&mut self, puppet: &Puppet, place: NodeId, stay_s: i64) -> crate::id::AssignmentId {
         let (stay, what) = (Span::from_secs(stay_s), "pick".to_owned());
         let request = AssignmentRequest { place, stay, what, key: None };
-        let input = Input::Assign { token: 2, worker: Some(puppet.worker), request };
-        match self.step(vec![input]).replies.remove(0) {
-            Reply::Assigned { assignment, .. } => assignment,
+        let input = Input::ask(2, WorkerAction::Assign { worker: Some(puppet.worker), request });
+        match self.step(vec![input]).replies.remove(0).answer {
+            Ok(Answer::Assignment(Made { id: assignment, .. })) => assignment,
             other => panic!("not assigned: {other:?}"),
         }
     }
@@ -138,12 +139,12 @@ fn a_robot_beside_the_place_where_somebody_works_is_not_in_the_way() {
     let place = w.nodes_where(|k| k == NodeKind::Storage)[20];
     let go = JobKind::Go { robot: RobotId(0), node: place };
     let request = JobRequest { priority: 5, ..JobRequest::new(go) };
-    floor.step(vec![Input::Submit { token: 1, request }]);
+    floor.step(vec![Input::ask(1, JobAction::Submit(request))]);
     let robot = |floor: &TestFloor| floor.world.truth().next().unwrap().1.pose.at;
     while (robot(&floor) - w.nodes[place].at).norm() > 0.01 {
         floor.step(vec![]);
     }
-    floor.step(vec![Input::Halt { token: 2, robot: Some(RobotId(0)) }]);
+    floor.step(vec![Input::ask(2, FloorAction::Halt(Some(RobotId(0))))]);
     // She cannot stand just where her path ends, which is too near to the robot.
     let end = floor.fleet.people.walkways.on_floor(w.nodes[place].at).expect("people get there");
     let mut ana = floor.hire(end + (end - w.nodes[place].at).normalize() * 0.3);
@@ -283,7 +284,7 @@ fn robots_keep_out_of_a_closed_area_until_it_is_open_again() {
         binds: Binds::Robots,
         series: None,
     };
-    floor.step(vec![Input::Close { token: 3, area }]);
+    floor.step(vec![Input::ask(3, FloorAction::Close(area))]);
     floor.submit_batch(10);
     let inside = |p: Point| (p.y - (middle + 0.05)).abs() < 0.45;
     let were_inside: Vec<_> =
@@ -315,7 +316,7 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_nearby_on_foot_until_cleared_a
     assert!(!within.is_empty() && !within.iter().any(moves), "after 25 s she may be there");
     let before = floor.fleet.ledger().counts.robot_deliveries;
     assert!(floor.fleet.yielding.state.giving_way().next().is_some(), "robots wait because of her");
-    floor.step(vec![Input::ClearWorker { token: 4, worker: ana.worker, by: "Ben".into() }]);
+    floor.step(vec![Input::ask(4, WorkerAction::Clear { worker: ana.worker, by: "Ben".into() })]);
     assert!(floor.fleet.yielding.state.giving_way().next().is_none(), "and nobody does any more");
     floor.run(120);
     assert!(floor.fleet.ledger().counts.robot_deliveries > before, "they go on");
@@ -350,11 +351,11 @@ fn of_an_area_of_nodes_exactly_these_are_closed() {
         binds: Binds::Robots,
         series: None,
     };
-    floor.step(vec![Input::Close { token: 3, area: area.clone() }]);
+    floor.step(vec![Input::ask(3, FloorAction::Close(area.clone()))]);
     let mut closed: Vec<NodeId> = floor.fleet.core.restrictions.conditions.of(BodyId(0)).nodes().collect();
     closed.sort_unstable();
     assert_eq!(closed, nodes);
     let unknown = Closure { nodes: vec![NodeId(9999)], ..area };
-    let refused = floor.step(vec![Input::Close { token: 4, area: unknown }]).replies;
-    assert_eq!(refused, [Reply::Refused { token: 4, why: Refusal::UnknownPlace }]);
+    let refused = floor.step(vec![Input::ask(4, FloorAction::Close(unknown))]).replies;
+    assert_eq!(refused, [Reply { token: 4.into(), answer: Err(Refusal::UnknownPlace) }]);
 }

@@ -113,7 +113,7 @@ fn who_is_shut_in_between_robots_that_cannot_move_is_told_to_stop() {
 /// [`break_at`] while somebody is on the floor, whom the robot must not be afraid of: she is cleared for the
 /// time.
 fn break_at_while(floor: &mut TestFloor, puppet: &mut Puppet, robot: u32, x: f64, y: f64) {
-    floor.step(vec![Input::ClearWorker { token: 9, worker: puppet.worker, by: "Ben".into() }]);
+    floor.step(vec![Input::ask(9, WorkerAction::Clear { worker: puppet.worker, by: "Ben".into() })]);
     break_at(floor, robot, x, y);
     let place = puppet.at;
     // She comes back a little to the side of her path, which starts anew where she is.
@@ -201,7 +201,7 @@ fn where_one_of_two_robots_cannot_leave_the_only_way_neither_moves() {
         series: None,
     };
     floor.run(5);
-    let ana = turn_back(&mut floor, |f| drop(f.step(vec![Input::Close { token: 3, area }])));
+    let ana = turn_back(&mut floor, |f| drop(f.step(vec![Input::ask(3, FloorAction::Close(area))])));
     assert!(place(&floor, 0).x < place(&floor, 1).x, "the one behind has a bay, the one in front has none");
     let mode = floor.fleet.people.people[ana.worker].mode;
     assert!(matches!(mode, WalkMode::Stopped { .. }), "{mode:?}");

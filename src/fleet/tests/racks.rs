@@ -18,8 +18,8 @@ impl TestFloor {
         (floor, job, robot)
     }
 
-    fn take_rack(&mut self, rack: RackId, node: NodeId) -> Reply {
-        self.answer_to(9, vec![Input::TakeRack { token: 9, rack, node }])
+    fn take_rack(&mut self, rack: RackId, node: NodeId) -> Answered {
+        self.answer_to(9, vec![Input::ask(9, RobotAction::TakeRack { rack, node })])
     }
 }
 
@@ -66,12 +66,12 @@ fn a_rack_that_people_take_off_a_broken_robot_is_in_storage_and_another_robot_go
         let free = floor.free_storage();
         floor.world.take_rack((RackId(RACK), robot), free);
         let was_picked = !floor.is(job, state);
-        assert_eq!(floor.take_rack(RackId(RACK), free), Reply::Done { token: 9 });
+        assert_eq!(floor.take_rack(RackId(RACK), free), Ok(Answer::Done));
         assert_eq!(floor.rack(RACK), RackAt::Stored(free));
         assert_eq!(floor.fleet.ledger().robots[robot].task, Task::Idle);
         assert!(was_picked || floor.state(job).is_none_or(|s| s.robot() != Some(robot)));
         floor.fleet.ledger().assert_indexed();
-        assert_eq!(floor.answer_to(4, vec![Input::Retire { token: 4, robot }]), Reply::Done { token: 4 });
+        assert_eq!(floor.answer_to(4, vec![Input::ask(4, RobotAction::Retire(robot))]), Ok(Answer::Done));
         let gone = |f: &TestFloor| f.fleet.ledger().robots[robot].is_gone();
         floor.until(120, "the robot can be taken away", gone);
         // It broke down at the station in one of the two cases, and no other robot came there before.
@@ -85,7 +85,7 @@ fn a_robot_whose_rack_was_taken_off_drives_on_after_the_repair() {
     let (mut floor, job, robot) = TestFloor::broken_with_rack("carrying");
     let free = floor.free_storage();
     floor.world.take_rack((RackId(RACK), robot), free);
-    floor.take_rack(RackId(RACK), free);
+    floor.take_rack(RackId(RACK), free).unwrap();
     floor.world.fail(robot, floor.now);
     floor.until_over(900);
     floor.assert_done_once(&[job]);
@@ -105,7 +105,7 @@ fn a_rack_that_was_to_be_stored_where_people_set_it_down_is_done() {
     floor.world.fail(robot, NEVER);
     floor.run(2);
     floor.world.take_rack((RackId(RACK), robot), node);
-    floor.take_rack(RackId(RACK), node);
+    floor.take_rack(RackId(RACK), node).unwrap();
     assert_eq!(floor.story(job).last(), Some(&"done"));
 }
 
@@ -113,7 +113,7 @@ fn a_rack_that_was_to_be_stored_where_people_set_it_down_is_done() {
 fn people_may_take_a_rack_off_only_a_robot_that_cannot_drive_and_only_to_free_storage() {
     let (mut floor, _, robot) = TestFloor::broken_with_rack("carrying");
     let (rack, free) = (RackId(RACK), floor.free_storage());
-    let refused = |why| Reply::Refused { token: 9, why };
+    let refused = |why| Err(why);
     let w = floor.fleet.warehouse().clone();
     let aisle = w.nodes_where(|k| k == NodeKind::Aisle)[0];
     assert_eq!(floor.take_rack(rack, aisle), refused(Refusal::NotStorage(aisle)));

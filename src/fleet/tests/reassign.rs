@@ -3,8 +3,8 @@
 use super::*;
 
 impl TestFloor {
-    fn reassign(&mut self, job: JobId, robot: Option<RobotId>) -> Reply {
-        self.answer_to(9, vec![Input::Reassign { token: 9, job, robot }])
+    fn reassign(&mut self, job: JobId, robot: Option<RobotId>) -> Answered {
+        self.answer_to(9, vec![Input::ask(9, JobAction::Reassign(job, robot))])
     }
 
     fn robot_of(&self, job: JobId) -> Option<RobotId> {
@@ -19,7 +19,7 @@ fn another_robot_does_it(stage: &str, wait_s: i64) {
     floor.until(300, stage, |f| f.is(job, stage));
     floor.run(wait_s);
     let first = floor.robot_of(job).expect("a robot has it");
-    assert_eq!(floor.reassign(job, None), Reply::Done { token: 9 });
+    assert_eq!(floor.reassign(job, None), Ok(Answer::Done));
     assert_ne!(floor.robot_of(job), Some(first));
     floor.until(300, "another robot has it", |f| f.robot_of(job).is_some());
     assert_ne!(floor.robot_of(job), Some(first));
@@ -47,7 +47,7 @@ fn a_robot_that_is_named_does_it_as_soon_as_it_is_free() {
     let job = floor.submit(request(deliver(40)));
     floor.until(60, "another robot has it", |f| f.is(job, "assigned"));
     assert_ne!(floor.robot_of(job), Some(chosen));
-    floor.reassign(job, Some(chosen));
+    floor.reassign(job, Some(chosen)).unwrap();
     let why = |f: &TestFloor| {
         let (view, record) = (f.fleet.view(f.now), &f.fleet.ledger().jobs[&job]);
         view.why_job(f.fleet.warehouse(), job, record)
@@ -65,10 +65,10 @@ fn a_job_that_waits_for_its_chosen_robot_keeps_no_other_job_for_the_rack_waiting
     let busy = floor.submit(request(long));
     floor.until(60, "a robot has it", |f| f.robot_of(busy).is_some());
     let chosen = floor.robot_of(busy).expect("just seen");
-    floor.step(vec![Input::Station { token: 4, station: StationId(0), order: StationOrder::Pause }]);
+    floor.step(vec![Input::ask(4, Request::Station(StationId(0), StationOrder::Pause))]);
     let [first, second] = [(); 2].map(|()| floor.submit(request(deliver(40))));
-    floor.reassign(first, Some(chosen));
-    floor.step(vec![Input::Station { token: 4, station: StationId(0), order: StationOrder::Resume }]);
+    floor.reassign(first, Some(chosen)).unwrap();
+    floor.step(vec![Input::ask(4, Request::Station(StationId(0), StationOrder::Resume))]);
     floor
         .until(60, "the other robot does the other one", |f| f.robot_of(second).is_some_and(|r| r != chosen));
     assert_eq!(floor.robot_of(first), None);
@@ -83,9 +83,9 @@ fn a_robot_that_rests_beneath_the_rack_makes_room_for_the_chosen_one() {
     let beneath = floor.submit(request(JobKind::Go { robot: RobotId(0), node }));
     floor.until(300, "a robot rests beneath it", |f| f.state(beneath).is_none());
     let busy = floor.submit(request(JobKind::Deliver { rack: RackId(7), station: StationId(1), pick: None }));
-    floor.reassign(busy, Some(RobotId(1)));
+    floor.reassign(busy, Some(RobotId(1))).unwrap();
     let job = floor.submit(request(deliver(40)));
-    floor.reassign(job, Some(RobotId(1)));
+    floor.reassign(job, Some(RobotId(1))).unwrap();
     floor.until_over(900);
     floor.assert_done_once(&[job, busy]);
 }
@@ -97,8 +97,8 @@ fn a_choice_ends_when_its_robot_goes_out_of_service() {
     floor.until(60, "a robot has it", |f| f.is(busy, "carrying"));
     let chosen = floor.robot_of(busy).expect("a robot has it");
     let job = floor.submit(request(deliver(40)));
-    floor.reassign(job, Some(chosen));
-    floor.answer_to(4, vec![Input::Maintain { token: 4, robot: chosen, begins: true }]);
+    floor.reassign(job, Some(chosen)).unwrap();
+    floor.answer_to(4, vec![Input::ask(4, RobotAction::BeginMaintenance(chosen))]).unwrap();
     floor.until(300, "the other one has it", |f| f.robot_of(job).is_some_and(|r| r != chosen));
     floor.until_over(600);
 }
@@ -106,9 +106,9 @@ fn a_choice_ends_when_its_robot_goes_out_of_service() {
 #[test]
 fn a_choice_that_cannot_be_kept_binds_for_five_minutes() {
     let mut floor = TestFloor::thesis(2);
-    floor.answer_to(3, vec![Input::Halt { token: 3, robot: Some(RobotId(0)) }]);
+    floor.answer_to(3, vec![Input::ask(3, FloorAction::Halt(Some(RobotId(0))))]).unwrap();
     let job = floor.submit(request(deliver(40)));
-    floor.reassign(job, Some(RobotId(0)));
+    floor.reassign(job, Some(RobotId(0))).unwrap();
     floor.run(290);
     assert!(floor.is(job, "waiting"), "{:?}", floor.state(job));
     floor.until(60, "the other one has it", |f| f.robot_of(job) == Some(RobotId(1)));
@@ -119,7 +119,7 @@ fn the_only_robot_gets_its_job_again_after_a_while() {
     let mut floor = TestFloor::thesis(1);
     let job = floor.submit(request(deliver(40)));
     floor.until(60, "the robot has it", |f| f.is(job, "assigned"));
-    floor.reassign(job, None);
+    floor.reassign(job, None).unwrap();
     floor.run(60);
     assert!(floor.is(job, "waiting"));
     floor.until(90, "it has it again", |f| f.is(job, "assigned"));
@@ -128,7 +128,7 @@ fn the_only_robot_gets_its_job_again_after_a_while() {
 #[test]
 fn what_cannot_be_taken_is_refused_with_the_reason() {
     let mut floor = TestFloor::thesis(2);
-    let refused = |why| Reply::Refused { token: 9, why };
+    let refused = |why| Err(why);
     let job = floor.submit(request(deliver(40)));
     floor.until(300, "somebody picks", |f| f.is(job, "picking"));
     assert_eq!(floor.reassign(job, None), refused(Refusal::CannotBeTaken(job)));

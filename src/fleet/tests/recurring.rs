@@ -39,8 +39,8 @@ fn step((fleet, facts): &mut (Fleet, Vec<Fact>), now: Time, inputs: Vec<Input>) 
 }
 
 fn recur(floor: &mut (Fleet, Vec<Fact>), closure: RecurringClosure) -> SeriesId {
-    match step(floor, at(1), vec![Input::Recur { token: 1, closure }])[..] {
-        [Reply::Recurs { series, .. }] => series,
+    match step(floor, at(1), vec![Input::ask(1, FloorAction::Recur(closure))])[..] {
+        [Reply { answer: Ok(Answer::Series(series)), .. }] => series,
         ref other => panic!("it does not recur: {other:?}"),
     }
 }
@@ -88,16 +88,16 @@ fn one_occurrence_is_cancelled_or_all_of_them() {
     let mut floor = fleet();
     let series = recur(&mut floor, hourly(Time::MAX));
     let closure = open(&floor, at(2))[0].0;
-    step(&mut floor, at(2), vec![Input::Reopen { token: 2, closure }]);
+    step(&mut floor, at(2), vec![Input::ask(2, FloorAction::Reopen(closure))]);
     assert_eq!(open(&floor, at(2)).iter().map(|c| c.1).collect::<Vec<_>>(), [2 * HOUR], "the next one is");
     step(&mut floor, at(2 * HOUR + 60), vec![]);
     assert_eq!(open(&floor, at(2 * HOUR + 60)).len(), 2, "one in force, one announced");
-    step(&mut floor, at(2 * HOUR + 61), vec![Input::EndSeries { token: 3, series }]);
+    step(&mut floor, at(2 * HOUR + 61), vec![Input::ask(3, FloorAction::EndSeries(series))]);
     assert_eq!(open(&floor, at(2 * HOUR + 61)), []);
     step(&mut floor, at(3 * HOUR), vec![]);
     assert_eq!((open(&floor, at(3 * HOUR)), floor.0.ledger().recurring.len()), (vec![], 0));
-    let refused = step(&mut floor, at(3 * HOUR), vec![Input::EndSeries { token: 4, series }]);
-    assert_eq!(refused, [Reply::Refused { token: 4, why: Refusal::UnknownSeries(series) }]);
+    let refused = step(&mut floor, at(3 * HOUR), vec![Input::ask(4, FloorAction::EndSeries(series))]);
+    assert_eq!(refused, [Reply { token: 4.into(), answer: Err(Refusal::UnknownSeries(series)) }]);
 }
 
 #[test]
@@ -112,20 +112,20 @@ fn it_ends_after_its_last_occurrence_and_what_cannot_recur_is_refused() {
         recurrence: Recurrence { every: Span::from_secs(500), ..hourly(Time::MAX).recurrence },
         ..hourly(Time::MAX)
     };
-    let refused = step(&mut floor, at(3 * HOUR), vec![Input::Recur { token: 5, closure: too_long }]);
-    assert_eq!(refused, [Reply::Refused { token: 5, why: Refusal::Recurrence }]);
+    let refused = step(&mut floor, at(3 * HOUR), vec![Input::ask(5, FloorAction::Recur(too_long))]);
+    assert_eq!(refused, [Reply { token: 5.into(), answer: Err(Refusal::Recurrence) }]);
 }
 
 #[test]
 fn one_series_too_many_is_refused_until_another_is_ended() {
     let settings = Settings { series_max: 2, ..Settings::default() };
     let mut fleet = Fleet::new(Arc::new(lab()), settings);
-    let recur = || Input::Recur { token: 1, closure: hourly(Time::MAX) };
+    let recur = || Input::ask(1, FloorAction::Recur(hourly(Time::MAX)));
     let mut said = |inputs: Vec<Input>| -> Vec<bool> {
         let replies = fleet.step(at(1), inputs).replies;
-        replies.iter().map(|reply| matches!(reply, Reply::Refused { .. })).collect()
+        replies.iter().map(|reply| matches!(reply, Reply { answer: Err(_), .. })).collect()
     };
     assert_eq!(said(vec![recur(), recur(), recur()]), [false, false, true]);
-    let end = Input::EndSeries { token: 1, series: SeriesId(1) };
+    let end = Input::ask(1, FloorAction::EndSeries(SeriesId(1)));
     assert_eq!(said(vec![end, recur(), recur()]), [false, false, true]);
 }

@@ -51,12 +51,12 @@ fn a_closed_aisle_is_noted_as_the_cause_with_a_way_through_it_before_and_another
         let window = Window::new(floor.now + Span::from_secs(20), floor.now + Span::from_secs(120));
         let (nodes, reason, binds) = (vec![], "oil".to_owned(), Binds::Robots);
         let area = Closure { outline: outline.clone(), nodes, window, reason, binds, series: None };
-        let reply = floor.step(vec![Input::Close { token: 5, area }]).replies.remove(0);
-        let Reply::Closed { closure, .. } = reply else { panic!("not closed: {reply:?}") };
+        let reply = floor.step(vec![Input::ask(5, FloorAction::Close(area))]).replies.remove(0).answer;
+        let Ok(Answer::Closure(closure)) = reply else { panic!("not closed: {reply:?}") };
         floor.run(10);
         let by_it = |r: &Replan| r.1 == ReplanCause::Closure(closure);
         replans = floor.replans().into_iter().filter(by_it).collect();
-        floor.step(vec![Input::Reopen { token: 6, closure }]);
+        floor.step(vec![Input::ask(6, FloorAction::Reopen(closure))]);
     }
     let in_aisle = |s: &Spot| (s.x_mm - 6000).abs() < 500 && (500..6500).contains(&s.y_mm);
     for (robot, _, was, now, _) in &replans {

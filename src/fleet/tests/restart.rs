@@ -63,7 +63,7 @@ fn a_restarted_fleet_knows_the_keys_of_jobs_that_are_over() {
     let job = floor.submit(keyed.clone());
     floor.until_over(300);
     floor.restart(&scenario);
-    assert_eq!(floor.ask(keyed), Reply::Accepted { token: 7, job, new: false });
+    assert_eq!(floor.ask(keyed), Ok(Answer::Job(Made { id: job, new: false })));
     floor.until(300, "the rack is put away", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
 }

@@ -12,7 +12,7 @@ fn walked_up_to(apart_m: f64) -> Vec<(Near, Option<f64>)> {
     floor.submit(request(deliver(40)));
     let drives = |f: &TestFloor| f.world.truth().next().is_some_and(|(_, t)| t.speed_mps > 1.2);
     floor.until(60, "it drives", drives);
-    floor.step(vec![Input::Halt { token: 4, robot: Some(robot) }]);
+    floor.step(vec![Input::ask(4, FloorAction::Halt(Some(robot)))]);
     floor.run(4);
     let (stood, ahead) = (floor.robot_at(), floor.ahead());
     let mut ana = floor.hire(stood - ahead * (apart_m + 2.0));
@@ -20,7 +20,7 @@ fn walked_up_to(apart_m: f64) -> Vec<(Near, Option<f64>)> {
     while (ana.at - stood).norm() > apart_m {
         floor.walk(&mut ana);
     }
-    floor.step(vec![Input::Release { token: 5, robot: Some(robot) }]);
+    floor.step(vec![Input::ask(5, FloorAction::Release(Some(robot)))]);
     let mut seen = Vec::new();
     for _ in 0..80 {
         floor.walk(&mut ana);

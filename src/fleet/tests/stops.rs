@@ -51,7 +51,7 @@ fn it_can_be_cancelled_on_its_way_to_the_second_station() {
     let mut floor = TestFloor::thesis(1);
     let job = floor.submit(to_stations(40, &[0, 1]));
     floor.until(600, "the first station has served it", |f| f.served(job) == [0]);
-    floor.cancel(job);
+    floor.cancel(job).unwrap();
     floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(40);
     assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 1);
@@ -63,17 +63,14 @@ fn missing_goods_end_the_job_at_that_station() {
     let job = floor.submit(to_stations(40, &[0, 1]));
     floor.until(600, "it stands there", |f| f.is(job, "picking"));
     let (station, order) = (StationId(0), StationOrder::Short);
-    assert_eq!(
-        floor.answer_to(5, vec![Input::Station { token: 5, station, order }]),
-        Reply::Done { token: 5 }
-    );
+    assert_eq!(floor.answer_to(5, vec![Input::ask(5, Request::Station(station, order))]), Ok(Answer::Done));
     assert_eq!(floor.story(job).last(), Some(&"failed"));
 }
 
 #[test]
 fn a_station_twice_in_a_row_and_stations_of_other_jobs_are_refused() {
     let mut floor = TestFloor::thesis(1);
-    let refused = |why| Reply::Refused { token: 7, why };
+    let refused = |why| Err(why);
     assert_eq!(floor.ask(to_stations(40, &[0, 0])), refused(Refusal::SameStationTwice));
     assert_eq!(floor.ask(to_stations(40, &[0, 99])), refused(Refusal::UnknownPlace));
     let then = vec![Visiting { station: StationId(0), pick: None }];

@@ -1,7 +1,7 @@
 //! Never stuck, exhaustively: every interleaving of grants and moves of three robots on tiny floors, with delays.
 
 use crate::id::{Dense, NodeId, RobotId};
-use crate::route::{Ask, Kinematics, NO_PEOPLE, Planner, Rules, Stage};
+use crate::route::{Kinematics, NO_PEOPLE, Planner, RouteQuery, Rules, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Chain, Holder, Timeline, Visit};
 use crate::warehouse::{Warehouse, sketch};
@@ -33,7 +33,7 @@ fn plan(planner: &mut Planner, ways: &[(NodeId, NodeId)], order: &[usize]) -> Op
             others.reserve(holder(later), vec![waits]).ok()?;
         }
         let (from, stage) = (stand(ways[i].0), Stage::to_stay(ways[i].1));
-        let ask = Ask {
+        let ask = RouteQuery {
             from: &from,
             heading: 0.0,
             ready: Time::ZERO,

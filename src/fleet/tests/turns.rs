@@ -90,7 +90,7 @@ fn a_robot_outside_a_station_at_which_nobody_picks_says_so() {
         |f: &TestFloor| (0..14).map(RobotId::at).find(|r| f.fleet.why(*r).and_then(Why::station).is_some());
     floor.until(120, "one waits outside", |f| outside(f).is_some());
     let robot = outside(&floor).expect("just seen");
-    floor.step(vec![Input::Station { token: 4, station: StationId(0), order: StationOrder::Pause }]);
+    floor.step(vec![Input::ask(4, Request::Station(StationId(0), StationOrder::Pause))]);
     assert_eq!(floor.fleet.why(robot), Some(Why::StationPaused(StationId(0))));
     assert_eq!(floor.fleet.wait(Party::Robot(robot)).edge, Edge::Operator);
 }
@@ -103,7 +103,7 @@ fn a_place_that_was_promised_to_robots_that_cannot_come_goes_to_others_after_a_m
         let next = floor.with_a_place().into_iter().find(|r| !paused.contains(r));
         match next {
             Some(robot) => {
-                floor.step(vec![Input::Halt { token: 4, robot: Some(robot) }]);
+                floor.step(vec![Input::ask(4, FloorAction::Halt(Some(robot)))]);
                 paused.push(robot);
             }
             None => drop(floor.step(vec![])),
@@ -115,7 +115,7 @@ fn a_place_that_was_promised_to_robots_that_cannot_come_goes_to_others_after_a_m
     assert!((0..14).map(RobotId::at).any(waits), "others wait for room");
     floor.until(120, "another robot delivers", |f| f.fleet.ledger().counts.robot_deliveries > 0);
     for robot in &paused {
-        floor.step(vec![Input::Release { token: 5, robot: Some(*robot) }]);
+        floor.step(vec![Input::ask(5, FloorAction::Release(Some(*robot)))]);
     }
     floor.until_over(3600);
     assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 14, "those that had been paused came after all");
@@ -158,7 +158,7 @@ fn takes_turns(stop: Input, go_on: Input) {
 #[test]
 fn a_charger_that_was_promised_to_a_robot_that_cannot_come_goes_to_another_one() {
     let robot = Some(RobotId::at(0));
-    takes_turns(Input::Halt { token: 4, robot }, Input::Release { token: 5, robot });
+    takes_turns(Input::ask(4, FloorAction::Halt(robot)), Input::ask(5, FloorAction::Release(robot)));
 }
 
 #[test]

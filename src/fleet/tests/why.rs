@@ -123,7 +123,7 @@ fn the_root_of_waiting_is_the_closed_place() {
     let area = floor.around(node, window);
     let both = |f: &TestFloor| f.fleet.ledger().jobs.values().all(|j| j.state.word() == "carrying");
     floor.until(300, "racks are carried", both);
-    floor.step(vec![Input::Close { token: 5, area }]);
+    floor.step(vec![Input::ask(5, FloorAction::Close(area))]);
     let all_wait = |f: &TestFloor| {
         let stored = f.fleet.ledger().racks.iter().all(|r| matches!(r, RackAt::Stored(_)));
         stored && f.fleet.ledger().jobs.values().all(|j| j.state == JobState::Waiting)
@@ -207,7 +207,7 @@ fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
     let node = floor.fleet.ledger().node_of(robot);
     let window = Window::new(floor.now + Span::from_secs(30), floor.now + Span::from_secs(60));
     let area = floor.around(node, window);
-    floor.step(vec![Input::Close { token: 5, area }]);
+    floor.step(vec![Input::ask(5, FloorAction::Close(area))]);
     floor.step(vec![]);
     let at = floor.fleet.warehouse().nodes[node].at;
     let d = nalgebra::Vector2::new(0.1, 0.1);
@@ -236,7 +236,7 @@ fn the_root_of_waiting_is_the_robot_that_somebody_paused() {
     let picked = |c: &[Waiting]| c.len() == 2 && matches!(c[1].because, Because::AtStop(Act::Pick(_)));
     let chain = floor.chain_to(300, picked);
     let (Who::Robot(last), Who::Robot(first)) = (chain[0].who, chain[1].who) else { panic!("{chain:?}") };
-    floor.step(vec![Input::Halt { token: 4, robot: Some(first) }]);
+    floor.step(vec![Input::ask(4, FloorAction::Halt(Some(first)))]);
     let chain = floor.fleet.waits(last, floor.now);
     let root = chain.last().map(|w| (w.who, w.because));
     assert_eq!(root, Some((Who::Robot(first), Because::Robot(Why::Paused))));

@@ -81,7 +81,7 @@ fn a_picker_whose_headset_goes_silent_stops_nobody_while_buttons_are_pressed() {
         let (mut floor, _) = at_work();
         let mut stopped = false;
         for i in 0..600 {
-            let pressed = Input::Station { token: 9, station: StationId(0), order: StationOrder::Done };
+            let pressed = Input::ask(9, Request::Station(StationId(0), StationOrder::Done));
             let inputs = if presses && i % 100 == 0 { vec![pressed] } else { Vec::new() };
             floor.step(inputs);
             stopped |= restricts(&floor);

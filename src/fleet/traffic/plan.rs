@@ -14,7 +14,7 @@ use crate::fleet::state::passing::{HeldChoice, cheapest};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{IdVec, NodeId, RobotId};
-use crate::route::{Ask, NoRoute, Route, Stage};
+use crate::route::{NoRoute, Route, RouteQuery, Stage};
 use crate::time::{Span, Time};
 use crate::timeline::{Holder, Visit};
 
@@ -202,7 +202,8 @@ impl Traffic {
         let (budget, exemptions) = (self.budget(core, robot), core.floor().exemptions(robot, now));
         let body = core.floor().body(robot);
         let conditions = core.restrictions.conditions.of(body);
-        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions: &exemptions };
+        let ask =
+            RouteQuery { from: &from, heading, ready, stages, budget, conditions, exemptions: &exemptions };
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         let planner = self.planners.of_mut(kind);
         let start = (core.settings.stopwatch)();

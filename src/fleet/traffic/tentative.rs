@@ -6,7 +6,7 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
-use crate::route::{Ask, Exemption, Route, Stage};
+use crate::route::{Exemption, Route, RouteQuery, Stage};
 use crate::time::{Time, Window};
 use crate::timeline::{Holder, Timeline};
 
@@ -60,7 +60,7 @@ impl Traffic {
         let (from, heading) = core.floor().grant_end(robot);
         let ready = now.max(from.arrive) + core.settings.period;
         let (budget, conditions) = (core.settings.expansions_per_plan, core.floor().conditions(robot));
-        let ask = Ask { from: &from, heading, ready, stages, budget, conditions, exemptions };
+        let ask = RouteQuery { from: &from, heading, ready, stages, budget, conditions, exemptions };
         self.tally.plans += 1;
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         let planner = self.planners.of_mut(kind);

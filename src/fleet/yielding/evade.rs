@@ -6,7 +6,7 @@
 //! robots whose holds no worker touches.
 
 use crate::aware::zone_answers::ZoneAnswer;
-use crate::aware::{Answer, HumanAwarePolicy, Zone};
+use crate::aware::{Adaptation, HumanAwarePolicy, Zone};
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::binding::STOPPING;
 use crate::fleet::state::core::Core;
@@ -141,9 +141,9 @@ impl Yielding {
         };
         let waited = self.state.of(robot).waited(now);
         match zone.answer(PATIENCE - waited) {
-            Answer::Keep => Decision::Keep(worker),
-            Answer::Slow(_) => Decision::Wait(worker),
-            Answer::Change => Decision::Change(worker),
+            Adaptation::Keep => Decision::Keep(worker),
+            Adaptation::Slow(_) => Decision::Wait(worker),
+            Adaptation::Change => Decision::Change(worker),
         }
     }
 

@@ -7,7 +7,7 @@
 
 use super::{FREE, Hop, Label, Labels, Open, Search};
 use crate::id::{LineId, NodeId};
-use crate::route::Ask;
+use crate::route::RouteQuery;
 use crate::route::conditions::{Cause, Condition, Effect, no_entry_until};
 use crate::route::motion::{MotionState, Pace, drive_span};
 use crate::time::{Span, Time, Window};
@@ -19,7 +19,7 @@ use smallvec::{SmallVec, smallvec};
 pub(super) fn open_windows(
     warehouse: &Warehouse,
     timeline: &Timeline,
-    ask: &Ask<'_>,
+    ask: &RouteQuery<'_>,
     (node, line): (NodeId, LineId),
     t: Time,
 ) -> SmallVec<[FreeWindow; 4]> {
@@ -61,7 +61,7 @@ pub(super) fn brief_stays(
     warehouse: &Warehouse,
     pace: &Pace,
     timeline: &Timeline,
-    ask: &Ask<'_>,
+    ask: &RouteQuery<'_>,
     line: LineId,
 ) -> Brief {
     let last = ask.stages[ask.stages.len() - 1];

@@ -5,7 +5,10 @@
 
 use super::super::random::Stream;
 use super::super::scenario::Habits;
-use crate::fleet::{Fleet, Input, JobKind, JobRequest, Reply, StationOrder, Visiting};
+use crate::fleet::{
+    Answer, Fleet, FloorAction, JobAction, JobKind, JobRequest, Made, Reply, Request, StationOrder, Token,
+    Visiting,
+};
 use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::{NodeKind, Warehouse};
@@ -36,9 +39,9 @@ pub(super) struct Choices {
     /// Places where robots may stay.
     places: Vec<NodeId>,
     /// Tokens of jobs that are to be cancelled when they are accepted, with how long after that.
-    doomed: BTreeMap<u64, Span>,
+    doomed: BTreeMap<Token, Span>,
     /// Those of jobs that are to be given to another robot: which one, if any, and how long after acceptance.
-    moved: BTreeMap<u64, (Option<RobotId>, Span)>,
+    moved: BTreeMap<Token, (Option<RobotId>, Span)>,
     accepted: VecDeque<JobId>,
     later: Vec<(Time, Undo)>,
     /// Requests that are handed in a second time.
@@ -72,7 +75,7 @@ impl Choices {
     }
 
     /// A job in place of a plain delivery, handed in with this token.
-    pub fn request(&mut self, plain: JobKind, token: u64, now: Time, fleet: &Fleet) -> JobRequest {
+    pub fn request(&mut self, plain: JobKind, token: Token, now: Time, fleet: &Fleet) -> JobRequest {
         let mut request = JobRequest::new(plain);
         if self.is_plain() {
             return request;
@@ -106,7 +109,7 @@ impl Choices {
     }
 
     /// More stations for a delivery, and another robot for a job.
-    fn want_more(&mut self, request: &mut JobRequest, token: u64, fleet: &Fleet) {
+    fn want_more(&mut self, request: &mut JobRequest, token: Token, fleet: &Fleet) {
         let (h, random) = (self.habits, &mut self.later_random);
         if h.more_stops > 0.0 && random.happens(h.more_stops) {
             let stations = fleet.warehouse().stations.len();
@@ -158,7 +161,7 @@ impl Choices {
 
     /// What the fleet answered.
     pub fn hear(&mut self, reply: &Reply, now: Time) {
-        let Reply::Accepted { token, job, new: true } = *reply else { return };
+        let Reply { token, answer: Ok(Answer::Job(Made { id: job, new: true })) } = *reply else { return };
         if let Some(after) = self.doomed.remove(&token) {
             self.later.push((now + after, Undo::Cancel(job)));
         }
@@ -230,7 +233,7 @@ impl Choices {
     }
 }
 
-/// Something said beside jobs, without its token.
+/// Something said beside jobs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Undone {
     Cancel(JobId),
@@ -253,17 +256,15 @@ impl From<Undo> for Undone {
 }
 
 impl Undone {
-    /// As an input.
-    pub fn input(self, token: u64) -> Input {
+    /// As a request.
+    pub fn request(self) -> Request {
         match self {
-            Undone::Cancel(job) => Input::Cancel { token, job },
-            Undone::Reassign(job, robot) => Input::Reassign { token, job, robot },
-            Undone::Halt(robot) => Input::Halt { token, robot: Some(robot) },
-            Undone::Release(robot) => Input::Release { token, robot: Some(robot) },
-            Undone::Station(station, order) => Input::Station { token, station, order },
-            Undone::Go(robot, node) => {
-                Input::Submit { token, request: JobRequest::new(JobKind::Go { robot, node }) }
-            }
+            Undone::Cancel(job) => JobAction::Cancel(job).into(),
+            Undone::Reassign(job, robot) => JobAction::Reassign(job, robot).into(),
+            Undone::Halt(robot) => FloorAction::Halt(Some(robot)).into(),
+            Undone::Release(robot) => FloorAction::Release(Some(robot)).into(),
+            Undone::Station(station, order) => Request::Station(station, order),
+            Undone::Go(robot, node) => JobAction::Submit(JobRequest::new(JobKind::Go { robot, node })).into(),
         }
     }
 }
@@ -288,7 +289,7 @@ mod tests {
     fn plain_customers_want_deliveries_and_nothing_else() {
         let mut choices = Choices::new(Habits::default(), &lab(), 1);
         for i in 0..100 {
-            let request = choices.request(plain(i % 4), u64::from(i), Time::ZERO, &fleet());
+            let request = choices.request(plain(i % 4), u64::from(i).into(), Time::ZERO, &fleet());
             assert_eq!(request, JobRequest::new(plain(i % 4)));
         }
         assert!(choices.meddle(Time::ZERO, Span::from_secs(3600), false, &fleet()).is_empty());
@@ -313,8 +314,9 @@ mod tests {
         let fleet = fleet();
         let mut requests = Vec::new();
         for token in 0..400 {
-            let request = choices.request(plain(1), token, Time::ZERO, &fleet);
-            choices.hear(&Reply::Accepted { token, job: JobId(token), new: true }, Time::ZERO);
+            let request = choices.request(plain(1), token.into(), Time::ZERO, &fleet);
+            let answer = Ok(Answer::Job(Made { id: JobId(token), new: true }));
+            choices.hear(&Reply { token: token.into(), answer }, Time::ZERO);
             requests.push(request);
         }
         for word in ["deliver", "return", "relocate", "charge", "park", "go"] {

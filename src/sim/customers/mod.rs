@@ -5,10 +5,11 @@
 mod choices;
 
 use self::choices::Choices;
+use super::askers::CUSTOMERS;
 use super::random::Stream;
 use super::scenario::{Demand, LineDemand, Scenario};
 use crate::cell::{OrderLine, PickedBy};
-use crate::fleet::{Fleet, Input, JobKind, JobState, Reply};
+use crate::fleet::{Fleet, Input, JobAction, JobKind, JobState, Reply, Request, Token};
 use crate::id::{Dense, RackId, RobotId, StationId};
 use crate::text::{TextTable, TextTableRow};
 use crate::time::{Span, Time};
@@ -17,9 +18,6 @@ use std::collections::BTreeMap;
 
 /// The purpose of the stream of random numbers for order lines.
 const LINES: u64 = 60;
-/// Every request of the simulated floor carries a token from here on. A driver that takes requests from elsewhere, too,
-/// numbers those below.
-pub const FIRST_TOKEN: u64 = 1 << 63;
 
 /// One line of an order.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -136,7 +134,7 @@ impl Customers {
         let mut inputs = if self.stopped { Vec::new() } else { self.jobs(now, fleet) };
         for said in self.choices.meddle(now, period, self.stopped, fleet) {
             let token = self.token();
-            inputs.push(said.input(token));
+            inputs.push(Input::ask(token, said.request()));
         }
         inputs
     }
@@ -144,12 +142,12 @@ impl Customers {
     /// What the picker says of a rack that stands at a station, once all that was wanted is picked from it.
     pub fn pick(&mut self, station: StationId, robot: RobotId, serial: u64) -> Input {
         let order = self.choices.pick(station, robot, serial);
-        Input::Station { token: self.token(), station, order }
+        Input::ask(self.token(), Request::Station(station, order))
     }
 
-    fn token(&mut self) -> u64 {
+    fn token(&mut self) -> Token {
         self.sent += 1;
-        FIRST_TOKEN + self.sent
+        Token { asker: CUSTOMERS, number: self.sent }
     }
 
     fn jobs(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
@@ -204,7 +202,7 @@ impl Customers {
                 request.lines.clear();
             }
         }
-        Input::Submit { token, request }
+        Input::ask(token, JobAction::Submit(request))
     }
 }
 

@@ -209,7 +209,7 @@ fn extent_m(warehouse: &Warehouse) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{Input, JobKind, JobRequest};
+    use crate::fleet::{FloorAction, Input, JobAction, JobKind, JobRequest};
     use crate::sim::{Scenario, Simulation};
     use crate::warehouse::formats;
     use std::sync::Arc;
@@ -228,9 +228,9 @@ mod tests {
         let submit = |rack, priority| {
             let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick: None };
             let request = JobRequest { priority, ..JobRequest::new(kind) };
-            Input::Submit { token: 1, request }
+            Input::ask(1, JobAction::Submit(request))
         };
-        let mut inputs = vec![Input::Halt { token: 2, robot: Some(robot) }, submit(0, 8), submit(1, 9)];
+        let mut inputs = vec![Input::ask(2, FloorAction::Halt(Some(robot))), submit(0, 8), submit(1, 9)];
         inputs.extend((0..4).map(|_| submit(1, 0)));
         sim.fleet.step(now, inputs);
         let mut laws = FairLaws::new(&sim.fleet);

@@ -20,12 +20,12 @@ pub use person::SimPicker;
 pub use screen::{ShownLine, StationScreen};
 pub use work::{PickFigures, TrueLine, WarnedLead};
 
-use super::customers::FIRST_TOKEN;
+use super::askers::PICKERS;
 use super::random::Stream;
 use super::scenario::WorkCells;
 use crate::cell::arm::Capsule;
 use crate::cell::{Flow, LineChange, PickFace};
-use crate::fleet::{CellWarning, Fleet, Input, StationOrder};
+use crate::fleet::{CellWarning, Fleet, Input, Request, StationOrder, Token};
 use crate::id::{JobId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
@@ -40,8 +40,8 @@ const WATCH: u64 = 62;
 const TREMOR: u64 = 64;
 /// A server sends a warning so long after the hands came that it is about, as measured through its sockets.
 const SENDS: Span = Span::from_millis(26);
-/// What pickers say carries a token of its own.
-const TOKEN: u64 = FIRST_TOKEN | 1 << 58;
+/// The token of what pickers say.
+const TOKEN: Token = Token { asker: PICKERS, number: 0 };
 /// Steps in which the rest of a visit is foreseen, and how far at most.
 const FORESEEN: Span = Span::from_millis(20);
 const FARTHEST: Span = Span::from_secs(1200);
@@ -135,7 +135,7 @@ impl Pickers {
             // Who lets a rack go beside an arm would say that the arm is out, too.
             let lets_go = if stand.has_arm { AGAIN } else { StationOrder::Release };
             let said = said.into_iter().map(|o| if o == StationOrder::Release { lets_go } else { o });
-            inputs.extend(said.map(|order| Input::Station { token: TOKEN, station, order }));
+            inputs.extend(said.map(|order| Input::ask(TOKEN, Request::Station(station, order))));
             inputs.extend(stand.watch.come(to).into_iter().map(Input::Hands));
         }
         inputs

@@ -8,7 +8,7 @@ use super::super::run::Simulation;
 use super::case::SwarmCase;
 use super::draw::SwarmSetup;
 use super::tally::SwarmTally;
-use crate::fleet::{Input, StationOrder};
+use crate::fleet::{FloorAction, Input, JobAction, Request, RobotAction, StationOrder};
 use crate::time::Time;
 
 /// How a run failed.
@@ -127,13 +127,14 @@ fn lower(text: &str) -> String {
 
 /// What customers and operators do by hand, beside jobs.
 fn word(input: &Input) -> Option<&'static str> {
-    match input {
-        Input::Cancel { .. } => Some("cancels"),
-        Input::Halt { .. } => Some("robot_pauses"),
-        Input::Station { order: StationOrder::Pause, .. } => Some("station_pauses"),
-        Input::Station { order: StationOrder::Short, .. } => Some("short_picks"),
-        Input::Retire { .. } => Some("departures"),
-        Input::Close { .. } => Some("closures"),
+    let Input::Ask { request, .. } = input else { return None };
+    match request {
+        Request::Job(JobAction::Cancel(_)) => Some("cancels"),
+        Request::Floor(FloorAction::Halt(_)) => Some("robot_pauses"),
+        Request::Station(_, StationOrder::Pause) => Some("station_pauses"),
+        Request::Station(_, StationOrder::Short) => Some("short_picks"),
+        Request::Robot(RobotAction::Retire(_)) => Some("departures"),
+        Request::Floor(FloorAction::Close(_)) => Some("closures"),
         _ => None,
     }
 }

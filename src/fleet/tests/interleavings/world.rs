@@ -5,7 +5,9 @@
 use super::actors::{FootMove, FootWorker, HALF_M, StepRobot};
 use super::floors::{LANE_M, Manner, TinyFloor, node_of};
 use crate::fleet::tests::{request, scenario};
-use crate::fleet::{Fact, Fleet, Input, Reply, StationOrder, Task};
+use crate::fleet::{
+    Fact, Fleet, Input, JobAction, Reply, Request, RobotAction, StationOrder, Task, WorkerAction,
+};
 use crate::geometry::{Point, axis_distance};
 use crate::id::{RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
@@ -51,13 +53,13 @@ impl TinyWorld {
         let robots: Vec<StepRobot> = robots.collect();
         let register = |r: &StepRobot| {
             let (name, kind) = (format!("robot {}", r.id.0), kind.clone());
-            Input::Register { token: 1, name, kind, node: r.node }
+            Input::ask(1, RobotAction::Register { name, kind, node: r.node })
         };
         let mut inputs: Vec<Input> = robots.iter().map(register).collect();
         let fleet = Fleet::new(w.clone(), settings);
         let mut world = TinyWorld { fleet, robots, worker: None, now: Time::ZERO, progress: Time::ZERO };
         if let Some(hired) = floor.worker {
-            inputs.push(Input::RegisterWorker { token: 2, name: "Ana".into() });
+            inputs.push(Input::ask(2, WorkerAction::Register("Ana".into())));
             world.worker = Some(FootWorker::new(WorkerId(0), w.nodes[node_of(&w, hired.at)].at));
         }
         world.step(None, inputs);
@@ -66,10 +68,10 @@ impl TinyWorld {
             let (place, what) = (node_of(&w, to), "look".to_owned());
             let request =
                 crate::fleet::AssignmentRequest { place, stay: Span::from_secs(4), what, key: None };
-            inputs.push(Input::Assign { token: 3, worker: Some(WorkerId(0)), request });
+            inputs.push(Input::ask(3, WorkerAction::Assign { worker: Some(WorkerId(0)), request }));
         }
         let jobs = floor.kinds(&w).into_iter();
-        inputs.extend(jobs.map(|kind| Input::Submit { token: 4, request: request(kind) }));
+        inputs.extend(jobs.map(|kind| Input::ask(4, JobAction::Submit(request(kind)))));
         world.step(None, inputs);
         world
     }
@@ -89,13 +91,13 @@ impl TinyWorld {
             inputs.push(Input::Telemetry(robot.report(&w, before.map(|b| &b[i]), now)));
             if before.is_none() && robot.acted >= Some(robot.reached) && self.fleet.is_picked_from(robot.id) {
                 let order = StationOrder::Done;
-                inputs.push(Input::Station { token: 9, station: StationId(0), order });
+                inputs.push(Input::ask(9, Request::Station(StationId(0), order)));
             }
         }
         inputs.extend(self.worker.as_mut().map(|p| Input::Sighted(p.sighting(before.is_some(), now))));
         let step = self.fleet.step(now, inputs);
         for reply in &step.replies {
-            assert!(!matches!(reply, Reply::Refused { .. }), "{reply:?}");
+            assert!(!matches!(reply, Reply { answer: Err(_), .. }), "{reply:?}");
         }
         let gets_on =
             |f: &Fact| matches!(f, Fact::Passed { .. } | Fact::Acted { .. } | Fact::Progressed { .. });
@@ -134,7 +136,7 @@ impl TinyWorld {
     /// The worker goes through a door.
     pub fn dismiss(&mut self) {
         if let Some(p) = self.worker.take() {
-            self.step(None, vec![Input::ClearWorker { token: 5, worker: p.worker, by: "Ben".into() }]);
+            self.step(None, vec![Input::ask(5, WorkerAction::Clear { worker: p.worker, by: "Ben".into() })]);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Jobs as recordings have them.
 //!
 //! Main types: [`JobLine`], [`ChangeLine`]. Fields that came later are left out where they say nothing, so that older
-//! recordings are read. Refuses: versions; [`super::recording`] has them.
+//! recordings are read. Refuses: versions; [`super`] has them.
 
 use crate::cell::{OrderLine, PickedBy};
 use crate::fleet::{ClientKey, JobChange, JobKind, JobRequest, Visiting};

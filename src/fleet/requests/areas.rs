@@ -1,0 +1,93 @@
+//! Requests about the floor: areas that robots and people keep out of, once or again and again, and evacuations.
+//!
+//! Refuses: to plan; what is asked for becomes a fact or a refusal.
+
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::state::fact::Fact;
+use crate::fleet::state::recurring::RecurringClosure;
+use crate::fleet::state::refusal::{Bounded, Refusal};
+use crate::fleet::state::request::{Answer, Answered};
+use crate::fleet::state::worker::Closure;
+use crate::id::{ClosureId, SeriesId};
+use crate::time::Time;
+use crate::warehouse::NodeKind;
+
+impl Intake<'_> {
+    /// Whether an area can be closed.
+    fn check_area(&self, area: &Closure) -> Result<(), Refusal> {
+        if area.outline.len() < 3 || area.window.start() >= area.window.end() {
+            return Err(Refusal::EmptyArea);
+        }
+        if area.outline.len() > self.core.settings.corners_max {
+            return Err(Refusal::TooManyCorners(self.core.settings.corners_max));
+        }
+        if area.nodes.iter().any(|n| self.core.warehouse().nodes.get(*n).is_none()) {
+            return Err(Refusal::UnknownPlace);
+        }
+        Ok(())
+    }
+
+    pub(super) fn close(&mut self, area: Closure) -> Answered {
+        self.check_area(&area)?;
+        if self.core.ledger.closures.len() >= self.core.settings.closures_max {
+            return Err(Refusal::TooMany(Bounded::Closures, self.core.ledger.closures.len()));
+        }
+        let closure = ClosureId(self.core.ledger.next_closure);
+        self.core.record(Fact::Closed { closure, area });
+        Ok(Answer::Closure(closure))
+    }
+
+    pub(super) fn reopen(&mut self, closure: ClosureId, now: Time) -> Answered {
+        if !self.core.ledger.closures.contains_key(&closure) {
+            return Err(Refusal::UnknownClosure(closure));
+        }
+        self.core.record(Fact::Reopened { closure, at: now });
+        Ok(Answer::Done)
+    }
+
+    pub(super) fn recur(&mut self, closure: RecurringClosure) -> Answered {
+        self.check_area(&closure.area)?;
+        if !closure.can_be() {
+            return Err(Refusal::Recurrence);
+        }
+        let ledger = &self.core.ledger;
+        if ledger.recurring.len() >= self.core.settings.series_max {
+            return Err(Refusal::TooMany(Bounded::Series, ledger.recurring.len()));
+        }
+        let series = SeriesId(ledger.next_series);
+        let area = Closure { series: Some(series), ..closure.area };
+        self.core.record(Fact::Recurs { series, closure: RecurringClosure { area, ..closure } });
+        Ok(Answer::Series(series))
+    }
+
+    /// A closure recurs no more; what is announced of it, or in force, ends.
+    pub(super) fn end_series(&mut self, series: SeriesId, now: Time) -> Answered {
+        if !self.core.ledger.recurring.contains_key(&series) {
+            return Err(Refusal::UnknownSeries(series));
+        }
+        let closures = self.core.ledger.closures.iter();
+        let open = closures.filter(|(_, c)| c.series == Some(series) && now < c.window.end());
+        let open: Vec<ClosureId> = open.map(|(id, _)| *id).collect();
+        self.core.record(Fact::SeriesEnded { series, at: now });
+        open.into_iter().for_each(|closure| self.core.record(Fact::Reopened { closure, at: now }));
+        Ok(Answer::Done)
+    }
+
+    /// Everybody is to leave the building; said again, it changes nothing.
+    pub(super) fn evacuate(&mut self, now: Time) -> Answered {
+        if self.core.warehouse().nodes_where(|k| k == NodeKind::Exit).is_empty() {
+            return Err(Refusal::NoExits);
+        }
+        if self.core.ledger.evacuation.is_none() {
+            self.core.record(Fact::Evacuated { at: now });
+        }
+        Ok(Answer::Done)
+    }
+
+    pub(super) fn end_evacuation(&mut self, now: Time) -> Answered {
+        if self.core.ledger.evacuation.is_some() {
+            self.core.record(Fact::EvacuationEnded { at: now });
+        }
+        Ok(Answer::Done)
+    }
+}

@@ -1,0 +1,166 @@
+//! Requests about jobs: they are handed in and cancelled.
+//!
+//! Refuses: to give a job to a robot.
+
+use crate::cell;
+use crate::fleet::requests::intake::Intake;
+use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::job::{JobKind, JobRequest, JobState};
+use crate::fleet::state::ledger::RackAt;
+use crate::fleet::state::refusal::{Bounded, Refusal};
+use crate::fleet::state::request::{Answer, Answered, JobTaken, Made};
+use crate::id::{Dense, JobId, RackId, RobotId, StationId};
+use crate::time::Time;
+use crate::warehouse::NodeKind;
+
+impl Intake<'_> {
+    /// A job is accepted, whole or not at all; the same client key makes no second one.
+    pub(super) fn submit(&mut self, request: JobRequest, now: Time) -> JobTaken {
+        if let Some(job) = request.key.as_ref().and_then(|k| self.core.ledger.keys.get(k)) {
+            return Ok(Made { id: *job, new: false });
+        }
+        self.core.floor().check_request(&request)?;
+        if request.priority > 9 {
+            return Err(Refusal::Priority(request.priority));
+        }
+        if request.deadline.is_some_and(|deadline| deadline < now) {
+            return Err(Refusal::DeadlineIsOver);
+        }
+        if request.after.len() > self.core.settings.after_max {
+            return Err(Refusal::TooManyBefore(self.core.settings.after_max));
+        }
+        if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.core.ledger.next_job) {
+            return Err(Refusal::UnknownPredecessor(*job));
+        }
+        if self.core.ledger.jobs.len() >= self.core.settings.waiting_max {
+            return Err(Refusal::TooMany(Bounded::Jobs, self.core.ledger.jobs.len()));
+        }
+        let job = JobId(self.core.ledger.next_job);
+        self.core.record(Fact::Accepted { job, request, at: now });
+        Ok(Made { id: job, new: true })
+    }
+
+    /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
+    pub(super) fn cancel(&mut self, job: JobId, now: Time) -> Answered {
+        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
+            return Err(Refusal::UnknownJob(job));
+        }
+        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let tasked = record.state.robot().map(|robot| (robot, self.core.floor().task_without_job(robot)));
+        self.core.progress(job, JobState::Cancelled, tasked, now);
+        if let Some((robot, _)) = tasked {
+            self.end_cancelled_pick(robot);
+            self.heard.left_early.push(robot);
+        }
+        Ok(Answer::Done)
+    }
+}
+
+impl Floor<'_> {
+    /// Everything that a job names exists, and some robots can do it at all of its stations.
+    pub(super) fn check_request(&self, request: &JobRequest) -> Result<(), Refusal> {
+        let w = self.warehouse();
+        if request.then.iter().any(|v| v.station.ix() >= w.stations.len()) {
+            return Err(Refusal::UnknownPlace);
+        }
+        let visits: Vec<StationId> = request.stations().map(|v| v.station).collect();
+        if (!request.then.is_empty() && request.kind.station().is_none())
+            || visits.windows(2).any(|pair| pair[0] == pair[1])
+        {
+            return Err(Refusal::SameStationTwice);
+        }
+        self.check_places(&request.kind)?;
+        self.check_lines(request, visits)?;
+        self.check_kinds(request)
+    }
+
+    /// Each line must be one that can be picked at its station.
+    fn check_lines(&self, request: &JobRequest, visits: Vec<StationId>) -> Result<(), Refusal> {
+        if request.lines.is_empty() {
+            return Ok(());
+        }
+        if request.lines.len() != visits.len() {
+            return Err(Refusal::LinesPerStation);
+        }
+        let Some(rack) = request.kind.rack() else { return Ok(()) };
+        for (visit, (station, lines)) in visits.into_iter().zip(&request.lines).enumerate() {
+            if let Some((line, problem)) = cell::problem(self.warehouse(), rack, station, lines) {
+                return Err(Refusal::CannotPick(visit, line, problem));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
+        let w = self.warehouse();
+        let rack_known = |r: RackId| r.ix() < w.racks.len();
+        let robot_known = |r: RobotId| r.ix() < self.ledger.robots.len();
+        let gone = kind.robot().filter(|r| robot_known(*r) && self.ledger.robots[*r].is_gone());
+        if let Some(robot) = gone {
+            return Err(Refusal::RobotIsGone(robot));
+        }
+        let known = match *kind {
+            JobKind::Deliver { rack, station, .. } => rack_known(rack) && station.ix() < w.stations.len(),
+            JobKind::Return { rack } => rack_known(rack),
+            JobKind::Relocate { rack, node } => rack_known(rack) && node.ix() < w.nodes.len(),
+            JobKind::Charge { robot } | JobKind::Park { robot } => robot_known(robot),
+            JobKind::Go { robot, node } => robot_known(robot) && node.ix() < w.nodes.len(),
+        };
+        if !known {
+            return Err(Refusal::UnknownPlace);
+        }
+        let place = match kind {
+            JobKind::Charge { .. } => Some(NodeKind::Charger),
+            JobKind::Park { .. } => Some(NodeKind::Parking),
+            _ => None,
+        };
+        if let Some(place) = place.filter(|p| !w.nodes.iter().any(|n| n.kind == *p)) {
+            return Err(Refusal::NoSuchPlace(place));
+        }
+        if let JobKind::Relocate { rack, node } = *kind {
+            if w.nodes[node].kind != NodeKind::Storage {
+                return Err(Refusal::NotStorage(node));
+            }
+            if self.storage_taken(node, rack) {
+                return Err(Refusal::StorageTaken(node));
+            }
+        }
+        Ok(())
+    }
+
+    /// Some kind of robots must be able to do it, or that of the robot which the customer names.
+    fn check_kinds(&self, request: &JobRequest) -> Result<(), Refusal> {
+        let w = self.warehouse();
+        let kind = &request.kind;
+        if let JobKind::Go { robot, node } = *kind
+            && !self.may_be_at(robot, node)
+        {
+            return Err(Refusal::NotForKind(node));
+        }
+        let Some(rack) = kind.rack() else { return Ok(()) };
+        let node = match self.ledger.racks[rack] {
+            RackAt::Stored(node) => node,
+            RackAt::On(robot) => self.ledger.node_of(robot),
+        };
+        let fits = w.bodies().ids().any(|body| request.is_for(w, body, (rack, node)));
+        if fits { Ok(()) } else { Err(Refusal::NoKindFor(rack)) }
+    }
+
+    /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to
+    /// where it may stay.
+    pub(super) fn task_without_job(&self, robot: RobotId) -> Task {
+        match self.ledger.robots[robot].task {
+            Task::Deliver { rack, store, .. } | Task::Store { rack, store, .. } => {
+                Task::Store { job: None, rack, store }
+            }
+            // A robot that may drive to the rack already will lift it, and puts it back then.
+            Task::Fetch { rack, node, .. } if self.next_stop_is_granted(robot) => {
+                Task::Fetch { job: None, rack, node }
+            }
+            Task::Fetch { node, .. } => Task::rest_at(node, Purpose::Park),
+            Task::Move { stay, purpose, .. } => Task::rest_at(stay, purpose),
+            Task::Idle => Task::Idle,
+        }
+    }
+}

@@ -1,0 +1,460 @@
+//! What is asked of the fleet, and what it answers.
+//!
+//! Main types: [`Request`], nested by what it is about; [`Ask`], a request that knows what its answer looks like;
+//! [`Reply`], an [`Answer`] or a [`Refusal`] under the [`Token`] of the request. Refuses: to say how any of it travels.
+
+use crate::cell::{LineChange, LineOutcome, LineState};
+use crate::fleet::state::job::{JobChange, JobRequest};
+use crate::fleet::state::recurring::RecurringClosure;
+use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::worker::{AssignmentRequest, Closure};
+use crate::geometry::Spot;
+use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
+
+/// Who asks: a driver gives each party that sends requests through it a number of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Asker(pub u8);
+
+impl Asker {
+    /// The clients of a server. All other numbers are up to the driver.
+    pub const CLIENTS: Asker = Asker(0);
+}
+
+/// Identifies a request, so that its answer finds whoever asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Token {
+    /// Who asks.
+    pub asker: Asker,
+    /// Which request of that party; several may have the same number if nobody waits for their answers.
+    pub number: u64,
+}
+
+impl From<u64> for Token {
+    /// The token of a client's request.
+    fn from(number: u64) -> Token {
+        Token { asker: Asker::CLIENTS, number }
+    }
+}
+
+/// Something asked of the fleet.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// About jobs.
+    Job(JobAction),
+    /// About robots, and racks on robots.
+    Robot(RobotAction),
+    /// The person at a station says how it goes there.
+    Station(StationId, StationOrder),
+    /// About workers and their assignments.
+    Worker(WorkerAction),
+    /// About the floor: areas, the building, and whether robots drive.
+    Floor(FloorAction),
+}
+
+/// What customers and operators want of jobs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum JobAction {
+    /// A job is to be done.
+    Submit(JobRequest),
+    /// Several jobs are to be done. Each is accepted or refused for itself; the accepted ones are durable together.
+    SubmitBatch(Vec<JobRequest>),
+    /// A job is not wanted any more.
+    Cancel(JobId),
+    /// A job that no robot has yet is to be another one.
+    Change(JobId, JobChange),
+    /// A job is to be done by this robot, or by any other than the one that has it.
+    Reassign(JobId, Option<RobotId>),
+}
+
+/// What is to become of a robot.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RobotAction {
+    /// A robot joins the fleet.
+    Register {
+        /// Its name.
+        name: String,
+        /// The name of its kind, one of the settings.
+        kind: String,
+        /// Where it stands.
+        node: NodeId,
+    },
+    /// A robot goes to maintenance.
+    BeginMaintenance(RobotId),
+    /// A robot comes back from there, or does not leave after all.
+    EndMaintenance(RobotId),
+    /// A robot is to leave the floor.
+    Retire(RobotId),
+    /// People took a rack off a robot that cannot drive, and set it down.
+    TakeRack {
+        /// Which.
+        rack: RackId,
+        /// The storage node where it stands now.
+        node: NodeId,
+    },
+}
+
+/// What a station says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StationOrder {
+    /// The pick is done.
+    Done,
+    /// The pick has ended, but goods were missing.
+    Short,
+    /// Nobody picks until further notice.
+    Pause,
+    /// Picking goes on.
+    Resume,
+    /// The rack may leave: lines that are left are short.
+    Release,
+    /// About a line of the visit, counted from 0; of the one before, if its last line is not confirmed yet and no other
+    /// rack is there.
+    Line(usize, LineChange),
+    /// About the line that was not confirmed when its rack left at the last grasp.
+    Last(LineChange),
+}
+
+/// What is to become of a worker, and what a worker is to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum WorkerAction {
+    /// A worker of this name is to be known; a known one is no second worker.
+    Register(String),
+    /// A worker who is not on the floor and has nothing to do is not to be known any more: the place is free for
+    /// another one.
+    Forget(WorkerId),
+    /// A worker has left the floor, or a supervisor vouches that nobody is where one was lost.
+    Clear {
+        /// The worker.
+        worker: WorkerId,
+        /// Who says so.
+        by: String,
+    },
+    /// A supervisor vouches for where a lost worker is.
+    Narrow {
+        /// The worker.
+        worker: WorkerId,
+        /// Who says so.
+        by: String,
+        /// About where.
+        at: Spot,
+        /// How far from there at most, on foot, millimetres.
+        within_mm: i64,
+    },
+    /// A worker's headset was taken off, or its page closed, on purpose.
+    SignOff(WorkerId),
+    /// A worker is to do something.
+    Assign {
+        /// The worker; nothing for the nearest one who is free.
+        worker: Option<WorkerId>,
+        /// What.
+        request: AssignmentRequest,
+    },
+    /// An assignment is not wanted any more.
+    Unassign(AssignmentId),
+    /// A worker is done with an assignment, and says so.
+    Finish(WorkerId, AssignmentId),
+}
+
+/// What is to hold on the floor.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FloorAction {
+    /// Robots are to keep out of an area.
+    Close(Closure),
+    /// A closure is to end: robots may route through the area again.
+    Reopen(ClosureId),
+    /// An area is to be closed again and again.
+    Recur(RecurringClosure),
+    /// A closure is to recur no more, and its occurrences end.
+    EndSeries(SeriesId),
+    /// Everybody is to leave the building: robots clear the ways out, and stand.
+    Evacuate,
+    /// The evacuation is over.
+    EndEvacuation,
+    /// One robot, or the whole fleet, is to stand until it is released.
+    Halt(Option<RobotId>),
+    /// It may go on.
+    Release(Option<RobotId>),
+}
+
+impl Request {
+    /// Whether a person makes robots stand, or lets them go on.
+    pub fn is_by_hand(&self) -> bool {
+        matches!(self, Request::Floor(FloorAction::Halt(_) | FloorAction::Release(_)))
+    }
+}
+
+impl From<JobAction> for Request {
+    fn from(action: JobAction) -> Request {
+        Request::Job(action)
+    }
+}
+
+impl From<RobotAction> for Request {
+    fn from(action: RobotAction) -> Request {
+        Request::Robot(action)
+    }
+}
+
+impl From<WorkerAction> for Request {
+    fn from(action: WorkerAction) -> Request {
+        Request::Worker(action)
+    }
+}
+
+impl From<FloorAction> for Request {
+    fn from(action: FloorAction) -> Request {
+        Request::Floor(action)
+    }
+}
+
+/// Something that is there now, or was before: the same name or client key makes no second one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Made<Id> {
+    /// Its number.
+    pub id: Id,
+    /// Whether it is new.
+    pub new: bool,
+}
+
+/// What became of something said about a line of a visit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LineNoted {
+    /// The job.
+    pub job: JobId,
+    /// The line's number in the visit, from 0.
+    pub line: usize,
+    /// Whether that changed anything: what was confirmed before is counted once.
+    pub outcome: LineOutcome,
+    /// How far the line is.
+    pub state: LineState,
+    /// Pieces in the tote.
+    pub pieces: u32,
+}
+
+/// A job that is accepted, or was before; or why it is refused.
+pub type JobTaken = Result<Made<JobId>, Refusal>;
+
+/// What the fleet answers where it does not refuse.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// It is so.
+    Done,
+    /// The job is accepted.
+    Job(Made<JobId>),
+    /// What became of several jobs, in their order.
+    Jobs(Vec<JobTaken>),
+    /// The robot has joined.
+    Robot(Made<RobotId>),
+    /// The worker is known.
+    Worker(Made<WorkerId>),
+    /// The assignment is accepted.
+    Assignment(Made<AssignmentId>),
+    /// The area is closed.
+    Closure(ClosureId),
+    /// The area is closed again and again.
+    Series(SeriesId),
+    /// What was said about a line is noted.
+    Line(LineNoted),
+}
+
+/// What the fleet says to a request.
+pub type Answered = Result<Answer, Refusal>;
+
+/// The answer to a request. It may be sent once the facts of its step are durable.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reply {
+    /// Of the request.
+    pub token: Token,
+    /// What came of it.
+    pub answer: Answered,
+}
+
+/// A request, with what its answer looks like.
+#[derive(Clone, Debug)]
+pub struct Ask<A> {
+    /// What is asked.
+    pub request: Request,
+    read: fn(Answer) -> Option<A>,
+}
+
+impl<A> Ask<A> {
+    fn new(request: impl Into<Request>, read: fn(Answer) -> Option<A>) -> Ask<A> {
+        Ask { request: request.into(), read }
+    }
+
+    /// The answer to this request; nothing if it is one to a request of another form, which is a fault of the fleet.
+    pub fn read(&self, answer: Answer) -> Option<A> {
+        (self.read)(answer)
+    }
+}
+
+/// Reads one variant of [`Answer`].
+macro_rules! reads {
+    ($variant:ident) => {
+        |answer| if let Answer::$variant(it) = answer { Some(it) } else { None }
+    };
+}
+
+impl Ask<Made<JobId>> {
+    /// A job is to be done.
+    pub fn submit(request: JobRequest) -> Self {
+        Ask::new(JobAction::Submit(request), reads!(Job))
+    }
+}
+
+impl Ask<Vec<JobTaken>> {
+    /// Several jobs are to be done.
+    pub fn submit_batch(requests: Vec<JobRequest>) -> Self {
+        Ask::new(JobAction::SubmitBatch(requests), reads!(Jobs))
+    }
+}
+
+impl Ask<Made<RobotId>> {
+    /// A robot joins the fleet.
+    pub fn register_robot(name: String, kind: String, node: NodeId) -> Self {
+        Ask::new(RobotAction::Register { name, kind, node }, reads!(Robot))
+    }
+}
+
+impl Ask<Made<WorkerId>> {
+    /// A worker is to be known.
+    pub fn register_worker(name: String) -> Self {
+        Ask::new(WorkerAction::Register(name), reads!(Worker))
+    }
+}
+
+impl Ask<Made<AssignmentId>> {
+    /// A worker is to do something.
+    pub fn assign(worker: Option<WorkerId>, request: AssignmentRequest) -> Self {
+        Ask::new(WorkerAction::Assign { worker, request }, reads!(Assignment))
+    }
+}
+
+impl Ask<ClosureId> {
+    /// Robots are to keep out of an area.
+    pub fn close(area: Closure) -> Self {
+        Ask::new(FloorAction::Close(area), reads!(Closure))
+    }
+}
+
+impl Ask<SeriesId> {
+    /// An area is to be closed again and again.
+    pub fn recur(closure: RecurringClosure) -> Self {
+        Ask::new(FloorAction::Recur(closure), reads!(Series))
+    }
+}
+
+impl Ask<LineNoted> {
+    /// Something is said about this line of the visit at a station, or about the last one of the visit before.
+    pub fn line(station: StationId, line: Option<usize>, change: LineChange) -> Self {
+        let order = line.map_or(StationOrder::Last(change), |line| StationOrder::Line(line, change));
+        Ask::new(Request::Station(station, order), reads!(Line))
+    }
+}
+
+/// Requests of which there is nothing to say but that it is so.
+impl Ask<()> {
+    fn done(request: impl Into<Request>) -> Self {
+        Ask::new(request, |answer| matches!(answer, Answer::Done).then_some(()))
+    }
+
+    /// A job is not wanted any more.
+    pub fn cancel(job: JobId) -> Self {
+        Ask::done(JobAction::Cancel(job))
+    }
+
+    /// A job that no robot has yet is to be another one.
+    pub fn change(job: JobId, change: JobChange) -> Self {
+        Ask::done(JobAction::Change(job, change))
+    }
+
+    /// A job is to be done by this robot, or by any other than the one that has it.
+    pub fn reassign(job: JobId, robot: Option<RobotId>) -> Self {
+        Ask::done(JobAction::Reassign(job, robot))
+    }
+
+    /// A robot goes to maintenance.
+    pub fn begin_maintenance(robot: RobotId) -> Self {
+        Ask::done(RobotAction::BeginMaintenance(robot))
+    }
+
+    /// A robot comes back from maintenance.
+    pub fn end_maintenance(robot: RobotId) -> Self {
+        Ask::done(RobotAction::EndMaintenance(robot))
+    }
+
+    /// A robot is to leave the floor.
+    pub fn retire(robot: RobotId) -> Self {
+        Ask::done(RobotAction::Retire(robot))
+    }
+
+    /// People took a rack off a robot and set it down.
+    pub fn take_rack(rack: RackId, node: NodeId) -> Self {
+        Ask::done(RobotAction::TakeRack { rack, node })
+    }
+
+    /// A station says something; of a line, what became of it does not matter.
+    pub fn station(station: StationId, order: StationOrder) -> Self {
+        let is_so = |answer| matches!(answer, Answer::Done | Answer::Line(_)).then_some(());
+        Ask::new(Request::Station(station, order), is_so)
+    }
+
+    /// A worker is not to be known any more.
+    pub fn forget_worker(worker: WorkerId) -> Self {
+        Ask::done(WorkerAction::Forget(worker))
+    }
+
+    /// Nobody is where a worker was lost, as somebody says.
+    pub fn clear_worker(worker: WorkerId, by: String) -> Self {
+        Ask::done(WorkerAction::Clear { worker, by })
+    }
+
+    /// A lost worker is within so many millimetres of a place, on foot, as somebody says.
+    pub fn narrow_worker(worker: WorkerId, (at, within_mm): (Spot, i64), by: String) -> Self {
+        Ask::done(WorkerAction::Narrow { worker, by, at, within_mm })
+    }
+
+    /// A worker's headset was taken off on purpose.
+    pub fn sign_off(worker: WorkerId) -> Self {
+        Ask::done(WorkerAction::SignOff(worker))
+    }
+
+    /// An assignment is not wanted any more.
+    pub fn unassign(assignment: AssignmentId) -> Self {
+        Ask::done(WorkerAction::Unassign(assignment))
+    }
+
+    /// A worker is done with an assignment.
+    pub fn finish(worker: WorkerId, assignment: AssignmentId) -> Self {
+        Ask::done(WorkerAction::Finish(worker, assignment))
+    }
+
+    /// A closure is to end.
+    pub fn reopen(closure: ClosureId) -> Self {
+        Ask::done(FloorAction::Reopen(closure))
+    }
+
+    /// A closure is to recur no more.
+    pub fn end_series(series: SeriesId) -> Self {
+        Ask::done(FloorAction::EndSeries(series))
+    }
+
+    /// Everybody is to leave the building.
+    pub fn evacuate() -> Self {
+        Ask::done(FloorAction::Evacuate)
+    }
+
+    /// The evacuation is over.
+    pub fn end_evacuation() -> Self {
+        Ask::done(FloorAction::EndEvacuation)
+    }
+
+    /// One robot, or the whole fleet, is to stand.
+    pub fn halt(robot: Option<RobotId>) -> Self {
+        Ask::done(FloorAction::Halt(robot))
+    }
+
+    /// It may go on.
+    pub fn release(robot: Option<RobotId>) -> Self {
+        Ask::done(FloorAction::Release(robot))
+    }
+}

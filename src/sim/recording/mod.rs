@@ -1,0 +1,281 @@
+//! Recordings: the inputs of every step, so that a run can be looked at again and stepped through again.
+//!
+//! Main types: [`Header`], [`Recorder`] (steps → lines), [`Playback`] (lines → steps). One JSON text per line:
+//! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
+//! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
+
+mod arm_row;
+mod hand_row;
+mod job_line;
+mod request_row;
+mod said_row;
+
+use self::request_row::RequestRow;
+use crate::fleet::{Fault, Input, Telemetry};
+use crate::geometry::{Point, Pose};
+use crate::human::{Quality, Sighting, SourceId};
+use crate::id::{RackId, RobotId, WorkerId};
+use crate::time::Time;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What stands in the first line.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Header {
+    /// Version of the format; there is only 1.
+    pub giveway_recording: u32,
+    /// The scenario file's text.
+    pub scenario: String,
+    /// The map's text.
+    pub map: String,
+    /// The seed.
+    pub seed: u64,
+    /// What was learned about people, as text; absent where the built-in figures held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<String>,
+    /// What was learned of pickers, as text; absent where the built-in figures held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub picks: Option<String>,
+}
+
+/// A recording that cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("line {line} of the recording: {message}")]
+pub struct Broken {
+    /// Where.
+    pub line: usize,
+    /// What.
+    pub message: String,
+}
+
+/// What a station says.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RecordingLine {
+    t: i64,
+    /// Robots that say something new.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    r: Vec<TelemetryRow>,
+    /// Robots that say the same again, with the time they say it at where that is not `t`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    s: Vec<(u32, i64)>,
+    /// Robots among those of `r` that have followed another number of recalls than before, with that number.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    c: BTreeMap<u32, u64>,
+    /// Workers that were seen.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    w: Vec<SightingRow>,
+    /// Everything else, in the order in which it came.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    i: Vec<RequestRow>,
+}
+
+/// Robot, seen, x, y, heading, speed, reached, known, acted, rack, battery, what is wrong, limit.
+type TelemetryRow =
+    (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, Wrong, Option<f64>);
+/// What is wrong with a robot: `false` for nothing, `true` where it is broken, else the word of the fault.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Wrong {
+    Broken(bool),
+    Other(String),
+}
+/// Worker, seen, epoch, number, x, y, heading, accuracy, and quality (0 tracked, 1 emulated, 2 lost) with 4 for a tag
+/// or 8 for a device that reports like a robot, and 16 where the epoch did not begin with marks.
+type SightingRow = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RecordingEnd {
+    trace_hash: String,
+}
+
+/// Turns steps into lines.
+#[derive(Debug, Default)]
+pub struct Recorder {
+    last: BTreeMap<RobotId, Telemetry>,
+}
+
+impl Recorder {
+    /// The first line.
+    pub fn header(header: &Header) -> String {
+        to_line(header)
+    }
+
+    /// The line of one step.
+    pub fn step(&mut self, now: Time, inputs: &[Input]) -> String {
+        let mut line =
+            RecordingLine { t: now.0, r: vec![], s: vec![], c: BTreeMap::new(), w: vec![], i: vec![] };
+        for input in inputs {
+            match input {
+                Input::Telemetry(t) => {
+                    let same = |o: &Telemetry| Telemetry { seen: t.seen, ..*o } == *t;
+                    if self.last.get(&t.robot).is_some_and(same) {
+                        line.s.push((t.robot.0, t.seen.0));
+                    } else {
+                        line.r.push(said(t));
+                        let before = self.last.insert(t.robot, *t).map_or(0, |o| o.recalls);
+                        if t.recalls != before {
+                            line.c.insert(t.robot.0, t.recalls);
+                        }
+                    }
+                }
+                Input::Sighted(s) => line.w.push(sighted(s)),
+                Input::Hands(seen) => line.i.push(RequestRow::Hands(seen.into())),
+                Input::Arm(said) => line.i.push(RequestRow::Arm(said.into())),
+                Input::VisitEnds { station, at } => line.i.push(RequestRow::VisitEnds(station.0, at.0)),
+                Input::Ask { token, request } => line.i.push(RequestRow::of(*token, request)),
+            }
+        }
+        to_line(&line)
+    }
+
+    /// The last line.
+    pub fn end(trace_hash: u64) -> String {
+        to_line(&RecordingEnd { trace_hash: format!("{trace_hash:016x}") })
+    }
+}
+
+fn to_line(value: &impl Serialize) -> String {
+    let mut text = serde_json::to_string(value).expect("records hold nothing that JSON cannot");
+    text.push('\n');
+    text
+}
+
+fn said(t: &Telemetry) -> TelemetryRow {
+    let (x, y) = (t.pose.at.x, t.pose.at.y);
+    let rack = t.rack.map(|k| k.0);
+    let seen = t.seen.0;
+    (
+        t.robot.0,
+        seen,
+        x,
+        y,
+        t.pose.heading,
+        t.speed_mps,
+        t.reached,
+        t.known,
+        t.acted,
+        rack,
+        t.battery,
+        wrong(t.fault),
+        t.limit_mps,
+    )
+}
+
+fn wrong(fault: Option<Fault>) -> Wrong {
+    match fault {
+        None => Wrong::Broken(false),
+        Some(Fault::Broken) => Wrong::Broken(true),
+        Some(other) => Wrong::Other(other.word().to_owned()),
+    }
+}
+
+/// A fault of a later version is at least one.
+fn fault_of(wrong: &Wrong) -> Option<Fault> {
+    match wrong {
+        Wrong::Broken(broken) => broken.then_some(Fault::Broken),
+        Wrong::Other(word) => Some(Fault::of_word(word).unwrap_or(Fault::Broken)),
+    }
+}
+
+fn sighted(s: &Sighting) -> SightingRow {
+    let quality = match s.quality {
+        Quality::Tracked => 0,
+        Quality::Emulated => 1,
+        Quality::Lost => 2,
+    };
+    let quality = quality + 4 * s.source as u8 + if s.at_marks { 0 } else { 16 };
+    (s.worker.0, s.seen.0, s.epoch, s.seq, s.at.x, s.at.y, s.heading, s.accuracy_m, quality)
+}
+
+/// A line of a recording, read.
+#[derive(Debug)]
+pub enum Played {
+    /// A step.
+    Step(Time, Vec<Input>),
+    /// The end, with the digest of all facts.
+    End(u64),
+}
+
+/// Turns lines into steps.
+#[derive(Debug)]
+pub struct Playback {
+    last: BTreeMap<RobotId, Telemetry>,
+    line: usize,
+}
+
+impl Playback {
+    /// Reads the first line.
+    ///
+    /// # Errors
+    /// If it is no recording, or of another version.
+    pub fn open(first: &str) -> Result<(Header, Playback), Broken> {
+        let header: Header = serde_json::from_str(first)
+            .map_err(|e| Broken { line: 1, message: format!("this is no recording: {e}") })?;
+        if header.giveway_recording != 1 {
+            let message = format!("version {} is not known, only 1 is", header.giveway_recording);
+            return Err(Broken { line: 1, message });
+        }
+        Ok((header, Playback { last: BTreeMap::new(), line: 1 }))
+    }
+
+    /// Reads a further line.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn read(&mut self, text: &str) -> Result<Played, Broken> {
+        self.line += 1;
+        let broken = |message: String| Broken { line: self.line, message };
+        if let Ok(end) = serde_json::from_str::<RecordingEnd>(text) {
+            let hash = u64::from_str_radix(&end.trace_hash, 16).map_err(|e| broken(e.to_string()))?;
+            return Ok(Played::End(hash));
+        }
+        let line: RecordingLine = serde_json::from_str(text).map_err(|e| broken(e.to_string()))?;
+        let mut inputs: Vec<Input> = line.i.into_iter().map(RequestRow::input).collect();
+        let before = |robot| self.last.get(&RobotId(robot)).map_or(0, |t| t.recalls);
+        let recalls = |robot| line.c.get(&robot).copied().unwrap_or_else(|| before(robot));
+        let mut seen: Vec<Telemetry> =
+            line.r.into_iter().map(|s| (recalls(s.0), s)).map(|(n, s)| heard(s, n)).collect();
+        for (robot, at) in line.s {
+            let last = self.last.get(&RobotId(robot));
+            let last = last.ok_or_else(|| broken(format!("robot {robot} repeats what it never said")))?;
+            seen.push(Telemetry { seen: Time(at), ..*last });
+        }
+        self.last.extend(seen.iter().map(|t| (t.robot, *t)));
+        inputs.extend(seen.into_iter().map(Input::Telemetry));
+        inputs.extend(line.w.into_iter().map(|s| Input::Sighted(glimpsed(s))));
+        Ok(Played::Step(Time(line.t), inputs))
+    }
+}
+
+fn heard(s: TelemetryRow, recalls: u64) -> Telemetry {
+    let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, fault, limit_mps) = s;
+    Telemetry {
+        robot: RobotId(robot),
+        seen: Time(seen),
+        pose: Pose { at: Point::new(x, y), heading },
+        speed_mps,
+        reached,
+        known,
+        acted,
+        rack: rack.map(RackId),
+        battery,
+        fault: fault_of(&fault),
+        limit_mps,
+        recalls,
+    }
+}
+
+fn glimpsed(s: SightingRow) -> Sighting {
+    let (worker, seen, epoch, seq, x, y, heading, accuracy_m, quality) = s;
+    let (source, at_marks) = (SourceId::ALL[usize::from(quality >> 2 & 3).min(2)], quality & 16 == 0);
+    let quality = match quality & 3 {
+        0 => Quality::Tracked,
+        1 => Quality::Emulated,
+        _ => Quality::Lost,
+    };
+    let (worker, seen, at) = (WorkerId(worker), Time(seen), Point::new(x, y));
+    Sighting { worker, source, seen, epoch, at_marks, seq, at, mirror: None, heading, accuracy_m, quality }
+}

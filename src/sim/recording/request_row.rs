@@ -1,0 +1,394 @@
+//! Requests and observations that have no place of their own in a line of a recording, as they are written.
+//!
+//! Main type: [`RequestRow`]. Older spellings are read and never written. Refuses: to know who gets an answer: when a
+//! recording is played, nobody does.
+
+use super::arm_row::ArmRow;
+use super::hand_row::HandsRow;
+use super::job_line::{ChangeLine, JobLine};
+use super::said_row::Says;
+use crate::fleet::{
+    Asker, AssignmentRequest, Binds, ClientKey, Closure, FloorAction, Input, JobAction, JobChange,
+    JobRequest, LocalClock, Recurrence, RecurringClosure, Request, RobotAction, Token, USUAL_KIND, Weekdays,
+    WorkerAction,
+};
+use crate::geometry::Spot;
+use crate::id::{
+    AssignmentId, ClosureId, CustomerId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
+use crate::time::{Span, Time, Window};
+use serde::{Deserialize, Serialize};
+
+/// So many bits of a token's number are behind those of the asker.
+const ASKER_BITS: u32 = 56;
+
+/// What is asked, with the token first.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum RequestRow {
+    #[serde(rename = "enlist")]
+    Register(String, u32),
+    /// Of a kind that is not the usual one.
+    #[serde(rename = "enlist_as")]
+    RegisterAs(String, u32, String),
+    Maintain(u64, u32, bool),
+    Retire(u64, u32),
+    TakeRack(u64, u32, u32),
+    Submit(JobLine),
+    /// Token, and lines whose tokens mean nothing.
+    SubmitBatch(u64, Vec<JobLine>),
+    Cancel(u64, u64),
+    #[serde(rename = "hire")]
+    RegisterWorker(u64, String),
+    ForgetWorker(u64, u32),
+    Clear(u64, u32),
+    ClearedBy(u64, u32, String),
+    Narrow(NarrowRow),
+    SignedOff(u64, u32),
+    Assign(AssignRow),
+    Unassign(u64, u64),
+    Finish(u64, u32, u64),
+    Close(CloseRow),
+    Reopen(u64, u64),
+    Recur(u64, RecurLine),
+    EndSeries(u64, u64),
+    Evacuate(u64),
+    EndEvacuation(u64),
+    Halt(u64, Option<u32>),
+    Release(u64, Option<u32>),
+    /// From before more than the priority could be changed.
+    Prioritise(u64, u64, u8),
+    Change(u64, u64, ChangeLine),
+    Reassign(u64, u64, Option<u32>),
+    /// Token, station, what it says.
+    Station(u64, u32, Says),
+    Hands(HandsRow),
+    /// Station, true end of the visit that is on.
+    VisitEnds(u32, i64),
+    Arm(ArmRow),
+}
+
+/// About where a lost worker is.
+#[derive(Serialize, Deserialize)]
+pub(super) struct NarrowRow {
+    token: u64,
+    worker: u32,
+    by: String,
+    at: (i64, i64),
+    within: i64,
+}
+
+/// What a worker is to do.
+#[derive(Serialize, Deserialize)]
+pub(super) struct AssignRow {
+    token: u64,
+    worker: Option<u32>,
+    place: u32,
+    stay: i64,
+    what: String,
+    key: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    owner: Option<u64>,
+}
+
+/// An area that is closed, times in microseconds.
+#[derive(Serialize, Deserialize)]
+pub(super) struct CloseRow {
+    token: u64,
+    outline: Vec<(i64, i64)>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    nodes: Vec<u32>,
+    from: i64,
+    until: i64,
+    reason: String,
+    /// From before people could be kept out: robots alone.
+    #[serde(default = "robots", skip_serializing_if = "is_robots")]
+    binds: String,
+}
+
+/// What is closed again and again, times in microseconds; `from` and `until` are those of the first occurrence.
+#[derive(Serialize, Deserialize)]
+pub(super) struct RecurLine {
+    outline: Vec<(i64, i64)>,
+    nodes: Vec<u32>,
+    /// Of the first occurrence.
+    from: i64,
+    until: i64,
+    reason: String,
+    binds: String,
+    every: i64,
+    weekdays: u8,
+    /// Ahead of UTC, before the first change of the clocks.
+    utc_offset: i64,
+    /// The time zone, and when its clocks change to which offset.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    zone: Option<(String, Vec<(i64, i64)>)>,
+    /// When it recurs no more.
+    last: i64,
+    /// When the next occurrence begins, where that is not the first one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    next: Option<i64>,
+}
+
+/// A token as recordings have it: the asker in the first eight bits.
+fn number_of(token: Token) -> u64 {
+    u64::from(token.asker.0) << ASKER_BITS | token.number
+}
+
+/// Recordings of versions before this one have other bits there; answers go to nobody when they are played.
+fn token_of(number: u64) -> Token {
+    Token { asker: Asker((number >> ASKER_BITS) as u8), number: number & ((1 << ASKER_BITS) - 1) }
+}
+
+impl RequestRow {
+    /// The row of a request.
+    pub fn of(token: Token, request: &Request) -> RequestRow {
+        let token = number_of(token);
+        match request {
+            Request::Job(action) => asked_of_job(token, action),
+            Request::Robot(action) => asked_of_robot(token, action),
+            Request::Station(station, order) => RequestRow::Station(token, station.0, (*order).into()),
+            Request::Worker(action) => asked_of_worker(token, action),
+            Request::Floor(action) => asked_of_floor(token, action),
+        }
+    }
+
+    /// The input that it was.
+    pub fn input(self) -> Input {
+        let ask = |token, request| Input::ask(token_of(token), request);
+        match self {
+            RequestRow::Register(name, node) => joins(name, USUAL_KIND.to_owned(), node),
+            RequestRow::RegisterAs(name, node, kind) => joins(name, kind, node),
+            RequestRow::Maintain(token, robot, true) => {
+                ask(token, RobotAction::BeginMaintenance(RobotId(robot)).into())
+            }
+            RequestRow::Maintain(token, robot, false) => {
+                ask(token, RobotAction::EndMaintenance(RobotId(robot)).into())
+            }
+            RequestRow::Retire(token, robot) => ask(token, RobotAction::Retire(RobotId(robot)).into()),
+            RequestRow::TakeRack(token, rack, node) => {
+                ask(token, RobotAction::TakeRack { rack: RackId(rack), node: NodeId(node) }.into())
+            }
+            RequestRow::Halt(token, robot) => ask(token, FloorAction::Halt(robot.map(RobotId)).into()),
+            RequestRow::Release(token, robot) => ask(token, FloorAction::Release(robot.map(RobotId)).into()),
+            RequestRow::Prioritise(token, job, priority) => {
+                let change = JobChange { priority: Some(priority), ..JobChange::default() };
+                ask(token, JobAction::Change(JobId(job), change).into())
+            }
+            RequestRow::Reassign(token, job, robot) => {
+                ask(token, JobAction::Reassign(JobId(job), robot.map(RobotId)).into())
+            }
+            RequestRow::Change(token, job, change) => {
+                ask(token, JobAction::Change(JobId(job), change.into()).into())
+            }
+            RequestRow::Station(token, station, order) => {
+                ask(token, Request::Station(StationId(station), order.into()))
+            }
+            RequestRow::Hands(row) => Input::Hands(row.into()),
+            RequestRow::Arm(row) => Input::Arm(row.into()),
+            RequestRow::VisitEnds(station, at) => {
+                Input::VisitEnds { station: StationId(station), at: Time(at) }
+            }
+            RequestRow::Cancel(token, job) => ask(token, JobAction::Cancel(JobId(job)).into()),
+            RequestRow::RegisterWorker(token, name) => ask(token, WorkerAction::Register(name).into()),
+            RequestRow::ForgetWorker(token, worker) => {
+                ask(token, WorkerAction::Forget(WorkerId(worker)).into())
+            }
+            RequestRow::Clear(token, worker) => {
+                ask(token, WorkerAction::Clear { worker: WorkerId(worker), by: String::new() }.into())
+            }
+            RequestRow::ClearedBy(token, worker, by) => {
+                ask(token, WorkerAction::Clear { worker: WorkerId(worker), by }.into())
+            }
+            RequestRow::Narrow(row) => ask(row.token, row.action().into()),
+            RequestRow::SignedOff(token, worker) => {
+                ask(token, WorkerAction::SignOff(WorkerId(worker)).into())
+            }
+            RequestRow::Assign(row) => ask(row.token, row.action().into()),
+            RequestRow::Unassign(token, id) => ask(token, WorkerAction::Unassign(AssignmentId(id)).into()),
+            RequestRow::Finish(token, worker, assignment) => {
+                ask(token, WorkerAction::Finish(WorkerId(worker), AssignmentId(assignment)).into())
+            }
+            RequestRow::Close(row) => ask(row.token, FloorAction::Close(row.into()).into()),
+            RequestRow::Recur(token, line) => ask(token, FloorAction::Recur(line.into()).into()),
+            RequestRow::EndSeries(token, series) => {
+                ask(token, FloorAction::EndSeries(SeriesId(series)).into())
+            }
+            RequestRow::Evacuate(token) => ask(token, FloorAction::Evacuate.into()),
+            RequestRow::EndEvacuation(token) => ask(token, FloorAction::EndEvacuation.into()),
+            RequestRow::Reopen(token, closure) => ask(token, FloorAction::Reopen(ClosureId(closure)).into()),
+            RequestRow::Submit(line) => ask(line.token, JobAction::Submit(line.into()).into()),
+            RequestRow::SubmitBatch(token, lines) => {
+                let requests = lines.into_iter().map(JobRequest::from).collect();
+                ask(token, JobAction::SubmitBatch(requests).into())
+            }
+        }
+    }
+}
+
+/// A robot joins. The answer was given when this was recorded.
+fn joins(name: String, kind: String, node: u32) -> Input {
+    Input::ask(0, RobotAction::Register { name, kind, node: NodeId(node) })
+}
+
+fn asked_of_job(token: u64, action: &JobAction) -> RequestRow {
+    match action {
+        JobAction::Submit(request) => RequestRow::Submit(JobLine::new(token, request)),
+        JobAction::SubmitBatch(requests) => {
+            RequestRow::SubmitBatch(token, requests.iter().map(|request| JobLine::new(0, request)).collect())
+        }
+        JobAction::Cancel(job) => RequestRow::Cancel(token, job.0),
+        JobAction::Change(job, change) => RequestRow::Change(token, job.0, change.into()),
+        JobAction::Reassign(job, robot) => RequestRow::Reassign(token, job.0, robot.map(|r| r.0)),
+    }
+}
+
+fn asked_of_robot(token: u64, action: &RobotAction) -> RequestRow {
+    match action {
+        RobotAction::Register { name, kind, node } if kind == USUAL_KIND => {
+            RequestRow::Register(name.clone(), node.0)
+        }
+        RobotAction::Register { name, kind, node } => {
+            RequestRow::RegisterAs(name.clone(), node.0, kind.clone())
+        }
+        RobotAction::BeginMaintenance(robot) => RequestRow::Maintain(token, robot.0, true),
+        RobotAction::EndMaintenance(robot) => RequestRow::Maintain(token, robot.0, false),
+        RobotAction::Retire(robot) => RequestRow::Retire(token, robot.0),
+        RobotAction::TakeRack { rack, node } => RequestRow::TakeRack(token, rack.0, node.0),
+    }
+}
+
+fn asked_of_worker(token: u64, action: &WorkerAction) -> RequestRow {
+    match action {
+        WorkerAction::Register(name) => RequestRow::RegisterWorker(token, name.clone()),
+        WorkerAction::Forget(worker) => RequestRow::ForgetWorker(token, worker.0),
+        WorkerAction::Clear { worker, by } => RequestRow::ClearedBy(token, worker.0, by.clone()),
+        WorkerAction::Narrow { worker, by, at, within_mm } => RequestRow::Narrow(NarrowRow {
+            token,
+            worker: worker.0,
+            by: by.clone(),
+            at: (at.x_mm, at.y_mm),
+            within: *within_mm,
+        }),
+        WorkerAction::SignOff(worker) => RequestRow::SignedOff(token, worker.0),
+        WorkerAction::Assign { worker, request: r } => RequestRow::Assign(AssignRow {
+            token,
+            worker: worker.map(|w| w.0),
+            place: r.place.0,
+            stay: r.stay.0,
+            what: r.what.clone(),
+            key: r.key.as_ref().map(|key| key.text.clone()),
+            owner: r.key.as_ref().and_then(|key| key.owner).map(|owner| owner.0),
+        }),
+        WorkerAction::Unassign(assignment) => RequestRow::Unassign(token, assignment.0),
+        WorkerAction::Finish(worker, assignment) => RequestRow::Finish(token, worker.0, assignment.0),
+    }
+}
+
+fn asked_of_floor(token: u64, action: &FloorAction) -> RequestRow {
+    match action {
+        FloorAction::Close(area) => RequestRow::Close(CloseRow {
+            token,
+            outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+            nodes: area.nodes.iter().map(|n| n.0).collect(),
+            from: area.window.start().0,
+            until: area.window.end().0,
+            reason: area.reason.clone(),
+            binds: area.binds.word().to_owned(),
+        }),
+        FloorAction::Reopen(closure) => RequestRow::Reopen(token, closure.0),
+        FloorAction::Recur(closure) => RequestRow::Recur(token, closure.into()),
+        FloorAction::EndSeries(series) => RequestRow::EndSeries(token, series.0),
+        FloorAction::Evacuate => RequestRow::Evacuate(token),
+        FloorAction::EndEvacuation => RequestRow::EndEvacuation(token),
+        FloorAction::Halt(robot) => RequestRow::Halt(token, robot.map(|r| r.0)),
+        FloorAction::Release(robot) => RequestRow::Release(token, robot.map(|r| r.0)),
+    }
+}
+
+impl NarrowRow {
+    fn action(self) -> WorkerAction {
+        let (x_mm, y_mm) = self.at;
+        let (worker, at) = (WorkerId(self.worker), Spot { x_mm, y_mm });
+        WorkerAction::Narrow { worker, by: self.by, at, within_mm: self.within }
+    }
+}
+
+impl AssignRow {
+    fn action(self) -> WorkerAction {
+        let owner = self.owner.map(CustomerId);
+        let key = self.key.map(|text| ClientKey { owner, text });
+        let (place, stay) = (NodeId(self.place), Span(self.stay));
+        let request = AssignmentRequest { place, stay, what: self.what, key };
+        WorkerAction::Assign { worker: self.worker.map(WorkerId), request }
+    }
+}
+
+impl From<CloseRow> for Closure {
+    fn from(row: CloseRow) -> Closure {
+        Closure {
+            outline: row.outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect(),
+            nodes: row.nodes.into_iter().map(NodeId).collect(),
+            window: Window::new(Time(row.from), Time(row.until)),
+            reason: row.reason,
+            binds: Binds::of(&row.binds).unwrap_or_default(),
+            series: None,
+        }
+    }
+}
+
+impl From<&RecurringClosure> for RecurLine {
+    fn from(closure: &RecurringClosure) -> RecurLine {
+        let RecurringClosure { area, recurrence, .. } = closure;
+        RecurLine {
+            outline: area.outline.iter().map(|p| (p.x_mm, p.y_mm)).collect(),
+            nodes: area.nodes.iter().map(|n| n.0).collect(),
+            from: area.window.start().0,
+            until: area.window.end().0,
+            reason: area.reason.clone(),
+            binds: area.binds.word().to_owned(),
+            every: recurrence.every.0,
+            weekdays: recurrence.weekdays.0,
+            utc_offset: recurrence.clock.offset.0,
+            zone: recurrence.clock.zone.clone().map(|zone| {
+                (zone, recurrence.clock.changes.iter().map(|(from, offset)| (from.0, offset.0)).collect())
+            }),
+            last: recurrence.until.0,
+            next: closure.next.map(|t| t.0),
+        }
+    }
+}
+
+impl From<RecurLine> for RecurringClosure {
+    fn from(line: RecurLine) -> RecurringClosure {
+        let area = Closure {
+            outline: line.outline.into_iter().map(|(x_mm, y_mm)| Spot { x_mm, y_mm }).collect(),
+            nodes: line.nodes.into_iter().map(NodeId).collect(),
+            window: Window::new(Time(line.from), Time(line.until)),
+            reason: line.reason,
+            binds: Binds::of(&line.binds).unwrap_or_default(),
+            series: None,
+        };
+        let (zone, changes) = line.zone.map_or((None, Vec::new()), |(zone, changes)| (Some(zone), changes));
+        let changes = changes.into_iter().map(|(from, offset)| (Time(from), Span(offset))).collect();
+        let recurrence = Recurrence {
+            every: Span(line.every),
+            weekdays: Weekdays(line.weekdays),
+            clock: LocalClock { zone, offset: Span(line.utc_offset), changes },
+            until: Time(line.last),
+        };
+        let recurring = RecurringClosure::new(area, recurrence);
+        match line.next {
+            Some(next) => recurring.not_before(Time(next)),
+            None => recurring,
+        }
+    }
+}
+
+fn robots() -> String {
+    Binds::Robots.word().to_owned()
+}
+
+fn is_robots(binds: &String) -> bool {
+    binds == Binds::Robots.word()
+}
