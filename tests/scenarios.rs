@@ -242,6 +242,14 @@ fn five_jobs_that_waited_for_ten_minutes_say_why() {
 }
 
 #[test]
+fn a_rack_at_its_station_is_picked_from_again_within_the_four_minutes_that_are_stated() {
+    let mut setup = Setup::read("people-3");
+    setup.scenario.seed = 5195;
+    let end = setup.run();
+    assert_eq!((end.drained, end.law_violations), (Some(true), 0), "{:?}", end.broken);
+}
+
+#[test]
 fn jobs_of_every_kind_are_accepted_and_end_in_every_way() {
     let mut setup = Setup::read("all-jobs");
     setup.scenario.seed = 7;

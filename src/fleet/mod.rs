@@ -16,6 +16,7 @@ mod waits;
 mod yielding;
 
 pub use crate::aware::zone_answers::ZoneCounts;
+pub use dispatch::chains::{CHAIN_BEHIND_MS, chain_saves_ms};
 pub use people::forecast::{AHEAD_S, Expected};
 pub use people::foreseen::ForeseenPerson;
 pub use people::message::{MESSAGE, STANDOFF, replaces};

@@ -18,7 +18,7 @@ use std::cmp::Reverse;
 
 /// By so much may the jobs of robots behind it be more urgent, milliseconds: half of what a priority is worth, for
 /// they wait no longer than a rack is picked from.
-const BEHIND_MS: i64 = 240_000;
+pub const CHAIN_BEHIND_MS: i64 = 240_000;
 /// So many times as long as it takes to put a rack away does it cost in the end: it is put away, some robot drives
 /// there again, and brings it back.
 const WAYS: i64 = 3;
@@ -124,7 +124,7 @@ impl Floor<'_> {
         let place = &self.warehouse().stations[station];
         let is_there = self.ledger.node_of(robot) == place.node;
         let has_room = match is_there {
-            true => room.urgent_ms[station] <= urgency_ms.saturating_add(BEHIND_MS),
+            true => room.urgent_ms[station] <= urgency_ms.saturating_add(CHAIN_BEHIND_MS),
             false => room.bound[station] <= place.queue.len(),
         };
         has_room
@@ -140,6 +140,11 @@ impl Floor<'_> {
     pub(super) fn saves_ms(&self, chain: &ChainedJob) -> i64 {
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let way_m = along_axes(at(self.ledger.node_of(chain.robot)), at(chain.store));
-        WAYS * ((way_m / self.kinematics(chain.robot).speed_loaded_mps * 1000.0) as i64 + SETS_DOWN_MS)
+        chain_saves_ms(way_m, self.kinematics(chain.robot).speed_loaded_mps)
     }
+}
+
+/// What it saves not to put a rack away over so many metres, milliseconds of robots.
+pub fn chain_saves_ms(way_m: f64, speed_loaded_mps: f64) -> i64 {
+    WAYS * ((way_m / speed_loaded_mps * 1000.0) as i64 + SETS_DOWN_MS)
 }

@@ -5,7 +5,7 @@
 
 pub(in crate::fleet) mod assignment;
 pub(in crate::fleet) mod blocked;
-mod chains;
+pub(in crate::fleet) mod chains;
 pub(in crate::fleet) mod charging;
 pub(in crate::fleet) mod enough;
 pub(in crate::fleet) mod idle;

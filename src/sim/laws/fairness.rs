@@ -9,16 +9,14 @@
 
 use super::super::world::World;
 use super::violation::{PASSED_BY, Violation};
-use crate::fleet::{Fact, Fleet, Job, JobState, RackAt, RobotChoice, Task};
+use crate::fleet::{CHAIN_BEHIND_MS, Fact, Fleet, Job, JobState, RackAt, RobotChoice, Task, chain_saves_ms};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a rack that is under way to a station makes others there cost at most, milliseconds.
-const CONGESTION_MS: f64 = 8_000.0;
-/// Setting a rack down and lifting another one, and what a rack that stays saves, milliseconds.
-const HANDLES_MS: f64 = 10_000.0 + 60_000.0;
+const CONGESTION_MS: i64 = 8_000;
 
 /// Jobs that wait, and how many less urgent ones have begun since.
 #[derive(Debug)]
@@ -94,13 +92,14 @@ impl FairLaws {
         }
         let urgency = fleet.urgency_ms(job, now);
         let is_open = |s: StationId| !full.contains(&s) && !self.full.contains(&s);
-        let allowed_ms = self.ways_ms(fleet, begun) + if begun.goes_on { HANDLES_MS } else { 0.0 };
+        let ways_ms = self.ways_ms(fleet, begun);
         let mut first: BTreeMap<RackId, (i64, JobId)> = BTreeMap::new();
         for id in self.waiting.keys() {
             let Some(other) = ledger.jobs.get(id) else { continue };
             let ahead = fleet.urgency_ms(other, now) - urgency;
-            let is_ahead = ahead as f64 > allowed_ms;
-            if !is_ahead || !self.could_go_first((*id, other), (begun, job), is_open, now, fleet) {
+            let at_one = other.request.kind.station() == job.request.kind.station();
+            let allowed_ms = ways_ms + if begun.goes_on { self.chain_ms(fleet, begun, at_one) } else { 0 };
+            if ahead <= allowed_ms || !self.could_go_first((*id, other), (begun, job), is_open, now, fleet) {
                 continue;
             }
             let of_rack = other.request.kind.rack().unwrap_or(rack);
@@ -165,11 +164,18 @@ impl FairLaws {
     }
 
     /// By how much the ways of one robot to two racks can differ, at most, and what crowds at stations are worth.
-    fn ways_ms(&self, fleet: &Fleet, begun: &Begun) -> f64 {
+    fn ways_ms(&self, fleet: &Fleet, begun: &Begun) -> i64 {
         let moves = &fleet.settings().kind(&fleet.ledger().robots[begun.robot].kind).kinematics;
-        let away_s = if begun.goes_on { self.extent_m / moves.speed_loaded_mps } else { 0.0 };
         let places = fleet.warehouse().stations.iter().map(|s| s.queue.len() + 1).max().unwrap_or(1);
-        (self.extent_m / moves.speed_mps + away_s) * 1000.0 + CONGESTION_MS * places as f64
+        (self.extent_m / moves.speed_mps * 1000.0) as i64 + CONGESTION_MS * places as i64
+    }
+
+    /// By how much a job may be more urgent than one with which a robot goes on: by what a rack saves that is not put
+    /// away, at most; at the station at which it stands also by as much as robots behind it may have to wait.
+    fn chain_ms(&self, fleet: &Fleet, begun: &Begun, at_one_station: bool) -> i64 {
+        let moves = &fleet.settings().kind(&fleet.ledger().robots[begun.robot].kind).kinematics;
+        let saves_ms = chain_saves_ms(self.extent_m, moves.speed_loaded_mps);
+        if at_one_station { saves_ms.max(CHAIN_BEHIND_MS) } else { saves_ms }
     }
 }
 
