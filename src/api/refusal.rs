@@ -6,137 +6,135 @@ use super::cell::new_lines::{describe, field_of};
 use super::error::{FieldError, Problem};
 use super::text::{assignment_name, closure_name, job_name, series_name, worker_name};
 use crate::cell::LineRefusal;
-use crate::fleet::{Bounded, Refusal};
+use crate::fleet::{
+    AreaRefusal, Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal, WorkerRefusal,
+};
 use crate::id::{NodeId, RackId};
 use crate::warehouse::{NodeKind, Warehouse};
 
 /// A refusal as a problem.
 pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
-    let field = |field: &str, detail: String| Problem::invalid(vec![FieldError::new(field, detail)]);
-    let node = |n: NodeId| map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone());
     match why {
-        Refusal::CannotPick(..) | Refusal::LinesPerStation | Refusal::Line(_) => about_lines(why),
-        Refusal::UnknownJob(_)
-        | Refusal::JobIsOver(_)
-        | Refusal::JobHasBegun(_)
-        | Refusal::CannotBeTaken(_)
-        | Refusal::NamesItsRobot(_)
-        | Refusal::NotForRobot(_)
-        | Refusal::SameStationTwice
-        | Refusal::UnknownPredecessor(_)
-        | Refusal::DeadlineIsOver
-        | Refusal::HasNoStation(_)
-        | Refusal::HasNoRobot(_)
-        | Refusal::Priority(_) => about_jobs(why),
-        Refusal::UnknownPlace => {
-            Problem::invalid(vec![FieldError::new("kind", "no such rack, station, node or robot")])
-        }
-        Refusal::NotStorage(n) => {
-            field("node", format!("{} is not a storage node; racks go onto those only", node(n)))
-        }
-        Refusal::StorageTaken(n) => {
-            let detail = format!("{} has a rack, or is reserved for one: choose another node", node(n));
-            Problem::conflict("storage-taken", "The storage node is taken", detail)
-        }
+        Refusal::Job(why) => about_jobs(why),
+        Refusal::Pick(why) => about_picks(map, why),
+        Refusal::Rack(why) => about_racks(map, why),
+        Refusal::Robot(why) => about_robots(map, why),
+        Refusal::Worker(why) => about_people(map, why),
+        Refusal::Area(why) => about_areas(why),
+        Refusal::UnknownPlace => field("kind", "no such rack, station, node or robot"),
         Refusal::NoSuchPlace(kind) => {
             let place = if kind == NodeKind::Charger { "charger" } else { "parking place" };
             field("kind", format!("the map has no {place}: add one, or send the robot to a node with `go`"))
         }
-        Refusal::NothingToPick(station) => {
+        Refusal::TooMany(kind, n) => too_many(kind, n),
+    }
+}
+
+fn field(name: &str, detail: impl Into<String>) -> Problem {
+    Problem::invalid(vec![FieldError::new(name, detail.into())])
+}
+
+fn node_name(map: &Warehouse, n: NodeId) -> String {
+    map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone())
+}
+
+/// What is picked at stations.
+fn about_picks(map: &Warehouse, why: PickRefusal) -> Problem {
+    match why {
+        PickRefusal::NothingThere(station) => {
             let name = map.stations.get(station).map_or_else(|| format!("{station:?}"), |s| s.name.clone());
             let detail = format!("no rack stands at {name}: GET /v1/stations says what is on its way");
             Problem::conflict("nothing-to-pick", "There is nothing to pick from", detail)
         }
-        Refusal::TooMany(kind, n) => too_many(kind, n),
-        Refusal::TooManyBefore(most) => field("after", format!("a job can wait for at most {most} others")),
-        Refusal::TooManyCorners(most) => field("outline", format!("an area has at most {most} corners")),
-        Refusal::UnknownWorker(_)
-        | Refusal::NotLost(_)
-        | Refusal::WorkerBusy(_)
-        | Refusal::NoPlaceForPeople
-        | Refusal::UnknownAssignment(_) => about_people(why),
-        Refusal::UnknownSeries(_) | Refusal::Recurrence | Refusal::NoExits | Refusal::UnknownClosure(_) => {
-            about_closures(why)
-        }
-        Refusal::OutOfReach(n) => {
-            let detail = format!(
-                "nobody can walk to {}: choose a node on, or beside, a walkway of GET /v1/map",
-                node(n)
-            );
-            field("place", detail)
-        }
-        Refusal::UnknownKind => field("kind", NO_SUCH_KIND.into()),
-        Refusal::RobotIsGone(_) => robot_is_gone(),
-        Refusal::NoKindFor(rack) => field("kind", no_kind_for(map, rack)),
-        Refusal::NotForKind(n) => field("place", not_for_kind(&node(n))),
-        Refusal::PlaceTaken(n) => place_taken(&node(n)),
-        Refusal::RackIsStored(_) => rack_is_stored(),
-        Refusal::RobotCanDrive(_) => robot_can_drive(),
-        Refusal::EmptyArea => {
-            field("outline", "an area needs at least three corners, and `until` must be after `from`".into())
-        }
-    }
-}
-
-/// What is picked at stations.
-fn about_lines(why: Refusal) -> Problem {
-    match why {
-        Refusal::CannotPick(visit, line, problem) => {
+        PickRefusal::CannotPick(visit, line, problem) => {
             let field = if visit == 0 { "lines".to_owned() } else { format!("stops[{visit}].lines") };
             Problem::bad_lines(vec![FieldError::new(
                 field_of(&field, line, problem),
                 describe(problem, None),
             )])
         }
-        Refusal::LinesPerStation => {
+        PickRefusal::LinesPerStation => {
             let detail = "a job has lines for each of its stations, or for none";
             Problem::bad_lines(vec![FieldError::new("stops", detail)])
         }
-        Refusal::Line(LineRefusal::NoLine(0)) => {
+        PickRefusal::Line(LineRefusal::NoLine(0)) => {
             let detail =
                 "the job that is picked for has no lines: end the pick with POST /v1/stations/{id}/done";
             Problem::conflict("no-lines", "There are no lines", detail)
         }
-        Refusal::Line(LineRefusal::NoLine(n)) => {
+        PickRefusal::Line(LineRefusal::NoLine(n)) => {
             Problem::unknown("line", format!("the visit has {n} lines, counted from 1"))
         }
-        Refusal::Line(LineRefusal::NoPieces) => {
+        PickRefusal::Line(LineRefusal::NoPieces) => {
             Problem::invalid(vec![FieldError::new("done", "at least one piece")])
         }
-        Refusal::Line(LineRefusal::TooMany(left)) => {
+        PickRefusal::Line(LineRefusal::TooMany(left)) => {
             let detail = format!("only {left} pieces are left to pick: confirm as many at most");
             Problem::invalid(vec![FieldError::new("done", detail)])
         }
-        other => unreachable!("{other:?} is about no lines"),
     }
 }
 
 /// Workers, and what they are to do.
-fn about_people(why: Refusal) -> Problem {
+fn about_people(map: &Warehouse, why: WorkerRefusal) -> Problem {
     match why {
-        Refusal::UnknownWorker(worker) => {
+        WorkerRefusal::Unknown(worker) => {
             let name = worker_name(worker);
             Problem::unknown("worker", format!("{name} does not exist; GET /v1/workers lists all"))
         }
-        Refusal::WorkerBusy(worker) => {
+        WorkerRefusal::Busy(worker) => {
             let name = worker_name(worker);
             let detail = format!("{name} is on the floor, or has something to do: wait, or cancel it first");
             Problem::conflict("on-floor", "The person is on the floor", detail)
         }
-        Refusal::NotLost(worker) => {
+        WorkerRefusal::NotLost(worker) => {
             let detail = format!("{} is seen, or not on the floor: nobody has to look", worker_name(worker));
             Problem::conflict("worker-not-lost", "The worker is not lost", detail)
         }
-        Refusal::NoPlaceForPeople => {
+        WorkerRefusal::NoPlaceForPeople => {
             let detail =
                 "nobody can stand there, or `within_m` is not from 0.5 to 8: choose a place on a walkway";
             Problem::invalid(vec![FieldError::new("at", detail)])
         }
-        Refusal::UnknownAssignment(id) => {
+        WorkerRefusal::OutOfReach(n) => {
+            let node = node_name(map, n);
+            field(
+                "place",
+                format!("nobody can walk to {node}: choose a node on, or beside, a walkway of GET /v1/map"),
+            )
+        }
+        WorkerRefusal::UnknownAssignment(id) => {
             let detail = format!("{} is over already, or never existed", assignment_name(id));
             Problem::conflict("assignment-is-over", "The assignment is over", detail)
         }
-        other => unreachable!("{other:?} is about nobody"),
+    }
+}
+
+/// Robots that join, leave, or have a rack.
+fn about_robots(map: &Warehouse, why: RobotRefusal) -> Problem {
+    match why {
+        RobotRefusal::UnknownKind => field("kind", NO_SUCH_KIND),
+        RobotRefusal::IsGone(_) => robot_is_gone(),
+        RobotRefusal::NotForKind(n) => field("place", not_for_kind(&node_name(map, n))),
+        RobotRefusal::PlaceTaken(n) => place_taken(&node_name(map, n)),
+        RobotRefusal::CanDrive(_) => robot_can_drive(),
+    }
+}
+
+/// Where racks stand, and what can carry them.
+fn about_racks(map: &Warehouse, why: RackRefusal) -> Problem {
+    match why {
+        RackRefusal::NotStorage(n) => {
+            let node = node_name(map, n);
+            field("node", format!("{node} is not a storage node; racks go onto those only"))
+        }
+        RackRefusal::StorageTaken(n) => {
+            let node = node_name(map, n);
+            let detail = format!("{node} has a rack, or is reserved for one: choose another node");
+            Problem::conflict("storage-taken", "The storage node is taken", detail)
+        }
+        RackRefusal::NoKindFor(rack) => field("kind", no_kind_for(map, rack)),
+        RackRefusal::IsStored(_) => rack_is_stored(),
     }
 }
 
@@ -171,16 +169,15 @@ fn not_for_kind(node: &str) -> String {
 }
 
 /// What customers want of jobs.
-fn about_jobs(why: Refusal) -> Problem {
-    let field = |field: &str, detail: String| Problem::invalid(vec![FieldError::new(field, detail)]);
+fn about_jobs(why: JobRefusal) -> Problem {
     match why {
-        Refusal::UnknownJob(job) => Problem::unknown("job", format!("{} does not exist", job_name(job))),
-        Refusal::JobIsOver(job) => {
+        JobRefusal::Unknown(job) => Problem::unknown("job", format!("{} does not exist", job_name(job))),
+        JobRefusal::IsOver(job) => {
             let detail =
                 format!("{} is over already; GET /v1/jobs/{} says how", job_name(job), job_name(job));
             Problem::conflict("job-is-over", "The job is over", detail)
         }
-        Refusal::JobHasBegun(job) => {
+        JobRefusal::HasBegun(job) => {
             let detail = format!(
                 "a robot works on {} already, so it cannot be changed: cancel it and submit another one, or let it \
                  go on",
@@ -188,60 +185,63 @@ fn about_jobs(why: Refusal) -> Problem {
             );
             Problem::conflict("job-has-begun", "The job has begun", detail)
         }
-        Refusal::CannotBeTaken(job) => {
+        JobRefusal::CannotBeTaken(job) => {
             let detail = format!(
                 "the rack of {} is at its station, or on its way to where it is to stay: let it end, or cancel it",
                 job_name(job)
             );
             Problem::conflict("job-cannot-be-taken", "The job cannot be taken from its robot", detail)
         }
-        Refusal::NamesItsRobot(kind) => {
+        JobRefusal::NamesItsRobot(kind) => {
             let detail = format!(
                 "a {kind} job names its robot: change it with PATCH before it has begun, or cancel it"
             );
             Problem::conflict("job-names-its-robot", "The job names its robot", detail)
         }
-        Refusal::NotForRobot(_) => {
-            field("robot", "it cannot carry the rack, or may not drive to it or to where it is wanted".into())
+        JobRefusal::NotForRobot(_) => {
+            field("robot", "it cannot carry the rack, or may not drive to it or to where it is wanted")
         }
-        Refusal::SameStationTwice => field("stops", "two stops in a row are at the same station".into()),
-        Refusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
-        Refusal::DeadlineIsOver => {
-            field("deadline", "it is over already: give a time to come, or none".into())
-        }
-        Refusal::HasNoStation(kind) => field("station", format!("a {kind} job has no station")),
-        Refusal::HasNoRobot(kind) => {
+        JobRefusal::SameStationTwice => field("stops", "two stops in a row are at the same station"),
+        JobRefusal::UnknownPredecessor(job) => field("after", format!("{} does not exist", job_name(job))),
+        JobRefusal::DeadlineIsOver => field("deadline", "it is over already: give a time to come, or none"),
+        JobRefusal::HasNoStation(kind) => field("station", format!("a {kind} job has no station")),
+        JobRefusal::HasNoRobot(kind) => {
             field("robot", format!("a {kind} job names no robot: Giveway chooses the best one"))
         }
-        Refusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
-        other => unreachable!("{other:?} is about no job"),
+        JobRefusal::TooManyBefore(most) => {
+            field("after", format!("a job can wait for at most {most} others"))
+        }
+        JobRefusal::Priority(p) => field("priority", format!("{p} is not between 0 and 9")),
     }
 }
 
 /// What is closed, what recurs, and evacuations.
-fn about_closures(why: Refusal) -> Problem {
+fn about_areas(why: AreaRefusal) -> Problem {
     match why {
-        Refusal::UnknownSeries(id) => {
+        AreaRefusal::Empty => {
+            field("outline", "an area needs at least three corners, and `until` must be after `from`")
+        }
+        AreaRefusal::TooManyCorners(most) => field("outline", format!("an area has at most {most} corners")),
+        AreaRefusal::UnknownSeries(id) => {
             let detail = format!(
                 "no closure recurs as {}; GET /v1/closures/recurring lists what does",
                 series_name(id)
             );
             Problem::unknown("closure", detail)
         }
-        Refusal::Recurrence => {
+        AreaRefusal::Recurrence => {
             let detail =
                 "an occurrence must be over before the next begins, and that is in five minutes or later";
             Problem::invalid(vec![FieldError::new("recurs", detail)])
         }
-        Refusal::NoExits => {
+        AreaRefusal::NoExits => {
             let detail = "the map has no doors (exits) to which people could be led: add them to the map";
             Problem::conflict("no-exits", "There are no doors", detail)
         }
-        Refusal::UnknownClosure(id) => {
+        AreaRefusal::UnknownClosure(id) => {
             let detail = format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
             Problem::unknown("closure", detail)
         }
-        other => unreachable!("{other:?} is about no closure"),
     }
 }
 
@@ -294,8 +294,10 @@ mod tests {
             );
             assert!(problem.detail.starts_with(what), "{}", problem.detail);
         }
-        for (why, name) in [(Refusal::TooManyBefore(100), "after"), (Refusal::TooManyCorners(100), "outline")]
-        {
+        for (why, name) in [
+            (Refusal::Job(JobRefusal::TooManyBefore(100)), "after"),
+            (Refusal::Area(AreaRefusal::TooManyCorners(100)), "outline"),
+        ] {
             let problem = refused(&map, why);
             assert_eq!((problem.status, problem.errors[0].field.as_str()), (422, name));
             assert!(problem.detail.contains("100"), "{}", problem.detail);

@@ -51,7 +51,9 @@ pub use state::local_clock::LocalClock;
 pub use state::note::{EventDetails, FloorNote, ReplanCause};
 pub use state::passing::Passing;
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
-pub use state::refusal::{Bounded, Refusal};
+pub use state::refusal::{
+    AreaRefusal, Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal, WorkerRefusal,
+};
 pub use state::request::{
     Answer, Answered, Ask, Asker, FloorAction, JobAction, JobTaken, LineNoted, Made, Reply, Request,
     RobotAction, StationOrder, Token, WorkerAction,

@@ -17,7 +17,7 @@ use crate::api::refusal::refused;
 use crate::api::text::{closure_name, parse_closure, parse_series, series_name};
 use crate::api::words::{BindsDto, ClosureStateDto};
 use crate::aware::check_area;
-use crate::fleet::{Ask, Binds, Closure, Recurrence, RecurringClosure, Refusal};
+use crate::fleet::{AreaRefusal, Ask, Binds, Closure, Recurrence, RecurringClosure, Refusal};
 use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId, SeriesId};
 use crate::time::{Time, Window};
@@ -236,7 +236,8 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Clo
         ClosedId::Once(id) => id,
         ClosedId::Recurring(series) => {
             let found = moment.view.recurring.get(&series);
-            let found = found.ok_or_else(|| refused(&api.map, Refusal::UnknownSeries(series)))?;
+            let found =
+                found.ok_or_else(|| refused(&api.map, Refusal::Area(AreaRefusal::UnknownSeries(series))))?;
             return Ok(Json(ClosedDto::Recurring(recurring(names, series, found, (api.now)()))));
         }
     };

@@ -5,7 +5,7 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::recurring::RecurringClosure;
-use crate::fleet::state::refusal::{Bounded, Refusal};
+use crate::fleet::state::refusal::{AreaRefusal, Bounded, Refusal};
 use crate::fleet::state::request::{Answer, Answered};
 use crate::fleet::state::worker::Closure;
 use crate::id::{ClosureId, SeriesId};
@@ -16,10 +16,10 @@ impl Intake<'_> {
     /// Whether an area can be closed.
     fn check_area(&self, area: &Closure) -> Result<(), Refusal> {
         if area.outline.len() < 3 || area.window.start() >= area.window.end() {
-            return Err(Refusal::EmptyArea);
+            return Err(Refusal::Area(AreaRefusal::Empty));
         }
         if area.outline.len() > self.core.settings.corners_max {
-            return Err(Refusal::TooManyCorners(self.core.settings.corners_max));
+            return Err(Refusal::Area(AreaRefusal::TooManyCorners(self.core.settings.corners_max)));
         }
         if area.nodes.iter().any(|n| self.core.warehouse().nodes.get(*n).is_none()) {
             return Err(Refusal::UnknownPlace);
@@ -39,7 +39,7 @@ impl Intake<'_> {
 
     pub(super) fn reopen(&mut self, closure: ClosureId, now: Time) -> Answered {
         if !self.core.ledger.closures.contains_key(&closure) {
-            return Err(Refusal::UnknownClosure(closure));
+            return Err(Refusal::Area(AreaRefusal::UnknownClosure(closure)));
         }
         self.core.record(Fact::Reopened { closure, at: now });
         Ok(Answer::Done)
@@ -48,7 +48,7 @@ impl Intake<'_> {
     pub(super) fn recur(&mut self, closure: RecurringClosure) -> Answered {
         self.check_area(&closure.area)?;
         if !closure.can_be() {
-            return Err(Refusal::Recurrence);
+            return Err(Refusal::Area(AreaRefusal::Recurrence));
         }
         let ledger = &self.core.ledger;
         if ledger.recurring.len() >= self.core.settings.series_max {
@@ -63,7 +63,7 @@ impl Intake<'_> {
     /// A closure recurs no more; what is announced of it, or in force, ends.
     pub(super) fn end_series(&mut self, series: SeriesId, now: Time) -> Answered {
         if !self.core.ledger.recurring.contains_key(&series) {
-            return Err(Refusal::UnknownSeries(series));
+            return Err(Refusal::Area(AreaRefusal::UnknownSeries(series)));
         }
         let closures = self.core.ledger.closures.iter();
         let open = closures.filter(|(_, c)| c.series == Some(series) && now < c.window.end());
@@ -76,7 +76,7 @@ impl Intake<'_> {
     /// Everybody is to leave the building; said again, it changes nothing.
     pub(super) fn evacuate(&mut self, now: Time) -> Answered {
         if self.core.warehouse().nodes_where(|k| k == NodeKind::Exit).is_empty() {
-            return Err(Refusal::NoExits);
+            return Err(Refusal::Area(AreaRefusal::NoExits));
         }
         if self.core.ledger.evacuation.is_none() {
             self.core.record(Fact::Evacuated { at: now });

@@ -5,7 +5,7 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::job::{JobChange, JobKind, JobRequest, JobState};
-use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::refusal::{JobRefusal, Refusal};
 use crate::fleet::state::request::{Answer, Answered};
 use crate::id::JobId;
 use crate::time::Time;
@@ -14,11 +14,13 @@ impl Intake<'_> {
     /// Changes a waiting job, whole or not at all.
     pub(in crate::fleet) fn change(&mut self, job: JobId, change: JobChange, now: Time) -> Answered {
         if job.0 == 0 || job.0 >= self.core.ledger.next_job {
-            return Err(Refusal::UnknownJob(job));
+            return Err(Refusal::Job(JobRefusal::Unknown(job)));
         }
-        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let Some(record) = self.core.ledger.jobs.get(&job) else {
+            return Err(Refusal::Job(JobRefusal::IsOver(job)));
+        };
         if record.state != JobState::Waiting {
-            return Err(Refusal::JobHasBegun(job));
+            return Err(Refusal::Job(JobRefusal::HasBegun(job)));
         }
         let before = &record.request;
         let kind = changed_kind(before.kind, &change)?;
@@ -27,10 +29,10 @@ impl Intake<'_> {
         }
         let priority = change.priority.unwrap_or(before.priority);
         if priority > 9 {
-            return Err(Refusal::Priority(priority));
+            return Err(Refusal::Job(JobRefusal::Priority(priority)));
         }
         if change.deadline.flatten().is_some_and(|deadline| deadline < now) {
-            return Err(Refusal::DeadlineIsOver);
+            return Err(Refusal::Job(JobRefusal::DeadlineIsOver));
         }
         let deadline = change.deadline.unwrap_or(before.deadline);
         if (kind, deadline) != (before.kind, before.deadline) {
@@ -46,13 +48,13 @@ impl Intake<'_> {
 fn changed_kind(kind: JobKind, change: &JobChange) -> Result<JobKind, Refusal> {
     let JobChange { station, robot, .. } = *change;
     match kind {
-        JobKind::Deliver { .. } if robot.is_some() => Err(Refusal::HasNoRobot(kind.word())),
+        JobKind::Deliver { .. } if robot.is_some() => Err(Refusal::Job(JobRefusal::HasNoRobot(kind.word()))),
         JobKind::Deliver { rack, station: before, pick } => {
             Ok(JobKind::Deliver { rack, station: station.unwrap_or(before), pick })
         }
-        _ if station.is_some() => Err(Refusal::HasNoStation(kind.word())),
+        _ if station.is_some() => Err(Refusal::Job(JobRefusal::HasNoStation(kind.word()))),
         JobKind::Return { .. } | JobKind::Relocate { .. } if robot.is_some() => {
-            Err(Refusal::HasNoRobot(kind.word()))
+            Err(Refusal::Job(JobRefusal::HasNoRobot(kind.word())))
         }
         JobKind::Return { .. } | JobKind::Relocate { .. } => Ok(kind),
         JobKind::Charge { robot: before } => Ok(JobKind::Charge { robot: robot.unwrap_or(before) }),

@@ -9,7 +9,7 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::ledger::Service;
-use crate::fleet::state::refusal::{Bounded, Refusal};
+use crate::fleet::state::refusal::{Bounded, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered, Made};
 use crate::id::{Dense, NodeId, RobotId};
 use crate::time::{Time, Window};
@@ -31,7 +31,7 @@ impl Intake<'_> {
             return Err(Refusal::TooMany(Bounded::Robots, self.core.ledger.robots.len()));
         }
         if !self.core.settings.kinds.iter().any(|k| k.name == kind) {
-            return Err(Refusal::UnknownKind);
+            return Err(Refusal::Robot(RobotRefusal::UnknownKind));
         }
         if self.core.warehouse().nodes.get(node).is_none() {
             return Err(Refusal::UnknownPlace);
@@ -41,13 +41,13 @@ impl Intake<'_> {
         let (warehouse, ever) = (self.core.warehouse(), Window::new(Time(i64::MIN), Time::MAX));
         let body = warehouse.body_of(&kind);
         if !warehouse.may_be_at(body, node) {
-            return Err(Refusal::NotForKind(node));
+            return Err(Refusal::Robot(RobotRefusal::NotForKind(node)));
         }
         let line = warehouse.line(body, false, warehouse.node_resource(node));
         let mut others = self.core.ledger.timeline().holders_during(line, ever, Holder::Robot(robot));
         let in_the_way = || self.core.scene.all_displaced().any(|(_, d)| d.nodes.contains(&node));
         if others.next().is_some() || self.core.floor().is_promised(node, robot) || in_the_way() {
-            return Err(Refusal::PlaceTaken(node));
+            return Err(Refusal::Robot(RobotRefusal::PlaceTaken(node)));
         }
         drop(others);
         self.core.scene.forget(robot);
@@ -87,6 +87,6 @@ impl Intake<'_> {
 
     fn service_of(&self, robot: RobotId) -> Result<Service, Refusal> {
         let record = self.core.ledger.robots.get(robot).ok_or(Refusal::UnknownPlace)?;
-        if record.is_gone() { Err(Refusal::RobotIsGone(robot)) } else { Ok(record.service) }
+        if record.is_gone() { Err(Refusal::Robot(RobotRefusal::IsGone(robot))) } else { Ok(record.service) }
     }
 }

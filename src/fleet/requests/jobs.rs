@@ -8,7 +8,7 @@ use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
 use crate::fleet::state::ledger::RackAt;
-use crate::fleet::state::refusal::{Bounded, Refusal};
+use crate::fleet::state::refusal::{Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered, JobTaken, Made};
 use crate::id::{Dense, JobId, RackId, RobotId, StationId};
 use crate::time::Time;
@@ -22,16 +22,16 @@ impl Intake<'_> {
         }
         self.core.floor().check_request(&request)?;
         if request.priority > 9 {
-            return Err(Refusal::Priority(request.priority));
+            return Err(Refusal::Job(JobRefusal::Priority(request.priority)));
         }
         if request.deadline.is_some_and(|deadline| deadline < now) {
-            return Err(Refusal::DeadlineIsOver);
+            return Err(Refusal::Job(JobRefusal::DeadlineIsOver));
         }
         if request.after.len() > self.core.settings.after_max {
-            return Err(Refusal::TooManyBefore(self.core.settings.after_max));
+            return Err(Refusal::Job(JobRefusal::TooManyBefore(self.core.settings.after_max)));
         }
         if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.core.ledger.next_job) {
-            return Err(Refusal::UnknownPredecessor(*job));
+            return Err(Refusal::Job(JobRefusal::UnknownPredecessor(*job)));
         }
         if self.core.ledger.jobs.len() >= self.core.settings.waiting_max {
             return Err(Refusal::TooMany(Bounded::Jobs, self.core.ledger.jobs.len()));
@@ -44,9 +44,11 @@ impl Intake<'_> {
     /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
     pub(super) fn cancel(&mut self, job: JobId, now: Time) -> Answered {
         if job.0 == 0 || job.0 >= self.core.ledger.next_job {
-            return Err(Refusal::UnknownJob(job));
+            return Err(Refusal::Job(JobRefusal::Unknown(job)));
         }
-        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let Some(record) = self.core.ledger.jobs.get(&job) else {
+            return Err(Refusal::Job(JobRefusal::IsOver(job)));
+        };
         let tasked = record.state.robot().map(|robot| (robot, self.core.floor().task_without_job(robot)));
         self.core.progress(job, JobState::Cancelled, tasked, now);
         if let Some((robot, _)) = tasked {
@@ -68,7 +70,7 @@ impl Floor<'_> {
         if (!request.then.is_empty() && request.kind.station().is_none())
             || visits.windows(2).any(|pair| pair[0] == pair[1])
         {
-            return Err(Refusal::SameStationTwice);
+            return Err(Refusal::Job(JobRefusal::SameStationTwice));
         }
         self.check_places(&request.kind)?;
         self.check_lines(request, visits)?;
@@ -81,12 +83,12 @@ impl Floor<'_> {
             return Ok(());
         }
         if request.lines.len() != visits.len() {
-            return Err(Refusal::LinesPerStation);
+            return Err(Refusal::Pick(PickRefusal::LinesPerStation));
         }
         let Some(rack) = request.kind.rack() else { return Ok(()) };
         for (visit, (station, lines)) in visits.into_iter().zip(&request.lines).enumerate() {
             if let Some((line, problem)) = cell::problem(self.warehouse(), rack, station, lines) {
-                return Err(Refusal::CannotPick(visit, line, problem));
+                return Err(Refusal::Pick(PickRefusal::CannotPick(visit, line, problem)));
             }
         }
         Ok(())
@@ -98,7 +100,7 @@ impl Floor<'_> {
         let robot_known = |r: RobotId| r.ix() < self.ledger.robots.len();
         let gone = kind.robot().filter(|r| robot_known(*r) && self.ledger.robots[*r].is_gone());
         if let Some(robot) = gone {
-            return Err(Refusal::RobotIsGone(robot));
+            return Err(Refusal::Robot(RobotRefusal::IsGone(robot)));
         }
         let known = match *kind {
             JobKind::Deliver { rack, station, .. } => rack_known(rack) && station.ix() < w.stations.len(),
@@ -120,10 +122,10 @@ impl Floor<'_> {
         }
         if let JobKind::Relocate { rack, node } = *kind {
             if w.nodes[node].kind != NodeKind::Storage {
-                return Err(Refusal::NotStorage(node));
+                return Err(Refusal::Rack(RackRefusal::NotStorage(node)));
             }
             if self.storage_taken(node, rack) {
-                return Err(Refusal::StorageTaken(node));
+                return Err(Refusal::Rack(RackRefusal::StorageTaken(node)));
             }
         }
         Ok(())
@@ -136,7 +138,7 @@ impl Floor<'_> {
         if let JobKind::Go { robot, node } = *kind
             && !self.may_be_at(robot, node)
         {
-            return Err(Refusal::NotForKind(node));
+            return Err(Refusal::Robot(RobotRefusal::NotForKind(node)));
         }
         let Some(rack) = kind.rack() else { return Ok(()) };
         let node = match self.ledger.racks[rack] {
@@ -144,7 +146,7 @@ impl Floor<'_> {
             RackAt::On(robot) => self.ledger.node_of(robot),
         };
         let fits = w.bodies().ids().any(|body| request.is_for(w, body, (rack, node)));
-        if fits { Ok(()) } else { Err(Refusal::NoKindFor(rack)) }
+        if fits { Ok(()) } else { Err(Refusal::Rack(RackRefusal::NoKindFor(rack))) }
     }
 
     /// What a robot goes on with when its job is over before its task is: it brings its rack to storage, or goes to

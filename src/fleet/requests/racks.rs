@@ -8,7 +8,7 @@ use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Fact, Task};
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
-use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::refusal::{RackRefusal, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered};
 use crate::id::{Dense, NodeId, RackId, RobotId};
 use crate::time::{Time, Window};
@@ -45,18 +45,20 @@ impl Intake<'_> {
         if rack.ix() >= ledger.racks.len() || node.ix() >= self.core.warehouse().nodes.len() {
             return Err(Refusal::UnknownPlace);
         }
-        let RackAt::On(robot) = ledger.racks[rack] else { return Err(Refusal::RackIsStored(rack)) };
+        let RackAt::On(robot) = ledger.racks[rack] else {
+            return Err(Refusal::Rack(RackRefusal::IsStored(rack)));
+        };
         if !ledger.robots[robot].failed && self.core.scene.fit(robot, now).is_some() {
-            return Err(Refusal::RobotCanDrive(robot));
+            return Err(Refusal::Robot(RobotRefusal::CanDrive(robot)));
         }
         if self.core.warehouse().kind(node) != NodeKind::Storage {
-            return Err(Refusal::NotStorage(node));
+            return Err(Refusal::Rack(RackRefusal::NotStorage(node)));
         }
         let (own, ever) = (Holder::Robot(robot), Window::new(Time(i64::MIN), Time::MAX));
         let line = ledger.timeline().line(own, true, self.core.warehouse().node_resource(node));
         let is_held = ledger.timeline().holders_during(line, ever, own).next().is_some();
         if floor.storage_taken(node, rack) || is_held {
-            return Err(Refusal::StorageTaken(node));
+            return Err(Refusal::Rack(RackRefusal::StorageTaken(node)));
         }
         Ok(robot)
     }

@@ -9,7 +9,7 @@ use crate::fleet::state::fact::{Fact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{Job, JobState, RobotChoice};
 use crate::fleet::state::ledger::{RackAt, Service};
-use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::refusal::{JobRefusal, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered};
 use crate::id::{Dense, JobId, RackId, RobotId};
 use crate::time::{Span, Time};
@@ -25,12 +25,14 @@ impl Intake<'_> {
     /// Takes a job from its robot, and gives it to `chosen`, or to any other robot if none is named.
     pub(in crate::fleet) fn reassign(&mut self, job: JobId, chosen: Option<RobotId>, now: Time) -> Answered {
         if job.0 == 0 || job.0 >= self.core.ledger.next_job {
-            return Err(Refusal::UnknownJob(job));
+            return Err(Refusal::Job(JobRefusal::Unknown(job)));
         }
-        let Some(record) = self.core.ledger.jobs.get(&job) else { return Err(Refusal::JobIsOver(job)) };
+        let Some(record) = self.core.ledger.jobs.get(&job) else {
+            return Err(Refusal::Job(JobRefusal::IsOver(job)));
+        };
         let (state, has) = (record.state, record.state.robot());
         let Some(rack) = record.request.kind.rack() else {
-            return Err(Refusal::NamesItsRobot(record.request.kind.word()));
+            return Err(Refusal::Job(JobRefusal::NamesItsRobot(record.request.kind.word())));
         };
         if let Some(robot) = chosen {
             self.core.floor().check_choice(record, rack, robot)?;
@@ -42,7 +44,7 @@ impl Intake<'_> {
         if matches!(state, JobState::Picking { .. })
             || (matches!(state, JobState::Carrying { .. }) && !is_delivery)
         {
-            return Err(Refusal::CannotBeTaken(job));
+            return Err(Refusal::Job(JobRefusal::CannotBeTaken(job)));
         }
         if let Some(robot) = has {
             let task = self.core.floor().task_after_loss(robot);
@@ -74,7 +76,7 @@ impl Floor<'_> {
             return Err(Refusal::UnknownPlace);
         }
         if self.ledger.robots[robot].service != Service::Works {
-            return Err(Refusal::RobotIsGone(robot));
+            return Err(Refusal::Robot(RobotRefusal::IsGone(robot)));
         }
         let node = match self.ledger.racks[rack] {
             RackAt::Stored(node) => node,
@@ -83,7 +85,7 @@ impl Floor<'_> {
         if job.request.is_for(self.warehouse(), self.body(robot), (rack, node)) {
             Ok(())
         } else {
-            Err(Refusal::NotForRobot(robot))
+            Err(Refusal::Job(JobRefusal::NotForRobot(robot)))
         }
     }
 

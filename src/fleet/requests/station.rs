@@ -9,7 +9,7 @@ use crate::cell::{LineChange, LineOutcome, LineProgress, LineState};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::job::{JobFailure, JobState};
-use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::refusal::{PickRefusal, Refusal};
 use crate::fleet::state::request::{Answer, Answered, LineNoted, StationOrder};
 use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{Dense, RobotId, StationId};
@@ -35,7 +35,11 @@ impl Intake<'_> {
             StationOrder::Resume if paused => self.core.record(Fact::StationResumed { station, at: now }),
             StationOrder::Pause | StationOrder::Resume => {}
             StationOrder::Done | StationOrder::Short | StationOrder::Release => {
-                let robot = self.core.floor().picked_from(station).ok_or(Refusal::NothingToPick(station))?;
+                let robot = self
+                    .core
+                    .floor()
+                    .picked_from(station)
+                    .ok_or(Refusal::Pick(PickRefusal::NothingThere(station)))?;
                 self.vouch_for_arm(station, now);
                 self.core.visits.desk(station).forget_lost(now);
                 self.settle_lines(robot, order == StationOrder::Done, now);
@@ -50,7 +54,7 @@ impl Intake<'_> {
             }
             StationOrder::Last(change) => {
                 let noted = self.hear_of_last(station, (None, change), now);
-                return Ok(Answer::Line(noted.ok_or(Refusal::NothingToPick(station))??));
+                return Ok(Answer::Line(noted.ok_or(Refusal::Pick(PickRefusal::NothingThere(station)))??));
             }
         }
         Ok(Answer::Done)
@@ -69,10 +73,18 @@ impl Intake<'_> {
         } else if let Some(noted) = self.hear_of_last(station, (Some(line), change), now) {
             noted
         } else {
-            let (job, lines) = self.core.visits.ended(station, now).ok_or(Refusal::NothingToPick(station))?;
+            let (job, lines) = self
+                .core
+                .visits
+                .ended(station, now)
+                .ok_or(Refusal::Pick(PickRefusal::NothingThere(station)))?;
             let is_so =
                 |p: &LineProgress| p.state == LineState::Done && matches!(change, LineChange::Done(_));
-            let noted = lines.all().get(line).filter(|p| is_so(p)).ok_or(Refusal::NothingToPick(station))?;
+            let noted = lines
+                .all()
+                .get(line)
+                .filter(|p| is_so(p))
+                .ok_or(Refusal::Pick(PickRefusal::NothingThere(station)))?;
             let LineProgress { state, pieces, .. } = *noted;
             let outcome = LineOutcome::Already;
             return Ok(Answer::Line(LineNoted { job, line, outcome, state, pieces }));
@@ -119,7 +131,7 @@ impl Intake<'_> {
     ) -> Option<Result<LineNoted, Refusal>> {
         let left = self.core.ledger.unconfirmed.get(&station)?;
         let (job, line, mut lines) = (left.job, line.or(left.lines.lit())?, left.lines.clone());
-        Some(lines.change(line, change).map_err(Refusal::Line).map(|outcome| {
+        Some(lines.change(line, change).map_err(Refusal::from).map(|outcome| {
             if outcome == LineOutcome::Changed {
                 self.core.record(Fact::LineChanged { job, line, change, at: now });
             }

@@ -7,7 +7,7 @@ use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{Act, Fact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
-use crate::fleet::state::refusal::Refusal;
+use crate::fleet::state::refusal::{PickRefusal, Refusal};
 use crate::fleet::state::request::LineNoted;
 use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{JobId, RobotId, StationId};
@@ -40,10 +40,10 @@ impl Intake<'_> {
         now: Time,
     ) -> Result<LineNoted, Refusal> {
         let Some((job, lines)) = self.lines_under(robot) else {
-            return Err(Refusal::Line(LineRefusal::NoLine(0)));
+            return Err(Refusal::Pick(PickRefusal::Line(LineRefusal::NoLine(0))));
         };
         let mut lines = lines.clone();
-        let outcome = lines.change(line, change).map_err(Refusal::Line)?;
+        let outcome = lines.change(line, change)?;
         if outcome == LineOutcome::Changed {
             self.core.record(Fact::LineChanged { job, line, change, at: now });
         }

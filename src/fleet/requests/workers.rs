@@ -5,7 +5,7 @@
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::heard::WorkerInput;
-use crate::fleet::state::refusal::{Bounded, Refusal};
+use crate::fleet::state::refusal::{Bounded, Refusal, WorkerRefusal};
 use crate::fleet::state::request::{Answer, Answered, Made};
 use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, LastPlace};
 use crate::geometry::Spot;
@@ -38,11 +38,11 @@ impl Intake<'_> {
     pub(super) fn forget_worker(&mut self, worker: WorkerId, now: Time) -> Answered {
         let ledger = &self.core.ledger;
         if !ledger.knows(worker) {
-            return Err(Refusal::UnknownWorker(worker));
+            return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         let is_assigned = ledger.assignments.values().any(|a| a.worker == Some(worker));
         if is_assigned || ledger.on_floor.contains_key(&worker) {
-            return Err(Refusal::WorkerBusy(worker));
+            return Err(Refusal::Worker(WorkerRefusal::Busy(worker)));
         }
         self.heard.people.push(WorkerInput::Cleared(worker));
         self.core.record(Fact::WorkerRegistered { worker, name: String::new(), at: now });
@@ -59,7 +59,7 @@ impl Intake<'_> {
             return Ok(Answer::Assignment(Made { id: *id, new: false }));
         }
         if let Some(worker) = worker.filter(|w| !self.core.ledger.knows(*w)) {
-            return Err(Refusal::UnknownWorker(worker));
+            return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         self.check_walkable(request.place)?;
         if self.core.ledger.assignments.len() >= self.core.settings.assignments_max {
@@ -75,13 +75,13 @@ impl Intake<'_> {
         let Some(node) = self.core.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
         match self.walkways.on_floor(node.at) {
             Some(_) => Ok(()),
-            None => Err(Refusal::OutOfReach(place)),
+            None => Err(Refusal::Worker(WorkerRefusal::OutOfReach(place))),
         }
     }
 
     pub(super) fn take_back(&mut self, id: AssignmentId, now: Time) -> Answered {
         if !self.core.ledger.assignments.contains_key(&id) {
-            return Err(Refusal::UnknownAssignment(id));
+            return Err(Refusal::Worker(WorkerRefusal::UnknownAssignment(id)));
         }
         self.core.record(Fact::Advanced { assignment: id, state: AssignmentState::Cancelled, at: now });
         Ok(Answer::Done)
@@ -91,7 +91,7 @@ impl Intake<'_> {
     /// place.
     pub(super) fn finish(&mut self, worker: WorkerId, id: AssignmentId, now: Time) -> Answered {
         if self.core.ledger.assignments.get(&id).is_none_or(|a| a.worker != Some(worker)) {
-            return Err(Refusal::UnknownAssignment(id));
+            return Err(Refusal::Worker(WorkerRefusal::UnknownAssignment(id)));
         }
         self.core.record(Fact::Advanced { assignment: id, state: AssignmentState::Done, at: now });
         Ok(Answer::Done)
@@ -99,7 +99,7 @@ impl Intake<'_> {
 
     pub(super) fn clear_worker(&mut self, worker: WorkerId, by: String, now: Time) -> Answered {
         if !self.core.ledger.knows(worker) {
-            return Err(Refusal::UnknownWorker(worker));
+            return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         self.heard.people.push(WorkerInput::Cleared(worker));
         self.core.record(Fact::WorkerCleared { worker, by: Some(by), at: now });
@@ -108,7 +108,7 @@ impl Intake<'_> {
 
     pub(super) fn sign_off(&mut self, worker: WorkerId) -> Answered {
         if !self.core.ledger.knows(worker) {
-            return Err(Refusal::UnknownWorker(worker));
+            return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         self.heard.people.push(WorkerInput::SignedOff(worker));
         Ok(Answer::Done)
@@ -123,14 +123,14 @@ impl Intake<'_> {
         now: Time,
     ) -> Answered {
         if !self.core.ledger.knows(worker) {
-            return Err(Refusal::UnknownWorker(worker));
+            return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         if !self.lost.contains(&worker) {
-            return Err(Refusal::NotLost(worker));
+            return Err(Refusal::Worker(WorkerRefusal::NotLost(worker)));
         }
         let can_be = NARROWS_MM.contains(&within_mm) && self.walkways.on_floor(at.into()).is_some();
         if !can_be {
-            return Err(Refusal::NoPlaceForPeople);
+            return Err(Refusal::Worker(WorkerRefusal::NoPlaceForPeople));
         }
         let place = LastPlace { at, seen: now, within_mm: Some(within_mm) };
         self.heard.people.push(WorkerInput::Narrowed(worker, place));

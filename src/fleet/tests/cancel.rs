@@ -12,7 +12,7 @@ fn check(stage: &str, wait_s: i64, rack_moves: bool) {
     assert_eq!(floor.cancel(job), Ok(Answer::Done));
     assert_eq!(floor.state(job), None, "it is over at once");
     assert_eq!(floor.story(job).last(), Some(&"cancelled"));
-    assert_eq!(floor.cancel(job), Err(Refusal::JobIsOver(job)));
+    assert_eq!(floor.cancel(job), Err(Refusal::Job(JobRefusal::IsOver(job))));
     floor.until(300, "the robot has nothing to do", TestFloor::first_robot_is_idle);
     floor.assert_stored(3);
     let stores = |f: &Fact| {

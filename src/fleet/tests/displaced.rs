@@ -110,7 +110,7 @@ fn no_robot_joins_where_a_displaced_one_is_in_the_way() {
     let node = w.nodes.ids().min_by(|a, b| far(a).total_cmp(&far(b))).expect("a node is near");
     assert!(far(&node) < w.footprint_m, "a robot there would touch it");
     let said = Input::ask(7, RobotAction::Register { name: "late".into(), kind: "robot".into(), node });
-    let why = Refusal::PlaceTaken(node);
+    let why = Refusal::Robot(RobotRefusal::PlaceTaken(node));
     assert_eq!(floor.answer_to(7, vec![said]), Err(why));
 }
 

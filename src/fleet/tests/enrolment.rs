@@ -41,15 +41,21 @@ fn no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit() {
     let mut floor = TestFloor::lab(2);
     let taken = floor.fleet.ledger().node_of(R0);
     let why = Answered::err;
-    assert_eq!(why(floor.answer_to(7, vec![join("x", taken)])), Some(Refusal::PlaceTaken(taken)));
+    assert_eq!(
+        why(floor.answer_to(7, vec![join("x", taken)])),
+        Some(Refusal::Robot(RobotRefusal::PlaceTaken(taken)))
+    );
     let job = floor.submit(request(deliver(3)));
     floor.until(60, "a robot is on its way", |f| f.is(job, "assigned"));
     let robot = floor.state(job).and_then(|s| s.robot()).expect("it is assigned");
     let ahead = floor.fleet.ledger().chain(robot).last().expect("it goes somewhere").node;
-    assert_eq!(why(floor.answer_to(7, vec![join("x", ahead)])), Some(Refusal::PlaceTaken(ahead)));
+    assert_eq!(
+        why(floor.answer_to(7, vec![join("x", ahead)])),
+        Some(Refusal::Robot(RobotRefusal::PlaceTaken(ahead)))
+    );
     let forklift =
         Input::ask(7, RobotAction::Register { name: "x".into(), kind: "forklift".into(), node: taken });
-    assert_eq!(why(floor.answer_to(7, vec![forklift])), Some(Refusal::UnknownKind));
+    assert_eq!(why(floor.answer_to(7, vec![forklift])), Some(Refusal::Robot(RobotRefusal::UnknownKind)));
     floor.fleet.core.settings.robots_max = 2;
     let full = Some(Refusal::TooMany(Bounded::Robots, 2));
     assert_eq!(why(floor.answer_to(7, vec![join("x", taken)])), full);
@@ -65,7 +71,8 @@ fn no_robot_joins_where_a_late_one_still_stands() {
         |f: &TestFloor| f.fleet.ledger().chain(robot).granted() > f.fleet.ledger().chain(robot).first() + 1;
     floor.until(60, "it may drive", drives);
     let (node, mut now) = (floor.fleet.ledger().node_of(robot), floor.now);
-    let refused = |r: &Reply| matches!(&r.answer, Err(Refusal::PlaceTaken(n)) if *n == node);
+    let refused =
+        |r: &Reply| matches!(&r.answer, Err(Refusal::Robot(RobotRefusal::PlaceTaken(n))) if *n == node);
     // By the plan it was to be gone soon, and nothing is heard of it. Its windows slide, but not in every step.
     for _ in 0..600 {
         now += floor.fleet.settings().period;
@@ -158,7 +165,7 @@ fn a_robot_that_is_to_leave_finishes_its_job_and_is_gone_when_it_was_switched_of
     floor.until(300, "the other one works on", |f| f.state(other).is_none());
     floor.assert_done_once(&[other]);
     let refused = floor.ask(request(JobKind::Park { robot }));
-    assert_eq!(refused, Err(Refusal::RobotIsGone(robot)));
+    assert_eq!(refused, Err(Refusal::Robot(RobotRefusal::IsGone(robot))));
 }
 
 #[test]
@@ -173,7 +180,7 @@ fn the_place_of_a_robot_that_has_left_is_free_and_it_comes_back_elsewhere() {
     assert_eq!(floor.fleet.ledger().node_of(one), place);
     let name = floor.fleet.ledger().robots[R0].name.clone();
     let taken = floor.answer_to(7, vec![join(&name, place)]);
-    assert_eq!(taken, Err(Refusal::PlaceTaken(place)));
+    assert_eq!(taken, Err(Refusal::Robot(RobotRefusal::PlaceTaken(place))));
     let free = floor.free_storage();
     assert_eq!(floor.answer_to(7, vec![join(&name, free)]), Ok(Answer::Robot(Made { id: R0, new: true })));
     assert_eq!(floor.fleet.ledger().robots.len(), 2, "it is the same robot");

@@ -69,12 +69,12 @@ fn a_waiting_job_changes_its_priority_and_one_at_work_does_not() {
     };
     assert_eq!(floor.hand(set(third, 9)), Ok(Answer::Done));
     let refused = |why| Err(why);
-    assert_eq!(floor.hand(set(first, 9)), refused(Refusal::JobHasBegun(first)));
-    assert_eq!(floor.hand(set(third, 10)), refused(Refusal::Priority(10)));
-    assert_eq!(floor.hand(set(JobId(77), 1)), refused(Refusal::UnknownJob(JobId(77))));
+    assert_eq!(floor.hand(set(first, 9)), refused(Refusal::Job(JobRefusal::HasBegun(first))));
+    assert_eq!(floor.hand(set(third, 10)), refused(Refusal::Job(JobRefusal::Priority(10))));
+    assert_eq!(floor.hand(set(JobId(77), 1)), refused(Refusal::Job(JobRefusal::Unknown(JobId(77)))));
     floor.until_over(900);
     assert!(floor.when(third, "assigned") < floor.when(second, "assigned"), "it overtook");
-    assert_eq!(floor.hand(set(second, 1)), refused(Refusal::JobIsOver(second)));
+    assert_eq!(floor.hand(set(second, 1)), refused(Refusal::Job(JobRefusal::IsOver(second))));
 }
 
 #[test]
@@ -93,13 +93,13 @@ fn a_waiting_job_changes_its_station_its_deadline_and_its_robot_whole_or_not_at_
     let before = wanted(&floor, second);
 
     let past = JobChange { deadline: Some(Some(Time(1))), priority: Some(4), ..none };
-    assert_eq!(floor.hand(set(second, past)), refused(Refusal::DeadlineIsOver));
+    assert_eq!(floor.hand(set(second, past)), refused(Refusal::Job(JobRefusal::DeadlineIsOver)));
     let robot = JobChange { robot: Some(RobotId(1)), priority: Some(4), ..none };
-    assert_eq!(floor.hand(set(second, robot)), refused(Refusal::HasNoRobot("deliver")));
+    assert_eq!(floor.hand(set(second, robot)), refused(Refusal::Job(JobRefusal::HasNoRobot("deliver"))));
     let nowhere = JobChange { station: Some(StationId(99)), priority: Some(4), ..none };
     assert_eq!(floor.hand(set(second, nowhere)), refused(Refusal::UnknownPlace));
     let station = JobChange { station: Some(StationId(0)), ..none };
-    assert_eq!(floor.hand(set(third, station)), refused(Refusal::HasNoStation("park")));
+    assert_eq!(floor.hand(set(third, station)), refused(Refusal::Job(JobRefusal::HasNoStation("park"))));
     assert_eq!(wanted(&floor, second), before, "nothing of a refused change is done");
 
     let deadline = now + Span::from_secs(3600);
@@ -128,8 +128,12 @@ fn a_batch_is_taken_in_one_step_and_each_job_for_itself() {
     let step = floor.step(vec![Input::ask(5, JobAction::SubmitBatch(requests.clone()))]);
     let (first, second) = (JobId(1), JobId(2));
     let made = |id, new| Ok(Made { id, new });
-    let results =
-        vec![made(first, true), made(first, false), Err(Refusal::DeadlineIsOver), made(second, true)];
+    let results = vec![
+        made(first, true),
+        made(first, false),
+        Err(Refusal::Job(JobRefusal::DeadlineIsOver)),
+        made(second, true),
+    ];
     assert_eq!(step.replies, [Reply { token: 5.into(), answer: Ok(Answer::Jobs(results)) }]);
     // A key is answered with its job even when the deadline has passed since.
     let again = requests.into_iter().map(|r| JobRequest { deadline: Some(Time(1)), ..r }).take(1).collect();

@@ -172,7 +172,7 @@ fn a_button_decides_where_the_hand_was_not_seen_on_its_way_to_the_tote() {
         Ok(Answer::Line(LineNoted { outcome: LineOutcome::Changed, line: 0, pieces: 1, .. }))
     ));
     assert!(cell.floor.fleet.ledger().unconfirmed.is_empty());
-    let why = Refusal::NothingToPick(S1);
+    let why = Refusal::Pick(PickRefusal::NothingThere(S1));
     let refused = cell.say(StationOrder::Last(LineChange::Done(1)));
     assert_eq!(refused, Err(why), "there is nothing left to confirm");
 }

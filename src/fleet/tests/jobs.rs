@@ -228,13 +228,17 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
     }
     let street = floor.node("G3-3");
     let relocate = |node| request(JobKind::Relocate { rack, node });
-    check_refused(&mut floor, relocate(street), Refusal::NotStorage(street));
+    check_refused(&mut floor, relocate(street), Refusal::Rack(RackRefusal::NotStorage(street)));
     let RackAt::Stored(taken) = floor.rack(1) else { panic!("racks are at home at first") };
-    check_refused(&mut floor, relocate(taken), Refusal::StorageTaken(taken));
-    check_refused(&mut floor, JobRequest { priority: 10, ..request(deliver(0)) }, Refusal::Priority(10));
+    check_refused(&mut floor, relocate(taken), Refusal::Rack(RackRefusal::StorageTaken(taken)));
+    check_refused(
+        &mut floor,
+        JobRequest { priority: 10, ..request(deliver(0)) },
+        Refusal::Job(JobRefusal::Priority(10)),
+    );
     let after = |job| JobRequest { after: vec![job], ..request(deliver(0)) };
-    check_refused(&mut floor, after(JobId(9)), Refusal::UnknownPredecessor(JobId(9)));
-    assert_eq!(floor.cancel(JobId(1)), Err(Refusal::UnknownJob(JobId(1))));
+    check_refused(&mut floor, after(JobId(9)), Refusal::Job(JobRefusal::UnknownPredecessor(JobId(9))));
+    assert_eq!(floor.cancel(JobId(1)), Err(Refusal::Job(JobRefusal::Unknown(JobId(1)))));
 }
 
 #[test]

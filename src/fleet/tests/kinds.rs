@@ -156,7 +156,7 @@ fn a_job_that_no_robot_of_the_floor_can_do_says_so_and_one_that_no_kind_can_do_i
     let Err(why) = floor.ask(request(JobKind::Return { rack: shelf })) else {
         panic!("no kind carries shelves")
     };
-    assert_eq!(why, Refusal::NoKindFor(shelf));
+    assert_eq!(why, Refusal::Rack(RackRefusal::NoKindFor(shelf)));
 }
 
 #[test]

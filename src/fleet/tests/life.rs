@@ -51,7 +51,7 @@ fn two_racks_are_not_promised_to_one_place() {
     let node = floor.free_storage();
     let first = floor.submit(request(JobKind::Relocate { rack: RackId(40), node }));
     let again = floor.ask(request(JobKind::Relocate { rack: RackId(50), node }));
-    assert_eq!(again, Err(Refusal::StorageTaken(node)));
+    assert_eq!(again, Err(Refusal::Rack(RackRefusal::StorageTaken(node))));
     floor.until_over(900);
     assert_eq!(floor.story(first).last(), Some(&"done"));
     assert_eq!(floor.rack(40), RackAt::Stored(node));

@@ -41,7 +41,7 @@ fn one_job_too_many_is_refused_and_one_that_comes_after_too_many() {
         vec![submit(vec![]), submit(vec![JobId(1), JobId(1)]), submit(vec![]), submit(vec![])],
     );
     let full = Refusal::TooMany(Bounded::Jobs, 2);
-    assert_eq!(why, [None, Some(Refusal::TooManyBefore(1)), None, Some(full)]);
+    assert_eq!(why, [None, Some(Refusal::Job(JobRefusal::TooManyBefore(1))), None, Some(full)]);
 }
 
 #[test]
@@ -61,7 +61,7 @@ fn a_worker_who_is_forgotten_frees_a_place_and_numbers_are_given_again_only_when
     assert_eq!(refusals(&mut fleet, vec![hire("anna"), hire("ben"), forget(0), hire("carl")]), [None; 4]);
     assert_eq!(names(&fleet), ["", "ben", "carl"]);
     let why = refusals(&mut fleet, vec![forget(0), hire("dora"), hire("emil"), forget(1), hire("emil")]);
-    let unknown = Some(Refusal::UnknownWorker(crate::id::WorkerId(0)));
+    let unknown = Some(Refusal::Worker(WorkerRefusal::Unknown(crate::id::WorkerId(0))));
     let full = Some(Refusal::TooMany(Bounded::Workers, 3));
     assert_eq!(why, [unknown, None, full, None, None]);
     assert_eq!(names(&fleet), ["dora", "emil", "carl"]);
@@ -80,7 +80,7 @@ fn a_worker_who_has_something_to_do_or_is_on_the_floor_is_not_forgotten() {
     let forget = || Input::ask(1, WorkerAction::Forget(anna));
     let take_back = Input::ask(1, WorkerAction::Unassign(crate::id::AssignmentId(1)));
     let why = refusals(&mut fleet, vec![hire, assign, forget(), take_back, forget()]);
-    assert_eq!(why, [None, None, Some(Refusal::WorkerBusy(anna)), None, None]);
+    assert_eq!(why, [None, None, Some(Refusal::Worker(WorkerRefusal::Busy(anna))), None, None]);
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_
     let reopen = Input::ask(1, FloorAction::Reopen(crate::id::ClosureId(1)));
     let why = refusals(&mut fleet, vec![close(5), close(4), close(4), reopen, close(4)]);
     let full = Some(Refusal::TooMany(Bounded::Closures, 1));
-    assert_eq!(why, [Some(Refusal::TooManyCorners(4)), None, full, None, None]);
+    assert_eq!(why, [Some(Refusal::Area(AreaRefusal::TooManyCorners(4))), None, full, None, None]);
 }
 
 #[test]

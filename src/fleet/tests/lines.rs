@@ -63,7 +63,7 @@ fn a_visit_ends_with_its_last_line_and_the_rack_leaves_without_another_word() {
         f.fleet.ledger().present().all(|r| f.fleet.ledger().node_of(r) != node)
     });
     assert_eq!(floor.fleet.ledger().counts.robot_deliveries, 1);
-    let why = Refusal::NothingToPick(StationId(0));
+    let why = Refusal::Pick(PickRefusal::NothingThere(StationId(0)));
     assert_eq!(floor.line_said(1, LineChange::Undo), Err(why), "the rack is gone");
 }
 
@@ -83,7 +83,7 @@ fn what_was_confirmed_is_confirmed_once_and_what_cannot_be_is_refused() {
     let (mut floor, _) = TestFloor::at_cell(picked(&[&[line("C3", 1, "B"), line("A1", 2, "A")]]));
     floor.line_said(0, LineChange::Done(1)).unwrap();
     assert_eq!(floor.line_said(0, LineChange::Done(1)), Ok((LineOutcome::Already, LineState::Done, 1)));
-    let refused = |why| Err(Refusal::Line(why));
+    let refused = |why| Err(Refusal::Pick(PickRefusal::Line(why)));
     assert_eq!(floor.line_said(2, LineChange::Short), refused(LineRefusal::NoLine(2)));
     assert_eq!(floor.line_said(1, LineChange::Done(3)), refused(LineRefusal::TooMany(2)));
     assert_eq!(floor.line_said(1, LineChange::Done(0)), refused(LineRefusal::NoPieces));
@@ -93,7 +93,10 @@ fn what_was_confirmed_is_confirmed_once_and_what_cannot_be_is_refused() {
 #[test]
 fn a_visit_without_lines_has_none_to_speak_of() {
     let (mut floor, _) = TestFloor::at_cell(picked(&[]));
-    assert_eq!(floor.line_said(0, LineChange::Short), Err(Refusal::Line(LineRefusal::NoLine(0))));
+    assert_eq!(
+        floor.line_said(0, LineChange::Short),
+        Err(Refusal::Pick(PickRefusal::Line(LineRefusal::NoLine(0))))
+    );
 }
 
 #[test]
@@ -152,7 +155,7 @@ fn a_job_whose_lines_cannot_be_picked_is_not_taken_and_each_reason_is_named() {
         (&too_many, 200, LineProblem::TooMany),
     ];
     for (lines, n, problem) in cases {
-        let why = Refusal::CannotPick(0, n, problem);
+        let why = Refusal::Pick(PickRefusal::CannotPick(0, n, problem));
         assert_eq!(floor.ask(picked(&[lines])), Err(why));
     }
     let two = |lines: [Vec<OrderLine>; 2]| picked(&[&lines[0], &lines[1]]);
@@ -160,15 +163,15 @@ fn a_job_whose_lines_cannot_be_picked_is_not_taken_and_each_reason_is_named() {
         request.then[0].station = StationId(station);
         floor.ask(request)
     };
-    let why = Refusal::CannotPick(1, 0, LineProblem::NoArm);
+    let why = Refusal::Pick(PickRefusal::CannotPick(1, 0, LineProblem::NoArm));
     let refused = ask(&mut floor, two([vec![good.clone()], vec![by_arm(good.clone())]]), 3);
     assert_eq!(refused, Err(why));
     let with_arm = ask(&mut floor, two([vec![], vec![by_arm(good.clone())]]), 1);
     assert!(matches!(with_arm, Ok(Answer::Job(_))), "{with_arm:?}");
     let half = JobRequest { lines: vec![vec![good.clone()]], ..two([vec![], vec![]]) };
-    assert_eq!(floor.ask(half), Err(Refusal::LinesPerStation));
+    assert_eq!(floor.ask(half), Err(Refusal::Pick(PickRefusal::LinesPerStation)));
     let mut plain = TestFloor::lab(1);
-    let why = Refusal::CannotPick(0, 0, LineProblem::NoCell);
+    let why = Refusal::Pick(PickRefusal::CannotPick(0, 0, LineProblem::NoCell));
     assert_eq!(plain.ask(picked(&[&[good]])), Err(why));
 }
 

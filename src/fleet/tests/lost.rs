@@ -90,12 +90,16 @@ fn a_supervisor_narrows_where_a_lost_worker_may_be_until_she_is_seen_again() {
         Some(Err(why)) => Some(why),
         _ => None,
     };
-    assert_eq!(refused(&mut floor, narrow(1500)), Some(Refusal::NotLost(ana.worker)));
+    assert_eq!(refused(&mut floor, narrow(1500)), Some(Refusal::Worker(WorkerRefusal::NotLost(ana.worker))));
     floor.run(30);
     let area = |floor: &TestFloor| floor.fleet.view(floor.now).workers[ana.worker.ix()].area.len();
     let before = area(&floor);
     for wrong in [0, 100, 9000] {
-        assert_eq!(refused(&mut floor, narrow(wrong)), Some(Refusal::NoPlaceForPeople), "{wrong}");
+        assert_eq!(
+            refused(&mut floor, narrow(wrong)),
+            Some(Refusal::Worker(WorkerRefusal::NoPlaceForPeople)),
+            "{wrong}"
+        );
     }
     assert_eq!(refused(&mut floor, narrow(1500)), None);
     let after = area(&floor);

@@ -85,7 +85,7 @@ fn one_that_waits_is_made_once_cancelled_and_survives_a_restart() {
     assert_eq!(reply, Ok(Answer::Done));
     let nobody = Input::ask(5, WorkerAction::Finish(WorkerId(0), kept));
     let refused = floor.answer_to(5, vec![nobody]);
-    assert!(matches!(refused, Err(Refusal::UnknownAssignment(id)) if id == kept));
+    assert!(matches!(refused, Err(Refusal::Worker(WorkerRefusal::UnknownAssignment(id))) if id == kept));
     floor.restart(&scenario);
     floor.assert_fold();
     let parts = floor.fleet.ledger().to_parts();

@@ -116,12 +116,12 @@ fn people_may_take_a_rack_off_only_a_robot_that_cannot_drive_and_only_to_free_st
     let refused = |why| Err(why);
     let w = floor.fleet.warehouse().clone();
     let aisle = w.nodes_where(|k| k == NodeKind::Aisle)[0];
-    assert_eq!(floor.take_rack(rack, aisle), refused(Refusal::NotStorage(aisle)));
+    assert_eq!(floor.take_rack(rack, aisle), refused(Refusal::Rack(RackRefusal::NotStorage(aisle))));
     let taken = w.racks[RackId(3)].home;
-    assert_eq!(floor.take_rack(rack, taken), refused(Refusal::StorageTaken(taken)));
-    assert_eq!(floor.take_rack(RackId(3), free), refused(Refusal::RackIsStored(RackId(3))));
+    assert_eq!(floor.take_rack(rack, taken), refused(Refusal::Rack(RackRefusal::StorageTaken(taken))));
+    assert_eq!(floor.take_rack(RackId(3), free), refused(Refusal::Rack(RackRefusal::IsStored(RackId(3)))));
     assert_eq!(floor.take_rack(RackId(9999), free), refused(Refusal::UnknownPlace));
     floor.world.fail(robot, floor.now);
     floor.until(10, "it can drive again", |f| !f.fleet.ledger().robots[robot].failed);
-    assert_eq!(floor.take_rack(rack, free), refused(Refusal::RobotCanDrive(robot)));
+    assert_eq!(floor.take_rack(rack, free), refused(Refusal::Robot(RobotRefusal::CanDrive(robot))));
 }

@@ -131,15 +131,15 @@ fn what_cannot_be_taken_is_refused_with_the_reason() {
     let refused = |why| Err(why);
     let job = floor.submit(request(deliver(40)));
     floor.until(300, "somebody picks", |f| f.is(job, "picking"));
-    assert_eq!(floor.reassign(job, None), refused(Refusal::CannotBeTaken(job)));
+    assert_eq!(floor.reassign(job, None), refused(Refusal::Job(JobRefusal::CannotBeTaken(job))));
     let parks = floor.submit(request(JobKind::Park { robot: RobotId(0) }));
-    assert_eq!(floor.reassign(parks, None), refused(Refusal::NamesItsRobot("park")));
-    assert_eq!(floor.reassign(JobId(99), None), refused(Refusal::UnknownJob(JobId(99))));
+    assert_eq!(floor.reassign(parks, None), refused(Refusal::Job(JobRefusal::NamesItsRobot("park"))));
+    assert_eq!(floor.reassign(JobId(99), None), refused(Refusal::Job(JobRefusal::Unknown(JobId(99)))));
     let node = floor.free_storage();
     let put = floor.submit(request(JobKind::Relocate { rack: RackId(41), node }));
     floor.until(300, "it is carried", |f| f.is(put, "carrying"));
-    assert_eq!(floor.reassign(put, None), refused(Refusal::CannotBeTaken(put)));
+    assert_eq!(floor.reassign(put, None), refused(Refusal::Job(JobRefusal::CannotBeTaken(put))));
     assert_eq!(floor.reassign(put, Some(RobotId(9))), refused(Refusal::UnknownPlace));
     floor.until_over(600);
-    assert_eq!(floor.reassign(job, None), refused(Refusal::JobIsOver(job)));
+    assert_eq!(floor.reassign(job, None), refused(Refusal::Job(JobRefusal::IsOver(job))));
 }

@@ -97,7 +97,10 @@ fn one_occurrence_is_cancelled_or_all_of_them() {
     step(&mut floor, at(3 * HOUR), vec![]);
     assert_eq!((open(&floor, at(3 * HOUR)), floor.0.ledger().recurring.len()), (vec![], 0));
     let refused = step(&mut floor, at(3 * HOUR), vec![Input::ask(4, FloorAction::EndSeries(series))]);
-    assert_eq!(refused, [Reply { token: 4.into(), answer: Err(Refusal::UnknownSeries(series)) }]);
+    assert_eq!(
+        refused,
+        [Reply { token: 4.into(), answer: Err(Refusal::Area(AreaRefusal::UnknownSeries(series))) }]
+    );
 }
 
 #[test]
@@ -113,7 +116,7 @@ fn it_ends_after_its_last_occurrence_and_what_cannot_recur_is_refused() {
         ..hourly(Time::MAX)
     };
     let refused = step(&mut floor, at(3 * HOUR), vec![Input::ask(5, FloorAction::Recur(too_long))]);
-    assert_eq!(refused, [Reply { token: 5.into(), answer: Err(Refusal::Recurrence) }]);
+    assert_eq!(refused, [Reply { token: 5.into(), answer: Err(Refusal::Area(AreaRefusal::Recurrence)) }]);
 }
 
 #[test]

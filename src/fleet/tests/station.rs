@@ -73,7 +73,7 @@ fn the_next_robot_goes_on_when_a_long_pick_is_cancelled() {
 #[test]
 fn where_nothing_is_picked_no_pick_can_end() {
     let mut floor = TestFloor::lab(1);
-    let why = Refusal::NothingToPick(StationId(0));
+    let why = Refusal::Pick(PickRefusal::NothingThere(StationId(0)));
     for order in [StationOrder::Done, StationOrder::Short] {
         assert_eq!(floor.tell_station(order), Err(why));
     }

@@ -71,11 +71,11 @@ fn missing_goods_end_the_job_at_that_station() {
 fn a_station_twice_in_a_row_and_stations_of_other_jobs_are_refused() {
     let mut floor = TestFloor::thesis(1);
     let refused = |why| Err(why);
-    assert_eq!(floor.ask(to_stations(40, &[0, 0])), refused(Refusal::SameStationTwice));
+    assert_eq!(floor.ask(to_stations(40, &[0, 0])), refused(Refusal::Job(JobRefusal::SameStationTwice)));
     assert_eq!(floor.ask(to_stations(40, &[0, 99])), refused(Refusal::UnknownPlace));
     let then = vec![Visiting { station: StationId(0), pick: None }];
     let put = JobRequest { then, ..request(JobKind::Return { rack: RackId(1) }) };
-    assert_eq!(floor.ask(put), refused(Refusal::SameStationTwice));
+    assert_eq!(floor.ask(put), refused(Refusal::Job(JobRefusal::SameStationTwice)));
 }
 
 #[test]
