@@ -4,6 +4,7 @@ import { FileRecording, ServerRecording } from '../src/replay/recording';
 import { snap } from '../src/replay/spans';
 import type { Api } from '../src/wire/api';
 import { readReel } from '../src/replay/reel';
+import { Replay } from '../src/replay/replay.svelte';
 import { replayRoute } from '../src/replay/route';
 import { seek, type Shown } from '../src/replay/seek';
 import { subjectOf } from '../src/replay/subject';
@@ -52,6 +53,19 @@ describe('a bookmark', () => {
 });
 
 describe('a reel', () => {
+  test('who goes on to the next bookmark sees how it came about, and is never taken back', () => {
+    const replay = new Replay(new FileRecording(readReel(reelLines(40))), 0, null, () => {});
+    const mark = (at_s: number): Mark => ({ at_s, kind: 'replan', words: '', who: [], place: null });
+    const gone: number[] = [];
+    for (const at of [30, 32, 33, 20]) {
+      replay.goTo(mark(at));
+      gone.push(replay.t);
+    }
+    expect(gone).toEqual([25, 27, 28, 15]);
+    replay.seek(28);
+    replay.goTo(mark(30));
+    expect(replay.t).toBe(28);
+  });
   test('seeking to a moment and playing up to it come to the same', () => {
     const { frames } = readReel(reelLines(20));
     let played: Shown | null = null;

@@ -92,7 +92,9 @@ export class Replay {
   }
 
   goTo(mark: Mark): void {
-    this.seek(mark.at_s - LEAD_S);
+    const early = mark.at_s - LEAD_S;
+    // Bookmarks may be closer together than that: who goes on is not taken back.
+    this.seek(mark.at_s > this.at ? Math.max(early, this.t) : early);
     this.#aim = mark;
   }
 
