@@ -34,7 +34,7 @@ fn a_lane_is_free_as_soon_as_the_robot_stands_at_its_end() {
         leave: le,
         stay: Span::from_secs(stay),
     };
-    let (a, b) = (Holder::Robot(RobotId(0)), Holder::Robot(RobotId(1)));
+    let (a, b) = (RobotId(0), RobotId(1));
     tl.reserve(
         a,
         vec![
@@ -94,7 +94,7 @@ fn a_delay_keeps_free_what_a_node_and_the_lane_to_it_are_both_in_conflict_with()
         leave: Time(leave),
         stay: Span(stay),
     };
-    let robot = Holder::Robot(RobotId(0));
+    let robot = RobotId(0);
     let last = v(6, None, [25, 28, i64::MAX, i64::MAX], 0);
     let visits = vec![v(1, None, [0, 0, 6, 13], 0), v(2, Some(lane), [5, 8, 20, 30], 12), last];
     let mut timeline = Timeline::new(w, Span(1));

@@ -11,7 +11,6 @@ use crate::fleet::{Displacement, Fleet, JobWhy, JobsAhead, Settings, Why};
 use crate::geometry::Spot;
 use crate::id::{ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, StationId, WorkerId};
 use crate::time::Time;
-use crate::timeline::Holder;
 use crate::warehouse::{NodeKind, lab};
 use std::sync::Arc;
 
@@ -62,8 +61,7 @@ fn whys() -> Vec<Why> {
         Displacement::Load { carries: Some(RACK), expected: Some(RackId(1)) },
     ];
     let mut all = vec![
-        Why::WaitsFor(ResourceId(0), Holder::Robot(ROBOT)),
-        Why::WaitsFor(ResourceId(0), Holder::Worker(WorkerId(0))),
+        Why::WaitsFor(ResourceId(0), ROBOT),
         Why::GivesWay(WorkerId(0)),
         Why::Closed(ClosureId(1)),
         Why::QueueFull(STATION),

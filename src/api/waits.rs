@@ -9,7 +9,6 @@ use super::words::{WaitCauseDto as About, WaitedKindDto as By, WaiterKindDto};
 use crate::fleet::{Act, Because, JobWhy, Waiting, Who, Why};
 use crate::id::Dense;
 use crate::time::Time;
-use crate::timeline::Holder;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -156,8 +155,7 @@ impl Names<'_> {
 
     fn about(&self, why: Why) -> (About, Option<(String, By)>) {
         match why {
-            Why::WaitsFor(_, Holder::Robot(r)) => (About::Resource, Some((self.robot(r), By::Robot))),
-            Why::WaitsFor(_, Holder::Worker(w)) => (About::Resource, Some((worker_name(w), By::Worker))),
+            Why::WaitsFor(_, r) => (About::Resource, Some((self.robot(r), By::Robot))),
             Why::GivesWay(w) => (About::Person, Some((worker_name(w), By::Worker))),
             Why::Closed(c) => (About::Closure, Some((closure_name(c), By::Closure))),
             Why::QueueFull(s) => {

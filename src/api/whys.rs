@@ -8,7 +8,6 @@ use super::text::{closure_name, hand_words, job_name, worker_name};
 use crate::alarm::displacement_words;
 use crate::fleet::{JobFailure, JobWhy, JobsAhead, RobotView, Why};
 use crate::id::{Dense, RobotId};
-use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
 
 impl Names<'_> {
@@ -109,11 +108,8 @@ impl Names<'_> {
     /// Why a robot does not go on, in words.
     pub fn why(&self, why: Why) -> String {
         match why {
-            Why::WaitsFor(resource, Holder::Robot(r)) => {
+            Why::WaitsFor(resource, r) => {
                 format!("waiting for {}, held by {}", self.map.resource_name(resource), self.robot(r))
-            }
-            Why::WaitsFor(resource, Holder::Worker(w)) => {
-                format!("waiting for {}, held by worker {}", self.map.resource_name(resource), worker_name(w))
             }
             Why::GivesWay(w) => format!("giving way to worker {}", worker_name(w)),
             Why::Closed(c) => format!("the way leads into closed area {}", closure_name(c)),

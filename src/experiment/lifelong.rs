@@ -12,7 +12,7 @@ use super::grid::Grid;
 use crate::id::{NodeId, RobotId};
 use crate::route::{NO_PEOPLE, Planner, Route, RouteQuery, Rules, Stage};
 use crate::time::{Span, Time};
-use crate::timeline::{Holder, Timeline, Visit};
+use crate::timeline::{Timeline, Visit};
 use std::collections::BTreeSet;
 
 /// One step.
@@ -57,7 +57,7 @@ pub struct LifelongOutcome {
 }
 
 struct Agent {
-    holder: Holder,
+    holder: RobotId,
     home: NodeId,
     next_task: usize,
     /// When its route reaches the goal; nothing while none is planned.
@@ -129,7 +129,7 @@ pub fn run(grid: &Grid, setup: &LifelongSetup, mut progress: impl FnMut(usize)) 
 impl Run<'_> {
     fn place(&mut self) {
         for (i, &home) in self.setup.starts.iter().enumerate() {
-            let holder = Holder::Robot(RobotId(i as u32));
+            let holder = RobotId(i as u32);
             let start = Visit {
                 node: home,
                 lane: None,

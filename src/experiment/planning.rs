@@ -10,7 +10,7 @@ use crate::id::{BodyId, Dense, NodeId, RobotId, StationId};
 use crate::route::{Kinematics, NO_PEOPLE, NoRoute, Planner, Route, RouteQuery, Rules, Stage};
 use crate::sim::starting_places;
 use crate::time::{Span, Time};
-use crate::timeline::{Holder, Timeline, Visit};
+use crate::timeline::{Timeline, Visit};
 use crate::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -98,7 +98,7 @@ pub fn run(
     crowd.ready = crowd.starts.clone().iter().map(|_| Time(crowd.below(60_000_000) as i64)).collect();
     for (i, &node) in crowd.starts.iter().enumerate() {
         let stand = crate::fleet::state::ledger::stand(node, Time::ZERO);
-        let holder = Holder::Robot(RobotId::at(i));
+        let holder = RobotId::at(i);
         crowd
             .timeline
             .reserve(holder, vec![stand])
@@ -173,7 +173,7 @@ impl PlanningCrowd {
 
     fn free_storage(&mut self, robot: usize) -> NodeId {
         let places = self.planner.warehouse().nodes_where(|k| k == NodeKind::Storage);
-        let others = self.timeline.chains().filter(|(h, _)| *h != Holder::Robot(RobotId::at(robot)));
+        let others = self.timeline.chains().filter(|(h, _)| *h != RobotId::at(robot));
         let taken: BTreeSet<NodeId> = others.filter_map(|(_, chain)| chain.last()).map(|v| v.node).collect();
         loop {
             let goal = places[self.below(places.len())];
@@ -184,7 +184,7 @@ impl PlanningCrowd {
     }
 
     fn search(&mut self, robot: usize, stages: &[Stage]) -> Result<Route, NoRoute> {
-        let holder = Holder::Robot(RobotId::at(robot));
+        let holder = RobotId::at(robot);
         let first: Visit = self.timeline.chain(holder).and_then(|c| c.get(0)).expect("placed").clone();
         let ask = RouteQuery {
             from: &first,
@@ -214,7 +214,7 @@ impl PlanningCrowd {
     }
 
     fn commit(&mut self, robot: usize, route: Route) {
-        let holder = Holder::Robot(RobotId::at(robot));
+        let holder = RobotId::at(robot);
         let reserved = self.timeline.replace(holder, 0, route.kept, route.visits);
         reserved.expect("the search uses only free windows");
     }

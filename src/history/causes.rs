@@ -6,7 +6,6 @@
 use crate::fleet::{Activity, RobotView, View, Why};
 use crate::id::Dense;
 use crate::time::Span;
-use crate::timeline::Holder;
 
 /// Longer chains than this count as traffic; so do circles.
 const LONGEST_CHAIN: usize = 200;
@@ -117,7 +116,7 @@ fn cause(view: &View, from: &RobotView) -> WaitCause {
     let mut robot = from;
     for _ in 0..LONGEST_CHAIN {
         let next = match robot.why {
-            Some(Why::WaitsFor(_, Holder::Worker(_)) | Why::GivesWay(_) | Why::HandInOpening(_)) => {
+            Some(Why::GivesWay(_) | Why::HandInOpening(_)) => {
                 return WaitCause::Person;
             }
             Some(Why::Closed(_)) => return WaitCause::Closure,
@@ -125,7 +124,7 @@ fn cause(view: &View, from: &RobotView) -> WaitCause {
             Some(Why::NoRoute) => return WaitCause::NoRoute,
             Some(Why::BlockedBy(_)) => return WaitCause::RobotOut,
             Some(Why::Obstructed(_) | Why::WayObstructed(_)) => return WaitCause::Obstacle,
-            Some(Why::WaitsFor(_, Holder::Robot(next)) | Why::NotItsTurn(_, next)) => Some(next),
+            Some(Why::WaitsFor(_, next) | Why::NotItsTurn(_, next)) => Some(next),
             Some(Why::QueueFull(station)) => {
                 view.stations.get(station.ix()).and_then(|s| s.robot.or(s.queue.first().copied()))
             }

@@ -188,8 +188,7 @@ fn doing(activity: crate::fleet::Activity, why: Option<Why>) -> RobotView {
 fn a_robot_that_waits_for_a_robot_that_waits_waits_for_what_that_one_waits_for() {
     use crate::fleet::Activity::{Charging, Driving, Failed, Paused, Picking, Waiting};
     use crate::id::{ResourceId, RobotId, WorkerId};
-    use crate::timeline::Holder;
-    let on = |robot: usize| Some(Why::WaitsFor(ResourceId::at(0), Holder::Robot(RobotId::at(robot))));
+    let on = |robot: usize| Some(Why::WaitsFor(ResourceId::at(0), RobotId::at(robot)));
     let robots = vec![
         doing(Waiting, on(1)),
         doing(Waiting, on(2)),

@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::Point;
 use crate::id::{ArcId, ClosureId, Dense, LineId, RobotId};
 use crate::time::Window;
-use crate::timeline::{FreeWindow, Holder};
+use crate::timeline::FreeWindow;
 use crate::warehouse::{Body, Draft, DraftLane, DraftNode, Footprint, Users};
 use proptest::prelude::*;
 
@@ -55,7 +55,7 @@ fn strangers(warehouse: &Arc<Warehouse>, holds: &[(u32, i64, i64)], unit: i64) -
     let mut timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
     for (i, (node, from, length)) in holds.iter().enumerate() {
         let (from, to) = (Time(from * unit), Time((from + length) * unit));
-        let _ = timeline.reserve(Holder::Robot(RobotId(100 + i as u32)), vec![still(*node, from, to)]);
+        let _ = timeline.reserve(RobotId(100 + i as u32), vec![still(*node, from, to)]);
     }
     timeline
 }
@@ -174,7 +174,7 @@ fn brute(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, goal: u32, ste
 
 /// A route must fit between the holds of others, without touching the order of anything.
 fn assert_fits(timeline: &mut Timeline, route: &Route) {
-    let own = Holder::Robot(RobotId(0));
+    let own = RobotId(0);
     timeline.reserve(own, vec![start()]).expect("the start is free for ever or the search would have failed");
     timeline.replace(own, 0, route.kept.clone(), route.visits.clone()).expect("routes fit into windows");
     timeline.assert_sound();
@@ -279,7 +279,7 @@ fn two_pebbles_do_not_change_places() {
     let second = Time(1_000_000);
     // Another robot leaves node 1 for node 0 in the very step in which this one would go the other way.
     let other = vec![still(1, Time(0), second), still(0, second, Time::MAX)];
-    timeline.reserve(Holder::Robot(RobotId(7)), other).unwrap();
+    timeline.reserve(RobotId(7), other).unwrap();
     let mut planner = Planner::new(warehouse, PEBBLE);
     let (from, stages) = (start(), [to(1)]);
     assert_eq!(planner.plan(&ask(&from, &stages), &timeline), Err(NoRoute::Blocked));
@@ -290,7 +290,7 @@ fn nobody_plans_through_a_robot_that_stays_for_ever() {
     let warehouse = grid(3, 1);
     let timeline = {
         let mut t = Timeline::new(warehouse.clone(), Span::ZERO);
-        t.reserve(Holder::Robot(RobotId(7)), vec![still(1, Time(0), Time::MAX)]).unwrap();
+        t.reserve(RobotId(7), vec![still(1, Time(0), Time::MAX)]).unwrap();
         t
     };
     let mut planner = Planner::new(warehouse, drive());
@@ -521,7 +521,7 @@ fn a_rack_is_not_lifted_while_a_robot_stands_too_near_for_one_with_a_rack() {
     // Another robot with a rack is on the next node until 20 s.
     let mut timeline = strangers(&warehouse, &[], 500_000);
     let other = Visit { loaded: true, ..still(3, Time(0), Time(20_000_000)) };
-    timeline.reserve(Holder::Robot(RobotId(7)), vec![other]).expect("the floor is empty");
+    timeline.reserve(RobotId(7), vec![other]).expect("the floor is empty");
     let mut planner = Planner::new(warehouse, drive());
     let from = start();
     let passes = planner.plan(&ask(&from, &[to(2)]), &timeline).unwrap();
@@ -556,7 +556,7 @@ fn a_plan_fails_on_the_conflicting_layer_of_a_place_that_is_physically_free() {
     assert_eq!(conflicts, [resource(b), resource(d), resource(e)]);
 
     let mut timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
-    let red = Holder::Robot(RobotId(1));
+    let red = RobotId(1);
     timeline.reserve(red, vec![still(e, Time(0), Time::MAX)]).expect("the floor is empty");
     let layers = |n: u32| {
         let held = timeline.holds(resource(n), Window::new(Time(0), Time(1_000_000)));

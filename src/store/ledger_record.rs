@@ -19,7 +19,7 @@ use crate::fleet::{
 };
 use crate::id::{AssignmentId, ClosureId, CustomerId, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId};
 use crate::time::{Span, Time};
-use crate::timeline::{ChainParts, Holder, Visit};
+use crate::timeline::{ChainParts, Visit};
 use crate::warehouse::Warehouse;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -371,16 +371,15 @@ impl From<RackPlaceRecord> for RackAt {
 
 impl From<&ChainParts> for ChainRecord {
     fn from(c: &ChainParts) -> ChainRecord {
-        let Holder::Robot(robot) = c.holder else { unreachable!("workers hold nothing in the timelines") };
         let visits = c.visits.iter().map(VisitRecord::from).collect();
-        ChainRecord(robot.0, c.first, c.granted, visits, c.absent)
+        ChainRecord(c.holder.0, c.first, c.granted, visits, c.absent)
     }
 }
 
 impl From<ChainRecord> for ChainParts {
     fn from(ChainRecord(robot, first, granted, visits, absent): ChainRecord) -> ChainParts {
         let visits = visits.into_iter().map(Visit::from).collect();
-        ChainParts { holder: Holder::Robot(RobotId(robot)), first, granted, visits, absent }
+        ChainParts { holder: RobotId(robot), first, granted, visits, absent }
     }
 }
 

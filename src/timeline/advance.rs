@@ -4,7 +4,8 @@
 //! moves, and `slide` moves it. Refuses: to change any order, and to move other holders; each of those advances by
 //! itself, once its turn has come.
 
-use super::{Holder, Shift, Timeline, Visit};
+use super::{Shift, Timeline, Visit};
+use crate::id::RobotId;
 use crate::time::{Span, Time};
 
 impl Timeline {
@@ -13,7 +14,7 @@ impl Timeline {
     /// it. Nothing is changed; empty where nothing can be earlier.
     ///
     /// Time: each visit that moves once, and for each of them the entries before it on its resources.
-    pub fn advance(&self, holder: Holder, depart: Time) -> Vec<Shift> {
+    pub fn advance(&self, holder: RobotId, depart: Time) -> Vec<Shift> {
         let Some(chain) = self.chains.get(&holder) else { return Vec::new() };
         let last = chain.granted - 1;
         let here = chain.get(last).expect("what is granted is held");
@@ -39,7 +40,7 @@ impl Timeline {
     }
 
     /// How much earlier a visit may begin before it meets what another holder holds there before it.
-    fn room_before(&self, holder: Holder, serial: u64, visit: &Visit) -> Span {
+    fn room_before(&self, holder: RobotId, serial: u64, visit: &Visit) -> Span {
         let lines = super::claims(self.context(&self.warehouse, holder), visit).map(|(line, _)| line);
         let before = lines.flat_map(|l| self.lines[l].before(holder, serial));
         let ends = before.filter(|h| h.holder != holder).map(|h| h.end);

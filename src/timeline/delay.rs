@@ -4,8 +4,8 @@
 //! every resource stays as it was promised; only the windows slide (carp.md, "Delays"; ter Mors; Maza and
 //! Castagna). Refuses: to change any order.
 
-use super::{Holder, Layer, Timeline, Visit};
-use crate::id::LineId;
+use super::{Layer, Timeline, Visit};
+use crate::id::{LineId, RobotId};
 use crate::time::{Span, Time};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
@@ -39,10 +39,10 @@ impl Shift {
 }
 
 /// Holders with those of their visits that move.
-pub type Slip = Vec<(Holder, Vec<Shift>)>;
+pub type Slip = Vec<(RobotId, Vec<Shift>)>;
 
 /// Later departures that are still to be looked at, the earliest first.
-type Due = BinaryHeap<Reverse<(Time, Holder, u64)>>;
+type Due = BinaryHeap<Reverse<(Time, RobotId, u64)>>;
 
 impl Timeline {
     /// What moves if the holder cannot leave the visit `serial` before `depart`: that departure, the holder's later
@@ -51,7 +51,7 @@ impl Timeline {
     ///
     /// Time: each moved visit once or a few times, in order of its new departure, and for each of them the
     /// entries behind it on its resources.
-    pub fn delay(&self, holder: Holder, serial: u64, depart: Time) -> Slip {
+    pub fn delay(&self, holder: RobotId, serial: u64, depart: Time) -> Slip {
         let mut draft = DelayDraft { timeline: self, moved: BTreeMap::new() };
         let mut due = BinaryHeap::from([Reverse((depart, holder, serial))]);
         while let Some(Reverse((depart, h, s))) = due.pop() {
@@ -67,7 +67,7 @@ impl Timeline {
     /// # Panics
     /// If the order of holders on a resource would change, two holders would overlap, or a holder would leave a place
     /// before it is elsewhere: the code that worked this out, or the record of it, is broken.
-    pub fn slide(&mut self, slip: &[(Holder, &[Shift])]) {
+    pub fn slide(&mut self, slip: &[(RobotId, &[Shift])]) {
         let mut touched: BTreeSet<LineId> = BTreeSet::new();
         for (holder, shifts) in slip {
             for shift in *shifts {
@@ -91,14 +91,14 @@ impl Timeline {
     }
 
     /// Asserts that a visit overlaps with none of another holder.
-    fn assert_alone(&self, holder: Holder, serial: u64) {
+    fn assert_alone(&self, holder: RobotId, serial: u64) {
         let visit = self.chains[&holder].get(serial).expect("it moved, so it is there");
         let clash = self.check(holder, std::slice::from_ref(visit));
         assert_eq!(clash, Ok(()), "{holder:?} cannot be late where another is");
     }
 
     /// Brings the entries of a visit up to date without changing their place in any order.
-    fn rewrite(&mut self, h: Holder, s: u64, touched: &mut BTreeSet<LineId>) {
+    fn rewrite(&mut self, h: RobotId, s: u64, touched: &mut BTreeSet<LineId>) {
         let warehouse = self.warehouse.clone();
         let visit = self.chains[&h].get(s).expect("it moved, so it is there");
         let mut first: &[LineId] = &[];
@@ -116,9 +116,9 @@ impl Timeline {
 
     /// [`Timeline::delay`] and [`Timeline::slide`].
     #[cfg(test)]
-    pub fn postpone(&mut self, holder: Holder, serial: u64, depart: Time) -> Slip {
+    pub fn postpone(&mut self, holder: RobotId, serial: u64, depart: Time) -> Slip {
         let slip = self.delay(holder, serial, depart);
-        let told: Vec<(Holder, &[Shift])> = slip.iter().map(|(h, shifts)| (*h, shifts.as_slice())).collect();
+        let told: Vec<(RobotId, &[Shift])> = slip.iter().map(|(h, shifts)| (*h, shifts.as_slice())).collect();
         self.slide(&told);
         slip
     }
@@ -127,12 +127,12 @@ impl Timeline {
 /// A timeline with visits that are to move.
 struct DelayDraft<'a> {
     timeline: &'a Timeline,
-    moved: BTreeMap<(Holder, u64), Visit>,
+    moved: BTreeMap<(RobotId, u64), Visit>,
 }
 
 impl DelayDraft<'_> {
     /// A visit as it will be.
-    fn visit(&self, h: Holder, s: u64) -> Option<&Visit> {
+    fn visit(&self, h: RobotId, s: u64) -> Option<&Visit> {
         self.moved.get(&(h, s)).or_else(|| self.timeline.chains.get(&h)?.get(s))
     }
 
@@ -142,7 +142,7 @@ impl DelayDraft<'_> {
     /// Each visit begins no earlier than the one before it. If both slide as they were planned, that stays true. But
     /// granting can let several begin at one moment. If they are revoked then, slack lets a later one slide by less
     /// than the one before it, so its beginning is moved up to that of the one before.
-    fn slide_chain(&mut self, h: Holder, s: u64, mut depart: Time) -> Range<u64> {
+    fn slide_chain(&mut self, h: RobotId, s: u64, mut depart: Time) -> Range<u64> {
         let chain = self.timeline.chains.get(&h).expect("only holders are late");
         let mut end = s;
         for serial in s.max(chain.first)..chain.end() {
@@ -182,7 +182,7 @@ impl DelayDraft<'_> {
     }
 
     /// Demands later departures of all holders that come after this visit and would come too early now.
-    fn push_followers(&self, h: Holder, s: u64, due: &mut Due) {
+    fn push_followers(&self, h: RobotId, s: u64, due: &mut Due) {
         let Some(visit) = self.visit(h, s) else { return };
         let warehouse = &self.timeline.warehouse;
         for (line, window) in super::entries::claims(self.timeline.context(warehouse, h), visit) {
@@ -199,7 +199,7 @@ impl DelayDraft<'_> {
     }
 
     /// `other` may enter its visit `serial` no earlier than `at`, so it must leave the one before later.
-    fn demand(&self, other: Holder, serial: u64, at: Time, due: &mut Due) {
+    fn demand(&self, other: RobotId, serial: u64, at: Time, due: &mut Due) {
         let chain = &self.timeline.chains[&other];
         let visit = self.visit(other, serial).expect("every hold belongs to a visit");
         let late: Span = at - visit.enter;

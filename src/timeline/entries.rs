@@ -4,14 +4,14 @@
 //! free.
 
 use super::line::{Hold, Layer, Line};
-use super::{Holder, Timeline, Visit};
-use crate::id::{BodyId, IdVec, LineId};
+use super::{Timeline, Visit};
+use crate::id::{BodyId, IdVec, LineId, RobotId};
 use crate::time::{Span, Window};
 use crate::warehouse::{NodeKind, Warehouse};
 
 impl Timeline {
     /// What writing and erasing the visits of a holder takes.
-    pub(super) fn context<'a>(&self, warehouse: &'a Warehouse, holder: Holder) -> Context<'a> {
+    pub(super) fn context<'a>(&self, warehouse: &'a Warehouse, holder: RobotId) -> Context<'a> {
         debug_assert!(
             self.chain(holder).is_none_or(|c| !c.absent || c.visits.len() == 1),
             "{holder:?} has left the floor and plans nothing"
@@ -23,7 +23,7 @@ impl Timeline {
     pub(super) fn write(
         lines: &mut IdVec<LineId, Line>,
         context: Context<'_>,
-        holder: Holder,
+        holder: RobotId,
         serial: u64,
         visit: &Visit,
     ) {
@@ -42,7 +42,7 @@ impl Timeline {
     pub(super) fn erase(
         lines: &mut IdVec<LineId, Line>,
         context: Context<'_>,
-        holder: Holder,
+        holder: RobotId,
         serial: u64,
         visit: &Visit,
     ) {

@@ -2,16 +2,16 @@
 //!
 //! Main type: [`Held`]. Refuses: to change anything.
 
+use super::Timeline;
 use super::line::{Hold, Layer};
-use super::{Holder, Timeline};
-use crate::id::{LineId, ResourceId};
+use crate::id::{LineId, ResourceId, RobotId};
 use crate::time::Window;
 
 /// One hold on a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Held {
     /// The holder.
-    pub holder: Holder,
+    pub holder: RobotId,
     /// When.
     pub window: Window,
     /// Whether it is held itself, or only something in conflict with it.
@@ -34,13 +34,13 @@ impl Timeline {
     }
 
     /// All holds of others on a timeline, in their order, also those whose time is over.
-    pub fn held_by_others(&self, line: LineId, own: Holder) -> impl Iterator<Item = Held> {
+    pub fn held_by_others(&self, line: LineId, own: RobotId) -> impl Iterator<Item = Held> {
         self.lines[line].all().filter(move |h| h.holder != own).map(|h| self.held(h))
     }
 
     /// The holds that come before the visit `serial` of `holder`, in order, on the resource that
     /// [`Timeline::waits_for`] names. Nothing if it waits for no other holder.
-    pub fn before(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Vec<Held>)> {
+    pub fn before(&self, holder: RobotId, serial: u64) -> Option<(ResourceId, Vec<Held>)> {
         let (resource, _) = self.waits_for(holder, serial)?;
         let loaded = self.chains.get(&holder)?.get(serial)?.loaded;
         let line = self.line(holder, loaded, resource);

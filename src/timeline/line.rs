@@ -3,7 +3,7 @@
 //! Main types: [`Hold`], [`Line`], [`FreeWindow`]. Refuses: overlapping holds of different holders on the physical
 //! layer (asserted); conflict holds may overlap one another.
 
-use super::Holder;
+use crate::id::RobotId;
 use crate::time::{Time, Window};
 
 /// Why a resource is not free.
@@ -20,7 +20,7 @@ pub enum Layer {
 pub(super) struct Hold {
     pub start: Time,
     pub end: Time,
-    pub holder: Holder,
+    pub holder: RobotId,
     pub serial: u64,
     pub layer: Layer,
 }
@@ -62,7 +62,7 @@ impl Line {
 
     /// Removes the entries (physical and conflict) of one visit. If there are none left, it does nothing: a visit can
     /// be in conflict with a resource through both its node and its lane, and the first call removes both entries.
-    pub fn remove(&mut self, holder: Holder, serial: u64) {
+    pub fn remove(&mut self, holder: RobotId, serial: u64) {
         let mine = |h: &Hold| h.holder == holder && h.serial == serial;
         if let Some(first) = self.holds.iter().position(mine) {
             self.holds.retain(|h| !mine(h));
@@ -91,7 +91,7 @@ impl Line {
     }
 
     /// The holders on either side of a free window.
-    pub fn neighbours(&self, free: FreeWindow) -> (Option<Holder>, Option<Holder>) {
+    pub fn neighbours(&self, free: FreeWindow) -> (Option<RobotId>, Option<RobotId>) {
         let i = free.index as usize;
         let before = i.checked_sub(1).map(|b| self.holds[b].holder);
         (before, self.holds.get(i).map(|h| h.holder))
@@ -109,19 +109,19 @@ impl Line {
     }
 
     /// The first other holder that stands before this visit in the order of the resource.
-    pub fn first_before(&self, holder: Holder, serial: u64) -> Option<Holder> {
+    pub fn first_before(&self, holder: RobotId, serial: u64) -> Option<RobotId> {
         self.before(holder, serial).map(|h| h.holder).find(|h| *h != holder)
     }
 
     /// Entries before this visit in the order of the resource.
-    pub fn before(&self, holder: Holder, serial: u64) -> impl Iterator<Item = &Hold> {
+    pub fn before(&self, holder: RobotId, serial: u64) -> impl Iterator<Item = &Hold> {
         let mine = |h: &Hold| h.holder == holder && h.serial == serial && h.layer == Layer::Physical;
         let own = self.holds.iter().position(mine).unwrap_or(0);
         self.holds[..own].iter()
     }
 
     /// Entries of other holders that come after a visit in the order. Two conflict entries do not order one another.
-    pub fn followers(&self, holder: Holder, serial: u64) -> impl Iterator<Item = &Hold> {
+    pub fn followers(&self, holder: RobotId, serial: u64) -> impl Iterator<Item = &Hold> {
         let mine = self.holds.iter().position(|h| h.holder == holder && h.serial == serial);
         let (from, layer) = match mine {
             Some(m) => (m + 1, self.holds[m].layer),
@@ -133,7 +133,7 @@ impl Line {
 
     /// Changes the window of an entry in its place in the order. A visit has two conflict entries here where both its
     /// node and its lane are in conflict with this resource; `nth` says which.
-    pub fn slide(&mut self, holder: Holder, serial: u64, (layer, nth): (Layer, usize), w: Window) {
+    pub fn slide(&mut self, holder: RobotId, serial: u64, (layer, nth): (Layer, usize), w: Window) {
         let mine = |h: &&mut Hold| h.holder == holder && h.serial == serial && h.layer == layer;
         if let Some(h) = self.holds.iter_mut().filter(mine).nth(nth) {
             (h.start, h.end) = (w.start(), w.end());
@@ -141,7 +141,7 @@ impl Line {
     }
 
     /// Two holders whose order would change if the entries were sorted by their windows as they are now.
-    pub fn swapped(&self) -> Option<(Holder, Holder)> {
+    pub fn swapped(&self) -> Option<(RobotId, RobotId)> {
         if self.holds.is_sorted_by_key(|h| h.start) {
             return None;
         }
@@ -162,7 +162,7 @@ impl Line {
 
     /// Physical holders in their order.
     #[cfg(test)]
-    pub fn order(&self) -> impl Iterator<Item = Holder> {
+    pub fn order(&self) -> impl Iterator<Item = RobotId> {
         self.holds.iter().filter(|h| h.layer == Layer::Physical).map(|h| h.holder)
     }
 

@@ -26,33 +26,14 @@ pub use line::{FreeWindow, Layer};
 pub use restore::{ChainParts, Flaw};
 pub use truncate::KeptVisits;
 
-use crate::id::{BodyId, Dense, IdVec, LineId, NodeId, ResourceId, RobotId, WorkerId};
+use crate::id::{BodyId, Dense, IdVec, LineId, NodeId, ResourceId, RobotId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
 use chains::Chains;
 use entries::{claims, is_station};
 use line::Line;
 use std::collections::VecDeque;
-use std::fmt;
 use std::sync::Arc;
-
-/// What can hold resources.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Holder {
-    /// A robot, along its route.
-    Robot(RobotId),
-    /// A worker, along the assigned path.
-    Worker(WorkerId),
-}
-
-impl fmt::Debug for Holder {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Holder::Robot(r) => r.fmt(f),
-            Holder::Worker(w) => w.fmt(f),
-        }
-    }
-}
 
 /// A stay on one node, with the lane that leads to it.
 ///
@@ -94,14 +75,14 @@ impl Visit {
 /// The proof that visits are held. Only with it may a holder be told to drive them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reserved {
-    holder: Holder,
+    holder: RobotId,
     first: u64,
     count: usize,
 }
 
 impl Reserved {
     /// The holder.
-    pub fn holder(&self) -> Holder {
+    pub fn holder(&self) -> RobotId {
         self.holder
     }
 
@@ -124,7 +105,7 @@ pub struct Clash {
     /// When it was wanted.
     pub wanted: Window,
     /// The holder that has it.
-    pub by: Holder,
+    pub by: RobotId,
     /// When it is held.
     pub held: Window,
 }
@@ -182,7 +163,7 @@ impl Chain {
 }
 
 /// A holder, the serial number of the visit that it keeps, that visit anew, and the visits after it.
-pub type Replacement = (Holder, u64, Visit, Vec<Visit>);
+pub type Replacement = (RobotId, u64, Visit, Vec<Visit>);
 
 /// All holds of all holders. Equal timelines hold the same.
 #[derive(Clone, Debug)]
@@ -233,7 +214,7 @@ impl Timeline {
     /// # Panics
     /// If it holds something.
     pub fn set_body(&mut self, robot: RobotId, body: BodyId) {
-        let holds = self.chain(Holder::Robot(robot)).is_some_and(|chain| !chain.absent);
+        let holds = self.chain(robot).is_some_and(|chain| !chain.absent);
         assert!(!holds, "{robot:?} holds as another kind");
         if self.bodies.len() <= robot.ix() {
             self.bodies.resize(robot.ix() + 1, BodyId(0));
@@ -241,26 +222,23 @@ impl Timeline {
         self.bodies[robot.ix()] = body;
     }
 
-    /// The kind of a holder. Workers are as wide as robots of the first one.
-    pub fn body(&self, holder: Holder) -> BodyId {
-        match holder {
-            Holder::Robot(robot) => self.bodies.get(robot.ix()).copied().unwrap_or(BodyId(0)),
-            Holder::Worker(_) => BodyId(0),
-        }
+    /// The kind of a holder.
+    pub fn body(&self, holder: RobotId) -> BodyId {
+        self.bodies.get(holder.ix()).copied().unwrap_or(BodyId(0))
     }
 
     /// The timeline of a resource that a holder looks at, without or with a rack.
-    pub fn line(&self, holder: Holder, loaded: bool, r: ResourceId) -> LineId {
+    pub fn line(&self, holder: RobotId, loaded: bool, r: ResourceId) -> LineId {
         self.warehouse.line(self.body(holder), loaded, r)
     }
 
     /// All holders with their visits; of one that has left the floor, the place where it stood last.
-    pub fn chains(&self) -> impl Iterator<Item = (Holder, &Chain)> {
+    pub fn chains(&self) -> impl Iterator<Item = (RobotId, &Chain)> {
         self.chains.iter()
     }
 
     /// The visits of one holder.
-    pub fn chain(&self, holder: Holder) -> Option<&Chain> {
+    pub fn chain(&self, holder: RobotId) -> Option<&Chain> {
         self.chains.get(&holder)
     }
 
@@ -270,7 +248,7 @@ impl Timeline {
     }
 
     /// The holders at the two ends of a free window: the last one before it and the first one after it.
-    pub fn neighbours(&self, line: LineId, free: FreeWindow) -> (Option<Holder>, Option<Holder>) {
+    pub fn neighbours(&self, line: LineId, free: FreeWindow) -> (Option<RobotId>, Option<RobotId>) {
         self.lines[line].neighbours(free)
     }
 
@@ -280,7 +258,12 @@ impl Timeline {
     }
 
     /// The other holders with a hold, on a resource or on something in conflict with it, that meets `window`.
-    pub fn holders_during(&self, line: LineId, window: Window, own: Holder) -> impl Iterator<Item = Holder> {
+    pub fn holders_during(
+        &self,
+        line: LineId,
+        window: Window,
+        own: RobotId,
+    ) -> impl Iterator<Item = RobotId> {
         self.lines[line].during(window).map(|h| h.holder).filter(move |h| *h != own)
     }
 
@@ -288,7 +271,7 @@ impl Timeline {
     ///
     /// # Errors
     /// The first clash; nothing is held then.
-    pub fn reserve(&mut self, holder: Holder, visits: Vec<Visit>) -> Result<Reserved, Clash> {
+    pub fn reserve(&mut self, holder: RobotId, visits: Vec<Visit>) -> Result<Reserved, Clash> {
         assert!(!visits.is_empty(), "{holder:?} reserves nothing");
         assert!(!self.chains.contains_key(&holder), "{holder:?} stands somewhere already");
         self.check(holder, &visits)?;
@@ -309,7 +292,7 @@ impl Timeline {
     /// If `keep` is not a visit of the holder or granted visits would be lost.
     pub fn replace(
         &mut self,
-        holder: Holder,
+        holder: RobotId,
         keep: u64,
         kept: Visit,
         visits: Vec<Visit>,
@@ -356,7 +339,7 @@ impl Timeline {
     }
 
     /// Ends the holds on visits before `keep` by `leave`: a broken robot kept them for ever, and now drives on.
-    fn end_by(&mut self, holder: Holder, keep: u64, leave: Time) {
+    fn end_by(&mut self, holder: RobotId, keep: u64, leave: Time) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
@@ -369,7 +352,7 @@ impl Timeline {
     }
 
     /// Takes back the visits from `serial` on: for a search that works on a copy to find better ones.
-    pub fn withdraw(&mut self, holder: Holder, serial: u64) {
+    pub fn withdraw(&mut self, holder: RobotId, serial: u64) {
         self.take_from(holder, serial);
     }
 
@@ -377,7 +360,7 @@ impl Timeline {
     ///
     /// # Errors
     /// The first clash; nothing is added then.
-    pub fn extend(&mut self, holder: Holder, visits: Vec<Visit>) -> Result<(), Clash> {
+    pub fn extend(&mut self, holder: RobotId, visits: Vec<Visit>) -> Result<(), Clash> {
         self.check(holder, &visits)?;
         self.put(holder, visits);
         self.assert_in_order(holder);
@@ -385,7 +368,7 @@ impl Timeline {
     }
 
     /// Forgets the visits before `serial`: the holder has left them.
-    pub fn release(&mut self, holder: Holder, serial: u64) {
+    pub fn release(&mut self, holder: RobotId, serial: u64) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
         let chain = self.chains.get_mut(&holder).expect("only holders release");
@@ -408,7 +391,7 @@ impl Timeline {
 
     /// A holder has left the floor: it holds nothing any more. Where it stood last, and the numbers of its visits, stay
     /// known: it may be placed again.
-    pub fn depart(&mut self, holder: Holder) {
+    pub fn depart(&mut self, holder: RobotId) {
         let first = self.chains.get(&holder).expect("only holders leave").first;
         let mut visits = self.take_from(holder, first);
         visits.truncate(1);
@@ -420,7 +403,7 @@ impl Timeline {
     }
 
     /// Forgets a holder altogether, with the numbers of its visits.
-    pub fn remove(&mut self, holder: Holder) {
+    pub fn remove(&mut self, holder: RobotId) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
         if let Some(mut chain) = self.chains.remove(&holder) {
@@ -432,9 +415,9 @@ impl Timeline {
     }
 
     /// The holders that come after a visit in the order of its resources.
-    pub fn after(&self, holder: Holder, serial: u64) -> Vec<Holder> {
+    pub fn after(&self, holder: RobotId, serial: u64) -> Vec<RobotId> {
         let Some(visit) = self.chains.get(&holder).and_then(|c| c.get(serial)) else { return Vec::new() };
-        let mut found: Vec<Holder> = (claims(self.context(&self.warehouse, holder), visit))
+        let mut found: Vec<RobotId> = (claims(self.context(&self.warehouse, holder), visit))
             .flat_map(|(l, _)| std::iter::once(l).chain(self.warehouse.lines_in_conflict(l).iter().copied()))
             .flat_map(|r| self.lines[r].followers(holder, serial).map(|h| h.holder))
             .collect();
@@ -444,14 +427,14 @@ impl Timeline {
     }
 
     /// The proof that a holder may drive up to its last granted visit.
-    pub fn granted(&self, holder: Holder) -> Option<Reserved> {
+    pub fn granted(&self, holder: RobotId) -> Option<Reserved> {
         let chain = self.chains.get(&holder)?;
         Some(Reserved { holder, first: chain.first, count: (chain.granted - chain.first) as usize })
     }
 
     /// What `holder` waits for before it may have the visit `serial`: the resource, and the first other holder before
     /// it in the order of the node, of the lane, or of anything in conflict with them.
-    pub fn waits_for(&self, holder: Holder, serial: u64) -> Option<(ResourceId, Holder)> {
+    pub fn waits_for(&self, holder: RobotId, serial: u64) -> Option<(ResourceId, RobotId)> {
         let visit = self.chains.get(&holder)?.get(serial)?;
         let node = self.warehouse.node_resource(visit.node);
         std::iter::once(node).chain(visit.lane).find_map(|r| {
@@ -465,7 +448,7 @@ impl Timeline {
     ///
     /// # Panics
     /// If another holder is before this one in the order of a resource.
-    pub fn grant(&mut self, holder: Holder, serial: u64, now: Time) {
+    pub fn grant(&mut self, holder: RobotId, serial: u64, now: Time) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
         let from = self.chains[&holder].granted;
@@ -487,21 +470,21 @@ impl Timeline {
     ///
     /// # Panics
     /// If `serial` is not granted.
-    pub fn revoke(&mut self, holder: Holder, serial: u64) {
+    pub fn revoke(&mut self, holder: RobotId, serial: u64) {
         let chain = self.chains.get_mut(&holder).expect("only holders have grants");
         assert!((chain.first..chain.granted).contains(&serial), "{holder:?} keeps what it was granted");
         chain.granted = serial + 1;
     }
 
     /// Runs `f` as if `holder` held nothing, and puts everything back.
-    pub fn without<T>(&mut self, holders: &[Holder], f: impl FnOnce(&Timeline) -> T) -> T {
+    pub fn without<T>(&mut self, holders: &[RobotId], f: impl FnOnce(&Timeline) -> T) -> T {
         self.toggle(holders, false);
         let out = f(self);
         self.toggle(holders, true);
         out
     }
 
-    fn toggle(&mut self, holders: &[Holder], on: bool) {
+    fn toggle(&mut self, holders: &[RobotId], on: bool) {
         let warehouse = self.warehouse.clone();
         for holder in holders {
             let context = self.context(&warehouse, *holder);
@@ -518,7 +501,7 @@ impl Timeline {
     }
 
     /// Removes and returns the visits from `serial` on.
-    fn take_from(&mut self, holder: Holder, serial: u64) -> Vec<Visit> {
+    fn take_from(&mut self, holder: RobotId, serial: u64) -> Vec<Visit> {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
@@ -529,7 +512,7 @@ impl Timeline {
         old
     }
 
-    fn put(&mut self, holder: Holder, visits: impl IntoIterator<Item = Visit>) {
+    fn put(&mut self, holder: RobotId, visits: impl IntoIterator<Item = Visit>) {
         let warehouse = self.warehouse.clone();
         let context = self.context(&warehouse, holder);
         let chain = self.chains.get_mut(&holder).expect("only holders replace");
@@ -540,7 +523,7 @@ impl Timeline {
     }
 
     /// The first clash of visits with the holds of others.
-    fn check(&self, holder: Holder, visits: &[Visit]) -> Result<(), Clash> {
+    fn check(&self, holder: RobotId, visits: &[Visit]) -> Result<(), Clash> {
         let context = self.context(&self.warehouse, holder);
         for visit in visits.iter().filter(|v| !self.without_conflicts || is_station(&self.warehouse, v)) {
             for (line, wanted) in claims(context, visit) {
@@ -565,7 +548,7 @@ impl Timeline {
 
     /// Asserts that the visits of a holder follow one another and that what is granted is held: after every change of a
     /// chain, in every build. O(its visits).
-    fn assert_in_order(&self, holder: Holder) {
+    fn assert_in_order(&self, holder: RobotId) {
         let chain = &self.chains[&holder];
         for (a, b) in chain.visits.iter().zip(chain.visits.iter().skip(1)) {
             assert!(in_order(a, b), "{holder:?} has visits out of order: {a:?} then {b:?}");

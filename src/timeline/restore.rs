@@ -3,8 +3,8 @@
 //! Main function: [`Timeline::restore`], which takes [`ChainParts`]. Refuses: holds that contradict one another, in
 //! words ([`Flaw`]); a timeline that was written down by this program never does.
 
-use super::{Chain, Clash, Holder, Timeline, Visit, in_order};
-use crate::id::{BodyId, Dense};
+use super::{Chain, Clash, Timeline, Visit, in_order};
+use crate::id::{BodyId, Dense, RobotId};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChainParts {
     /// The holder.
-    pub holder: Holder,
+    pub holder: RobotId,
     /// Serial number of the oldest visit.
     pub first: u64,
     /// One past the serial number of the last granted visit.
@@ -36,7 +36,7 @@ pub enum Flaw {
         /// Name of the resource.
         resource: String,
         /// The holder of the visit that was checked.
-        holder: Holder,
+        holder: RobotId,
         /// What it wants, and the other holder that has it.
         clash: Clash,
     },
@@ -44,7 +44,7 @@ pub enum Flaw {
     #[error("visits {serial} and {} of {holder:?} are out of order", .serial + 1)]
     Disorder {
         /// The holder.
-        holder: Holder,
+        holder: RobotId,
         /// The earlier one.
         serial: u64,
     },
@@ -52,7 +52,7 @@ pub enum Flaw {
     #[error("visit {serial} of {holder:?} is at a place that the map does not have")]
     UnknownPlace {
         /// The holder.
-        holder: Holder,
+        holder: RobotId,
         /// Which visit.
         serial: u64,
     },
@@ -60,13 +60,13 @@ pub enum Flaw {
     #[error("{holder:?} stands nowhere, or was granted what it does not hold")]
     Nowhere {
         /// Which holder.
-        holder: Holder,
+        holder: RobotId,
     },
     /// A holder is there twice.
     #[error("{holder:?} is there twice")]
     Twice {
         /// Which holder.
-        holder: Holder,
+        holder: RobotId,
     },
 }
 

@@ -53,8 +53,8 @@ fn row_for_two_kinds(n: usize) -> Arc<Warehouse> {
     Arc::new(row(n, true).with_bodies(vec![small, Body::usual("large")]))
 }
 
-fn robot(i: u32) -> Holder {
-    Holder::Robot(RobotId(i))
+fn robot(i: u32) -> RobotId {
+    RobotId(i)
 }
 
 proptest! {
@@ -214,8 +214,8 @@ proptest! {
 }
 
 /// Lets a robot leave its last granted visit earlier; nothing of others moves, and nothing begins later.
-fn go_early(timeline: &mut Timeline, who: Holder, depart: Time) {
-    let before: Vec<(Holder, Chain)> = timeline.chains().map(|(h, c)| (h, c.clone())).collect();
+fn go_early(timeline: &mut Timeline, who: RobotId, depart: Time) {
+    let before: Vec<(RobotId, Chain)> = timeline.chains().map(|(h, c)| (h, c.clone())).collect();
     let shifts = timeline.advance(who, depart);
     timeline.slide(&[(who, &shifts)]);
     for (holder, old) in before {
@@ -286,7 +286,7 @@ fn pass(node: u32, enter: i64, last: bool) -> Visit {
     }
 }
 
-fn orders(timeline: &Timeline) -> Vec<Vec<Holder>> {
+fn orders(timeline: &Timeline) -> Vec<Vec<RobotId>> {
     timeline.lines.iter().map(|l| l.order().collect()).collect()
 }
 

@@ -4,17 +4,18 @@
 //! [`Timeline::place`] is for a holder that stands somewhere else. Refuses: to
 //! take back what was granted.
 
-use super::{Chain, Holder, Shift, Timeline, Visit};
+use super::{Chain, Shift, Timeline, Visit};
+use crate::id::RobotId;
 use crate::time::Time;
 
 /// What a holder keeps: one past the last visit that stays, and the visits that have other times from now on.
-pub type KeptVisits<'a> = (Holder, u64, &'a [Shift]);
+pub type KeptVisits<'a> = (RobotId, u64, &'a [Shift]);
 
 impl Timeline {
     /// What stays if these holders lose what was not granted to them: they keep their last granted visit for ever, and
     /// those of which `stuck` is true keep every granted visit for ever. Nothing is changed.
-    pub fn truncation(&self, holders: &[(Holder, bool)]) -> Vec<(Holder, u64, Vec<Shift>)> {
-        let kept = |&(holder, stuck): &(Holder, bool)| {
+    pub fn truncation(&self, holders: &[(RobotId, bool)]) -> Vec<(RobotId, u64, Vec<Shift>)> {
+        let kept = |&(holder, stuck): &(RobotId, bool)| {
             let chain = &self.chains[&holder];
             let shifts = (chain.first..chain.granted).filter_map(|serial| {
                 let visit = chain.get(serial).expect("what is granted is held");
@@ -65,7 +66,7 @@ impl Timeline {
     ///
     /// # Panics
     /// If the number is not later than all that the holder had, or another holder holds the place after that.
-    pub fn place(&mut self, holder: Holder, serial: u64, visit: Visit, kept: &[KeptVisits<'_>]) {
+    pub fn place(&mut self, holder: RobotId, serial: u64, visit: Visit, kept: &[KeptVisits<'_>]) {
         let end = self.chains.get(&holder).expect("only holders stand elsewhere").end();
         assert!(end <= serial, "{holder:?} had the visit {serial} before");
         self.remove(holder);

@@ -10,11 +10,11 @@ use crate::api::extract::Params;
 use crate::api::port::Question;
 use crate::api::text::{closure_name, round3, time_text, worker_name};
 use crate::api::words::{CauseKindDto, EffectDto, HolderKindDto};
-use crate::fleet::{Area, MOST_NODES, NodeOccupancy, RegionStay, SafetyRegion};
+use crate::fleet::{Area, MOST_NODES, NodeOccupancy, Party, RegionStay, SafetyRegion};
 use crate::geometry::{FARTHEST_M, Point};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
-use crate::timeline::{Held, Holder, Layer};
+use crate::timeline::{Held, Layer};
 use axum::Json;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
@@ -182,15 +182,11 @@ fn strip(names: Names, strip: &NodeOccupancy, at: Time) -> StripDto {
     }
 }
 
-fn holder(names: Names, holder: Holder) -> (String, HolderKindDto) {
-    match holder {
-        Holder::Robot(r) => (names.robot(r), HolderKindDto::Robot),
-        Holder::Worker(w) => (worker_name(w), HolderKindDto::Worker),
-    }
-}
-
 fn region_stay(names: Names, stay: &RegionStay, at: Time) -> RegionStayDto {
-    let (of, kind) = holder(names, stay.of);
+    let (of, kind) = match stay.of {
+        Party::Robot(r) => (names.robot(r), HolderKindDto::Robot),
+        Party::Worker(w) => (worker_name(w), HolderKindDto::Worker),
+    };
     let region = match stay.region {
         SafetyRegion::KeepOut => 2,
         SafetyRegion::Slow => 3,
@@ -200,7 +196,7 @@ fn region_stay(names: Names, stay: &RegionStay, at: Time) -> RegionStayDto {
 }
 
 fn hold(names: Names, held: &Held, at: Time) -> HoldDto {
-    let (by, kind) = holder(names, held.holder);
+    let (by, kind) = (names.robot(held.holder), HolderKindDto::Robot);
     let (from_s, to_s) = seconds(held.window, at);
     HoldDto { by, kind, from_s, to_s, granted: held.granted, conflict: held.layer == Layer::Conflict }
 }

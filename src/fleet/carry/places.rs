@@ -10,7 +10,7 @@ use crate::fleet::state::storage::along_axes;
 use crate::fleet::{JobKind, RackAt};
 use crate::geometry::Spot;
 use crate::id::{IdVec, NodeId, RackId, RobotId};
-use crate::timeline::{ChainParts, Holder, Visit};
+use crate::timeline::{ChainParts, Visit};
 use crate::warehouse::NodeKind;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -272,7 +272,7 @@ impl Move<'_> {
             let node = stands.get(&robot).copied().unwrap_or_else(|| left_from(robot));
             let loaded = self.ledger.rack_on(robot).is_some();
             let visits = vec![Visit { loaded, ..stand(node, self.at) }];
-            let (holder, granted, absent) = (Holder::Robot(robot), first + 1, old.is_absent());
+            let (holder, granted, absent) = (robot, first + 1, old.is_absent());
             ChainParts { holder, first, granted, visits, absent }
         };
         self.ledger.robots.ids().map(chain).collect()

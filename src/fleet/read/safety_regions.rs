@@ -9,11 +9,11 @@
 use crate::fleet::Fleet;
 use crate::fleet::people::state::Person;
 use crate::fleet::read::area::Area;
+use crate::fleet::state::wait_graph::Party;
 use crate::geometry::Point;
 use crate::human::{Band, Hypothesis, Whereabouts, passages};
-use crate::id::{BodyId, NodeId, RobotId};
+use crate::id::{BodyId, NodeId, RobotId, WorkerId};
 use crate::time::{Span, Time, Window};
-use crate::timeline::Holder;
 use std::collections::BTreeMap;
 
 /// Ways that are less probable have no regions.
@@ -34,15 +34,15 @@ pub enum SafetyRegion {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RegionStay {
     /// Whose region.
-    pub of: Holder,
+    pub of: Party,
     /// Which.
     pub region: SafetyRegion,
     /// When.
     pub window: Window,
 }
 
-/// What was found: windows by node, holder and region.
-type Stays = BTreeMap<(NodeId, Holder, SafetyRegion), Vec<Window>>;
+/// What was found: windows by node, robot or worker, and region.
+type Stays = BTreeMap<(NodeId, Party, SafetyRegion), Vec<Window>>;
 
 /// Nodes in the regions around one place.
 type Around = Vec<(NodeId, SafetyRegion)>;
@@ -58,7 +58,7 @@ impl Fleet {
         let mut found = Stays::new();
         self.robots_regions(area, window, &mut found);
         for (worker, place) in self.people.among_robots(now) {
-            self.workers_regions((Holder::Worker(worker), &place), now, window, &mut found);
+            self.workers_regions((worker, &place), now, window, &mut found);
         }
         let mut by_node: BTreeMap<NodeId, Vec<RegionStay>> = BTreeMap::new();
         for ((node, of, region), mut windows) in found {
@@ -92,7 +92,7 @@ impl Fleet {
                     .entry((visit.node, self.floor().body(robot), visit.loaded))
                     .or_insert_with(|| self.around(at, self.radii(robot, visit.loaded, 0.0)));
                 for (node, region) in around {
-                    found.entry((*node, Holder::Robot(robot), *region)).or_default().push(visit.window());
+                    found.entry((*node, Party::Robot(robot), *region)).or_default().push(visit.window());
                 }
             }
         }
@@ -101,19 +101,18 @@ impl Fleet {
     /// Regions around the places that a worker takes, or may take.
     fn workers_regions(
         &self,
-        (of, place): (Holder, &Whereabouts),
+        (worker, place): (WorkerId, &Whereabouts),
         now: Time,
         window: Window,
         found: &mut Stays,
     ) {
-        let Holder::Worker(worker) = of else { return };
         // The widest of all kinds, with a rack.
         let sizes = self.core.regions.widest_m(place.sigma_m);
         let radii = (sizes[1] + place.reach_m, sizes[2] + place.reach_m);
         let mut add = |at: Point, when: Window| {
             if when.overlaps(window) {
                 for (node, region) in self.around(at, radii) {
-                    found.entry((node, of, region)).or_default().push(when);
+                    found.entry((node, Party::Worker(worker), region)).or_default().push(when);
                 }
             }
         };

@@ -16,7 +16,6 @@ use crate::fleet::traffic::state::Withheld;
 use crate::human::{Presence, Whereabouts};
 use crate::id::{ClosureId, Dense, JobId, NodeId, ResourceId, RobotId, WorkerId};
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
 use std::collections::BTreeSet;
 
 /// So many links at most; a chain is seldom longer than the queue of a station.
@@ -236,7 +235,7 @@ impl Fleet {
         let Some(why) = why else { return self.floor().goes_on(robot, wanted, now, link) };
         let (until, ahead) = match why {
             Why::WaitsFor(..) => {
-                let before = self.core.ledger.timeline().before(Holder::Robot(robot), chain.granted());
+                let before = self.core.ledger.timeline().before(robot, chain.granted());
                 let before = before.map(|(_, held)| held).unwrap_or_default();
                 (before.iter().map(|h| h.window.end()).max(), before.len())
             }

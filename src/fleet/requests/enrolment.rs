@@ -13,7 +13,6 @@ use crate::fleet::state::refusal::{Bounded, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered, Made};
 use crate::id::{Dense, NodeId, RobotId};
 use crate::time::{Time, Window};
-use crate::timeline::Holder;
 
 impl Intake<'_> {
     /// A robot joins; one of this name is the same robot, wherever it stands by now.
@@ -44,7 +43,7 @@ impl Intake<'_> {
             return Err(Refusal::Robot(RobotRefusal::NotForKind(node)));
         }
         let line = warehouse.line(body, false, warehouse.node_resource(node));
-        let mut others = self.core.ledger.timeline().holders_during(line, ever, Holder::Robot(robot));
+        let mut others = self.core.ledger.timeline().holders_during(line, ever, robot);
         let in_the_way = || self.core.scene.all_displaced().any(|(_, d)| d.nodes.contains(&node));
         if others.next().is_some() || self.core.floor().is_promised(node, robot) || in_the_way() {
             return Err(Refusal::Robot(RobotRefusal::PlaceTaken(node)));

@@ -12,7 +12,6 @@ use crate::fleet::state::refusal::{RackRefusal, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered};
 use crate::id::{Dense, NodeId, RackId, RobotId};
 use crate::time::{Time, Window};
-use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
 
 impl Intake<'_> {
@@ -54,7 +53,7 @@ impl Intake<'_> {
         if self.core.warehouse().kind(node) != NodeKind::Storage {
             return Err(Refusal::Rack(RackRefusal::NotStorage(node)));
         }
-        let (own, ever) = (Holder::Robot(robot), Window::new(Time(i64::MIN), Time::MAX));
+        let (own, ever) = (robot, Window::new(Time(i64::MIN), Time::MAX));
         let line = ledger.timeline().line(own, true, self.core.warehouse().node_resource(node));
         let is_held = ledger.timeline().holders_during(line, ever, own).next().is_some();
         if floor.storage_taken(node, rack) || is_held {

@@ -17,7 +17,7 @@ use crate::fleet::state::settings::Settings;
 use crate::geometry::Point;
 use crate::id::{BodyId, NodeId, RobotId};
 use crate::route::{Conditions, Kinematics};
-use crate::timeline::{Holder, Visit};
+use crate::timeline::Visit;
 use crate::warehouse::{Footprint, Warehouse};
 use std::sync::Arc;
 
@@ -58,7 +58,7 @@ impl<'a> Floor<'a> {
 
     /// The kind of a robot, as the building knows it.
     pub fn body(&self, robot: RobotId) -> BodyId {
-        self.ledger.timeline().body(Holder::Robot(robot))
+        self.ledger.timeline().body(robot)
     }
 
     /// What a robot takes of the floor, with the rack that it has.

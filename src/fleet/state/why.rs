@@ -4,13 +4,12 @@
 
 use crate::fleet::state::displaced::Displacement;
 use crate::id::{ClosureId, NodeId, ResourceId, RobotId, StationId, WorkerId};
-use crate::timeline::Holder;
 
 /// Why a robot does not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Why {
     /// Another holder was promised the next resource first.
-    WaitsFor(ResourceId, Holder),
+    WaitsFor(ResourceId, RobotId),
     /// A worker is near, or will be.
     GivesWay(WorkerId),
     /// The way leads into an area that robots keep out of.

@@ -124,7 +124,7 @@ fn the_same_map_keeps_everything_and_robots_are_idle_or_bring_their_racks_away()
         let stores = matches!(record.task, Task::Store { job: None, rack: k, .. } if Some(k) == rack);
         assert!(if rack.is_some() { stores } else { record.task == Task::Idle }, "{record:?}");
         let old = floor.fleet.ledger().chain(robot);
-        let chain = after.chains.iter().find(|c| c.holder == crate::timeline::Holder::Robot(robot)).unwrap();
+        let chain = after.chains.iter().find(|c| c.holder == robot).unwrap();
         assert_eq!((chain.visits.len(), chain.granted), (1, chain.first + 1));
         assert!(chain.first >= old.end(), "no number is given twice");
         assert_eq!(chain.visits[0].node, floor.fleet.ledger().node_of(robot));

@@ -155,8 +155,7 @@ fn a_robot_that_is_to_leave_finishes_its_job_and_is_gone_when_it_was_switched_of
     floor.until(300, "the job is done", |f| f.state(job).is_none());
     floor.assert_done_once(&[job]);
     floor.until(300, "it is gone", |f| f.is_gone(robot));
-    let holder = crate::timeline::Holder::Robot(robot);
-    assert!(floor.fleet.ledger().timeline().chain(holder).is_some_and(|c| c.is_absent()));
+    assert!(floor.fleet.ledger().timeline().chain(robot).is_some_and(|c| c.is_absent()));
     assert_eq!(floor.fleet.telemetry(robot), None, "what it said before it left is forgotten");
     assert_eq!(floor.story(named), ["failed"], "what names it cannot be done any more");
     let view = floor.fleet.view(floor.now);

@@ -3,7 +3,6 @@
 use super::*;
 use crate::geometry::Point;
 use crate::id::BodyId;
-use crate::timeline::Holder;
 use crate::warehouse::{Footprint, mixed};
 
 /// A kind that takes its time.
@@ -102,7 +101,7 @@ fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
     assert_eq!(known, Vec::<(&str, &str)>::new());
     let usual = scenario(2).settings();
     assert_eq!(usual.unknown_kinds(floor.fleet.ledger()), [("robot-2", "mover")]);
-    let holder = Holder::Robot(RobotId::at(1));
+    let holder = RobotId::at(1);
     assert!(floor.fleet.ledger().timeline().chain(holder).is_some());
 }
 

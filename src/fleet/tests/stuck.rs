@@ -3,15 +3,15 @@
 use crate::id::{Dense, NodeId, RobotId};
 use crate::route::{Kinematics, NO_PEOPLE, Planner, RouteQuery, Rules, Stage};
 use crate::time::{Span, Time};
-use crate::timeline::{Chain, Holder, Timeline, Visit};
+use crate::timeline::{Chain, Timeline, Visit};
 use crate::warehouse::{Warehouse, sketch};
 use std::collections::HashSet;
 use std::sync::Arc;
 
 const LATE: Span = Span::from_secs(7);
 
-fn holder(i: usize) -> Holder {
-    Holder::Robot(RobotId::at(i))
+fn holder(i: usize) -> RobotId {
+    RobotId::at(i)
 }
 
 fn stand(node: NodeId) -> Visit {
@@ -72,7 +72,7 @@ impl Explored {
                 continue;
             }
             timeline.assert_sound();
-            let holders: Vec<Holder> = timeline.chains().map(|(h, _)| h).collect();
+            let holders: Vec<RobotId> = timeline.chains().map(|(h, _)| h).collect();
             let moves: Vec<Timeline> = holders.iter().flat_map(|h| moves(&timeline, *h)).collect();
             if chains.iter().all(|c| c.first() + 1 == c.end()) {
                 found.finals += 1;
@@ -89,7 +89,7 @@ impl Explored {
 }
 
 /// What a robot can do next: get its next visit, arrive at the next one that it was given.
-fn moves(timeline: &Timeline, h: Holder) -> Vec<Timeline> {
+fn moves(timeline: &Timeline, h: RobotId) -> Vec<Timeline> {
     let chain = timeline.chain(h).expect("it holds something");
     let mut next = Vec::new();
     if chain.granted() < chain.end() && timeline.waits_for(h, chain.granted()).is_none() {
@@ -107,7 +107,7 @@ fn moves(timeline: &Timeline, h: Holder) -> Vec<Timeline> {
     next
 }
 
-fn delayed(timeline: &Timeline, h: Holder) -> Option<Timeline> {
+fn delayed(timeline: &Timeline, h: RobotId) -> Option<Timeline> {
     let chain = timeline.chain(h)?;
     let here = chain.get(chain.first()).filter(|v| !v.depart.is_forever())?;
     let mut late = timeline.clone();

@@ -3,7 +3,6 @@
 use super::*;
 use crate::geometry::Point;
 use crate::time::Window;
-use crate::timeline::Holder;
 
 impl TestFloor {
     fn why(&self, job: JobId) -> Option<JobWhy> {
@@ -101,7 +100,7 @@ fn a_robot_in_a_queue_waits_for_one_that_finishes_its_stop_at_a_known_time() {
     };
     for (link, behind) in chain.iter().zip(&chain[1..]) {
         let Because::Robot(Why::WaitsFor(_, holder)) = link.because else { continue };
-        assert_eq!(holder, Holder::Robot(robot(behind)), "each link names the next one");
+        assert_eq!(holder, robot(behind), "each link names the next one");
         assert!(link.ahead >= 1 && link.until.is_none_or(|t| t >= floor.now), "{link:?}");
     }
     let root = chain[1];
@@ -216,9 +215,9 @@ fn strips_say_who_holds_the_nodes_of_an_area_and_what_is_closed_there() {
     };
     let found = strips(&floor, 60).unwrap();
     assert_eq!((found.len(), found[0].node), (1, node));
-    let hold = found[0].holds.iter().find(|h| h.holder == Holder::Robot(robot)).expect("it stands there");
+    let hold = found[0].holds.iter().find(|h| h.holder == robot).expect("it stands there");
     assert!(hold.granted && hold.window.contains(floor.now), "{hold:?}");
-    let own = |r: &&RegionStay| r.of == Holder::Robot(robot) && r.window.contains(floor.now);
+    let own = |r: &&RegionStay| r.of == Party::Robot(robot) && r.window.contains(floor.now);
     let own = found[0].regions.iter().find(own).expect("where it stands a person would be too near");
     assert_eq!(own.region, SafetyRegion::KeepOut);
     assert_eq!(found[0].conditions.len(), 1, "{:?}", found[0].conditions);

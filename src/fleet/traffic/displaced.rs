@@ -6,7 +6,6 @@
 //! reports fit again. Refuses: to look at robots that drive, except at the first report after a start, and to guess
 //! what became of a rack.
 
-use super::truncate;
 use crate::fleet::state::closed_areas::storage_behind;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
@@ -22,7 +21,6 @@ use crate::geometry::{Point, Segment, axis_distance, axis_distance_to_segment, t
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect, Stage};
 use crate::time::{Time, Window};
-use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
 
 /// Squares that overlap by less than this only touch, metres.
@@ -282,11 +280,11 @@ impl Floor<'_> {
 
     /// Other robots that hold a node, or something in conflict with it, and whether that was granted to them.
     fn holders_of(&self, robot: RobotId, node: NodeId) -> Vec<(RobotId, bool)> {
-        let (timeline, own) = (self.ledger.timeline(), Holder::Robot(robot));
+        let (timeline, own) = (self.ledger.timeline(), robot);
         let loaded = self.ledger.rack_on(robot).is_some();
         let line = timeline.line(own, loaded, self.warehouse().node_resource(node));
         let held = timeline.held_by_others(line, own);
-        held.map(|h| (truncate::robot_of(h.holder), h.granted)).collect()
+        held.map(|h| (h.holder, h.granted)).collect()
     }
 
     /// What others keep that were promised a node on which a robot stands now, and those behind them in turn.

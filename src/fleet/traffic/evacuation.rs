@@ -12,7 +12,6 @@ use crate::geometry::{Point, Segment};
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
-use crate::timeline::Holder;
 use std::collections::BTreeSet;
 
 /// A robot that found no place to leave for tries again after this.
@@ -109,9 +108,8 @@ impl Floor<'_> {
             if !moving.insert(robot) {
                 continue;
             }
-            let turn =
-                self.ledger.timeline().waits_for(Holder::Robot(robot), self.ledger.chain(robot).granted());
-            if let Some((_, Holder::Robot(other))) = turn {
+            let turn = self.ledger.timeline().waits_for(robot, self.ledger.chain(robot).granted());
+            if let Some((_, other)) = turn {
                 ahead.push(other);
             }
         }

@@ -17,11 +17,9 @@ use crate::fleet::state::job::{JobFailure, JobState};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::traffic::tentative::PLACES;
-use crate::fleet::traffic::truncate::robot_of;
 use crate::id::{JobId, NodeId, RobotId};
 use crate::route::Stage;
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
 
 /// A chain that no robot can leave is given up after this: a place may become free meanwhile.
 const HOPE: Span = Span::from_secs(30);
@@ -108,10 +106,10 @@ impl Floor<'_> {
 
     /// The other robot that has a hold without end on a place, or on one in conflict with it.
     fn keeper(&self, robot: RobotId, place: NodeId, loaded: bool) -> Option<RobotId> {
-        let (timeline, own) = (self.ledger.timeline(), Holder::Robot(robot));
+        let (timeline, own) = (self.ledger.timeline(), robot);
         let line = timeline.line(own, loaded, self.warehouse().node_resource(place));
         let mut held = timeline.held_by_others(line, own).filter(|h| h.window.end().is_forever());
-        held.next().map(|h| robot_of(h.holder))
+        held.next().map(|h| h.holder)
     }
 
     /// The robots that wait for one another's places, from this one on, if their chain ends in itself or in an idle

@@ -14,7 +14,7 @@ use crate::fleet::traffic::state::{Direction, Traffic, Withheld};
 use crate::id::{RobotId, WorkerId};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
-use crate::timeline::{Holder, Visit};
+use crate::timeline::Visit;
 
 /// How long before its planned time a hold may be granted as it is; a robot that can go on earlier is retimed first.
 const EARLY: Span = Span::from_secs(4);
@@ -93,7 +93,7 @@ fn grant_ahead(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: T
         serial += 1;
     }
     if serial > first {
-        debug_assert!(core.ledger.timeline().waits_for(Holder::Robot(robot), first).is_none());
+        debug_assert!(core.ledger.timeline().waits_for(robot, first).is_none());
         assert!(!core.floor().is_halted(robot), "{robot:?} is to stand and is granted more");
         core.record(Fact::Granted { robot, serial: serial - 1, at: now });
     }
@@ -111,7 +111,7 @@ fn go_on_early(core: &mut Core, robot: RobotId, now: Time) -> bool {
     let here = chain.get(last).expect("what is granted is held");
     let is_there = chain.first() == last;
     let depart = if is_there { now } else { now.max(here.arrive + here.stay) };
-    let shifts = core.ledger.timeline().advance(Holder::Robot(robot), depart);
+    let shifts = core.ledger.timeline().advance(robot, depart);
     let moves = !shifts.is_empty();
     if moves {
         core.record(Fact::Retimed { moved: vec![Moved { robot, shifts }] });
@@ -121,7 +121,7 @@ fn go_on_early(core: &mut Core, robot: RobotId, now: Time) -> bool {
 
 /// Sends everything granted from where the robot is; to one that is to go back there, nothing beyond.
 fn send(core: &mut Core, yielding: &YieldingState, robot: RobotId, goes_back: bool, now: Time) {
-    let grant = core.ledger.timeline().granted(Holder::Robot(robot)).expect("every robot stands somewhere");
+    let grant = core.ledger.timeline().granted(robot).expect("every robot stands somewhere");
     let grant = if goes_back { grant.first_alone() } else { grant };
     let chain = core.ledger.chain(robot);
     let stops = &core.ledger.robots[robot].stops;
@@ -150,8 +150,7 @@ impl Traffic {
         robot: RobotId,
     ) -> Option<(WorkerId, f64)> {
         let Some(Withheld::Condition(Cause::Worker(worker), _)) = self.withheld(robot) else { return None };
-        let turn_after =
-            |w: &Option<Withheld>| matches!(w, Some(Withheld::Turn(_, Holder::Robot(r))) if *r == robot);
+        let turn_after = |w: &Option<Withheld>| matches!(w, Some(Withheld::Turn(_, r)) if *r == robot);
         let is_waited_for = self.withheld.iter().any(turn_after);
         (!is_waited_for).then(|| (worker, floor.granted_ahead_m(robot)))
     }
@@ -171,7 +170,7 @@ impl Floor<'_> {
         if self.ledger.robots[robot].stops.first().is_some_and(|s| s.serial < serial) {
             return Some(Withheld::Stop);
         }
-        let turn = self.ledger.timeline().waits_for(Holder::Robot(robot), serial);
+        let turn = self.ledger.timeline().waits_for(robot, serial);
         let turn = turn.map(|(resource, holder)| Withheld::Turn(resource, holder));
         if yielding.of(robot).passes(serial).is_some() {
             let other = || self.holds_back_besides_people(robot, visit, now);

@@ -7,11 +7,10 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::state::{InsertionCounts, Traffic};
-use crate::fleet::traffic::truncate::robot_of;
 use crate::id::RobotId;
 use crate::route::Route;
 use crate::time::{Span, Time};
-use crate::timeline::{Holder, Timeline};
+use crate::timeline::Timeline;
 use std::collections::BTreeMap;
 
 /// How many others are moved at most.
@@ -99,19 +98,17 @@ impl Traffic {
     ) -> (Vec<RobotId>, Option<RobotId>) {
         let mut without = core.ledger.timeline().clone();
         for r in movable.iter().chain([&robot]) {
-            without.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
+            without.withdraw(*r, core.ledger.chain(*r).granted() - 1);
         }
         let Some(route) = self.search_on(core, &without, robot, now) else {
             return (Vec::new(), self.broken_in_the_way(core, without, robot, now));
         };
         let mut met: BTreeMap<RobotId, usize> = BTreeMap::new();
         for visit in &route.visits {
-            let (timeline, own) = (core.ledger.timeline(), Holder::Robot(robot));
-            let line = timeline.line(own, visit.loaded, core.warehouse().node_resource(visit.node));
-            for h in timeline.holders_during(line, visit.window(), own) {
-                if let Holder::Robot(r) = h {
-                    *met.entry(r).or_default() += 1;
-                }
+            let timeline = core.ledger.timeline();
+            let line = timeline.line(robot, visit.loaded, core.warehouse().node_resource(visit.node));
+            for h in timeline.holders_during(line, visit.window(), robot) {
+                *met.entry(h).or_default() += 1;
             }
         }
         let mut ranked: Vec<(usize, RobotId)> = met.into_iter().map(|(r, n)| (n, r)).collect();
@@ -134,16 +131,16 @@ impl Traffic {
         if broken.is_empty() {
             return None;
         }
-        broken.iter().for_each(|r| without.remove(Holder::Robot(*r)));
+        broken.iter().for_each(|r| without.remove(*r));
         let route = self.search_on(core, &without, robot, now)?;
-        let (timeline, own) = (core.ledger.timeline(), Holder::Robot(robot));
+        let (timeline, own) = (core.ledger.timeline(), robot);
         let on = |node| {
             let line = timeline.line(
                 own,
                 core.ledger.rack_on(robot).is_some(),
                 core.warehouse().node_resource(node),
             );
-            let held = timeline.held_by_others(line, own).map(|h| robot_of(h.holder));
+            let held = timeline.held_by_others(line, own).map(|h| h.holder);
             held.filter(|r| broken.contains(r)).min()
         };
         route.visits.iter().find_map(|v| on(v.node))
@@ -188,13 +185,13 @@ pub(super) fn in_turn(
 ) -> Option<Vec<Found>> {
     let mut scratch = core.ledger.timeline().clone();
     for r in order {
-        scratch.withdraw(Holder::Robot(*r), core.ledger.chain(*r).granted() - 1);
+        scratch.withdraw(*r, core.ledger.chain(*r).granted() - 1);
     }
     let mut routes = Vec::new();
     for &r in order {
         let route = find(core, &scratch, r)?;
         let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
-        scratch.extend(Holder::Robot(r), visits).ok()?;
+        scratch.extend(r, visits).ok()?;
         routes.push((r, route));
     }
     Some(routes)

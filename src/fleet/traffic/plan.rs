@@ -16,7 +16,7 @@ use crate::fleet::traffic::state::Traffic;
 use crate::id::{IdVec, NodeId, RobotId};
 use crate::route::{NoRoute, Route, RouteQuery, Stage};
 use crate::time::{Span, Time};
-use crate::timeline::{Holder, Visit};
+use crate::timeline::Visit;
 
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
@@ -197,7 +197,7 @@ impl Traffic {
         }
         core.at_hand = Some(robot);
         debug_assert!(!core.ledger.robots[robot].failed, "{robot:?} has failed and goes nowhere");
-        let holder = Holder::Robot(robot);
+        let holder = robot;
         let ready = now.max(from.arrive) + core.settings.period;
         let (budget, exemptions) = (self.budget(core, robot), core.floor().exemptions(robot, now));
         let body = core.floor().body(robot);

@@ -9,10 +9,8 @@ use crate::fleet::state::job::{JobFailure, JobKind, JobState};
 use crate::fleet::traffic::failure::fail;
 use crate::fleet::traffic::revoke::note_revoked;
 use crate::fleet::traffic::state::Traffic;
-use crate::fleet::traffic::truncate::robot_of;
 use crate::id::{JobId, NodeId, RackId, RobotId};
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
 
 /// A robot this much behind its plan is late.
 const LATE: Span = Span::from_millis(1500);
@@ -152,8 +150,8 @@ fn note_delay(core: &mut Core, robot: RobotId, now: Time) {
         return;
     }
     let depart = here.depart + (now - next.arrive) + GUESS;
-    let slip = core.ledger.timeline().delay(Holder::Robot(robot), serial, depart);
-    let moved = slip.into_iter().map(|(h, shifts)| Moved { robot: robot_of(h), shifts });
+    let slip = core.ledger.timeline().delay(robot, serial, depart);
+    let moved = slip.into_iter().map(|(h, shifts)| Moved { robot: h, shifts });
     debug_assert!(depart > core.floor().ledger.chain(robot).get(serial).expect("it stands there").depart);
     core.record(Fact::Retimed { moved: moved.collect() });
 }

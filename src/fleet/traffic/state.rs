@@ -8,7 +8,6 @@ use crate::fleet::state::planners::Planners;
 use crate::id::{IdVec, NodeId, ResourceId, RobotId};
 use crate::route::Cause;
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Why the visit after the last granted one was not granted. The grant itself finds it, and *why waiting* reads it.
@@ -21,7 +20,7 @@ pub(in crate::fleet) enum Withheld {
     /// It is not due for a while.
     Early,
     /// This holder comes first on this resource.
-    Turn(ResourceId, Holder),
+    Turn(ResourceId, RobotId),
     /// It would meet a person, a closed area or a robot that stands there; until then, where that is known.
     Condition(Cause, Option<Time>),
 }

@@ -14,7 +14,6 @@ use crate::fleet::traffic::tentative::PLACES;
 use crate::id::{NodeId, RobotId, WorkerId};
 use crate::route::Stage;
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
 
 /// A place to leave for is so much farther from a worker, metres: a node.
 const FARTHER_M: f64 = 1.0;
@@ -83,9 +82,9 @@ impl Traffic {
         let movable: Vec<RobotId> = core.ledger.present().filter(movable).collect();
         let mut without = core.ledger.timeline().clone();
         for r in &movable {
-            without.remove(Holder::Robot(*r));
+            without.remove(*r);
         }
-        without.withdraw(Holder::Robot(robot), core.ledger.chain(robot).granted() - 1);
+        without.withdraw(robot, core.ledger.chain(robot).granted() - 1);
         let Some(route) = self.way_out_on(core, &without, robot, now) else {
             return (Vec::new(), Vec::new());
         };

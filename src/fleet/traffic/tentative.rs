@@ -8,7 +8,7 @@ use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
 use crate::route::{Exemption, Route, RouteQuery, Stage};
 use crate::time::{Time, Window};
-use crate::timeline::{Holder, Timeline};
+use crate::timeline::Timeline;
 
 /// So many places to stay are tried at a time, the nearest ones first.
 pub(super) const PLACES: usize = 4;
@@ -95,7 +95,7 @@ impl Traffic {
 impl Floor<'_> {
     /// Whether no other robot stays on a node in the end, on some other timeline.
     fn has_room_for_ever(&self, timeline: &Timeline, robot: RobotId, node: NodeId) -> bool {
-        let own = Holder::Robot(robot);
+        let own = robot;
         let loaded = self.ledger.rack_on(robot).is_some();
         let line = timeline.line(own, loaded, self.warehouse().node_resource(node));
         let end = Window::new(Time(Time::MAX.0 - 1), Time::MAX);

@@ -6,7 +6,6 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, KeptRoute};
 use crate::fleet::state::floor::Floor;
 use crate::id::RobotId;
-use crate::timeline::Holder;
 use std::collections::{BTreeSet, VecDeque};
 
 /// Takes back what was promised, but not granted, to every robot that would have to pass one that stands still
@@ -42,10 +41,10 @@ impl Floor<'_> {
 
     /// What robots keep that lose all that was not granted to them.
     pub(super) fn kept_by(&self, robots: BTreeSet<RobotId>) -> Vec<KeptRoute> {
-        let stuck = |r| (Holder::Robot(r), self.ledger.robots[r].failed);
-        let holders: Vec<(Holder, bool)> = robots.into_iter().map(stuck).collect();
+        let stuck = |r| (r, self.ledger.robots[r].failed);
+        let holders: Vec<(RobotId, bool)> = robots.into_iter().map(stuck).collect();
         let kept = self.ledger.timeline().truncation(&holders);
-        kept.into_iter().map(|(h, end, shifts)| KeptRoute { robot: robot_of(h), end, shifts }).collect()
+        kept.into_iter().map(|(h, end, shifts)| KeptRoute { robot: h, end, shifts }).collect()
     }
 
     /// Robots that were promised something which `robot` will now keep: its last granted visit, or all of them where
@@ -54,21 +53,6 @@ impl Floor<'_> {
         let chain = self.ledger.chain(robot);
         let from =
             if broken || self.ledger.robots[robot].failed { chain.first() } else { chain.granted() - 1 };
-        let holders =
-            (from..chain.granted()).flat_map(|s| self.ledger.timeline().after(Holder::Robot(robot), s));
-        holders
-            .filter_map(|h| match h {
-                Holder::Robot(r) => Some(r),
-                Holder::Worker(_) => None,
-            })
-            .collect()
-    }
-}
-
-/// The robot that holds something: workers hold nothing.
-pub(in crate::fleet) fn robot_of(holder: Holder) -> RobotId {
-    match holder {
-        Holder::Robot(robot) => robot,
-        Holder::Worker(worker) => unreachable!("{worker:?} holds nothing in the timelines"),
+        (from..chain.granted()).flat_map(|s| self.ledger.timeline().after(robot, s)).collect()
     }
 }

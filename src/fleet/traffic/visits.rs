@@ -6,10 +6,8 @@
 use crate::cell::Remaining;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Fact, Moved, Task};
-use crate::fleet::traffic::truncate::robot_of;
 use crate::id::{JobId, RobotId};
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
 
 /// An expected end that is off by less than this, or by less than this share of what is left, stays as it is.
 const OFF: Span = Span::from_millis(1000);
@@ -42,7 +40,7 @@ fn visit_of(core: &Core, robot: RobotId) -> Option<JobId> {
 }
 
 fn retime(core: &mut Core, robot: RobotId, remaining: Remaining, now: Time) {
-    let (holder, chain) = (Holder::Robot(robot), core.ledger.chain(robot));
+    let (holder, chain) = (robot, core.ledger.chain(robot));
     let serial = chain.first();
     let Some(here) = chain.get(serial).filter(|v| !v.depart.is_forever()) else { return };
     let left = Span::from_secs_f64(remaining.mean_s);
@@ -50,7 +48,7 @@ fn retime(core: &mut Core, robot: RobotId, remaining: Remaining, now: Time) {
     let bearable = OFF.max(Span::from_secs_f64(OFF_SHARE * remaining.mean_s));
     let moved = if off > bearable {
         let slip = core.ledger.timeline().delay(holder, serial, now + left);
-        slip.into_iter().map(|(h, shifts)| Moved { robot: robot_of(h), shifts }).collect()
+        slip.into_iter().map(|(h, shifts)| Moved { robot: h, shifts }).collect()
     } else if -off > bearable && chain.granted() == serial + 1 {
         let shifts = core.ledger.timeline().advance(holder, now + left);
         if shifts.is_empty() { Vec::new() } else { vec![Moved { robot, shifts }] }

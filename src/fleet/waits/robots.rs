@@ -15,7 +15,6 @@ use crate::fleet::yielding::state::Yielding;
 use crate::id::{IdVec, RobotId, StationId};
 use crate::route::Cause;
 use crate::time::Time;
-use crate::timeline::Holder;
 use crate::warehouse::NodeKind;
 
 /// What the reasons of robots follow from, in one step.
@@ -185,7 +184,7 @@ impl<'a> RobotWaits<'a> {
             Withheld::Condition(Cause::Evacuation, _) => Some(Why::Evacuation),
             // Whose turn it is may have changed since it was asked: grants to robots after this one move chains.
             Withheld::Turn(..) => {
-                let turn = self.floor.ledger.timeline().waits_for(Holder::Robot(robot), chain.granted());
+                let turn = self.floor.ledger.timeline().waits_for(robot, chain.granted());
                 turn.map(|(resource, holder)| Why::WaitsFor(resource, holder))
             }
             Withheld::End | Withheld::Stop | Withheld::Early => None,
@@ -205,12 +204,10 @@ impl<'a> RobotWaits<'a> {
             return Edge::Moves;
         }
         match why {
-            Why::WaitsFor(_, Holder::Robot(other)) | Why::BlockedBy(other) | Why::NotItsTurn(_, other) => {
+            Why::WaitsFor(_, other) | Why::BlockedBy(other) | Why::NotItsTurn(_, other) => {
                 Edge::On(Party::Robot(other))
             }
-            Why::WaitsFor(_, Holder::Worker(worker)) | Why::GivesWay(worker) => {
-                Edge::On(Party::Worker(worker))
-            }
+            Why::GivesWay(worker) => Edge::On(Party::Worker(worker)),
             Why::Closed(closure) => {
                 let area = self.floor.ledger.closures.get(&closure);
                 let end = area.map(|area| area.window.end()).filter(|end| !end.is_forever());

@@ -18,7 +18,6 @@ use crate::fleet::yielding::state::Yielding;
 use crate::id::{NodeId, RobotId, WorkerId};
 use crate::route::{Cause, Condition, Effect};
 use crate::time::{Span, Time, Window};
-use crate::timeline::Holder;
 
 /// Waiting up to this is better than going elsewhere.
 const PATIENCE: Span = Span::from_secs(3);
@@ -215,7 +214,7 @@ impl Yielding {
         let chain = floor.ledger.chain(robot);
         let next = chain.get(chain.granted());
         next.is_some_and(|v| {
-            let turn = || floor.ledger.timeline().waits_for(Holder::Robot(robot), chain.granted());
+            let turn = || floor.ledger.timeline().waits_for(robot, chain.granted());
             floor.grant_waits_for(&self.state, robot, v, now).is_none() && turn().is_none()
         })
     }

@@ -21,7 +21,6 @@ use crate::id::{RobotId, WorkerId};
 use crate::local::{LineSide, NearPerson, PassingRoom};
 use crate::route::{Cause, Effect};
 use crate::time::{Span, Time, Window};
-use crate::timeline::Holder;
 
 /// A side is free where nobody is more probably in the way than this …
 const DOUBT: f64 = 0.25;
@@ -257,7 +256,7 @@ impl Floor<'_> {
         for to in from + 1..=stop {
             let stretch = self.stretch(robot, from, to)?;
             let is_granted = to < chain.granted();
-            let turn = || self.ledger.timeline().waits_for(Holder::Robot(robot), to);
+            let turn = || self.ledger.timeline().waits_for(robot, to);
             if stretch.line.length() > LONGEST_M || !is_granted && (turn().is_some() || binds(to, false)) {
                 return None;
             }

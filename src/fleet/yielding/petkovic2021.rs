@@ -24,7 +24,7 @@ use crate::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towar
 use crate::id::{NodeId, RobotId, WorkerId};
 use crate::route::{Cause, Effect, Route};
 use crate::time::{Span, Time};
-use crate::timeline::{Holder, Visit};
+use crate::timeline::Visit;
 
 /// A robot that has not come to rest after this long is taken as it is.
 const REST: Span = Span::from_secs(6);
@@ -235,7 +235,7 @@ fn evasions(
     }
     let mut scratch = core.ledger.timeline().clone();
     for robot in robots {
-        scratch.withdraw(Holder::Robot(*robot), core.ledger.chain(*robot).granted() - 1);
+        scratch.withdraw(*robot, core.ledger.chain(*robot).granted() - 1);
     }
     let mut routes = Vec::new();
     for &robot in robots {
@@ -251,7 +251,7 @@ fn evasions(
             core.floor().leaves_in_time(robot, &route, place, worker).then_some(route)
         })?;
         let visits = std::iter::once(&route.kept).chain(&route.visits).cloned().collect();
-        scratch.extend(Holder::Robot(robot), visits).ok()?;
+        scratch.extend(robot, visits).ok()?;
         routes.push((robot, route));
     }
     Some(routes)

@@ -12,7 +12,6 @@ use crate::fleet::{ChainEnd, Edge, Fault, Fleet, Party, Service, Task, Why};
 use crate::geometry::Point;
 use crate::id::{NodeId, RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
 use std::collections::BTreeMap;
 
 /// A person within this is in the same spot, metres.
@@ -107,7 +106,7 @@ pub fn untrue(fleet: &Fleet, robot: RobotId, now: Time) -> Option<Why> {
     let is_on_its_way = |nodes: &dyn Fn(NodeId) -> bool| ledger.chain(robot).visits().any(|v| nodes(v.node));
     let is_so = match why {
         Why::WaitsFor(resource, holder) => {
-            let turn = ledger.timeline().waits_for(Holder::Robot(robot), ledger.chain(robot).granted());
+            let turn = ledger.timeline().waits_for(robot, ledger.chain(robot).granted());
             turn == Some((resource, holder))
         }
         Why::GivesWay(worker) => fleet.knows_place_of(worker, now),

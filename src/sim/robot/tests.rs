@@ -2,14 +2,14 @@
 
 use super::*;
 use crate::id::BodyId;
-use crate::timeline::{Holder, Reserved, Timeline};
+use crate::timeline::{Reserved, Timeline};
 use crate::warehouse::lab;
 use std::sync::Arc;
 
 fn proof(warehouse: &Warehouse, node: NodeId) -> Reserved {
     let mut timeline = Timeline::new(Arc::new(warehouse.clone()), Span::from_millis(100));
     let stands = crate::fleet::state::ledger::stand(node, Time::ZERO);
-    timeline.reserve(Holder::Robot(RobotId(0)), vec![stands]).expect("nobody else is there")
+    timeline.reserve(RobotId(0), vec![stands]).expect("nobody else is there")
 }
 
 /// A robot on a node of the laboratory, and the nodes of a lane that begins there.

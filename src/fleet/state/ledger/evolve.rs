@@ -11,7 +11,7 @@ use crate::fleet::state::life::{self, JobStage, Work};
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
 use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::time::Time;
-use crate::timeline::{self, Holder, Visit};
+use crate::timeline::{self, Visit};
 
 impl Ledger {
     /// Takes one fact in.
@@ -122,17 +122,16 @@ impl Ledger {
             Fact::Tasked { robot, task } => self.task(*robot, *task),
             Fact::Routed { bookings } => self.route(bookings),
             Fact::Granted { robot, serial, at } => {
-                self.timeline.grant(Holder::Robot(*robot), *serial, *at);
+                self.timeline.grant(*robot, *serial, *at);
             }
             Fact::Revoked { robot, serial, recalls, .. } => {
                 self.promises.robots[*robot].recalls = *recalls;
-                self.timeline.revoke(Holder::Robot(*robot), *serial);
+                self.timeline.revoke(*robot, *serial);
             }
-            Fact::Passed { robot, serial } => self.timeline.release(Holder::Robot(*robot), *serial),
+            Fact::Passed { robot, serial } => self.timeline.release(*robot, *serial),
             Fact::Acted { robot, serial } => self.act(*robot, *serial),
             Fact::Retimed { moved } => {
-                let slip: Vec<_> =
-                    moved.iter().map(|m| (Holder::Robot(m.robot), m.shifts.as_slice())).collect();
+                let slip: Vec<_> = moved.iter().map(|m| (m.robot, m.shifts.as_slice())).collect();
                 self.timeline.slide(&slip);
             }
             Fact::Truncated { robots } => self.truncate(robots),
@@ -244,7 +243,7 @@ impl Ledger {
     fn register(&mut self, robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) {
         let id = self.promises.robots.push(new_robot(name, kind));
         assert_eq!(id, robot, "robots are numbered in order");
-        let holder = Holder::Robot(robot);
+        let holder = robot;
         let body = self.warehouse().body_of(kind);
         self.timeline.set_body(robot, body);
         self.timeline.reserve(holder, vec![stand(node, at)]).expect("robots join on free nodes");
@@ -259,7 +258,7 @@ impl Ledger {
         assert!(matches!(record.service, Service::Leaving { .. }), "{robot:?} leaves unasked");
         record.stops.clear();
         record.service = Service::Gone { since: at };
-        self.timeline.depart(Holder::Robot(robot));
+        self.timeline.depart(robot);
     }
 
     /// A robot that had left stands on the floor again.
@@ -269,7 +268,7 @@ impl Ledger {
         assert!(record.is_gone(), "{robot:?} comes back and had not left");
         *record = Robot { acted: record.acted, recalls: record.recalls, ..new_robot(&record.name, kind) };
         self.timeline.set_body(robot, body);
-        self.timeline.place(Holder::Robot(robot), serial, stand(node, at), &[]);
+        self.timeline.place(robot, serial, stand(node, at), &[]);
     }
 
     /// Brings a job to another state, and its robot to the task that goes with it.
@@ -365,9 +364,7 @@ impl Ledger {
             let granted = next.is_some_and(|s| s.serial < self.chain(b.robot).granted());
             assert!(!granted, "{:?} gets a route in place of the one on which it is to do {next:?}", b.robot);
         }
-        let routes = (bookings.iter())
-            .map(|b| (Holder::Robot(b.robot), b.keep, b.kept.clone(), b.visits.clone()))
-            .collect();
+        let routes = (bookings.iter()).map(|b| (b.robot, b.keep, b.kept.clone(), b.visits.clone())).collect();
         let reserved = self.timeline.replace_all(routes);
         reserved.unwrap_or_else(|clash| panic!("a robot was given a route that clashes: {clash:?}"));
         for b in bookings {
@@ -422,7 +419,7 @@ impl Ledger {
     /// A robot stands elsewhere: it holds that place alone, and others lose what they were promised there.
     fn place(&mut self, robot: RobotId, node: NodeId, serial: u64, cut: &[KeptRoute], at: Time) {
         let visit = Visit { loaded: self.rack_on(robot).is_some(), ..stand(node, at) };
-        self.timeline.place(Holder::Robot(robot), serial, visit, &kept(cut));
+        self.timeline.place(robot, serial, visit, &kept(cut));
         let record = &mut self.promises.robots[robot];
         record.stops.clear();
         record.interrupted = true;
@@ -456,7 +453,7 @@ impl Ledger {
 }
 
 fn kept(robots: &[KeptRoute]) -> Vec<timeline::KeptVisits<'_>> {
-    robots.iter().map(|k| (Holder::Robot(k.robot), k.end, k.shifts.as_slice())).collect()
+    robots.iter().map(|k| (k.robot, k.end, k.shifts.as_slice())).collect()
 }
 
 /// A robot that has just joined.

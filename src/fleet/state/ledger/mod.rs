@@ -21,7 +21,7 @@ use crate::id::{
     AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
 use crate::time::{Span, Time};
-use crate::timeline::{Chain, Holder, Timeline, Visit};
+use crate::timeline::{Chain, Timeline, Visit};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
 use std::ops::Deref;
@@ -203,7 +203,7 @@ impl Ledger {
 
     /// The visits of a robot.
     pub fn chain(&self, robot: RobotId) -> &Chain {
-        self.timeline.chain(Holder::Robot(robot)).expect("every robot stands somewhere")
+        self.timeline.chain(robot).expect("every robot stands somewhere")
     }
 
     /// The node on which a robot stands or which it passed last.
@@ -234,7 +234,7 @@ impl Ledger {
     }
 
     /// Looks at the timeline as if these held nothing beyond what they were granted.
-    pub fn without<T>(&mut self, holders: &[Holder], look: impl FnOnce(&Timeline) -> T) -> T {
+    pub fn without<T>(&mut self, holders: &[RobotId], look: impl FnOnce(&Timeline) -> T) -> T {
         self.timeline.without(holders, look)
     }
 

@@ -11,7 +11,7 @@ use crate::fleet::state::keys::Keys;
 use crate::fleet::state::wishes::Wishes;
 use crate::id::{Dense, IdVec, NodeId, RackId, RobotId};
 use crate::time::Span;
-use crate::timeline::{ChainParts, Flaw, Holder, Timeline};
+use crate::timeline::{ChainParts, Flaw, Timeline};
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
@@ -136,7 +136,7 @@ impl Ledger {
 }
 
 fn check_counts(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
-    let robots = (0..p.robots.len()).map(|r| Holder::Robot(RobotId::at(r)));
+    let robots = (0..p.robots.len()).map(|r| RobotId::at(r));
     let standing = robots.filter(|h| p.chains.iter().any(|c| c.holder == *h)).count();
     for (what, found, expected) in [
         ("racks", p.racks.len(), w.racks.len()),

@@ -8,7 +8,6 @@ use crate::fleet::state::index::{BAD_END_KNOWN, Index};
 use crate::fleet::state::job::{Job, JobState, RobotChoice};
 use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
-use crate::timeline::Holder;
 use std::collections::BTreeMap;
 
 impl Ledger {
@@ -119,7 +118,7 @@ impl Ledger {
 
     fn index_robot(&mut self, robot: RobotId) {
         let task = self.promises.robots[robot].task;
-        let chain = self.timeline.chain(Holder::Robot(robot)).expect("every robot stands somewhere");
+        let chain = self.timeline.chain(robot).expect("every robot stands somewhere");
         let end = chain.last().filter(|_| !chain.is_absent()).map(|v| v.node);
         self.index.places.claim(robot, end, task.destination());
         let fetched = match task {

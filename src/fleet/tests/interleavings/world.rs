@@ -11,7 +11,6 @@ use crate::fleet::{
 use crate::geometry::{Point, axis_distance};
 use crate::id::{RobotId, StationId, WorkerId};
 use crate::time::{Span, Time};
-use crate::timeline::Holder;
 use crate::warehouse::Warehouse;
 use std::fmt::Write;
 use std::sync::Arc;
@@ -264,8 +263,7 @@ impl TinyWorld {
     fn order_key(&self, key: &mut String) {
         let mut all = Vec::new();
         for (holder, chain) in self.fleet.ledger().timeline().chains() {
-            let Holder::Robot(robot) = holder else { continue };
-            all.extend(chain.visits().map(|v| (v.node, v.enter, robot)));
+            all.extend(chain.visits().map(|v| (v.node, v.enter, holder)));
         }
         all.sort_unstable();
         all.dedup_by_key(|(node, _, robot)| (*node, *robot));
