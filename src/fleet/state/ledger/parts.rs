@@ -136,7 +136,7 @@ impl Ledger {
 }
 
 fn check_counts(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
-    let robots = (0..p.robots.len()).map(|r| RobotId::at(r));
+    let robots = (0..p.robots.len()).map(RobotId::at);
     let standing = robots.filter(|h| p.chains.iter().any(|c| c.holder == *h)).count();
     for (what, found, expected) in [
         ("racks", p.racks.len(), w.racks.len()),
