@@ -227,7 +227,7 @@ mod tests {
         answer
     }
 
-    /// Whether somebody hands in a job.
+    /// Whether it hands in a job.
     fn submits(input: &Input) -> bool {
         matches!(input, Input::Ask { request: Request::Job(JobAction::Submit(_)), .. })
     }

@@ -170,7 +170,8 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
     }
 }
 
-/// What a robot did because of somebody or something, in words, and who else that is about.
+/// What a robot did for a worker, or to avoid a closure, a robot or an obstruction, in words; and the id of the worker
+/// or robot.
 fn replanned(cause: &ReplanCause, frame: &Frame) -> Option<(String, Option<String>)> {
     Some(match cause {
         ReplanCause::Worker(worker) => {

@@ -38,7 +38,7 @@ pub enum Input {
         /// When.
         at: Time,
     },
-    /// Somebody asks for something.
+    /// A request.
     Ask {
         /// Comes back with the reply.
         token: Token,

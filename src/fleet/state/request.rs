@@ -11,7 +11,7 @@ use crate::fleet::state::worker::{AssignmentRequest, Closure};
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
 
-/// Who asks: a driver gives each party that sends requests through it a number of its own.
+/// A source of requests: the driver gives each of its sources a number of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Asker(pub u8);
 
@@ -20,12 +20,12 @@ impl Asker {
     pub const CLIENTS: Asker = Asker(0);
 }
 
-/// Identifies a request, so that its answer finds whoever asked.
+/// Identifies a request, so that the driver can hand the answer on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Token {
-    /// Who asks.
+    /// Where the request comes from.
     pub asker: Asker,
-    /// Which request of that party; several may have the same number if nobody waits for their answers.
+    /// Which request of that source. Not unique where the source awaits no answers.
     pub number: u64,
 }
 
@@ -403,12 +403,12 @@ impl Ask<()> {
         Ask::done(WorkerAction::Forget(worker))
     }
 
-    /// Nobody is where a worker was lost, as somebody says.
+    /// A supervisor vouches that nobody is where a worker was lost.
     pub fn clear_worker(worker: WorkerId, by: String) -> Self {
         Ask::done(WorkerAction::Clear { worker, by })
     }
 
-    /// A lost worker is within so many millimetres of a place, on foot, as somebody says.
+    /// A supervisor vouches that a lost worker is within so many millimetres of a place, on foot.
     pub fn narrow_worker(worker: WorkerId, (at, within_mm): (Spot, i64), by: String) -> Self {
         Ask::done(WorkerAction::Narrow { worker, by, at, within_mm })
     }

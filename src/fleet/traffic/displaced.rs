@@ -280,10 +280,10 @@ impl Floor<'_> {
 
     /// Other robots that hold a node, or something in conflict with it, and whether that was granted to them.
     fn holders_of(&self, robot: RobotId, node: NodeId) -> Vec<(RobotId, bool)> {
-        let (timeline, own) = (self.ledger.timeline(), robot);
+        let timeline = self.ledger.timeline();
         let loaded = self.ledger.rack_on(robot).is_some();
-        let line = timeline.line(own, loaded, self.warehouse().node_resource(node));
-        let held = timeline.held_by_others(line, own);
+        let line = timeline.line(robot, loaded, self.warehouse().node_resource(node));
+        let held = timeline.held_by_others(line, robot);
         held.map(|h| (h.holder, h.granted)).collect()
     }
 

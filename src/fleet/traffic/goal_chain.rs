@@ -106,9 +106,9 @@ impl Floor<'_> {
 
     /// The other robot that has a hold without end on a place, or on one in conflict with it.
     fn keeper(&self, robot: RobotId, place: NodeId, loaded: bool) -> Option<RobotId> {
-        let (timeline, own) = (self.ledger.timeline(), robot);
-        let line = timeline.line(own, loaded, self.warehouse().node_resource(place));
-        let mut held = timeline.held_by_others(line, own).filter(|h| h.window.end().is_forever());
+        let timeline = self.ledger.timeline();
+        let line = timeline.line(robot, loaded, self.warehouse().node_resource(place));
+        let mut held = timeline.held_by_others(line, robot).filter(|h| h.window.end().is_forever());
         held.next().map(|h| h.holder)
     }
 

@@ -133,14 +133,14 @@ impl Traffic {
         }
         broken.iter().for_each(|r| without.remove(*r));
         let route = self.search_on(core, &without, robot, now)?;
-        let (timeline, own) = (core.ledger.timeline(), robot);
+        let timeline = core.ledger.timeline();
         let on = |node| {
             let line = timeline.line(
-                own,
+                robot,
                 core.ledger.rack_on(robot).is_some(),
                 core.warehouse().node_resource(node),
             );
-            let held = timeline.held_by_others(line, own).map(|h| h.holder);
+            let held = timeline.held_by_others(line, robot).map(|h| h.holder);
             held.filter(|r| broken.contains(r)).min()
         };
         route.visits.iter().find_map(|v| on(v.node))

@@ -197,7 +197,6 @@ impl Traffic {
         }
         core.at_hand = Some(robot);
         debug_assert!(!core.ledger.robots[robot].failed, "{robot:?} has failed and goes nowhere");
-        let holder = robot;
         let ready = now.max(from.arrive) + core.settings.period;
         let (budget, exemptions) = (self.budget(core, robot), core.floor().exemptions(robot, now));
         let body = core.floor().body(robot);
@@ -207,7 +206,7 @@ impl Traffic {
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         let planner = self.planners.of_mut(kind);
         let start = (core.settings.stopwatch)();
-        let found = core.ledger.without(&[holder], |others| planner.plan(&ask, others));
+        let found = core.ledger.without(&[robot], |others| planner.plan(&ask, others));
         self.effort.spend(planner.expanded());
         self.plan_times.push((core.settings.stopwatch)() - start);
         self.tally.plans += 1;

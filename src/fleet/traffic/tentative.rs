@@ -95,10 +95,9 @@ impl Traffic {
 impl Floor<'_> {
     /// Whether no other robot stays on a node in the end, on some other timeline.
     fn has_room_for_ever(&self, timeline: &Timeline, robot: RobotId, node: NodeId) -> bool {
-        let own = robot;
         let loaded = self.ledger.rack_on(robot).is_some();
-        let line = timeline.line(own, loaded, self.warehouse().node_resource(node));
+        let line = timeline.line(robot, loaded, self.warehouse().node_resource(node));
         let end = Window::new(Time(Time::MAX.0 - 1), Time::MAX);
-        timeline.holders_during(line, end, own).next().is_none()
+        timeline.holders_during(line, end, robot).next().is_none()
     }
 }

@@ -40,17 +40,17 @@ fn visit_of(core: &Core, robot: RobotId) -> Option<JobId> {
 }
 
 fn retime(core: &mut Core, robot: RobotId, remaining: Remaining, now: Time) {
-    let (holder, chain) = (robot, core.ledger.chain(robot));
+    let chain = core.ledger.chain(robot);
     let serial = chain.first();
     let Some(here) = chain.get(serial).filter(|v| !v.depart.is_forever()) else { return };
     let left = Span::from_secs_f64(remaining.mean_s);
     let off = now + left - here.depart;
     let bearable = OFF.max(Span::from_secs_f64(OFF_SHARE * remaining.mean_s));
     let moved = if off > bearable {
-        let slip = core.ledger.timeline().delay(holder, serial, now + left);
+        let slip = core.ledger.timeline().delay(robot, serial, now + left);
         slip.into_iter().map(|(h, shifts)| Moved { robot: h, shifts }).collect()
     } else if -off > bearable && chain.granted() == serial + 1 {
-        let shifts = core.ledger.timeline().advance(holder, now + left);
+        let shifts = core.ledger.timeline().advance(robot, now + left);
         if shifts.is_empty() { Vec::new() } else { vec![Moved { robot, shifts }] }
     } else {
         Vec::new()

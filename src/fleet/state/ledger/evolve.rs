@@ -243,11 +243,10 @@ impl Ledger {
     fn register(&mut self, robot: RobotId, (name, kind): (&str, &str), node: NodeId, at: Time) {
         let id = self.promises.robots.push(new_robot(name, kind));
         assert_eq!(id, robot, "robots are numbered in order");
-        let holder = robot;
         let body = self.warehouse().body_of(kind);
         self.timeline.set_body(robot, body);
-        self.timeline.reserve(holder, vec![stand(node, at)]).expect("robots join on free nodes");
-        self.timeline.grant(holder, 0, at);
+        self.timeline.reserve(robot, vec![stand(node, at)]).expect("robots join on free nodes");
+        self.timeline.grant(robot, 0, at);
     }
 
     /// A robot has left the floor. Only one that has nothing to do and carries nothing may.
