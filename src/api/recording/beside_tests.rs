@@ -148,6 +148,22 @@ fn a_robot_that_goes_another_way_is_a_bookmark_that_says_for_whom() {
 }
 
 #[test]
+fn robots_that_go_other_ways_for_one_worker_again_and_again_are_a_bookmark_each_half_minute() {
+    let mut recording = Recording::new(Arc::new(lab()), "lab".into(), None);
+    let mut marks = Vec::new();
+    for second in 1..=100_i64 {
+        for worker in [0, 1] {
+            let (robot, cause) = (RobotId::at(0), ReplanCause::Worker(WorkerId::at(worker)));
+            let at = Time::ZERO + Span::from_secs(second);
+            recording.note(&Fact::Noted(FloorNote::Replanned { robot, cause, was: vec![], now: vec![], at }));
+        }
+        marks.extend(recording.add(&frame(Time::ZERO, second as f64)).unwrap().marks);
+    }
+    let times: Vec<f64> = marks.iter().map(|m| m.at_s).collect();
+    assert_eq!(times, [1.0, 1.0, 31.0, 31.0, 61.0, 61.0, 91.0, 91.0]);
+}
+
+#[test]
 fn pictures_that_are_far_apart_have_nothing_counted_between_them() {
     let mut recording = Recording::new(Arc::new(lab()), "lab".into(), None);
     let times = [0.0, 0.2, 0.4, 20.0, 20.5];

@@ -24,10 +24,11 @@ pub use sum::{RunningTotals, Sum, thinned};
 use super::building::map_text;
 use super::live::{Frame, thin};
 use super::text::round3;
-use crate::fleet::Fact;
+use crate::fleet::{Fact, FloorNote, ReplanCause};
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::sync::Arc;
 use sum::Counting;
@@ -41,6 +42,9 @@ const KEY_EVERY_S: f64 = 10.0;
 /// So many facts wait for the next frame, which is long in coming if the disk takes nothing.
 const MOST_WAITING: usize = 1000;
 
+/// For one cause robots are bookmarked once in this time: beside people they take other ways all the while.
+const SAME_CAUSE: Span = Span::from_secs(30);
+
 /// Turns frames and facts into lines.
 pub struct Recording {
     map: Arc<Warehouse>,
@@ -50,6 +54,8 @@ pub struct Recording {
     version: u64,
     keyed_s: f64,
     facts: Vec<Fact>,
+    /// The causes of the last bookmarks about robots that took another way, and when these were.
+    causes: BTreeMap<ReplanCause, Time>,
     counting: Counting,
 }
 
@@ -71,7 +77,8 @@ impl Recording {
     pub fn new(map: Arc<Warehouse>, name: String, start: Option<Time>) -> Recording {
         let keyed_s = f64::NEG_INFINITY;
         let counting = Counting::default();
-        Recording { map, name, start, last: None, version: 0, keyed_s, facts: Vec::new(), counting }
+        let (facts, causes) = (Vec::new(), BTreeMap::new());
+        Recording { map, name, start, last: None, version: 0, keyed_s, facts, causes, counting }
     }
 
     /// The first line of a file. The next frame comes with a key frame.
@@ -82,9 +89,17 @@ impl Recording {
 
     /// Takes notice of a fact, for its bookmark.
     pub fn note(&mut self, fact: &Fact) {
-        if is_notable(fact) && self.facts.len() < MOST_WAITING {
-            self.facts.push(fact.clone());
+        if !is_notable(fact) || self.facts.len() >= MOST_WAITING {
+            return;
         }
+        if let Fact::Noted(FloorNote::Replanned { cause, at, .. }) = fact {
+            self.causes.retain(|_, last| *at - *last < SAME_CAUSE);
+            if self.causes.contains_key(cause) {
+                return;
+            }
+            self.causes.insert(*cause, *at);
+        }
+        self.facts.push(fact.clone());
     }
 
     /// The lines of a frame; nothing if it is no newer than the one before.
