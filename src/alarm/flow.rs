@@ -175,14 +175,15 @@ mod tests {
             let mut view = fleet.view(Time::ZERO);
             let rests = |k| matches!(k, NodeKind::Parking | NodeKind::Charger);
             let places = fleet.warehouse().nodes_where(rests);
-            let registered =
-                places.iter().take(10).enumerate().map(|(i, node)| crate::fleet::Fact::Registered {
+            let registered = places.iter().take(10).enumerate().map(|(i, node)| {
+                crate::fleet::Fact::Robot(crate::fleet::RobotFact::Registered {
                     robot: RobotId::at(i),
                     name: format!("robot-{}", i + 1),
                     kind: crate::fleet::USUAL_KIND.into(),
                     node: *node,
                     at: Time::ZERO,
-                });
+                })
+            });
             let fleet = Fleet::restore(
                 fleet.warehouse().clone(),
                 Settings::default(),

@@ -204,7 +204,7 @@ fn subject(id: JobId) -> AlarmSubject {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{Fact, JobKind, JobRequest, Settings};
+    use crate::fleet::{Fact, JobFact, JobKind, JobRequest, Settings};
     use crate::id::{BodyId, RackId, StationId};
     use crate::warehouse::lab;
     use std::sync::Arc;
@@ -216,7 +216,7 @@ mod tests {
             let (rack, station) = (RackId(u32::from(n < last)), StationId(0));
             let kind = JobKind::Deliver { rack, station, pick: None };
             let request = JobRequest::new(kind);
-            Fact::Accepted { job: JobId(n), request, at: Time(1) }
+            Fact::Job(JobFact::Accepted { job: JobId(n), request, at: Time(1) })
         });
         let fleet = Fleet::restore(Arc::new(lab()), Settings::default(), facts);
         let mut watch = JobWatch::default();

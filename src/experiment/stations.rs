@@ -3,7 +3,7 @@
 //! Main types: [`StationsSetup`], [`StationsRow`]. Refuses: to compare runs of different seeds or seconds.
 
 use crate::cell::{Flow, LineOutcome, Lines};
-use crate::fleet::{Fact, Fleet, JobKind, JobState, Task};
+use crate::fleet::{Fact, Fleet, JobFact, JobKind, JobState, Task};
 use crate::id::{Dense, JobId, StationId};
 use crate::sim::picker::{TrueLine, WarnedLead};
 use crate::sim::{ArmModeWord, FlowWord, Scenario, Simulation};
@@ -170,7 +170,7 @@ fn waiting(fleet: &Fleet, now: Time, period: Span) -> Span {
 impl Ledgered {
     fn note(&mut self, fleet: &Fleet, fact: &Fact, now: Time) {
         match fact {
-            Fact::Accepted { job, request, .. } => {
+            Fact::Job(JobFact::Accepted { job, request, .. }) => {
                 if let JobKind::Deliver { station, .. } = request.kind
                     && !request.lines.is_empty()
                 {
@@ -178,7 +178,7 @@ impl Ledgered {
                     self.lines.insert(*job, (station, lines));
                 }
             }
-            Fact::LineChanged { job, line, change, at } => {
+            Fact::Job(JobFact::LineChanged { job, line, change, at }) => {
                 let Some((station, all)) = self.lines.get_mut(job) else { return };
                 let Some(lines) = all.first_mut() else { return };
                 if lines.change(*line, *change) != Ok(LineOutcome::Changed) {
@@ -195,12 +195,14 @@ impl Ledgered {
                 }
                 self.picking.insert(*job);
             }
-            Fact::Progressed { job, state: JobState::Picking { .. }, .. } => {
+            Fact::Job(JobFact::Progressed { job, state: JobState::Picking { .. }, .. }) => {
                 self.picking.insert(*job);
             }
-            Fact::Progressed { job, .. } | Fact::Served { job, .. } => {
+            Fact::Job(JobFact::Progressed { job, .. } | JobFact::Served { job, .. }) => {
                 self.end(*job, now);
-                if let (Fact::Served { .. }, Some((station, all))) = (fact, self.lines.get_mut(job)) {
+                if let (Fact::Job(JobFact::Served { .. }), Some((station, all))) =
+                    (fact, self.lines.get_mut(job))
+                {
                     all.remove(0);
                     let then = fleet.ledger().jobs.get(job).and_then(|j| j.request.kind.station());
                     *station = then.unwrap_or(*station);

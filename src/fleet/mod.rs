@@ -40,7 +40,10 @@ pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::activity::{Activity, Doing};
 pub use state::arms::ArmView;
 pub use state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
-pub use state::fact::{Act, Booking, Fact, KeptRoute, Moved, Purpose, Stop, Task};
+pub use state::fact::{
+    Act, AreaFact, AssignmentFact, Booking, EncounterFact, Fact, FloorFact, JobFact, KeptRoute, Moved,
+    Purpose, RobotFact, RouteFact, Stop, Task, WorkerFact,
+};
 pub use state::fault::Fault;
 pub use state::io::{CausedFacts, CellWarning, Command, Input, Step, Telemetry, Waypoint, WrongReach};
 pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, RobotChoice, Visiting};

@@ -220,7 +220,7 @@ impl TestFloor {
 
     fn progress(&self, job: JobId) -> impl Iterator<Item = (JobState, Time)> {
         self.facts.iter().filter_map(move |f| match f {
-            Fact::Progressed { job: j, state, at, .. } if *j == job => Some((*state, *at)),
+            Fact::Job(JobFact::Progressed { job: j, state, at, .. }) if *j == job => Some((*state, *at)),
             _ => None,
         })
     }

@@ -304,7 +304,9 @@ impl DriveLoop {
 mod tests {
     use super::*;
     use crate::api::port::{QueuedRequest, SharedHistory};
-    use crate::fleet::{Answered, Fact, FloorAction, JobAction, JobKind, JobRequest, Request, WorkerAction};
+    use crate::fleet::{
+        Answered, EncounterFact, Fact, FloorAction, JobAction, JobKind, JobRequest, Request, WorkerAction,
+    };
     use crate::geometry::Point;
     use crate::human::{Quality, Sighting};
     use crate::id::NodeId;
@@ -383,7 +385,7 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let (mut drive, writer, queue) = drive(&folder).await;
         until(&mut drive, None).await;
-        let fact = |i: u32| Fact::Deviated { worker: WorkerId(i), at: Time(1) };
+        let fact = |i: u32| Fact::Encounter(EncounterFact::Deviated { worker: WorkerId(i), at: Time(1) });
         drive.journal.record(Time(1), (0..20_000).map(fact).collect(), Vec::new());
         assert!(drive.journal.is_full());
         let mut job = ask(&queue, JobAction::Cancel(crate::id::JobId(1)));

@@ -318,7 +318,10 @@ mod tests {
         assert_eq!(causes.len(), 1, "what was refused caused nothing: {causes:?}");
         assert_eq!(causes[0].request.actor, "this machine");
         let facts = &step.facts[causes[0].facts.clone()];
-        assert!(matches!(facts, [crate::fleet::Fact::Halted { robot: None, .. }]), "{facts:?}");
+        assert!(
+            matches!(facts, [crate::fleet::Fact::Floor(crate::fleet::FloorFact::Halted { robot: None, .. })]),
+            "{facts:?}"
+        );
         assert_eq!(step.caused.len(), 5, "the fleet says it of three orders and a robot that joins, too");
     }
 }

@@ -5,9 +5,10 @@
 use crate::alarm::{Alarm, AlarmQuery};
 use crate::api::port::{Later, Records};
 use crate::fleet::{
-    Assignment, AssignmentQuery, AssignmentRow, AssignmentState, EncounterQuery, EncounterRow, EventKind,
-    Fact, FloorEvent, GoneNames, Job, JobQuery, JobRow, JobTimes, Listed, RobotEventQuery, RobotEventRow,
-    RobotEventSource, RobotJobCounts, ShiftRows, floor_event, robot_change,
+    Assignment, AssignmentFact, AssignmentQuery, AssignmentRow, AssignmentState, EncounterFact,
+    EncounterQuery, EncounterRow, EventKind, Fact, FloorEvent, GoneNames, Job, JobFact, JobQuery, JobRow,
+    JobTimes, Listed, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, ShiftRows,
+    floor_event, robot_change,
 };
 use crate::id::{AssignmentId, JobId, RobotId};
 use crate::time::Time;
@@ -85,13 +86,13 @@ impl Lists {
 
     fn add(&mut self, fact: &Fact) {
         match fact {
-            Fact::Accepted { job: id, request, at } => {
+            Fact::Job(JobFact::Accepted { job: id, request, at }) => {
                 let (gone, request) = (GoneNames::default(), request.clone());
                 let job = Job::new(request, *at);
                 let (robot, times, changed) = (None, JobTimes::default(), false);
                 self.jobs.insert(*id, JobRow { id: *id, job, robot, updated: *at, times, changed, gone });
             }
-            Fact::Progressed { job, state, at, .. } => {
+            Fact::Job(JobFact::Progressed { job, state, at, .. }) => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     record.job.state = *state;
                     record.robot = state.robot().or(record.robot);
@@ -99,50 +100,50 @@ impl Lists {
                     record.times.note(*state, *at);
                 }
             }
-            Fact::Served { job, tasked: (robot, _), at } => {
+            Fact::Job(JobFact::Served { job, tasked: (robot, _), at }) => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     record.serve(*robot, *at);
                 }
             }
-            Fact::LineChanged { job, line, change, at } => {
+            Fact::Job(JobFact::LineChanged { job, line, change, at }) => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     record.change_line(*line, *change, *at);
                 }
             }
-            Fact::Chosen { job, choice, at } => {
+            Fact::Job(JobFact::Chosen { job, choice, at }) => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     (record.job.choice, record.updated) = (*choice, *at);
                 }
             }
-            Fact::Prioritised { job, priority, at } => {
+            Fact::Job(JobFact::Prioritised { job, priority, at }) => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     (record.job.request.priority, record.updated, record.changed) = (*priority, *at, true);
                 }
             }
-            Fact::JobChanged { job, kind, priority, deadline, at } => {
+            Fact::Job(JobFact::Changed { job, kind, priority, deadline, at }) => {
                 if let Some(record) = self.jobs.get_mut(job) {
                     let request = &mut record.job.request;
                     (request.kind, request.priority, request.deadline) = (*kind, *priority, *deadline);
                     (record.updated, record.changed) = (*at, true);
                 }
             }
-            Fact::Assigned { assignment: id, worker, request, at } => {
+            Fact::Assignment(AssignmentFact::Assigned { assignment: id, worker, request, at }) => {
                 let (request, state) = (request.clone(), AssignmentState::Waiting);
                 let gone = GoneNames::default();
                 let assignment = Assignment { worker: *worker, request, state, accepted: *at };
                 self.assignments.insert(*id, AssignmentRow { id: *id, assignment, updated: *at, gone });
             }
-            Fact::Given { assignment, worker, at } => {
+            Fact::Assignment(AssignmentFact::Given { assignment, worker, at }) => {
                 if let Some(record) = self.assignments.get_mut(assignment) {
                     (record.assignment.worker, record.updated) = (Some(*worker), *at);
                 }
             }
-            Fact::Advanced { assignment, state, at } => {
+            Fact::Assignment(AssignmentFact::Advanced { assignment, state, at }) => {
                 if let Some(record) = self.assignments.get_mut(assignment) {
                     (record.assignment.state, record.updated) = (*state, *at);
                 }
             }
-            Fact::Encountered(encounter) => {
+            Fact::Encounter(EncounterFact::Met(encounter)) => {
                 let seq = self.encounters.len() as i64 + 1;
                 self.encounters.push(EncounterRow { seq, encounter: encounter.clone(), is_anonymous: false });
             }

@@ -3,7 +3,7 @@
 //! Main function: [`simulate`]. Refuses: to touch the fleet of the server, and to run longer than it may.
 
 use crate::api::trial::{TrialFigures, TrialOrder, Trials};
-use crate::fleet::{Fact, JobState};
+use crate::fleet::{Fact, JobFact, JobState};
 use crate::history::waits;
 use crate::id::{JobId, NodeId};
 use crate::sim::{Demand, Scenario, Simulation};
@@ -76,7 +76,7 @@ struct TrialTimes {
 impl TrialTimes {
     fn note(&mut self, facts: &[Fact]) {
         for fact in facts {
-            let Fact::Progressed { job, state, at, .. } = fact else { continue };
+            let Fact::Job(JobFact::Progressed { job, state, at, .. }) = fact else { continue };
             match state {
                 JobState::Assigned { .. } => _ = self.given.entry(*job).or_insert(*at),
                 JobState::Waiting => _ = self.given.remove(job),

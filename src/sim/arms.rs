@@ -287,7 +287,7 @@ impl SimArmPost {
 mod tests {
     use super::*;
     use crate::cell::LineChange;
-    use crate::fleet::Fact;
+    use crate::fleet::{Fact, JobFact};
     use crate::sim::{ArmModeWord, Scenario, Simulation};
     use crate::warehouse::stations;
     use std::sync::Arc;
@@ -312,8 +312,8 @@ mod tests {
         while !sim.is_over() {
             for fact in sim.step().1.facts {
                 match fact {
-                    Fact::LineChanged { change: LineChange::ToArm, .. } => given[0] += 1,
-                    Fact::LineChanged { change: LineChange::ToHand, .. } => given[1] += 1,
+                    Fact::Job(JobFact::LineChanged { change: LineChange::ToArm, .. }) => given[0] += 1,
+                    Fact::Job(JobFact::LineChanged { change: LineChange::ToHand, .. }) => given[1] += 1,
                     _ => {}
                 }
             }

@@ -3,7 +3,7 @@
 //! Main types: [`Watch`] (collects what the fleet says), [`Score`]. Refuses: to tell the fleet anything.
 
 use super::walker::{CauseStretch, Log, WalkCause};
-use crate::fleet::{Fact, Fleet, Guidance, GuidanceReason, GuidanceState};
+use crate::fleet::{EncounterFact, Fact, Fleet, Guidance, GuidanceReason, GuidanceState};
 use crate::geometry::Point;
 use crate::id::WorkerId;
 use crate::time::{Span, Time};
@@ -66,7 +66,7 @@ impl Watch {
     /// Takes in what a step said.
     pub fn note(&mut self, now: Time, facts: &[Fact], guidance: &[(WorkerId, Guidance)]) {
         for fact in facts {
-            if let Fact::Deviated { worker, at } = fact {
+            if let Fact::Encounter(EncounterFact::Deviated { worker, at }) = fact {
                 self.said.entry(*worker).or_default().alarms.push(*at);
             }
         }

@@ -47,7 +47,7 @@ impl Hasher for Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{JobKind, JobRequest, Visiting};
+    use crate::fleet::{JobKind, JobRequest, RobotFact, Visiting};
     use crate::id::{JobId, NodeId, RackId, RobotId};
     use crate::time::Time;
     use std::collections::BTreeMap;
@@ -60,7 +60,12 @@ mod tests {
 
     #[test]
     fn kinds_of_facts_that_came_later_leave_the_digests_of_older_ones_as_they_were() {
-        let fact = Fact::RackTaken { robot: RobotId(2), rack: RackId(3), node: NodeId(4), at: Time(5) };
+        let fact = Fact::Robot(RobotFact::RackTaken {
+            robot: RobotId(2),
+            rack: RackId(3),
+            node: NodeId(4),
+            at: Time(5),
+        });
         let mut all = Digest::default();
         all.add(&[fact]);
         // Its number among the kinds of facts, as eight bytes, then what it holds.

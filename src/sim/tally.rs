@@ -2,7 +2,7 @@
 //!
 //! Main types: [`JobTally`], [`Tallies`]. Refuses: to look at anything but facts.
 
-use crate::fleet::{Fact, Fleet, JobState};
+use crate::fleet::{Fact, Fleet, JobFact, JobState};
 use crate::id::JobId;
 use std::collections::BTreeMap;
 
@@ -32,12 +32,14 @@ impl Tallies {
     pub fn note(&mut self, facts: &[Fact]) {
         for fact in facts {
             match fact {
-                Fact::Accepted { job, request, .. } => {
+                Fact::Job(JobFact::Accepted { job, request, .. }) => {
                     let word = request.kind.word();
                     self.open.insert(*job, word);
                     self.kinds.entry(word).or_default().accepted += 1;
                 }
-                Fact::Progressed { job, state, .. } if state.is_over() => self.end(*job, *state),
+                Fact::Job(JobFact::Progressed { job, state, .. }) if state.is_over() => {
+                    self.end(*job, *state)
+                }
                 _ => {}
             }
         }

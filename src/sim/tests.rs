@@ -3,7 +3,7 @@
 mod people;
 
 use super::*;
-use crate::fleet::{Charging, Fact, Fault, Input, JobAction, JobKind, JobRequest};
+use crate::fleet::{Charging, Fact, Fault, FloorFact, Input, JobAction, JobKind, JobRequest};
 use crate::geometry::Point;
 use crate::id::RobotId;
 use crate::route::Kinematics;
@@ -70,8 +70,8 @@ fn a_floor_whose_messages_take_up_to_thirty_seconds_and_overtake_one_another_kee
 fn stations_that_stop_are_opened_again_and_everything_ends() {
     let faults = Faults { station_stops_per_hour: 20.0, repair_s: 90.0, ..Faults::default() };
     let (_, injected, facts) = drains(&scenario(6, faults), 2);
-    let stops = facts.iter().filter(|f| matches!(f, Fact::StationPaused { .. })).count();
-    let opened = facts.iter().filter(|f| matches!(f, Fact::StationResumed { .. })).count();
+    let stops = facts.iter().filter(|f| matches!(f, Fact::Floor(FloorFact::StationPaused { .. }))).count();
+    let opened = facts.iter().filter(|f| matches!(f, Fact::Floor(FloorFact::StationResumed { .. }))).count();
     assert_eq!((stops as u64, opened), (injected["station_stops"], stops));
     assert!(stops > 3, "{stops}");
 }

@@ -2,10 +2,10 @@
 //!
 //! Main types: [`RequestRecord`], [`StateRecord`], [`TaskRecord`]. Refuses: to know of steps.
 
-use super::line_record::{LineChangeRecord, OrderRecord};
+use super::line_record::OrderRecord;
 use crate::cell::OrderLine;
 use crate::fleet::{
-    ClientKey, Fact, JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting,
+    ClientKey, JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting,
 };
 use crate::id::{CustomerId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -33,48 +33,6 @@ pub(super) enum ChoiceRecord {
     Any,
     Except(u32, i64),
     Only(u32, i64),
-}
-
-/// What happened to a job besides coming to another state.
-#[derive(Serialize, Deserialize)]
-#[serde(tag = "what", rename_all = "snake_case")]
-pub(super) enum JobFactRecord {
-    Served { job: u64, tasked: (u32, TaskRecord), at: i64 },
-    Chosen { job: u64, choice: ChoiceRecord, at: i64 },
-    Line { job: u64, line: usize, change: LineChangeRecord, at: i64 },
-}
-
-impl From<&Fact> for JobFactRecord {
-    fn from(fact: &Fact) -> JobFactRecord {
-        match fact {
-            Fact::Served { job, tasked: (robot, task), at } => {
-                JobFactRecord::Served { job: job.0, tasked: (robot.0, (*task).into()), at: at.0 }
-            }
-            Fact::Chosen { job, choice, at } => {
-                JobFactRecord::Chosen { job: job.0, choice: (*choice).into(), at: at.0 }
-            }
-            Fact::LineChanged { job, line, change, at } => {
-                JobFactRecord::Line { job: job.0, line: *line, change: (*change).into(), at: at.0 }
-            }
-            other => unreachable!("{other:?} is written down in another form"),
-        }
-    }
-}
-
-impl From<JobFactRecord> for Fact {
-    fn from(record: JobFactRecord) -> Fact {
-        match record {
-            JobFactRecord::Served { job, tasked: (robot, task), at } => {
-                Fact::Served { job: JobId(job), tasked: (RobotId(robot), task.into()), at: Time(at) }
-            }
-            JobFactRecord::Chosen { job, choice, at } => {
-                Fact::Chosen { job: JobId(job), choice: choice.into(), at: Time(at) }
-            }
-            JobFactRecord::Line { job, line, change, at } => {
-                Fact::LineChanged { job: JobId(job), line, change: change.into(), at: Time(at) }
-            }
-        }
-    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -361,6 +319,7 @@ mod tests {
     use super::super::record;
     use super::*;
     use crate::cell::{LineChange, PickedBy};
+    use crate::fleet::{Fact, JobFact};
 
     #[test]
     fn facts_of_jobs_and_order_lines_come_back_from_their_records() {
@@ -379,11 +338,11 @@ mod tests {
         let request = JobRequest { then, lines, ..JobRequest::new(kind) };
         let changes = [LineChange::Done(2), LineChange::Short, LineChange::Undo];
         let mut facts = vec![
-            Fact::Accepted { job, request, at },
-            Fact::Served { job, tasked: (robot, task), at },
-            Fact::Chosen { job, choice: RobotChoice::Only(robot, Time(9)), at },
+            Fact::Job(JobFact::Accepted { job, request, at }),
+            Fact::Job(JobFact::Served { job, tasked: (robot, task), at }),
+            Fact::Job(JobFact::Chosen { job, choice: RobotChoice::Only(robot, Time(9)), at }),
         ];
-        facts.extend(changes.map(|change| Fact::LineChanged { job, line: 1, change, at }));
+        facts.extend(changes.map(|change| Fact::Job(JobFact::LineChanged { job, line: 1, change, at })));
         let text = record::encode(&facts);
         assert_eq!(record::decode(record::VERSION, &text).unwrap(), facts, "{text}");
     }

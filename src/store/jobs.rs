@@ -9,8 +9,8 @@ use super::listing::{Arm, Given, Listing, Reach, RowCondition, TimeStatements};
 use super::{Store, StoreError, job_record};
 use crate::cell::{LineChange, LineOutcome, Lines};
 use crate::fleet::{
-    ClientKey, Fact, JOB_STATES, Job, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes, Listed,
-    RobotChoice,
+    ClientKey, Fact, JOB_STATES, Job, JobFact, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes,
+    Listed, RobotChoice,
 };
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -180,17 +180,19 @@ pub(super) fn listing(q: &JobQuery, reach: &Reach) -> Listing {
 /// Writes what a fact means for the list.
 pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<(), sqlx::Error> {
     match fact {
-        Fact::Accepted { job, request, at } => accept(db, *job, request, *at).await,
-        Fact::Progressed { job, state, at, .. } => progress(db, *job, *state, *at).await,
-        Fact::Served { job, at, .. } => serve(db, *job, *at).await,
-        Fact::LineChanged { job, line, change, at } => change_line(db, *job, (*line, *change), *at).await,
-        Fact::Chosen { job, choice, at } => {
+        Fact::Job(JobFact::Accepted { job, request, at }) => accept(db, *job, request, *at).await,
+        Fact::Job(JobFact::Progressed { job, state, at, .. }) => progress(db, *job, *state, *at).await,
+        Fact::Job(JobFact::Served { job, at, .. }) => serve(db, *job, *at).await,
+        Fact::Job(JobFact::LineChanged { job, line, change, at }) => {
+            change_line(db, *job, (*line, *change), *at).await
+        }
+        Fact::Job(JobFact::Chosen { job, choice, at }) => {
             let choice = serde_json::to_string(&ChoiceRecord::from(*choice)).expect("a choice is JSON");
             let query = sqlx::query(CHOOSE).bind(job.0.cast_signed()).bind(choice).bind(at.0);
             query.execute(db).await.map(|_| ())
         }
-        Fact::Prioritised { job, priority, at } => prioritise(db, *job, *priority, *at).await,
-        Fact::JobChanged { job, kind, priority, deadline, at } => {
+        Fact::Job(JobFact::Prioritised { job, priority, at }) => prioritise(db, *job, *priority, *at).await,
+        Fact::Job(JobFact::Changed { job, kind, priority, deadline, at }) => {
             let query = sqlx::query(CHANGE).bind(job.0.cast_signed()).bind(kind.station().map(|s| s.0));
             let query = query.bind(kind.robot().map(|r| r.0)).bind(priority).bind(deadline.map(|t| t.0));
             query.bind(at.0).execute(db).await.map(|_| ())

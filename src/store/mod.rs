@@ -48,6 +48,7 @@ mod snapshot;
 mod steps;
 mod tokens;
 mod webhooks;
+mod written;
 
 #[cfg(test)]
 mod tests;

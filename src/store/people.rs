@@ -6,8 +6,8 @@ use super::gone::Gone;
 use super::listing::{Arm, Given, LOOKED_AT, Listing, Reach, RowCondition, TimeStatements, count, first};
 use super::{Store, StoreError};
 use crate::fleet::{
-    Assignment, AssignmentQuery, AssignmentRequest, AssignmentRow, AssignmentState, ClientKey, Encounter,
-    EncounterQuery, EncounterRow, Fact, GoneNames, Listed, Reaction,
+    Assignment, AssignmentFact, AssignmentQuery, AssignmentRequest, AssignmentRow, AssignmentState,
+    ClientKey, Encounter, EncounterFact, EncounterQuery, EncounterRow, Fact, GoneNames, Listed, Reaction,
 };
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, NodeId, RobotId, WorkerId};
@@ -223,7 +223,7 @@ pub(super) fn list_encounters(
 /// Writes what a fact means for the lists.
 pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<(), sqlx::Error> {
     let query = match fact {
-        Fact::Assigned { assignment, worker, request, at } => sqlx::query(ASSIGN)
+        Fact::Assignment(AssignmentFact::Assigned { assignment, worker, request, at }) => sqlx::query(ASSIGN)
             .bind(assignment.0.cast_signed())
             .bind(worker.map(|w| w.0))
             .bind(request.place.0)
@@ -231,13 +231,13 @@ pub(super) async fn project(db: &mut SqliteConnection, fact: &Fact) -> Result<()
             .bind(&request.what)
             .bind(request.key.as_ref().map(|key| &key.text))
             .bind(at.0),
-        Fact::Given { assignment, worker, at } => {
+        Fact::Assignment(AssignmentFact::Given { assignment, worker, at }) => {
             sqlx::query(GIVE).bind(assignment.0.cast_signed()).bind(worker.0).bind(at.0)
         }
-        Fact::Advanced { assignment, state, at } => {
+        Fact::Assignment(AssignmentFact::Advanced { assignment, state, at }) => {
             sqlx::query(ADVANCE).bind(assignment.0.cast_signed()).bind(state.word()).bind(at.0)
         }
-        Fact::Encountered(e) => sqlx::query(MEET)
+        Fact::Encounter(EncounterFact::Met(e)) => sqlx::query(MEET)
             .bind(e.worker.0)
             .bind(e.robot.0)
             .bind(e.began.0)

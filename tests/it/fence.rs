@@ -1,7 +1,7 @@
 //! A journal that contradicts itself: the robot in question is fenced off, the others go on, the process stays up.
 
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, send, start};
-use giveway::fleet::{Fact, JobState, Task};
+use giveway::fleet::{Fact, JobFact, JobState, RouteFact, Task};
 use giveway::id::RobotId;
 use giveway::store::{StepEntry, Store};
 use giveway::time::Time;
@@ -45,9 +45,10 @@ async fn cut_after_a_lift() -> (Vec<Fact>, RobotId) {
     let mut facts: Vec<Fact> = loaded.into_parts().1.collect();
     store.close().await;
     let lifts = |pair: &[Fact]| match pair {
-        [Fact::Acted { robot, .. }, Fact::Progressed { state: JobState::Carrying { .. }, .. }] => {
-            Some(*robot)
-        }
+        [
+            Fact::Route(RouteFact::Acted { robot, .. }),
+            Fact::Job(JobFact::Progressed { state: JobState::Carrying { .. }, .. }),
+        ] => Some(*robot),
         _ => None,
     };
     let found = facts.windows(2).enumerate().find_map(|(i, pair)| lifts(pair).map(|robot| (i, robot)));
@@ -59,7 +60,9 @@ async fn cut_after_a_lift() -> (Vec<Fact>, RobotId) {
 /// The rack that a robot was sent for last.
 fn rack_of(facts: &[Fact], robot: RobotId) -> String {
     let fetch = |fact: &Fact| match fact {
-        Fact::Progressed { tasked: Some((r, Task::Fetch { rack, .. })), .. } if *r == robot => Some(*rack),
+        Fact::Job(JobFact::Progressed { tasked: Some((r, Task::Fetch { rack, .. })), .. }) if *r == robot => {
+            Some(*rack)
+        }
         _ => None,
     };
     map().racks[facts.iter().rev().find_map(fetch).expect("it was sent for a rack")].name.clone()
@@ -121,7 +124,7 @@ async fn a_robot_that_the_journal_contradicts_is_fenced_off_and_the_others_go_on
 #[tokio::test(flavor = "multi_thread")]
 async fn a_journal_that_cannot_be_folded_leaves_a_server_that_says_so() {
     let (mut facts, robot) = cut_after_a_lift().await;
-    facts.push(Fact::Acted { robot, serial: 1_000_000 });
+    facts.push(Fact::Route(RouteFact::Acted { robot, serial: 1_000_000 }));
     let folder = database(facts).await;
     for _ in 0..2 {
         let server = start(&folder).await;

@@ -4,7 +4,7 @@ use crate::helper::{Answer, Folder, get, map, send, start};
 use crate::live::connect;
 use crate::people::{delete, post};
 use giveway::alarm::{Alarm, AlarmKind, AlarmQuery, AlarmSubject, SubjectKind};
-use giveway::fleet::{EventKind, EventQuery, Fact};
+use giveway::fleet::{EventKind, EventQuery, Fact, FloorFact};
 use giveway::store::{MOST_OVER, MOST_PAST, SessionRow, StepEntry, Store, TokenDraft};
 use giveway::time::{Span, Time};
 use serde_json::json;
@@ -21,7 +21,7 @@ async fn store(folder: &Folder) -> Store {
 }
 
 fn halts(at: Time, count: usize) -> StepEntry {
-    let facts = vec![Fact::Halted { robot: None, at }; count];
+    let facts = vec![Fact::Floor(FloorFact::Halted { robot: None, at }); count];
     StepEntry { at, facts, causes: Vec::new() }
 }
 

@@ -1,7 +1,7 @@
 //! What guards a database: one Giveway at a time, the same file as before, and no silent start from nothing.
 
 use crate::helper::{Folder, map};
-use giveway::fleet::Fact;
+use giveway::fleet::{EncounterFact, Fact};
 use giveway::id::WorkerId;
 use giveway::store::{Opening, StepEntry, Store, StoreError};
 use giveway::time::Time;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// So many facts, of no consequence.
 fn facts(n: usize) -> Vec<StepEntry> {
-    let fact = Fact::Deviated { worker: WorkerId(0), at: Time(1) };
+    let fact = Fact::Encounter(EncounterFact::Deviated { worker: WorkerId(0), at: Time(1) });
     vec![StepEntry { at: Time(1), facts: vec![fact], causes: Vec::new() }; n]
 }
 

@@ -3,8 +3,8 @@
 use crate::helper::{Folder, map};
 use crate::run::{Keeper, Run, deliver, nothing};
 use giveway::fleet::{
-    Answer, Encounter, EncounterQuery, Fact, Fleet, Input, JobAction, JobQuery, JobState, Made, Reaction,
-    Reply,
+    Answer, AreaFact, AssignmentFact, Encounter, EncounterFact, EncounterQuery, Fact, Fleet, FloorFact,
+    Input, JobAction, JobFact, JobQuery, JobState, Made, Reaction, Reply, RouteFact,
 };
 use giveway::geometry::Spot;
 use giveway::id::{JobId, RobotId, WorkerId};
@@ -175,10 +175,10 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
             let (_, step) = sim.step();
             for fact in &step.facts {
                 ledgers.iter_mut().for_each(|l: &mut giveway::fleet::Ledger| l.evolve(fact));
-                seen[0] |= matches!(fact, Fact::Truncated { .. });
-                seen[1] |= matches!(fact, Fact::Assigned { .. });
-                seen[2] |= matches!(fact, Fact::Closed { .. });
-                seen[3] |= matches!(fact, Fact::Retimed { .. });
+                seen[0] |= matches!(fact, Fact::Route(RouteFact::Truncated { .. }));
+                seen[1] |= matches!(fact, Fact::Assignment(AssignmentFact::Assigned { .. }));
+                seen[2] |= matches!(fact, Fact::Area(AreaFact::Closed { .. }));
+                seen[3] |= matches!(fact, Fact::Route(RouteFact::Retimed { .. }));
             }
             count += 1;
             if count == pause {
@@ -306,7 +306,7 @@ async fn a_process_whose_database_another_one_has_opened_since_writes_nothing_mo
     let store = Store::open(&folder.database(), &map()).await.unwrap();
     let step = |i: i64| StepEntry {
         at: Time(i),
-        facts: vec![Fact::Halted { robot: None, at: Time(i) }],
+        facts: vec![Fact::Floor(FloorFact::Halted { robot: None, at: Time(i) })],
         causes: Vec::new(),
     };
     store.append(1, &[step(1)]).await.unwrap();
@@ -336,20 +336,26 @@ async fn what_is_over_leaves_the_lists_after_the_days_of_the_settings_in_slices(
         reaction: Reaction::Kept,
         delay: Span::ZERO,
     };
-    let over = |job: JobId, at: Time| Fact::Progressed { job, state: JobState::Cancelled, tasked: None, at };
-    let accepted = |job: JobId, at: Time| Fact::Accepted { job, request: deliver(0, None), at };
+    let over = |job: JobId, at: Time| {
+        Fact::Job(JobFact::Progressed { job, state: JobState::Cancelled, tasked: None, at })
+    };
+    let accepted = |job: JobId, at: Time| Fact::Job(JobFact::Accepted { job, request: deliver(0, None), at });
     // Job 1 stays open, 2 to 500 are over on the first day, 501 on the 25th.
     let mut facts = vec![accepted(JobId(1), Time(0))];
     facts.extend((2..=500).flat_map(|i| [accepted(JobId(i), Time(0)), over(JobId(i), Time(0))]));
-    facts.push(Fact::Encountered(met(Time(0))));
+    facts.push(Fact::Encounter(EncounterFact::Met(met(Time(0)))));
     store.append(1, &[StepEntry { at: Time(0), facts, causes: Vec::new() }]).await.unwrap();
     let late = Time(0) + DAY * 25;
-    let facts = vec![accepted(JobId(501), late), over(JobId(501), late), Fact::Encountered(met(late))];
+    let facts = vec![
+        accepted(JobId(501), late),
+        over(JobId(501), late),
+        Fact::Encounter(EncounterFact::Met(met(late))),
+    ];
     store.append(2, &[StepEntry { at: late, facts, causes: Vec::new() }]).await.unwrap();
     assert_eq!(store.count_jobs().await.unwrap(), (501, 1), "nothing is old yet");
     let tick = |i: i64| StepEntry {
         at: Time(0) + DAY * 31,
-        facts: vec![Fact::Released { robot: None, at: Time(i) }],
+        facts: vec![Fact::Floor(FloorFact::Released { robot: None, at: Time(i) })],
         causes: Vec::new(),
     };
     store.append(3, &[tick(3)]).await.unwrap();

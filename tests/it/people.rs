@@ -303,7 +303,7 @@ async fn massrobotics_reports_are_taken_of_workers_only() {
 async fn encounters_are_listed_filtered_and_exported() {
     let folder = Folder::new();
     {
-        use giveway::fleet::{Encounter, Fact, Reaction};
+        use giveway::fleet::{Encounter, EncounterFact, Fact, Reaction, WorkerFact};
         use giveway::geometry::Spot;
         use giveway::id::{RobotId, WorkerId};
         use giveway::store::{StepEntry, Store};
@@ -322,14 +322,12 @@ async fn encounters_are_listed_filtered_and_exported() {
             reaction: Reaction::Stopped,
             delay: Span::from_millis(2500),
         };
-        let worker = |i: u32, name: &str| Fact::WorkerRegistered {
-            worker: WorkerId(i),
-            name: name.into(),
-            at: Time(1),
+        let worker = |i: u32, name: &str| {
+            Fact::Worker(WorkerFact::Registered { worker: WorkerId(i), name: name.into(), at: Time(1) })
         };
         let facts = [worker(0, "anna"), worker(1, "ben")]
             .into_iter()
-            .chain((0..5).map(|i| Fact::Encountered(met(i))));
+            .chain((0..5).map(|i| Fact::Encounter(EncounterFact::Met(met(i)))));
         let step = StepEntry { at: Time(1), facts: facts.collect(), causes: Vec::new() };
         store.append(1, &[step]).await.unwrap();
         store.close().await;

@@ -4,8 +4,8 @@ use crate::helper::{Folder, get, map, start};
 use crate::tokens::{ADMIN, start_closed, with};
 use futures_util::StreamExt;
 use giveway::fleet::{
-    AssignmentQuery, AssignmentRequest, AssignmentState, Encounter, EncounterQuery, EventQuery, Fact,
-    Reaction,
+    AssignmentFact, AssignmentQuery, AssignmentRequest, AssignmentState, Encounter, EncounterFact,
+    EncounterQuery, EventQuery, Fact, Reaction, WorkerFact,
 };
 use giveway::geometry::Spot;
 use giveway::id::{AssignmentId, NodeId, RobotId, WorkerId};
@@ -179,7 +179,7 @@ async fn lists_forget_after_some_days_who_it_was() {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap().keep_people_days(7);
     let begin = 1_800_000_000_000_000;
-    let met = Fact::Encountered(Encounter {
+    let met = Fact::Encounter(EncounterFact::Met(Encounter {
         worker: WorkerId(0),
         robot: RobotId(0),
         began: Time(begin),
@@ -191,13 +191,14 @@ async fn lists_forget_after_some_days_who_it_was() {
         worker_mmps: 1200,
         reaction: Reaction::Stopped,
         delay: Span::ZERO,
-    });
+    }));
     let (id, worker, at) = (AssignmentId(1), WorkerId(0), Time(begin));
     let request = AssignmentRequest { place: NodeId(0), stay: Span::ZERO, what: "count".into(), key: None };
-    let done = Fact::Advanced { assignment: id, state: AssignmentState::Done, at };
+    let done =
+        Fact::Assignment(AssignmentFact::Advanced { assignment: id, state: AssignmentState::Done, at });
     let facts = vec![
-        Fact::WorkerRegistered { worker, name: "worker-3f2a".into(), at },
-        Fact::Assigned { assignment: id, worker: Some(worker), request, at },
+        Fact::Worker(WorkerFact::Registered { worker, name: "worker-3f2a".into(), at }),
+        Fact::Assignment(AssignmentFact::Assigned { assignment: id, worker: Some(worker), request, at }),
         done,
         met,
     ];

@@ -145,12 +145,12 @@ async fn after_kill_9_every_acknowledged_job_is_there_once_and_gets_done() {
 
 /// The journal says of each job once that it is done.
 async fn each_is_done_once(folder: &Folder, known: &BTreeMap<String, String>) {
-    use giveway::fleet::{Fact, JobState};
+    use giveway::fleet::{Fact, JobFact, JobState};
     let store = giveway::store::Store::open(&folder.database(), &crate::helper::map()).await.unwrap();
     let loaded = store.load(crate::helper::empty_ledger()).await.unwrap();
     let facts: Vec<Fact> = loaded.into_parts().1.collect();
     for id in known.values() {
-        let is_it = |fact: &&Fact| matches!(fact, Fact::Progressed { job, state: JobState::Done, .. } if format!("j{}", job.0) == *id);
+        let is_it = |fact: &&Fact| matches!(fact, Fact::Job(JobFact::Progressed { job, state: JobState::Done, .. }) if format!("j{}", job.0) == *id);
         assert_eq!(facts.iter().filter(is_it).count(), 1, "{id}");
     }
 }

@@ -2,10 +2,11 @@
 
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{
-    Act, AssignmentQuery, AssignmentRequest, AssignmentState, Binds, Booking, Closure, Encounter,
-    EncounterQuery, EventDetails, EventKind, EventQuery, Fact, FloorNote, JobFailure, JobKind, JobQuery,
-    JobRequest, JobState, KeptRoute, LastPlace, LocalClock, Moved, Purpose, Reaction, Recurrence,
-    RecurringClosure, ReplanCause, RobotEventQuery, RobotEventSource, Stop, Task, Weekdays,
+    Act, AreaFact, AssignmentFact, AssignmentQuery, AssignmentRequest, AssignmentState, Binds, Booking,
+    Closure, Encounter, EncounterFact, EncounterQuery, EventDetails, EventKind, EventQuery, Fact, FloorFact,
+    FloorNote, JobFact, JobFailure, JobKind, JobQuery, JobRequest, JobState, KeptRoute, LastPlace,
+    LocalClock, Moved, Purpose, Reaction, Recurrence, RecurringClosure, ReplanCause, RobotEventQuery,
+    RobotEventSource, RobotFact, RouteFact, Stop, Task, Weekdays, WorkerFact,
 };
 use giveway::geometry::Spot;
 use giveway::id::{
@@ -31,17 +32,6 @@ fn deliver() -> JobRequest {
 fn every_fact() -> Vec<Fact> {
     let (robot, job, rack, node, at) =
         (RobotId(2), JobId(7), RackId(3), NodeId(4), Time(1_800_000_000_000_000));
-    let visit = |serial: u32, last: bool| Visit {
-        node: NodeId(serial),
-        lane: (!last).then_some(ResourceId(99)),
-        loaded: last,
-        enter: at,
-        arrive: at,
-        depart: if last { Time::MAX } else { at },
-        leave: if last { Time::MAX } else { at },
-        stay: Span(if last { 0 } else { 2_200_000 }),
-    };
-    let stop = |serial, act| Stop { serial, act };
     let kinds = [
         JobKind::Deliver { rack, station: StationId(1), pick: Some(Span(8)) },
         JobKind::Deliver { rack, station: StationId(1), pick: None },
@@ -71,8 +61,59 @@ fn every_fact() -> Vec<Fact> {
         Task::Store { job: None, rack, store: node },
     ];
     let mut facts = vec![
-        Fact::Registered { robot, name: "robot-\"ü\"".into(), kind: "mover".into(), node, at },
-        Fact::Routed {
+        Fact::Robot(RobotFact::Registered {
+            robot,
+            name: "robot-\"ü\"".into(),
+            kind: "mover".into(),
+            node,
+            at,
+        }),
+        Fact::Floor(FloorFact::KeysExpired { jobs: vec![job], assignments: vec![] }),
+        Fact::Floor(FloorFact::KeysExpired { jobs: vec![], assignments: vec![AssignmentId(3)] }),
+        Fact::Robot(RobotFact::Failed { robot, at }),
+        Fact::Robot(RobotFact::Repaired { robot, at }),
+        Fact::Robot(RobotFact::Fenced { robot, at }),
+        Fact::Floor(FloorFact::Halted { robot: None, at }),
+        Fact::Floor(FloorFact::Halted { robot: Some(robot), at }),
+        Fact::Floor(FloorFact::Released { robot: Some(robot), at }),
+        Fact::Job(JobFact::Prioritised { job: JobId(99), priority: 9, at }),
+        Fact::Job(JobFact::Changed { job: JobId(99), kind: kinds[0], priority: 9, deadline: Some(at), at }),
+    ];
+    for (i, kind) in kinds.into_iter().enumerate() {
+        let mut request = request(kind);
+        request.deadline = Some(at);
+        request.after = vec![JobId(1), JobId(2)];
+        request.key = Some("a key".into());
+        request.reference = Some("order 4711".into());
+        request.labels = [("wave".to_owned(), format!("{i}"))].into();
+        facts.push(Fact::Job(JobFact::Accepted { job: JobId(i as u64 + 1), request, at }));
+    }
+    facts.extend(states.map(|state| Fact::Job(JobFact::Progressed { job, state, tasked: None, at })));
+    facts.extend(facts_about_routes(at));
+    facts.extend(facts_about_people(at));
+    facts.extend(tasks.map(|task| Fact::Robot(RobotFact::Tasked { robot, task })));
+    facts.extend(moves.map(|purpose| {
+        let task = Task::Move { job: Some(job), goal: node, stay: NodeId(5), purpose };
+        Fact::Robot(RobotFact::Tasked { robot, task })
+    }));
+    facts
+}
+
+fn facts_about_routes(at: Time) -> Vec<Fact> {
+    let (robot, rack) = (RobotId(2), RackId(3));
+    let visit = |serial: u32, last: bool| Visit {
+        node: NodeId(serial),
+        lane: (!last).then_some(ResourceId(99)),
+        loaded: last,
+        enter: at,
+        arrive: at,
+        depart: if last { Time::MAX } else { at },
+        leave: if last { Time::MAX } else { at },
+        stay: Span(if last { 0 } else { 2_200_000 }),
+    };
+    let stop = |serial, act| Stop { serial, act };
+    vec![
+        Fact::Route(RouteFact::Routed {
             bookings: vec![Booking {
                 robot,
                 keep: u64::MAX,
@@ -85,48 +126,21 @@ fn every_fact() -> Vec<Fact> {
                     stop(4, Act::Arrive),
                 ],
             }],
-        },
-        Fact::Granted { robot, serial: 8, at },
-        Fact::Passed { robot, serial: 8 },
-        Fact::Acted { robot, serial: 8 },
-        Fact::Retimed { moved: vec![Moved { robot, shifts: shifts(at) }] },
-        Fact::Revoked { robot, serial: 8, recalls: 3, at },
-        Fact::Placed {
+        }),
+        Fact::Route(RouteFact::Granted { robot, serial: 8, at }),
+        Fact::Route(RouteFact::Passed { robot, serial: 8 }),
+        Fact::Route(RouteFact::Acted { robot, serial: 8 }),
+        Fact::Route(RouteFact::Retimed { moved: vec![Moved { robot, shifts: shifts(at) }] }),
+        Fact::Route(RouteFact::Revoked { robot, serial: 8, recalls: 3, at }),
+        Fact::Route(RouteFact::Placed {
             robot,
             node: NodeId(7),
             serial: 12,
             cut: vec![KeptRoute { robot, end: 9, shifts: shifts(at) }],
             at,
-        },
-        Fact::Truncated { robots: vec![KeptRoute { robot, end: 9, shifts: shifts(at) }] },
-        Fact::KeysExpired { jobs: vec![job], assignments: vec![] },
-        Fact::KeysExpired { jobs: vec![], assignments: vec![AssignmentId(3)] },
-        Fact::Failed { robot, at },
-        Fact::Repaired { robot, at },
-        Fact::Fenced { robot, at },
-        Fact::Halted { robot: None, at },
-        Fact::Halted { robot: Some(robot), at },
-        Fact::Released { robot: Some(robot), at },
-        Fact::Prioritised { job: JobId(99), priority: 9, at },
-        Fact::JobChanged { job: JobId(99), kind: kinds[0], priority: 9, deadline: Some(at), at },
-    ];
-    for (i, kind) in kinds.into_iter().enumerate() {
-        let mut request = request(kind);
-        request.deadline = Some(at);
-        request.after = vec![JobId(1), JobId(2)];
-        request.key = Some("a key".into());
-        request.reference = Some("order 4711".into());
-        request.labels = [("wave".to_owned(), format!("{i}"))].into();
-        facts.push(Fact::Accepted { job: JobId(i as u64 + 1), request, at });
-    }
-    facts.extend(states.map(|state| Fact::Progressed { job, state, tasked: None, at }));
-    facts.extend(facts_about_people(at));
-    facts.extend(tasks.map(|task| Fact::Tasked { robot, task }));
-    facts.extend(moves.map(|purpose| {
-        let task = Task::Move { job: Some(job), goal: node, stay: NodeId(5), purpose };
-        Fact::Tasked { robot, task }
-    }));
-    facts
+        }),
+        Fact::Route(RouteFact::Truncated { robots: vec![KeptRoute { robot, end: 9, shifts: shifts(at) }] }),
+    ]
 }
 
 /// A visit that ends, one that is held for ever though its robot leaves, and one that never ends.
@@ -154,7 +168,7 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
     let request =
         AssignmentRequest { place: NodeId(5), stay: Span(9), what: "count".into(), key: Some("k".into()) };
     let met = |reaction| {
-        Fact::Encountered(Encounter {
+        Fact::Encounter(EncounterFact::Met(Encounter {
             worker,
             robot,
             began: at,
@@ -166,25 +180,32 @@ fn facts_about_people(at: Time) -> Vec<Fact> {
             worker_mmps: 1200,
             reaction,
             delay: Span(3),
-        })
+        }))
     };
     let mut facts = vec![
-        Fact::WorkerRegistered { worker, name: "anna".into(), at },
-        Fact::Closed { closure, area: area.clone() },
-        Fact::Reopened { closure, at },
-        Fact::Deviated { worker, at },
+        Fact::Worker(WorkerFact::Registered { worker, name: "anna".into(), at }),
+        Fact::Area(AreaFact::Closed { closure, area: area.clone() }),
+        Fact::Area(AreaFact::Reopened { closure, at }),
+        Fact::Encounter(EncounterFact::Deviated { worker, at }),
     ];
     for (i, state) in ASSIGNMENT_STATES.into_iter().enumerate() {
         let assignment = AssignmentId(i as u64 + 1);
         // Half of them waited for somebody.
         let waits = i % 2 == 1;
         let of = (!waits).then_some(worker);
-        facts.push(Fact::Assigned { assignment, worker: of, request: request.clone(), at });
-        facts.extend(waits.then_some(Fact::Given { assignment, worker, at }));
-        facts.push(Fact::Advanced { assignment, state, at: at + Span(1) });
+        facts.push(Fact::Assignment(AssignmentFact::Assigned {
+            assignment,
+            worker: of,
+            request: request.clone(),
+            at,
+        }));
+        facts.extend(waits.then_some(Fact::Assignment(AssignmentFact::Given { assignment, worker, at })));
+        facts.push(Fact::Assignment(AssignmentFact::Advanced { assignment, state, at: at + Span(1) }));
     }
     facts.extend(REACTIONS.map(met));
-    facts.extend(REACTIONS.map(|reaction| Fact::Interrupted { robot, worker, reaction, at }));
+    facts.extend(
+        REACTIONS.map(|reaction| Fact::Encounter(EncounterFact::Interrupted { robot, worker, reaction, at })),
+    );
     facts.extend(facts_about_closures(&area, at));
     facts.extend(notes(at));
     facts
@@ -214,14 +235,14 @@ fn facts_about_closures(area: &Closure, at: Time) -> Vec<Fact> {
     let clock = LocalClock { zone: Some("Europe/Berlin".into()), offset: Span(-7), changes };
     let recurrence = Recurrence { every: Span(900), weekdays: Weekdays(0b101), clock, until: Time::MAX };
     vec![
-        Fact::Recurs { series, closure: RecurringClosure::new(of(Binds::Both), recurrence) },
-        Fact::Closed { closure: ClosureId(5), area: of(Binds::Both) },
-        Fact::Scheduled { series, next: Some(at + Span(900)) },
-        Fact::Closed { closure: ClosureId(6), area: of(Binds::People) },
-        Fact::Scheduled { series, next: None },
-        Fact::SeriesEnded { series, at },
-        Fact::Evacuated { at },
-        Fact::EvacuationEnded { at },
+        Fact::Area(AreaFact::Recurs { series, closure: RecurringClosure::new(of(Binds::Both), recurrence) }),
+        Fact::Area(AreaFact::Closed { closure: ClosureId(5), area: of(Binds::Both) }),
+        Fact::Area(AreaFact::Scheduled { series, next: Some(at + Span(900)) }),
+        Fact::Area(AreaFact::Closed { closure: ClosureId(6), area: of(Binds::People) }),
+        Fact::Area(AreaFact::Scheduled { series, next: None }),
+        Fact::Area(AreaFact::SeriesEnded { series, at }),
+        Fact::Floor(FloorFact::Evacuated { at }),
+        Fact::Floor(FloorFact::EvacuationEnded { at }),
     ]
 }
 
@@ -248,7 +269,9 @@ async fn lists_about_people_follow_the_facts() {
     let rows = store.assignments(&all).await.unwrap().rows;
     let states: Vec<_> = rows.iter().rev().map(|row| row.assignment.state).collect();
     assert_eq!(states, ASSIGNMENT_STATES);
-    let Fact::Assigned { request, worker, .. } = &facts[4] else { panic!("the first assignment") };
+    let Fact::Assignment(AssignmentFact::Assigned { request, worker, .. }) = &facts[4] else {
+        panic!("the first assignment")
+    };
     assert!(rows.iter().all(|row| row.assignment.worker == Some(WorkerId(1))), "each was given to her");
     let first = store.assignment(AssignmentId(1)).await.unwrap().unwrap();
     assert_eq!((&first.assignment.request, first.assignment.worker), (request, *worker));
@@ -260,8 +283,10 @@ async fn lists_about_people_follow_the_facts() {
 
     let all = EncounterQuery { limit: 10, ..EncounterQuery::default() };
     let rows = store.encounters(&all).await.unwrap().rows;
-    let met: Vec<_> = rows.iter().rev().map(|row| Fact::Encountered(row.encounter.clone())).collect();
-    let expected: Vec<_> = facts.iter().filter(|f| matches!(f, Fact::Encountered(_))).cloned().collect();
+    let met: Vec<_> =
+        rows.iter().rev().map(|row| Fact::Encounter(EncounterFact::Met(row.encounter.clone()))).collect();
+    let expected: Vec<_> =
+        facts.iter().filter(|f| matches!(f, Fact::Encounter(EncounterFact::Met(_)))).cloned().collect();
     assert_eq!(met, expected, "each once");
     let later = EncounterQuery { from: Some(at + Span(1)), ..all.clone() };
     assert_eq!(store.encounters(&later).await.unwrap().rows, []);
@@ -291,7 +316,10 @@ fn every_fact_comes_back_from_its_record() {
 fn records_of_version_2_are_read_for_ever() {
     let text = r#"[{"fact":"routed","bookings":[[2,5,[1,null,5,[10,10,10,20]],[[2,7,0,[30,10,null,null]]],[[6,{"lift":3}],[7,"arrive"]]]]},{"fact":"delayed","moved":[[2,[[6,[1,2,3,null]]]]]}]"#;
     let facts = record::decode(2, text).unwrap();
-    let [Fact::Routed { bookings }, Fact::Retimed { moved }] = &facts[..] else { panic!("{text}") };
+    let [Fact::Route(RouteFact::Routed { bookings }), Fact::Route(RouteFact::Retimed { moved })] = &facts[..]
+    else {
+        panic!("{text}")
+    };
     let Booking { keep: 5, kept, visits, stops, .. } = &bookings[0] else { panic!("{text}") };
     assert_eq!((kept.enter, kept.arrive, kept.depart, kept.leave), (Time(10), Time(20), Time(30), Time(40)));
     assert!(visits[0].depart.is_forever());
@@ -324,7 +352,7 @@ async fn what_was_appended_is_loaded_and_projected() {
     assert_eq!(loaded.next, steps.len() as i64 + 1);
     assert_eq!(loaded.last, steps.last().map(|s| s.at));
     for fact in &facts {
-        if let Fact::Accepted { job, request, at } = fact {
+        if let Fact::Job(JobFact::Accepted { job, request, at }) = fact {
             let row = store.job(*job).await.unwrap().unwrap();
             assert_eq!((&row.job.request, row.job.accepted), (request, *at));
         }
@@ -349,7 +377,7 @@ async fn what_was_appended_is_loaded_and_projected() {
 async fn a_batch_that_is_appended_again_is_written_once_and_a_gap_is_refused() {
     let folder = Folder::new();
     let store = Store::open(&folder.database(), &map()).await.unwrap();
-    let facts = vec![Fact::Accepted { job: JobId(1), request: deliver(), at: Time(5) }];
+    let facts = vec![Fact::Job(JobFact::Accepted { job: JobId(1), request: deliver(), at: Time(5) })];
     let batch = [StepEntry { at: Time(5), facts, causes: Vec::new() }];
     store.append(1, &batch).await.unwrap();
     store.append(1, &batch).await.unwrap();
@@ -457,14 +485,14 @@ async fn a_worker_who_is_noted_again_is_no_event_and_a_replan_is_one_with_both_w
     let store = Store::open(&folder.database(), &map()).await.unwrap();
     let (worker, at) = (WorkerId(1), Time(1_800_000_000_000_000));
     let place = LastPlace { at: Spot { x_mm: 1, y_mm: 2 }, seen: at, within_mm: None };
-    let noted = Fact::WorkerNoted { worker, place };
+    let noted = Fact::Worker(WorkerFact::Noted { worker, place });
     let facts = vec![
-        Fact::WorkerRegistered { worker, name: "anna".into(), at },
+        Fact::Worker(WorkerFact::Registered { worker, name: "anna".into(), at }),
         noted.clone(),
         noted.clone(),
-        Fact::Deviated { worker, at },
+        Fact::Encounter(EncounterFact::Deviated { worker, at }),
         noted.clone(),
-        Fact::WorkerCleared { worker, by: None, at },
+        Fact::Worker(WorkerFact::Cleared { worker, by: None, at }),
         noted,
     ];
     let facts: Vec<Fact> = facts.into_iter().chain(notes(at)).collect();

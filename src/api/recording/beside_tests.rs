@@ -4,8 +4,8 @@ use super::tests::{TestFolder, cut};
 use super::*;
 use crate::api::port::Moment;
 use crate::fleet::{
-    Activity, Backlog, Counts, Doing, Encounter, Fact, FloorNote, JobKind, Pending, Reaction, ReplanCause,
-    RobotState, RobotView, Task, View, Why,
+    Activity, Backlog, Counts, Doing, Encounter, EncounterFact, Fact, FloorNote, JobKind, Pending, Reaction,
+    ReplanCause, RobotState, RobotView, Task, View, Why,
 };
 use crate::geometry::{Point, Pose, Spot};
 use crate::id::{ClosureId, Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -181,7 +181,7 @@ fn the_bookmark_of_an_encounter_has_its_details_in_the_seconds_of_whoever_asks()
     let folder = place.folder(1000);
     let mut rotation = record(&folder, 0, 10);
     let at = |s: i64| Time((1000 + s) * 1_000_000);
-    rotation.note(&Fact::Encountered(Encounter {
+    rotation.note(&Fact::Encounter(EncounterFact::Met(Encounter {
         worker: WorkerId::at(0),
         robot: RobotId::at(0),
         began: at(8),
@@ -193,7 +193,7 @@ fn the_bookmark_of_an_encounter_has_its_details_in_the_seconds_of_whoever_asks()
         worker_mmps: 1200,
         reaction: Reaction::Stopped,
         delay: Span::from_millis(2500),
-    }));
+    })));
     rotation.take(&frame(at(0), 11.0)).unwrap();
     rotation.finish().unwrap();
     let marks = place.folder(1100).past(f64::NEG_INFINITY, f64::INFINITY).marks;

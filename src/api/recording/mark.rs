@@ -7,7 +7,9 @@
 use crate::api::live::Frame;
 use crate::api::text::{closure_name, round3, worker_name};
 use crate::api::words::{PresenceDto, ReactionDto};
-use crate::fleet::{Encounter, Fact, FloorNote, Reaction, ReplanCause};
+use crate::fleet::{
+    AreaFact, Encounter, EncounterFact, Fact, FloorFact, FloorNote, Reaction, ReplanCause, RobotFact,
+};
 use crate::id::{Dense, RobotId, WorkerId};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
@@ -98,18 +100,12 @@ const BY_FACT: [&str; 3] = ["stopped", "paused", "evacuation"];
 pub fn is_notable(fact: &Fact) -> bool {
     matches!(
         fact,
-        Fact::Deviated { .. }
-            | Fact::Encountered(_)
+        Fact::Encounter(EncounterFact::Deviated { .. } | EncounterFact::Met(_))
             | Fact::Noted(FloorNote::Replanned { .. })
-            | Fact::Halted { .. }
-            | Fact::Released { .. }
-            | Fact::Failed { .. }
-            | Fact::Repaired { .. }
-            | Fact::Fenced { .. }
-            | Fact::Closed { .. }
-            | Fact::Reopened { .. }
-            | Fact::Evacuated { .. }
-            | Fact::EvacuationEnded { .. }
+            | Fact::Floor(FloorFact::Halted { .. } | FloorFact::Released { .. })
+            | Fact::Robot(RobotFact::Failed { .. } | RobotFact::Repaired { .. } | RobotFact::Fenced { .. })
+            | Fact::Area(AreaFact::Closed { .. } | AreaFact::Reopened { .. })
+            | Fact::Floor(FloorFact::Evacuated { .. } | FloorFact::EvacuationEnded { .. })
     )
 }
 
@@ -127,42 +123,48 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
         Mark { at_s, kind, words, who, place, encounter }
     };
     match fact {
-        Fact::Deviated { worker, at } => {
+        Fact::Encounter(EncounterFact::Deviated { worker, at }) => {
             let place = frame.workers.get(worker.ix()).and_then(|w| Some([w.x?, w.y?]));
             let words = format!("{} left the path", called(*worker, frame));
             let who = vec![worker_name(*worker)];
             Some(Mark { at_s: seconds(at), kind: MarkKind::Deviation, words, who, place, encounter: None })
         }
-        Fact::Encountered(e) => Some(met(e, seconds, robot(&e.robot)?.0, frame)),
+        Fact::Encounter(EncounterFact::Met(e)) => Some(met(e, seconds, robot(&e.robot)?.0, frame)),
         Fact::Noted(FloorNote::Replanned { robot: r, cause, at, .. }) => {
             let (what, with) = replanned(cause, frame)?;
             let mut mark = of_robot(MarkKind::Replan, at, r, &what)?;
             mark.who.extend(with);
             Some(mark)
         }
-        Fact::Halted { robot: Some(r), at } => of_robot(MarkKind::Stop, at, r, "was paused by hand"),
-        Fact::Released { robot: Some(r), at } => of_robot(MarkKind::Stop, at, r, "goes on"),
-        Fact::Halted { robot: None, at } => {
+        Fact::Floor(FloorFact::Halted { robot: Some(r), at }) => {
+            of_robot(MarkKind::Stop, at, r, "was paused by hand")
+        }
+        Fact::Floor(FloorFact::Released { robot: Some(r), at }) => of_robot(MarkKind::Stop, at, r, "goes on"),
+        Fact::Floor(FloorFact::Halted { robot: None, at }) => {
             Some(of_all(MarkKind::Stop, seconds(at), "all robots were stopped by hand".into(), None))
         }
-        Fact::Released { robot: None, at } => {
+        Fact::Floor(FloorFact::Released { robot: None, at }) => {
             Some(of_all(MarkKind::Stop, seconds(at), "all robots go on".into(), None))
         }
-        Fact::Failed { robot: r, at } => of_robot(MarkKind::Failure, at, r, "broke down"),
-        Fact::Repaired { robot: r, at } => of_robot(MarkKind::Failure, at, r, "works again"),
-        Fact::Fenced { robot: r, at } => of_robot(MarkKind::Failure, at, r, "was fenced off"),
-        Fact::Evacuated { at } => {
+        Fact::Robot(RobotFact::Failed { robot: r, at }) => of_robot(MarkKind::Failure, at, r, "broke down"),
+        Fact::Robot(RobotFact::Repaired { robot: r, at }) => {
+            of_robot(MarkKind::Failure, at, r, "works again")
+        }
+        Fact::Robot(RobotFact::Fenced { robot: r, at }) => {
+            of_robot(MarkKind::Failure, at, r, "was fenced off")
+        }
+        Fact::Floor(FloorFact::Evacuated { at }) => {
             Some(of_all(MarkKind::Alarm, seconds(at), "the building was evacuated".into(), None))
         }
-        Fact::EvacuationEnded { at } => {
+        Fact::Floor(FloorFact::EvacuationEnded { at }) => {
             Some(of_all(MarkKind::Alarm, seconds(at), "the evacuation ended".into(), None))
         }
-        Fact::Closed { closure, area } => {
+        Fact::Area(AreaFact::Closed { closure, area }) => {
             let words = format!("{} was closed: {}", closure_name(*closure), area.reason);
             let place = area.outline.first().map(|p| [p.x_mm as f64 / 1000.0, p.y_mm as f64 / 1000.0]);
             Some(of_all(MarkKind::Closure, frame.time_s, words, place))
         }
-        Fact::Reopened { closure, at } => {
+        Fact::Area(AreaFact::Reopened { closure, at }) => {
             let words = format!("{} was opened again", closure_name(*closure));
             Some(of_all(MarkKind::Closure, seconds(at), words, None))
         }

@@ -4,7 +4,7 @@ use super::*;
 use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
 use crate::api::port::Moment;
-use crate::fleet::{Fleet, Settings, View};
+use crate::fleet::{EncounterFact, Fleet, Settings, View};
 use crate::id::WorkerId;
 use crate::warehouse::lab;
 use serde_json::Value;
@@ -54,7 +54,10 @@ fn record(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Rotation {
     let start = folder.start.unwrap_or(Time::ZERO);
     for s in from_s..=to_s {
         if s % 10 == 9 {
-            rotation.note(&Fact::Deviated { worker: WorkerId(0), at: start + Span::from_secs(i64::from(s)) });
+            rotation.note(&Fact::Encounter(EncounterFact::Deviated {
+                worker: WorkerId(0),
+                at: start + Span::from_secs(i64::from(s)),
+            }));
         }
         rotation.take(&frame(f64::from(s), &Alarms::default())).unwrap();
     }

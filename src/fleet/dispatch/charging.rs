@@ -7,7 +7,7 @@
 //! is left; that robot has failed.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::fact::{Purpose, RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::id::{JobId, NodeId, RackId, RobotId};
@@ -67,7 +67,7 @@ fn lapse_promises(core: &mut Core, now: Time) -> Vec<RobotId> {
         tracing::debug!(?robot, "its place at the charger lapses");
         match core.ledger.robots[*robot].task.job() {
             Some(job) => core.progress(job, JobState::Waiting, Some((*robot, Task::Idle)), now),
-            None => core.record(Fact::Tasked { robot: *robot, task: Task::Idle }),
+            None => core.record(RobotFact::Tasked { robot: *robot, task: Task::Idle }),
         }
     }
     lapsed
@@ -127,7 +127,7 @@ fn make_room_to_park(core: &mut Core, without: &[RobotId], now: Time) {
 
 fn move_to(core: &mut Core, robot: RobotId, stay: NodeId, purpose: Purpose) {
     let task = Task::rest_at(stay, purpose);
-    core.record(Fact::Tasked { robot, task });
+    core.record(RobotFact::Tasked { robot, task });
 }
 
 impl Floor<'_> {

@@ -3,7 +3,7 @@
 //! Refuses: to treat a robot as gone that can still be heard, carries a rack, or may be driving.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::fact::{RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobFailure, JobState};
 use crate::fleet::state::ledger::Service;
@@ -24,14 +24,14 @@ pub(in crate::fleet) fn let_leave(core: &mut Core, now: Time) {
         if let Some(job) = core.ledger.robots[robot].task.job() {
             core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
         } else if core.ledger.robots[robot].task != Task::Idle {
-            core.record(Fact::Tasked { robot, task: Task::Idle });
+            core.record(RobotFact::Tasked { robot, task: Task::Idle });
         }
         let named: Vec<JobId> = core.ledger.index().named_for(robot).collect();
         for job in named {
             core.progress(job, JobState::Failed(JobFailure::RobotGone), None, now);
         }
         tracing::info!(robot = core.ledger.robots[robot].name, "a robot has left the floor");
-        core.record(Fact::Left { robot, at: now });
+        core.record(RobotFact::Left { robot, at: now });
         // Whatever is heard of it from now on is news.
         core.scene.forget(robot);
     }

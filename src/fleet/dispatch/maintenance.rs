@@ -3,7 +3,7 @@
 //! Refuses: to say which robots those are; operators do.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::fact::{Purpose, RobotFact, Task};
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::ledger::Service;
 use crate::time::Time;
@@ -29,7 +29,7 @@ pub(in crate::fleet) fn send_to_maintenance(core: &mut Core, now: Time) {
             Task::Idle if core.warehouse().kind(core.ledger.node_of(robot)) != NodeKind::Parking => {
                 if let Some(stay) = core.floor().free_place(robot, NodeKind::Parking) {
                     let task = Task::rest_at(stay, Purpose::Park);
-                    core.record(Fact::Tasked { robot, task });
+                    core.record(RobotFact::Tasked { robot, task });
                 }
             }
             _ => {}

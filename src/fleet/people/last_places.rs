@@ -5,7 +5,7 @@
 
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::WorkerFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::LastPlace;
 use crate::geometry::Point;
@@ -52,7 +52,7 @@ impl HumanState {
             };
             if core.ledger.on_floor.get(&worker).is_none_or(is_far) {
                 let place = LastPlace { at: place.at.into(), seen, within_mm: None };
-                core.record(Fact::WorkerNoted { worker, place });
+                core.record(WorkerFact::Noted { worker, place });
             }
         }
     }
@@ -63,7 +63,7 @@ impl HumanState {
         let Some(place) = self.whereabouts(worker, now) else { return };
         if is_at_door(core.floor(), place.at) && place.presence != Presence::Lost {
             self.clear(worker, now);
-            core.record(Fact::WorkerCleared { worker, by: None, at: now });
+            core.record(WorkerFact::Cleared { worker, by: None, at: now });
         } else {
             self.person(worker).track.sign_off(now);
         }

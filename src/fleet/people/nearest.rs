@@ -5,7 +5,7 @@
 
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::AssignmentFact;
 use crate::geometry::Point;
 use crate::human::Presence;
 use crate::id::WorkerId;
@@ -36,7 +36,7 @@ impl HumanState {
             // Workers are in order, and the first of equals is taken.
             let Some((_, nearest)) = ways_there.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
             let (worker, _) = free.remove(nearest);
-            core.record(Fact::Given { assignment, worker, at: now });
+            core.record(AssignmentFact::Given { assignment, worker, at: now });
         }
     }
 

@@ -5,7 +5,7 @@
 
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::AssignmentFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{AssignmentState, GuidanceReason};
 use crate::geometry::Point;
@@ -71,7 +71,7 @@ impl HumanState {
         let begun = core.ledger.assignments.get(&id).is_some_and(|a| a.state != AssignmentState::Waiting);
         if begun {
             let state = AssignmentState::Waiting;
-            core.record(Fact::Advanced { assignment: id, state, at: now });
+            core.record(AssignmentFact::Advanced { assignment: id, state, at: now });
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::aware::{BODY_M, HumanAwarePolicy};
 use crate::fleet::people::blocked::WaysPast;
 use crate::fleet::people::state::{HumanState, WalkMode};
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{AssignmentFact, EncounterFact};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{AssignmentState, GuidanceReason};
 use crate::fleet::state::yielding::{STANDS, YieldingState};
@@ -65,7 +65,7 @@ impl HumanState {
             Some(id) => {
                 if core.ledger.assignments[&id].state == AssignmentState::Waiting {
                     let state = AssignmentState::Walking;
-                    core.record(Fact::Advanced { assignment: id, state, at: now });
+                    core.record(AssignmentFact::Advanced { assignment: id, state, at: now });
                 }
                 self.route_on(core, yielding, worker, at, now);
             }
@@ -302,7 +302,7 @@ impl HumanState {
         at: Point,
         now: Time,
     ) {
-        core.record(Fact::Deviated { worker, at: now });
+        core.record(EncounterFact::Deviated { worker, at: now });
         self.people[worker].mode = WalkMode::Deviating { since: now };
         if core.settings.policy == HumanAwarePolicy::Giveway {
             self.route_on(core, yielding, worker, at, now);
@@ -349,7 +349,7 @@ impl HumanState {
         let since = *person.there_since.get_or_insert(now - before);
         let state = if now - since >= stay { AssignmentState::Done } else { AssignmentState::Working };
         if core.ledger.assignments.get(&id).is_some_and(|a| a.state != state) {
-            core.record(Fact::Advanced { assignment: id, state, at: now });
+            core.record(AssignmentFact::Advanced { assignment: id, state, at: now });
         }
     }
 }

@@ -4,7 +4,9 @@
 //! which are nobody's business outside, and to know the state before, which whoever keeps events knows.
 
 use super::robot_events::robot_change;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{
+    AreaFact, AssignmentFact, EncounterFact, Fact, FloorFact, JobFact, WorkerFact,
+};
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::note::{EventDetails, FloorNote, ReplanCause};
 use crate::id::{RobotId, WorkerId};
@@ -132,44 +134,52 @@ pub fn floor_event(fact: &Fact) -> Option<FloorEvent> {
         FloorEvent::of(Worker, Some(u64::from(worker.0)), new).with_worker(Some(*worker))
     };
     Some(match fact {
-        Fact::Accepted { job, .. } => FloorEvent::of(Job, Some(job.0), JobState::Waiting.word()),
-        Fact::Progressed { job, state, .. } => {
+        Fact::Job(JobFact::Accepted { job, .. }) => {
+            FloorEvent::of(Job, Some(job.0), JobState::Waiting.word())
+        }
+        Fact::Job(JobFact::Progressed { job, state, .. }) => {
             FloorEvent { robot: state.robot(), ..FloorEvent::of(Job, Some(job.0), state.word()) }
         }
-        Fact::Served { job, tasked: (robot, _), .. } => {
+        Fact::Job(JobFact::Served { job, tasked: (robot, _), .. }) => {
             let state = JobState::Carrying { robot: *robot };
             FloorEvent { robot: Some(*robot), ..FloorEvent::of(Job, Some(job.0), state.word()) }
         }
-        Fact::LineChanged { job, .. } => FloorEvent::of(Job, Some(job.0), "line"),
-        Fact::Prioritised { job, .. } | Fact::JobChanged { job, .. } | Fact::Chosen { job, .. } => {
-            FloorEvent::of(Job, Some(job.0), JobState::Waiting.word())
+        Fact::Job(JobFact::LineChanged { job, .. }) => FloorEvent::of(Job, Some(job.0), "line"),
+        Fact::Job(
+            JobFact::Prioritised { job, .. } | JobFact::Changed { job, .. } | JobFact::Chosen { job, .. },
+        ) => FloorEvent::of(Job, Some(job.0), JobState::Waiting.word()),
+        Fact::Floor(FloorFact::StationPaused { station, .. }) => {
+            FloorEvent::of(Station, Some(station.0.into()), "paused")
         }
-        Fact::StationPaused { station, .. } => FloorEvent::of(Station, Some(station.0.into()), "paused"),
-        Fact::StationResumed { station, .. } => FloorEvent::of(Station, Some(station.0.into()), "resumed"),
-        Fact::Evacuated { .. } => FloorEvent::of(Fleet, None, "evacuation_began"),
-        Fact::EvacuationEnded { .. } => FloorEvent::of(Fleet, None, "evacuation_ended"),
+        Fact::Floor(FloorFact::StationResumed { station, .. }) => {
+            FloorEvent::of(Station, Some(station.0.into()), "resumed")
+        }
+        Fact::Floor(FloorFact::Evacuated { .. }) => FloorEvent::of(Fleet, None, "evacuation_began"),
+        Fact::Floor(FloorFact::EvacuationEnded { .. }) => FloorEvent::of(Fleet, None, "evacuation_ended"),
         // Nothing is to be said of one who is forgotten.
-        Fact::WorkerRegistered { name, .. } if name.is_empty() => return None,
-        Fact::WorkerRegistered { worker: w, .. } => worker(w, "registered"),
-        Fact::WorkerNoted { worker: w, .. } => worker(w, "on_floor"),
-        Fact::WorkerNarrowed { worker: w, .. } => worker(w, "lost_near"),
-        Fact::WorkerCleared { worker: w, .. } => worker(w, "left"),
-        Fact::Deviated { worker: w, .. } => {
+        Fact::Worker(WorkerFact::Registered { name, .. }) if name.is_empty() => return None,
+        Fact::Worker(WorkerFact::Registered { worker: w, .. }) => worker(w, "registered"),
+        Fact::Worker(WorkerFact::Noted { worker: w, .. }) => worker(w, "on_floor"),
+        Fact::Worker(WorkerFact::Narrowed { worker: w, .. }) => worker(w, "lost_near"),
+        Fact::Worker(WorkerFact::Cleared { worker: w, .. }) => worker(w, "left"),
+        Fact::Encounter(EncounterFact::Deviated { worker: w, .. }) => {
             FloorEvent { kind: EventKind::WorkerDeviated, ..worker(w, "deviated") }
         }
         Fact::Noted(note) => of_note(note),
-        Fact::Assigned { assignment, worker, .. } => {
+        Fact::Assignment(AssignmentFact::Assigned { assignment, worker, .. }) => {
             FloorEvent::of(Assignment, Some(assignment.0), "waiting").with_worker(*worker)
         }
-        Fact::Given { assignment, worker, .. } => {
+        Fact::Assignment(AssignmentFact::Given { assignment, worker, .. }) => {
             FloorEvent::of(Assignment, Some(assignment.0), "given").with_worker(Some(*worker))
         }
-        Fact::Advanced { assignment, state, .. } => {
+        Fact::Assignment(AssignmentFact::Advanced { assignment, state, .. }) => {
             FloorEvent::of(Assignment, Some(assignment.0), state.word())
         }
-        Fact::Closed { closure, .. } => FloorEvent::of(Closure, Some(closure.0), "closed"),
-        Fact::Reopened { closure, .. } => FloorEvent::of(Closure, Some(closure.0), "reopened"),
-        Fact::Encountered(e) => FloorEvent {
+        Fact::Area(AreaFact::Closed { closure, .. }) => FloorEvent::of(Closure, Some(closure.0), "closed"),
+        Fact::Area(AreaFact::Reopened { closure, .. }) => {
+            FloorEvent::of(Closure, Some(closure.0), "reopened")
+        }
+        Fact::Encounter(EncounterFact::Met(e)) => FloorEvent {
             robot: Some(e.robot),
             at: Some(e.ended),
             ..FloorEvent::of(Encounter, None, e.reaction.word()).with_worker(Some(e.worker))

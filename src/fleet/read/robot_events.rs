@@ -2,7 +2,7 @@
 //!
 //! Main types: [`RobotChange`], [`RobotEventRow`], [`RobotEventQuery`]. Refuses: to know where they are kept.
 
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{Fact, FloorFact, RobotFact};
 use crate::fleet::state::note::EventDetails;
 use crate::id::RobotId;
 use crate::time::Time;
@@ -62,19 +62,21 @@ impl RobotChange {
 /// What a fact says of a robot alone, or of all of them, if it does.
 pub fn robot_change(fact: &Fact) -> Option<(Option<RobotId>, RobotChange)> {
     let (robot, change) = match fact {
-        Fact::Registered { robot, .. } => (robot, RobotChange::Joined),
-        Fact::Failed { robot, .. } => (robot, RobotChange::Failed),
-        Fact::Repaired { robot, .. } => (robot, RobotChange::Repaired),
-        Fact::Fenced { robot, .. } => (robot, RobotChange::Fenced),
-        Fact::Halted { robot: Some(robot), .. } => (robot, RobotChange::Paused),
-        Fact::Released { robot: Some(robot), .. } => (robot, RobotChange::Resumed),
-        Fact::Halted { robot: None, .. } => return Some((None, RobotChange::FleetStopped)),
-        Fact::Released { robot: None, .. } => return Some((None, RobotChange::FleetResumed)),
-        Fact::Maintenance { robot, since: Some(_) } => (robot, RobotChange::OutOfService),
-        Fact::Maintenance { robot, since: None } => (robot, RobotChange::BackInService),
-        Fact::Retired { robot, .. } => (robot, RobotChange::Leaving),
-        Fact::Left { robot, .. } => (robot, RobotChange::Left),
-        Fact::Returned { robot, .. } => (robot, RobotChange::Returned),
+        Fact::Robot(RobotFact::Registered { robot, .. }) => (robot, RobotChange::Joined),
+        Fact::Robot(RobotFact::Failed { robot, .. }) => (robot, RobotChange::Failed),
+        Fact::Robot(RobotFact::Repaired { robot, .. }) => (robot, RobotChange::Repaired),
+        Fact::Robot(RobotFact::Fenced { robot, .. }) => (robot, RobotChange::Fenced),
+        Fact::Floor(FloorFact::Halted { robot: Some(robot), .. }) => (robot, RobotChange::Paused),
+        Fact::Floor(FloorFact::Released { robot: Some(robot), .. }) => (robot, RobotChange::Resumed),
+        Fact::Floor(FloorFact::Halted { robot: None, .. }) => return Some((None, RobotChange::FleetStopped)),
+        Fact::Floor(FloorFact::Released { robot: None, .. }) => {
+            return Some((None, RobotChange::FleetResumed));
+        }
+        Fact::Robot(RobotFact::Maintenance { robot, since: Some(_) }) => (robot, RobotChange::OutOfService),
+        Fact::Robot(RobotFact::Maintenance { robot, since: None }) => (robot, RobotChange::BackInService),
+        Fact::Robot(RobotFact::Retired { robot, .. }) => (robot, RobotChange::Leaving),
+        Fact::Robot(RobotFact::Left { robot, .. }) => (robot, RobotChange::Left),
+        Fact::Robot(RobotFact::Returned { robot, .. }) => (robot, RobotChange::Returned),
         _ => return None,
     };
     Some((Some(*robot), change))

@@ -4,7 +4,7 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::FloorFact;
 use crate::fleet::state::heard::{Heard, WorkerInput};
 use crate::fleet::state::io::{CausedFacts, Input};
 use crate::fleet::state::request::{
@@ -131,7 +131,7 @@ impl Intake<'_> {
         let (jobs, assignments) =
             (self.core.ledger.keys.expired(now), self.core.ledger.assignment_keys.expired(now));
         if !jobs.is_empty() || !assignments.is_empty() {
-            self.core.record(Fact::KeysExpired { jobs, assignments });
+            self.core.record(FloorFact::KeysExpired { jobs, assignments });
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Refuses: to plan; what is asked for becomes a fact or a refusal.
 
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{AreaFact, FloorFact};
 use crate::fleet::state::recurring::RecurringClosure;
 use crate::fleet::state::refusal::{AreaRefusal, Bounded, Refusal};
 use crate::fleet::state::request::{Answer, Answered};
@@ -33,7 +33,7 @@ impl Intake<'_> {
             return Err(Refusal::TooMany(Bounded::Closures, self.core.ledger.closures.len()));
         }
         let closure = ClosureId(self.core.ledger.next_closure);
-        self.core.record(Fact::Closed { closure, area });
+        self.core.record(AreaFact::Closed { closure, area });
         Ok(Answer::Closure(closure))
     }
 
@@ -41,7 +41,7 @@ impl Intake<'_> {
         if !self.core.ledger.closures.contains_key(&closure) {
             return Err(Refusal::Area(AreaRefusal::UnknownClosure(closure)));
         }
-        self.core.record(Fact::Reopened { closure, at: now });
+        self.core.record(AreaFact::Reopened { closure, at: now });
         Ok(Answer::Done)
     }
 
@@ -56,7 +56,7 @@ impl Intake<'_> {
         }
         let series = SeriesId(ledger.next_series);
         let area = Closure { series: Some(series), ..closure.area };
-        self.core.record(Fact::Recurs { series, closure: RecurringClosure { area, ..closure } });
+        self.core.record(AreaFact::Recurs { series, closure: RecurringClosure { area, ..closure } });
         Ok(Answer::Series(series))
     }
 
@@ -68,8 +68,8 @@ impl Intake<'_> {
         let closures = self.core.ledger.closures.iter();
         let open = closures.filter(|(_, c)| c.series == Some(series) && now < c.window.end());
         let open: Vec<ClosureId> = open.map(|(id, _)| *id).collect();
-        self.core.record(Fact::SeriesEnded { series, at: now });
-        open.into_iter().for_each(|closure| self.core.record(Fact::Reopened { closure, at: now }));
+        self.core.record(AreaFact::SeriesEnded { series, at: now });
+        open.into_iter().for_each(|closure| self.core.record(AreaFact::Reopened { closure, at: now }));
         Ok(Answer::Done)
     }
 
@@ -79,14 +79,14 @@ impl Intake<'_> {
             return Err(Refusal::Area(AreaRefusal::NoExits));
         }
         if self.core.ledger.evacuation.is_none() {
-            self.core.record(Fact::Evacuated { at: now });
+            self.core.record(FloorFact::Evacuated { at: now });
         }
         Ok(Answer::Done)
     }
 
     pub(super) fn end_evacuation(&mut self, now: Time) -> Answered {
         if self.core.ledger.evacuation.is_some() {
-            self.core.record(Fact::EvacuationEnded { at: now });
+            self.core.record(FloorFact::EvacuationEnded { at: now });
         }
         Ok(Answer::Done)
     }

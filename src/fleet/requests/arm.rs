@@ -9,7 +9,7 @@ use crate::cell::arm::{ArmDeed, ArmMode, ArmSaid, ArmTask, Surroundings};
 use crate::cell::{LineChange, LineProgress, LineState, PickedBy};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::requests::visit::OnVisit;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::JobFact;
 use crate::fleet::state::visits::ConfirmedBy;
 use crate::id::{JobId, StationId};
 use crate::reach::PickModel;
@@ -72,7 +72,7 @@ impl Intake<'_> {
     }
 
     fn give_to(&mut self, change: LineChange, job: JobId, line: usize, now: Time) {
-        self.core.record(Fact::LineChanged { job, line, change, at: now });
+        self.core.record(JobFact::LineChanged { job, line, change, at: now });
     }
 
     /// A task whose visit or line is over, or which the arm cannot do, is the arm's no more.

@@ -3,7 +3,7 @@
 //! Refuses: to change what a robot works on; that would have to be cancelled and submitted anew.
 
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::JobFact;
 use crate::fleet::state::job::{JobChange, JobKind, JobRequest, JobState};
 use crate::fleet::state::refusal::{JobRefusal, Refusal};
 use crate::fleet::state::request::{Answer, Answered};
@@ -36,9 +36,9 @@ impl Intake<'_> {
         }
         let deadline = change.deadline.unwrap_or(before.deadline);
         if (kind, deadline) != (before.kind, before.deadline) {
-            self.core.record(Fact::JobChanged { job, kind, priority, deadline, at: now });
+            self.core.record(JobFact::Changed { job, kind, priority, deadline, at: now });
         } else if priority != before.priority {
-            self.core.record(Fact::Prioritised { job, priority, at: now });
+            self.core.record(JobFact::Prioritised { job, priority, at: now });
         }
         Ok(Answer::Done)
     }

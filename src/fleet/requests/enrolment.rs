@@ -7,7 +7,7 @@
 //! unknown kinds.
 
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{Fact, RobotFact};
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::refusal::{Bounded, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered, Made};
@@ -51,8 +51,8 @@ impl Intake<'_> {
         drop(others);
         self.core.scene.forget(robot);
         self.core.record(match known {
-            None => Fact::Registered { robot, name, kind, node, at: now },
-            Some(_) => Fact::Returned { robot, kind, node, at: now },
+            None => Fact::Robot(RobotFact::Registered { robot, name, kind, node, at: now }),
+            Some(_) => Fact::Robot(RobotFact::Returned { robot, kind, node, at: now }),
         });
         Ok(Answer::Robot(Made { id: robot, new: true }))
     }
@@ -60,7 +60,7 @@ impl Intake<'_> {
     /// A robot goes to maintenance; one that leaves goes on leaving.
     pub(in crate::fleet) fn begin_maintenance(&mut self, robot: RobotId, now: Time) -> Answered {
         if self.service_of(robot)? == Service::Works {
-            self.core.record(Fact::Maintenance { robot, since: Some(now) });
+            self.core.record(RobotFact::Maintenance { robot, since: Some(now) });
         }
         Ok(Answer::Done)
     }
@@ -70,7 +70,7 @@ impl Intake<'_> {
         match self.service_of(robot)? {
             Service::Works | Service::Gone { .. } => {}
             Service::Maintenance { .. } | Service::Leaving { .. } => {
-                self.core.record(Fact::Maintenance { robot, since: None });
+                self.core.record(RobotFact::Maintenance { robot, since: None });
             }
         }
         Ok(Answer::Done)
@@ -79,7 +79,7 @@ impl Intake<'_> {
     /// A robot is to leave the floor.
     pub(in crate::fleet) fn retire(&mut self, robot: RobotId, now: Time) -> Answered {
         if !matches!(self.service_of(robot)?, Service::Leaving { .. }) {
-            self.core.record(Fact::Retired { robot, at: now });
+            self.core.record(RobotFact::Retired { robot, at: now });
         }
         Ok(Answer::Done)
     }

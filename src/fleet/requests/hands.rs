@@ -8,7 +8,7 @@ use crate::cell::{DeskEvent, DeskScene, HandsSeen, HeldPiece, LineChange, Lines,
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::requests::visit::OnVisit;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::JobFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{CellWarning, WrongReach};
 use crate::fleet::state::job::JobState;
@@ -103,7 +103,7 @@ impl Intake<'_> {
                 let noted = self.change_line(visit.robot, (line, change), ConfirmedBy::Hand, now);
                 debug_assert!(noted.is_ok(), "a lit line waits for a piece");
             }
-            None => self.core.record(Fact::LineChanged { job, line, change, at: now }),
+            None => self.core.record(JobFact::LineChanged { job, line, change, at: now }),
         }
     }
 

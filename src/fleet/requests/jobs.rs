@@ -4,7 +4,7 @@
 
 use crate::cell;
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::fact::{JobFact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobKind, JobRequest, JobState};
 use crate::fleet::state::ledger::RackAt;
@@ -37,7 +37,7 @@ impl Intake<'_> {
             return Err(Refusal::TooMany(Bounded::Jobs, self.core.ledger.jobs.len()));
         }
         let job = JobId(self.core.ledger.next_job);
-        self.core.record(Fact::Accepted { job, request, at: now });
+        self.core.record(JobFact::Accepted { job, request, at: now });
         Ok(Made { id: job, new: true })
     }
 

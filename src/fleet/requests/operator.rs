@@ -6,7 +6,7 @@
 //! keeps its holds, and those behind wait.
 
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::FloorFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::refusal::Refusal;
 use crate::fleet::state::request::{Answer, Answered};
@@ -17,7 +17,7 @@ impl Intake<'_> {
     /// One robot, or the whole fleet, is to stand.
     pub(in crate::fleet) fn halt(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
         if self.core.floor().halted_since(robot)?.is_none() {
-            self.core.record(Fact::Halted { robot, at: now });
+            self.core.record(FloorFact::Halted { robot, at: now });
         }
         Ok(Answer::Done)
     }
@@ -27,7 +27,7 @@ impl Intake<'_> {
         let fenced =
             robot.is_some_and(|r| self.core.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
         if self.core.floor().halted_since(robot)?.is_some() || fenced {
-            self.core.record(Fact::Released { robot, at: now });
+            self.core.record(FloorFact::Released { robot, at: now });
         }
         Ok(Answer::Done)
     }

@@ -5,7 +5,7 @@
 //! drive, and a node that is taken, or that a robot is to drive over.
 
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::fact::{RobotFact, Task};
 use crate::fleet::state::job::{JobKind, JobState};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::refusal::{RackRefusal, Refusal, RobotRefusal};
@@ -18,9 +18,9 @@ impl Intake<'_> {
     /// A rack stands on a storage node now, and not on the robot any more.
     pub(in crate::fleet) fn take_rack_off(&mut self, rack: RackId, node: NodeId, now: Time) -> Answered {
         let robot = self.robot_to_unload(rack, node, now)?;
-        self.core.record(Fact::RackTaken { robot, rack, node, at: now });
+        self.core.record(RobotFact::RackTaken { robot, rack, node, at: now });
         match self.core.ledger.robots[robot].task.job() {
-            None => self.core.record(Fact::Tasked { robot, task: Task::Idle }),
+            None => self.core.record(RobotFact::Tasked { robot, task: Task::Idle }),
             Some(job) => {
                 let record = &self.core.ledger.jobs[&job];
                 if matches!(record.state, JobState::Picking { .. }) {

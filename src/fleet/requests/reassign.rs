@@ -5,7 +5,7 @@
 //! are changed instead.
 
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::fact::{JobFact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{Job, JobState, RobotChoice};
 use crate::fleet::state::ledger::{RackAt, Service};
@@ -56,7 +56,7 @@ impl Intake<'_> {
             (None, Some(robot)) => RobotChoice::Except(robot, now + STAYS_AWAY),
             (None, None) => RobotChoice::Any,
         };
-        self.core.record(Fact::Chosen { job, choice, at: now });
+        self.core.record(JobFact::Chosen { job, choice, at: now });
         Ok(Answer::Done)
     }
 }

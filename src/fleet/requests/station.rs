@@ -7,7 +7,7 @@
 
 use crate::cell::{LineChange, LineOutcome, LineProgress, LineState};
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{FloorFact, JobFact, RouteFact};
 use crate::fleet::state::job::{JobFailure, JobState};
 use crate::fleet::state::refusal::{PickRefusal, Refusal};
 use crate::fleet::state::request::{Answer, Answered, LineNoted, StationOrder};
@@ -31,8 +31,10 @@ impl Intake<'_> {
         }
         let paused = self.core.ledger.paused_stations.contains_key(&station);
         match order {
-            StationOrder::Pause if !paused => self.core.record(Fact::StationPaused { station, at: now }),
-            StationOrder::Resume if paused => self.core.record(Fact::StationResumed { station, at: now }),
+            StationOrder::Pause if !paused => self.core.record(FloorFact::StationPaused { station, at: now }),
+            StationOrder::Resume if paused => {
+                self.core.record(FloorFact::StationResumed { station, at: now })
+            }
             StationOrder::Pause | StationOrder::Resume => {}
             StationOrder::Done | StationOrder::Short | StationOrder::Release => {
                 let robot = self
@@ -133,7 +135,7 @@ impl Intake<'_> {
         let (job, line, mut lines) = (left.job, line.or(left.lines.lit())?, left.lines.clone());
         Some(lines.change(line, change).map_err(Refusal::from).map(|outcome| {
             if outcome == LineOutcome::Changed {
-                self.core.record(Fact::LineChanged { job, line, change, at: now });
+                self.core.record(JobFact::LineChanged { job, line, change, at: now });
             }
             let LineProgress { state, pieces, .. } = lines.all()[line];
             LineNoted { job, line, outcome, state, pieces }
@@ -147,14 +149,14 @@ impl Intake<'_> {
             lines.all().iter().map(LineProgress::left).enumerate().filter(|(_, n)| *n > 0).collect();
         for (line, pieces) in left {
             let change = if done { LineChange::Done(pieces) } else { LineChange::Short };
-            self.core.record(Fact::LineChanged { job, line, change, at: now });
+            self.core.record(JobFact::LineChanged { job, line, change, at: now });
         }
     }
 
     /// Nobody picks for a job that was cancelled: the robot need not wait.
     pub(in crate::fleet) fn end_cancelled_pick(&mut self, robot: RobotId) {
         if self.core.floor().is_picked_from(robot) {
-            self.core.record(Fact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
+            self.core.record(RouteFact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
             self.heard.left_early.push(robot);
         }
     }

@@ -4,7 +4,7 @@
 
 use crate::cell::{LineChange, LineOutcome, LineProgress, LineRefusal, Lines, PickFace};
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{Act, Fact, Task};
+use crate::fleet::state::fact::{Act, JobFact, RouteFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::refusal::{PickRefusal, Refusal};
@@ -45,7 +45,7 @@ impl Intake<'_> {
         let mut lines = lines.clone();
         let outcome = lines.change(line, change)?;
         if outcome == LineOutcome::Changed {
-            self.core.record(Fact::LineChanged { job, line, change, at: now });
+            self.core.record(JobFact::LineChanged { job, line, change, at: now });
         }
         if lines.are_over() {
             let station = self.core.floor().station_of(robot);
@@ -74,14 +74,14 @@ impl Intake<'_> {
         if let Some(station) = self.core.floor().station_of(robot) {
             self.core.visits.keep(station, false);
         }
-        self.core.record(Fact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
+        self.core.record(RouteFact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
         self.heard.left_early.push(robot);
         if let Task::Deliver { job, rack, store, .. } = self.core.ledger.robots[robot].task {
             let next = self.core.ledger.jobs[&job].request.then.first().copied();
             if let Some(next) = next.filter(|_| state == JobState::Done) {
                 let station = self.core.warehouse().stations[next.station].node;
                 let task = Task::Deliver { job, rack, station, store };
-                self.core.record(Fact::Served { job, tasked: (robot, task), at: now });
+                self.core.record(JobFact::Served { job, tasked: (robot, task), at: now });
                 return;
             }
             let task = Task::Store { job: None, rack, store };

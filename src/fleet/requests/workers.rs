@@ -3,7 +3,7 @@
 //! Refuses: to plan; what is asked for becomes a fact or a refusal.
 
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{AssignmentFact, WorkerFact};
 use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::refusal::{Bounded, Refusal, WorkerRefusal};
 use crate::fleet::state::request::{Answer, Answered, Made};
@@ -30,7 +30,7 @@ impl Intake<'_> {
             let free = workers.pairs().find(|(_, name)| name.is_empty()).map(|(worker, _)| worker);
             free.ok_or(Refusal::TooMany(Bounded::Workers, workers.len()))?
         };
-        self.core.record(Fact::WorkerRegistered { worker, name, at: now });
+        self.core.record(WorkerFact::Registered { worker, name, at: now });
         Ok(Answer::Worker(Made { id: worker, new: true }))
     }
 
@@ -45,7 +45,7 @@ impl Intake<'_> {
             return Err(Refusal::Worker(WorkerRefusal::Busy(worker)));
         }
         self.heard.people.push(WorkerInput::Cleared(worker));
-        self.core.record(Fact::WorkerRegistered { worker, name: String::new(), at: now });
+        self.core.record(WorkerFact::Registered { worker, name: String::new(), at: now });
         Ok(Answer::Done)
     }
 
@@ -66,7 +66,7 @@ impl Intake<'_> {
             return Err(Refusal::TooMany(Bounded::Assignments, self.core.ledger.assignments.len()));
         }
         let assignment = AssignmentId(self.core.ledger.next_assignment);
-        self.core.record(Fact::Assigned { assignment, worker, request, at: now });
+        self.core.record(AssignmentFact::Assigned { assignment, worker, request, at: now });
         Ok(Answer::Assignment(Made { id: assignment, new: true }))
     }
 
@@ -83,7 +83,11 @@ impl Intake<'_> {
         if !self.core.ledger.assignments.contains_key(&id) {
             return Err(Refusal::Worker(WorkerRefusal::UnknownAssignment(id)));
         }
-        self.core.record(Fact::Advanced { assignment: id, state: AssignmentState::Cancelled, at: now });
+        self.core.record(AssignmentFact::Advanced {
+            assignment: id,
+            state: AssignmentState::Cancelled,
+            at: now,
+        });
         Ok(Answer::Done)
     }
 
@@ -93,7 +97,7 @@ impl Intake<'_> {
         if self.core.ledger.assignments.get(&id).is_none_or(|a| a.worker != Some(worker)) {
             return Err(Refusal::Worker(WorkerRefusal::UnknownAssignment(id)));
         }
-        self.core.record(Fact::Advanced { assignment: id, state: AssignmentState::Done, at: now });
+        self.core.record(AssignmentFact::Advanced { assignment: id, state: AssignmentState::Done, at: now });
         Ok(Answer::Done)
     }
 
@@ -102,7 +106,7 @@ impl Intake<'_> {
             return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         self.heard.people.push(WorkerInput::Cleared(worker));
-        self.core.record(Fact::WorkerCleared { worker, by: Some(by), at: now });
+        self.core.record(WorkerFact::Cleared { worker, by: Some(by), at: now });
         Ok(Answer::Done)
     }
 
@@ -134,7 +138,7 @@ impl Intake<'_> {
         }
         let place = LastPlace { at, seen: now, within_mm: Some(within_mm) };
         self.heard.people.push(WorkerInput::Narrowed(worker, place));
-        self.core.record(Fact::WorkerNarrowed { worker, place, by, at: now });
+        self.core.record(WorkerFact::Narrowed { worker, place, by, at: now });
         Ok(Answer::Done)
     }
 }

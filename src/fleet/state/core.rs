@@ -5,7 +5,7 @@
 
 use crate::fleet::state::activity::Activities;
 use crate::fleet::state::arms::Arms;
-use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::fact::{Fact, JobFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Step;
 use crate::fleet::state::job::JobState;
@@ -84,7 +84,8 @@ impl Core {
     }
 
     /// Takes a fact into the ledger and into the step's result.
-    pub fn record(&mut self, fact: Fact) {
+    pub fn record(&mut self, fact: impl Into<Fact>) {
+        let fact = fact.into();
         self.at_hand = fact.robot().or(self.at_hand);
         self.visits.note(&self.ledger, &fact);
         self.ledger.evolve(&fact);
@@ -93,6 +94,6 @@ impl Core {
 
     /// A job comes to another state, and its robot to another task with it.
     pub fn progress(&mut self, job: JobId, state: JobState, tasked: Option<(RobotId, Task)>, now: Time) {
-        self.record(Fact::Progressed { job, state, tasked, at: now });
+        self.record(JobFact::Progressed { job, state, tasked, at: now });
     }
 }

@@ -8,7 +8,7 @@ use crate::cell::{
     Desk, DeskEvent, DeskScene, HandsSeen, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace,
     Remaining, SeenReach, VisitSeen,
 };
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::{Fact, JobFact};
 use crate::fleet::state::io::WrongReach;
 use crate::fleet::state::job::{Job, JobKind, JobState};
 use crate::fleet::state::ledger::Ledger;
@@ -206,15 +206,17 @@ impl Visits {
     /// Takes a fact in, before the ledger does.
     pub fn note(&mut self, ledger: &Ledger, fact: &Fact) {
         match fact {
-            Fact::Progressed { job, state: JobState::Picking { .. }, at, .. } => {
+            Fact::Job(JobFact::Progressed { job, state: JobState::Picking { .. }, at, .. }) => {
                 self.clocks.insert(*job, VisitClock::of(Some(*at), *at));
                 if let Some((station, _)) = ledger.jobs.get(job).and_then(station_of) {
                     self.told.remove(&station);
                     self.desks.entry(station).or_default().begin();
                 }
             }
-            Fact::Progressed { job, at, .. } | Fact::Served { job, at, .. } => self.end(ledger, *job, *at),
-            Fact::LineChanged { job, line, change, at } => {
+            Fact::Job(JobFact::Progressed { job, at, .. } | JobFact::Served { job, at, .. }) => {
+                self.end(ledger, *job, *at)
+            }
+            Fact::Job(JobFact::LineChanged { job, line, change, at }) => {
                 self.note_line(ledger, *job, (*line, *change), *at)
             }
             _ => {}

@@ -18,7 +18,10 @@ fn submit_all(floor: &mut TestFloor, requests: Vec<JobRequest>) -> Vec<JobId> {
 }
 
 fn failures(facts: &[Fact]) -> usize {
-    facts.iter().filter(|f| matches!(f, Fact::Progressed { state: JobState::Failed(_), .. })).count()
+    facts
+        .iter()
+        .filter(|f| matches!(f, Fact::Job(JobFact::Progressed { state: JobState::Failed(_), .. })))
+        .count()
 }
 
 fn assert_failed_once(floor: &TestFloor, jobs: &[JobId]) {
@@ -59,7 +62,7 @@ fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(3)) });
     // As the assigning phase does when no way leads to the goal of a robot that the customer named.
     let state = JobState::Failed(JobFailure::Unreachable);
-    floor.fleet.core.record(Fact::Progressed { job: first, state, tasked: None, at: floor.now });
+    floor.fleet.core.record(JobFact::Progressed { job: first, state, tasked: None, at: floor.now });
     assert!(
         floor.fleet.ledger().index().queue.offers(floor.now, |_| true).next().is_none(),
         "it cannot start"
@@ -98,19 +101,30 @@ fn a_job_with_several_before_it_starts_when_the_last_of_them_is_done() {
 #[test]
 fn a_bad_end_is_known_for_a_week() {
     let mut ledger = Ledger::new(Arc::new(lab()), Span::from_millis(500), false);
-    let accept =
-        |job, after, at| Fact::Accepted { job, request: JobRequest { after, ..request(deliver(1)) }, at };
+    let accept = |job, after, at| {
+        Fact::Job(JobFact::Accepted { job, request: JobRequest { after, ..request(deliver(1)) }, at })
+    };
     let day = Span::from_secs(24 * 3600);
     let [bad, soon, late] = [1, 2, 3].map(JobId);
     ledger.evolve(&accept(bad, vec![], Time::ZERO));
-    ledger.evolve(&Fact::Progressed { job: bad, state: JobState::Cancelled, tasked: None, at: Time::ZERO });
+    ledger.evolve(&Fact::Job(JobFact::Progressed {
+        job: bad,
+        state: JobState::Cancelled,
+        tasked: None,
+        at: Time::ZERO,
+    }));
     ledger.evolve(&accept(soon, vec![bad], Time::ZERO + day * 6));
     ledger.evolve(&accept(late, vec![bad], Time::ZERO + day * 7));
     let waits = &ledger.index().waits;
     assert!(waits.is_blocked(soon) && !waits.is_blocked(late));
     assert_eq!(waits.next_doomed(), Some((soon, bad)));
     let state = JobState::Failed(JobFailure::Predecessor(bad));
-    ledger.evolve(&Fact::Progressed { job: soon, state, tasked: None, at: Time::ZERO + day * 8 });
+    ledger.evolve(&Fact::Job(JobFact::Progressed {
+        job: soon,
+        state,
+        tasked: None,
+        at: Time::ZERO + day * 8,
+    }));
     assert_eq!(ledger.ended_badly.keys().copied().collect::<Vec<_>>(), [soon], "the older one is forgotten");
     ledger.assert_indexed();
 }

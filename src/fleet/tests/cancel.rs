@@ -18,8 +18,8 @@ fn check(stage: &str, wait_s: i64, rack_moves: bool) {
     let stores = |f: &Fact| {
         matches!(
             f,
-            Fact::Tasked { task: Task::Store { .. }, .. }
-                | Fact::Progressed { tasked: Some((_, Task::Store { .. })), .. }
+            Fact::Robot(RobotFact::Tasked { task: Task::Store { .. }, .. })
+                | Fact::Job(JobFact::Progressed { tasked: Some((_, Task::Store { .. })), .. })
         )
     };
     let lifted = floor.facts.iter().any(stores);

@@ -249,7 +249,7 @@ fn robots_whose_footprints_grow_until_they_overlap_are_in_the_way_and_other_foot
     for (robot, node) in [(RobotId(0), "G3-9"), (RobotId(1), "G3-9~G3-10")] {
         let (name, kind) = (format!("robot-{robot:?}"), "robot".into());
         let node = ledger.warehouse().node_named(node).expect("it is there");
-        ledger.evolve(&Fact::Registered { robot, name, kind, node, at: Time::ZERO });
+        ledger.evolve(&Fact::Robot(RobotFact::Registered { robot, name, kind, node, at: Time::ZERO }));
     }
     let carried = carry(&ledger, &other, Time::ZERO);
     assert!(carried.report.is_clean() && carried.parts.is_some(), "{}", carried.report);

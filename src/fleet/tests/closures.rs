@@ -270,6 +270,10 @@ fn a_closure_survives_a_restart_and_is_forgotten_a_day_after_it_is_over() {
     assert_eq!(state(&floor), ClosureState::Over);
     let day = Span::from_secs(24 * 3600 + 200);
     let step = floor.fleet.step(floor.now + day, vec![]);
-    assert!(step.facts.iter().any(|f| matches!(f, Fact::Reopened { closure: c, .. } if *c == closure)));
+    assert!(
+        step.facts
+            .iter()
+            .any(|f| matches!(f, Fact::Area(AreaFact::Reopened { closure: c, .. }) if *c == closure))
+    );
     assert_eq!(floor.fleet.view(floor.now + day).closures, []);
 }

@@ -57,8 +57,7 @@ impl TestFloor {
     }
 
     fn is_taken_up_on(&self, robot: RobotId, node: NodeId) -> bool {
-        let placed =
-            |f: &Fact| matches!(f, Fact::Placed { robot: r, node: n, .. } if (*r, *n) == (robot, node));
+        let placed = |f: &Fact| matches!(f, Fact::Route(RouteFact::Placed { robot: r, node: n, .. }) if (*r, *n) == (robot, node));
         self.facts.iter().any(placed)
     }
 
@@ -168,7 +167,7 @@ fn a_robot_pushed_back_onto_its_route_goes_on() {
     floor.until_over(600);
     assert_eq!(floor.story(job), ["assigned", "carrying", "picking", "done"]);
     assert!(
-        !floor.facts.iter().any(|f| matches!(f, Fact::Placed { .. })),
+        !floor.facts.iter().any(|f| matches!(f, Fact::Route(RouteFact::Placed { .. }))),
         "it never left its holds for good"
     );
 }
@@ -238,7 +237,7 @@ fn a_robot_that_drives_stops_before_one_that_was_pushed_onto_its_way_and_both_go
     floor.until(3, "the other one is in its way", |f| f.why_of(way) == Some(Why::BlockedBy(still)));
     assert!(matches!(floor.why_of(still), Some(Why::Displaced(Displacement::GrantedTo(_, r))) if r == way));
     floor.until(60, "it went back, and the other one is taken up", |f| {
-        f.facts.iter().any(|f| matches!(f, Fact::Placed { robot, .. } if *robot == still))
+        f.facts.iter().any(|f| matches!(f, Fact::Route(RouteFact::Placed { robot, .. }) if *robot == still))
     });
     floor.until_over(600);
     assert_eq!(floor.story(job).last(), Some(&"done"));
@@ -339,7 +338,11 @@ fn pushed_at_restarts(seed: u64) -> (usize, usize, usize) {
     });
     floor.assert_fold();
     let count = |is: fn(&Fact) -> bool| floor.facts.iter().filter(|f| is(f)).count();
-    (pushed, count(|f| matches!(f, Fact::Placed { .. })), count(|f| matches!(f, Fact::Failed { .. })))
+    (
+        pushed,
+        count(|f| matches!(f, Fact::Route(RouteFact::Placed { .. }))),
+        count(|f| matches!(f, Fact::Robot(RobotFact::Failed { .. }))),
+    )
 }
 
 fn pushed_at_restarts_of(seeds: std::ops::Range<u64>) {

@@ -32,7 +32,7 @@ fn a_robot_that_joins_later_works_like_the_others() {
     floor.until_over(3_000);
     floor.assert_done_once(&jobs);
     let late = JobState::Assigned { robot: RobotId(2) };
-    let served = |f: &&Fact| matches!(f, Fact::Progressed { state, .. } if *state == late);
+    let served = |f: &&Fact| matches!(f, Fact::Job(JobFact::Progressed { state, .. }) if *state == late);
     assert!(floor.facts.iter().filter(served).count() > 0, "it had work");
 }
 

@@ -91,7 +91,7 @@ fn everybody_is_out_within_a_minute_and_a_half_and_all_jobs_are_done_afterwards(
         // Grants follow the ways that were shown in the same step.
         let on = floor.nodes_on_ways(&people);
         for fact in &step.facts {
-            let Fact::Granted { robot, serial, .. } = fact else { continue };
+            let Fact::Route(RouteFact::Granted { robot, serial, .. }) = fact else { continue };
             let chain = floor.fleet.ledger().chain(*robot);
             let node = |s: u64| chain.get(s).map(|v| v.node);
             let onto = (chain.first()..=*serial).filter_map(node).any(|n| on.contains(&n));

@@ -62,7 +62,12 @@ fn check_others_go_on(wanted: fn(&Task) -> bool) {
     floor.until_over(600);
     floor.assert_done_once(&jobs);
     floor.until(600, "it brought its rack away", |f| f.is_idle(broken));
-    assert!(floor.facts.iter().any(|f| matches!(f, Fact::Repaired { robot, .. } if *robot == broken)));
+    assert!(
+        floor
+            .facts
+            .iter()
+            .any(|f| matches!(f, Fact::Robot(RobotFact::Repaired { robot, .. }) if *robot == broken))
+    );
 }
 
 #[test]
@@ -96,7 +101,7 @@ fn a_batch_is_done_although_robots_fail_again_and_again() {
     let jobs = floor.submit_batch(24);
     floor.until_over(3600);
     floor.assert_done_once(&jobs);
-    let failures = floor.facts.iter().filter(|f| matches!(f, Fact::Failed { .. })).count();
+    let failures = floor.facts.iter().filter(|f| matches!(f, Fact::Robot(RobotFact::Failed { .. }))).count();
     assert!(failures >= 5, "only {failures} failures");
 }
 
@@ -110,14 +115,19 @@ fn a_robot_that_is_fenced_off_stands_whatever_it_says_and_others_take_over_until
     floor.fleet.fence(fenced, floor.now);
     floor.fleet.fence(fenced, floor.now);
     floor.until(5, "another has it", |f| f.state(job).and_then(|s| s.robot()).is_some_and(|r| r != fenced));
-    let fences = |f: &TestFloor| f.facts.iter().filter(|f| matches!(f, Fact::Fenced { .. })).count();
+    let fences =
+        |f: &TestFloor| f.facts.iter().filter(|f| matches!(f, Fact::Robot(RobotFact::Fenced { .. }))).count();
     assert_eq!(fences(&floor), 1, "once, and in the facts of the next step");
     floor.until_over(600);
     let about = |fact: &&Fact| match fact {
-        Fact::Passed { robot, .. } | Fact::Acted { robot, .. } => *robot == fenced,
+        Fact::Route(RouteFact::Passed { robot, .. } | RouteFact::Acted { robot, .. }) => *robot == fenced,
         _ => false,
     };
-    let fence = floor.facts.iter().position(|f| matches!(f, Fact::Fenced { .. })).expect("just seen");
+    let fence = floor
+        .facts
+        .iter()
+        .position(|f| matches!(f, Fact::Robot(RobotFact::Fenced { .. })))
+        .expect("just seen");
     assert_eq!(floor.facts[fence..].iter().find(about), None, "what it says changes nothing");
     let (map, settings) = (floor.fleet.warehouse().clone(), floor.fleet.settings().clone());
     floor.fleet = Fleet::restore(map, settings, floor.facts.iter().cloned());

@@ -32,9 +32,11 @@ fn passed_by(priority: u8) -> (usize, i64) {
     }
     let begun = |facts: &[Fact]| -> BTreeSet<JobId> {
         let begins = |fact: &Fact| match fact {
-            Fact::Progressed {
-                job, state: JobState::Assigned { .. } | JobState::Carrying { .. }, ..
-            } => Some(*job),
+            Fact::Job(JobFact::Progressed {
+                job,
+                state: JobState::Assigned { .. } | JobState::Carrying { .. },
+                ..
+            }) => Some(*job),
             _ => None,
         };
         facts.iter().filter_map(begins).filter(|job| *job != other).collect()

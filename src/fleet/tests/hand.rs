@@ -30,7 +30,7 @@ fn a_stopped_fleet_stands_over_a_restart_until_somebody_lets_it_go_on() {
     assert_eq!(floor.fleet.why(R0), Some(Why::Stopped));
     let stopped = floor.fleet.view(floor.now).stopped;
     assert!(stopped.is_some_and(|t| t < floor.now - Span::from_secs(4)), "{stopped:?}");
-    let halted = |f: &&Fact| matches!(f, Fact::Halted { .. });
+    let halted = |f: &&Fact| matches!(f, Fact::Floor(FloorFact::Halted { .. }));
     assert_eq!(floor.facts.iter().filter(halted).count(), 1, "what is so already is no second fact");
     let (map, settings) = (floor.fleet.warehouse().clone(), floor.fleet.settings().clone());
     floor.fleet = Fleet::restore(map, settings, floor.facts.iter().cloned());

@@ -148,7 +148,8 @@ fn the_rack_leaves_at_the_last_grasp_and_the_line_is_confirmed_in_the_tote() {
     assert_eq!(restarted.ledger().unconfirmed[&S1], left, "a restart forgets nothing of it");
     cell.puts(1);
     assert!(cell.floor.fleet.ledger().unconfirmed.is_empty());
-    let changes = cell.floor.facts.iter().filter(|f| matches!(f, Fact::LineChanged { .. })).count();
+    let changes =
+        cell.floor.facts.iter().filter(|f| matches!(f, Fact::Job(JobFact::LineChanged { .. }))).count();
     assert_eq!(changes, 2, "each piece is confirmed once");
 }
 

@@ -13,7 +13,7 @@ fn keyed(key: &str) -> JobRequest {
 
 fn facts_of_expiry(facts: &[Fact]) -> Vec<(usize, usize)> {
     let sizes = facts.iter().filter_map(|f| match f {
-        Fact::KeysExpired { jobs, assignments } => Some((jobs.len(), assignments.len())),
+        Fact::Floor(FloorFact::KeysExpired { jobs, assignments }) => Some((jobs.len(), assignments.len())),
         _ => None,
     });
     sizes.collect()

@@ -53,7 +53,7 @@ fn a_slow_robot_is_planned_as_slow_as_it_drives() {
         let back = floor.submit(go(home));
         floor.until(300, "it is back", |f| f.state(back).is_none());
     }
-    let late = floor.facts.iter().filter(|f| matches!(f, Fact::Retimed { .. })).count();
+    let late = floor.facts.iter().filter(|f| matches!(f, Fact::Route(RouteFact::Retimed { .. }))).count();
     assert_eq!(late, 0, "a robot alone is never later than planned");
 }
 
@@ -66,7 +66,7 @@ fn robots_of_two_kinds_deliver_on_one_floor_without_being_late_for_one_another()
     let by = |kind: &str| {
         let of = |r: &RobotId| floor.fleet.ledger().robots[*r].kind == kind;
         let lifted = floor.facts.iter().filter_map(|f| match f {
-            Fact::Progressed { state: JobState::Carrying { robot }, .. } => Some(*robot),
+            Fact::Job(JobFact::Progressed { state: JobState::Carrying { robot }, .. }) => Some(*robot),
             _ => None,
         });
         lifted.filter(of).count()
@@ -83,7 +83,7 @@ fn robots_charge_as_their_kind_does() {
     floor.until_over(2_000);
     let served = |r: usize| {
         let assigned = JobState::Assigned { robot: RobotId::at(r) };
-        let by = |f: &&Fact| matches!(f, Fact::Progressed { state, .. } if *state == assigned);
+        let by = |f: &&Fact| matches!(f, Fact::Job(JobFact::Progressed { state, .. }) if *state == assigned);
         floor.facts.iter().filter(by).count()
     };
     assert_eq!((served(0), served(1)), (jobs.len(), 0), "the one below its critical charge takes no job");
@@ -123,7 +123,7 @@ fn a_rack_is_fetched_by_robots_that_can_carry_it() {
     floor.until_over(3_000);
     floor.assert_done_once(&jobs);
     let bookings = floor.facts.iter().filter_map(|f| match f {
-        Fact::Routed { bookings } => Some(bookings),
+        Fact::Route(RouteFact::Routed { bookings }) => Some(bookings),
         _ => None,
     });
     let carried = bookings.flatten().flat_map(|b| {
@@ -172,7 +172,7 @@ fn robots_of_a_kind_drive_over_lanes_that_are_for_it() {
         }
         let goal = named(floor, "S1-6");
         let bookings = floor.facts.iter().rev().filter_map(|f| match f {
-            Fact::Routed { bookings } => bookings.iter().find(|b| b.robot == robot),
+            Fact::Route(RouteFact::Routed { bookings }) => bookings.iter().find(|b| b.robot == robot),
             _ => None,
         });
         let there = bookings.map(|b| b.visits.iter().map(|v| v.node).collect::<Vec<NodeId>>());

@@ -45,7 +45,7 @@ impl TestFloor {
     }
 
     fn changes(&self) -> usize {
-        self.facts.iter().filter(|f| matches!(f, Fact::LineChanged { .. })).count()
+        self.facts.iter().filter(|f| matches!(f, Fact::Job(JobFact::LineChanged { .. }))).count()
     }
 }
 
@@ -191,7 +191,9 @@ fn the_planned_end_of_a_visit_follows_its_lines_in_few_changes_and_robots_behind
     let retimed = |f: &TestFloor| {
         let of_it = |m: &Moved| m.robot == robot;
         let facts = f.facts.iter();
-        facts.filter(|f| matches!(f, Fact::Retimed { moved } if moved.iter().any(of_it))).count()
+        facts
+            .filter(|f| matches!(f, Fact::Route(RouteFact::Retimed { moved }) if moved.iter().any(of_it)))
+            .count()
     };
     let before = retimed(&floor);
     let next = floor.fleet.view(floor.now).stations[0].next.expect("another rack is on its way").1;

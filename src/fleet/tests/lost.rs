@@ -44,7 +44,12 @@ fn a_worker_on_the_floor_is_lost_after_a_restart_until_seen_or_cleared_and_not_f
     assert_eq!(floor.presence(&ana), Presence::Absent);
     floor.come_back(20);
     assert_eq!(floor.presence(&ana), Presence::Absent, "that she left is a fact, too");
-    assert!(floor.facts.iter().any(|f| matches!(f, Fact::WorkerCleared { by: Some(by), .. } if by == "Ben")));
+    assert!(
+        floor
+            .facts
+            .iter()
+            .any(|f| matches!(f, Fact::Worker(WorkerFact::Cleared { by: Some(by), .. }) if by == "Ben"))
+    );
 }
 
 #[test]
@@ -52,8 +57,9 @@ fn a_worker_is_noted_every_few_metres_and_where_lost_and_no_oftener() {
     let mut floor = TestFloor::thesis(1);
     let mut ana = floor.hire(floor.node_at(100));
     (0..50).for_each(|_| _ = floor.walk(&mut ana));
-    let noted =
-        |floor: &TestFloor| floor.facts.iter().filter(|f| matches!(f, Fact::WorkerNoted { .. })).count();
+    let noted = |floor: &TestFloor| {
+        floor.facts.iter().filter(|f| matches!(f, Fact::Worker(WorkerFact::Noted { .. }))).count()
+    };
     assert_eq!(noted(&floor), 1, "she stands");
     ana.at.x += 0.6;
     floor.walk(&mut ana);

@@ -30,7 +30,9 @@ impl TestFloor {
 
     fn given(&self) -> Vec<(AssignmentId, WorkerId)> {
         let given = |f: &Fact| match f {
-            Fact::Given { assignment, worker, .. } => Some((*assignment, *worker)),
+            Fact::Assignment(AssignmentFact::Given { assignment, worker, .. }) => {
+                Some((*assignment, *worker))
+            }
             _ => None,
         };
         self.facts.iter().filter_map(given).collect()
@@ -116,14 +118,14 @@ fn no_assignment_of_a_crew_that_shares_its_work_is_lost_or_done_twice() {
     let (mut made, mut given, mut over) = (BTreeSet::new(), BTreeMap::new(), BTreeMap::new());
     for fact in &floor.facts {
         match fact {
-            Fact::Assigned { assignment, worker, .. } => {
+            Fact::Assignment(AssignmentFact::Assigned { assignment, worker, .. }) => {
                 assert_eq!(*worker, None);
                 made.insert(*assignment);
             }
-            Fact::Given { assignment, worker, .. } => {
+            Fact::Assignment(AssignmentFact::Given { assignment, worker, .. }) => {
                 assert_eq!(given.insert(*assignment, *worker), None, "given twice");
             }
-            Fact::Advanced { assignment, state, .. } if state.is_over() => {
+            Fact::Assignment(AssignmentFact::Advanced { assignment, state, .. }) if state.is_over() => {
                 assert_eq!(over.insert(*assignment, *state), None, "over twice");
             }
             _ => {}

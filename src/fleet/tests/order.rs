@@ -42,11 +42,11 @@ fn take_in(ledger: &mut Ledger, event: &OrderEvent, at: Time) {
             let after = after.filter(|a| *a < ledger.next_job).map(JobId).into_iter().collect();
             let deadline = due_s.map(|s| at + Span::from_secs(s));
             let request = JobRequest { priority, deadline, after, ..JobRequest::new(kind) };
-            ledger.evolve(&Fact::Accepted { job: JobId(ledger.next_job), request, at });
+            ledger.evolve(&Fact::Job(JobFact::Accepted { job: JobId(ledger.next_job), request, at }));
         }
         OrderEvent::End { job, well } if live(ledger, job) => end(ledger, JobId(job), well, at),
         OrderEvent::Prioritise { job, priority } if live(ledger, job) => {
-            ledger.evolve(&Fact::Prioritised { job: JobId(job), priority, at });
+            ledger.evolve(&Fact::Job(JobFact::Prioritised { job: JobId(job), priority, at }));
         }
         OrderEvent::End { .. } | OrderEvent::Prioritise { .. } => {}
     }
@@ -54,7 +54,7 @@ fn take_in(ledger: &mut Ledger, event: &OrderEvent, at: Time) {
 
 /// A job is cancelled, or done if the robot can begin it at once.
 fn end(ledger: &mut Ledger, job: JobId, well: bool, at: Time) {
-    let ends = |state, tasked| Fact::Progressed { job, state, tasked, at };
+    let ends = |state, tasked| Fact::Job(JobFact::Progressed { job, state, tasked, at });
     let record = &ledger.jobs[&job];
     let (Some(robot), true, true) = (record.request.kind.robot(), well, is_ready(ledger, record)) else {
         return ledger.evolve(&ends(JobState::Cancelled, None));
@@ -89,7 +89,7 @@ proptest! {
         let mut ledger = Ledger::new(Arc::new(lab()), Span::from_millis(500), false);
         let mut now = Time::ZERO;
         let (robot, node) = (RobotId(0), ledger.warehouse().nodes_where(|k| k == NodeKind::Parking)[0]);
-        ledger.evolve(&Fact::Registered { robot, name: "one".into(), kind: "robot".into(), node, at: now });
+        ledger.evolve(&Fact::Robot(RobotFact::Registered { robot, name: "one".into(), kind: "robot".into(), node, at: now }));
         for (event, pause_s) in &events {
             take_in(&mut ledger, event, now);
             now += Span::from_secs(*pause_s);

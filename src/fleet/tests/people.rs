@@ -115,7 +115,7 @@ impl TestFloor {
     }
 
     pub(super) fn deviations(&self) -> usize {
-        self.facts.iter().filter(|f| matches!(f, Fact::Deviated { .. })).count()
+        self.facts.iter().filter(|f| matches!(f, Fact::Encounter(EncounterFact::Deviated { .. }))).count()
     }
 }
 

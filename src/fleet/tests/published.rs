@@ -60,7 +60,10 @@ fn all_robots_are_interrupted_and_go_on_when_somebody_leaves_the_path() {
     (ana.own, ana.way) = (true, vec![Point::new(0.0, 0.0), Point::new(0.0, 2.0)]);
     let before = floor.facts.len();
     told(&mut floor, &mut ana, 50);
-    let interrupted = floor.facts[before..].iter().filter(|f| matches!(f, Fact::Interrupted { .. })).count();
+    let interrupted = floor.facts[before..]
+        .iter()
+        .filter(|f| matches!(f, Fact::Encounter(EncounterFact::Interrupted { .. })))
+        .count();
     assert!(floor.deviations() > 0, "{:?}, waited {} s", ana.at, ana.waited_s);
     assert!(interrupted >= 3, "{interrupted} robots");
     let served = floor.fleet.ledger().counts.robot_deliveries;
@@ -205,6 +208,11 @@ fn where_one_of_two_robots_cannot_leave_the_only_way_neither_moves() {
     assert!(place(&floor, 0).x < place(&floor, 1).x, "the one behind has a bay, the one in front has none");
     let mode = floor.fleet.people.people[ana.worker].mode;
     assert!(matches!(mode, WalkMode::Stopped { .. }), "{mode:?}");
-    let since = floor.facts.iter().skip_while(|f| !matches!(f, Fact::Deviated { .. }));
-    assert_eq!(since.filter(|f| matches!(f, Fact::Routed { .. })).count(), 0, "both keep their routes");
+    let since =
+        floor.facts.iter().skip_while(|f| !matches!(f, Fact::Encounter(EncounterFact::Deviated { .. })));
+    assert_eq!(
+        since.filter(|f| matches!(f, Fact::Route(RouteFact::Routed { .. }))).count(),
+        0,
+        "both keep their routes"
+    );
 }

@@ -31,7 +31,7 @@ impl TestFloor {
     }
 
     fn came_back(&self) -> usize {
-        self.facts.iter().filter(|f| matches!(f, Fact::Revoked { .. })).count()
+        self.facts.iter().filter(|f| matches!(f, Fact::Route(RouteFact::Revoked { .. }))).count()
     }
 }
 

@@ -33,7 +33,10 @@ fn the_ledger_is_the_fold_of_its_facts_at_any_step_of_a_busy_run() {
         pause = pause * 29 % 211;
     }
     assert!(floor.done() > 10, "it was busy: {} jobs done", floor.done());
-    assert!(floor.facts.iter().any(|f| matches!(f, Fact::Truncated { .. })), "robots failed");
+    assert!(
+        floor.facts.iter().any(|f| matches!(f, Fact::Route(RouteFact::Truncated { .. }))),
+        "robots failed"
+    );
 }
 
 #[test]

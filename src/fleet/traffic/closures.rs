@@ -8,7 +8,7 @@
 use crate::aware::{HumanAwarePolicy, Zone};
 use crate::fleet::state::closed_areas::storage_behind;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::fact::{AreaFact, Purpose, RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::recurring::ANNOUNCED;
@@ -34,7 +34,7 @@ pub(in crate::fleet) fn begin_restrictions(core: &mut Core, now: Time) {
     let warehouse = core.ledger.warehouse();
     restrictions.areas.update(closures, changes, &mut restrictions.conditions, warehouse, now);
     for closure in restrictions.areas.forgotten(closures, now) {
-        core.record(Fact::Reopened { closure, at: now });
+        core.record(AreaFact::Reopened { closure, at: now });
     }
 }
 
@@ -51,7 +51,7 @@ fn announce_recurring(core: &mut Core, now: Time) {
         let is_open = |c: &Closure| c.series == Some(series) && now < c.window.end();
         let goes_on = core.ledger.recurring[&series].next.is_some();
         if !goes_on && !core.ledger.closures.values().any(is_open) {
-            core.record(Fact::SeriesEnded { series, at: now });
+            core.record(AreaFact::SeriesEnded { series, at: now });
         }
     }
 }
@@ -61,7 +61,7 @@ fn announce_next(core: &mut Core, series: SeriesId, now: Time) {
         let recurring = &core.ledger.recurring[&series];
         let Some(begins) = recurring.due(now) else {
             if recurring.next.is_some() {
-                core.record(Fact::Scheduled { series, next: None });
+                core.record(AreaFact::Scheduled { series, next: None });
             }
             return;
         };
@@ -70,8 +70,8 @@ fn announce_next(core: &mut Core, series: SeriesId, now: Time) {
             return;
         }
         let (area, next) = (recurring.occurrence(begins), recurring.first_from(begins + Span(1)));
-        core.record(Fact::Closed { closure: ClosureId(core.ledger.next_closure), area });
-        core.record(Fact::Scheduled { series, next });
+        core.record(AreaFact::Closed { closure: ClosureId(core.ledger.next_closure), area });
+        core.record(AreaFact::Scheduled { series, next });
     }
 }
 
@@ -124,13 +124,13 @@ impl Traffic {
         let old = core.ledger.robots[robot].task;
         let task = core.floor().task_elsewhere(robot);
         if task != old {
-            core.record(Fact::Tasked { robot, task });
+            core.record(RobotFact::Tasked { robot, task });
         }
         let stages = core.floor().stages_left(robot);
         self.tally.replans += 1;
         match self.search(core, robot, &stages, now) {
             Ok(route) => commit(core, robot, route),
-            Err(_) if task != old => core.record(Fact::Tasked { robot, task: old }),
+            Err(_) if task != old => core.record(RobotFact::Tasked { robot, task: old }),
             Err(_) => self.set_down_instead(core, robot, now),
         }
     }

@@ -9,7 +9,7 @@
 use crate::fleet::state::closed_areas::storage_behind;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
-use crate::fleet::state::fact::{Act, Fact, KeptRoute, Task};
+use crate::fleet::state::fact::{Act, KeptRoute, RobotFact, RouteFact, Task};
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
@@ -151,7 +151,7 @@ fn take_up(core: &mut Core, robot: RobotId, node: NodeId, now: Time) {
             core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
         }
         Task::Fetch { job: None, .. } | Task::Move { job: None, .. } => {
-            core.record(Fact::Tasked { robot, task: Task::Idle });
+            core.record(RobotFact::Tasked { robot, task: Task::Idle });
         }
         Task::Deliver { job, .. } if matches!(core.ledger.jobs[&job].state, JobState::Picking { .. }) => {
             core.progress(job, JobState::Carrying { robot }, None, now);
@@ -164,7 +164,7 @@ fn take_up(core: &mut Core, robot: RobotId, node: NodeId, now: Time) {
     );
     let serial = core.ledger.chain(robot).end();
     let cut = core.floor().truncated_for_place(robot, node);
-    core.record(Fact::Placed { robot, node, serial, cut, at: now });
+    core.record(RouteFact::Placed { robot, node, serial, cut, at: now });
     fits_again(core, robot);
 }
 

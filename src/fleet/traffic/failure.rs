@@ -4,7 +4,7 @@
 //! Refuses: to say when a robot has failed.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Purpose, Task};
+use crate::fleet::state::fact::{Purpose, RobotFact, Task};
 use crate::fleet::state::job::JobState;
 use crate::fleet::traffic::truncate::truncate_behind;
 use crate::id::RobotId;
@@ -14,7 +14,7 @@ use crate::time::Time;
 /// leads over its place lose that way.
 pub(super) fn fail(core: &mut Core, robot: RobotId, now: Time) {
     assert!(!core.ledger.robots[robot].failed, "{robot:?} fails twice");
-    core.record(Fact::Failed { robot, at: now });
+    core.record(RobotFact::Failed { robot, at: now });
     give_up(core, robot, now);
 }
 
@@ -27,7 +27,7 @@ pub(in crate::fleet) fn give_up(core: &mut Core, robot: RobotId, now: Time) {
                 core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
             }
             // Its place at a charger or to park is free for another.
-            Task::Move { job: None, .. } => core.record(Fact::Tasked { robot, task: Task::Idle }),
+            Task::Move { job: None, .. } => core.record(RobotFact::Tasked { robot, task: Task::Idle }),
             Task::Move { job: Some(job), purpose: Purpose::Charge | Purpose::Park, .. } => {
                 core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
             }

@@ -5,7 +5,7 @@
 //! Refuses: to repair anything; what is wrong is for a person to see.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::RobotFact;
 use crate::fleet::traffic::failure::give_up;
 use crate::id::{Dense, RobotId};
 use crate::time::Time;
@@ -14,7 +14,7 @@ use crate::time::Time;
 pub(in crate::fleet) fn fence(core: &mut Core, robot: RobotId, now: Time) {
     let known = robot.ix() < core.ledger.robots.len();
     if known && core.ledger.robots[robot].fenced.is_none() {
-        core.record(Fact::Fenced { robot, at: now });
+        core.record(RobotFact::Fenced { robot, at: now });
         give_up(core, robot, now);
         assert!(core.ledger.robots[robot].failed, "{robot:?} is fenced off and counts as failed");
     }

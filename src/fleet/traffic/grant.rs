@@ -6,7 +6,7 @@
 
 use crate::aware::SLOW_MPS;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Moved};
+use crate::fleet::state::fact::{Moved, RouteFact};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Telemetry, Waypoint};
 use crate::fleet::state::yielding::YieldingState;
@@ -95,7 +95,7 @@ fn grant_ahead(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: T
     if serial > first {
         debug_assert!(core.ledger.timeline().waits_for(robot, first).is_none());
         assert!(!core.floor().is_halted(robot), "{robot:?} is to stand and is granted more");
-        core.record(Fact::Granted { robot, serial: serial - 1, at: now });
+        core.record(RouteFact::Granted { robot, serial: serial - 1, at: now });
     }
     withheld
 }
@@ -114,7 +114,7 @@ fn go_on_early(core: &mut Core, robot: RobotId, now: Time) -> bool {
     let shifts = core.ledger.timeline().advance(robot, depart);
     let moves = !shifts.is_empty();
     if moves {
-        core.record(Fact::Retimed { moved: vec![Moved { robot, shifts }] });
+        core.record(RouteFact::Retimed { moved: vec![Moved { robot, shifts }] });
     }
     moves
 }

@@ -4,7 +4,7 @@
 //! Refuses: to move robots that are broken or silent, and to take back what was granted.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::RouteFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::state::{InsertionCounts, Traffic};
 use crate::id::RobotId;
@@ -200,7 +200,7 @@ pub(super) fn in_turn(
 /// Books routes that were found together.
 pub(super) fn commit_all(core: &mut Core, routes: Vec<Found>) {
     let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
-    core.record(Fact::Routed { bookings });
+    core.record(RouteFact::Routed { bookings });
 }
 
 /// The asking robot first, last, and last among the others turned round.

@@ -6,7 +6,7 @@
 
 use crate::fleet::state::core::Core;
 use crate::fleet::state::cut_off::Barrier;
-use crate::fleet::state::fact::{Fact, Task};
+use crate::fleet::state::fact::{RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
 use crate::fleet::state::needs::Need;
@@ -157,7 +157,7 @@ impl Traffic {
             _ => None,
         };
         if let Some(task) = task {
-            core.record(Fact::Tasked { robot, task });
+            core.record(RobotFact::Tasked { robot, task });
         }
     }
 

@@ -3,7 +3,7 @@
 //! Refuses: to plan; a robot whose task has no route yet is picked up by the planning phase.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Act, Fact, Moved, Purpose, Task};
+use crate::fleet::state::fact::{Act, Moved, Purpose, RobotFact, RouteFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobFailure, JobKind, JobState};
 use crate::fleet::traffic::failure::fail;
@@ -50,7 +50,7 @@ fn note_health(core: &mut Core, robot: RobotId, failed: bool, now: Time) {
     match (core.ledger.robots[robot].failed, failed) {
         (false, true) => fail(core, robot, now),
         // A displaced robot counts as failed; one that was not heard of since a start may be displaced.
-        (true, false) if core.scene.is_placed(robot) => core.record(Fact::Repaired { robot, at: now }),
+        (true, false) if core.scene.is_placed(robot) => core.record(RobotFact::Repaired { robot, at: now }),
         _ => {}
     }
 }
@@ -61,7 +61,7 @@ fn note_passed(core: &mut Core, robot: RobotId, reached: u64, now: Time) {
     if reached <= chain.first() {
         return;
     }
-    core.record(Fact::Passed { robot, serial: reached });
+    core.record(RouteFact::Passed { robot, serial: reached });
     let next = core.ledger.robots[robot].stops.first().copied();
     if let (Task::Deliver { job, .. }, Some(stop)) = (core.ledger.robots[robot].task, next)
         && matches!(stop.act, Act::Pick(_))
@@ -80,16 +80,16 @@ fn note_stop(core: &mut Core, robot: RobotId, acted: Option<u64>, now: Time) {
     if !there || acted < Some(stop.serial) || matches!(stop.act, Act::Pick(_)) {
         return;
     }
-    core.record(Fact::Acted { robot, serial: stop.serial });
+    core.record(RouteFact::Acted { robot, serial: stop.serial });
     let task = core.ledger.robots[robot].task;
     match (stop.act, task) {
         (Act::Lift(rack), Task::Fetch { job: Some(job), .. }) => lifted(core, robot, job, rack, now),
         (Act::Lift(rack), Task::Fetch { job: None, .. }) => {
             let task = core.floor().put_away(robot, None, rack);
-            core.record(Fact::Tasked { robot, task });
+            core.record(RobotFact::Tasked { robot, task });
         }
         (Act::Set(_), Task::Store { job: None, .. }) => {
-            core.record(Fact::Tasked { robot, task: Task::Idle });
+            core.record(RobotFact::Tasked { robot, task: Task::Idle });
         }
         (Act::Set(_), Task::Store { job: Some(job), .. }) => {
             core.progress(job, JobState::Done, Some((robot, Task::Idle)), now);
@@ -137,7 +137,7 @@ fn arrived(
     let task = if is_end { Task::Idle } else { Task::rest_at(stay, purpose) };
     match job {
         Some(job) => core.progress(job, JobState::Done, Some((robot, task)), now),
-        None => core.record(Fact::Tasked { robot, task }),
+        None => core.record(RobotFact::Tasked { robot, task }),
     }
 }
 
@@ -153,7 +153,7 @@ fn note_delay(core: &mut Core, robot: RobotId, now: Time) {
     let slip = core.ledger.timeline().delay(robot, serial, depart);
     let moved = slip.into_iter().map(|(h, shifts)| Moved { robot: h, shifts });
     debug_assert!(depart > core.floor().ledger.chain(robot).get(serial).expect("it stands there").depart);
-    core.record(Fact::Retimed { moved: moved.collect() });
+    core.record(RouteFact::Retimed { moved: moved.collect() });
 }
 
 /// Jobs that come after one that was cancelled or failed will never start; neither will those that come after

@@ -7,7 +7,7 @@
 //! Refuses: to revoke what a robot was granted that drives, or works.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::RouteFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Telemetry};
 use crate::fleet::state::yielding::STANDS;
@@ -124,7 +124,7 @@ pub(in crate::fleet) fn note_revoked(core: &mut Core, robot: RobotId, seen: &Tel
     }
     let between = seen.known == seen.reached && !core.floor().is_on_node(seen);
     let serial = (seen.known + u64::from(between)).min(chain.granted() - 1);
-    core.record(Fact::Revoked { robot, serial, recalls: seen.recalls, at: now });
+    core.record(RouteFact::Revoked { robot, serial, recalls: seen.recalls, at: now });
 }
 
 impl Floor<'_> {

@@ -3,7 +3,7 @@
 //! Refuses: to search for routes.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Act, Booking, Fact, Stop, Task};
+use crate::fleet::state::fact::{Act, Booking, RouteFact, Stop, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobKind;
 use crate::geometry::Segment;
@@ -148,5 +148,5 @@ impl Floor<'_> {
 /// Books a route.
 pub(super) fn commit(core: &mut Core, robot: RobotId, route: Route) {
     let booking = core.floor().booking(robot, route);
-    core.record(Fact::Routed { bookings: vec![booking] });
+    core.record(RouteFact::Routed { bookings: vec![booking] });
 }

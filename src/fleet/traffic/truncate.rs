@@ -3,7 +3,7 @@
 //! Refuses: to move anything; it takes promises back, the planning phase makes new ones.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, KeptRoute};
+use crate::fleet::state::fact::{KeptRoute, RouteFact};
 use crate::fleet::state::floor::Floor;
 use crate::id::RobotId;
 use std::collections::{BTreeSet, VecDeque};
@@ -15,7 +15,7 @@ pub(in crate::fleet) fn truncate_behind(core: &mut Core, broken: RobotId) {
     let found = core.floor().all_behind(BTreeSet::from([broken]), None);
     let robots = core.floor().kept_by(found);
     debug_assert!(robots.iter().any(|kept| kept.robot == broken), "{broken:?} keeps what it was granted");
-    core.record(Fact::Truncated { robots });
+    core.record(RouteFact::Truncated { robots });
 }
 
 impl Floor<'_> {

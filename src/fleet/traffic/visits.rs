@@ -5,7 +5,7 @@
 
 use crate::cell::Remaining;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Fact, Moved, Task};
+use crate::fleet::state::fact::{Moved, RouteFact, Task};
 use crate::id::{JobId, RobotId};
 use crate::time::{Span, Time};
 
@@ -56,6 +56,6 @@ fn retime(core: &mut Core, robot: RobotId, remaining: Remaining, now: Time) {
         Vec::new()
     };
     if !moved.is_empty() {
-        core.record(Fact::Retimed { moved });
+        core.record(RouteFact::Retimed { moved });
     }
 }

@@ -5,7 +5,7 @@
 //! which no route changes. Refuses: more than one note of a robot in five seconds for one cause.
 
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::{Booking, Fact, Task};
+use crate::fleet::state::fact::{Booking, Fact, RobotFact, RouteFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::note::{FloorNote, ReplanCause};
 use crate::fleet::traffic::state::Traffic;
@@ -85,25 +85,24 @@ impl Replans {
         let mut notes = Vec::new();
         let facts = std::mem::take(&mut core.out.facts);
         let broken = facts.iter().find_map(|fact| match fact {
-            Fact::Failed { robot, .. } | Fact::Fenced { robot, .. } | Fact::Placed { robot, .. } => {
-                Some(*robot)
-            }
+            Fact::Robot(RobotFact::Failed { robot, .. } | RobotFact::Fenced { robot, .. })
+            | Fact::Route(RouteFact::Placed { robot, .. }) => Some(*robot),
             _ => None,
         });
         let floor = core.floor();
         for fact in &facts {
             match fact {
-                Fact::Truncated { robots: cut } | Fact::Placed { cut, .. } => {
+                Fact::Route(RouteFact::Truncated { robots: cut } | RouteFact::Placed { cut, .. }) => {
                     let by = broken.map(ReplanCause::Robot);
                     let cut = cut.iter().map(|kept| kept.robot).filter(|r| Some(*r) != broken);
                     self.lost.extend(cut.filter_map(|robot| Some((robot, by?))));
                 }
-                Fact::Revoked { robot, .. } => {
+                Fact::Route(RouteFact::Revoked { robot, .. }) => {
                     let cause = yields_to(yielding, *robot).or_else(|| self.in_the_way(floor, *robot));
                     self.lost.extend(cause.map(|cause| (*robot, cause)));
                 }
-                Fact::Left { robot, .. } => _ = self.ways.remove(robot),
-                Fact::Routed { bookings } => {
+                Fact::Robot(RobotFact::Left { robot, .. }) => _ = self.ways.remove(robot),
+                Fact::Route(RouteFact::Routed { bookings }) => {
                     let cause =
                         bookings.iter().find_map(|b| self.cause(floor, (yielding, traffic), b.robot, now));
                     for Booking { robot, .. } in bookings {

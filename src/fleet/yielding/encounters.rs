@@ -5,7 +5,7 @@
 use crate::aware::{Meeting, Near};
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::EncounterFact;
 use crate::fleet::state::worker::{Encounter, Reaction};
 use crate::fleet::state::yielding::GivesWay;
 use crate::fleet::yielding::state::{EncounterCost, Yielding};
@@ -32,7 +32,7 @@ impl Yielding {
         let since = before.map_or(now, |y| y.since);
         self.state.of_mut(robot).to = Some(GivesWay { worker, reaction, since });
         if before.is_none() {
-            core.record(Fact::Interrupted { robot, worker, reaction, at: now });
+            core.record(EncounterFact::Interrupted { robot, worker, reaction, at: now });
         }
     }
 
@@ -62,7 +62,7 @@ impl Yielding {
             let cost = self.costs.remove(&meeting.pair());
             let yielding = self.state.of(start.robot).to;
             let reaction = yielding.map_or(Reaction::Kept, |y| y.reaction);
-            core.record(Fact::Encountered(Encounter {
+            core.record(EncounterFact::Met(Encounter {
                 worker: start.worker,
                 robot: start.robot,
                 began: meeting.began,

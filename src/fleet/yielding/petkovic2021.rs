@@ -11,7 +11,7 @@ use crate::aware::{BODY_M, Effects, HumanAwarePolicy};
 use crate::fleet::people::intents::goal_of;
 use crate::fleet::people::state::{HumanState, Led, WalkMode};
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::Fact;
+use crate::fleet::state::fact::RouteFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::regions::KindConditions;
 use crate::fleet::state::worker::Reaction;
@@ -195,7 +195,7 @@ impl Yielding {
         core.restrictions.conditions = before;
         let Some(routes) = routes else { return false };
         let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
-        core.record(Fact::Routed { bookings });
+        core.record(RouteFact::Routed { bookings });
         for robot in robots {
             // It has just been planned; whatever else is earlier may lead back onto the path.
             self.procedure.again.remove(robot);

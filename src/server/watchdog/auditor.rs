@@ -43,7 +43,9 @@ impl Auditor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{Fact, Fleet, JobKind, JobRequest, JobState, Purpose, Settings, Task};
+    use crate::fleet::{
+        Fact, Fleet, JobFact, JobKind, JobRequest, JobState, Purpose, RobotFact, Settings, Task,
+    };
     use crate::id::{JobId, NodeId, RobotId};
     use crate::warehouse::lab;
     use std::sync::Arc;
@@ -53,14 +55,15 @@ mod tests {
         let map = Arc::new(lab());
         let node = map.node_named("R118").expect("a charger of the laboratory");
         let (name, kind) = ("robot-1".into(), "robot".into());
-        let joins = Fact::Registered { robot: RobotId(0), name, kind, node, at: Time(1) };
+        let joins = Fact::Robot(RobotFact::Registered { robot: RobotId(0), name, kind, node, at: Time(1) });
         let park = JobKind::Park { robot: RobotId(0) };
         let request = JobRequest::new(park);
         let (goal, stay, job) = (NodeId(0), NodeId(0), JobId(1));
         let task = Task::Move { job: Some(job), goal, stay, purpose: Purpose::Park };
         let state = JobState::Assigned { robot: RobotId(0) };
-        let begins = Fact::Progressed { job, state, tasked: Some((RobotId(0), task)), at: Time(1) };
-        let facts = [joins, Fact::Accepted { job, request, at: Time(1) }, begins];
+        let begins =
+            Fact::Job(JobFact::Progressed { job, state, tasked: Some((RobotId(0), task)), at: Time(1) });
+        let facts = [joins, Fact::Job(JobFact::Accepted { job, request, at: Time(1) }), begins];
         let fleet = Fleet::restore(map, Settings::default(), facts);
         let (alarms, mut auditor) = (Alarms::default(), Auditor::default());
         auditor.note(AUDIT_AFTER, fleet.ledger(), Time(1), &alarms);

@@ -3,7 +3,7 @@
 //! Refuses: to judge what a robot was granted before; it may drive that to its end.
 
 use super::violation::Violation;
-use crate::fleet::{Fact, Fleet};
+use crate::fleet::{Fact, Fleet, RouteFact};
 
 /// Robots that were granted a place on a way out while they were on none.
 pub(super) fn entered(fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {
@@ -11,7 +11,7 @@ pub(super) fn entered(fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {
         return Vec::new();
     }
     let enters = |fact: &Fact| {
-        let Fact::Granted { robot, serial, .. } = fact else { return None };
+        let Fact::Route(RouteFact::Granted { robot, serial, .. }) = fact else { return None };
         let chain = fleet.ledger().chain(*robot);
         let nodes = (chain.first()..=*serial).filter_map(|s| chain.get(s)).map(|v| v.node);
         let onto = nodes.into_iter().find(|n| fleet.is_on_way_out(*n))?;

@@ -9,7 +9,9 @@
 
 use super::super::world::World;
 use super::violation::{PASSED_BY, Violation};
-use crate::fleet::{CHAIN_BEHIND_MS, Fact, Fleet, Job, JobState, RackAt, RobotChoice, Task, chain_saves_ms};
+use crate::fleet::{
+    CHAIN_BEHIND_MS, Fact, Fleet, Job, JobFact, JobState, RackAt, RobotChoice, Task, chain_saves_ms,
+};
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -56,9 +58,9 @@ impl FairLaws {
         let mut fresh = BTreeSet::new();
         for fact in facts {
             match *fact {
-                Fact::Accepted { job, .. } => _ = fresh.insert(job),
-                Fact::Progressed { job, state: JobState::Waiting, .. } => _ = fresh.insert(job),
-                Fact::Progressed { job, state, .. } => {
+                Fact::Job(JobFact::Accepted { job, .. }) => _ = fresh.insert(job),
+                Fact::Job(JobFact::Progressed { job, state: JobState::Waiting, .. }) => _ = fresh.insert(job),
+                Fact::Job(JobFact::Progressed { job, state, .. }) => {
                     let waited = self.waiting.remove(&job).is_some() || fresh.remove(&job);
                     let goes_on = matches!(state, JobState::Carrying { .. });
                     let robot = state.robot().filter(|_| waited);
@@ -242,7 +244,7 @@ mod tests {
         let mut laws = FairLaws::new(&sim.fleet);
         let mut begins = |job| {
             let state = JobState::Assigned { robot };
-            let fact = Fact::Progressed { job: JobId(job), state, tasked: None, at: now };
+            let fact = Fact::Job(JobFact::Progressed { job: JobId(job), state, tasked: None, at: now });
             laws.check(now, &sim.world, &sim.fleet, &[fact])
         };
         assert_eq!(begins(2), [], "it is more urgent");

@@ -7,7 +7,7 @@ use super::super::world::World;
 
 use super::violation::{DELIVERS, OVERDUE, Violation};
 use crate::alarm::Deliveries;
-use crate::fleet::{Fact, Fleet, Job, JobKind, JobState, JobWhy, RackAt, Task};
+use crate::fleet::{Fact, Fleet, Job, JobFact, JobKind, JobState, JobWhy, RackAt, Task};
 use crate::id::{BodyId, JobId, RobotId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
@@ -43,17 +43,17 @@ impl JobLaws {
         let mut broken = Vec::new();
         for fact in facts {
             match fact {
-                Fact::Accepted { job, request, .. } => {
+                Fact::Job(JobFact::Accepted { job, request, .. }) => {
                     self.open.insert(*job, (request.kind, JobState::Waiting, now));
                 }
-                Fact::JobChanged { job, kind, .. } => match self.open.get_mut(job) {
+                Fact::Job(JobFact::Changed { job, kind, .. }) => match self.open.get_mut(job) {
                     Some(entry) => entry.0 = *kind,
                     None => broken.push(Violation::JobLost(*job)),
                 },
-                Fact::Served { job, tasked: (robot, _), .. } => {
+                Fact::Job(JobFact::Served { job, tasked: (robot, _), .. }) => {
                     broken.extend(self.served(*job, *robot, now, world, fleet));
                 }
-                Fact::Progressed { job, state, .. } => {
+                Fact::Job(JobFact::Progressed { job, state, .. }) => {
                     broken.extend(self.progress(*job, *state, now, world, fleet))
                 }
                 _ => {}

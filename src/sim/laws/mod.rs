@@ -24,7 +24,7 @@ pub use waits::untrue;
 pub use calm::CalmFigures;
 
 use super::world::World;
-use crate::fleet::{Fact, Fleet, JobState, Ledger};
+use crate::fleet::{Fact, Fleet, JobFact, JobState, Ledger};
 use crate::geometry::{Point, axis_distance};
 use crate::id::{JobId, RackId, RobotId};
 use crate::time::Time;
@@ -230,11 +230,15 @@ impl Laws {
     fn check_jobs(&mut self, now: Time, facts: &[Fact], fleet: &Fleet) {
         for fact in facts {
             match fact {
-                Fact::Accepted { .. } => self.accepted += 1,
-                Fact::Progressed { job, state, .. } if state.is_over() && !self.over.insert(*job) => {
+                Fact::Job(JobFact::Accepted { .. }) => self.accepted += 1,
+                Fact::Job(JobFact::Progressed { job, state, .. })
+                    if state.is_over() && !self.over.insert(*job) =>
+                {
                     self.break_law(now, Violation::DoneTwice(*job));
                 }
-                Fact::Progressed { job, state: JobState::Done, .. } if job.0 > self.accepted => {
+                Fact::Job(JobFact::Progressed { job, state: JobState::Done, .. })
+                    if job.0 > self.accepted =>
+                {
                     self.break_law(now, Violation::JobLost(*job));
                 }
                 _ => {}

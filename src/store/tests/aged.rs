@@ -5,8 +5,8 @@
 use super::year::{self, CLEARANCE, LAST, NOW};
 use crate::alarm::AlarmQuery;
 use crate::fleet::{
-    AssignmentQuery, EncounterQuery, EventKind, EventQuery, Fact, JobKind, JobQuery, JobRequest, JobState,
-    Ledger, RobotEventQuery,
+    AssignmentQuery, EncounterQuery, EventKind, EventQuery, Fact, JobFact, JobKind, JobQuery, JobRequest,
+    JobState, Ledger, RobotEventQuery,
 };
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::store::listing::LOOKED_AT;
@@ -114,9 +114,9 @@ fn job_steps(first: i64, count: i64, at: Time) -> Vec<StepEntry> {
     let of = |n: i64| {
         let (job, at) = (JobId(n.unsigned_abs()), at + Span(n));
         let kind = JobKind::Deliver { rack: RackId(1), station: StationId(1), pick: None };
-        let progress = |state| Fact::Progressed { job, state, tasked: None, at };
+        let progress = |state| Fact::Job(JobFact::Progressed { job, state, tasked: None, at });
         let facts = vec![
-            Fact::Accepted { job, request: JobRequest::new(kind), at },
+            Fact::Job(JobFact::Accepted { job, request: JobRequest::new(kind), at }),
             progress(JobState::Assigned { robot }),
             progress(JobState::Carrying { robot }),
             progress(JobState::Picking { robot }),

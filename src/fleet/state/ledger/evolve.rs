@@ -5,7 +5,10 @@
 
 use super::{Ledger, RackAt, Robot, Service, Unconfirmed, stand};
 use crate::cell::{LineChange, LineOutcome};
-use crate::fleet::state::fact::{Act, Booking, Fact, KeptRoute, Task};
+use crate::fleet::state::fact::{
+    Act, AreaFact, AssignmentFact, Booking, EncounterFact, Fact, FloorFact, JobFact, KeptRoute, RobotFact,
+    RouteFact, Task, WorkerFact,
+};
 use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
 use crate::fleet::state::life::{self, JobStage, Work};
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
@@ -26,26 +29,43 @@ impl Ledger {
 
     fn take_in(&mut self, fact: &Fact) {
         match fact {
-            Fact::Accepted { job, request, at } => self.accept(*job, request, *at),
-            Fact::Progressed { job, state, tasked, .. } => self.progress(*job, *state, *tasked),
-            Fact::Served { job, tasked, at } => self.serve(*job, *tasked, *at),
-            Fact::LineChanged { job, line, change, .. } => self.change_line(*job, *line, *change),
-            Fact::Chosen { job, choice, .. } => {
+            Fact::Robot(of) => self.take_in_of_robots(of),
+            Fact::Route(of) => self.take_in_of_routes(of),
+            Fact::Job(of) => self.take_in_of_jobs(of),
+            Fact::Worker(of) => self.take_in_of_workers(of),
+            Fact::Assignment(of) => self.take_in_of_assignments(of),
+            Fact::Area(of) => self.take_in_of_areas(of),
+            Fact::Floor(of) => self.take_in_of_the_floor(of),
+            Fact::Encounter(EncounterFact::Met(_)) => self.promises.counts.encounters += 1,
+            Fact::Encounter(EncounterFact::Deviated { .. }) => self.promises.counts.deviations += 1,
+            Fact::Encounter(EncounterFact::Interrupted { .. }) => self.promises.counts.interruptions += 1,
+            Fact::Noted(_) => {}
+        }
+    }
+
+    fn take_in_of_jobs(&mut self, fact: &JobFact) {
+        match fact {
+            JobFact::Accepted { job, request, at } => self.accept(*job, request, *at),
+            JobFact::Progressed { job, state, tasked, .. } => self.progress(*job, *state, *tasked),
+            JobFact::Served { job, tasked, at } => self.serve(*job, *tasked, *at),
+            JobFact::LineChanged { job, line, change, .. } => self.change_line(*job, *line, *change),
+            JobFact::Chosen { job, choice, .. } => {
                 let job = self.promises.jobs.get_mut(job).expect("only live jobs change");
                 assert_eq!(job.state, JobState::Waiting, "a robot works on the job that is given to another");
                 job.choice = *choice;
             }
-            Fact::Prioritised { job, priority, .. } => {
+            JobFact::Prioritised { job, priority, .. } => {
                 self.promises.jobs.get_mut(job).expect("only live jobs change").request.priority = *priority;
             }
-            Fact::JobChanged { job, kind, priority, deadline, .. } => {
+            JobFact::Changed { job, kind, priority, deadline, .. } => {
                 self.change_job(*job, *kind, *priority, *deadline);
             }
-            Fact::KeysExpired { jobs, assignments } => {
-                jobs.iter().for_each(|job| self.promises.keys.forget(*job));
-                assignments.iter().for_each(|assignment| self.promises.assignment_keys.forget(*assignment));
-            }
-            Fact::WorkerRegistered { worker, name, .. } => {
+        }
+    }
+
+    fn take_in_of_workers(&mut self, fact: &WorkerFact) {
+        match fact {
+            WorkerFact::Registered { worker, name, .. } => {
                 if self.promises.workers.get(*worker).is_some() {
                     self.promises.workers[*worker].clone_from(name);
                 } else {
@@ -53,116 +73,123 @@ impl Ledger {
                     assert_eq!(id, *worker, "workers are numbered in order");
                 }
             }
-            Fact::WorkerNoted { worker, place } | Fact::WorkerNarrowed { worker, place, .. } => {
+            WorkerFact::Noted { worker, place } | WorkerFact::Narrowed { worker, place, .. } => {
                 self.promises.on_floor.insert(*worker, *place);
             }
-            Fact::WorkerCleared { worker, .. } => _ = self.promises.on_floor.remove(worker),
-            Fact::Assigned { assignment, worker, request, at } => {
+            WorkerFact::Cleared { worker, .. } => _ = self.promises.on_floor.remove(worker),
+        }
+    }
+
+    fn take_in_of_assignments(&mut self, fact: &AssignmentFact) {
+        match fact {
+            AssignmentFact::Assigned { assignment, worker, request, at } => {
                 self.assign(*assignment, *worker, request, *at);
             }
-            Fact::Given { assignment, worker, .. } => {
+            AssignmentFact::Given { assignment, worker, .. } => {
                 let given = self.promises.assignments.get_mut(assignment).expect("only live ones are given");
                 assert_eq!(given.worker.replace(*worker), None, "an assignment is given once");
             }
-            Fact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
-            Fact::Closed { .. }
-            | Fact::Reopened { .. }
-            | Fact::Recurs { .. }
-            | Fact::Scheduled { .. }
-            | Fact::SeriesEnded { .. } => self.take_in_of_closures(fact),
-            Fact::Evacuated { at } => self.promises.evacuation = Some(*at),
-            Fact::EvacuationEnded { .. } => self.promises.evacuation = None,
-            Fact::StationPaused { station, at } => {
+            AssignmentFact::Advanced { assignment, state, .. } => self.advance(*assignment, *state),
+        }
+    }
+
+    fn take_in_of_the_floor(&mut self, fact: &FloorFact) {
+        match fact {
+            FloorFact::Evacuated { at } => self.promises.evacuation = Some(*at),
+            FloorFact::EvacuationEnded { .. } => self.promises.evacuation = None,
+            FloorFact::StationPaused { station, at } => {
                 self.promises.paused_stations.insert(*station, *at);
             }
-            Fact::StationResumed { station, .. } => {
+            FloorFact::StationResumed { station, .. } => {
                 self.promises.paused_stations.remove(station);
             }
-            Fact::Encountered(_) => self.promises.counts.encounters += 1,
-            Fact::Deviated { .. } => self.promises.counts.deviations += 1,
-            Fact::Interrupted { .. } => self.promises.counts.interruptions += 1,
-            Fact::Noted(_) => {}
-            about_robots => self.take_in_of_robots(about_robots),
-        }
-    }
-
-    /// Facts about closed areas.
-    fn take_in_of_closures(&mut self, fact: &Fact) {
-        match fact {
-            Fact::Closed { closure, area } => {
-                assert_eq!(closure.0, self.promises.next_closure, "closures are numbered in order");
-                self.promises.next_closure += 1;
-                self.promises.closures.insert(*closure, area.clone());
-            }
-            Fact::Reopened { closure, .. } => {
-                self.promises.closures.remove(closure).expect("only what is closed is opened again");
-            }
-            Fact::Recurs { series, closure } => {
-                assert_eq!(series.0, self.promises.next_series, "recurring closures are numbered in order");
-                self.promises.next_series += 1;
-                self.promises.recurring.insert(*series, closure.clone());
-            }
-            Fact::Scheduled { series, next } => {
-                let recurring = self.promises.recurring.get_mut(series);
-                recurring.expect("only what recurs has a next occurrence").next = *next;
-            }
-            Fact::SeriesEnded { series, .. } => {
-                self.promises.recurring.remove(series).expect("only what recurs is ended");
-            }
-            other => unreachable!("{other:?} is about no closure"),
-        }
-    }
-
-    /// Facts that change what robots hold, do or are.
-    fn take_in_of_robots(&mut self, fact: &Fact) {
-        match fact {
-            Fact::Registered { robot, name, kind, node, at } => {
-                self.register(*robot, (name, kind), *node, *at)
-            }
-            Fact::Tasked { robot, task } => self.task(*robot, *task),
-            Fact::Routed { bookings } => self.route(bookings),
-            Fact::Granted { robot, serial, at } => {
-                self.timeline.grant(*robot, *serial, *at);
-            }
-            Fact::Revoked { robot, serial, recalls, .. } => {
-                self.promises.robots[*robot].recalls = *recalls;
-                self.timeline.revoke(*robot, *serial);
-            }
-            Fact::Passed { robot, serial } => self.timeline.release(*robot, *serial),
-            Fact::Acted { robot, serial } => self.act(*robot, *serial),
-            Fact::Retimed { moved } => {
-                let slip: Vec<_> = moved.iter().map(|m| (m.robot, m.shifts.as_slice())).collect();
-                self.timeline.slide(&slip);
-            }
-            Fact::Truncated { robots } => self.truncate(robots),
-            Fact::Placed { robot, node, serial, cut, at } => self.place(*robot, *node, *serial, cut, *at),
-            Fact::Failed { robot, .. } => self.promises.robots[*robot].failed = true,
-            Fact::Repaired { robot, .. } => {
-                self.promises.robots[*robot].failed = false;
-                self.promises.robots[*robot].interrupted = true;
-            }
-            Fact::Fenced { robot, at } => {
-                self.promises.robots[*robot].failed = true;
-                self.promises.robots[*robot].fenced = Some(*at);
-            }
-            Fact::Maintenance { robot, since } => {
-                let service = since.map_or(Service::Works, |since| Service::Maintenance { since });
-                self.promises.robots[*robot].service = service;
-            }
-            Fact::Retired { robot, at } => {
-                self.promises.robots[*robot].service = Service::Leaving { since: *at };
-            }
-            Fact::Left { robot, at } => self.leave(*robot, *at),
-            Fact::Returned { robot, kind, node, at } => self.come_back(*robot, kind, *node, *at),
-            Fact::RackTaken { robot, rack, node, .. } => self.take_rack(*robot, *rack, *node),
-            Fact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
-            Fact::Released { robot, .. } => {
+            FloorFact::Halted { robot, at } => *self.halted(*robot) = Some(*at),
+            FloorFact::Released { robot, .. } => {
                 *self.halted(*robot) = None;
                 if let Some(robot) = robot {
                     self.promises.robots[*robot].fenced = None;
                 }
             }
-            other => unreachable!("{other:?} is taken in above"),
+            FloorFact::KeysExpired { jobs, assignments } => {
+                jobs.iter().for_each(|job| self.promises.keys.forget(*job));
+                assignments.iter().for_each(|assignment| self.promises.assignment_keys.forget(*assignment));
+            }
+        }
+    }
+
+    fn take_in_of_areas(&mut self, fact: &AreaFact) {
+        match fact {
+            AreaFact::Closed { closure, area } => {
+                assert_eq!(closure.0, self.promises.next_closure, "closures are numbered in order");
+                self.promises.next_closure += 1;
+                self.promises.closures.insert(*closure, area.clone());
+            }
+            AreaFact::Reopened { closure, .. } => {
+                self.promises.closures.remove(closure).expect("only what is closed is opened again");
+            }
+            AreaFact::Recurs { series, closure } => {
+                assert_eq!(series.0, self.promises.next_series, "recurring closures are numbered in order");
+                self.promises.next_series += 1;
+                self.promises.recurring.insert(*series, closure.clone());
+            }
+            AreaFact::Scheduled { series, next } => {
+                let recurring = self.promises.recurring.get_mut(series);
+                recurring.expect("only what recurs has a next occurrence").next = *next;
+            }
+            AreaFact::SeriesEnded { series, .. } => {
+                self.promises.recurring.remove(series).expect("only what recurs is ended");
+            }
+        }
+    }
+
+    /// Facts that change what robots do or are.
+    fn take_in_of_robots(&mut self, fact: &RobotFact) {
+        match fact {
+            RobotFact::Registered { robot, name, kind, node, at } => {
+                self.register(*robot, (name, kind), *node, *at);
+            }
+            RobotFact::Tasked { robot, task } => self.task(*robot, *task),
+            RobotFact::Failed { robot, .. } => self.promises.robots[*robot].failed = true,
+            RobotFact::Repaired { robot, .. } => {
+                self.promises.robots[*robot].failed = false;
+                self.promises.robots[*robot].interrupted = true;
+            }
+            RobotFact::Fenced { robot, at } => {
+                self.promises.robots[*robot].failed = true;
+                self.promises.robots[*robot].fenced = Some(*at);
+            }
+            RobotFact::Maintenance { robot, since } => {
+                let service = since.map_or(Service::Works, |since| Service::Maintenance { since });
+                self.promises.robots[*robot].service = service;
+            }
+            RobotFact::Retired { robot, at } => {
+                self.promises.robots[*robot].service = Service::Leaving { since: *at };
+            }
+            RobotFact::Left { robot, at } => self.leave(*robot, *at),
+            RobotFact::Returned { robot, kind, node, at } => self.come_back(*robot, kind, *node, *at),
+            RobotFact::RackTaken { robot, rack, node, .. } => self.take_rack(*robot, *rack, *node),
+        }
+    }
+
+    /// Facts that change what robots hold.
+    fn take_in_of_routes(&mut self, fact: &RouteFact) {
+        match fact {
+            RouteFact::Routed { bookings } => self.route(bookings),
+            RouteFact::Granted { robot, serial, at } => self.timeline.grant(*robot, *serial, *at),
+            RouteFact::Revoked { robot, serial, recalls, .. } => {
+                self.promises.robots[*robot].recalls = *recalls;
+                self.timeline.revoke(*robot, *serial);
+            }
+            RouteFact::Passed { robot, serial } => self.timeline.release(*robot, *serial),
+            RouteFact::Acted { robot, serial } => self.act(*robot, *serial),
+            RouteFact::Retimed { moved } => {
+                let slip: Vec<_> = moved.iter().map(|m| (m.robot, m.shifts.as_slice())).collect();
+                self.timeline.slide(&slip);
+            }
+            RouteFact::Truncated { robots } => self.truncate(robots),
+            RouteFact::Placed { robot, node, serial, cut, at } => {
+                self.place(*robot, *node, *serial, cut, *at);
+            }
         }
     }
 

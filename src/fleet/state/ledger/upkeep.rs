@@ -3,7 +3,7 @@
 //! Refuses: to hold anything that the ledger does not say.
 
 use super::{Ledger, RackAt};
-use crate::fleet::state::fact::{Act, Fact, Task};
+use crate::fleet::state::fact::{Act, AssignmentFact, Fact, JobFact, RobotFact, RouteFact, Task};
 use crate::fleet::state::index::{BAD_END_KNOWN, Index};
 use crate::fleet::state::job::{Job, JobState, RobotChoice};
 use crate::id::{JobId, RackId, RobotId};
@@ -54,8 +54,8 @@ impl Ledger {
     /// The rack that a fact lifts or sets down. To be asked before the fact is taken in.
     pub(super) fn rack_moved_by(&self, fact: &Fact) -> Option<RackId> {
         let robot = match fact {
-            Fact::Acted { robot, .. } => robot,
-            Fact::RackTaken { rack, .. } => return Some(*rack),
+            Fact::Route(RouteFact::Acted { robot, .. }) => robot,
+            Fact::Robot(RobotFact::RackTaken { rack, .. }) => return Some(*rack),
             _ => return None,
         };
         match self.promises.robots[*robot].stops.first()?.act {
@@ -70,44 +70,78 @@ impl Ledger {
             self.index_rack(rack);
         }
         match fact {
-            Fact::Registered { robot, .. } | Fact::Left { robot, .. } | Fact::Returned { robot, .. } => {
+            Fact::Robot(of) => self.index_after_robot(of),
+            Fact::Route(of) => self.index_after_route(of),
+            Fact::Job(of) => self.index_after_job(of),
+            Fact::Assignment(AssignmentFact::Assigned { assignment, worker, .. }) => {
+                self.index.assign(*worker, *assignment);
+            }
+            Fact::Assignment(AssignmentFact::Given { assignment, worker, .. }) => {
+                self.index.unassign(*assignment);
+                self.index.assign(Some(*worker), *assignment);
+            }
+            Fact::Assignment(AssignmentFact::Advanced { assignment, state, .. }) => {
+                if state.is_over() {
+                    self.index.unassign(*assignment);
+                }
+            }
+            Fact::Area(_) => self.index.note_closure_change(),
+            Fact::Worker(_) | Fact::Floor(_) | Fact::Encounter(_) | Fact::Noted(_) => {}
+        }
+    }
+
+    fn index_after_robot(&mut self, fact: &RobotFact) {
+        match fact {
+            RobotFact::Registered { robot, .. }
+            | RobotFact::Left { robot, .. }
+            | RobotFact::Returned { robot, .. } => {
                 self.index_present();
                 self.index_robot(*robot);
             }
-            Fact::Tasked { robot, .. } => self.index_robot(*robot),
-            Fact::Routed { bookings } => bookings.iter().for_each(|b| self.index_robot(b.robot)),
-            Fact::Truncated { robots } => robots.iter().for_each(|kept| self.index_robot(kept.robot)),
-            Fact::Placed { robot, cut, .. } => {
+            RobotFact::Tasked { robot, .. } => self.index_robot(*robot),
+            RobotFact::Failed { .. }
+            | RobotFact::Repaired { .. }
+            | RobotFact::Fenced { .. }
+            | RobotFact::Maintenance { .. }
+            | RobotFact::Retired { .. }
+            | RobotFact::RackTaken { .. } => {}
+        }
+    }
+
+    fn index_after_route(&mut self, fact: &RouteFact) {
+        match fact {
+            RouteFact::Routed { bookings } => bookings.iter().for_each(|b| self.index_robot(b.robot)),
+            RouteFact::Truncated { robots } => robots.iter().for_each(|kept| self.index_robot(kept.robot)),
+            RouteFact::Placed { robot, cut, .. } => {
                 self.index_robot(*robot);
                 cut.iter().for_each(|kept| self.index_robot(kept.robot));
             }
-            Fact::Accepted { job, .. }
-            | Fact::Prioritised { job, .. }
-            | Fact::JobChanged { job, .. }
-            | Fact::Chosen { job, .. } => self.index_job(*job),
-            Fact::Served { job, tasked: (robot, _), .. } => {
+            RouteFact::Granted { .. }
+            | RouteFact::Passed { .. }
+            | RouteFact::Acted { .. }
+            | RouteFact::Retimed { .. }
+            | RouteFact::Revoked { .. } => {}
+        }
+    }
+
+    fn index_after_job(&mut self, fact: &JobFact) {
+        match fact {
+            JobFact::Accepted { job, .. }
+            | JobFact::Prioritised { job, .. }
+            | JobFact::Changed { job, .. }
+            | JobFact::Chosen { job, .. } => self.index_job(*job),
+            JobFact::Served { job, tasked: (robot, _), .. } => {
                 self.index_robot(*robot);
                 self.index_job(*job);
             }
-            Fact::Progressed { job, state, tasked, at } => {
+            JobFact::Progressed { job, state, tasked, at } => {
                 if let Some((robot, _)) = tasked {
                     self.index_robot(*robot);
                 }
                 self.index_job(*job);
                 self.index_end(*job, *state, *at);
             }
-            Fact::Assigned { assignment, worker, .. } => self.index.assign(*worker, *assignment),
-            Fact::Given { assignment, worker, .. } => {
-                self.index.unassign(*assignment);
-                self.index.assign(Some(*worker), *assignment);
-            }
-            Fact::Advanced { assignment, state, .. } if state.is_over() => self.index.unassign(*assignment),
-            Fact::Closed { .. }
-            | Fact::Reopened { .. }
-            | Fact::Recurs { .. }
-            | Fact::Scheduled { .. }
-            | Fact::SeriesEnded { .. } => self.index.note_closure_change(),
-            _ => {}
+            JobFact::LineChanged { .. } => {}
         }
     }
 

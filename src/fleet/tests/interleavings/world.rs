@@ -6,7 +6,8 @@ use super::actors::{FootMove, FootWorker, HALF_M, StepRobot};
 use super::floors::{LANE_M, Manner, TinyFloor, node_of};
 use crate::fleet::tests::{request, scenario};
 use crate::fleet::{
-    Fact, Fleet, Input, JobAction, Reply, Request, RobotAction, StationOrder, Task, WorkerAction,
+    Fact, Fleet, Input, JobAction, JobFact, Reply, Request, RobotAction, RouteFact, StationOrder, Task,
+    WorkerAction,
 };
 use crate::geometry::{Point, axis_distance};
 use crate::id::{RobotId, StationId, WorkerId};
@@ -98,8 +99,13 @@ impl TinyWorld {
         for reply in &step.replies {
             assert!(!matches!(reply, Reply { answer: Err(_), .. }), "{reply:?}");
         }
-        let gets_on =
-            |f: &Fact| matches!(f, Fact::Passed { .. } | Fact::Acted { .. } | Fact::Progressed { .. });
+        let gets_on = |f: &Fact| {
+            matches!(
+                f,
+                Fact::Route(RouteFact::Passed { .. } | RouteFact::Acted { .. })
+                    | Fact::Job(JobFact::Progressed { .. })
+            )
+        };
         if step.facts.iter().any(gets_on) {
             self.progress = now;
         }

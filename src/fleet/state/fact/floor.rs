@@ -1,0 +1,100 @@
+//! What happens to the floor as a whole: areas are closed, people leave the building, stations pause.
+//!
+//! Main types: [`AreaFact`], [`FloorFact`]. Refuses: single robots, jobs and workers.
+
+use crate::fleet::state::recurring::RecurringClosure;
+use crate::fleet::state::worker::Closure;
+use crate::id::{AssignmentId, ClosureId, JobId, RobotId, SeriesId, StationId};
+use crate::time::Time;
+
+/// Something that happened to an area from which robots keep out.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[repr(isize)]
+pub enum AreaFact {
+    /// Robots keep out of an area. Closures are numbered in order of marking.
+    Closed {
+        /// The new number.
+        closure: ClosureId,
+        /// Where, when, why.
+        area: Closure,
+    } = 23,
+    /// The closure has ended; robots may route through the area again.
+    Reopened {
+        /// The closure.
+        closure: ClosureId,
+        /// When it happened.
+        at: Time,
+    } = 24,
+    /// An area is closed again and again. Recurring closures are numbered in order of marking.
+    Recurs {
+        /// The new number.
+        series: SeriesId,
+        /// Where, when, why.
+        closure: RecurringClosure,
+    } = 25,
+    /// An occurrence of a recurring closure was announced, or passed over: this one is the next.
+    Scheduled {
+        /// The recurring closure.
+        series: SeriesId,
+        /// When the next one begins that is not announced; nothing where there is none.
+        next: Option<Time>,
+    } = 26,
+    /// A closure recurs no more.
+    SeriesEnded {
+        /// The recurring closure.
+        series: SeriesId,
+        /// When it happened.
+        at: Time,
+    } = 27,
+}
+
+/// Something that happened to the whole floor, or to a station.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[repr(isize)]
+pub enum FloorFact {
+    /// Everybody is to leave the building.
+    Evacuated {
+        /// When it happened.
+        at: Time,
+    } = 28,
+    /// People may come back, and robots go on.
+    EvacuationEnded {
+        /// When it happened.
+        at: Time,
+    } = 29,
+    /// One robot, or the whole fleet, is to stand.
+    Halted {
+        /// The robot; nothing for the whole fleet.
+        robot: Option<RobotId>,
+        /// When it happened.
+        at: Time,
+    } = 30,
+    /// It may go on.
+    Released {
+        /// The robot; nothing for the whole fleet.
+        robot: Option<RobotId>,
+        /// When it happened.
+        at: Time,
+    } = 31,
+    /// Nobody picks at a station until further notice.
+    StationPaused {
+        /// The station.
+        station: StationId,
+        /// When it happened.
+        at: Time,
+    } = 32,
+    /// Picking at a station goes on.
+    StationResumed {
+        /// The station.
+        station: StationId,
+        /// When it happened.
+        at: Time,
+    } = 33,
+    /// Customers' keys are forgotten: their jobs and assignments are over, and were accepted long ago.
+    KeysExpired {
+        /// The jobs that had them.
+        jobs: Vec<JobId>,
+        /// The assignments that had them.
+        assignments: Vec<AssignmentId>,
+    } = 39,
+}

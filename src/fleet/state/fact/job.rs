@@ -1,0 +1,87 @@
+//! What happens to a job.
+//!
+//! Main type: [`JobFact`]. Refuses: which change of a job's state may follow which; `life` knows that.
+
+use super::robot::Task;
+use crate::cell::LineChange;
+use crate::fleet::state::job::{JobKind, JobRequest, JobState, RobotChoice};
+use crate::id::{JobId, RobotId};
+use crate::time::Time;
+
+/// Something that happened to a job.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[repr(isize)]
+pub enum JobFact {
+    /// A job was accepted. Jobs are numbered in order of acceptance.
+    Accepted {
+        /// The new number.
+        job: JobId,
+        /// What is wanted.
+        request: JobRequest,
+        /// When it happened.
+        at: Time,
+    } = 1,
+    /// A job came to another state, and the robot that serves it, or served it, to another task: one fact, so that
+    /// the two never disagree.
+    Progressed {
+        /// The job.
+        job: JobId,
+        /// The new state.
+        state: JobState,
+        /// The robot whose task changes with it, and that task.
+        tasked: Option<(RobotId, Task)>,
+        /// When it happened.
+        at: Time,
+    } = 2,
+    /// A rack was served at a station and is wanted at another one: its robot goes there, and its job goes on.
+    Served {
+        /// The job.
+        job: JobId,
+        /// The robot, and its way to the next station.
+        tasked: (RobotId, Task),
+        /// When it happened.
+        at: Time,
+    } = 3,
+    /// An operator says which robots may do a job that no robot has.
+    Chosen {
+        /// The job.
+        job: JobId,
+        /// The robots.
+        choice: RobotChoice,
+        /// When it happened.
+        at: Time,
+    } = 4,
+    /// A waiting job has another priority.
+    Prioritised {
+        /// The job.
+        job: JobId,
+        /// 0 to 9.
+        priority: u8,
+        /// When it happened.
+        at: Time,
+    } = 34,
+    /// A waiting job is another one in more than its priority.
+    Changed {
+        /// The job.
+        job: JobId,
+        /// What is wanted now.
+        kind: JobKind,
+        /// 0 to 9.
+        priority: u8,
+        /// When it should be done now.
+        deadline: Option<Time>,
+        /// When it was changed.
+        at: Time,
+    } = 35,
+    /// A line of the visit at which the job's rack stands has changed.
+    LineChanged {
+        /// The job.
+        job: JobId,
+        /// Which line of this visit, counted from 0.
+        line: usize,
+        /// What is said about it.
+        change: LineChange,
+        /// When it happened.
+        at: Time,
+    } = 46,
+}

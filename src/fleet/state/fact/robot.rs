@@ -1,0 +1,222 @@
+//! What happens to a robot, and what it is doing.
+//!
+//! Main types: [`RobotFact`], [`Task`]. Refuses: routes, which are in [`super::route`].
+
+use super::route::Act;
+use crate::id::{JobId, NodeId, RackId, RobotId};
+use crate::time::Time;
+
+/// Something that happened to a robot.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[repr(isize)]
+pub enum RobotFact {
+    /// A robot joined the fleet, standing on a node. Robots are numbered in order of joining.
+    Registered {
+        /// The new number.
+        robot: RobotId,
+        /// Its name.
+        name: String,
+        /// The name of its kind.
+        kind: String,
+        /// Where it stands.
+        node: NodeId,
+        /// When it happened.
+        at: Time,
+    } = 0,
+    /// A robot has something else to do, on which no job's state depends.
+    Tasked {
+        /// The robot.
+        robot: RobotId,
+        /// What.
+        task: Task,
+    } = 5,
+    /// A robot does not work any more.
+    Failed {
+        /// The robot.
+        robot: RobotId,
+        /// When it happened.
+        at: Time,
+    } = 13,
+    /// A robot works again.
+    Repaired {
+        /// The robot.
+        robot: RobotId,
+        /// When it happened.
+        at: Time,
+    } = 14,
+    /// What is promised about a robot contradicts itself: it is treated as failed, whatever it reports, until a
+    /// person releases it.
+    Fenced {
+        /// The robot.
+        robot: RobotId,
+        /// When it happened.
+        at: Time,
+    } = 15,
+    /// A robot goes to maintenance, or comes back.
+    Maintenance {
+        /// The robot.
+        robot: RobotId,
+        /// Since when; nothing where it works again.
+        since: Option<Time>,
+    } = 41,
+    /// A robot is to leave the floor.
+    Retired {
+        /// The robot.
+        robot: RobotId,
+        /// When it happened.
+        at: Time,
+    } = 42,
+    /// A robot has left the floor: it holds nothing any more.
+    Left {
+        /// The robot.
+        robot: RobotId,
+        /// When it happened.
+        at: Time,
+    } = 43,
+    /// A robot that had left stands on the floor again.
+    Returned {
+        /// The robot.
+        robot: RobotId,
+        /// The name of its kind.
+        kind: String,
+        /// Where it stands.
+        node: NodeId,
+        /// When it happened.
+        at: Time,
+    } = 44,
+    /// People took the rack off a robot that cannot drive, and set it down on a storage node. What the robot was to do
+    /// with it is not done any more.
+    RackTaken {
+        /// The robot.
+        robot: RobotId,
+        /// The rack.
+        rack: RackId,
+        /// Where it stands now.
+        node: NodeId,
+        /// When it happened.
+        at: Time,
+    } = 45,
+}
+
+/// What a robot is doing. `Idle → Fetch → Deliver → Store → Idle`; `Fetch → Store` for relocations; `Idle → Move
+/// → Idle`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Task {
+    /// Nothing: it stands where it may stay.
+    Idle,
+    /// It goes to a rack and lifts it.
+    Fetch {
+        /// The job; nothing where that is over, but the robot may drive to the rack and lift it already.
+        job: Option<JobId>,
+        /// The rack.
+        rack: RackId,
+        /// Where the rack stands.
+        node: NodeId,
+    },
+    /// It carries a rack to a station; its route goes on to `store`.
+    Deliver {
+        /// The job.
+        job: JobId,
+        /// The rack.
+        rack: RackId,
+        /// Where the robot stands while a person picks.
+        station: NodeId,
+        /// The storage node reserved for the rack.
+        store: NodeId,
+    },
+    /// It brings a rack to a storage node and sets it down.
+    Store {
+        /// The job that ends with it, unless it ended at the station.
+        job: Option<JobId>,
+        /// The rack.
+        rack: RackId,
+        /// The storage node.
+        store: NodeId,
+    },
+    /// It goes somewhere without a rack, and on to `stay` where it cannot stay there.
+    Move {
+        /// The job, if a customer sent it.
+        job: Option<JobId>,
+        /// Where to.
+        goal: NodeId,
+        /// Where it stays in the end.
+        stay: NodeId,
+        /// What for.
+        purpose: Purpose,
+    },
+}
+
+/// Why a robot moves without a rack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Purpose {
+    /// To charge.
+    Charge,
+    /// To be out of the way.
+    Park,
+    /// Because a customer said so.
+    Go,
+}
+
+impl Task {
+    /// To go to a node for no customer, and stay there.
+    pub fn rest_at(stay: NodeId, purpose: Purpose) -> Task {
+        Task::Move { job: None, goal: stay, stay, purpose }
+    }
+
+    /// The job behind it.
+    pub fn job(&self) -> Option<JobId> {
+        match *self {
+            Task::Deliver { job, .. } => Some(job),
+            Task::Fetch { job, .. } | Task::Store { job, .. } | Task::Move { job, .. } => job,
+            Task::Idle => None,
+        }
+    }
+
+    /// Whether this task asks for what a route has its robot do somewhere.
+    pub fn asks_for(&self, act: Act) -> bool {
+        match (act, *self) {
+            (Act::Lift(rack), Task::Fetch { rack: wanted, .. }) => rack == wanted,
+            (Act::Set(rack), Task::Store { rack: wanted, .. } | Task::Deliver { rack: wanted, .. }) => {
+                rack == wanted
+            }
+            (Act::Pick(_), Task::Deliver { .. }) | (Act::Arrive, Task::Move { .. }) => true,
+            (Act::Lift(_) | Act::Set(_) | Act::Pick(_) | Act::Arrive, _) => false,
+        }
+    }
+
+    /// The rack that the robot carries while on this task.
+    pub fn carried(&self) -> Option<RackId> {
+        match *self {
+            Task::Deliver { rack, .. } | Task::Store { rack, .. } => Some(rack),
+            Task::Idle | Task::Fetch { .. } | Task::Move { .. } => None,
+        }
+    }
+
+    /// The node on which the robot ends, and which no other robot may be promised.
+    pub fn destination(&self) -> Option<NodeId> {
+        match *self {
+            Task::Idle => None,
+            Task::Fetch { node, .. } => Some(node),
+            Task::Deliver { store, .. } | Task::Store { store, .. } => Some(store),
+            Task::Move { stay, .. } => Some(stay),
+        }
+    }
+}
+
+impl RobotFact {
+    /// The robot to which it happened.
+    pub(in crate::fleet) fn robot(&self) -> RobotId {
+        match self {
+            RobotFact::Registered { robot, .. }
+            | RobotFact::Tasked { robot, .. }
+            | RobotFact::Failed { robot, .. }
+            | RobotFact::Repaired { robot, .. }
+            | RobotFact::Fenced { robot, .. }
+            | RobotFact::Maintenance { robot, .. }
+            | RobotFact::Retired { robot, .. }
+            | RobotFact::Left { robot, .. }
+            | RobotFact::Returned { robot, .. }
+            | RobotFact::RackTaken { robot, .. } => *robot,
+        }
+    }
+}
