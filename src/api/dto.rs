@@ -7,7 +7,7 @@ use super::cell::{LineDto, lines_dto};
 use super::replans::ReplannedDto;
 use super::text::{job_name, round3, time_text, worker_name};
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
-use crate::fleet::{Counts, Job, JobKind, JobRow, JobState, RackAt, RobotChoice, RobotView, View, Visiting};
+use crate::fleet::{Counts, Job, JobParts, JobRow, JobState, RackAt, RobotChoice, RobotView, View, Visiting};
 use crate::id::{Dense, NodeId, RobotId, StationId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -351,25 +351,17 @@ impl Names<'_> {
     pub fn job(&self, record: &JobRow) -> JobDto {
         let request = &record.job.request;
         let gone = &record.gone;
-        let pick = match request.kind {
-            JobKind::Deliver { pick, .. } => pick,
-            _ => None,
-        };
-        let station = request.kind.station().and_then(|s| self.map.stations.get(s));
-        let node = match request.kind {
-            JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => {
-                Some(gone.node.clone().unwrap_or_else(|| self.node(node)))
-            }
-            _ => None,
-        };
-        let rack = request.kind.rack().and_then(|r| self.map.racks.get(r));
+        let JobParts { rack, station, node, robot, pick } = request.kind.parts();
+        let station = station.and_then(|s| self.map.stations.get(s));
+        let node = node.map(|node| gone.node.clone().unwrap_or_else(|| self.node(node)));
+        let rack = rack.and_then(|r| self.map.racks.get(r));
         JobDto {
             id: job_name(record.id),
             kind: request.kind.into(),
             rack: gone.rack.clone().or_else(|| rack.map(|r| r.name.clone())),
             station: gone.station.clone().or_else(|| station.map(|s| s.name.clone())),
             node,
-            robot: record.robot.or(request.kind.robot()).map(|r| self.robot(r)),
+            robot: record.robot.or(robot).map(|r| self.robot(r)),
             pick_s: pick.map(|p| p.as_secs_f64()),
             stops: self.stops(record),
             lines: if record.job.lines.len() == 1 { visit_lines(&record.job, 0) } else { Vec::new() },

@@ -9,10 +9,10 @@ use crate::aware::HumanAwarePolicy;
 use crate::cell::{LineState, PickedBy};
 use crate::fleet::{
     Activity, AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceReason, GuidanceState, JobKind,
-    JobState, Presence, Reaction, RobotState,
+    JobState, JobWord, Presence, Reaction, RobotState,
 };
 use crate::human::IntentState;
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::openapi::{ObjectBuilder, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
@@ -81,14 +81,43 @@ words! {
     }
 }
 
-words! {
-    /// What is wanted. `deliver`: bring a rack to a station, and put it back; `return`: put a rack onto the best free
-    /// storage node; `relocate`: put a rack onto this storage node; `charge`: send a robot to a free charger; `park`:
-    /// to a free parking place; `go`: to a node.
-    JobKindDto of JobKind {
-        Deliver "deliver", Return "return", Relocate "relocate", Charge "charge", Park "park", Go "go",
+/// What is wanted. `deliver`: bring a rack to a station, and put it back; `return`: put a rack onto the best free
+/// storage node; `relocate`: put a rack onto this storage node; `charge`: send a robot to a free charger; `park`: to a
+/// free parking place; `go`: to a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct JobKindDto(pub JobWord);
+
+impl From<JobKind> for JobKindDto {
+    fn from(kind: JobKind) -> JobKindDto {
+        JobKindDto(kind.name())
     }
 }
+
+impl Serialize for JobKindDto {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(self.0.word())
+    }
+}
+
+impl<'de> Deserialize<'de> for JobKindDto {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<JobKindDto, D::Error> {
+        let word = String::deserialize(from)?;
+        let unknown = || serde::de::Error::unknown_variant(&word, JobWord::WORDS);
+        JobWord::of_word(&word).map(JobKindDto).ok_or_else(unknown)
+    }
+}
+
+impl PartialSchema for JobKindDto {
+    fn schema() -> RefOr<Schema> {
+        let words = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(JobWord::WORDS.to_vec()));
+        let kinds = "What is wanted. `deliver`: bring a rack to a station, and put it back; `return`: put a rack onto the \
+                     best free storage node; `relocate`: put a rack onto this storage node; `charge`: send a robot to a \
+                     free charger; `park`: to a free parking place; `go`: to a node.";
+        words.description(Some(kinds)).build().into()
+    }
+}
+
+impl ToSchema for JobKindDto {}
 
 words! {
     /// How far a job has come.
@@ -274,7 +303,7 @@ impl ToSchema for AlarmKindDto {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::{RackId, RobotId};
+    use crate::id::RobotId;
 
     #[test]
     fn words_of_the_wire_are_those_that_the_core_writes_down_and_filters_by() {
@@ -283,10 +312,6 @@ mod tests {
             [JobState::Assigned { robot }, JobState::Carrying { robot }, JobState::Picking { robot }];
         for state in [JobState::Waiting, JobState::Done, JobState::Cancelled].into_iter().chain(at_work) {
             assert_eq!(JobStateDto::from(state).word(), state.word());
-        }
-        for kind in [JobKind::Return { rack: RackId(0) }, JobKind::Park { robot }, JobKind::Charge { robot }]
-        {
-            assert_eq!(JobKindDto::from(kind).word(), kind.word());
         }
         for severity in AlarmSeverity::ALL {
             assert_eq!(AlarmSeverityDto::from(severity).word(), severity.word());

@@ -60,10 +60,8 @@ pub struct LiveParams {
 /// besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", operation_id = "openLiveFeed", params(LiveParams), responses(
     (status = 101, description = "The feed begins"),
-    (status = 426, description = "Not a WebSocket", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 429, description = "Too many readers", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 426, description = "Not a WebSocket"),
+    (status = 429, description = "Too many readers")))]
 pub async fn live(
     Called(api): Called,
     Params(p): Params<LiveParams>,

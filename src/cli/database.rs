@@ -42,6 +42,20 @@ pub struct DatabaseArgs {
 
 #[derive(Subcommand)]
 enum DatabaseCommand {
+    #[command(flatten)]
+    Reported(ReportedCommand),
+    /// Write the database's own map as a map file: the map that was published to the server, say. Works while a server
+    /// runs.
+    Map {
+        /// The file; standard output if absent.
+        #[arg(long, value_name = "FILE")]
+        output: Option<PathBuf>,
+    },
+}
+
+/// What ends in a report about the database.
+#[derive(Subcommand)]
+enum ReportedCommand {
     /// Look for damage, load the journal and fold it. Works while a server runs and changes nothing. With a map other
     /// than the database's own, list what a start would carry over to it and what it would not.
     Check {
@@ -57,13 +71,6 @@ enum DatabaseCommand {
         /// Carry it over even if something is lost: jobs fail, assignments are cancelled, closures end, as listed.
         #[arg(long)]
         accept_losses: bool,
-    },
-    /// Write the database's own map as a map file: the map that was published to the server, say. Works while a server
-    /// runs.
-    Map {
-        /// The file; standard output if absent.
-        #[arg(long, value_name = "FILE")]
-        output: Option<PathBuf>,
     },
     /// Let a database go on now whose last step is later than that, since the system's clock had been wrong. Robots
     /// stand where they are, jobs that they had wait again, and a backup is made first.
@@ -135,25 +142,24 @@ struct DatabaseReport {
 /// The map to fold with.
 type FoldSettings = Option<(Arc<Warehouse>, Settings)>;
 
-impl DatabaseCommand {
+impl ReportedCommand {
     fn map(&self) -> Option<&Path> {
         match self {
-            DatabaseCommand::Check { map } | DatabaseCommand::Carry { map, .. } => map.as_deref(),
-            DatabaseCommand::Map { .. }
-            | DatabaseCommand::SetClock
-            | DatabaseCommand::Backup { .. }
-            | DatabaseCommand::Restore { .. } => None,
+            ReportedCommand::Check { map } | ReportedCommand::Carry { map, .. } => map.as_deref(),
+            ReportedCommand::SetClock | ReportedCommand::Backup { .. } | ReportedCommand::Restore { .. } => {
+                None
+            }
         }
     }
 
     /// Whether the database is taken as a start takes it: with the map that was published, if one was.
     fn is_as_published(&self) -> bool {
-        self.map().is_none() && !matches!(self, DatabaseCommand::Carry { .. })
+        self.map().is_none() && !matches!(self, ReportedCommand::Carry { .. })
     }
 
     /// The file that is read: the backup, or the database itself.
     fn read_from<'a>(&'a self, database: &'a Path) -> &'a Path {
-        if let DatabaseCommand::Restore { source } = self { source } else { database }
+        if let ReportedCommand::Restore { source } = self { source } else { database }
     }
 }
 
@@ -161,15 +167,18 @@ impl DatabaseArgs {
     /// Runs the command.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let DatabaseArgs { command, database, scenario, config, json } = self;
-        let named = scenario.is_some() || command.map().is_some();
         let readable = scenario.is_some();
         let config = Config::read(&Flags { database, scenario, config, ..Flags::default() })?;
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
-        if let DatabaseCommand::Map { output } = &command {
-            let text = runtime.block_on(map_of(&config.database))?;
-            super::write(output.as_deref(), &text)?;
-            return Ok(ExitCode::SUCCESS);
-        }
+        let command = match command {
+            DatabaseCommand::Reported(command) => command,
+            DatabaseCommand::Map { output } => {
+                let text = runtime.block_on(map_of(&config.database))?;
+                super::write(output.as_deref(), &text)?;
+                return Ok(ExitCode::SUCCESS);
+            }
+        };
+        let named = readable || command.map().is_some();
         let floor = if readable || config.scenario.exists() {
             let Setup { scenario, warehouse, lines, .. } =
                 Setup::read(&config.scenario, command.map(), None)?;
@@ -185,12 +194,11 @@ impl DatabaseArgs {
         };
         let report = runtime.block_on(async {
             match &command {
-                DatabaseCommand::Check { .. } => check(&config.database, floor, named).await,
-                DatabaseCommand::Carry { accept_losses, .. } => carry(&config, floor, *accept_losses).await,
-                DatabaseCommand::SetClock => set_clock(&config, floor).await,
-                DatabaseCommand::Backup { target } => backup(&config.database, target, floor, named).await,
-                DatabaseCommand::Restore { source } => restore(source, &config.database, floor, named).await,
-                DatabaseCommand::Map { .. } => unreachable!("it is done"),
+                ReportedCommand::Check { .. } => check(&config.database, floor, named).await,
+                ReportedCommand::Carry { accept_losses, .. } => carry(&config, floor, *accept_losses).await,
+                ReportedCommand::SetClock => set_clock(&config, floor).await,
+                ReportedCommand::Backup { target } => backup(&config.database, target, floor, named).await,
+                ReportedCommand::Restore { source } => restore(source, &config.database, floor, named).await,
             }
         })?;
         if json {
@@ -426,7 +434,7 @@ async fn restore(
     Ok(report)
 }
 
-fn show(command: &DatabaseCommand, report: &DatabaseReport) {
+fn show(command: &ReportedCommand, report: &DatabaseReport) {
     println!("database {} ({:.1} MB)", report.database.display(), report.bytes as f64 / 1e6);
     println!("map      {}", report.map.as_deref().unwrap_or("none"));
     let last = report.last.as_deref().map_or(String::new(), |t| format!(", the last of {t}"));
@@ -444,10 +452,10 @@ fn show(command: &DatabaseCommand, report: &DatabaseReport) {
     }
     report.problems.iter().for_each(|problem| println!("PROBLEM  {problem}"));
     let verb = match command {
-        DatabaseCommand::Check { .. } | DatabaseCommand::Map { .. } => "",
-        DatabaseCommand::Carry { .. } | DatabaseCommand::SetClock => "backup  ",
-        DatabaseCommand::Backup { .. } => "written ",
-        DatabaseCommand::Restore { .. } => "aside   ",
+        ReportedCommand::Check { .. } => "",
+        ReportedCommand::Carry { .. } | ReportedCommand::SetClock => "backup  ",
+        ReportedCommand::Backup { .. } => "written ",
+        ReportedCommand::Restore { .. } => "aside   ",
     };
     report.files.iter().for_each(|file| println!("{verb} {}", file.display()));
     println!("{}", if report.ok { "ok" } else { "not ok: nothing was changed" });

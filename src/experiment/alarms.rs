@@ -221,33 +221,36 @@ impl AlarmTrial {
     fn bring_about(&self, sim: &mut Simulation, dice: &mut Dice) -> Option<FaultSubject> {
         let view = sim.fleet.view(sim.now());
         let until = sim.now() + LASTS;
-        if self.fault == InjectedFault::HeadsetSilence {
-            let (worker, _) = sim.world.walkers().find(|(w, _)| is_seen(&view, *w))?;
-            return sim.world.silence(worker, until).then_some(FaultSubject::Worker(worker));
-        }
         let fits = |(_, r): &(usize, &RobotView)| self.fault.can_happen_to(r);
-        let all: Vec<usize> = view.robots.iter().enumerate().filter(fits).map(|(i, _)| i).collect();
-        if all.is_empty() {
-            return None;
-        }
-        let robot = RobotId::at(all[dice.below(all.len())]);
-        let of_robot = FaultSubject::Robot(view.robots[robot.ix()].name.clone());
+        let all: Vec<RobotId> =
+            view.robots.iter().enumerate().filter(fits).map(|(i, _)| RobotId::at(i)).collect();
+        let mut one = || (!all.is_empty()).then(|| all[dice.below(all.len())]);
+        let of = |robot: RobotId| FaultSubject::Robot(view.robots[robot.ix()].name.clone());
         let world = &mut sim.world;
-        match self.fault {
-            InjectedFault::BreakDown => world.afflict(robot, Fault::Broken, until),
-            InjectedFault::EmergencyStop => world.afflict(robot, Fault::EmergencyStop, until),
-            InjectedFault::Obstacle => world.afflict(robot, Fault::Obstructed, until),
-            InjectedFault::Unplugged => world.afflict(robot, Fault::Unplugged, until),
-            InjectedFault::TakenOver => world.afflict(robot, Fault::Manual, until),
-            InjectedFault::RadioSilence => world.mute(robot, until),
-            InjectedFault::Pushed => return world.push_away(robot).then_some(of_robot),
-            InjectedFault::LowCharge => {
-                all.iter().for_each(|i| world.set_battery(RobotId::at(*i), LOW));
-                return Some(FaultSubject::AnyRobot);
+        let fault = match self.fault {
+            InjectedFault::HeadsetSilence => {
+                let (worker, _) = world.walkers().find(|(w, _)| is_seen(&view, *w))?;
+                return world.silence(worker, until).then_some(FaultSubject::Worker(worker));
             }
-            InjectedFault::HeadsetSilence => unreachable!("workers are looked at above"),
-        }
-        Some(of_robot)
+            InjectedFault::LowCharge => {
+                all.iter().for_each(|robot| world.set_battery(*robot, LOW));
+                return (!all.is_empty()).then_some(FaultSubject::AnyRobot);
+            }
+            InjectedFault::Pushed => return one().filter(|robot| world.push_away(*robot)).map(of),
+            InjectedFault::RadioSilence => {
+                let robot = one()?;
+                world.mute(robot, until);
+                return Some(of(robot));
+            }
+            InjectedFault::BreakDown => Fault::Broken,
+            InjectedFault::EmergencyStop => Fault::EmergencyStop,
+            InjectedFault::Obstacle => Fault::Obstructed,
+            InjectedFault::Unplugged => Fault::Unplugged,
+            InjectedFault::TakenOver => Fault::Manual,
+        };
+        let robot = one()?;
+        world.afflict(robot, fault, until);
+        Some(of(robot))
     }
 }
 

@@ -46,7 +46,8 @@ pub use state::fact::{
 };
 pub use state::fault::Fault;
 pub use state::io::{CausedFacts, CellWarning, Command, Input, Step, Telemetry, Waypoint, WrongReach};
-pub use state::job::{Job, JobChange, JobFailure, JobKind, JobRequest, JobState, RobotChoice, Visiting};
+pub use state::job::{Job, JobChange, JobFailure, JobRequest, JobState, RobotChoice, Visiting};
+pub use state::job_kind::{JobField, JobKind, JobParts, JobWord};
 pub use state::keys::{ClientKey, KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};

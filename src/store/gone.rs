@@ -4,7 +4,7 @@
 //! that they never come to mean something else. Refuses: to name what the map has.
 
 use super::StoreError;
-use crate::fleet::{GoneNames, Job, JobFailure, JobKind, JobState};
+use crate::fleet::{GoneNames, Job, JobFailure, JobState};
 use crate::id::{NodeId, StationId};
 use sqlx::Row;
 use sqlx::sqlite::{SqliteExecutor, SqlitePool};
@@ -79,11 +79,11 @@ impl Gone {
         let state = job.state;
         let stops = job.served.iter().map(|(v, _)| v).chain(&job.request.then);
         let station = |s: StationId| Some((s, self.station(s)?));
-        let node = match (*kind, state) {
-            (JobKind::Relocate { node, .. } | JobKind::Go { node, .. }, _)
-            | (_, JobState::Failed(JobFailure::StorageTaken(node))) => self.node(node),
+        let taken = match state {
+            JobState::Failed(JobFailure::StorageTaken(node)) => Some(node),
             _ => None,
         };
+        let node = kind.parts().node.or(taken).and_then(|node| self.node(node));
         GoneNames {
             rack: kind.rack().and_then(|r| self.name(GoneKind::Rack, r.0)),
             station: kind.station().and_then(|s| self.station(s)),

@@ -5,23 +5,19 @@
 use super::line_record::OrderRecord;
 use crate::cell::OrderLine;
 use crate::fleet::{
-    ClientKey, JobFailure, JobKind, JobRequest, JobState, Purpose, RobotChoice, Task, Visiting,
+    ClientKey, JobFailure, JobField, JobKind, JobParts, JobRequest, JobState, JobWord, Purpose, RobotChoice,
+    Task, Visiting,
 };
 use crate::id::{CustomerId, JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(super) enum KindRecord {
-    Deliver { rack: u32, station: u32, pick: Option<i64> },
-    Return { rack: u32 },
-    Relocate { rack: u32, node: u32 },
-    Charge { robot: u32 },
-    Park { robot: u32 },
-    Go { robot: u32, node: u32 },
-}
+/// What is wanted: an object with one field, whose name is the word for the kind, and whose value has the parts by their
+/// words.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(try_from = "PartsByWord", into = "PartsByWord")]
+pub(super) struct KindRecord(JobKind);
 
 /// A station, and how long the pick takes.
 pub(super) type StationRecord = (u32, Option<i64>);
@@ -98,35 +94,46 @@ pub(super) enum PurposeRecord {
     Go,
 }
 
+/// The words of a kind and of its parts, with their numbers.
+type PartsByWord = BTreeMap<String, BTreeMap<String, Option<i64>>>;
+
+impl From<KindRecord> for PartsByWord {
+    fn from(KindRecord(kind): KindRecord) -> PartsByWord {
+        let parts = kind.parts();
+        let fields = kind.name().fields().iter();
+        let by_word = fields.map(|field| (field.word().to_owned(), parts.number(*field))).collect();
+        [(kind.word().to_owned(), by_word)].into()
+    }
+}
+
+impl TryFrom<PartsByWord> for KindRecord {
+    type Error = String;
+
+    fn try_from(record: PartsByWord) -> Result<KindRecord, String> {
+        let Some((word, by_word)) = record.into_iter().next() else {
+            return Err("a job without a kind".into());
+        };
+        let name = JobWord::of_word(&word).ok_or_else(|| format!("no kind of job is called {word:?}"))?;
+        let mut parts = JobParts::default();
+        for (word, number) in by_word {
+            if let (Some(field), Some(number)) = (JobField::of_word(&word), number) {
+                parts = parts.with_number(field, number);
+            }
+        }
+        let kind = name.with(parts);
+        kind.map(KindRecord).map_err(|missing| format!("a {word} job without its {}", missing.word()))
+    }
+}
+
 impl From<JobKind> for KindRecord {
     fn from(kind: JobKind) -> KindRecord {
-        match kind {
-            JobKind::Deliver { rack, station, pick } => {
-                KindRecord::Deliver { rack: rack.0, station: station.0, pick: pick.map(|p| p.0) }
-            }
-            JobKind::Return { rack } => KindRecord::Return { rack: rack.0 },
-            JobKind::Relocate { rack, node } => KindRecord::Relocate { rack: rack.0, node: node.0 },
-            JobKind::Charge { robot } => KindRecord::Charge { robot: robot.0 },
-            JobKind::Park { robot } => KindRecord::Park { robot: robot.0 },
-            JobKind::Go { robot, node } => KindRecord::Go { robot: robot.0, node: node.0 },
-        }
+        KindRecord(kind)
     }
 }
 
 impl From<KindRecord> for JobKind {
-    fn from(kind: KindRecord) -> JobKind {
-        match kind {
-            KindRecord::Deliver { rack, station, pick } => {
-                JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
-            }
-            KindRecord::Return { rack } => JobKind::Return { rack: RackId(rack) },
-            KindRecord::Relocate { rack, node } => {
-                JobKind::Relocate { rack: RackId(rack), node: NodeId(node) }
-            }
-            KindRecord::Charge { robot } => JobKind::Charge { robot: RobotId(robot) },
-            KindRecord::Park { robot } => JobKind::Park { robot: RobotId(robot) },
-            KindRecord::Go { robot, node } => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
-        }
+    fn from(KindRecord(kind): KindRecord) -> JobKind {
+        kind
     }
 }
 

@@ -9,8 +9,8 @@ use super::listing::{Arm, Given, Listing, Reach, RowCondition, TimeStatements};
 use super::{Store, StoreError, job_record};
 use crate::cell::{LineChange, LineOutcome, Lines};
 use crate::fleet::{
-    ClientKey, Fact, JOB_STATES, Job, JobFact, JobKind, JobQuery, JobRequest, JobRow, JobState, JobTimes,
-    Listed, RobotChoice,
+    ClientKey, Fact, JOB_STATES, Job, JobFact, JobKind, JobParts, JobQuery, JobRequest, JobRow, JobState,
+    JobTimes, JobWord, Listed, RobotChoice,
 };
 use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
 use crate::time::{Span, Time};
@@ -207,24 +207,16 @@ async fn accept(
     request: &JobRequest,
     at: Time,
 ) -> Result<(), sqlx::Error> {
-    let kind = request.kind;
-    let (station, pick) = match kind {
-        JobKind::Deliver { station, pick, .. } => (Some(station.0), pick.map(|p| p.0)),
-        _ => (None, None),
-    };
-    let node = match kind {
-        JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => Some(node.0),
-        _ => None,
-    };
+    let JobParts { rack, station, node, robot, pick } = request.kind.parts();
     let after: Vec<u64> = request.after.iter().map(|j| j.0).collect();
     sqlx::query(ACCEPT)
         .bind(id.0.cast_signed())
-        .bind(kind.word())
-        .bind(kind.rack().map(|r| r.0))
-        .bind(station)
-        .bind(node)
-        .bind(kind.robot().map(|r| r.0))
-        .bind(pick)
+        .bind(request.kind.word())
+        .bind(rack.map(|r| r.0))
+        .bind(station.map(|s| s.0))
+        .bind(node.map(|n| n.0))
+        .bind(robot.map(|r| r.0))
+        .bind(pick.map(|p| p.0))
         .bind(request.priority)
         .bind(request.deadline.map(|t| t.0))
         .bind(serde_json::to_string(&after).expect("a list of numbers is JSON"))
@@ -392,18 +384,12 @@ fn decode(row: &SqliteRow, gone: &Gone) -> Result<JobRow, StoreError> {
 }
 
 fn decode_kind(row: &SqliteRow) -> Result<Option<JobKind>, sqlx::Error> {
-    let rack = row.try_get::<Option<u32>, _>("rack")?.map(RackId);
-    let station = row.try_get::<Option<u32>, _>("station")?.map(StationId);
-    let node = row.try_get::<Option<u32>, _>("node")?.map(NodeId);
-    let robot = row.try_get::<Option<u32>, _>("robot")?.map(RobotId);
-    let pick = row.try_get::<Option<i64>, _>("pick")?.map(Span);
-    Ok(match (row.try_get("kind")?, rack, station, node, robot) {
-        ("deliver", Some(rack), Some(station), _, _) => Some(JobKind::Deliver { rack, station, pick }),
-        ("return", Some(rack), _, _, _) => Some(JobKind::Return { rack }),
-        ("relocate", Some(rack), _, Some(node), _) => Some(JobKind::Relocate { rack, node }),
-        ("charge", _, _, _, Some(robot)) => Some(JobKind::Charge { robot }),
-        ("park", _, _, _, Some(robot)) => Some(JobKind::Park { robot }),
-        ("go", _, _, Some(node), Some(robot)) => Some(JobKind::Go { robot, node }),
-        _ => None,
-    })
+    let parts = JobParts {
+        rack: row.try_get::<Option<u32>, _>("rack")?.map(RackId),
+        station: row.try_get::<Option<u32>, _>("station")?.map(StationId),
+        node: row.try_get::<Option<u32>, _>("node")?.map(NodeId),
+        robot: row.try_get::<Option<u32>, _>("robot")?.map(RobotId),
+        pick: row.try_get::<Option<i64>, _>("pick")?.map(Span),
+    };
+    Ok(JobWord::of_word(row.try_get("kind")?).and_then(|word| word.with(parts).ok()))
 }

@@ -25,10 +25,9 @@ const AT_LEAST: Duration = Duration::from_secs(1);
 #[utoipa::path(get, path = "/v1/stations/{id}/live", tag = "floor", operation_id = "openStationFeed",
     params(("id" = String, Path, example = "W")), responses(
     (status = 101, description = "The feed begins"),
-    (status = 404, description = "There is no such station", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 426, description = "Not a WebSocket", body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "Too many readers", body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "There is no such station"),
+    (status = 426, description = "Not a WebSocket"),
+    (status = 429, description = "Too many readers")))]
 pub async fn live_station(
     Called(api): Called,
     PathPart(id): PathPart,

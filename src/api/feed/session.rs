@@ -74,9 +74,7 @@ const RECENT: usize = 256;
 #[utoipa::path(get, path = "/v1/workers/{id}/feed", tag = "people", operation_id = "openWorkerFeed",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 101, description = "The feed begins"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 426, description = "Not a WebSocket", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 426, description = "Not a WebSocket")))]
 pub async fn feed(
     Called(api): Called,
     PathPart(id): PathPart,

@@ -47,9 +47,8 @@ pub struct AlarmParams {
 #[utoipa::path(get, path = "/v1/alarms", tag = "server", operation_id = "listAlarms", params(AlarmParams), responses(
     (status = 200, description = "Alarms: the active ones, the worst first; or the history, newest first",
      body = Page<AlarmDto>),
-    (status = 422, description = "A parameter is wrong", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 422, description = "A parameter is wrong"),
+    (status = 503, description = "The database does not answer")))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<AlarmParams>,
@@ -119,14 +118,12 @@ pub struct AcknowledgeBody {
 #[utoipa::path(post, path = "/v1/alarms/{id}/acknowledge", tag = "server", operation_id = "acknowledgeAlarm",
     params(("id" = String, Path, example = "al17")), request_body = AcknowledgeBody, responses(
     (status = 200, description = "The alarm, with who acknowledged it", body = AlarmDto),
-    (status = 400, description = "The body is not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 404, description = "No alarm of this id is active", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 409, description = "A recording is shown", body = Problem, content_type = "application/problem+json"),
-    (status = 413, description = "The body is too large", body = Problem, content_type = "application/problem+json"),
-    (status = 415, description = "The body is not sent as JSON", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, description = "There is no name", body = Problem, content_type = "application/problem+json")))]
+    (status = 400, description = "The body is not JSON"),
+    (status = 404, description = "No alarm of this id is active"),
+    (status = 409, description = "A recording is shown"),
+    (status = 413, description = "The body is too large"),
+    (status = 415, description = "The body is not sent as JSON"),
+    (status = 422, description = "There is no name")))]
 pub async fn acknowledge(
     Called(api): Called,
     PathPart(id): PathPart,
@@ -159,12 +156,9 @@ pub struct ShelveBody {
 #[utoipa::path(post, path = "/v1/alarms/{id}/shelve", tag = "server", operation_id = "shelveAlarm",
     params(("id" = String, Path, example = "al17")), request_body = ShelveBody, responses(
     (status = 200, description = "The alarm, with who put it aside", body = AlarmDto),
-    (status = 404, description = "No alarm of this id is active", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 409, description = "This one always calls, or a recording is shown", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "Too many are put aside", body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "No alarm of this id is active"),
+    (status = 409, description = "This one always calls, or a recording is shown"),
+    (status = 429, description = "Too many are put aside")))]
 pub async fn shelve(
     Called(api): Called,
     PathPart(id): PathPart,
@@ -194,9 +188,8 @@ pub async fn shelve(
 #[utoipa::path(delete, path = "/v1/alarms/{id}/shelve", tag = "server", operation_id = "unshelveAlarm",
     params(("id" = String, Path, example = "al17")), responses(
     (status = 200, description = "The alarm", body = AlarmDto),
-    (status = 404, description = "No alarm of this id is active", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 409, description = "A recording is shown", body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "No alarm of this id is active"),
+    (status = 409, description = "A recording is shown")))]
 pub async fn unshelve(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AlarmDto>, Problem> {
     api.queue()?;
     let alarm = parse_alarm(&id).and_then(|id| api.alarms.unshelve(id));
@@ -219,12 +212,9 @@ pub struct NoteBody {
 #[utoipa::path(post, path = "/v1/alarms/{id}/notes", tag = "server", operation_id = "noteAlarm",
     params(("id" = String, Path, example = "al17")), request_body = NoteBody, responses(
     (status = 200, description = "The alarm, with its notes", body = AlarmDto),
-    (status = 404, description = "No alarm of this id is active", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 409, description = "A recording is shown", body = Problem, content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "It has as many notes as it may have", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "No alarm of this id is active"),
+    (status = 409, description = "A recording is shown"),
+    (status = 429, description = "It has as many notes as it may have")))]
 pub async fn write_note(
     Called(api): Called,
     PathPart(id): PathPart,

@@ -77,11 +77,9 @@ pub struct AssignmentParams {
 #[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people", operation_id = "listAssignmentsOfWorker",
     params(("id" = String, Path, example = "w1"), AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
-    (status = 403, description = "Only administrators may ask for a person's assignments that are over", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 403, description = "Only administrators may ask for a person's assignments that are over"),
+    (status = 422),
+    (status = 503)))]
 pub async fn of_worker(
     Called(api): Called,
     PathPart(id): PathPart,
@@ -109,8 +107,8 @@ pub async fn of_worker(
 #[utoipa::path(get, path = "/v1/assignments", tag = "people",
     operation_id = "listAssignments", params(AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 422),
+    (status = 503)))]
 pub async fn all(
     Called(api): Called,
     Params(p): Params<AssignmentParams>,
@@ -122,8 +120,7 @@ pub async fn all(
 #[utoipa::path(get, path = "/v1/assignments/{id}", tag = "people", operation_id = "getAssignment",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "The assignment", body = AssignmentDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 503)))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let record = read(&api, parse_id(&id)?).await?;
     Ok(Json(dto(&api, &record)))
@@ -138,13 +135,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Ass
     responses(
     (status = 201, description = "Accepted and durable", body = AssignmentDto, headers(("Location" = String))),
     (status = 200, description = "Accepted earlier under this key", body = AssignmentDto),
-    (status = 400, body = Problem, content_type = "application/problem+json"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 429)))]
 pub async fn assign(
     Called(api): Called,
     PathPart(id): PathPart,
@@ -165,12 +156,7 @@ pub async fn assign(
     responses(
     (status = 201, description = "Accepted and durable", body = AssignmentDto, headers(("Location" = String))),
     (status = 200, description = "Accepted earlier under this key", body = AssignmentDto),
-    (status = 400, body = Problem, content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 429)))]
 pub async fn assign_nearest(
     Called(api): Called,
     IdempotencyKey(key): IdempotencyKey,
@@ -208,11 +194,7 @@ async fn hand_in(
 #[utoipa::path(delete, path = "/v1/assignments/{id}", tag = "people", operation_id = "cancelAssignment",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "It is cancelled", body = AssignmentDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It is over already", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 409, description = "It is over already")))]
 pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let id = parse_id(&id)?;
     read(&api, id).await?;
@@ -223,11 +205,7 @@ pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<
 #[utoipa::path(post, path = "/v1/assignments/{id}/done", tag = "people", operation_id = "finishAssignment",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "It is done", body = AssignmentDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It is over already, or no worker has it yet", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 409, description = "It is over already, or no worker has it yet")))]
 pub async fn finish(Called(api): Called, PathPart(id): PathPart) -> Result<Json<AssignmentDto>, Problem> {
     let id = parse_id(&id)?;
     let Some(worker) = read(&api, id).await?.assignment.worker else {

@@ -83,8 +83,8 @@ pub struct AuditParams {
 /// refused for their role.
 #[utoipa::path(get, path = "/v1/audit", tag = "server", operation_id = "listAudit", params(AuditParams), responses(
     (status = 200, description = "Requests, newest first", body = Page<AuditDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 422),
+    (status = 503)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<AuditParams>,

@@ -79,10 +79,8 @@ pub struct BatchResult {
             description = "Your own key for the whole request, up to 200 characters")),
     responses(
     (status = 200, description = "What became of each", body = BatchDto),
-    (status = 413, description = "The body is longer than 1 MiB", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, description = "There are no jobs, or more than 1000", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 413, description = "The body is longer than 1 MiB"),
+    (status = 422, description = "There are no jobs, or more than 1000")))]
 pub async fn submit(
     Called(api): Called,
     IdempotencyKey(key): IdempotencyKey,

@@ -134,7 +134,7 @@ pub struct ClosureParams {
 #[utoipa::path(get, path = "/v1/closures", tag = "people", operation_id = "listClosures",
     params(ClosureParams), responses(
     (status = 200, description = "Areas in the order in which they were requested", body = Page<ClosureDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<ClosureParams>,
@@ -167,13 +167,8 @@ pub async fn list(
         description = "Your own key, up to 255 characters: a repeat gets the same answer and makes nothing")),
     responses(
     (status = 201, description = "Closed and durable", body = JustClosedDto, headers(("Location" = String))),
-    (status = 409, description = "The request with this key is still in progress, or its outcome is not known",
-     body = Problem, content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 409, description = "The request with this key is still in progress, or its outcome is not known"),
+    (status = 429)))]
 pub async fn close(
     Called(api): Called,
     JsonBody(new): JsonBody<NewClosure>,
@@ -199,9 +194,7 @@ pub async fn close(
     operation_id = "previewClosure", request_body = NewClosure,
     responses(
     (status = 200, description = "What it would do", body = ClosingEffectDto),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503, description = "Too many questions; see Retry-After")))]
 pub async fn preview(
     Called(api): Called,
     JsonBody(new): JsonBody<NewClosure>,
@@ -227,8 +220,7 @@ async fn recur(
 /// One closed area, or one that is closed again and again.
 #[utoipa::path(get, path = "/v1/closures/{id}", tag = "people", operation_id = "getClosure",
     params(("id" = String, Path, example = "c2")), responses(
-    (status = 200, description = "The area", body = ClosedDto),
-    (status = 404, body = Problem, content_type = "application/problem+json")))]
+    (status = 200, description = "The area", body = ClosedDto)))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<ClosedDto>, Problem> {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
@@ -263,10 +255,7 @@ fn recurring(
 /// Open an area again. Of a recurring closure, one occurrence (c7), or all of them for good (s1).
 #[utoipa::path(delete, path = "/v1/closures/{id}", tag = "people", operation_id = "openArea",
     params(("id" = String, Path, example = "c2")), responses(
-    (status = 204, description = "Open again"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 204, description = "Open again")))]
 pub async fn reopen(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let open = match parse_id(&id)? {
         ClosedId::Once(id) => Ask::reopen(id),

@@ -56,8 +56,8 @@ pub struct EncounterParams {
     operation_id = "listEncounters", params(EncounterParams), responses(
     (status = 200, description = "Encounters, newest first", content(
         (Page<EncounterDto> = "application/json"), (String = "text/csv"))),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 422),
+    (status = 503)))]
 pub async fn list(
     Called(api): Called,
     headers: HeaderMap,

@@ -25,7 +25,8 @@ pub struct EvacuationDto {
 
 /// Whether the building is evacuated, and who is still inside.
 #[utoipa::path(get, path = "/v1/evacuation", tag = "people",
-    operation_id = "getEvacuation", responses((status = 200, body = EvacuationDto)))]
+    operation_id = "getEvacuation", responses(
+    (status = 200, body = EvacuationDto)))]
 pub async fn get(Called(api): Called) -> Json<EvacuationDto> {
     let moment = api.moment();
     let view = &moment.view;
@@ -43,9 +44,7 @@ pub async fn get(Called(api): Called) -> Json<EvacuationDto> {
 /// safety function: the alarm system of the building is.
 #[utoipa::path(post, path = "/v1/evacuation", tag = "people", operation_id = "beginEvacuation", responses(
     (status = 204, description = "It has begun, and is durable"),
-    (status = 409, description = "The map has no doors", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 409, description = "The map has no doors")))]
 pub async fn begin(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, Ask::evacuate()).await
 }
@@ -53,9 +52,7 @@ pub async fn begin(Called(api): Called) -> Result<StatusCode, Problem> {
 /// End the evacuation. Robots go on with what they carry, jobs that wait begin, and workers go on with their
 /// assignments.
 #[utoipa::path(delete, path = "/v1/evacuation", tag = "people", operation_id = "endEvacuation", responses(
-    (status = 204, description = "It is over"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 204, description = "It is over")))]
 pub async fn end(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, Ask::end_evacuation()).await
 }

@@ -79,14 +79,10 @@ pub struct EventParams {
     ("Last-Event-ID" = Option<i64>, Header, minimum = 0, description = "As `after`")), responses(
     (status = 200, description = "Events in order", content(
         (EventPage = "application/json"), (String = "text/event-stream"))),
-    (status = 410, description = "Events after this number are not kept any more, or there were none yet: \
-     the database is another one. Read the lists again, and go on after `last`", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, description = "A parameter is wrong", body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "There are too many streams", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 410),
+    (status = 422, description = "A parameter is wrong"),
+    (status = 429, description = "There are too many streams"),
+    (status = 503, description = "The database does not answer")))]
 pub async fn list(
     Called(api): Called,
     headers: HeaderMap,

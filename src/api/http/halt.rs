@@ -29,7 +29,8 @@ pub struct FleetDto {
 
 /// What is stopped or paused by hand.
 #[utoipa::path(get, path = "/v1/fleet", tag = "floor",
-    operation_id = "getFleet", responses((status = 200, body = FleetDto)))]
+    operation_id = "getFleet", responses(
+    (status = 200, body = FleetDto)))]
 pub async fn fleet(Called(api): Called) -> Json<FleetDto> {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
@@ -46,16 +47,14 @@ pub async fn fleet(Called(api): Called) -> Json<FleetDto> {
 /// not an emergency stop: a robot that cannot be reached drives on to the end of its grant.
 #[utoipa::path(post, path = "/v1/fleet/stop", tag = "floor", operation_id = "stopFleet", responses(
     (status = 204, description = "All robots were told to stop, and that is durable"),
-    (status = 503, description = "They were told, but that is not durable yet", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503, description = "They were told, but that is not durable yet")))]
 pub async fn stop(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, Ask::halt(None)).await
 }
 
 /// Resume the fleet. Robots that were paused individually stay paused.
 #[utoipa::path(post, path = "/v1/fleet/resume", tag = "floor", operation_id = "resumeFleet", responses(
-    (status = 204, description = "Robots go on"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 204, description = "Robots go on")))]
 pub async fn resume(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, Ask::release(None)).await
 }
@@ -63,9 +62,7 @@ pub async fn resume(Called(api): Called) -> Result<StatusCode, Problem> {
 /// Pause one robot. It stands where it is, keeps what it holds, and gets no job; robots behind it wait.
 #[utoipa::path(post, path = "/v1/robots/{id}/pause", tag = "floor", operation_id = "pauseRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 204, description = "It was told to stop, and that is durable"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 204, description = "It was told to stop, and that is durable")))]
 pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let robot = parse_robot(&api, &id)?;
     done(&api, Ask::halt(Some(robot))).await
@@ -74,9 +71,7 @@ pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<Status
 /// Resume a robot that is paused, or that was fenced off because the facts about it contradicted one another.
 #[utoipa::path(post, path = "/v1/robots/{id}/resume", tag = "floor", operation_id = "resumeRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 204, description = "It goes on, unless the whole fleet is stopped"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 204, description = "It goes on, unless the whole fleet is stopped")))]
 pub async fn go_on(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let robot = parse_robot(&api, &id)?;
     done(&api, Ask::release(Some(robot))).await

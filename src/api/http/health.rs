@@ -38,8 +38,7 @@ pub struct Health {
 /// no token.
 #[utoipa::path(get, path = "/v1/health", tag = "server", operation_id = "getHealth", responses(
     (status = 200, description = "No critical alarm is active, but for what an operator asked for", body = Health),
-    (status = 503, description = "A critical alarm is active, or the server is starting", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503, description = "A critical alarm is active, or the server is starting")))]
 pub async fn health(Called(api): Called) -> Result<Json<Health>, Problem> {
     let is_bad = |a: &Alarm| a.severity == AlarmSeverity::Critical && a.kind.scope() != AlarmScope::Operator;
     fails_for(&api, is_bad)?;
@@ -73,8 +72,7 @@ pub async fn alive() -> Json<Alive> {
 /// processes should ask. Needs no token.
 #[utoipa::path(get, path = "/v1/health/live", tag = "server", operation_id = "getLiveness", responses(
     (status = 200, description = "The process works", body = Alive),
-    (status = 503, description = "The control loop is stuck: restart the process", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503, description = "The control loop is stuck: restart the process")))]
 pub async fn live(Called(api): Called) -> Result<Json<Alive>, Problem> {
     let now = (api.now)();
     fails_for(&api, |a| a.kind == AlarmKind::LoopStuck && now - a.since > STUCK)?;
@@ -96,8 +94,7 @@ pub struct Ready {
 /// balancer should ask. Needs no token.
 #[utoipa::path(get, path = "/v1/health/ready", tag = "server", operation_id = "getReadiness", responses(
     (status = 200, description = "The server takes requests", body = Ready),
-    (status = 503, description = "Nothing can be promised now; the text says why", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503, description = "Nothing can be promised now; the text says why")))]
 pub async fn ready(Called(api): Called) -> Result<Json<Ready>, Problem> {
     fails_for(&api, |a| a.kind.ends_readiness())?;
     match api.moment().unheard {

@@ -107,7 +107,7 @@ pub struct BucketDto {
 /// day in steps of a minute, and 31 days in steps of ten minutes, even across a restart.
 #[utoipa::path(get, path = "/v1/history", tag = "floor", operation_id = "getHistory", params(HistoryParams), responses(
     (status = 200, description = "Figures over time", body = HistoryDto),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422)))]
 pub async fn history(
     Called(api): Called,
     Params(p): Params<HistoryParams>,

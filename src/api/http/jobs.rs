@@ -64,8 +64,8 @@ pub struct JobParams {
 /// Jobs, newest first.
 #[utoipa::path(get, path = "/v1/jobs", tag = "jobs", operation_id = "listJobs", params(JobParams), responses(
     (status = 200, description = "Jobs, newest first", body = Page<JobDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 422),
+    (status = 503)))]
 pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<Json<Page<JobDto>>, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
@@ -119,8 +119,7 @@ fn read_filter(api: &Api, p: &JobParams, errors: &mut Vec<FieldError>) -> JobQue
     operation_id = "getJob", params(("id" = String, Path, example = "j17")),
     responses(
     (status = 200, description = "The job", body = JobDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 503)))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let row = read(&api, parse_id(&id)?).await?;
     Ok(Json(dto(&api, &row)))
@@ -133,13 +132,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Job
     responses(
     (status = 201, description = "Accepted and durable", body = JobDto, headers(("Location" = String))),
     (status = 200, description = "Accepted earlier under this key", body = JobDto),
-    (status = 400, body = Problem, content_type = "application/problem+json"),
-    (status = 409, body = Problem, content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 429)))]
 pub async fn submit(
     Called(api): Called,
     IdempotencyKey(key): IdempotencyKey,
@@ -205,11 +198,7 @@ fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<Str
 #[utoipa::path(patch, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "changeJob", request_body = JobPatch,
     params(("id" = String, Path, example = "j17")), responses(
     (status = 200, description = "The job as it is now", body = JobDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "A robot already works on it, or it is over", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 409, description = "A robot already works on it, or it is over")))]
 pub async fn change(
     Called(api): Called,
     PathPart(id): PathPart,
@@ -256,10 +245,7 @@ impl JobPatch {
     operation_id = "cancelJob", params(("id" = String, Path, example = "j17")),
     responses(
     (status = 200, description = "It is cancelled, or will be as soon as its rack is back", body = JobDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It is over already, or is part of a recording", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 409, description = "It is over already, or is part of a recording")))]
 pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<JobDto>, Problem> {
     let id = parse_id(&id)?;
     api.ask(Ask::cancel(id)).await?;
@@ -282,11 +268,7 @@ pub struct Reassignment {
 #[utoipa::path(post, path = "/v1/jobs/{id}/reassign", tag = "jobs", operation_id = "reassignJob",
     request_body = Reassignment, params(("id" = String, Path, example = "j17")), responses(
     (status = 200, description = "The job as it is now", body = JobDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It is over, its rack is at its station, or it names its robot", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 409, description = "It is over, its rack is at its station, or it names its robot")))]
 pub async fn reassign(
     Called(api): Called,
     PathPart(id): PathPart,

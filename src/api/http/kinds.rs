@@ -163,8 +163,7 @@ pub enum FootprintDto {
 /// All robot kinds: those of the scenario with which the server was started, and those that were added.
 #[utoipa::path(get, path = "/v1/kinds", tag = "floor", operation_id = "listKinds", responses(
     (status = 200, description = "All kinds", body = Vec<KindDto>),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503)))]
 pub async fn kinds(Called(api): Called) -> Result<Json<Vec<KindDto>>, Problem> {
     let kinds = &api.kinds;
     let added = match &kinds.requests {
@@ -183,14 +182,9 @@ pub async fn kinds(Called(api): Called) -> Result<Json<Vec<KindDto>>, Problem> {
     params(("name" = String, Path, example = "shuttle")), responses(
     (status = 201, description = "It is added, and that is durable", body = KindDto),
     (status = 200, description = "It replaces the one of its name, and that is durable", body = KindDto),
-    (status = 409, description = "The scenario has one of this name, or robots are of it", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, description = "A figure cannot be, or the map was not drawn for such robots", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 429, description = "There are as many as a floor may have", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 409, description = "The scenario has one of this name, or robots are of it"),
+    (status = 422, description = "A figure cannot be, or the map was not drawn for such robots"),
+    (status = 429, description = "There are as many as a floor may have")))]
 pub async fn put(
     Called(api): Called,
     PathPart(name): PathPart,
@@ -217,12 +211,8 @@ pub async fn put(
 #[utoipa::path(delete, path = "/v1/kinds/{name}", tag = "floor", operation_id = "removeKind",
     params(("name" = String, Path, example = "shuttle")), responses(
     (status = 204, description = "It is removed, and that is durable"),
-    (status = 404, description = "No kind of this name was added", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 409, description = "The scenario has it, or robots are of it", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "No kind of this name was added"),
+    (status = 409, description = "The scenario has it, or robots are of it")))]
 pub async fn remove(Called(api): Called, PathPart(name): PathPart) -> Result<StatusCode, Problem> {
     refuse_used(&api, &name)?;
     api.kinds.ask(&name, |reply| KindRequest::Remove(name.clone(), reply)).await?;

@@ -30,7 +30,7 @@ pub struct Paging {
 /// All racks.
 #[utoipa::path(get, path = "/v1/racks", tag = "floor", operation_id = "listRacks", params(Paging), responses(
     (status = 200, description = "Racks in the map's order", body = Page<RackDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422)))]
 pub async fn racks(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<RackDto>>, Problem> {
     let moment = api.moment();
     page(Names { map: &api.map, view: &moment.view }.racks(), &p)
@@ -58,7 +58,7 @@ pub struct StationParams {
 #[utoipa::path(get, path = "/v1/stations", tag = "floor", operation_id = "listStations",
     params(StationParams), responses(
     (status = 200, description = "Stations in the map's order", body = Page<StationDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422)))]
 pub async fn stations(
     Called(api): Called,
     Params(p): Params<StationParams>,
@@ -101,7 +101,7 @@ pub struct RobotParams {
 /// All robots on the floor, or some of them.
 #[utoipa::path(get, path = "/v1/robots", tag = "floor", operation_id = "listRobots", params(RobotParams), responses(
     (status = 200, description = "Robots in order of joining", body = Page<RobotDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422)))]
 pub async fn robots(
     Called(api): Called,
     Params(p): Params<RobotParams>,

@@ -142,8 +142,7 @@ pub async fn file(State(api): State<Api>, Extension(answer): Extension<Arc<MapAn
 #[utoipa::path(post, path = "/v1/maps:check", tag = "floor", operation_id = "checkMap", request_body = MapFile,
     responses(
     (status = 200, description = "What there is to say about it", body = MapReviewDto),
-    (status = 413, description = "The map is longer than 8 MiB", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 413, description = "The map is longer than 8 MiB")))]
 pub async fn check(MapBody(draft): MapBody) -> Result<Json<MapReviewDto>, Problem> {
     let review = tokio::task::spawn_blocking(move || MapReviewDto::from(&review(&draft)));
     review.await.map(Json).map_err(|_| Problem::internal())
@@ -213,10 +212,8 @@ pub struct TrialDto {
 #[utoipa::path(post, path = "/v1/maps:try", tag = "floor", operation_id = "tryMap", request_body = NewTrial,
     responses(
     (status = 200, description = "What came out", body = TrialDto),
-    (status = 413, description = "The map is longer than 8 MiB", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 429, description = "Another trial runs", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 413, description = "The map is longer than 8 MiB"),
+    (status = 429, description = "Another trial runs")))]
 pub async fn trial(
     State(api): State<Api>,
     JsonBody(new): JsonBody<NewTrial, LIMIT>,

@@ -10,7 +10,7 @@ use crate::api::port::Moment;
 use crate::api::text::parse_job_name;
 use crate::api::words::JobKindDto;
 use crate::cell::OrderLine;
-use crate::fleet::{JobKind, JobRequest, Visiting};
+use crate::fleet::{JobField, JobKind, JobParts, JobRequest, JobWord, Visiting};
 use crate::id::{Dense, NodeId, RackId, RobotId, StationId};
 use crate::text::{NameFault, name_fault};
 use crate::time::Span;
@@ -115,7 +115,7 @@ pub(super) fn unknown(what: &str, name: &str) -> String {
 struct Reader<'a> {
     map: &'a Warehouse,
     moment: &'a Moment,
-    kind: JobKindDto,
+    kind: JobWord,
     errors: Vec<FieldError>,
     /// What is wrong with lines.
     line_errors: Vec<FieldError>,
@@ -171,7 +171,8 @@ impl Reader<'_> {
 
     /// Where it is wanted after that; complains about lists of stops that cannot be.
     fn then(&mut self, new: &NewJob) -> Vec<Visiting> {
-        let Some(stops) = new.stops.as_deref().filter(|_| self.kind == JobKindDto::Deliver) else {
+        let Some(stops) = new.stops.as_deref().filter(|_| self.kind.fields().contains(&JobField::Station))
+        else {
             return Vec::new();
         };
         if !(1..=MOST_STOPS).contains(&stops.len()) {
@@ -238,13 +239,8 @@ impl Reader<'_> {
 
     /// Complains about fields that this kind of job does not have.
     fn superfluous(&mut self, new: &NewJob) {
-        let fields: &[&str] = match self.kind {
-            JobKindDto::Deliver => &["rack", "station", "stops", "pick_s", "lines"],
-            JobKindDto::Return => &["rack"],
-            JobKindDto::Relocate => &["rack", "node"],
-            JobKindDto::Charge | JobKindDto::Park => &["robot"],
-            JobKindDto::Go => &["robot", "node"],
-        };
+        let fields: Vec<&str> =
+            self.kind.fields().iter().flat_map(|field| own_fields(*field)).copied().collect();
         let given = [
             ("rack", new.rack.is_some()),
             ("station", new.station.is_some()),
@@ -283,32 +279,42 @@ impl Reader<'_> {
         }
     }
 
+    /// The parts that this kind of job is about.
     fn kind(&mut self, new: &NewJob) -> Option<JobKind> {
-        Some(match self.kind {
-            JobKindDto::Deliver => {
-                let (rack, first) = (self.rack(new), self.first_stop(new));
-                let Visiting { station, pick } = first?;
-                JobKind::Deliver { rack: rack?, station, pick }
+        let mut parts = JobParts::default();
+        for field in self.kind.fields() {
+            match field {
+                JobField::Rack => parts.rack = self.rack(new),
+                JobField::Station => {
+                    if let Some(first) = self.first_stop(new) {
+                        (parts.station, parts.pick) = (Some(first.station), first.pick);
+                    }
+                }
+                JobField::Node => parts.node = self.node(new),
+                JobField::Robot => parts.robot = self.robot(new),
+                // It belongs to the stop.
+                JobField::Pick => {}
             }
-            JobKindDto::Return => JobKind::Return { rack: self.rack(new)? },
-            JobKindDto::Relocate => {
-                let (rack, node) = (self.rack(new), self.node(new));
-                JobKind::Relocate { rack: rack?, node: node? }
-            }
-            JobKindDto::Charge => JobKind::Charge { robot: self.robot(new)? },
-            JobKindDto::Park => JobKind::Park { robot: self.robot(new)? },
-            JobKindDto::Go => {
-                let (robot, node) = (self.robot(new), self.node(new));
-                JobKind::Go { robot: robot?, node: node? }
-            }
-        })
+        }
+        self.kind.with(parts).ok()
+    }
+}
+
+/// The fields of a submitted job for a part.
+fn own_fields(part: JobField) -> &'static [&'static str] {
+    match part {
+        JobField::Rack => &["rack"],
+        JobField::Station => &["station", "stops"],
+        JobField::Node => &["node"],
+        JobField::Robot => &["robot"],
+        JobField::Pick => &["pick_s", "lines"],
     }
 }
 
 impl NewJob {
     /// As the fleet takes it, without a key.
     pub(super) fn read(&self, map: &Warehouse, moment: &Moment) -> Result<JobRequest, Problem> {
-        let mut r = Reader { map, moment, kind: self.kind, errors: Vec::new(), line_errors: Vec::new() };
+        let mut r = Reader { map, moment, kind: self.kind.0, errors: Vec::new(), line_errors: Vec::new() };
         r.superfluous(self);
         let priority = self.priority.unwrap_or(0);
         if !(0..=9).contains(&priority) {

@@ -75,10 +75,8 @@ pub async fn provider(Called(api): Called) -> Json<ProviderDto> {
 #[utoipa::path(post, path = "/v1/session/oidc", tag = "server", operation_id = "beginSignOn",
     request_body = BeginSignOn, responses(
     (status = 200, description = "Where to go", body = ProviderRedirectDto, headers(("Set-Cookie" = String))),
-    (status = 404, description = "The settings name no identity provider", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "The identity provider does not answer as it should: sign in with a token",
-     body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "The settings name no identity provider"),
+    (status = 503, description = "The identity provider does not answer as it should: sign in with a token")))]
 pub async fn begin(
     Called(api): Called,
     headers: HeaderMap,
@@ -104,8 +102,7 @@ pub async fn begin(
 /// page to sign in, which says why not.
 #[utoipa::path(get, path = OIDC_CALLBACK, tag = "server", operation_id = "endSignOn", params(CallbackParams), responses(
     (status = 303, description = "On to a page of this server", headers(("Location" = String))),
-    (status = 404, description = "The settings name no identity provider", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "The settings name no identity provider")))]
 pub async fn callback(
     Called(api): Called,
     headers: HeaderMap,

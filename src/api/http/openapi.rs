@@ -4,6 +4,7 @@
 //! panic), and every such answer is put here, once, into each operation that it concerns. Refuses: to describe routes
 //! that are not there; the routes and their descriptions are registered together.
 
+use crate::api::error::Problem;
 use crate::api::extract::BODY_LIMIT;
 use crate::api::roles::{Access, access_of};
 use serde_json::{Map, Value, json};
@@ -26,6 +27,7 @@ const WRITES: [&str; 4] = ["post", "put", "patch", "delete"];
         feed is a WebSocket at /v1/live, headsets talk to /v1/workers/{id}/feed; /asyncapi.json describes their \
         messages. /docs shows both descriptions as a page. Each operation says which role it needs."
     ),
+    components(schemas(Problem)),
     tags(
         (name = "jobs", description = "What customers want: submit, list, change, cancel."),
         (name = "floor", description = "The map, and what is on it: robots, racks, stations, and why they wait."),
@@ -84,16 +86,16 @@ fn complete(path: &str, method: &str, operation: &mut Value) {
     let mut statuses = vec![403, 500];
     statuses.extend(needed.is_some().then_some(401));
     statuses.extend((has_parameters || has_body).then_some(400));
+    statuses.extend(path.contains('{').then_some(404));
     statuses.extend(if has_body { &[408, 413, 415, 422][..] } else { &[] });
     statuses.extend(if writes { &[409, 503][..] } else { &[] });
     let responses = operation["responses"].as_object_mut().expect("every operation has responses");
     if let Some(words) = &needed {
         let words = format!("The role {words} is needed, or the request is from a foreign page or host name");
-        let refusal = responses.entry("403").or_insert_with(problem);
-        refusal["description"] = words.into();
+        responses.insert("403".into(), json!({"description": words}));
     }
     for status in statuses {
-        responses.entry(status.to_string()).or_insert_with(problem);
+        responses.entry(status.to_string()).or_insert_with(|| json!({}));
     }
     for (status, response) in responses {
         finish(status, response);
@@ -109,15 +111,15 @@ fn tell_roles(access: Access, words: &str, operation: &mut Value) {
     operation["x-own"] = access.is_for_own().into();
 }
 
-/// A response that is a problem.
-fn problem() -> Value {
-    json!({"content": {"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}}})
-}
-
-/// Words and headers of a response.
+/// Words, content and headers of a response. One that says that something is wrong is a problem (RFC 9457) unless its
+/// handler says otherwise.
 fn finish(status: &str, response: &mut Value) {
-    if response.get("description").is_none() {
+    if response["description"].as_str().is_none_or(str::is_empty) {
         response["description"] = usual_words(status).into();
+    }
+    if status >= "400" && response.get("content").is_none() {
+        response["content"] =
+            json!({"application/problem+json": {"schema": {"$ref": "#/components/schemas/Problem"}}});
     }
     for (media, content) in response.get_mut("content").into_iter().flat_map(members) {
         if !media.contains("json") && !media.starts_with("text/") && !media.contains("text;") {
@@ -153,7 +155,7 @@ fn usual_words(status: &str) -> String {
         "429" => "A limit is reached; see Retry-After".into(),
         "500" => "An internal error, which was logged; nothing that was acknowledged is lost".into(),
         "503" => "Temporarily unavailable; see Retry-After".into(),
-        other => unreachable!("status {other} has no words of its own"),
+        _ => "An error; `detail` says what to do".into(),
     }
 }
 

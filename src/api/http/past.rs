@@ -80,9 +80,8 @@ struct SpanDto {
 /// What is kept of the past: spans, and the bookmarks from `from` to `to`.
 #[utoipa::path(get, path = "/v1/past", tag = "past", operation_id = "getPast", params(SpanParams), responses(
     (status = 200, description = "Spans and bookmarks", body = PastDto),
-    (status = 404, description = "This server keeps no past", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "This server keeps no past"),
+    (status = 422)))]
 pub async fn past(Called(api): Called, Params(p): Params<SpanParams>) -> Result<Json<PastDto>, Problem> {
     let folder = folder(&api)?;
     let (from, to) = span(folder, &p.from, &p.to)?;
@@ -129,9 +128,8 @@ pub struct FiguresDto {
 #[utoipa::path(get, path = "/v1/past/figures", tag = "past",
     operation_id = "getPastFigures", params(FigureParams), responses(
     (status = 200, description = "Running sums", body = FiguresDto),
-    (status = 404, description = "This server keeps no past", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "This server keeps no past"),
+    (status = 422)))]
 pub async fn figures(
     Called(api): Called,
     Params(p): Params<FigureParams>,
@@ -153,9 +151,8 @@ pub async fn figures(
 /// `from`.
 #[utoipa::path(get, path = "/v1/past/reel", tag = "past", operation_id = "getPastReel", params(SpanParams), responses(
     (status = 200, description = "The reel", body = Vec<u8>, content_type = "application/gzip"),
-    (status = 404, description = "Nothing is kept of that time", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "Nothing is kept of that time"),
+    (status = 422)))]
 pub async fn recording(Called(api): Called, Params(p): Params<SpanParams>) -> Result<Response, Problem> {
     let folder = folder(&api)?;
     let (from, to) = span(folder, &p.from, &p.to)?;

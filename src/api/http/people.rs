@@ -36,7 +36,7 @@ pub struct PersonDto {
 /// All people whose names are kept.
 #[utoipa::path(get, path = "/v1/people", tag = "people", operation_id = "listPeople", params(Paging), responses(
     (status = 200, description = "People in order of joining", body = Page<PersonDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422)))]
 pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<PersonDto>>, Problem> {
     let pseudonyms = api.feeds.names();
     let people = pseudonyms.iter().enumerate().filter_map(|(i, pseudonym)| {
@@ -53,10 +53,8 @@ pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json
 #[utoipa::path(delete, path = "/v1/people/{id}", tag = "people", operation_id = "erasePerson",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 204, description = "Erased, and that is durable"),
-    (status = 404, description = "There is no such worker", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 409, description = "The person is on the floor, or has something to do", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "There is no such worker"),
+    (status = 409, description = "The person is on the floor, or has something to do")))]
 pub async fn erase(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     api.queue()?;
     let worker = api.feeds.worker(&id)?;

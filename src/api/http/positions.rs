@@ -77,10 +77,7 @@ pub struct TakenDto {
 #[utoipa::path(post, path = "/v1/workers/{id}/position", tag = "people",
     operation_id = "reportPosition", request_body = NewPosition,
     params(("id" = String, Path, example = "w1")), responses(
-    (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 202, description = "Accepted; the fleet evaluates it in its next step")))]
 pub async fn one(
     Called(api): Called,
     PathPart(id): PathPart,
@@ -96,8 +93,7 @@ pub async fn one(
 /// Report where many workers are. If one position is wrong, the others are accepted all the same.
 #[utoipa::path(post, path = "/v1/positions", tag = "people",
     operation_id = "reportPositions", request_body = NewPositions, responses(
-    (status = 200, description = "How many were accepted, and why others were not", body = TakenDto),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 200, description = "How many were accepted, and why others were not", body = TakenDto)))]
 pub async fn many(
     Called(api): Called,
     JsonBody(new): JsonBody<NewPositions>,

@@ -150,8 +150,7 @@ fn entries(list: &[ReportEntry]) -> Vec<CarryFindingDto> {
 #[utoipa::path(post, path = "/v1/map:check", tag = "floor", operation_id = "checkMapChange", request_body = MapFile,
     responses(
     (status = 200, description = "What it would mean now", body = MapCheckDto),
-    (status = 413, description = "The map is longer than 8 MiB", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 413, description = "The map is longer than 8 MiB")))]
 pub async fn check(
     Called(api): Called,
     Extension(answer): Extension<Arc<MapAnswer>>,
@@ -181,14 +180,10 @@ pub async fn check(
         description = "The version on which the map is based, in quotes; `*` for any. Without it the answer is 428")),
     responses(
     (status = 200, description = "The server has gone over to it, and that is durable", body = PublishedMapDto),
-    (status = 409, description = "The map has errors, or not everything can be carried over: `errors` lists what",
-     body = Problem, content_type = "application/problem+json"),
-    (status = 412, description = "The map in operation is another one than that in If-Match", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 413, description = "The map is longer than 8 MiB", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 428, description = "If-Match is missing", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 409, description = "The map has errors, or not everything can be carried over: `errors` lists what"),
+    (status = 412, description = "The map in operation is another one than that in If-Match"),
+    (status = 413, description = "The map is longer than 8 MiB"),
+    (status = 428, description = "If-Match is missing")))]
 pub async fn publish(
     Called(api): Called,
     Extension(answer): Extension<Arc<MapAnswer>>,

@@ -46,7 +46,7 @@ pub struct NewRecurrence {
 #[utoipa::path(get, path = "/v1/closures/recurring", tag = "people",
     operation_id = "listRecurringClosures", params(Paging), responses(
     (status = 200, description = "In the order in which they were requested", body = Page<RecurringClosureDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<Paging>,

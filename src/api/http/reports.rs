@@ -32,10 +32,7 @@ const SEND: Duration = Duration::from_secs(2);
 #[utoipa::path(post, path = "/v1/massrobotics", tag = "people",
     operation_id = "postInteropReport", request_body = InteropReport, responses(
     (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
-    (status = 404, description = "No worker is known under this uuid", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "No worker is known under this uuid")))]
 pub async fn post(
     Called(api): Called,
     JsonBody(said): JsonBody<InteropReport>,
@@ -48,8 +45,7 @@ pub async fn post(
 /// kind at most every two seconds.
 #[utoipa::path(get, path = "/v1/massrobotics", tag = "people", operation_id = "streamInteropReports", responses(
     (status = 101, description = "Reports may be sent"),
-    (status = 426, description = "Not a WebSocket", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 426, description = "Not a WebSocket")))]
 pub async fn stream(
     Called(api): Called,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,

@@ -87,10 +87,8 @@ pub struct RobotHistoryParams {
 #[utoipa::path(get, path = "/v1/robots/{id}", tag = "floor", operation_id = "getRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 200, description = "The robot", body = RobotDetailDto),
-    (status = 404, description = "No robot has this name", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "No robot has this name"),
+    (status = 503, description = "The database does not answer")))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<RobotDetailDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
     let jobs = api.records.robot_jobs(robot).await.map_err(|why| Problem::unavailable(why, 2))?;
@@ -113,11 +111,9 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Rob
 #[utoipa::path(get, path = "/v1/robots/{id}/history", tag = "floor", operation_id = "listRobotHistory",
     params(("id" = String, Path, example = "robot-1"), RobotHistoryParams), responses(
     (status = 200, description = "What happened, newest first", body = Page<RobotEventDto>),
-    (status = 404, description = "No robot has this name", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, description = "A parameter is wrong", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "No robot has this name"),
+    (status = 422, description = "A parameter is wrong"),
+    (status = 503, description = "The database does not answer")))]
 pub async fn history(
     Called(api): Called,
     PathPart(id): PathPart,

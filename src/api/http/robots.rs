@@ -61,13 +61,8 @@ fn usual_kind() -> String {
     operation_id = "registerRobot", request_body = NewRobot, responses(
     (status = 201, description = "It has joined, and that is durable; GET /v1/robots shows it", body = JoinedDto),
     (status = 200, description = "It had joined before, wherever it is by now", body = JoinedDto),
-    (status = 409, description = "Another robot holds the node", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 409, description = "Another robot holds the node"),
+    (status = 429)))]
 pub async fn register(
     Called(api): Called,
     JsonBody(new): JsonBody<NewRobot>,
@@ -99,9 +94,7 @@ pub async fn register(
 #[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor", operation_id = "retireRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It will leave, and that is durable"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "It has left already", body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 409, description = "It has left already")))]
 pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, Ask::retire(parse_robot(&api, &id)?)).await
 }
@@ -110,9 +103,7 @@ pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
 /// gets no jobs until `DELETE` lets it work again, even across a restart.
 #[utoipa::path(put, path = "/v1/robots/{id}/maintenance", tag = "floor", operation_id = "beginMaintenance",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 204, description = "It goes to maintenance, and that is durable"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 204, description = "It goes to maintenance, and that is durable")))]
 pub async fn maintain(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, Ask::begin_maintenance(parse_robot(&api, &id)?)).await
 }
@@ -120,9 +111,7 @@ pub async fn maintain(Called(api): Called, PathPart(id): PathPart) -> Result<Sta
 /// End a robot's maintenance, or let a robot stay that was to leave.
 #[utoipa::path(delete, path = "/v1/robots/{id}/maintenance", tag = "floor", operation_id = "endMaintenance",
     params(("id" = String, Path, example = "robot-1")), responses(
-    (status = 204, description = "It works again"),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 204, description = "It works again")))]
 pub async fn work_again(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     done(&api, Ask::end_maintenance(parse_robot(&api, &id)?)).await
 }
@@ -132,13 +121,9 @@ pub async fn work_again(Called(api): Called, PathPart(id): PathPart) -> Result<S
 #[utoipa::path(post, path = "/v1/racks/{id}/taken", tag = "floor", operation_id = "takeRack", request_body = TakenRack,
     params(("id" = String, Path, example = "rack-1")), responses(
     (status = 204, description = "It stands there, and that is durable"),
-    (status = 404, description = "There is no such rack", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 409, description = "The rack is on no robot, its robot can drive, or the node is taken", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, description = "There is no such node, or it is not a storage node", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 404, description = "There is no such rack"),
+    (status = 409, description = "The rack is on no robot, its robot can drive, or the node is taken"),
+    (status = 422, description = "There is no such node, or it is not a storage node")))]
 pub async fn take_rack(
     Called(api): Called,
     PathPart(id): PathPart,

@@ -72,8 +72,7 @@ pub async fn who(Called(api): Called) -> Json<SessionDto> {
 #[utoipa::path(post, path = "/v1/session", tag = "server",
     operation_id = "signIn", request_body = SignIn, responses(
     (status = 201, description = "Signed in", body = SessionDto, headers(("Set-Cookie" = String))),
-    (status = 401, description = "The token does not hold", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 401, description = "The token does not hold")))]
 pub async fn sign_in(
     Called(api): Called,
     headers: HeaderMap,

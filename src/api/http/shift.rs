@@ -45,8 +45,8 @@ pub struct ReportParams {
 #[utoipa::path(get, path = "/v1/report", tag = "floor", operation_id = "getReport", params(ReportParams), responses(
     (status = 200, description = "The report", content(
         (ShiftReportDto = "application/json"), (String = "text/csv"))),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 422),
+    (status = 503)))]
 pub async fn report(
     Called(api): Called,
     headers: HeaderMap,

@@ -130,9 +130,8 @@ pub struct ConditionDto {
 /// to two minutes ahead.
 #[utoipa::path(get, path = "/v1/timelines", tag = "floor", operation_id = "getTimelines", params(AreaParams), responses(
     (status = 200, description = "Up to 200 nodes, from the top left on", body = TimelinesDto),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 422),
+    (status = 503, description = "Too many questions; see Retry-After")))]
 pub async fn timelines(
     Called(api): Called,
     Params(p): Params<AreaParams>,

@@ -78,9 +78,9 @@ pub struct TokenMade {
 /// All named tokens, also those that no longer hold; never the tokens themselves.
 #[utoipa::path(get, path = "/v1/tokens", tag = "server", operation_id = "listTokens", params(Paging), responses(
     (status = 200, description = "Tokens in the order in which they were made", body = Page<TokenDto>),
-    (status = 409, body = Problem, content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 503, body = Problem, content_type = "application/problem+json")))]
+    (status = 409),
+    (status = 422),
+    (status = 503)))]
 pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<TokenDto>>, Problem> {
     let all = desk(&api)?.list().await.map_err(|why| Problem::unavailable(why, 2))?;
     page(all.iter().map(|token| dto(&api, token)).collect(), &p)
@@ -92,11 +92,8 @@ pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json
     operation_id = "makeToken", request_body = NewToken, responses(
     (status = 201, description = "Made; the token is in this answer only", body = TokenMade,
      headers(("Location" = String))),
-    (status = 409, description = "Another token of this name holds, or a recording is shown", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "As many hold as may", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 409, description = "Another token of this name holds, or a recording is shown"),
+    (status = 429, description = "As many hold as may")))]
 pub async fn make(
     Called(api): Called,
     JsonBody(new): JsonBody<NewToken>,
@@ -124,8 +121,7 @@ pub async fn make(
 #[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "server", operation_id = "revokeToken",
     params(("id" = String, Path, example = "t3")), responses(
     (status = 204, description = "Revoked"),
-    (status = 404, description = "There is no such token, or it was revoked before", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "There is no such token, or it was revoked before")))]
 pub async fn revoke(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let revoked = desk(&api)?.revoke(parse(&id)?).await.map_err(|why| Problem::unavailable(why, 2))?;
     if revoked { Ok(StatusCode::NO_CONTENT) } else { Err(unknown(&id)) }
@@ -135,8 +131,7 @@ pub async fn revoke(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
 #[utoipa::path(post, path = "/v1/tokens/{id}/rotate", tag = "server", operation_id = "rotateToken",
     params(("id" = String, Path, example = "t3")), responses(
     (status = 200, description = "Made anew; the token is in this answer only", body = TokenMade),
-    (status = 404, description = "There is no such token, or it no longer holds", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "There is no such token, or it no longer holds")))]
 pub async fn rotate(Called(api): Called, PathPart(id): PathPart) -> Result<Json<TokenMade>, Problem> {
     let (number, token) = (parse(&id)?, fresh_token());
     let made = desk(&api)?.rotate(number, hash_of(&token)).await;

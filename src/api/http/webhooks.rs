@@ -94,8 +94,7 @@ pub struct FailureParams {
 /// All systems that are told of events.
 #[utoipa::path(get, path = "/v1/webhooks", tag = "events", operation_id = "listWebhooks", responses(
     (status = 200, description = "In order of being added", body = Vec<WebhookDto>),
-    (status = 503, description = "The database does not answer", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503, description = "The database does not answer")))]
 pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Problem> {
     let hooks = ask(&api, HookRequest::List).await?;
     Ok(Json(hooks.into_iter().map(dto).collect()))
@@ -114,13 +113,10 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
         description = "Your own key, up to 255 characters: a repeat gets the same answer and makes nothing")),
     responses(
     (status = 201, description = "From now on it is told; the secret is not shown again", body = WebhookDto),
-    (status = 400, description = "The body is not JSON", body = Problem, content_type = "application/problem+json"),
-    (status = 409, description = "A recording is shown, or the request with this key is in progress or its outcome is \
-     not known", body = Problem, content_type = "application/problem+json"),
-    (status = 422, description = "A field is wrong", body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "There are too many", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 400, description = "The body is not JSON"),
+    (status = 422, description = "A field is wrong"),
+    (status = 429, description = "There are too many"),
+    (status = 503, description = "The database does not answer")))]
 pub async fn add(
     State(api): State<Api>,
     JsonBody(new): JsonBody<NewWebhook>,
@@ -140,11 +136,9 @@ pub async fn add(
 #[utoipa::path(delete, path = "/v1/webhooks/{id}", tag = "events", operation_id = "removeWebhook",
     params(("id" = String, Path, example = "h1")), responses(
     (status = 204, description = "It is told nothing any more"),
-    (status = 404, description = "There is no such webhook", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 409, description = "A recording is shown", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "There is no such webhook"),
+    (status = 409, description = "A recording is shown"),
+    (status = 503, description = "The database does not answer")))]
 pub async fn remove(State(api): State<Api>, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
     let number = parse(&id)?;
     match ask(&api, |reply| HookRequest::Remove(number, reply)).await? {
@@ -157,11 +151,9 @@ pub async fn remove(State(api): State<Api>, PathPart(id): PathPart) -> Result<St
 #[utoipa::path(get, path = "/v1/webhooks/{id}/failures", tag = "events", operation_id = "listWebhookFailures",
     params(("id" = String, Path, example = "h1"), FailureParams), responses(
     (status = 200, description = "What was given up", body = Page<FailedMessageDto>),
-    (status = 404, description = "There is no such webhook", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 422, description = "A parameter is wrong", body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "The database does not answer", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 404, description = "There is no such webhook"),
+    (status = 422, description = "A parameter is wrong"),
+    (status = 503, description = "The database does not answer")))]
 pub async fn failures(
     State(api): State<Api>,
     PathPart(id): PathPart,

@@ -17,9 +17,7 @@ use axum::Json;
 #[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor", operation_id = "explainRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 200, description = "The chain; for a robot that does not wait, what it is doing", body = WhyDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503, description = "Too many questions; see Retry-After")))]
 pub async fn robot(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
     let waits = api.query(|reply| Question::Robot(robot, reply)).await?;
@@ -32,9 +30,7 @@ pub async fn robot(Called(api): Called, PathPart(id): PathPart) -> Result<Json<W
     responses(
     (status = 200, description = "The chain; empty for a job that is over, or that a robot is about to take",
      body = WhyDto),
-    (status = 404, body = Problem, content_type = "application/problem+json"),
-    (status = 503, description = "Too many questions; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 503, description = "Too many questions; see Retry-After")))]
 pub async fn job(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
     let job = parse_job_name(&id)
         .ok_or_else(|| Problem::unknown("job", format!("\"{id}\" is not a job id; ids look like j17")))?;

@@ -98,7 +98,7 @@ pub struct WorkerParams {
 /// All workers, or some of them; a device gets its own alone.
 #[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(WorkerParams), responses(
     (status = 200, description = "Workers in order of joining", body = Page<ListedWorkerDto>),
-    (status = 422, body = Problem, content_type = "application/problem+json")))]
+    (status = 422)))]
 pub async fn list(
     Called(api): Called,
     Params(p): Params<WorkerParams>,
@@ -131,8 +131,7 @@ pub async fn list(
 /// One worker, with gaze, hands and charge if a headset reports them.
 #[utoipa::path(get, path = "/v1/workers/{id}", tag = "people", operation_id = "getWorker",
     params(("id" = String, Path, example = "w1")), responses(
-    (status = 200, description = "The worker", body = WorkerDetailDto),
-    (status = 404, body = Problem, content_type = "application/problem+json")))]
+    (status = 200, description = "The worker", body = WorkerDetailDto)))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WorkerDetailDto>, Problem> {
     let id = api.feeds.worker(&id)?;
     let carried = api.feeds.carried(id).unwrap_or_default();
@@ -182,11 +181,7 @@ fn own_worker(api: &Api, name: &str) -> Result<LocatedWorker, Problem> {
     (status = 201, description = "Registered, and that is durable", body = WorkerDto,
      headers(("Location" = String))),
     (status = 200, description = "Registered before", body = WorkerDto),
-    (status = 422, body = Problem, content_type = "application/problem+json"),
-    (status = 429, description = "A limit is reached; see Retry-After", body = Problem,
-     content_type = "application/problem+json"),
-    (status = 503, description = "Temporarily unavailable; see Retry-After", body = Problem,
-     content_type = "application/problem+json")))]
+    (status = 429)))]
 pub async fn hire(
     Called(api): Called,
     JsonBody(new): JsonBody<NewWorker>,

@@ -4,7 +4,7 @@
 
 use crate::api::live::Frame;
 use crate::api::text::{job_name, round3};
-use crate::fleet::{JobKind, Pending};
+use crate::fleet::{JobKind, JobParts, Pending};
 use crate::id::Dense;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
@@ -42,14 +42,11 @@ pub fn line(frame: &Frame, map: &Warehouse) -> String {
 }
 
 fn what(kind: JobKind, frame: &Frame, map: &Warehouse) -> Vec<String> {
-    let robot = kind.robot().and_then(|r| Some(frame.robots.get(r.ix())?.id.clone()));
-    let rack = kind.rack().and_then(|r| Some(map.racks.get(r)?.name.clone()));
-    let goal = match kind {
-        JobKind::Deliver { station, .. } => map.stations.get(station).map(|s| s.name.clone()),
-        JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => {
-            map.nodes.get(node).map(|n| n.name.clone())
-        }
-        JobKind::Return { .. } | JobKind::Charge { .. } | JobKind::Park { .. } => None,
-    };
+    let JobParts { robot, rack, station, node, .. } = kind.parts();
+    let robot = robot.and_then(|r| Some(frame.robots.get(r.ix())?.id.clone()));
+    let rack = rack.and_then(|r| Some(map.racks.get(r)?.name.clone()));
+    let station = station.and_then(|s| Some(map.stations.get(s)?.name.clone()));
+    let node = node.and_then(|n| Some(map.nodes.get(n)?.name.clone()));
+    let goal = station.or(node);
     [robot, rack, goal].into_iter().flatten().collect()
 }

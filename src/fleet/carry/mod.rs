@@ -17,8 +17,8 @@ pub use report::{Report, ReportEntry};
 use crate::cell;
 use crate::fleet::state::worker::{Assignment, Closure};
 use crate::fleet::{
-    Job, JobKind, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Unconfirmed, Visiting,
-    Wishes,
+    Job, JobKind, JobParts, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Unconfirmed,
+    Visiting, Wishes,
 };
 use crate::geometry::Spot;
 use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, SeriesId, StationId};
@@ -173,28 +173,24 @@ impl Move<'_> {
 
     /// What a job wants, by the new map's ids; or what the new map does not have.
     fn kind(&self, kind: JobKind) -> Result<JobKind, String> {
-        let has = |place| self.new.nodes.iter().any(|n| n.kind == place);
-        Ok(match kind {
-            JobKind::Deliver { rack, station, pick } => {
-                JobKind::Deliver { rack: self.rack(rack)?, station: self.station(station)?, pick }
-            }
-            JobKind::Return { rack } => JobKind::Return { rack: self.rack(rack)? },
-            JobKind::Relocate { rack, node } => {
-                let (rack, node) = (self.rack(rack)?, self.node(node)?);
-                if self.new.nodes[node].kind != NodeKind::Storage {
-                    return Err(format!("{}, which is no longer a storage node", self.new.nodes[node].name));
-                }
-                JobKind::Relocate { rack, node }
-            }
-            JobKind::Charge { .. } if !has(NodeKind::Charger) => {
-                return Err("a charger; there is none".into());
-            }
-            JobKind::Park { .. } if !has(NodeKind::Parking) => {
-                return Err("a parking place; there is none".into());
-            }
-            JobKind::Charge { .. } | JobKind::Park { .. } => kind,
-            JobKind::Go { robot, node } => JobKind::Go { robot, node: self.node(node)? },
-        })
+        let JobParts { rack, station, node, robot, pick } = kind.parts();
+        let parts = JobParts {
+            rack: rack.map(|rack| self.rack(rack)).transpose()?,
+            station: station.map(|station| self.station(station)).transpose()?,
+            node: node.map(|node| self.node(node)).transpose()?,
+            robot,
+            pick,
+        };
+        let new = kind.name().with(parts).expect("a job keeps the parts that it has");
+        let stored_at = new.rack().and(parts.node);
+        if let Some(node) = stored_at.filter(|node| self.new.nodes[*node].kind != NodeKind::Storage) {
+            return Err(format!("{}, which is no longer a storage node", self.new.nodes[node].name));
+        }
+        match new.place().filter(|place| !self.new.nodes.iter().any(|n| n.kind == *place)) {
+            Some(NodeKind::Charger) => Err("a charger; there is none".into()),
+            Some(_) => Err("a parking place; there is none".into()),
+            None => Ok(new),
+        }
     }
 
     /// Where a node is on the old map.
@@ -204,12 +200,8 @@ impl Move<'_> {
 
     /// Where on the old map a job ends, or is to begin.
     fn place_of(&self, kind: JobKind) -> Option<Spot> {
-        match kind {
-            JobKind::Deliver { station, .. } => self.spot(self.old.stations[station].node),
-            JobKind::Return { rack } => self.spot(self.old.racks[rack].home),
-            JobKind::Relocate { node, .. } | JobKind::Go { node, .. } => self.spot(node),
-            JobKind::Charge { .. } | JobKind::Park { .. } => None,
-        }
+        let home = || kind.rack().map(|rack| self.old.racks[rack].home);
+        self.spot(kind.goal(self.old).or_else(home)?)
     }
 
     fn rack(&self, rack: RackId) -> Result<RackId, String> {

@@ -8,7 +8,7 @@ use crate::fleet::dispatch::enough::with_enough_racks;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::index::{RackGoal, urgency_ms};
-use crate::fleet::state::job::JobKind;
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::ledger::Service;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::storage::along_axes;

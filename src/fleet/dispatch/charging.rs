@@ -9,7 +9,8 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, RobotFact, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::job_kind::JobKind;
 use crate::id::{JobId, NodeId, RackId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;

@@ -14,7 +14,8 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::index::RackGoal;
-use crate::fleet::state::job::{JobFailure, JobKind, JobState};
+use crate::fleet::state::job::{JobFailure, JobState};
+use crate::fleet::state::job_kind::{Errand, JobKind};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
@@ -68,11 +69,11 @@ fn assign_named(core: &mut Core, planners: &mut Planners, now: Time) {
 /// robots are on all ways; it fails where no way leads.
 fn begin_named(core: &mut Core, planners: &mut Planners, robot: RobotId, job: JobId, now: Time) {
     let floor = core.floor();
-    let (goal, stay, purpose) = match floor.ledger.jobs[&job].request.kind {
-        JobKind::Charge { .. } => (None, floor.free_place(robot, NodeKind::Charger), Purpose::Charge),
-        JobKind::Park { .. } => (None, floor.free_place(robot, NodeKind::Parking), Purpose::Park),
-        JobKind::Go { node, .. } => (Some(node), floor.stay_for(robot, node), Purpose::Go),
-        kind => unreachable!("{kind:?} names no robot"),
+    let errand = floor.ledger.jobs[&job].request.kind.errand();
+    let (goal, stay, purpose) = match errand.expect("a job that names a robot sends it somewhere") {
+        Errand::Charge => (None, floor.free_place(robot, NodeKind::Charger), Purpose::Charge),
+        Errand::Park => (None, floor.free_place(robot, NodeKind::Parking), Purpose::Park),
+        Errand::Go(node) => (Some(node), floor.stay_for(robot, node), Purpose::Go),
     };
     let Some(stay) = stay else { return };
     let goal = goal.unwrap_or(stay);

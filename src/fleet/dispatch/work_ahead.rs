@@ -4,7 +4,8 @@
 //! to count racks where lines say how long each takes.
 
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::storage::along_axes;
 use crate::id::{IdVec, JobId, NodeId, StationId};
 use crate::time::{Span, Time};

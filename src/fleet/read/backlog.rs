@@ -5,7 +5,7 @@
 
 use crate::fleet::Fleet;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobKind;
+use crate::fleet::state::job_kind::JobKind;
 use crate::id::JobId;
 use crate::time::Time;
 

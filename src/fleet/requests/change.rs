@@ -4,7 +4,8 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::JobFact;
-use crate::fleet::state::job::{JobChange, JobKind, JobRequest, JobState};
+use crate::fleet::state::job::{JobChange, JobRequest, JobState};
+use crate::fleet::state::job_kind::{JobKind, JobParts};
 use crate::fleet::state::refusal::{JobRefusal, Refusal};
 use crate::fleet::state::request::{Answer, Answered};
 use crate::id::JobId;
@@ -47,18 +48,13 @@ impl Intake<'_> {
 /// What is wanted then. The kind itself and its rack stay.
 fn changed_kind(kind: JobKind, change: &JobChange) -> Result<JobKind, Refusal> {
     let JobChange { station, robot, .. } = *change;
-    match kind {
-        JobKind::Deliver { .. } if robot.is_some() => Err(Refusal::Job(JobRefusal::HasNoRobot(kind.word()))),
-        JobKind::Deliver { rack, station: before, pick } => {
-            Ok(JobKind::Deliver { rack, station: station.unwrap_or(before), pick })
-        }
-        _ if station.is_some() => Err(Refusal::Job(JobRefusal::HasNoStation(kind.word()))),
-        JobKind::Return { .. } | JobKind::Relocate { .. } if robot.is_some() => {
-            Err(Refusal::Job(JobRefusal::HasNoRobot(kind.word())))
-        }
-        JobKind::Return { .. } | JobKind::Relocate { .. } => Ok(kind),
-        JobKind::Charge { robot: before } => Ok(JobKind::Charge { robot: robot.unwrap_or(before) }),
-        JobKind::Park { robot: before } => Ok(JobKind::Park { robot: robot.unwrap_or(before) }),
-        JobKind::Go { robot: before, node } => Ok(JobKind::Go { robot: robot.unwrap_or(before), node }),
+    let before = kind.parts();
+    if station.is_some() && before.station.is_none() {
+        return Err(Refusal::Job(JobRefusal::HasNoStation(kind.word())));
     }
+    if robot.is_some() && before.robot.is_none() {
+        return Err(Refusal::Job(JobRefusal::HasNoRobot(kind.word())));
+    }
+    let (station, robot) = (station.or(before.station), robot.or(before.robot));
+    Ok(kind.name().with(JobParts { station, robot, ..before }).expect("a job keeps the parts that it has"))
 }

@@ -6,11 +6,12 @@ use crate::cell;
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{JobFact, Purpose, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobKind, JobRequest, JobState};
+use crate::fleet::state::job::{JobRequest, JobState};
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::refusal::{Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered, JobTaken, Made};
-use crate::id::{Dense, JobId, RackId, RobotId, StationId};
+use crate::id::{Dense, JobId, RobotId, StationId};
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 
@@ -96,28 +97,15 @@ impl Floor<'_> {
 
     fn check_places(&self, kind: &JobKind) -> Result<(), Refusal> {
         let w = self.warehouse();
-        let rack_known = |r: RackId| r.ix() < w.racks.len();
         let robot_known = |r: RobotId| r.ix() < self.ledger.robots.len();
         let gone = kind.robot().filter(|r| robot_known(*r) && self.ledger.robots[*r].is_gone());
         if let Some(robot) = gone {
             return Err(Refusal::Robot(RobotRefusal::IsGone(robot)));
         }
-        let known = match *kind {
-            JobKind::Deliver { rack, station, .. } => rack_known(rack) && station.ix() < w.stations.len(),
-            JobKind::Return { rack } => rack_known(rack),
-            JobKind::Relocate { rack, node } => rack_known(rack) && node.ix() < w.nodes.len(),
-            JobKind::Charge { robot } | JobKind::Park { robot } => robot_known(robot),
-            JobKind::Go { robot, node } => robot_known(robot) && node.ix() < w.nodes.len(),
-        };
-        if !known {
+        if !kind.is_known(w, self.ledger.robots.len()) {
             return Err(Refusal::UnknownPlace);
         }
-        let place = match kind {
-            JobKind::Charge { .. } => Some(NodeKind::Charger),
-            JobKind::Park { .. } => Some(NodeKind::Parking),
-            _ => None,
-        };
-        if let Some(place) = place.filter(|p| !w.nodes.iter().any(|n| n.kind == *p)) {
+        if let Some(place) = kind.place().filter(|p| !w.nodes.iter().any(|n| n.kind == *p)) {
             return Err(Refusal::NoSuchPlace(place));
         }
         if let JobKind::Relocate { rack, node } = *kind {

@@ -6,7 +6,8 @@
 
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::state::fact::{RobotFact, Task};
-use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::refusal::{RackRefusal, Refusal, RobotRefusal};
 use crate::fleet::state::request::{Answer, Answered};

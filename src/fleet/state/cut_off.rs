@@ -6,7 +6,7 @@
 //! robots are not told apart, and lanes that are in conflict with a hold count as open. Refuses: to plan: that a place
 //! is not cut off is no promise of a route.
 
-use crate::fleet::state::job::JobKind;
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::ledger::Ledger;
 use crate::fleet::state::scene::Scene;
 use crate::id::{ArcId, ClosureId, IdVec, NodeId, RobotId, StationId};

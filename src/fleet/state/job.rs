@@ -3,6 +3,7 @@
 //! Main types: [`JobKind`], [`JobRequest`], [`JobChange`], [`Job`], [`JobState`]. Refuses: to know how a job is carried
 //! out.
 
+use super::job_kind::JobKind;
 use super::keys::ClientKey;
 use crate::cell::{Lines, OrderLine};
 use crate::id::{BodyId, JobId, NodeId, RackId, RobotId, StationId};
@@ -10,102 +11,6 @@ use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::collections::BTreeMap;
 use std::hash::{Hash, Hasher};
-
-/// What is wanted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum JobKind {
-    /// Bring a rack to a station, let a person pick from it, and put it back somewhere sensible.
-    Deliver {
-        /// The rack.
-        rack: RackId,
-        /// The station.
-        station: StationId,
-        /// How long the pick takes; the station's usual time where absent.
-        pick: Option<Span>,
-    },
-    /// Put a rack onto the best free storage node.
-    Return {
-        /// The rack.
-        rack: RackId,
-    },
-    /// Put a rack onto this storage node.
-    Relocate {
-        /// The rack.
-        rack: RackId,
-        /// The storage node.
-        node: NodeId,
-    },
-    /// Send a robot to a free charger.
-    Charge {
-        /// The robot.
-        robot: RobotId,
-    },
-    /// Send a robot to a free parking place.
-    Park {
-        /// The robot.
-        robot: RobotId,
-    },
-    /// Send a robot to a node, and on to a place where it may stay if the node is none.
-    Go {
-        /// The robot.
-        robot: RobotId,
-        /// The node.
-        node: NodeId,
-    },
-}
-
-impl JobKind {
-    /// The rack that has to be moved, if any.
-    pub fn rack(&self) -> Option<RackId> {
-        match *self {
-            JobKind::Deliver { rack, .. } | JobKind::Return { rack } | JobKind::Relocate { rack, .. } => {
-                Some(rack)
-            }
-            JobKind::Charge { .. } | JobKind::Park { .. } | JobKind::Go { .. } => None,
-        }
-    }
-
-    /// Whether robots of a kind can do it with its rack on a node: carry the rack, and drive there and to where it is
-    /// wanted.
-    pub fn is_for(&self, w: &Warehouse, body: BodyId, (rack, node): (RackId, NodeId)) -> bool {
-        let goal = match *self {
-            JobKind::Deliver { station, .. } => w.stations[station].node,
-            JobKind::Relocate { node, .. } => node,
-            JobKind::Return { .. } | JobKind::Charge { .. } | JobKind::Park { .. } | JobKind::Go { .. } => {
-                node
-            }
-        };
-        w.can_carry(body, rack) && w.may_be_at(body, node) && w.may_be_at(body, goal)
-    }
-
-    /// The station that the rack is wanted at, if any.
-    pub fn station(&self) -> Option<StationId> {
-        match *self {
-            JobKind::Deliver { station, .. } => Some(station),
-            _ => None,
-        }
-    }
-
-    /// The robot that has to do it, if the customer named one.
-    pub fn robot(&self) -> Option<RobotId> {
-        match *self {
-            JobKind::Charge { robot } | JobKind::Park { robot } | JobKind::Go { robot, .. } => Some(robot),
-            JobKind::Deliver { .. } | JobKind::Return { .. } | JobKind::Relocate { .. } => None,
-        }
-    }
-
-    /// The word for it on the wire.
-    pub fn word(&self) -> &'static str {
-        match self {
-            JobKind::Deliver { .. } => "deliver",
-            JobKind::Return { .. } => "return",
-            JobKind::Relocate { .. } => "relocate",
-            JobKind::Charge { .. } => "charge",
-            JobKind::Park { .. } => "park",
-            JobKind::Go { .. } => "go",
-        }
-    }
-}
 
 /// A station that a rack is wanted at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -5,7 +5,8 @@
 //! task of the robot that serves it can never disagree. Refuses: to decide that something happens.
 
 use crate::fleet::state::fact::Task;
-use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::job_kind::JobKind;
 
 /// How far a job has come, without the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

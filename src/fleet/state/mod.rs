@@ -17,6 +17,7 @@ pub(in crate::fleet) mod heard;
 pub mod index;
 pub mod io;
 pub mod job;
+pub mod job_kind;
 pub(in crate::fleet) mod keys;
 pub(in crate::fleet) mod kind;
 pub mod ledger;

@@ -5,7 +5,7 @@
 use super::fact::{Act, Task};
 use super::fault::Fault;
 use super::floor::Floor;
-use super::job::JobKind;
+use super::job_kind::JobKind;
 use super::kind::Charging;
 use crate::id::{AssignmentId, NodeId, RackId, RobotId, StationId, WorkerId};
 use crate::warehouse::NodeKind;
@@ -69,11 +69,7 @@ impl Floor<'_> {
 
     /// Whether a job leads to a place that is closed, or will be soon, or is cut off.
     pub fn job_is_closed_off(&self, kind: &JobKind, rack_at: NodeId) -> bool {
-        let goal = match *kind {
-            JobKind::Deliver { station, .. } => Some(self.warehouse().stations[station].node),
-            JobKind::Relocate { node, .. } => Some(node),
-            _ => None,
-        };
+        let goal = kind.goal(self.warehouse());
         let is_blocked = || self.restrictions.cut_off.blocks_job(self.warehouse(), kind, rack_at).is_some();
         self.is_shut_off(rack_at) || goal.is_some_and(|n| self.is_shut_off(n)) || is_blocked()
     }

@@ -10,7 +10,8 @@ use crate::cell::{
 };
 use crate::fleet::state::fact::{Fact, JobFact};
 use crate::fleet::state::io::WrongReach;
-use crate::fleet::state::job::{Job, JobKind, JobState};
+use crate::fleet::state::job::{Job, JobState};
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::ledger::Ledger;
 use crate::id::{JobId, RackId, RackTypeId, RobotId, StationId};
 use crate::reach::PickModel;

@@ -8,7 +8,7 @@ use crate::fleet::state::core::Core;
 use crate::fleet::state::cut_off::Barrier;
 use crate::fleet::state::fact::{RobotFact, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobKind;
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::needs::Need;
 use crate::fleet::state::passing::{HeldChoice, cheapest};
 use crate::fleet::traffic::stages::commit;

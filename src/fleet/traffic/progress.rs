@@ -5,7 +5,8 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Act, Moved, Purpose, RobotFact, RouteFact, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobFailure, JobKind, JobState};
+use crate::fleet::state::job::{JobFailure, JobState};
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::traffic::failure::fail;
 use crate::fleet::traffic::revoke::note_revoked;
 use crate::fleet::traffic::state::Traffic;

@@ -5,7 +5,7 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Act, Booking, RouteFact, Stop, Task};
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobKind;
+use crate::fleet::state::job_kind::JobKind;
 use crate::geometry::Segment;
 use crate::id::{JobId, NodeId, RobotId};
 use crate::route::{Route, Stage};

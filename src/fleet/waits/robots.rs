@@ -197,13 +197,21 @@ impl<'a> RobotWaits<'a> {
             let idles = self.floor.ledger.robots[robot].task == Task::Idle;
             return if idles && self.floor.rests(robot) { Edge::Still } else { Edge::Moves };
         };
-        if why.is_by_itself() {
-            return Edge::Operator;
-        }
-        if self.floor.act_here(robot).is_some() {
-            return Edge::Moves;
-        }
+        let acts = self.floor.act_here(robot).is_some();
         match why {
+            Why::Failed
+            | Why::EmergencyStop
+            | Why::Manual
+            | Why::Unplugged
+            | Why::Displaced(_)
+            | Why::Silent
+            | Why::Paused
+            | Why::Maintenance
+            | Why::Leaving
+            | Why::Gone
+            | Why::Stopped
+            | Why::Evacuation => Edge::Operator,
+            _ if acts => Edge::Moves,
             Why::WaitsFor(_, other) | Why::BlockedBy(other) | Why::NotItsTurn(_, other) => {
                 Edge::On(Party::Robot(other))
             }
@@ -224,7 +232,6 @@ impl<'a> RobotWaits<'a> {
             // The hand comes out by itself.
             Why::HandInOpening(_) => Edge::Moves,
             Why::NoRoute => self.in_the_way(robot).map_or(Edge::NoWay, |r| Edge::On(Party::Robot(r))),
-            _ => unreachable!("{why:?} is about the robot itself"),
         }
     }
 

@@ -4,8 +4,8 @@
 //! recordings are read. Refuses: versions; [`super`] has them.
 
 use crate::cell::{OrderLine, PickedBy};
-use crate::fleet::{ClientKey, JobChange, JobKind, JobRequest, Visiting};
-use crate::id::{CustomerId, JobId, NodeId, RackId, RobotId, StationId};
+use crate::fleet::{ClientKey, JobChange, JobKind, JobParts, JobRequest, JobWord, Visiting};
+use crate::id::{CustomerId, JobId, RobotId, StationId};
 use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -35,15 +35,51 @@ pub struct JobLine {
     lines: Vec<Vec<OrderRow>>,
 }
 
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum LineKind {
-    Deliver(u32, u32, Option<i64>),
-    Return(u32),
-    Relocate(u32, u32),
-    Charge(u32),
-    Park(u32),
-    Go(u32, u32),
+/// What is wanted: an object with one field, whose name is the word for the kind, and whose value has the numbers of the
+/// parts in the order of the kind's fields.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+#[serde(try_from = "BTreeMap<String, PartNumbers>", into = "BTreeMap<String, PartNumbers>")]
+struct LineKind(JobKind);
+
+/// The numbers of the parts of a job. One alone stands for itself.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(untagged)]
+enum PartNumbers {
+    One(i64),
+    Several(Vec<Option<i64>>),
+}
+
+impl From<LineKind> for BTreeMap<String, PartNumbers> {
+    fn from(LineKind(kind): LineKind) -> BTreeMap<String, PartNumbers> {
+        let parts = kind.parts();
+        let numbers: Vec<Option<i64>> = kind.name().fields().iter().map(|f| parts.number(*f)).collect();
+        let numbers = match numbers[..] {
+            [Some(only)] => PartNumbers::One(only),
+            _ => PartNumbers::Several(numbers),
+        };
+        [(kind.word().to_owned(), numbers)].into()
+    }
+}
+
+impl TryFrom<BTreeMap<String, PartNumbers>> for LineKind {
+    type Error = String;
+
+    fn try_from(line: BTreeMap<String, PartNumbers>) -> Result<LineKind, String> {
+        let (word, numbers) = line.into_iter().next().ok_or("a job without a kind")?;
+        let name = JobWord::of_word(&word).ok_or_else(|| format!("no kind of job is called {word:?}"))?;
+        let numbers = match numbers {
+            PartNumbers::One(only) => vec![Some(only)],
+            PartNumbers::Several(numbers) => numbers,
+        };
+        let mut parts = JobParts::default();
+        for (field, number) in name.fields().iter().zip(numbers) {
+            if let Some(number) = number {
+                parts = parts.with_number(*field, number);
+            }
+        }
+        let kind = name.with(parts);
+        kind.map(LineKind).map_err(|missing| format!("a {word} job without its {}", missing.word()))
+    }
 }
 
 /// What was changed about a job.
@@ -59,19 +95,9 @@ pub struct ChangeLine {
 impl JobLine {
     /// A line for a request.
     pub fn new(token: u64, request: &JobRequest) -> JobLine {
-        let kind = match request.kind {
-            JobKind::Deliver { rack, station, pick } => {
-                LineKind::Deliver(rack.0, station.0, pick.map(|p| p.0))
-            }
-            JobKind::Return { rack } => LineKind::Return(rack.0),
-            JobKind::Relocate { rack, node } => LineKind::Relocate(rack.0, node.0),
-            JobKind::Charge { robot } => LineKind::Charge(robot.0),
-            JobKind::Park { robot } => LineKind::Park(robot.0),
-            JobKind::Go { robot, node } => LineKind::Go(robot.0, node.0),
-        };
         JobLine {
             token,
-            kind,
+            kind: LineKind(request.kind),
             priority: request.priority,
             deadline: request.deadline.map(|d| d.0),
             after: request.after.iter().map(|j| j.0).collect(),
@@ -99,18 +125,8 @@ fn order_line((slot, quantity, tote, item, by): OrderRow) -> Option<OrderLine> {
 
 impl From<JobLine> for JobRequest {
     fn from(line: JobLine) -> JobRequest {
-        let kind = match line.kind {
-            LineKind::Deliver(rack, station, pick) => {
-                JobKind::Deliver { rack: RackId(rack), station: StationId(station), pick: pick.map(Span) }
-            }
-            LineKind::Return(rack) => JobKind::Return { rack: RackId(rack) },
-            LineKind::Relocate(rack, node) => JobKind::Relocate { rack: RackId(rack), node: NodeId(node) },
-            LineKind::Charge(robot) => JobKind::Charge { robot: RobotId(robot) },
-            LineKind::Park(robot) => JobKind::Park { robot: RobotId(robot) },
-            LineKind::Go(robot, node) => JobKind::Go { robot: RobotId(robot), node: NodeId(node) },
-        };
         JobRequest {
-            kind,
+            kind: line.kind.0,
             priority: line.priority,
             deadline: line.deadline.map(Time),
             after: line.after.into_iter().map(JobId).collect(),
@@ -152,6 +168,7 @@ impl From<ChangeLine> for JobChange {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::id::RackId;
 
     #[test]
     fn jobs_and_changes_are_read_as_they_were_written_and_older_lines_too() {

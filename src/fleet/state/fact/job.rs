@@ -4,7 +4,8 @@
 
 use super::robot::Task;
 use crate::cell::LineChange;
-use crate::fleet::state::job::{JobKind, JobRequest, JobState, RobotChoice};
+use crate::fleet::state::job::{JobRequest, JobState, RobotChoice};
+use crate::fleet::state::job_kind::JobKind;
 use crate::id::{JobId, RobotId};
 use crate::time::Time;
 

@@ -11,7 +11,8 @@ pub use places::Places;
 pub use queue::{DeadlineStage, Queue, QueueLine, RackGoal, Rank, urgency_ms};
 pub use waits::SuccessorIndex;
 
-use crate::fleet::state::job::{JobKind, JobState};
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::job_kind::JobKind;
 use crate::id::{AssignmentId, JobId, RobotId, WorkerId};
 use crate::time::Span;
 use crate::warehouse::Warehouse;

@@ -2,7 +2,8 @@
 //!
 //! Main type: [`Places`]. Refuses: to know why a robot goes anywhere.
 
-use crate::fleet::state::job::{Job, JobKind};
+use crate::fleet::state::job::Job;
+use crate::fleet::state::job_kind::JobKind;
 use crate::id::{Dense, IdVec, JobId, NodeId, RackId, RobotId};
 use crate::warehouse::{NodeKind, Warehouse};
 use smallvec::SmallVec;

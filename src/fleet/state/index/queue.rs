@@ -4,7 +4,8 @@
 //! such [`QueueLine`] is a sorted set, and the few lines are merged by urgency when they are read. For each free rack
 //! only the first job of each line is offered. Refuses: to say whether a station has room; the caller leaves lines out.
 
-use crate::fleet::state::job::{Job, JobKind};
+use crate::fleet::state::job::Job;
+use crate::fleet::state::job_kind::JobKind;
 use crate::id::{IdVec, JobId, RackId, StationId};
 use crate::time::{Span, Time};
 use std::cmp::Reverse;

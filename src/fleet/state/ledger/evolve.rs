@@ -9,7 +9,8 @@ use crate::fleet::state::fact::{
     Act, AreaFact, AssignmentFact, Booking, EncounterFact, Fact, FloorFact, JobFact, KeptRoute, RobotFact,
     RouteFact, Task, WorkerFact,
 };
-use crate::fleet::state::job::{Job, JobKind, JobRequest, JobState, RobotChoice};
+use crate::fleet::state::job::{Job, JobRequest, JobState, RobotChoice};
+use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::life::{self, JobStage, Work};
 use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
 use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};

@@ -6,7 +6,7 @@
 use super::{Ledger, Promises, RackAt, Sums};
 use crate::fleet::state::fact::{Act, Task};
 use crate::fleet::state::index::Index;
-use crate::fleet::state::job::{JobKind, RobotChoice};
+use crate::fleet::state::job::RobotChoice;
 use crate::fleet::state::keys::Keys;
 use crate::fleet::state::wishes::Wishes;
 use crate::id::{Dense, IdVec, NodeId, RackId, RobotId};
@@ -167,13 +167,7 @@ fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
         known(fits, format!("rack {id:?}"))?;
     }
     for (id, job) in &p.jobs {
-        let fits = match job.request.kind {
-            JobKind::Deliver { rack: r, station, .. } => rack(r) && station.ix() < w.stations.len(),
-            JobKind::Return { rack: r } => rack(r),
-            JobKind::Relocate { rack: r, node: n } => rack(r) && node(n),
-            JobKind::Charge { robot: r } | JobKind::Park { robot: r } => robot(r),
-            JobKind::Go { robot: r, node: n } => robot(r) && node(n),
-        };
+        let fits = job.request.kind.is_known(w, p.robots.len());
         let served = job.served.iter().map(|(v, _)| v);
         let mut visits = job.request.then.iter().chain(served);
         let fits = fits && visits.all(|v| v.station.ix() < w.stations.len());
