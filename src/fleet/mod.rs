@@ -82,6 +82,7 @@ use people::state::HumanState;
 use state::core::Core;
 use state::floor::Floor;
 use state::heard::WorkerInput;
+use state::restrictions::Found;
 use std::sync::Arc;
 use traffic::state::{Effort, Traffic};
 use traffic::{closures, displaced, failure, fence};
@@ -162,7 +163,8 @@ impl Fleet {
         let heard = requests::absorb(&mut self.core, (&self.people.walkways, &lost), now, inputs);
         #[cfg(test)]
         self.spring();
-        self.evaluate_people(&heard.people, now);
+        self.restrict(&heard.people, now);
+        self.react(now);
         self.traffic.needs.left_early(heard.left_early);
         let taken_up = self.traffic.note_progress(&mut self.core, now);
         self.yielding.state.forget_standing(&taken_up);
@@ -186,25 +188,34 @@ impl Fleet {
         }
     }
 
-    /// What people, closed areas and displaced robots mean for robots: stops and speed limits, which leave at once, and
-    /// restrictions for the rest of the step. Also what workers are told.
-    fn evaluate_people(&mut self, heard: &[WorkerInput], now: Time) {
+    /// What restricts robots in this step: closed areas, people, displaced robots, obstructions, ways out and what all
+    /// that cuts off. Each part says what it finds, and here alone it is merged. Also what workers are told.
+    fn restrict(&mut self, heard: &[WorkerInput], now: Time) {
         let Fleet { core, people, yielding, traffic, .. } = self;
-        closures::begin_restrictions(core, now);
+        closures::renew_areas(core, now);
         let report = people.evaluate(core, heard, &yielding.state, now);
-        (core.restrictions.workers, core.restrictions.others) = (report.places, report.others);
-        core.restrictions.let_pass = report.let_pass;
-        core.restrictions.conditions.include(report.conditions);
         core.out.guidance = report.guidance;
+        let floor = core.floor();
+        let found = Found {
+            stood_on: closures::stood_on(floor, people.conditions(), now),
+            displaced: displaced::closed_by_displaced(floor, now),
+            obstructed: traffic.note_obstructions(floor, now),
+            ways_out: traffic.ways_out(floor, &people.ways_out(floor, now), now),
+            cut_off: failure::cut_off_anew(floor, now),
+            conditions: people.conditions(),
+            workers: report.places,
+            others: report.others,
+            let_pass: report.let_pass,
+        };
+        core.restrictions.merge(found);
+    }
+
+    /// What robots do about it at once: they stop, slow down, or forget what they were granted.
+    fn react(&mut self, now: Time) {
+        let Fleet { core, people, yielding, traffic, .. } = self;
         if let Some((worker, led)) = yielding.follow_procedure(core, people, traffic, now) {
             people.lead(worker, led, now);
         }
-        closures::note_closing(core, now);
-        displaced::close_displaced(core, now);
-        traffic.close_obstructed(core, now);
-        let ways_out = people.ways_out(core.floor(), now);
-        traffic.close_ways_out(core, &ways_out, now);
-        failure::note_cut_off(core, now);
         yielding.follow_passing(core, people, now);
         yielding.turn_halfway(core, people, traffic, now);
         yielding.limit_robots(core, people, traffic, now);

@@ -1,4 +1,4 @@
-//! What evaluating people gives the step: places, conditions, guidance.
+//! What evaluating people gives the step: places, guidance, and conditions for robots.
 //!
 //! Main type: [`PeopleReport`]. Refuses: to act on it.
 
@@ -15,13 +15,11 @@ use std::collections::BTreeSet;
 
 /// People, as the rest of the step sees them.
 #[derive(Debug)]
-pub(in crate::fleet) struct PeopleReport<'a> {
+pub(in crate::fleet) struct PeopleReport {
     /// Where each worker is, if on the floor and among robots.
     pub places: IdVec<WorkerId, Option<Whereabouts>>,
     /// Where else they may be.
     pub others: Vec<(WorkerId, Whereabouts)>,
-    /// What workers mean for the search and for grants, for each kind of robots.
-    pub conditions: &'a KindConditions,
     /// Workers who stand to let a robot pass.
     pub let_pass: BTreeSet<WorkerId>,
     /// What workers are told now.
@@ -36,19 +34,18 @@ impl HumanState {
         heard: &[WorkerInput],
         yielding: &YieldingState,
         now: Time,
-    ) -> PeopleReport<'_> {
+    ) -> PeopleReport {
         self.hear(core, heard, now);
         self.follow(core, yielding, now);
         self.restrict(core.floor(), now);
         let guidance = self.guide(core.floor(), now);
         let among = |place: &Whereabouts| !self.is_at_workplace(place);
         let places = self.people.iter().map(|p| p.track.whereabouts(now).filter(among)).collect();
-        PeopleReport {
-            places,
-            others: self.others(now),
-            conditions: &self.conditions,
-            let_pass: self.standing_aside(now),
-            guidance,
-        }
+        PeopleReport { places, others: self.others(now), let_pass: self.standing_aside(now), guidance }
+    }
+
+    /// What workers mean for the search and for grants, for each kind of robots, as of the last evaluation.
+    pub(in crate::fleet) fn conditions(&self) -> &KindConditions {
+        &self.conditions
     }
 }

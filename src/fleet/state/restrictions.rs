@@ -9,6 +9,7 @@ use crate::fleet::state::regions::{KindConditions, KindRegions};
 use crate::geometry::Point;
 use crate::human::Whereabouts;
 use crate::id::{IdVec, NodeId, RobotId, WorkerId};
+use crate::route::Condition;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -38,7 +39,71 @@ pub(in crate::fleet) struct Restrictions {
     pub others: Vec<(WorkerId, Whereabouts)>,
 }
 
+/// Nodes that one part of a step closes for robots of every kind.
+#[derive(Debug, Default)]
+pub(in crate::fleet) struct Closing {
+    /// What binds robots there.
+    pub conditions: Vec<(NodeId, Condition)>,
+    /// Nodes that are as good as closed, with when that began.
+    pub since: Vec<(NodeId, Time)>,
+}
+
+/// The ways out of the building while it is evacuated.
+#[derive(Debug, Default)]
+pub(in crate::fleet) struct WaysOut {
+    /// Closes the nodes on them.
+    pub closing: Closing,
+    /// The nodes on them.
+    pub nodes: BTreeSet<NodeId>,
+    /// Robots that may move meanwhile.
+    pub clears: BTreeSet<RobotId>,
+}
+
+/// What the parts of a step find that restricts robots, each by itself.
+pub(in crate::fleet) struct Found<'a> {
+    /// What workers mean for robots, node by node.
+    pub conditions: &'a KindConditions,
+    /// Where each worker is, if on the floor.
+    pub workers: IdVec<WorkerId, Option<Whereabouts>>,
+    /// Where else they may be.
+    pub others: Vec<(WorkerId, Whereabouts)>,
+    /// Workers who stand to let a robot pass.
+    pub let_pass: BTreeSet<WorkerId>,
+    /// Where people have been standing for long.
+    pub stood_on: Closing,
+    /// Where displaced robots stand.
+    pub displaced: Closing,
+    /// Where robots could not pass.
+    pub obstructed: Closing,
+    /// The ways out.
+    pub ways_out: WaysOut,
+    /// What robots that cannot drive cut off, where that has changed.
+    pub cut_off: Option<CutOff>,
+}
+
 impl Restrictions {
+    /// Takes in what the parts of a step found, in place of what they found in the step before. Announced closures, which
+    /// last, are in the conditions already.
+    pub fn merge(&mut self, found: Found<'_>) {
+        self.conditions.include(found.conditions);
+        (self.workers, self.others, self.let_pass) = (found.workers, found.others, found.let_pass);
+        let WaysOut { closing, nodes, clears } = found.ways_out;
+        (self.ways_out, self.clears_ways_out) = (nodes, clears);
+        self.closing.clear();
+        for part in [found.stood_on, found.displaced, found.obstructed, closing] {
+            self.close(part);
+        }
+        if let Some(anew) = found.cut_off {
+            self.cut_off = anew.into();
+        }
+    }
+
+    /// Closes nodes for the rest of the step.
+    pub fn close(&mut self, part: Closing) {
+        part.conditions.into_iter().for_each(|(node, condition)| self.conditions.add(node, condition));
+        self.closing.extend(part.since);
+    }
+
     /// Nothing restricts robots.
     pub fn none(warehouse: &Warehouse, regions: &KindRegions) -> Restrictions {
         Restrictions {

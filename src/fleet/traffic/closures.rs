@@ -12,6 +12,8 @@ use crate::fleet::state::fact::{AreaFact, Purpose, RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::recurring::ANNOUNCED;
+use crate::fleet::state::regions::KindConditions;
+use crate::fleet::state::restrictions::Closing;
 use crate::fleet::state::worker::Closure;
 use crate::fleet::state::yielding::STANDS;
 use crate::fleet::traffic::stages::commit;
@@ -24,9 +26,9 @@ use std::collections::BTreeMap;
 /// A robot whose route leads into a closed area looks for another one this often at most.
 const AGAIN: Span = Span::from_secs(5);
 
-/// Forgets what restricted robots in the step before, but for announced closures: those begin and end, and the ones
-/// that have been over for long are forgotten.
-pub(in crate::fleet) fn begin_restrictions(core: &mut Core, now: Time) {
+/// Begins and ends announced closures, and forgets those that have been over for long. What else bound robots in the
+/// step before does not any more.
+pub(in crate::fleet) fn renew_areas(core: &mut Core, now: Time) {
     announce_recurring(core, now);
     let restrictions = &mut core.restrictions;
     restrictions.conditions.all_mut().for_each(Conditions::clear);
@@ -75,24 +77,22 @@ fn announce_next(core: &mut Core, series: SeriesId, now: Time) {
     }
 }
 
-/// Notes which nodes are as good as closed because a person has been standing there for long.
-pub(in crate::fleet) fn note_closing(core: &mut Core, now: Time) {
-    core.restrictions.closing.clear();
-    if core.settings.policy != HumanAwarePolicy::Giveway {
-        return;
+/// Nodes that are as good as closed because a person has been standing there for long, by what people mean for robots.
+pub(in crate::fleet) fn stood_on(floor: Floor<'_>, people: &KindConditions, now: Time) -> Closing {
+    if floor.settings.policy != HumanAwarePolicy::Giveway {
+        return Closing::default();
     }
-    let (areas, conditions) = (&core.restrictions.areas, &core.restrictions.conditions);
+    let areas = &floor.restrictions.areas;
     let shuts = |c: &&Condition| c.effect == Effect::NoEntryOrExit && c.window.end() > now + STANDS;
-    let of = |n: NodeId| conditions.all().flat_map(move |set| set.of(n));
+    let of = |n: NodeId| people.all().flat_map(move |set| set.of(n));
     let begins = |n: NodeId| of(n).filter(shuts).map(|c| c.window.start()).min();
     let shut = |n: NodeId| Some((n, begins(n)?.min(areas.begins_here(n).unwrap_or(Time::MAX))));
     let closing: BTreeMap<NodeId, Time> =
-        conditions.all().flat_map(Conditions::passing).filter_map(shut).collect();
+        people.all().flat_map(Conditions::passing).filter_map(shut).collect();
     let either = |n: NodeId| closing.get(&n).copied().or_else(|| areas.begins_here(n));
-    let cut_off = closing.keys().flat_map(|n| storage_behind(core.warehouse(), *n, either));
-    let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
-    core.restrictions.closing = closing;
-    core.restrictions.closing.extend(cut_off);
+    let cut_off = closing.keys().flat_map(|n| storage_behind(floor.warehouse(), *n, either));
+    let since = closing.iter().map(|(n, t)| (*n, *t)).chain(cut_off).collect();
+    Closing { conditions: Vec::new(), since }
 }
 
 impl Traffic {

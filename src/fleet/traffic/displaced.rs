@@ -14,6 +14,7 @@ use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::job::JobState;
+use crate::fleet::state::restrictions::Closing;
 use crate::fleet::state::scene::{SILENCE, Scene};
 use crate::fleet::traffic::failure::fail;
 use crate::fleet::traffic::state::Traffic;
@@ -181,34 +182,36 @@ fn displace(core: &mut Core, seen: &Telemetry, why: Displacement, now: Time) {
     if before.is_none_or(|b| b.why != why) {
         tracing::warn!(robot = core.ledger.robots[robot].name, ?why, "a robot is not at its reservation");
     }
-    core.scene.displace(robot, Displaced { why, at, is_off, nodes });
-    close_around(core, robot, now);
+    let displaced = Displaced { why, at, is_off, nodes };
+    let closing = closed_around(core.floor(), robot, &displaced, now);
+    core.scene.displace(robot, displaced);
+    core.restrictions.close(closing);
     if !core.ledger.robots[robot].failed {
         fail(core, robot, now);
     }
     assert!(core.ledger.robots[robot].failed, "{robot:?} is displaced and counts as failed");
 }
 
-/// Closes the floor where robots stand that are off everything they hold. To be called in every step, behind
-/// whatever makes the other conditions.
-pub(in crate::fleet) fn close_displaced(core: &mut Core, now: Time) {
-    for robot in core.scene.all_displaced().map(|(r, _)| r).collect::<Vec<_>>() {
-        close_around(core, robot, now);
+/// The floor around robots that are off everything they hold.
+pub(in crate::fleet) fn closed_by_displaced(floor: Floor<'_>, now: Time) -> Closing {
+    let mut all = Closing::default();
+    for (robot, displaced) in floor.scene.all_displaced() {
+        let one = closed_around(floor, robot, displaced, now);
+        all.conditions.extend(one.conditions);
+        all.since.extend(one.since);
     }
+    all
 }
 
-fn close_around(core: &mut Core, robot: RobotId, now: Time) {
-    let warehouse = core.ledger.warehouse();
-    let Some(displaced) = core.scene.displaced(robot) else { return };
+fn closed_around(floor: Floor<'_>, robot: RobotId, displaced: &Displaced, now: Time) -> Closing {
     let (cause, window) = (Cause::Robot(robot), Window::new(now, Time::MAX));
-    for node in &displaced.nodes {
-        core.restrictions.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
-        core.restrictions.closing.insert(*node, now);
-    }
+    let closed = Condition { window, effect: Effect::Closed, cause };
     let shut = |n: NodeId| displaced.nodes.contains(&n).then_some(now);
-    let cut_off = displaced.nodes.iter().flat_map(|n| storage_behind(warehouse, *n, shut));
-    let cut_off: Vec<(NodeId, Time)> = cut_off.collect();
-    core.restrictions.closing.extend(cut_off);
+    let cut_off = displaced.nodes.iter().flat_map(|n| storage_behind(floor.warehouse(), *n, shut));
+    Closing {
+        conditions: displaced.nodes.iter().map(|node| (*node, closed)).collect(),
+        since: displaced.nodes.iter().map(|node| (*node, now)).chain(cut_off).collect(),
+    }
 }
 
 impl Floor<'_> {

@@ -7,6 +7,7 @@
 use crate::fleet::state::binding::WAY_M;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::restrictions::{Closing, WaysOut};
 use crate::fleet::traffic::state::{Traffic, Withheld};
 use crate::geometry::{Point, Segment};
 use crate::id::{NodeId, RobotId};
@@ -18,24 +19,21 @@ use std::collections::BTreeSet;
 const AGAIN: Span = Span::from_secs(2);
 
 impl Traffic {
-    /// Closes the ways out for robots, and notes which robots may move to clear them. To be called in every step,
-    /// behind whatever makes the other restrictions.
-    pub(in crate::fleet) fn close_ways_out(&mut self, core: &mut Core, ways: &[Vec<Point>], now: Time) {
-        core.restrictions.clears_ways_out.clear();
-        if core.ledger.evacuation.is_none() {
+    /// The ways out, which are closed for robots, and the robots that may move to clear them. None where nobody has to
+    /// leave.
+    pub(in crate::fleet) fn ways_out(&mut self, floor: Floor<'_>, ways: &[Vec<Point>], now: Time) -> WaysOut {
+        if floor.ledger.evacuation.is_none() {
             self.cleared.clear();
-            core.restrictions.ways_out.clear();
-            return;
+            return WaysOut::default();
         }
-        let nodes = core.floor().nodes_on(ways);
+        let nodes = floor.nodes_on(ways);
         let (window, cause) = (Window::new(now, Time::MAX), Cause::Evacuation);
-        for node in &nodes {
-            core.restrictions.closing.insert(*node, now);
-            core.restrictions.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
-        }
-        let moving = core.floor().clear(&nodes);
-        core.restrictions.clears_ways_out = moving;
-        core.restrictions.ways_out = nodes;
+        let closed = Condition { window, effect: Effect::Closed, cause };
+        let closing = Closing {
+            conditions: nodes.iter().map(|node| (*node, closed)).collect(),
+            since: nodes.iter().map(|node| (*node, now)).collect(),
+        };
+        WaysOut { closing, clears: floor.clear(&nodes), nodes }
     }
 
     /// Robots on the ways out leave for the nearest place where they may stay, and so do those for which they wait and

@@ -4,7 +4,9 @@
 //! Refuses: to say when a robot has failed.
 
 use crate::fleet::state::core::Core;
+use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::{Purpose, RobotFact, Task};
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
 use crate::fleet::traffic::truncate::truncate_behind;
 use crate::id::RobotId;
@@ -37,11 +39,8 @@ pub(in crate::fleet) fn give_up(core: &mut Core, robot: RobotId, now: Time) {
     truncate_behind(core, robot);
 }
 
-/// Notes which stations and storage nodes robots that cannot drive, and closed areas, cut off. To be called in every
-/// step.
-pub(in crate::fleet) fn note_cut_off(core: &mut Core, now: Time) {
-    let closed = core.restrictions.areas.closed_by();
-    if let Some(anew) = core.restrictions.cut_off.anew(&core.ledger, &core.scene, closed, now) {
-        core.restrictions.cut_off = anew.into();
-    }
+/// Which stations and storage nodes robots that cannot drive, and closed areas, cut off; nothing where that is as before.
+pub(in crate::fleet) fn cut_off_anew(floor: Floor<'_>, now: Time) -> Option<CutOff> {
+    let closed = floor.restrictions.areas.closed_by();
+    floor.restrictions.cut_off.anew(floor.ledger, floor.scene, closed, now)
 }

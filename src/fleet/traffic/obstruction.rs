@@ -8,6 +8,7 @@
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::restrictions::Closing;
 use crate::fleet::traffic::state::{Obstruction, Traffic};
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
@@ -23,20 +24,18 @@ const CLOSED_UNSAID: Span = Span::from_secs(30);
 const OUT_OF_ORDER: Span = Span::from_secs(600);
 
 impl Traffic {
-    /// Notes where robots are obstructed, or get no current; closes those places while they are noted. To be called in
-    /// every step, behind whatever makes the other restrictions.
-    pub(in crate::fleet) fn close_obstructed(&mut self, core: &mut Core, now: Time) {
-        let floor = core.floor();
-        for robot in core.scene.kept_from_driving(now) {
+    /// Notes where robots are obstructed, or get no current. Those places are closed while they are noted.
+    pub(in crate::fleet) fn note_obstructions(&mut self, floor: Floor<'_>, now: Time) -> Closing {
+        for robot in floor.scene.kept_from_driving(now) {
             // What the robot does not call an obstruction may be a person, who goes on.
-            let said = core.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Obstructed));
+            let said = floor.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Obstructed));
             let until = now + if said { CLOSED } else { CLOSED_UNSAID };
             if let Some(node) = floor.obstructed_at(robot, now) {
                 let from = floor.ledger.node_of(robot);
                 note(&mut self.obstructions, node, Obstruction { by: robot, from, since: now, until, said });
             }
         }
-        for (robot, fault) in core.scene.faults(now) {
+        for (robot, fault) in floor.scene.faults(now) {
             let charger = floor.unplugged_at(robot).filter(|_| fault == Fault::Unplugged);
             if let Some(node) = charger {
                 let until = now + OUT_OF_ORDER;
@@ -45,14 +44,16 @@ impl Traffic {
             }
         }
         self.obstructions.retain(|_, found| now < found.until);
-        for (node, Obstruction { until, .. }) in &self.obstructions {
-            let restrictions = &mut core.restrictions;
-            restrictions.closing.insert(*node, now);
-            // A charger can be passed, and left.
-            if core.ledger.warehouse().kind(*node) != NodeKind::Charger {
-                let (window, cause) = (Window::new(now, *until), Cause::Obstruction(*node));
-                restrictions.conditions.add(*node, Condition { window, effect: Effect::Closed, cause });
-            }
+        // A charger can be passed, and left.
+        let bars = |node: NodeId| floor.warehouse().kind(node) != NodeKind::Charger;
+        let closed = |node: NodeId, until: Time| {
+            let (window, cause) = (Window::new(now, until), Cause::Obstruction(node));
+            (node, Condition { window, effect: Effect::Closed, cause })
+        };
+        let barred = self.obstructions.iter().filter(|(node, _)| bars(**node));
+        Closing {
+            conditions: barred.map(|(node, found)| closed(*node, found.until)).collect(),
+            since: self.obstructions.keys().map(|node| (*node, now)).collect(),
         }
     }
 
