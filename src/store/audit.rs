@@ -102,6 +102,7 @@ impl Store {
         let query = sqlx::query(statement).bind(end).bind(q.from.map_or(i64::MIN, |t| t.0)).bind(q.limit);
         let query = if q.actor.is_some() { query.bind(&q.actor) } else { query };
         let rows = query.fetch_all(&self.readers).await?;
+        debug_assert!(rows.len() as i64 <= i64::from(q.limit), "a page is no longer than was asked for");
         Ok(rows.iter().map(read).collect::<Result<_, _>>()?)
     }
 

@@ -55,7 +55,13 @@ impl Store {
     pub async fn events(&self, q: &EventQuery) -> Result<Vec<EventRow>, StoreError> {
         let rows = page(q).build().fetch_all(&self.readers).await?;
         let rows: Result<Vec<_>, sqlx::Error> = rows.iter().map(|row| decode(row, &self.gone)).collect();
-        Ok(rows?.into_iter().flatten().collect())
+        let events: Vec<EventRow> = rows?.into_iter().flatten().collect();
+        debug_assert!(events.is_sorted_by(|a, b| a.seq < b.seq), "events come in order, each once");
+        debug_assert!(
+            events.iter().all(|event| event.seq > q.after),
+            "events come after the one that was named"
+        );
+        Ok(events)
     }
 
     /// Which events are kept.

@@ -221,6 +221,8 @@ impl Listing {
 
     /// The rows of the page whose numbers are not below the floor.
     pub fn page(&self, floor: i64) -> QueryBuilder<Sqlite> {
+        debug_assert!(self.limit > 0, "a page has room for a row");
+        debug_assert!(!self.arms.is_empty(), "a list is read from somewhere");
         let mut query = QueryBuilder::new(self.rows);
         for (i, arm) in self.arms.iter().enumerate() {
             query.push(if i == 0 { "SELECT * FROM (SELECT " } else { " UNION ALL SELECT * FROM (SELECT " });
@@ -248,6 +250,7 @@ impl Listing {
             None => None,
         };
         let rows = self.page(floor.unwrap_or(i64::MIN)).build().fetch_all(db).await?;
+        debug_assert!(rows.len() <= self.limit as usize, "a page is no longer than was asked for");
         let is_full = rows.len() >= self.limit as usize;
         Ok((rows, floor.filter(|_| !is_full)))
     }

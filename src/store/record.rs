@@ -43,7 +43,13 @@ pub enum RecordError {
 /// The facts of one step as text: an array, so that a step is there whole or not at all.
 pub fn encode(facts: &[Fact]) -> String {
     let records: Vec<Record> = facts.iter().map(Record::from).collect();
-    serde_json::to_string(&records).expect("records have no maps with keys that are not text")
+    let text = serde_json::to_string(&records).expect("records have no maps with keys that are not text");
+    debug_assert_eq!(
+        decode(VERSION, &text).ok().as_deref(),
+        Some(facts),
+        "facts come back as they were: {text}"
+    );
+    text
 }
 
 /// The facts of one step from text.

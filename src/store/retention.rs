@@ -58,6 +58,7 @@ pub(super) async fn tidy(
     now: Time,
     (keep, people): (Span, Span),
 ) -> Result<(), sqlx::Error> {
+    debug_assert!(keep > Span::ZERO && people > Span::ZERO, "what has just happened is kept");
     sqlx::query(STEPS).bind(SLICE).execute(&mut *db).await?;
     for list in LISTS {
         sqlx::query(list).bind(FEW).bind((now - keep).0).execute(&mut *db).await?;

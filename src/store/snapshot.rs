@@ -56,6 +56,7 @@ impl Store {
         if last != seq {
             return Err(StoreError::OutOfStep { expected: seq, found: last });
         }
+        debug_assert!(seq > 0, "a snapshot follows a step");
         let row = sqlx::query(KEEP).bind(seq).bind(at.0).bind(ledger_record::VERSION).bind(body);
         row.execute(&mut *db).await?;
         sqlx::query(FORGET).execute(&mut *db).await?;

@@ -86,6 +86,9 @@ impl Store {
     /// with the same steps unless [`StoreError::is_fatal`].
     pub async fn append(&self, next: i64, steps: &[StepEntry]) -> Result<(), StoreError> {
         self.place.check()?;
+        debug_assert!(next > 0, "steps are numbered from 1");
+        let names_facts = |s: &StepEntry| s.causes.iter().all(|cause| cause.facts.end <= s.facts.len());
+        debug_assert!(steps.iter().all(names_facts), "requests caused facts of their own step");
         let mut connection = self.writer.acquire().await?;
         let result = self.write(&mut connection, next, steps).await;
         if let Err(e) = &result {
@@ -166,6 +169,7 @@ pub(super) async fn load(db: &SqlitePool, empty: Ledger) -> Result<Loaded, Store
         if seq != out.next {
             return Err(StoreError::FreeWindow { expected: out.next, found: seq });
         }
+        debug_assert!(seq > behind, "steps follow the snapshot");
         out.last = Some(entry.at).max(out.last);
         out.next = seq + 1;
         out.steps.push(entry);

@@ -99,12 +99,15 @@ impl<I: Copy + Ord> Keys<I> {
 
     /// A key is known from now on.
     pub fn insert(&mut self, key: ClientKey, id: I) {
-        self.known.insert(key, id);
+        let before = self.known.insert(key, id);
+        assert!(before.is_none(), "a key that is known makes nothing new");
     }
 
     /// What had this key is over; it was accepted then.
     pub fn end(&mut self, id: I, key: ClientKey, accepted: Time) {
-        self.over.insert(id, (accepted, key));
+        assert!(self.known.contains_key(&key), "what ends had its key");
+        let before = self.over.insert(id, (accepted, key));
+        assert!(before.is_none(), "what is over does not end again");
     }
 
     /// Forgets the key of something that is over.

@@ -96,10 +96,16 @@ impl Restrictions {
         if let Some(anew) = found.cut_off {
             self.cut_off = anew.into();
         }
+        debug_assert!(
+            self.ways_out.iter().all(|node| self.closing.contains_key(node)),
+            "ways out are closed"
+        );
     }
 
     /// Closes nodes for the rest of the step.
     pub fn close(&mut self, part: Closing) {
+        let ends = |condition: &Condition| condition.window.start() < condition.window.end();
+        debug_assert!(part.conditions.iter().all(|(_, c)| ends(c)), "what is closed is closed for some time");
         part.conditions.into_iter().for_each(|(node, condition)| self.conditions.add(node, condition));
         self.closing.extend(part.since);
     }

@@ -136,6 +136,10 @@ fn send(core: &mut Core, yielding: &YieldingState, robot: RobotId, goes_back: bo
         })
         .collect();
     let recalls = core.ledger.robots[robot].recalls;
+    assert!(
+        grant.serials().all(|serial| serial < chain.granted()),
+        "orders end where the grant of {robot:?} does"
+    );
     debug_assert_eq!(grant.serials().next(), Some(chain.first()), "orders begin where {robot:?} is");
     core.out.commands.push((robot, Command::Drive { grant, waypoints, recalls }));
     core.scene.robot_mut(robot).told = Some(now);

@@ -33,6 +33,7 @@ impl Traffic {
         }
         self.revoked.insert(robot, now);
         let (reached, number) = (core.ledger.chain(robot).first(), core.ledger.robots[robot].recalls + 1);
+        assert!(reached < core.ledger.chain(robot).granted(), "{robot:?} stands where it may be");
         core.out.urgent.push((robot, Command::Revoke { reached, number }));
     }
 

@@ -28,6 +28,8 @@ impl Yielding {
         reaction: Reaction,
         now: Time,
     ) {
+        debug_assert!(reaction != Reaction::Kept, "{robot:?} gives way and keeps on");
+        debug_assert!(core.ledger.workers.get(worker).is_some(), "{robot:?} gives way to nobody");
         let before = self.state.of(robot).to;
         let since = before.map_or(now, |y| y.since);
         self.state.of_mut(robot).to = Some(GivesWay { worker, reaction, since });
@@ -60,6 +62,7 @@ impl Yielding {
         for meeting in over {
             let start = meeting.start;
             let cost = self.costs.remove(&meeting.pair());
+            debug_assert!(meeting.began <= now, "an encounter ends before it began");
             let yielding = self.state.of(start.robot).to;
             let reaction = yielding.map_or(Reaction::Kept, |y| y.reaction);
             core.record(EncounterFact::Met(Encounter {

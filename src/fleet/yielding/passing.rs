@@ -99,6 +99,9 @@ impl Yielding {
     /// The robot passes if that is what was chosen and it stands where that begins; else it drives there first.
     pub(super) fn pass(&mut self, core: &mut Core, robot: RobotId, prospect: Prospect) {
         if prospect.is_there {
+            let Passing { from, to, .. } = prospect.what;
+            assert!(from < to, "{robot:?} passes somebody on its way from {from} to {to}");
+            assert!(self.state.of(robot).passing.is_none(), "{robot:?} begins to pass while it passes");
             let passing = RobotPassing { what: prospect.what, stands_since: None };
             self.state.of_mut(robot).passing = Some(passing);
             core.scene.set_passing(robot, true);
@@ -190,6 +193,7 @@ impl RobotPassing {
             return (Some(0.0), Some(self.what.worker));
         }
         let (at, loaded) = (floor.place_of(robot), floor.ledger.rack_on(robot).is_some());
+        assert!(floor.kind(robot).free_navigation, "{robot:?} leaves its line and cannot");
         let limits = present.iter().filter_map(|(_, w)| {
             let distance_m = (at - w.at).norm() - w.reach_m;
             floor.regions(robot).limit_mps(distance_m, loaded, w.sigma_m)

@@ -74,6 +74,7 @@ impl Yielding {
             if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > STANDS_MPS) {
                 self.gives_way(core, robot, worker, Reaction::Stopped, now);
             }
+            assert!(limit.is_none_or(|mps| mps >= 0.0), "{robot:?} is told to drive at {limit:?} m/s");
             let node = core.ledger.node_of(robot);
             let is_revoked = traffic.is_revoked(robot);
             self.state.of_mut(robot).note_standing(node, limit, because, is_revoked, now);

@@ -4,7 +4,7 @@
 //! such [`QueueLine`] is a sorted set, and the few lines are merged by urgency when they are read. For each free rack
 //! only the first job of each line is offered. Refuses: to say whether a station has room; the caller leaves lines out.
 
-use crate::fleet::state::job::Job;
+use crate::fleet::state::job::{Job, JobState};
 use crate::fleet::state::job_kind::JobKind;
 use crate::id::{IdVec, JobId, RackId, StationId};
 use crate::time::{Span, Time};
@@ -202,6 +202,7 @@ impl Queue {
     }
 
     pub(in crate::fleet) fn insert(&mut self, id: JobId, job: &Job, is_blocked: bool) {
+        debug_assert_eq!(job.state, JobState::Waiting, "{id:?} has a robot and stands in the queue");
         let kind = &job.request.kind;
         let goal = match *kind {
             JobKind::Deliver { station, .. } => RackGoal::Station(station),
@@ -269,7 +270,8 @@ impl Queue {
                 }
             }
         }
-        self.entries.insert(id, entry);
+        let before = self.entries.insert(id, entry);
+        assert!(before.is_none(), "{id:?} stands in the queue twice");
     }
 
     fn take(&mut self, id: JobId) -> Option<QueueEntry> {

@@ -55,6 +55,7 @@ impl SuccessorIndex {
     ) -> bool {
         let mut pending: SmallVec<[JobId; 2]> = SmallVec::new();
         for job in before {
+            assert!(job < id, "{id:?} comes after {job:?}, which came later");
             if self.dependants.entry(job).or_default().insert(id) {
                 pending.push(job);
             }
@@ -64,7 +65,8 @@ impl SuccessorIndex {
         }
         let is_blocked = !pending.is_empty();
         if is_blocked {
-            self.pending.insert(id, pending);
+            let earlier = self.pending.insert(id, pending);
+            assert!(earlier.is_none(), "{id:?} begins to come after others once");
         }
         is_blocked
     }
