@@ -28,7 +28,7 @@
 //! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them get in each other's way; checks that
 //!   refuse a map on which robots could get stuck; formats.
 //! - [`timeline`]: which robot holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof
-//!   that something is held.
+//!   that something is held. Searches look at it through a [`timeline::Overlay`], as if some robots had made way.
 //! - [`route`]: the one search, over free windows.
 //! - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are theirs, where they
 //!   will be when. Every kind of bad sighting has one answer (`human/source.rs`). Forecasts are mixtures whose figures
@@ -276,7 +276,7 @@
 //! | how many of anything there may be (limits) | `fleet/state/settings.rs`; what users read: `docs/operate.md` |
 //! | when a robot is planned, and how often again | `fleet/traffic/plan.rs`; over which legs: `stages.rs` |
 //! | the search, its order, its bounds | `route/search.rs`, `route/label.rs`, `route/estimate.rs` |
-//! | joint replanning (insertion) | `fleet/traffic/joint.rs` |
+//! | joint replanning (insertion) | `fleet/traffic/joint.rs`; on what it searches: `timeline/overlay.rs` |
 //! | how far ahead robots are granted (base, horizon) | `fleet/traffic/grant.rs` |
 //! | whose turn it is at a station; places that lapse | `fleet/state/tickets.rs`; `fleet/traffic/turns.rs` |
 //! | a grant is revoked, a route is truncated | `fleet/traffic/revoke.rs`; `fleet/traffic/truncate.rs` |

@@ -103,6 +103,6 @@ fn a_delay_keeps_free_what_a_node_and_the_lane_to_it_are_both_in_conflict_with()
     let slip = timeline.delay(robot, 0, Time(10));
     let slip: Vec<_> = slip.iter().map(|(h, shifts)| (*h, shifts.as_slice())).collect();
     timeline.slide(&slip);
-    let free: Vec<FreeWindow> = timeline.free_windows(LineId(beyond.0), Time(0)).collect();
+    let free: Vec<FreeWindow> = timeline.view().free_windows(LineId(beyond.0), Time(0)).collect();
     assert_eq!((free[0].end, free[1].start), (Time(9), Time(34)), "until the robot has left: {free:?}");
 }

@@ -26,6 +26,8 @@ pub enum Bench {
     Distances(DistancesArgs),
     /// What one step of the fleet costs if much exists and little changes.
     Steps(super::bench_steps::StepsArgs),
+    /// How long it takes to plan one robot together with the few in its way.
+    Joint(super::bench_joint::JointArgs),
     /// Whether memory stays flat while days go by.
     Memory(super::bench_memory::MemoryArgs),
     /// What one sample of a hand costs, and a forecast of the arm.
@@ -220,6 +222,7 @@ impl Bench {
             Bench::Plan(arguments) => arguments.run(),
             Bench::Distances(arguments) => arguments.run(),
             Bench::Steps(arguments) => arguments.run(),
+            Bench::Joint(arguments) => arguments.run(),
             Bench::Memory(arguments) => arguments.run(),
             Bench::Picks(picks) => picks.run(),
         }

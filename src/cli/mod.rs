@@ -11,6 +11,7 @@ mod alarms;
 mod arm;
 mod arm_planners;
 mod bench;
+mod bench_joint;
 mod bench_memory;
 mod bench_picks;
 mod bench_steps;

@@ -232,8 +232,7 @@ impl Run<'_> {
             conditions: &NO_PEOPLE,
             exemptions: &[],
         };
-        let planner = &mut self.planner;
-        let found = self.timeline.without(&[robot.holder], |others| planner.plan(&ask, others));
+        let found = self.planner.plan(&ask, &self.timeline.without(&[robot.holder]));
         self.out.plans += 1;
         match found {
             Ok(route) => {

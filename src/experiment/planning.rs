@@ -195,8 +195,7 @@ impl PlanningCrowd {
             conditions: &NO_PEOPLE,
             exemptions: &[],
         };
-        let planner = &mut self.planner;
-        self.timeline.without(&[holder], |others| planner.plan(&ask, others))
+        self.planner.plan(&ask, &self.timeline.without(&[holder]))
     }
 
     /// A search with a weight, and how long it took, nanoseconds.

@@ -18,7 +18,7 @@ use crate::warehouse::{NodeKind, SlotName, Station, Warehouse};
 use std::sync::Arc;
 
 /// Requests handed in per step while the floor is filled.
-const PER_STEP: usize = 2_000;
+pub(super) const PER_STEP: usize = 2_000;
 /// Workers who have assignments.
 const WORKERS: usize = 10;
 /// Nodes per closure.
@@ -145,7 +145,7 @@ fn lines(i: usize) -> Vec<OrderLine> {
 }
 
 /// What is handed in before anything is measured.
-fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
+pub(super) fn requests(warehouse: &Warehouse, case: StepsCase, now: Time) -> Vec<Input> {
     let racks = warehouse.racks.len();
     let deliver = |i: usize, rack: usize| JobKind::Deliver {
         rack: RackId::at(rack),

@@ -23,7 +23,7 @@ pub use search::COME_OUT;
 
 use crate::id::{BodyId, NodeId};
 use crate::time::{Span, Time};
-use crate::timeline::{Timeline, Visit};
+use crate::timeline::{Overlay, Visit};
 use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
@@ -165,11 +165,11 @@ impl Planner {
     }
 
     /// The route that reaches the first goal earliest and, among those, the last one earliest, given what others
-    /// hold in `timeline`. The holds of the asking robot itself must not be in it (see [`Timeline::without`]).
+    /// hold in `timeline`. The asking robot itself must hold nothing there (see [`crate::timeline::Timeline::without`]).
     ///
     /// # Errors
     /// Why there is none, or none within the budget.
-    pub fn plan(&mut self, ask: &RouteQuery<'_>, timeline: &Timeline) -> Result<Route, NoRoute> {
+    pub fn plan(&mut self, ask: &RouteQuery<'_>, timeline: &Overlay<'_>) -> Result<Route, NoRoute> {
         search::plan(&mut self.estimates, &mut self.scratch, ask, timeline, self.weight)
     }
 

@@ -20,7 +20,7 @@ use super::{NoRoute, Route, RouteQuery, Stage, is_loaded_at, trace};
 use crate::geometry::turn_between;
 use crate::id::{ArcId, BodyId, LineId, NodeId, ResourceId};
 use crate::time::{Span, Time};
-use crate::timeline::{FreeWindow, Timeline};
+use crate::timeline::{FreeWindow, Overlay};
 use crate::warehouse::{Warehouse, Way};
 use smallvec::SmallVec;
 use std::cmp::Reverse;
@@ -51,7 +51,7 @@ struct Search<'a> {
     warehouse: &'a Warehouse,
     pace: &'a Pace,
     estimates: &'a Estimates,
-    timeline: &'a Timeline,
+    timeline: &'a Overlay<'a>,
     ask: &'a RouteQuery<'a>,
     tables: Vec<Arc<Table>>,
     goals: Vec<GoalWindows>,
@@ -103,7 +103,7 @@ pub(super) fn plan(
     estimates: &mut Estimates,
     scratch: &mut Scratch,
     ask: &RouteQuery<'_>,
-    timeline: &Timeline,
+    timeline: &Overlay<'_>,
     weight: f64,
 ) -> Result<Route, NoRoute> {
     scratch.expanded = 0;
@@ -178,7 +178,7 @@ fn room(warehouse: &Warehouse, body: BodyId, stages: &[Stage]) -> SmallVec<[[boo
 fn goal_windows(
     warehouse: &Warehouse,
     pace: &Pace,
-    timeline: &Timeline,
+    timeline: &Overlay<'_>,
     ask: &RouteQuery<'_>,
     (brief, goal_line): (&constrained::Brief, impl Fn(usize) -> LineId),
 ) -> Result<Vec<GoalWindows>, NoRoute> {

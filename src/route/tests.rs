@@ -4,7 +4,7 @@ use super::*;
 use crate::geometry::Point;
 use crate::id::{ArcId, ClosureId, Dense, LineId, RobotId};
 use crate::time::Window;
-use crate::timeline::FreeWindow;
+use crate::timeline::{FreeWindow, Timeline};
 use crate::warehouse::{Body, Draft, DraftLane, DraftNode, Footprint, Users};
 use proptest::prelude::*;
 
@@ -107,7 +107,7 @@ impl Brute<'_> {
         }
         let hops: Vec<(ArcId, NodeId)> = self.warehouse.out(at).map(|(id, a)| (id, a.to)).collect();
         for (arc, next) in hops {
-            for free in self.timeline.free_windows(LineId(next.0), Time(0)).collect::<Vec<_>>() {
+            for free in self.timeline.view().free_windows(LineId(next.0), Time(0)).collect::<Vec<_>>() {
                 for motion in [MotionState::Standing, MotionState::Rolling] {
                     self.walk.push(TestStep { arc, free, motion });
                     self.go(next, start_gap, steps - 1);
@@ -163,7 +163,7 @@ impl Brute<'_> {
 }
 
 fn brute(warehouse: &Warehouse, pace: &Pace, timeline: &Timeline, goal: u32, steps: usize) -> Option<i64> {
-    let start_gap = timeline.free_windows(LineId(0), Time(0)).next()?;
+    let start_gap = timeline.view().free_windows(LineId(0), Time(0)).next()?;
     if start_gap.start > Time(0) {
         return None;
     }
@@ -194,7 +194,7 @@ proptest! {
         let mut timeline = strangers(&warehouse, &holds, 500_000);
         let mut planner = Planner::new(warehouse.clone(), drive());
         let (from, stages) = (start(), [to(goal)]);
-        let found = planner.plan(&ask(&from, &stages), &timeline);
+        let found = planner.plan(&ask(&from, &stages), &timeline.view());
         let best = brute(&warehouse, &planner.pace().clone(), &timeline, goal, 5);
         prop_assert_eq!(found.as_ref().ok().map(|r| r.arrival.0), best);
         if let Ok(route) = found { assert_fits(&mut timeline, &route); }
@@ -210,7 +210,7 @@ proptest! {
         let timeline = strangers(&warehouse, &holds, 1_000_000);
         let mut planner = Planner::new(warehouse.clone(), if turns { TURNS } else { PEBBLE });
         let (from, stages) = (start(), [to(goal)]);
-        let found = planner.plan(&ask(&from, &stages), &timeline);
+        let found = planner.plan(&ask(&from, &stages), &timeline.view());
         let best = breadth_first(&warehouse, &timeline, goal, turns);
         prop_assert_eq!(found.ok().map(|r| r.arrival.0 / 1_000_000), best);
     }
@@ -220,7 +220,7 @@ proptest! {
 fn breadth_first(warehouse: &Warehouse, timeline: &Timeline, goal: u32, turns: bool) -> Option<i64> {
     let free = |n: NodeId, t: i64| {
         let at = Time(t * 1_000_000);
-        timeline.free_windows(LineId(n.0), at).next().is_some_and(|g| g.start <= at)
+        timeline.view().free_windows(LineId(n.0), at).next().is_some_and(|g| g.start <= at)
     };
     let for_ever = |n: NodeId, t: i64| (t..24).all(|u| free(n, u));
     let mut here = vec![(NodeId(0), 0i64)];
@@ -262,7 +262,8 @@ fn every_pattern_of_three_busy_nodes_over_four_steps_is_planned_optimally() {
         let timeline = strangers(&warehouse, &holds, 1_000_000);
         for goal in 1..4 {
             let (from, stages) = (start(), [to(goal)]);
-            let found = planner.plan(&ask(&from, &stages), &timeline).ok().map(|r| r.arrival.0 / 1_000_000);
+            let found =
+                planner.plan(&ask(&from, &stages), &timeline.view()).ok().map(|r| r.arrival.0 / 1_000_000);
             assert_eq!(
                 found,
                 breadth_first(&warehouse, &timeline, goal, false),
@@ -282,7 +283,7 @@ fn two_pebbles_do_not_change_places() {
     timeline.reserve(RobotId(7), other).unwrap();
     let mut planner = Planner::new(warehouse, PEBBLE);
     let (from, stages) = (start(), [to(1)]);
-    assert_eq!(planner.plan(&ask(&from, &stages), &timeline), Err(NoRoute::Blocked));
+    assert_eq!(planner.plan(&ask(&from, &stages), &timeline.view()), Err(NoRoute::Blocked));
 }
 
 #[test]
@@ -295,7 +296,7 @@ fn nobody_plans_through_a_robot_that_stays_for_ever() {
     };
     let mut planner = Planner::new(warehouse, drive());
     let (from, stages) = (start(), [to(2)]);
-    assert_eq!(planner.plan(&ask(&from, &stages), &timeline), Err(NoRoute::Blocked));
+    assert_eq!(planner.plan(&ask(&from, &stages), &timeline.view()), Err(NoRoute::Blocked));
 }
 
 #[test]
@@ -306,8 +307,12 @@ fn a_late_robot_does_not_plan_over_one_that_is_to_pass_where_it_still_stands() {
     let timeline = strangers(&warehouse, &[(0, 5, 2)], 1_000_000);
     let (from, stages) = (start(), [to(3)]);
     let late = |ready: i64| RouteQuery { ready: Time(ready * 1_000_000), ..ask(&from, &stages) };
-    assert_eq!(planner.plan(&late(8), &timeline).map(|r| r.visits.len()), Err(NoRoute::Blocked));
-    assert_eq!(planner.plan(&late(0), &timeline).map(|r| r.visits.len()), Ok(3), "in time there is a way");
+    assert_eq!(planner.plan(&late(8), &timeline.view()).map(|r| r.visits.len()), Err(NoRoute::Blocked));
+    assert_eq!(
+        planner.plan(&late(0), &timeline.view()).map(|r| r.visits.len()),
+        Ok(3),
+        "in time there is a way"
+    );
 }
 
 #[test]
@@ -316,7 +321,7 @@ fn a_straight_run_takes_what_the_kinematics_say() {
     let timeline = Timeline::new(warehouse.clone(), Span::from_millis(100));
     let mut planner = Planner::new(warehouse, drive());
     let (from, stages) = (start(), [to(10)]);
-    let route = planner.plan(&ask(&from, &stages), &timeline).unwrap();
+    let route = planner.plan(&ask(&from, &stages), &timeline.view()).unwrap();
     assert!((route.arrival.as_secs_f64() - (10.0 / 1.5 + 1.5)).abs() < 1e-3);
     assert_eq!(route.visits.len(), 10);
 }
@@ -328,7 +333,7 @@ fn a_stop_on_the_way_is_planned_together_with_the_way_home() {
     let mut planner = Planner::new(warehouse, drive());
     let stages = [Stage { stay: Span::from_secs(3), ..to(2) }, to(0)];
     let from = start();
-    let route = planner.plan(&ask(&from, &stages), &timeline).unwrap();
+    let route = planner.plan(&ask(&from, &stages), &timeline.view()).unwrap();
     let stop = &route.visits[route.stops[0] - 1];
     assert_eq!(stop.node, NodeId(2));
     assert!(stop.depart - stop.arrive >= Span::from_secs(3), "{stop:?}");
@@ -344,7 +349,7 @@ fn a_search_that_fails_is_bounded_by_its_budget() {
     let mut planner = Planner::new(warehouse, drive());
     let (from, stages) = (start(), [to(8)]);
     let small = RouteQuery { budget: 3, ..ask(&from, &stages) };
-    assert_eq!(planner.plan(&small, &timeline), Err(NoRoute::BudgetSpent));
+    assert_eq!(planner.plan(&small, &timeline.view()), Err(NoRoute::BudgetSpent));
 }
 
 #[test]
@@ -358,7 +363,7 @@ fn bounds_never_exceed_what_the_search_finds_on_an_empty_floor() {
         let (from, stages) = (start(), [to(goal.ix() as u32)]);
         let best = (warehouse.headings(NodeId(0)).iter())
             .map(|&heading| RouteQuery { heading, ..ask(&from, &stages) })
-            .map(|a| planner.plan(&a, &timeline).unwrap().arrival.0)
+            .map(|a| planner.plan(&a, &timeline.view()).unwrap().arrival.0)
             .min()
             .unwrap();
         assert!(bound.0 <= best && best < bound.0 + 20_000, "{goal:?}: bound {bound:?}, found {best} µs");
@@ -384,7 +389,7 @@ fn a_route_leads_round_a_closed_place_in_its_time_and_through_it_before_and_afte
     let mut through = |ready_s: i64| {
         let ask =
             RouteQuery { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
-        let route = planner.plan(&ask, &timeline).expect("there are two ways");
+        let route = planner.plan(&ask, &timeline.view()).expect("there are two ways");
         let visit = route.visits.iter().find(|v| v.node == NodeId(1)).cloned();
         if let Some(v) = &visit {
             let window = Window::new(Time(100_000_000), Time(200_000_000));
@@ -409,7 +414,7 @@ fn a_route_may_end_where_it_will_be_closed_only_with_time_to_come_out() {
     let mut arrival = |ready_s: i64| {
         let ask =
             RouteQuery { ready: Time(ready_s * 1_000_000), conditions: &conditions, ..ask(&from, &stages) };
-        planner.plan(&ask, &timeline).expect("it may wait").arrival
+        planner.plan(&ask, &timeline.view()).expect("it may wait").arrival
     };
     assert!(arrival(0) < Time(10_000_000));
     assert!(arrival(25) + Span::from_secs(5) + COME_OUT < Time(100_000_000));
@@ -439,9 +444,9 @@ proptest! {
         let from = start();
         let stages = [Stage { stay: Span::from_secs(2), ..to(goals.0) }, to(goals.1)];
         let stages = if two { &stages[..] } else { &stages[..1] };
-        let plain = planner.plan(&ask(&from, stages), &timeline);
+        let plain = planner.plan(&ask(&from, stages), &timeline.view());
         planner.weigh(weight);
-        let found = planner.plan(&ask(&from, stages), &timeline);
+        let found = planner.plan(&ask(&from, stages), &timeline.view());
         prop_assert_eq!(found.is_ok(), plain.is_ok());
         if let (Ok(found), Ok(plain)) = (found, plain) {
             // The plain search is best at the first goal; where there are two, at the last one it may be beaten.
@@ -458,12 +463,36 @@ proptest! {
     ) {
         let (warehouse, timeline) = crowded(&holds);
         let (from, stages) = (start(), [to(goal)]);
-        let fresh = Planner::new(warehouse.clone(), drive()).plan(&ask(&from, &stages), &timeline);
+        let fresh = Planner::new(warehouse.clone(), drive()).plan(&ask(&from, &stages), &timeline.view());
         let mut planner = Planner::new(warehouse, drive());
         planner.weigh(1.0);
-        let _ = planner.plan(&ask(&from, &stages), &timeline);
+        let _ = planner.plan(&ask(&from, &stages), &timeline.view());
         planner.weigh(0.0);
-        prop_assert_eq!(planner.plan(&ask(&from, &stages), &timeline), fresh);
+        prop_assert_eq!(planner.plan(&ask(&from, &stages), &timeline.view()), fresh);
+    }
+
+    #[test]
+    fn robots_that_plan_in_turn_on_an_overlay_find_the_routes_that_they_would_find_if_it_were_booked(
+        holds in proptest::collection::vec((1u32..24, 1i64..40, 1i64..12), 0..40),
+        gone in proptest::collection::vec(0u32..40, 0..20),
+        ways in proptest::collection::vec((0u32..24, 0u32..24), 1..5),
+        rules in prop::sample::select(vec![drive(), PEBBLE, TURNS]),
+    ) {
+        let (warehouse, timeline) = crowded(&holds);
+        let mut planner = Planner::new(warehouse, rules);
+        let gone: Vec<RobotId> = gone.into_iter().map(|i| RobotId(100 + i)).collect();
+        let (mut seen, mut booked) = (timeline.without(&gone), timeline.clone());
+        gone.iter().for_each(|robot| booked.remove(*robot));
+        for (robot, (from, goal)) in (0..).map(RobotId).zip(ways) {
+            let (from, stages) = (still(from, Time(0), Time::MAX), [to(goal)]);
+            let found = planner.plan(&ask(&from, &stages), &seen);
+            prop_assert_eq!(&found, &planner.plan(&ask(&from, &stages), &booked.view()));
+            let Ok(route) = found else { continue };
+            let visits: Vec<Visit> = std::iter::once(route.kept).chain(route.visits).collect();
+            prop_assert_eq!(seen.add(robot, &visits), Ok(()));
+            booked.reserve(robot, visits).expect("what fits beneath fits here");
+            booked.assert_sound();
+        }
     }
 }
 
@@ -477,9 +506,9 @@ fn a_weighted_search_expands_less_on_a_floor_where_much_is_equal() {
     let busy = strangers(planner.warehouse(), &holds, 500_000);
     for timeline in [&timeline, &busy] {
         planner.weigh(0.0);
-        let plain = planner.plan(&ask(&from, &stages), timeline).unwrap();
+        let plain = planner.plan(&ask(&from, &stages), &timeline.view()).unwrap();
         planner.weigh(1.0);
-        let quick = planner.plan(&ask(&from, &stages), timeline).unwrap();
+        let quick = planner.plan(&ask(&from, &stages), &timeline.view()).unwrap();
         assert!(quick.expansions <= plain.expansions, "{} and {}", quick.expansions, plain.expansions);
     }
 }
@@ -504,14 +533,14 @@ fn room_for_a_rack_is_held_from_where_it_is_lifted_on() {
         visits.map(|v| (v.node.0, v.loaded)).collect::<Vec<_>>()
     };
     let (from, lift) = (start(), Stage { lifts: true, ..to(2) });
-    let fetch = planner.plan(&ask(&from, &[lift]), &timeline).unwrap();
+    let fetch = planner.plan(&ask(&from, &[lift]), &timeline.view()).unwrap();
     assert_eq!(loaded(&fetch), [(0, false), (1, false), (2, true)], "it lifts at the end");
     let stages = [lift, Stage { loaded: true, ..to(3) }, to(1)];
-    let whole = planner.plan(&ask(&from, &stages), &timeline).unwrap();
+    let whole = planner.plan(&ask(&from, &stages), &timeline.view()).unwrap();
     let wanted = [(0, false), (1, false), (2, true), (3, true), (2, false), (1, false)];
     assert_eq!(loaded(&whole), wanted, "it carries the rack from 2 to 3");
     let had = Visit { loaded: true, ..start() };
-    let after = planner.plan(&ask(&had, &[to(1)]), &timeline).unwrap();
+    let after = planner.plan(&ask(&had, &[to(1)]), &timeline.view()).unwrap();
     assert_eq!(loaded(&after), [(0, true), (1, false)], "where it set a rack down it holds as before");
 }
 
@@ -524,8 +553,8 @@ fn a_rack_is_not_lifted_while_a_robot_stands_too_near_for_one_with_a_rack() {
     timeline.reserve(RobotId(7), vec![other]).expect("the floor is empty");
     let mut planner = Planner::new(warehouse, drive());
     let from = start();
-    let passes = planner.plan(&ask(&from, &[to(2)]), &timeline).unwrap();
-    let lifts = planner.plan(&ask(&from, &[Stage { lifts: true, ..to(2) }]), &timeline).unwrap();
+    let passes = planner.plan(&ask(&from, &[to(2)]), &timeline.view()).unwrap();
+    let lifts = planner.plan(&ask(&from, &[Stage { lifts: true, ..to(2) }]), &timeline.view()).unwrap();
     let entered = |route: &Route| route.visits.last().unwrap().enter;
     assert!(entered(&passes) < Time(20_000_000), "{:?}", entered(&passes));
     assert!(entered(&lifts) >= Time(20_000_000), "{:?}", entered(&lifts));
@@ -569,7 +598,7 @@ fn a_plan_fails_on_the_conflicting_layer_of_a_place_that_is_physically_free() {
     let (blue, goal) = (still(a, Time(0), Time::MAX), [to(b)]);
     let plan = |timeline: &Timeline| {
         let mut planner = Planner::new(warehouse.clone(), drive());
-        planner.plan(&ask(&blue, &goal), timeline).is_ok()
+        planner.plan(&ask(&blue, &goal), &timeline.view()).is_ok()
     };
     assert!(!plan(&timeline), "C is free on its physical layer, and its conflicting layer has Red");
     timeline.remove(red);

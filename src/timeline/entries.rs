@@ -1,7 +1,7 @@
 //! How visits stand in the timelines: what they hold, and which robots that keeps away.
 //!
-//! Main type: [`Context`] (what writing visits takes); main function: [`claims`]. Refuses: to ask whether a place is
-//! free.
+//! Main type: [`Context`] (what writing visits takes); main functions: [`claims`], [`for_each_hold`]. Refuses: to ask
+//! whether a place is free.
 
 use super::line::{Hold, Layer, Line};
 use super::{Timeline, Visit};
@@ -27,16 +27,7 @@ impl Timeline {
         serial: u64,
         visit: &Visit,
     ) {
-        if context.without_conflicts && !is_station(context.warehouse, visit) {
-            return;
-        }
-        for (line, window) in claims(context, visit) {
-            let hold = |layer| Hold { start: window.start(), end: window.end(), holder, serial, layer };
-            lines[line].insert(hold(Layer::Physical));
-            for &c in context.warehouse.lines_in_conflict(line) {
-                lines[c].insert(hold(Layer::Conflict));
-            }
-        }
+        for_each_hold(context, holder, serial, visit, |line, hold| lines[line].insert(hold));
     }
 
     pub(super) fn erase(
@@ -51,6 +42,26 @@ impl Timeline {
             for &c in context.warehouse.lines_in_conflict(line) {
                 lines[c].remove(holder, serial);
             }
+        }
+    }
+}
+
+/// Gives out each hold of a visit with the timeline on which it stands: its own, and those in conflict with them.
+pub(super) fn for_each_hold(
+    context: Context<'_>,
+    holder: RobotId,
+    serial: u64,
+    visit: &Visit,
+    mut put: impl FnMut(LineId, Hold),
+) {
+    if context.without_conflicts && !is_station(context.warehouse, visit) {
+        return;
+    }
+    for (line, window) in claims(context, visit) {
+        let hold = |layer| Hold { start: window.start(), end: window.end(), holder, serial, layer };
+        put(line, hold(Layer::Physical));
+        for &c in context.warehouse.lines_in_conflict(line) {
+            put(c, hold(Layer::Conflict));
         }
     }
 }

@@ -1,9 +1,9 @@
 //! The timeline of one resource: holds sorted by start, and the gaps between them.
 //!
-//! Main types: [`Hold`], [`Line`], [`FreeWindow`]. Refuses: overlapping holds of different holders on the physical
-//! layer (asserted); conflict holds may overlap one another.
+//! Main types: [`Hold`], [`Line`], [`FreeWindow`], [`Withdrawn`] (holds that a question passes over). Refuses:
+//! overlapping holds of different holders on the physical layer (asserted); conflict holds may overlap one another.
 
-use crate::id::RobotId;
+use crate::id::{Dense, RobotId};
 use crate::time::{Time, Window};
 
 /// Why a resource is not free.
@@ -32,12 +32,54 @@ pub struct FreeWindow {
     pub start: Time,
     /// First instant that is not free any more.
     pub end: Time,
-    /// Which of the gaps of the resource this is; stable while the line does not change.
+    /// Tells the gaps of one resource apart, while neither its line changes nor what a question passes over.
     pub index: u32,
 }
 
 /// The beginning of all time, where the first free window of a line starts.
 const BEGINNING: Time = Time(i64::MIN / 2);
+
+/// Holds that a question passes over, as if their holders had given them up: for each holder those from some visit on.
+#[derive(Clone, Debug)]
+pub(super) struct Withdrawn {
+    /// For each holder, the serial number of the first visit that it has given up. A holder with the largest number, or
+    /// beyond the end, has given up nothing.
+    from: Vec<u64>,
+    /// The bits of the holders that have given up something, see [`bit`].
+    holders: u64,
+}
+
+/// No holder has given up anything.
+pub(super) static NOTHING: Withdrawn = Withdrawn { from: Vec::new(), holders: 0 };
+
+impl Withdrawn {
+    /// A holder gives up its visits from `serial` on.
+    pub fn add(&mut self, holder: RobotId, serial: u64) {
+        if self.from.len() <= holder.ix() {
+            self.from.resize(holder.ix() + 1, u64::MAX);
+        }
+        self.from[holder.ix()] = self.from[holder.ix()].min(serial);
+        self.holders |= bit(holder);
+    }
+
+    /// The serial number of the first visit that a holder has given up; the largest number if it has given up none.
+    pub fn first_of(&self, holder: RobotId) -> u64 {
+        self.from.get(holder.ix()).copied().unwrap_or(u64::MAX)
+    }
+
+    fn has(&self, hold: &Hold) -> bool {
+        hold.serial >= self.first_of(hold.holder)
+    }
+}
+
+/// The bit of a holder in a set of holders that may contain a few too many: some holders share a bit.
+fn bit(holder: RobotId) -> u64 {
+    1 << (holder.ix() % 64)
+}
+
+fn bits(holds: &[Hold]) -> u64 {
+    holds.iter().fold(0, |all, h| all | bit(h.holder))
+}
 
 /// All holds on one resource.
 #[derive(Clone, Debug, Default)]
@@ -46,15 +88,22 @@ pub(super) struct Line {
     /// For each hold its start, and the latest end of it and all before it: gaps are found without looking back, in a
     /// few lines of cache.
     edges: Vec<(Time, Time)>,
+    /// The bits of all holders, see [`bit`]: most lines have no hold that a question passes over, and this tells.
+    holders: u64,
 }
 
 impl Line {
-    pub fn len(&self) -> usize {
-        self.holds.len()
+    /// A line without the holds that are passed over.
+    pub fn without(&self, withdrawn: &Withdrawn) -> Line {
+        let holds: Vec<Hold> = self.holds.iter().filter(|h| !withdrawn.has(h)).cloned().collect();
+        let mut line = Line { holders: bits(&holds), holds, edges: Vec::new() };
+        line.rebuild_edges_from(0);
+        line
     }
 
     /// Adds a hold behind those that start no later.
     pub fn insert(&mut self, hold: Hold) {
+        self.holders |= bit(hold.holder);
         let at = self.holds.partition_point(|h| h.start <= hold.start);
         self.holds.insert(at, hold);
         self.rebuild_edges_from(at);
@@ -66,6 +115,7 @@ impl Line {
         let mine = |h: &Hold| h.holder == holder && h.serial == serial;
         if let Some(first) = self.holds.iter().position(mine) {
             self.holds.retain(|h| !mine(h));
+            self.holders = bits(&self.holds);
             self.rebuild_edges_from(first);
         }
     }
@@ -79,22 +129,43 @@ impl Line {
         }
     }
 
-    /// Gaps that end after `t`, in order.
-    pub fn free_windows(&self, t: Time) -> impl Iterator<Item = FreeWindow> {
+    /// Gaps that end after `t`, in order, as if what is passed over were not there.
+    pub fn free_windows<'a>(&'a self, t: Time, withdrawn: &'a Withdrawn) -> Gaps<'a> {
         let from = self.edges.partition_point(|(start, _)| *start <= t);
-        let mut free = if from == 0 { BEGINNING } else { self.edges[from - 1].1 };
-        (from..=self.edges.len()).filter_map(move |i| {
-            let (end, reach) = self.edges.get(i).copied().unwrap_or((Time::MAX, Time::MAX));
-            let start = std::mem::replace(&mut free, reach);
-            (start < end).then_some(FreeWindow { start, end, index: i as u32 })
-        })
+        let withdrawn = (self.holders & withdrawn.holders != 0).then_some(withdrawn);
+        let free = match withdrawn {
+            Some(withdrawn) => self.reach(from, withdrawn),
+            None if from == 0 => BEGINNING,
+            None => self.edges[from - 1].1,
+        };
+        Gaps { line: self, withdrawn, next: from, free }
     }
 
-    /// The holders on either side of a free window.
-    pub fn neighbours(&self, free: FreeWindow) -> (Option<RobotId>, Option<RobotId>) {
-        let i = free.index as usize;
-        let before = i.checked_sub(1).map(|b| self.holds[b].holder);
-        (before, self.holds.get(i).map(|h| h.holder))
+    /// The latest end of the first `count` holds but for those that are passed over. It looks back only until no earlier
+    /// hold can end later, which is a step or two where few holds overlap.
+    fn reach(&self, count: usize, withdrawn: &Withdrawn) -> Time {
+        let mut reach = BEGINNING;
+        for i in (0..count).rev() {
+            if self.edges[i].1 <= reach {
+                break;
+            }
+            if !withdrawn.has(&self.holds[i]) {
+                reach = reach.max(self.holds[i].end);
+            }
+        }
+        reach
+    }
+
+    /// The holders on either side of a free window, as if what is passed over were not there.
+    pub fn neighbours(&self, free: FreeWindow, withdrawn: &Withdrawn) -> (Option<RobotId>, Option<RobotId>) {
+        let (before, after) = self.holds.split_at(self.edges.partition_point(|(start, _)| *start < free.end));
+        let stays = |h: &&Hold| !withdrawn.has(h);
+        (before.iter().rfind(stays).map(|h| h.holder), after.iter().find(stays).map(|h| h.holder))
+    }
+
+    /// Entries that meet a window, as if what is passed over were not there.
+    pub fn during_without(&self, w: Window, withdrawn: &Withdrawn) -> impl Iterator<Item = &Hold> {
+        self.during(w).filter(|h| !withdrawn.has(h))
     }
 
     /// Entries that meet a window.
@@ -167,6 +238,7 @@ impl Line {
     }
 
     pub fn assert_sound(&self, name: impl Fn() -> String) {
+        assert_eq!(self.holders, bits(&self.holds), "{}: the set of holders is not theirs", name());
         for (i, a) in self.holds.iter().enumerate() {
             assert!(i == 0 || self.holds[i - 1].start <= a.start, "{}: holds out of order", name());
             for b in self.holds[i + 1..].iter().take_while(|b| b.start < a.end) {
@@ -174,5 +246,38 @@ impl Line {
                 assert!(a.holder == b.holder || both_conflict, "{} is held twice: {a:?} and {b:?}", name());
             }
         }
+    }
+}
+
+/// The gaps of a line, in order.
+pub(super) struct Gaps<'a> {
+    line: &'a Line,
+    /// What is passed over, if the line may have any of it.
+    withdrawn: Option<&'a Withdrawn>,
+    /// The hold at which the next gap ends, unless it is passed over.
+    next: usize,
+    /// The latest end of all holds before that one.
+    free: Time,
+}
+
+impl Iterator for Gaps<'_> {
+    type Item = FreeWindow;
+
+    fn next(&mut self) -> Option<FreeWindow> {
+        while self.next <= self.line.edges.len() {
+            let i = self.next;
+            self.next += 1;
+            let (end, reach) = match (self.line.edges.get(i), self.withdrawn) {
+                (None, _) => (Time::MAX, Time::MAX),
+                (Some(edge), None) => *edge,
+                (Some(_), Some(withdrawn)) if withdrawn.has(&self.line.holds[i]) => continue,
+                (Some((start, _)), Some(_)) => (*start, self.free.max(self.line.holds[i].end)),
+            };
+            let start = std::mem::replace(&mut self.free, reach);
+            if start < end {
+                return Some(FreeWindow { start, end, index: i as u32 });
+            }
+        }
+        None
     }
 }

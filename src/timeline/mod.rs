@@ -1,9 +1,9 @@
 //! Which robot holds which resource when, and what is free in between.
 //!
-//! Main types: [`Timeline`] (all holds of all holders), [`Visit`] (a stay on one node as a holder plans it),
-//! [`FreeWindow`] (when a resource is free), [`Reserved`] (the proof that visits are held; only this module makes one).
-//! Refuses: to hold anything twice, to forget which holder was promised a resource first, and to know why a holder
-//! wants to be anywhere.
+//! Main types: [`Timeline`] (all holds of all holders), [`Overlay`] (a timeline as a search looks at it), [`Visit`] (a
+//! stay on one node as a holder plans it), [`FreeWindow`] (when a resource is free), [`Reserved`] (the proof that visits
+//! are held; only this module makes one). Refuses: to hold anything twice, to forget which holder was promised a
+//! resource first, and to know why a holder wants to be anywhere.
 //!
 //! Each resource has a list of holds sorted by start. Where robots differ in footprint, it has one list for each
 //! footprint ([`crate::id::LineId`]), and a robot looks at the list of its own. A hold on a resource also stands,
@@ -17,12 +17,14 @@ mod delay;
 mod entries;
 mod held;
 mod line;
+mod overlay;
 mod restore;
 mod truncate;
 
 pub use delay::{Shift, Slip};
 pub use held::Held;
 pub use line::{FreeWindow, Layer};
+pub use overlay::Overlay;
 pub use restore::{ChainParts, Flaw};
 pub use truncate::KeptVisits;
 
@@ -30,7 +32,7 @@ use crate::id::{BodyId, Dense, IdVec, LineId, NodeId, ResourceId, RobotId};
 use crate::time::{Span, Time, Window};
 use crate::warehouse::Warehouse;
 use chains::Chains;
-use entries::{claims, is_station};
+use entries::claims;
 use line::Line;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -242,21 +244,6 @@ impl Timeline {
         self.chains.get(&holder)
     }
 
-    /// The free windows of a resource that end after `t`, in order, as robots with one footprint find it.
-    pub fn free_windows(&self, line: LineId, t: Time) -> impl Iterator<Item = FreeWindow> {
-        self.lines[line].free_windows(t)
-    }
-
-    /// The holders at the two ends of a free window: the last one before it and the first one after it.
-    pub fn neighbours(&self, line: LineId, free: FreeWindow) -> (Option<RobotId>, Option<RobotId>) {
-        self.lines[line].neighbours(free)
-    }
-
-    /// How many holds stand on a timeline, conflicts included.
-    pub fn load(&self, line: LineId) -> usize {
-        self.lines[line].len()
-    }
-
     /// The other holders with a hold, on a resource or on something in conflict with it, that meets `window`.
     pub fn holders_during(
         &self,
@@ -349,22 +336,6 @@ impl Timeline {
             visit.leave = leave;
             Self::write(&mut self.lines, context, holder, serial, visit);
         }
-    }
-
-    /// Takes back the visits from `serial` on: for a search that works on a copy to find better ones.
-    pub fn withdraw(&mut self, holder: RobotId, serial: u64) {
-        self.take_from(holder, serial);
-    }
-
-    /// Adds visits behind those that a holder has.
-    ///
-    /// # Errors
-    /// The first clash; nothing is added then.
-    pub fn extend(&mut self, holder: RobotId, visits: Vec<Visit>) -> Result<(), Clash> {
-        self.check(holder, &visits)?;
-        self.put(holder, visits);
-        self.assert_in_order(holder);
-        Ok(())
     }
 
     /// Forgets the visits before `serial`: the holder has left them.
@@ -476,30 +447,6 @@ impl Timeline {
         chain.granted = serial + 1;
     }
 
-    /// Runs `f` as if `holder` held nothing, and puts everything back.
-    pub fn without<T>(&mut self, holders: &[RobotId], f: impl FnOnce(&Timeline) -> T) -> T {
-        self.toggle(holders, false);
-        let out = f(self);
-        self.toggle(holders, true);
-        out
-    }
-
-    fn toggle(&mut self, holders: &[RobotId], on: bool) {
-        let warehouse = self.warehouse.clone();
-        for holder in holders {
-            let context = self.context(&warehouse, *holder);
-            let Some(chain) = self.chains.get(holder) else { continue };
-            for (i, v) in chain.visits.iter().enumerate() {
-                let serial = chain.first + i as u64;
-                if on {
-                    Self::write(&mut self.lines, context, *holder, serial, v);
-                } else {
-                    Self::erase(&mut self.lines, context, *holder, serial, v);
-                }
-            }
-        }
-    }
-
     /// Removes and returns the visits from `serial` on.
     fn take_from(&mut self, holder: RobotId, serial: u64) -> Vec<Visit> {
         let warehouse = self.warehouse.clone();
@@ -524,17 +471,7 @@ impl Timeline {
 
     /// The first clash of visits with the holds of others.
     fn check(&self, holder: RobotId, visits: &[Visit]) -> Result<(), Clash> {
-        let context = self.context(&self.warehouse, holder);
-        for visit in visits.iter().filter(|v| !self.without_conflicts || is_station(&self.warehouse, v)) {
-            for (line, wanted) in claims(context, visit) {
-                let other = self.lines[line].during(wanted).find(|h| h.holder != holder);
-                if let Some(h) = other {
-                    let resource = self.warehouse.resource_of(line);
-                    return Err(Clash { resource, wanted, by: h.holder, held: Window::new(h.start, h.end) });
-                }
-            }
-        }
-        Ok(())
+        self.view().check(holder, visits)
     }
 
     /// Asserts that no resource is held twice and that every chain is in order. For laws and tests: looks at

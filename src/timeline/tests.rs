@@ -2,8 +2,10 @@
 
 use super::*;
 use crate::geometry::Point;
+use crate::id::LaneId;
 use crate::warehouse::{Body, Draft, DraftLane, DraftNode, Footprint, Users};
 use proptest::prelude::*;
+use std::collections::BTreeSet;
 
 const LENGTH: i64 = 40;
 
@@ -94,7 +96,7 @@ proptest! {
                 if !busy(t) && (t == 0 || busy(t - 1)) { model.push((t, t + 1)); }
                 else if !busy(t) { model.last_mut().unwrap().1 = t + 1; }
             }
-            let real: Vec<(i64, i64)> = timeline.free_windows(LineId(node), Time(0))
+            let real: Vec<(i64, i64)> = timeline.view().free_windows(LineId(node), Time(0))
                 .map(|g| (g.start.0.max(0), g.end.0.min(LENGTH))).filter(|(a, b)| a < b).collect();
             prop_assert_eq!(real, model);
         }
@@ -124,7 +126,7 @@ proptest! {
         }
         for (node, large, loaded) in (0..5).flat_map(|n| [(n, false, false), (n, false, true), (n, true, true)]) {
             let line = timeline.warehouse().line(BodyId(u32::from(large)), loaded, ResourceId(node));
-            let free: Vec<_> = timeline.free_windows(line, Time(0)).collect();
+            let free: Vec<_> = timeline.view().free_windows(line, Time(0)).collect();
             for t in 0..LENGTH {
                 let real = free.iter().any(|g| g.start.0 <= t && t < g.end.0);
                 prop_assert_eq!(real, clear((node, half_m(large, loaded)), t, t + 1, false), "{} at {}", node, t);
@@ -235,6 +237,138 @@ fn go_early(timeline: &mut Timeline, who: RobotId, depart: Time) {
             );
         }
     }
+}
+
+/// A drive as it is drawn: when it starts, its nodes with the time until each next one and how much longer the hold
+/// lasts then, whether with a rack, and whether it ends by standing there for ever.
+type Drawn = (i64, Vec<(u32, i64, i64)>, bool, bool);
+
+fn drawn() -> impl Strategy<Value = Drawn> {
+    let steps = proptest::collection::vec((0u32..5, 2i64..9, 0i64..4), 1..5);
+    (0i64..40, steps, any::<bool>(), proptest::bool::weighted(0.2))
+}
+
+/// The visits of a drive. It holds a lane wherever it comes on an odd tick.
+fn drive(warehouse: &Warehouse, start: i64, (_, steps, loaded, stays): &Drawn) -> Vec<Visit> {
+    let mut enter = start;
+    let mut visits: Vec<Visit> = Vec::new();
+    for (node, length, more) in steps {
+        let lane = (enter % 2 != 0).then(|| warehouse.lane_resource(LaneId(*node.min(&3))));
+        let (arrive, depart) = (Time(enter + 1), Time(enter + length));
+        let leave = depart + Span(1 + more);
+        visits.push(Visit { lane, loaded: *loaded, arrive, depart, leave, ..visit(*node, enter, leave.0) });
+        enter += length;
+    }
+    if *stays {
+        let last = visits.last_mut().expect("a drive has visits");
+        (last.depart, last.leave) = (Time::MAX, Time::MAX);
+    }
+    visits
+}
+
+/// Whether an overlay answers all questions about all lines as a timeline does on which that is true.
+fn assert_same(seen: &Overlay<'_>, truth: &Timeline) {
+    for line in truth.lines.ids() {
+        let holders: Vec<RobotId> = truth.lines[line].all().map(|h| h.holder).collect();
+        for t in (-3..90).step_by(3).map(Time) {
+            let windows: Vec<FreeWindow> = seen.free_windows(line, t).collect();
+            let times = |w: &FreeWindow| (w.start, w.end);
+            let expected: Vec<FreeWindow> = truth.view().free_windows(line, t).collect();
+            assert_eq!(
+                windows.iter().map(times).collect::<Vec<_>>(),
+                expected.iter().map(times).collect::<Vec<_>>(),
+                "{line:?} from {t:?}"
+            );
+            assert!(windows.is_sorted_by(|a, b| a.index < b.index), "indices tell windows apart");
+            for (window, there) in windows.iter().zip(&expected) {
+                // On the timeline itself, the index is that of the hold at which the window ends.
+                let after = there.index as usize;
+                let before = after.checked_sub(1).map(|b| holders[b]);
+                let neighbours = (before, holders.get(after).copied());
+                assert_eq!(seen.neighbours(line, *window), neighbours, "{line:?}, {window:?}");
+            }
+            for (length, own) in [(1, 0), (4, 2), (30, 5)] {
+                let (window, own) = (Window::new(t, t + Span(length)), robot(own));
+                let there: Vec<RobotId> = truth.holders_during(line, window, own).collect();
+                assert_eq!(seen.holders_during(line, window, own).collect::<Vec<_>>(), there);
+            }
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn an_overlay_answers_as_the_timeline_would_if_all_that_were_true(
+        drives in proptest::collection::vec(drawn(), 1..12),
+        releases in proptest::collection::vec((0u32..12, 0u64..4), 0..4),
+        gone in proptest::collection::vec((0u32..14, 0u64..6), 0..8),
+        routes in proptest::collection::vec((0u32..14, drawn()), 0..6),
+        (dense, kinds) in (any::<bool>(), any::<bool>()),
+    ) {
+        let warehouse = if kinds { row_for_two_kinds(5) } else { row(5, dense) };
+        let mut timeline = Timeline::new(warehouse.clone(), Span(1));
+        (0..14).filter(|_| kinds).for_each(|i| timeline.set_body(robot(i), BodyId(i % 2)));
+        for (i, drawn) in (0..).zip(&drives) {
+            let _ = timeline.reserve(robot(i), drive(&warehouse, drawn.0, drawn));
+        }
+        for (i, serial) in releases {
+            if timeline.chain(robot(i)).is_some_and(|c| (c.first()..c.end()).contains(&serial)) {
+                timeline.release(robot(i), serial);
+            }
+        }
+        let untouched = timeline.clone();
+        let (mut seen, mut truth) = (timeline.view(), timeline.clone());
+        for (holder, serial) in gone.into_iter().map(|(i, serial)| (robot(i), serial)) {
+            seen.withdraw(holder, serial);
+            if let Some(chain) = truth.chain(holder) {
+                let from = serial.clamp(chain.first(), chain.end());
+                truth.take_from(holder, from);
+            }
+        }
+        assert_same(&seen, &truth);
+        let mut added = BTreeSet::new();
+        for (holder, drawn) in routes.into_iter().map(|(i, drawn)| (robot(i), drawn)) {
+            // A route goes on from what the holder has kept, where it leaves that at all.
+            let start = truth.chain(holder).and_then(Chain::last).map_or(Time(drawn.0), |v| v.depart);
+            if start.is_forever() || !added.insert(holder) {
+                continue;
+            }
+            let visits = drive(&warehouse, start.0, &drawn);
+            let fits = seen.add(holder, &visits);
+            prop_assert_eq!(fits, truth.check(holder, &visits));
+            if fits.is_err() {
+                added.remove(&holder);
+            } else if truth.chain(holder).is_some() {
+                truth.put(holder, visits);
+            } else {
+                truth.reserve(holder, visits).expect("it fits");
+            }
+            truth.assert_sound();
+            assert_same(&seen, &truth);
+        }
+        prop_assert!(timeline == untouched);
+        prop_assert_eq!(orders(&timeline), orders(&untouched));
+    }
+}
+
+#[test]
+#[should_panic(expected = "gives up visits after a route was added")]
+fn what_is_given_up_is_said_before_routes_are_added() {
+    let timeline = convoy(&[0, 0], false);
+    let mut seen = timeline.without(&[robot(0)]);
+    seen.add(robot(0), &[visit(7, 0, 5)]).expect("no robot is there so early");
+    seen.withdraw(robot(1), 0);
+}
+
+#[test]
+#[should_panic(expected = "has visits out of order")]
+fn a_route_goes_on_from_where_the_holder_is() {
+    let timeline = convoy(&[0, 0], false);
+    let mut seen = timeline.view();
+    seen.withdraw(robot(0), 1);
+    let first = timeline.chain(robot(0)).and_then(|c| c.get(0)).expect("it stands there");
+    let late = first.leave.0 + 100;
+    let _ = seen.add(robot(0), &[visit(7, late, late + 5)]);
 }
 
 /// Robots standing in a row, two nodes apart, that drive up the row one after the other.

@@ -27,10 +27,10 @@ const HEAD_START: Time = Time(20_000_000);
 fn plan(planner: &mut Planner, ways: &[(NodeId, NodeId)], order: &[usize]) -> Option<Timeline> {
     let mut timeline = Timeline::new(planner.warehouse().clone(), Kinematics::default().clearance);
     for (turn, &i) in order.iter().enumerate() {
-        let mut others = timeline.clone();
+        let mut others = timeline.view();
         for &later in &order[turn + 1..] {
             let waits = Visit { depart: HEAD_START, leave: HEAD_START, ..stand(ways[later].0) };
-            others.reserve(holder(later), vec![waits]).ok()?;
+            others.add(holder(later), &[waits]).ok()?;
         }
         let (from, stage) = (stand(ways[i].0), Stage::to_stay(ways[i].1));
         let ask = RouteQuery {

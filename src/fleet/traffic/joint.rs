@@ -10,7 +10,7 @@ use crate::fleet::traffic::state::{InsertionCounts, Traffic};
 use crate::id::RobotId;
 use crate::route::Route;
 use crate::time::{Span, Time};
-use crate::timeline::Timeline;
+use crate::timeline::{Overlay, Visit};
 use std::collections::BTreeMap;
 
 /// How many others are moved at most.
@@ -58,7 +58,7 @@ impl Traffic {
     /// The best routes for `robot` and the few of `movable` that are most in its way.
     fn insert_past(
         &mut self,
-        core: &mut Core,
+        core: &Core,
         robot: RobotId,
         movable: &[RobotId],
         now: Time,
@@ -91,12 +91,12 @@ impl Traffic {
     /// the way first. If no route is left then, the robot that cannot drive and is in the way of one.
     fn influencers(
         &mut self,
-        core: &mut Core,
+        core: &Core,
         robot: RobotId,
         movable: &[RobotId],
         now: Time,
     ) -> (Vec<RobotId>, Option<RobotId>) {
-        let mut without = core.ledger.timeline().clone();
+        let mut without = core.ledger.timeline().view();
         for r in movable.iter().chain([&robot]) {
             without.withdraw(*r, core.ledger.chain(*r).granted() - 1);
         }
@@ -122,8 +122,8 @@ impl Traffic {
     /// timeline without those that can.
     fn broken_in_the_way(
         &mut self,
-        core: &mut Core,
-        mut without: Timeline,
+        core: &Core,
+        mut without: Overlay<'_>,
         robot: RobotId,
         now: Time,
     ) -> Option<RobotId> {
@@ -131,7 +131,7 @@ impl Traffic {
         if broken.is_empty() {
             return None;
         }
-        broken.iter().for_each(|r| without.remove(*r));
+        broken.iter().for_each(|r| without.withdraw(*r, 0));
         let route = self.search_on(core, &without, robot, now)?;
         let timeline = core.ledger.timeline();
         let on = |node| {
@@ -147,8 +147,8 @@ impl Traffic {
     }
 
     /// Plans robots one after the other, each against those before it; gives the sum of their arrivals.
-    fn plan_in_order(&mut self, core: &mut Core, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
-        let routes = in_turn(core, order, |core, timeline, r| self.search_on(core, timeline, r, now))?;
+    fn plan_in_order(&mut self, core: &Core, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
+        let routes = in_turn(core, order, |timeline, r| self.search_on(core, timeline, r, now))?;
         let cost = routes.iter().map(|(_, route)| (route.arrival - now).0).sum();
         Some((cost, routes))
     }
@@ -178,27 +178,27 @@ impl Floor<'_> {
 
 /// Routes for robots one after the other, each found on a timeline that has those of the robots before it, and nothing
 /// of the others beyond what they were granted. All get one, or none does.
-pub(super) fn in_turn(
-    core: &mut Core,
+pub(in crate::fleet) fn in_turn(
+    core: &Core,
     order: &[RobotId],
-    mut find: impl FnMut(&mut Core, &Timeline, RobotId) -> Option<Route>,
+    mut find: impl FnMut(&Overlay<'_>, RobotId) -> Option<Route>,
 ) -> Option<Vec<Found>> {
-    let mut scratch = core.ledger.timeline().clone();
+    let mut timeline = core.ledger.timeline().view();
     for r in order {
-        scratch.withdraw(*r, core.ledger.chain(*r).granted() - 1);
+        timeline.withdraw(*r, core.ledger.chain(*r).granted() - 1);
     }
     let mut routes = Vec::new();
     for &r in order {
-        let route = find(core, &scratch, r)?;
-        let visits = std::iter::once(route.kept.clone()).chain(route.visits.iter().cloned()).collect();
-        scratch.extend(r, visits).ok()?;
+        let route = find(&timeline, r)?;
+        let visits: Vec<Visit> = std::iter::once(&route.kept).chain(&route.visits).cloned().collect();
+        timeline.add(r, &visits).ok()?;
         routes.push((r, route));
     }
     Some(routes)
 }
 
 /// Books routes that were found together.
-pub(super) fn commit_all(core: &mut Core, routes: Vec<Found>) {
+pub(in crate::fleet) fn commit_all(core: &mut Core, routes: Vec<Found>) {
     let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
     core.record(RouteFact::Routed { bookings });
 }

@@ -206,7 +206,7 @@ impl Traffic {
         let kind = core.settings.kind(&core.ledger.robots[robot].kind);
         let planner = self.planners.of_mut(kind);
         let start = (core.settings.stopwatch)();
-        let found = core.ledger.without(&[robot], |others| planner.plan(&ask, others));
+        let found = planner.plan(&ask, &core.ledger.timeline().without(&[robot]));
         self.effort.spend(planner.expanded());
         self.plan_times.push((core.settings.stopwatch)() - start);
         self.tally.plans += 1;

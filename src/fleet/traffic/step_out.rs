@@ -63,7 +63,7 @@ impl Traffic {
         }
         leave.push(robot);
         let order = [leave, come.clone()].concat();
-        let routes = in_turn(core, &order, |core, timeline, r| {
+        let routes = in_turn(core, &order, |timeline, r| {
             let on = if come.contains(&r) { self.search_on(core, timeline, r, now) } else { None };
             on.or_else(|| self.way_out_on(core, timeline, r, now))
         });
@@ -74,16 +74,13 @@ impl Traffic {
 
     /// Robots on the way out that a robot would have if all that can move were not there: those that stand on it, or
     /// are granted some of it, the farthest along it first; and those that are to come onto it soon.
-    fn in_the_way_out(&mut self, core: &mut Core, robot: RobotId, now: Time) -> (Vec<RobotId>, Vec<RobotId>) {
+    fn in_the_way_out(&mut self, core: &Core, robot: RobotId, now: Time) -> (Vec<RobotId>, Vec<RobotId>) {
         let floor = core.floor();
         let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
         let movable =
             |r: &RobotId| *r != robot && fit(r) && !floor.next_stop_is_granted(*r) && !floor.is_halted(*r);
         let movable: Vec<RobotId> = core.ledger.present().filter(movable).collect();
-        let mut without = core.ledger.timeline().clone();
-        for r in &movable {
-            without.remove(*r);
-        }
+        let mut without = core.ledger.timeline().without(&movable);
         without.withdraw(robot, core.ledger.chain(robot).granted() - 1);
         let Some(route) = self.way_out_on(core, &without, robot, now) else {
             return (Vec::new(), Vec::new());

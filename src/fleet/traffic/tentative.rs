@@ -8,7 +8,7 @@ use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
 use crate::route::{Exemption, Route, RouteQuery, Stage};
 use crate::time::{Time, Window};
-use crate::timeline::Timeline;
+use crate::timeline::Overlay;
 
 /// So many places to stay are tried at a time, the nearest ones first.
 pub(super) const PLACES: usize = 4;
@@ -17,8 +17,8 @@ impl Traffic {
     /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
     pub(super) fn search_on(
         &mut self,
-        core: &mut Core,
-        timeline: &Timeline,
+        core: &Core,
+        timeline: &Overlay<'_>,
         robot: RobotId,
         now: Time,
     ) -> Option<Route> {
@@ -34,8 +34,8 @@ impl Traffic {
     /// A way to a place aside first, then on with the task, on some other timeline likewise.
     pub(in crate::fleet) fn way_aside(
         &mut self,
-        core: &mut Core,
-        timeline: &Timeline,
+        core: &Core,
+        timeline: &Overlay<'_>,
         robot: RobotId,
         (place, exemptions): (NodeId, &[Exemption]),
         now: Time,
@@ -47,8 +47,8 @@ impl Traffic {
 
     pub(super) fn search_stages_on(
         &mut self,
-        core: &mut Core,
-        timeline: &Timeline,
+        core: &Core,
+        timeline: &Overlay<'_>,
         robot: RobotId,
         stages: &[Stage],
         exemptions: &[Exemption],
@@ -72,8 +72,8 @@ impl Traffic {
     /// A route to the nearest place where a robot may stay, other than where it rests, on some other timeline.
     pub(super) fn way_out_on(
         &mut self,
-        core: &mut Core,
-        timeline: &Timeline,
+        core: &Core,
+        timeline: &Overlay<'_>,
         robot: RobotId,
         now: Time,
     ) -> Option<Route> {
@@ -94,9 +94,9 @@ impl Traffic {
 
 impl Floor<'_> {
     /// Whether no other robot stays on a node in the end, on some other timeline.
-    fn has_room_for_ever(&self, timeline: &Timeline, robot: RobotId, node: NodeId) -> bool {
+    fn has_room_for_ever(&self, timeline: &Overlay<'_>, robot: RobotId, node: NodeId) -> bool {
         let loaded = self.ledger.rack_on(robot).is_some();
-        let line = timeline.line(robot, loaded, self.warehouse().node_resource(node));
+        let line = self.ledger.timeline().line(robot, loaded, self.warehouse().node_resource(node));
         let end = Window::new(Time(Time::MAX.0 - 1), Time::MAX);
         timeline.holders_during(line, end, robot).next().is_none()
     }

@@ -11,10 +11,10 @@ use crate::aware::{BODY_M, Effects, HumanAwarePolicy};
 use crate::fleet::people::intents::goal_of;
 use crate::fleet::people::state::{HumanState, Led, WalkMode};
 use crate::fleet::state::core::Core;
-use crate::fleet::state::fact::RouteFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::regions::KindConditions;
 use crate::fleet::state::worker::Reaction;
+use crate::fleet::traffic::joint::{commit_all, in_turn};
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::evade::TRIES;
 use crate::fleet::yielding::state::Yielding;
@@ -194,8 +194,7 @@ impl Yielding {
         let routes = evasions(core, traffic, worker, robots, now);
         core.restrictions.conditions = before;
         let Some(routes) = routes else { return false };
-        let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
-        core.record(RouteFact::Routed { bookings });
+        commit_all(core, routes);
         for robot in robots {
             // It has just been planned; whatever else is earlier may lead back onto the path.
             self.procedure.again.remove(robot);
@@ -219,7 +218,7 @@ impl Yielding {
 
 /// Routes off the path for all of these robots, each planned around those before it.
 fn evasions(
-    core: &mut Core,
+    core: &Core,
     traffic: &mut Traffic,
     worker: WorkerId,
     robots: &[RobotId],
@@ -233,12 +232,7 @@ fn evasions(
     if !robots.iter().all(stands) {
         return None;
     }
-    let mut scratch = core.ledger.timeline().clone();
-    for robot in robots {
-        scratch.withdraw(*robot, core.ledger.chain(*robot).granted() - 1);
-    }
-    let mut routes = Vec::new();
-    for &robot in robots {
+    in_turn(core, robots, |timeline, robot| {
         // Where it stands is where no robot may be: any way off that comes no nearer is better.
         let mut exemptions = core.floor().exemptions(robot, now);
         if exemptions.iter().all(|a| a.from != Cause::Worker(worker)) {
@@ -246,15 +240,11 @@ fn evasions(
         }
         let mut places = core.floor().places_out_of_the_way(robot, worker);
         core.floor().sort_by_goal(&mut places, robot);
-        let route = places.into_iter().take(TRIES).find_map(|place| {
-            let route = traffic.way_aside(core, &scratch, robot, (place, &exemptions), now)?;
+        places.into_iter().take(TRIES).find_map(|place| {
+            let route = traffic.way_aside(core, timeline, robot, (place, &exemptions), now)?;
             core.floor().leaves_in_time(robot, &route, place, worker).then_some(route)
-        })?;
-        let visits = std::iter::once(&route.kept).chain(&route.visits).cloned().collect();
-        scratch.extend(robot, visits).ok()?;
-        routes.push((robot, route));
-    }
-    Some(routes)
+        })
+    })
 }
 
 /// The path that is expected of a worker.

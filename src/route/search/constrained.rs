@@ -11,14 +11,14 @@ use crate::route::RouteQuery;
 use crate::route::conditions::{Cause, Condition, Effect, no_entry_until};
 use crate::route::motion::{MotionState, Pace, drive_span};
 use crate::time::{Span, Time, Window};
-use crate::timeline::{FreeWindow, Timeline};
+use crate::timeline::{FreeWindow, Overlay};
 use crate::warehouse::Warehouse;
 use smallvec::{SmallVec, smallvec};
 
 /// The free windows of a node that end after `t`, without the time in which it is closed.
 pub(super) fn open_windows(
     warehouse: &Warehouse,
-    timeline: &Timeline,
+    timeline: &Overlay<'_>,
     ask: &RouteQuery<'_>,
     (node, line): (NodeId, LineId),
     t: Time,
@@ -60,7 +60,7 @@ pub(super) type Brief = SmallVec<[(u32, i64); 1]>;
 pub(super) fn brief_stays(
     warehouse: &Warehouse,
     pace: &Pace,
-    timeline: &Timeline,
+    timeline: &Overlay<'_>,
     ask: &RouteQuery<'_>,
     line: LineId,
 ) -> Brief {

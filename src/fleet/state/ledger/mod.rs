@@ -233,11 +233,6 @@ impl Ledger {
         &self.index
     }
 
-    /// Looks at the timeline as if these held nothing beyond what they were granted.
-    pub fn without<T>(&mut self, holders: &[RobotId], look: impl FnOnce(&Timeline) -> T) -> T {
-        self.timeline.without(holders, look)
-    }
-
     /// The queue of waiting jobs goes by this time from now on.
     pub fn advance_queue(&mut self, now: Time) {
         self.index.queue.advance(now);
