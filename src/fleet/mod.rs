@@ -135,7 +135,7 @@ impl Fleet {
         let mut fleet = Fleet {
             people: HumanState::new(&warehouse, &core.regions, core.settings.method),
             yielding: Yielding::default(),
-            traffic: Traffic::new(&core),
+            traffic: Traffic::new(core.floor()),
             core,
             replans: Replans::default(),
             waits_ns: 0,
@@ -156,8 +156,8 @@ impl Fleet {
 
     /// Takes all inputs in, then decides once from what is known now.
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
-        self.core.at_hand = None;
-        self.traffic.effort = Effort::of_a_step(&self.core);
+        self.core.at_hand.clear();
+        self.traffic.effort = Effort::of_a_step(self.core.floor());
         self.note_workplaces(now);
         let lost = self.people.lost(now);
         let heard = requests::absorb(&mut self.core, (&self.people.walkways, &lost), now, inputs);
@@ -285,7 +285,7 @@ impl Fleet {
     /// the facts leave with those of the next step. A step does this for a robot that finds no route. This is for
     /// measuring how long it takes.
     pub fn plan_jointly(&mut self, robot: RobotId, now: Time) -> bool {
-        self.traffic.effort = Effort::of_a_step(&self.core);
+        self.traffic.effort = Effort::of_a_step(self.core.floor());
         self.traffic.insert(&mut self.core, robot, now)
     }
 
@@ -306,7 +306,7 @@ impl Fleet {
 
     /// The robot that was being dealt with when a step ended in a panic, if it was one.
     pub fn at_hand(&self) -> Option<RobotId> {
-        self.core.at_hand
+        self.core.at_hand.robot()
     }
 
     /// Fences a robot off. The facts leave with those of the next step.
@@ -332,7 +332,7 @@ impl Fleet {
     #[cfg(test)]
     fn spring(&mut self) {
         if let Some(robot) = self.trap {
-            self.core.at_hand = Some(robot);
+            self.core.at_hand.note(robot);
             panic!("a test asked for it");
         }
     }

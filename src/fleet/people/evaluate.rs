@@ -57,7 +57,7 @@ impl HumanState {
     /// Follows all workers: where they are, whether they left their paths, where they may be going.
     pub(super) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
         self.note_closures(core.floor());
-        self.let_robots_pass(core, yielding, now);
+        self.let_robots_pass(core.floor(), yielding, now);
         self.hand_out(core, now);
         for worker in self.people.ids() {
             self.watch(core, yielding, worker, now);
@@ -77,13 +77,13 @@ impl HumanState {
         if is_evacuated {
             // Whatever there is to do waits.
         } else if self.people[worker].lets_pass.is_none_or(|l| l.stage == LetsPassStage::Waits) {
-            self.mind_closures(core, yielding, worker, place.at, now);
+            self.mind_closures(core.floor(), yielding, worker, place.at, now);
             self.take_up_work(core, yielding, worker, place.at, now);
         }
         let person = &mut self.people[worker];
         if person.relocated {
             // The worker did not walk there: the path starts here anew.
-            self.route_on(core, yielding, worker, place.at, now);
+            self.route_on(core.floor(), yielding, worker, place.at, now);
             return;
         }
         if !person.fresh {
@@ -97,7 +97,7 @@ impl HumanState {
         }
         let waits = !is_evacuated && self.keep_on_time(core.floor(), yielding, worker, &place, now);
         if !waits {
-            self.look_ahead(core, yielding, worker, &place, now);
+            self.look_ahead(core.floor(), yielding, worker, &place, now);
             self.make_room(core.floor(), yielding, worker, place.at, now);
         }
         let person = &mut self.people[worker];
@@ -108,7 +108,7 @@ impl HumanState {
         match (conduct, person.mode) {
             (Conduct::OnPath, _) if works => self.at_the_end(core, yielding, worker, place.at, now),
             (Conduct::Deviating, WalkMode::Deviating { .. }) => {
-                self.show_the_way_back(core, yielding, worker, place.at, now)
+                self.show_the_way_back(core.floor(), yielding, worker, place.at, now)
             }
             // Told to stop off the path: the procedure tries again by itself.
             (Conduct::Deviating, WalkMode::Stopped { .. })

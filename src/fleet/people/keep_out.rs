@@ -4,7 +4,6 @@
 
 use crate::fleet::people::routing::REDIRECT;
 use crate::fleet::people::state::{HumanState, WalkMode};
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::GuidanceReason;
 use crate::fleet::state::yielding::YieldingState;
@@ -28,7 +27,7 @@ impl HumanState {
     /// Leads a worker out of a closed area, and round those that the way leads into.
     pub(super) fn mind_closures(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         yielding: &YieldingState,
         worker: WorkerId,
         at: Point,
@@ -43,13 +42,13 @@ impl HumanState {
         if let Some(inside) = self.barred.around(at, now).map(|a| a.id) {
             let leaves = person.by_closure == Some(GuidanceReason::LeavesClosure(inside));
             if !leaves || person.plan.is_none() {
-                self.lead_out(core.floor(), yielding, worker, (at, inside), now);
+                self.lead_out(floor, yielding, worker, (at, inside), now);
             }
             return;
         }
         let rest = person.rest_of_path(at);
         if rest.is_some_and(|way| self.barred.met(&way, now).is_some()) {
-            self.route_on(core, yielding, worker, at, now);
+            self.route_on(floor, yielding, worker, at, now);
         }
     }
 

@@ -12,7 +12,6 @@
 use crate::aware::HumanAwarePolicy;
 use crate::fleet::people::blocked::WaysPast;
 use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::wait_graph::{Edge, Party};
 use crate::fleet::state::yielding::YieldingState;
@@ -56,8 +55,8 @@ const STANDS_STILL: Span = Span::from_secs(1);
 
 impl HumanState {
     /// Lets people go on who have let a robot pass, and asks those in the way of robots that wait for long.
-    pub(super) fn let_robots_pass(&mut self, core: &Core, yielding: &YieldingState, now: Time) {
-        if core.settings.policy != HumanAwarePolicy::Giveway || self.people.is_empty() {
+    pub(super) fn let_robots_pass(&mut self, floor: Floor<'_>, yielding: &YieldingState, now: Time) {
+        if floor.settings.policy != HumanAwarePolicy::Giveway || self.people.is_empty() {
             return;
         }
         for worker in self.people.ids() {
@@ -66,7 +65,7 @@ impl HumanState {
             if self.people[worker].message.is_some_and(|message| message.is_standoff(now)) {
                 // The robot waits for the worker all the same: the worker goes first.
                 self.people[worker].waited_at = Some(now);
-                self.go_on(core, yielding, worker, now);
+                self.go_on(floor, yielding, worker, now);
                 continue;
             }
             if lets_pass.stage == LetsPassStage::Waits {
@@ -77,19 +76,19 @@ impl HumanState {
                 continue;
             }
             let knows = place.as_ref().is_some_and(|p| p.sigma_m <= UNSURE_M);
-            if core.floor().has_passed(&lets_pass, place.as_ref(), now) {
-                self.go_on(core, yielding, worker, now);
+            if floor.has_passed(&lets_pass, place.as_ref(), now) {
+                self.go_on(floor, yielding, worker, now);
             } else if lets_pass.stage == LetsPassStage::TouchesMarks && knows {
                 self.people[worker].lets_pass = None;
             }
         }
         self.passed.retain(|_, last| now - *last < LATELY);
-        self.let_out(core.floor(), yielding, now);
-        for (robot, worker, waited) in core.floor().waits.starving(now, STARVES_AGAIN, STARVES_ON_ITS_WAY) {
+        self.let_out(floor, yielding, now);
+        for (robot, worker, waited) in floor.waits.starving(now, STARVES_AGAIN, STARVES_ON_ITS_WAY) {
             if waited < STARVES && !self.passed.contains_key(&robot) {
                 continue;
             }
-            self.clear_the_way(core.floor(), yielding, (robot, worker), None, now);
+            self.clear_the_way(floor, yielding, (robot, worker), None, now);
         }
     }
 
@@ -131,7 +130,7 @@ impl HumanState {
     }
 
     /// The robot has passed, or it is long enough: the person goes on with the task.
-    fn go_on(&mut self, core: &Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
+    fn go_on(&mut self, floor: Floor<'_>, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let place = self.whereabouts(worker, now);
         let person = &mut self.people[worker];
         (person.lets_pass, person.let_pass_at) = (None, Some(now));
@@ -139,7 +138,7 @@ impl HumanState {
         if aside {
             (person.plan, person.mode) = (None, WalkMode::Idle);
             if let Some(place) = place {
-                self.route_on(core, yielding, worker, place.at, now);
+                self.route_on(floor, yielding, worker, place.at, now);
             }
         }
     }

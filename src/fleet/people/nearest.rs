@@ -6,6 +6,7 @@
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::AssignmentFact;
+use crate::fleet::state::floor::Floor;
 use crate::geometry::Point;
 use crate::human::Presence;
 use crate::id::WorkerId;
@@ -22,7 +23,7 @@ impl HumanState {
         if waiting.is_empty() || core.ledger.evacuation.is_some() {
             return;
         }
-        let mut free = self.free_workers(core, now);
+        let mut free = self.free_workers(core.floor(), now);
         let mut ways = 0;
         for assignment in waiting {
             ways += free.len();
@@ -48,8 +49,8 @@ impl HumanState {
     }
 
     /// Workers who are seen and have nothing to do, with where they are.
-    fn free_workers(&self, core: &Core, now: Time) -> Vec<(WorkerId, Point)> {
-        let idle = |w: &WorkerId| core.floor().next_assignment(*w).is_none();
+    fn free_workers(&self, floor: Floor<'_>, now: Time) -> Vec<(WorkerId, Point)> {
+        let idle = |w: &WorkerId| floor.next_assignment(*w).is_none();
         let seen = |w: WorkerId| {
             let place = self.people[w].track.whereabouts(now)?;
             (place.presence == Presence::Tracked).then_some((w, place.at))

@@ -67,7 +67,7 @@ impl HumanState {
                     let state = AssignmentState::Walking;
                     core.record(AssignmentFact::Advanced { assignment: id, state, at: now });
                 }
-                self.route_on(core, yielding, worker, at, now);
+                self.route_on(core.floor(), yielding, worker, at, now);
             }
             None => {
                 let by_closure = self.waits_for_closure(core.floor(), worker, at, now);
@@ -80,24 +80,24 @@ impl HumanState {
     /// Gives a worker the way from `at` to the next assignment.
     pub(in crate::fleet) fn route_on(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         yielding: &YieldingState,
         worker: WorkerId,
         at: Point,
         now: Time,
     ) {
-        let next = self.next_open_assignment(core.floor(), worker, at, now);
-        let Some(id) = next.filter(|_| core.ledger.evacuation.is_none()) else {
+        let next = self.next_open_assignment(floor, worker, at, now);
+        let Some(id) = next.filter(|_| floor.ledger.evacuation.is_none()) else {
             self.people[worker].plan = None;
             return;
         };
-        let request = &core.ledger.assignments[&id].request;
-        let (goal, stay) = (core.warehouse().nodes[request.place].at, request.stay);
-        let cut = self.edges_robots_block(core.floor(), yielding, now);
+        let request = &floor.ledger.assignments[&id].request;
+        let (goal, stay) = (floor.warehouse().nodes[request.place].at, request.stay);
+        let cut = self.edges_robots_block(floor, yielding, now);
         let free = self.walkways.no_edges();
         let way = |cut| self.barred.way_round(&self.walkways, (at, goal), cut, now);
         let beside = || self.way_from_beside(at, goal).map(|points| (points, None));
-        let on_time = self.route_on_time(core.floor(), (worker, at), goal, &cut, now);
+        let on_time = self.route_on_time(floor, (worker, at), goal, &cut, now);
         let way = on_time.or_else(|| way(&cut)).or_else(|| way(&free)).or_else(beside);
         let person = &mut self.people[worker];
         match way {
@@ -129,13 +129,13 @@ impl HumanState {
     /// wait.
     pub(in crate::fleet) fn look_ahead(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         yielding: &YieldingState,
         worker: WorkerId,
         place: &Whereabouts,
         now: Time,
     ) {
-        let robot = self.robot_on_path(core.floor(), worker, place);
+        let robot = self.robot_on_path(floor, worker, place);
         let person = &mut self.people[worker];
         let since = match (robot, person.blocked_since) {
             (None, _) => {
@@ -153,18 +153,18 @@ impl HumanState {
         }
         person.blocked_since = robot.map(|r| (r, now));
         let Some(goal) = person.plan.as_ref().map(|p| p.follower.goal()) else { return };
-        let mut cut = self.edges_blocked_for_long(core.floor(), yielding, now);
-        for r in core.ledger.present().filter(|r| core.floor().stands_near(*r, place.at)) {
-            let reach = core.floor().beside_m(r, 0.2);
-            self.walkways.edges_within(core.floor().place_of(r), reach).into_iter().for_each(|e| {
+        let mut cut = self.edges_blocked_for_long(floor, yielding, now);
+        for r in floor.ledger.present().filter(|r| floor.stands_near(*r, place.at)) {
+            let reach = floor.beside_m(r, 0.2);
+            self.walkways.edges_within(floor.place_of(r), reach).into_iter().for_each(|e| {
                 cut.insert(e);
             });
         }
         // A robot that has waited for the worker for long has nowhere to go: the worker makes room, not the robot.
         let is_stuck = robot.is_some_and(|r| yielding.stuck_with(r, now) == Some(worker));
-        let refuge = || self.refuge(core.floor(), worker, place.at, &cut);
-        let kept = core.waits.kept_in_one_spot(worker);
-        let way = || WaysPast::new(self, core.floor(), place.at, &cut).by_sides(kept).to(goal);
+        let refuge = || self.refuge(floor, worker, place.at, &cut);
+        let kept = floor.waits.kept_in_one_spot(worker);
+        let way = || WaysPast::new(self, floor, place.at, &cut).by_sides(kept).to(goal);
         let (way, refuge) = match is_stuck.then(refuge).flatten() {
             Some(points) => (None, Some(points)),
             None => way().map_or_else(|| (None, refuge()), |points| (Some(points), None)),
@@ -305,22 +305,22 @@ impl HumanState {
         core.record(EncounterFact::Deviated { worker, at: now });
         self.people[worker].mode = WalkMode::Deviating { since: now };
         if core.settings.policy == HumanAwarePolicy::Giveway {
-            self.route_on(core, yielding, worker, at, now);
+            self.route_on(core.floor(), yielding, worker, at, now);
         }
     }
 
     /// Shows a worker who left the path a new one from where the worker is, now and then.
     pub(in crate::fleet) fn show_the_way_back(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         yielding: &YieldingState,
         worker: WorkerId,
         at: Point,
         now: Time,
     ) {
         let made = self.people[worker].plan.as_ref().map_or(Time::ZERO, |p| p.made);
-        if core.settings.policy == HumanAwarePolicy::Giveway && now - made >= REDIRECT {
-            self.route_on(core, yielding, worker, at, now);
+        if floor.settings.policy == HumanAwarePolicy::Giveway && now - made >= REDIRECT {
+            self.route_on(floor, yielding, worker, at, now);
         }
     }
 
@@ -339,7 +339,7 @@ impl HumanState {
         let Some(id) = plan.assignment else {
             // A path that only led out of the way.
             person.mode = WalkMode::Following;
-            return self.route_on(core, yielding, worker, at, now);
+            return self.route_on(core.floor(), yielding, worker, at, now);
         };
         if !is_there {
             return;

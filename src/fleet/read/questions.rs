@@ -136,11 +136,11 @@ impl Fleet {
     /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
     /// the worker to stand, if the worker was not told yet.
     pub fn calls_for_stop(&self, sighting: &Sighting, now: Time) -> bool {
-        self.yielding.calls_for_stop(&self.core, &self.people, &self.traffic, sighting, now)
+        self.yielding.calls_for_stop(self.core.floor(), &self.people, &self.traffic, sighting, now)
     }
 
     /// What a step that took in these hands now would warn of.
     pub fn warning_of(&self, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
-        warning_of(&self.core, seen, now)
+        warning_of(self.core.floor(), seen, now)
     }
 }

@@ -7,7 +7,6 @@
 use crate::cell::{DeskEvent, DeskScene, HandsSeen, HeldPiece, LineChange, Lines, OrderLine, PickFace};
 use crate::fleet::requests::intake::Intake;
 use crate::fleet::requests::visit::OnVisit;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::JobFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{CellWarning, WrongReach};
@@ -171,20 +170,19 @@ impl Intake<'_> {
 }
 
 /// What a step that took in these hands now would warn of.
-pub(in crate::fleet) fn warning_of(core: &Core, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
+pub(in crate::fleet) fn warning_of(floor: Floor<'_>, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
     let station = seen.station;
-    if station.ix() >= core.warehouse().stations.len() || !core.settings.flow.hears_hands() {
+    if station.ix() >= floor.warehouse().stations.len() || !floor.settings.flow.hears_hands() {
         return None;
     }
-    if seen.seen > now + AHEAD || !core.visits.can_be_wrong(seen) {
+    if seen.seen > now + AHEAD || !floor.visits.can_be_wrong(seen) {
         return None;
     }
-    let floor = core.floor();
     let job = floor.picked_from(station).and_then(|robot| floor.ledger.robots[robot].task.job());
     let lit = job.and_then(|job| floor.lit_line(station, job));
     let tote = lit.as_ref().map(|line| line.tote).or(floor.unconfirmed_line(station).map(|line| line.tote));
     let expected = (lit.map(|line| line.slot), tote);
-    let wrong = match core.visits.would_warn(&core.settings.picks, expected, seen)? {
+    let wrong = match floor.visits.would_warn(&floor.settings.picks, expected, seen)? {
         DeskEvent::AimsAt(slot) | DeskEvent::Grasped(slot) => WrongReach::Slot(slot),
         DeskEvent::Placed(_, tote) => WrongReach::Tote(tote),
     };

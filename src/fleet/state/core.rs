@@ -5,6 +5,7 @@
 
 use crate::fleet::state::activity::Activities;
 use crate::fleet::state::arms::Arms;
+use crate::fleet::state::at_hand::AtHand;
 use crate::fleet::state::fact::{Fact, JobFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Step;
@@ -48,7 +49,7 @@ pub(in crate::fleet) struct Core {
     /// What the step gives out so far.
     pub out: Step,
     /// The robot that is being dealt with: named where a contradiction ends the step.
-    pub at_hand: Option<RobotId>,
+    pub at_hand: AtHand,
 }
 
 impl Core {
@@ -66,7 +67,7 @@ impl Core {
             visits: Visits::new(settings.flow.counts_lines()),
             arms: Arms::new(warehouse),
             out: Step::default(),
-            at_hand: None,
+            at_hand: AtHand::default(),
             ledger,
             settings,
         }
@@ -74,8 +75,20 @@ impl Core {
 
     /// The floor as it is now, for questions.
     pub fn floor(&self) -> Floor<'_> {
-        let Core { settings, ledger, scene, restrictions, waits, regions, storage, visits, .. } = self;
-        Floor { ledger, scene, settings, restrictions, waits, regions, storage, visits }
+        let Core {
+            settings,
+            ledger,
+            scene,
+            restrictions,
+            waits,
+            regions,
+            storage,
+            visits,
+            arms,
+            at_hand,
+            ..
+        } = self;
+        Floor { ledger, scene, settings, restrictions, waits, regions, storage, visits, arms, at_hand }
     }
 
     /// The building.
@@ -86,7 +99,9 @@ impl Core {
     /// Takes a fact into the ledger and into the step's result.
     pub fn record(&mut self, fact: impl Into<Fact>) {
         let fact = fact.into();
-        self.at_hand = fact.robot().or(self.at_hand);
+        if let Some(robot) = fact.robot() {
+            self.at_hand.note(robot);
+        }
         self.visits.note(&self.ledger, &fact);
         self.ledger.evolve(&fact);
         self.out.facts.push(fact);

@@ -5,6 +5,7 @@
 
 pub mod activity;
 pub mod arms;
+pub(in crate::fleet) mod at_hand;
 pub(in crate::fleet) mod binding;
 pub(in crate::fleet) mod closed_areas;
 pub(in crate::fleet) mod core;

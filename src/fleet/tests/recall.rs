@@ -232,7 +232,7 @@ fn who_stands_for_long_after_the_work_should_be_done_is_not_about_to_set_off() {
     let speed = |later_s: i64| {
         let later = floor.now + Span::from_secs(later_s);
         let Fleet { core, people, traffic, yielding, .. } = &floor.fleet;
-        yielding.limits(core, people, traffic).walk_of(there, &seen, robot, later).speed_mps
+        yielding.limits(core.floor(), people, traffic).walk_of(there, &seen, robot, later).speed_mps
     };
     assert!(speed(0) > 1.0 && speed(20) > 1.0, "she sets off when it is done, or a little later");
     assert!(speed(60) < 0.1, "something else keeps her, maybe the robot");

@@ -128,7 +128,7 @@ impl Traffic {
         }
         let stages = core.floor().stages_left(robot);
         self.tally.replans += 1;
-        match self.search(core, robot, &stages, now) {
+        match self.search(core.floor(), robot, &stages, now) {
             Ok(route) => commit(core, robot, route),
             Err(_) if task != old => core.record(RobotFact::Tasked { robot, task: old }),
             Err(_) => self.set_down_instead(core, robot, now),
@@ -143,7 +143,7 @@ impl Traffic {
         let store = floor.best_storage(robot, rack, floor.ledger.node_of(robot), 0);
         let lift = floor.kinematics(robot).lift;
         let stage = Stage { loaded: true, stay: lift, ..Stage::to_stay(store) };
-        if let Ok(route) = self.search(core, robot, &[stage], now) {
+        if let Ok(route) = self.search(core.floor(), robot, &[stage], now) {
             let task = Task::Store { job: None, rack, store };
             core.progress(job, JobState::Waiting, Some((robot, task)), now);
             commit(core, robot, route);

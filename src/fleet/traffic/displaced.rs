@@ -92,20 +92,20 @@ impl Traffic {
         // Asked once for each place: the answer stays the same and costs a search.
         let no_way = Displacement::NoWayOut(node);
         let asked = core.scene.displaced(robot).is_some_and(|d| d.why == no_way);
-        if asked || !self.has_way_out(core, robot, node) { Err(no_way) } else { Ok(node) }
+        if asked || !self.has_way_out(core.floor(), robot, node) { Err(no_way) } else { Ok(node) }
     }
 
     /// Whether lanes lead on from a node: to where the robot is to bring its rack, else to a place where it may stay.
-    fn has_way_out(&mut self, core: &mut Core, robot: RobotId, node: NodeId) -> bool {
-        let stages = match core.ledger.robots[robot].task {
-            task if task.carried().is_some() => core.floor().stages(robot),
-            _ if core.warehouse().kind(node).is_lasting() => return true,
+    fn has_way_out(&mut self, floor: Floor<'_>, robot: RobotId, node: NodeId) -> bool {
+        let stages = match floor.ledger.robots[robot].task {
+            task if task.carried().is_some() => floor.stages(robot),
+            _ if floor.warehouse().kind(node).is_lasting() => return true,
             _ => {
-                let stays = core.warehouse().nodes_where(NodeKind::is_lasting);
+                let stays = floor.warehouse().nodes_where(NodeKind::is_lasting);
                 stays.first().map(|n| Stage::to_stay(*n)).into_iter().collect()
             }
         };
-        let kind = core.settings.kind(&core.ledger.robots[robot].kind);
+        let kind = floor.settings.kind(&floor.ledger.robots[robot].kind);
         self.planners.of_mut(kind).free_flow(node, &stages).is_some()
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Main function: `better_direction`. Refuses: to turn a robot, and to know whether a person keeps it from either.
 
-use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::plan::{WORTH, reached};
 use crate::fleet::traffic::state::{Direction, Traffic};
 use crate::id::RobotId;
@@ -14,11 +14,10 @@ impl Traffic {
     /// about as good. Two searches.
     pub(in crate::fleet) fn better_direction(
         &mut self,
-        core: &mut Core,
+        floor: Floor<'_>,
         robot: RobotId,
         now: Time,
     ) -> Direction {
-        let floor = core.floor();
         if floor.ledger.robots[robot].failed {
             // It can drive again, and the ledger learns that later in this step.
             return Direction::Forward;
@@ -31,8 +30,8 @@ impl Traffic {
         let drives = Span::from_secs_f64(to_go_m / floor.kinematics(robot).speed_mps);
         let heading = floor.scene.robot(robot).map_or(0.0, |seen| seen.pose.heading);
         let back = (Visit { arrive: now + drives, ..back }, heading);
-        let forward = self.search(core, robot, &stages, now).ok().map(|route| reached(&route));
-        let backward = self.search_from(core, robot, back, &stages, now).ok().map(|route| reached(&route));
+        let forward = self.search(floor, robot, &stages, now).ok().map(|route| reached(&route));
+        let backward = self.search_from(floor, robot, back, &stages, now).ok().map(|route| reached(&route));
         match (forward, backward) {
             (None, Some(_)) => Direction::Back,
             (Some(forward), Some(backward)) if backward + WORTH < forward => Direction::Back,

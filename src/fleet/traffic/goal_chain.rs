@@ -64,7 +64,7 @@ impl Traffic {
         let first = if places.is_empty() { 0 } else { (tries / PLACES) * PLACES % places.len() };
         for place in places.into_iter().cycle().skip(first).take(PLACES) {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
-            if let Ok(mut route) = self.search(core, robot, &[stage], now) {
+            if let Ok(mut route) = self.search(core.floor(), robot, &[stage], now) {
                 route.stops.clear();
                 commit(core, robot, route);
                 return true;

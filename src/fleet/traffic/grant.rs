@@ -43,7 +43,7 @@ impl Traffic {
             self.withheld.push(None);
         }
         for robot in core.ledger.present() {
-            core.at_hand = Some(robot);
+            core.at_hand.note(robot);
             if core.ledger.robots[robot].failed || core.scene.fit(robot, now).is_none() {
                 continue;
             }

@@ -36,10 +36,11 @@ impl Traffic {
         }
         let start = (core.settings.stopwatch)();
         self.tally.insertions.tried += 1;
-        let movable = self.movable(core, robot, now);
+        let movable = self.movable(core.floor(), robot, now);
         let in_place = core.floor().in_the_places_of(robot, &movable);
-        let first = if in_place.is_empty() { None } else { self.insert_past(core, robot, &in_place, now) };
-        let found = first.or_else(|| self.insert_past(core, robot, &movable, now));
+        let first =
+            if in_place.is_empty() { None } else { self.insert_past(core.floor(), robot, &in_place, now) };
+        let found = first.or_else(|| self.insert_past(core.floor(), robot, &movable, now));
         self.plan_times.push((core.settings.stopwatch)() - start);
         let Some(Inserted { cost, behind, routes }) = found else { return false };
         self.tally.insertions.count(cost, behind);
@@ -48,22 +49,21 @@ impl Traffic {
     }
 
     /// Robots that can be planned anew, other than this one.
-    fn movable(&self, core: &Core, robot: RobotId, now: Time) -> Vec<RobotId> {
-        let floor = core.floor();
-        let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
+    fn movable(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Vec<RobotId> {
+        let fit = |r: &RobotId| !floor.ledger.robots[*r].failed && floor.scene.fit(*r, now).is_some();
         let busy = |r: &RobotId| floor.next_stop_is_granted(*r) || floor.waits_for_room(*r);
-        core.ledger.present().filter(|r| *r != robot && fit(r) && !busy(r)).collect()
+        floor.ledger.present().filter(|r| *r != robot && fit(r) && !busy(r)).collect()
     }
 
     /// The best routes for `robot` and the few of `movable` that are most in its way.
     fn insert_past(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         robot: RobotId,
         movable: &[RobotId],
         now: Time,
     ) -> Option<Inserted> {
-        let (others, broken) = self.influencers(core, robot, movable, now);
+        let (others, broken) = self.influencers(floor, robot, movable, now);
         if let Some(need) = self.needs.waiting.get_mut(&robot) {
             need.behind = others.first().copied().or(broken);
         }
@@ -72,7 +72,7 @@ impl Traffic {
         let mut behind: Option<i64> = None;
         for size in 1..=others.len() {
             for order in orders(robot, &others[..size]) {
-                let Some((cost, routes)) = self.plan_in_order(core, &order, now) else { continue };
+                let Some((cost, routes)) = self.plan_in_order(floor, &order, now) else { continue };
                 if order[..size] == others[..size] {
                     behind = Some(cost);
                 }
@@ -91,22 +91,22 @@ impl Traffic {
     /// the way first. If no route is left then, the robot that cannot drive and is in the way of one.
     fn influencers(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         robot: RobotId,
         movable: &[RobotId],
         now: Time,
     ) -> (Vec<RobotId>, Option<RobotId>) {
-        let mut without = core.ledger.timeline().view();
+        let mut without = floor.ledger.timeline().view();
         for r in movable.iter().chain([&robot]) {
-            without.withdraw(*r, core.ledger.chain(*r).granted() - 1);
+            without.withdraw(*r, floor.ledger.chain(*r).granted() - 1);
         }
-        let Some(route) = self.search_on(core, &without, robot, now) else {
-            return (Vec::new(), self.broken_in_the_way(core, without, robot, now));
+        let Some(route) = self.search_on(floor, &without, robot, now) else {
+            return (Vec::new(), self.broken_in_the_way(floor, without, robot, now));
         };
         let mut met: BTreeMap<RobotId, usize> = BTreeMap::new();
         for visit in &route.visits {
-            let timeline = core.ledger.timeline();
-            let line = timeline.line(robot, visit.loaded, core.warehouse().node_resource(visit.node));
+            let timeline = floor.ledger.timeline();
+            let line = timeline.line(robot, visit.loaded, floor.warehouse().node_resource(visit.node));
             for h in timeline.holders_during(line, visit.window(), robot) {
                 *met.entry(h).or_default() += 1;
             }
@@ -114,7 +114,7 @@ impl Traffic {
         let mut ranked: Vec<(usize, RobotId)> = met.into_iter().map(|(r, n)| (n, r)).collect();
         ranked.retain(|(_, r)| movable.contains(r));
         // A robot that stands in the way for ever meets few windows, but no order helps while it does.
-        ranked.sort_by_key(|(n, r)| (!core.floor().lacks_route(*r), std::cmp::Reverse(*n), *r));
+        ranked.sort_by_key(|(n, r)| (!floor.lacks_route(*r), std::cmp::Reverse(*n), *r));
         (ranked.into_iter().take(OTHERS).map(|(_, r)| r).collect(), None)
     }
 
@@ -122,23 +122,24 @@ impl Traffic {
     /// timeline without those that can.
     fn broken_in_the_way(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         mut without: Overlay<'_>,
         robot: RobotId,
         now: Time,
     ) -> Option<RobotId> {
-        let broken: Vec<RobotId> = core.ledger.present().filter(|r| core.ledger.robots[*r].failed).collect();
+        let broken: Vec<RobotId> =
+            floor.ledger.present().filter(|r| floor.ledger.robots[*r].failed).collect();
         if broken.is_empty() {
             return None;
         }
         broken.iter().for_each(|r| without.withdraw(*r, 0));
-        let route = self.search_on(core, &without, robot, now)?;
-        let timeline = core.ledger.timeline();
+        let route = self.search_on(floor, &without, robot, now)?;
+        let timeline = floor.ledger.timeline();
         let on = |node| {
             let line = timeline.line(
                 robot,
-                core.ledger.rack_on(robot).is_some(),
-                core.warehouse().node_resource(node),
+                floor.ledger.rack_on(robot).is_some(),
+                floor.warehouse().node_resource(node),
             );
             let held = timeline.held_by_others(line, robot).map(|h| h.holder);
             held.filter(|r| broken.contains(r)).min()
@@ -147,8 +148,8 @@ impl Traffic {
     }
 
     /// Plans robots one after the other, each against those before it; gives the sum of their arrivals.
-    fn plan_in_order(&mut self, core: &Core, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
-        let routes = in_turn(core, order, |timeline, r| self.search_on(core, timeline, r, now))?;
+    fn plan_in_order(&mut self, floor: Floor<'_>, order: &[RobotId], now: Time) -> Option<(i64, Vec<Found>)> {
+        let routes = in_turn(floor, order, |timeline, r| self.search_on(floor, timeline, r, now))?;
         let cost = routes.iter().map(|(_, route)| (route.arrival - now).0).sum();
         Some((cost, routes))
     }
@@ -179,13 +180,13 @@ impl Floor<'_> {
 /// Routes for robots one after the other, each found on a timeline that has those of the robots before it, and nothing
 /// of the others beyond what they were granted. All get one, or none does.
 pub(in crate::fleet) fn in_turn(
-    core: &Core,
+    floor: Floor<'_>,
     order: &[RobotId],
     mut find: impl FnMut(&Overlay<'_>, RobotId) -> Option<Route>,
 ) -> Option<Vec<Found>> {
-    let mut timeline = core.ledger.timeline().view();
+    let mut timeline = floor.ledger.timeline().view();
     for r in order {
-        timeline.withdraw(*r, core.ledger.chain(*r).granted() - 1);
+        timeline.withdraw(*r, floor.ledger.chain(*r).granted() - 1);
     }
     let mut routes = Vec::new();
     for &r in order {

@@ -42,7 +42,7 @@ impl Traffic {
     pub(in crate::fleet) fn plan_needed(&mut self, core: &mut Core, now: Time) {
         self.needs.tickets.note(core.floor(), now);
         self.lapse_places(core, now);
-        let in_need = self.in_need(core, now);
+        let in_need = self.in_need(core.floor(), now);
         let mut bound = if in_need.is_empty() { IdVec::new() } else { core.floor().bound_for_stations() };
         for (i, robot) in in_need.iter().copied().enumerate() {
             if self.effort.is_spent() {
@@ -84,9 +84,9 @@ impl Traffic {
 
     /// Robots whose task asks for a route that they do not have, longest waiting first: since they lifted their racks
     /// if they go to a station.
-    fn in_need(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
-        for robot in core.ledger.present() {
-            if core.floor().lacks_route(robot) {
+    fn in_need(&mut self, floor: Floor<'_>, now: Time) -> Vec<RobotId> {
+        for robot in floor.ledger.present() {
+            if floor.lacks_route(robot) {
                 let fresh =
                     Need { since: now, next_try: now, tries: 0, fails_since: None, behind: None, cut: None };
                 self.needs.waiting.entry(robot).or_insert(fresh);
@@ -106,7 +106,7 @@ impl Traffic {
         debug_assert!(core.floor().lacks_route(robot), "{robot:?} has the route that its task asks for");
         self.choose_storage(core, robot);
         let stages = core.floor().stages(robot);
-        match self.search(core, robot, &stages, now) {
+        match self.search(core.floor(), robot, &stages, now) {
             Ok(route) => {
                 commit(core, robot, route);
                 self.needs.waiting.remove(&robot);
@@ -164,9 +164,9 @@ impl Traffic {
     /// Labels that a search for a robot may expand: twice as many after each one that failed. On a crowded floor a
     /// route may be farther from the first labels than one budget reaches; with the same one, the search would fail for
     /// ever.
-    fn budget(&self, core: &Core, robot: RobotId) -> u32 {
+    fn budget(&self, floor: Floor<'_>, robot: RobotId) -> u32 {
         let tries = self.needs.waiting.get(&robot).map_or(0, |need| need.tries);
-        let usual = core.settings.expansions_per_plan;
+        let usual = floor.settings.expansions_per_plan;
         // A step expands no more than it may, and the usual budget of its last search.
         (usual << tries.min(DOUBLINGS)).min(self.effort.left().max(usual))
     }
@@ -174,19 +174,19 @@ impl Traffic {
     /// A route from where the robot's grants end.
     pub(in crate::fleet) fn search(
         &mut self,
-        core: &mut Core,
+        floor: Floor<'_>,
         robot: RobotId,
         stages: &[Stage],
         now: Time,
     ) -> Result<Route, NoRoute> {
-        let (from, heading) = core.floor().grant_end(robot);
-        self.search_from(core, robot, (from, heading), stages, now)
+        let (from, heading) = floor.grant_end(robot);
+        self.search_from(floor, robot, (from, heading), stages, now)
     }
 
     /// A route from a visit at whose end it heads so, as if it held nothing else.
     pub(super) fn search_from(
         &mut self,
-        core: &mut Core,
+        floor: Floor<'_>,
         robot: RobotId,
         (from, heading): (Visit, f64),
         stages: &[Stage],
@@ -195,20 +195,20 @@ impl Traffic {
         if self.effort.is_spent() {
             return Err(NoRoute::BudgetSpent);
         }
-        core.at_hand = Some(robot);
-        debug_assert!(!core.ledger.robots[robot].failed, "{robot:?} has failed and goes nowhere");
-        let ready = now.max(from.arrive) + core.settings.period;
-        let (budget, exemptions) = (self.budget(core, robot), core.floor().exemptions(robot, now));
-        let body = core.floor().body(robot);
-        let conditions = core.restrictions.conditions.of(body);
+        floor.at_hand.note(robot);
+        debug_assert!(!floor.ledger.robots[robot].failed, "{robot:?} has failed and goes nowhere");
+        let ready = now.max(from.arrive) + floor.settings.period;
+        let (budget, exemptions) = (self.budget(floor, robot), floor.exemptions(robot, now));
+        let body = floor.body(robot);
+        let conditions = floor.restrictions.conditions.of(body);
         let ask =
             RouteQuery { from: &from, heading, ready, stages, budget, conditions, exemptions: &exemptions };
-        let kind = core.settings.kind(&core.ledger.robots[robot].kind);
+        let kind = floor.settings.kind(&floor.ledger.robots[robot].kind);
         let planner = self.planners.of_mut(kind);
-        let start = (core.settings.stopwatch)();
-        let found = planner.plan(&ask, &core.ledger.timeline().without(&[robot]));
+        let start = (floor.settings.stopwatch)();
+        let found = planner.plan(&ask, &floor.ledger.timeline().without(&[robot]));
         self.effort.spend(planner.expanded());
-        self.plan_times.push((core.settings.stopwatch)() - start);
+        self.plan_times.push((floor.settings.stopwatch)() - start);
         self.tally.plans += 1;
         found
     }
@@ -238,7 +238,7 @@ impl Traffic {
             return;
         }
         let stages = core.floor().stages_left(robot);
-        match self.search(core, robot, &stages, now) {
+        match self.search(core.floor(), robot, &stages, now) {
             Ok(route) if reached(&route) + WORTH < planned => commit(core, robot, route),
             Ok(_) | Err(_) => {}
         }
@@ -256,7 +256,7 @@ impl Traffic {
         let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return HeldChoice::Wait };
         let planned = core.floor().expected(robot, stop.serial, waited, now);
         let stages = core.floor().stages_left(robot);
-        let found = self.search(core, robot, &stages, now).ok();
+        let found = self.search(core.floor(), robot, &stages, now).ok();
         let choice = cheapest(planned, found.as_ref().map(reached), passes);
         if let (HeldChoice::Reroute, Some(route)) = (choice, found) {
             commit(core, robot, route);
@@ -272,7 +272,7 @@ impl Traffic {
         let planned = core.floor().expected(robot, stop.serial, waited, now);
         let stages = core.floor().stages_left(robot);
         self.tally.replans += 1;
-        match self.search(core, robot, &stages, now) {
+        match self.search(core.floor(), robot, &stages, now) {
             Ok(route) if reached(&route) < planned => commit(core, robot, route),
             Ok(_) | Err(_) => {}
         }
@@ -287,7 +287,7 @@ impl Traffic {
         now: Time,
     ) -> bool {
         let Some(stages) = core.floor().stages_aside(robot, place) else { return false };
-        let Ok(route) = self.search(core, robot, &stages, now) else { return false };
+        let Ok(route) = self.search(core.floor(), robot, &stages, now) else { return false };
         let route = core.floor().with_own_stops(robot, route);
         commit(core, robot, route);
         true

@@ -25,7 +25,7 @@ impl Traffic {
     pub(in crate::fleet) fn note_progress(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
         let mut taken_up = Vec::new();
         for robot in core.ledger.present() {
-            core.at_hand = Some(robot);
+            core.at_hand.note(robot);
             let Some(seen) = core.scene.robot(robot).copied() else { continue };
             // What a robot reports that is fenced off would only meet the same contradiction.
             if core.ledger.robots[robot].fenced.is_some() {
@@ -41,7 +41,7 @@ impl Traffic {
             }
             note_delay(core, robot, now);
         }
-        core.at_hand = None;
+        core.at_hand.clear();
         fail_orphans(core, now);
         taken_up
     }

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`Traffic`], [`Withheld`]. Refuses: to decide.
 
-use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
 use crate::id::{IdVec, NodeId, ResourceId, RobotId};
@@ -83,8 +83,8 @@ pub(in crate::fleet) struct Effort {
 
 impl Effort {
     /// None of what one step may take is spent.
-    pub fn of_a_step(core: &Core) -> Effort {
-        Effort { spent: 0, whole: core.settings.expansions_per_step }
+    pub fn of_a_step(floor: Floor<'_>) -> Effort {
+        Effort { spent: 0, whole: floor.settings.expansions_per_step }
     }
 
     pub fn spend(&mut self, labels: u32) {
@@ -132,14 +132,14 @@ pub(in crate::fleet) struct Traffic {
 
 impl Traffic {
     /// Nothing is planned, and no robot was heard of.
-    pub fn new(core: &Core) -> Traffic {
+    pub fn new(floor: Floor<'_>) -> Traffic {
         Traffic {
-            planners: Planners::new(core.warehouse(), &core.settings.kinds),
+            planners: Planners::new(floor.warehouse(), &floor.settings.kinds),
             needs: Needs::default(),
             tally: SearchCounts::default(),
-            effort: Effort::of_a_step(core),
+            effort: Effort::of_a_step(floor),
             plan_times: Vec::new(),
-            unheard: core.ledger.present().collect(),
+            unheard: floor.ledger.present().collect(),
             started: None,
             withheld: IdVec::new(),
             revoked: BTreeMap::new(),

@@ -7,6 +7,7 @@
 //! send a robot off that stands where it may stay, unless it is in the way of another.
 
 use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::joint::{commit_all, in_turn};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
@@ -44,7 +45,7 @@ impl Traffic {
         let leads_off = |n: NodeId| person.is_none_or(|p| (at(n) - p).norm() > own_m + FARTHER_M);
         for place in floor.stays_near(robot, PLACES, leads_off) {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
-            if let Ok(mut route) = self.search(core, robot, &[stage], now) {
+            if let Ok(mut route) = self.search(core.floor(), robot, &[stage], now) {
                 // Nothing of its task is done there.
                 route.stops.clear();
                 commit(core, robot, route);
@@ -57,15 +58,15 @@ impl Traffic {
     /// Sends a robot out of the way together with those that stand on its way out, these first. Those that are to come
     /// onto it soon come after it.
     fn step_out_together(&mut self, core: &mut Core, robot: RobotId, now: Time) -> bool {
-        let (mut leave, come) = self.in_the_way_out(core, robot, now);
+        let (mut leave, come) = self.in_the_way_out(core.floor(), robot, now);
         if leave.is_empty() && come.is_empty() || leave.len() + come.len() > TOGETHER {
             return false;
         }
         leave.push(robot);
         let order = [leave, come.clone()].concat();
-        let routes = in_turn(core, &order, |timeline, r| {
-            let on = if come.contains(&r) { self.search_on(core, timeline, r, now) } else { None };
-            on.or_else(|| self.way_out_on(core, timeline, r, now))
+        let routes = in_turn(core.floor(), &order, |timeline, r| {
+            let on = if come.contains(&r) { self.search_on(core.floor(), timeline, r, now) } else { None };
+            on.or_else(|| self.way_out_on(core.floor(), timeline, r, now))
         });
         let Some(routes) = routes else { return false };
         commit_all(core, routes);
@@ -74,21 +75,25 @@ impl Traffic {
 
     /// Robots on the way out that a robot would have if all that can move were not there: those that stand on it, or
     /// are granted some of it, the farthest along it first; and those that are to come onto it soon.
-    fn in_the_way_out(&mut self, core: &Core, robot: RobotId, now: Time) -> (Vec<RobotId>, Vec<RobotId>) {
-        let floor = core.floor();
-        let fit = |r: &RobotId| !core.ledger.robots[*r].failed && core.scene.fit(*r, now).is_some();
+    fn in_the_way_out(
+        &mut self,
+        floor: Floor<'_>,
+        robot: RobotId,
+        now: Time,
+    ) -> (Vec<RobotId>, Vec<RobotId>) {
+        let fit = |r: &RobotId| !floor.ledger.robots[*r].failed && floor.scene.fit(*r, now).is_some();
         let movable =
             |r: &RobotId| *r != robot && fit(r) && !floor.next_stop_is_granted(*r) && !floor.is_halted(*r);
-        let movable: Vec<RobotId> = core.ledger.present().filter(movable).collect();
-        let mut without = core.ledger.timeline().without(&movable);
-        without.withdraw(robot, core.ledger.chain(robot).granted() - 1);
-        let Some(route) = self.way_out_on(core, &without, robot, now) else {
+        let movable: Vec<RobotId> = floor.ledger.present().filter(movable).collect();
+        let mut without = floor.ledger.timeline().without(&movable);
+        without.withdraw(robot, floor.ledger.chain(robot).granted() - 1);
+        let Some(route) = self.way_out_on(floor, &without, robot, now) else {
             return (Vec::new(), Vec::new());
         };
         let along = |node: NodeId| route.visits.iter().rposition(|v| v.node == node);
         let (mut there, mut come) = (Vec::new(), Vec::new());
         for r in movable {
-            let chain = core.ledger.chain(r);
+            let chain = floor.ledger.chain(r);
             let granted = (chain.granted() - chain.first()) as usize;
             let here = chain.visits().take(granted).filter_map(|v| along(v.node)).max();
             let mut soon = chain.visits().skip(granted).take_while(|v| v.enter <= now + SOON);

@@ -2,7 +2,6 @@
 //!
 //! Refuses: to book anything.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{NodeId, RobotId};
@@ -17,37 +16,37 @@ impl Traffic {
     /// A route for the rest of a robot's task on some other timeline, from which its own has been withdrawn.
     pub(super) fn search_on(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         timeline: &Overlay<'_>,
         robot: RobotId,
         now: Time,
     ) -> Option<Route> {
-        let stages = core.floor().stages_left(robot);
+        let stages = floor.stages_left(robot);
         if stages.is_empty() {
             // It has nothing to do, and rests in the way: any other place to stay will do.
-            return self.way_out_on(core, timeline, robot, now);
+            return self.way_out_on(floor, timeline, robot, now);
         }
-        let exemptions = core.floor().exemptions(robot, now);
-        self.search_stages_on(core, timeline, robot, &stages, &exemptions, now)
+        let exemptions = floor.exemptions(robot, now);
+        self.search_stages_on(floor, timeline, robot, &stages, &exemptions, now)
     }
 
     /// A way to a place aside first, then on with the task, on some other timeline likewise.
     pub(in crate::fleet) fn way_aside(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         timeline: &Overlay<'_>,
         robot: RobotId,
         (place, exemptions): (NodeId, &[Exemption]),
         now: Time,
     ) -> Option<Route> {
-        let stages = core.floor().stages_aside(robot, place)?;
-        let route = self.search_stages_on(core, timeline, robot, &stages, exemptions, now)?;
-        Some(core.floor().with_own_stops(robot, route))
+        let stages = floor.stages_aside(robot, place)?;
+        let route = self.search_stages_on(floor, timeline, robot, &stages, exemptions, now)?;
+        Some(floor.with_own_stops(robot, route))
     }
 
     pub(super) fn search_stages_on(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         timeline: &Overlay<'_>,
         robot: RobotId,
         stages: &[Stage],
@@ -57,12 +56,12 @@ impl Traffic {
         if self.effort.is_spent() {
             return None;
         }
-        let (from, heading) = core.floor().grant_end(robot);
-        let ready = now.max(from.arrive) + core.settings.period;
-        let (budget, conditions) = (core.settings.expansions_per_plan, core.floor().conditions(robot));
+        let (from, heading) = floor.grant_end(robot);
+        let ready = now.max(from.arrive) + floor.settings.period;
+        let (budget, conditions) = (floor.settings.expansions_per_plan, floor.conditions(robot));
         let ask = RouteQuery { from: &from, heading, ready, stages, budget, conditions, exemptions };
         self.tally.plans += 1;
-        let kind = core.settings.kind(&core.ledger.robots[robot].kind);
+        let kind = floor.settings.kind(&floor.ledger.robots[robot].kind);
         let planner = self.planners.of_mut(kind);
         let found = planner.plan(&ask, timeline).ok();
         self.effort.spend(planner.expanded());
@@ -72,20 +71,19 @@ impl Traffic {
     /// A route to the nearest place where a robot may stay, other than where it rests, on some other timeline.
     pub(super) fn way_out_on(
         &mut self,
-        core: &Core,
+        floor: Floor<'_>,
         timeline: &Overlay<'_>,
         robot: RobotId,
         now: Time,
     ) -> Option<Route> {
-        let loaded = core.ledger.rack_on(robot).is_some();
-        let exemptions = core.floor().exemptions(robot, now);
-        let rests = core.ledger.chain(robot).last().map(|v| v.node);
-        let floor = core.floor();
+        let loaded = floor.ledger.rack_on(robot).is_some();
+        let exemptions = floor.exemptions(robot, now);
+        let rests = floor.ledger.chain(robot).last().map(|v| v.node);
         let fits = |n: NodeId| Some(n) != rests && floor.has_room_for_ever(timeline, robot, n);
         let places = floor.stays_near(robot, PLACES, fits);
         places.into_iter().find_map(|place| {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
-            let mut route = self.search_stages_on(core, timeline, robot, &[stage], &exemptions, now)?;
+            let mut route = self.search_stages_on(floor, timeline, robot, &[stage], &exemptions, now)?;
             route.stops.clear();
             Some(route)
         })

@@ -6,6 +6,7 @@
 use crate::cell::Remaining;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Moved, RouteFact, Task};
+use crate::fleet::state::floor::Floor;
 use crate::id::{JobId, RobotId};
 use crate::time::{Span, Time};
 
@@ -19,24 +20,24 @@ pub(in crate::fleet) fn retime_visits(core: &mut Core, now: Time) {
         return;
     }
     for robot in core.ledger.present() {
-        let Some(job) = visit_of(core, robot) else { continue };
+        let Some(job) = visit_of(core.floor(), robot) else { continue };
         core.visits.begin(job, now);
         let record = &core.ledger.jobs[&job];
         let ends_out = core.floor().ends_out(record);
         if let Some(remaining) = core.visits.remaining(job, record, ends_out, now) {
             core.visits.expect(job, &remaining, now);
-            core.at_hand = Some(robot);
+            core.at_hand.note(robot);
             retime(core, robot, remaining, now);
         }
     }
-    core.at_hand = None;
+    core.at_hand.clear();
 }
 
 /// The job with lines for which a robot is picked from.
-fn visit_of(core: &Core, robot: RobotId) -> Option<JobId> {
-    let Task::Deliver { job, .. } = core.ledger.robots[robot].task else { return None };
-    let has_lines = core.ledger.jobs.get(&job)?.lines_now().is_some();
-    (has_lines && core.floor().is_picked_from(robot)).then_some(job)
+fn visit_of(floor: Floor<'_>, robot: RobotId) -> Option<JobId> {
+    let Task::Deliver { job, .. } = floor.ledger.robots[robot].task else { return None };
+    let has_lines = floor.ledger.jobs.get(&job)?.lines_now().is_some();
+    (has_lines && floor.is_picked_from(robot)).then_some(job)
 }
 
 fn retime(core: &mut Core, robot: RobotId, remaining: Remaining, now: Time) {

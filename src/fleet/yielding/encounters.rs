@@ -6,6 +6,7 @@ use crate::aware::{Meeting, Near};
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::EncounterFact;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{Encounter, Reaction};
 use crate::fleet::state::yielding::GivesWay;
 use crate::fleet::yielding::state::{EncounterCost, Yielding};
@@ -57,7 +58,7 @@ impl Yielding {
         }
         let over = self.meter.observe(now, &near);
         for pair in self.meter.open().map(Meeting::pair).chain(over.iter().map(Meeting::pair)) {
-            note_cost(&mut self.costs, core, pair, now);
+            note_cost(&mut self.costs, core.floor(), pair, now);
         }
         for meeting in over {
             let start = meeting.start;
@@ -86,12 +87,12 @@ impl Yielding {
 /// earlier than it was to end before, and not before now.
 fn note_cost(
     costs: &mut BTreeMap<(WorkerId, RobotId), EncounterCost>,
-    core: &Core,
+    floor: Floor<'_>,
     pair: (WorkerId, RobotId),
     now: Time,
 ) {
-    let robot = &core.ledger.robots[pair.1];
-    let end = core.ledger.chain(pair.1).visits().last().map_or(now, |v| v.enter).max(now);
+    let robot = &floor.ledger.robots[pair.1];
+    let end = floor.ledger.chain(pair.1).visits().last().map_or(now, |v| v.enter).max(now);
     let task = robot.task;
     let cost = costs.entry(pair).or_insert(EncounterCost { task, planned: end, expected: end });
     if cost.task == task {

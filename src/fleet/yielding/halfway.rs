@@ -29,7 +29,7 @@ impl Yielding {
             if !stands && traffic.direction(robot).is_some() {
                 continue;
             }
-            let limits = self.limits(core, people, traffic);
+            let limits = self.limits(core.floor(), people, traffic);
             let may_go = |direction| {
                 let limits = SpeedLimits { direction: Some(direction), ..limits };
                 limits.limit_for(robot, &present, now).0 != Some(0.0)
@@ -39,7 +39,7 @@ impl Yielding {
             let chosen = match open {
                 // Nothing keeps it from either: whichever gets it to its next stop earlier.
                 [Some(_), Some(_)] if traffic.direction(robot).is_none() && !obstructed => {
-                    Some(traffic.better_direction(core, robot, now))
+                    Some(traffic.better_direction(core.floor(), robot, now))
                 }
                 [first, second] => first.or(second),
             };

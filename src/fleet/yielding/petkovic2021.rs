@@ -191,7 +191,7 @@ impl Yielding {
         now: Time,
     ) -> bool {
         let before = std::mem::replace(&mut core.restrictions.conditions, conditions);
-        let routes = evasions(core, traffic, worker, robots, now);
+        let routes = evasions(core.floor(), traffic, worker, robots, now);
         core.restrictions.conditions = before;
         let Some(routes) = routes else { return false };
         commit_all(core, routes);
@@ -218,31 +218,31 @@ impl Yielding {
 
 /// Routes off the path for all of these robots, each planned around those before it.
 fn evasions(
-    core: &Core,
+    floor: Floor<'_>,
     traffic: &mut Traffic,
     worker: WorkerId,
     robots: &[RobotId],
     now: Time,
 ) -> Option<Vec<(RobotId, Route)>> {
     let stands = |r: &RobotId| {
-        let chain = core.ledger.chain(*r);
-        let at_rest = chain.first() + 1 == chain.granted() && !core.floor().next_stop_is_granted(*r);
-        at_rest && !core.ledger.robots[*r].failed
+        let chain = floor.ledger.chain(*r);
+        let at_rest = chain.first() + 1 == chain.granted() && !floor.next_stop_is_granted(*r);
+        at_rest && !floor.ledger.robots[*r].failed
     };
     if !robots.iter().all(stands) {
         return None;
     }
-    in_turn(core, robots, |timeline, robot| {
+    in_turn(floor, robots, |timeline, robot| {
         // Where it stands is where no robot may be: any way off that comes no nearer is better.
-        let mut exemptions = core.floor().exemptions(robot, now);
+        let mut exemptions = floor.exemptions(robot, now);
         if exemptions.iter().all(|a| a.from != Cause::Worker(worker)) {
-            exemptions.extend(core.floor().exemption_from(core.ledger.node_of(robot), Cause::Worker(worker)));
+            exemptions.extend(floor.exemption_from(floor.ledger.node_of(robot), Cause::Worker(worker)));
         }
-        let mut places = core.floor().places_out_of_the_way(robot, worker);
-        core.floor().sort_by_goal(&mut places, robot);
+        let mut places = floor.places_out_of_the_way(robot, worker);
+        floor.sort_by_goal(&mut places, robot);
         places.into_iter().take(TRIES).find_map(|place| {
-            let route = traffic.way_aside(core, timeline, robot, (place, &exemptions), now)?;
-            core.floor().leaves_in_time(robot, &route, place, worker).then_some(route)
+            let route = traffic.way_aside(floor, timeline, robot, (place, &exemptions), now)?;
+            floor.leaves_in_time(robot, &route, place, worker).then_some(route)
         })
     })
 }

@@ -69,7 +69,7 @@ impl Yielding {
         let present = people.places(now);
         for robot in core.ledger.present().collect::<Vec<_>>() {
             let Some(seen) = core.scene.robot(robot).copied() else { continue };
-            let (limit, because) = self.limits(core, people, traffic).limit_for(robot, &present, now);
+            let (limit, because) = self.limits(core.floor(), people, traffic).limit_for(robot, &present, now);
             let limit = if core.visits.at_hands(robot).is_some() { Some(0.0) } else { limit };
             if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > STANDS_MPS) {
                 self.gives_way(core, robot, worker, Reaction::Stopped, now);
@@ -107,7 +107,7 @@ impl Yielding {
                 continue;
             };
             let at = core.floor().place_of(robot);
-            if !self.limits(core, people, traffic).drives_away(robot, at, &w, now) {
+            if !self.limits(core.floor(), people, traffic).drives_away(robot, at, &w, now) {
                 traffic.revoke_grant(core, robot, now);
             }
         }
@@ -117,11 +117,11 @@ impl Yielding {
     /// What decides how fast robots may be.
     pub(in crate::fleet) fn limits<'a>(
         &'a self,
-        core: &'a Core,
+        floor: Floor<'a>,
         people: &'a HumanState,
         traffic: &'a Traffic,
     ) -> SpeedLimits<'a> {
-        SpeedLimits { floor: core.floor(), people, traffic, yielding: &self.state, direction: None }
+        SpeedLimits { floor: floor, people, traffic, yielding: &self.state, direction: None }
     }
 }
 

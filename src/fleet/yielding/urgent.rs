@@ -4,7 +4,7 @@
 //! Costs one look at each robot and one close look at those nearby.
 
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
+use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::worker::GuidanceState;
 use crate::fleet::traffic::state::Traffic;
@@ -26,13 +26,12 @@ impl Yielding {
     /// the worker to stand, if the worker was not told yet.
     pub(in crate::fleet) fn calls_for_stop(
         &self,
-        core: &Core,
+        floor: Floor<'_>,
         people: &HumanState,
         traffic: &Traffic,
         s: &Sighting,
         now: Time,
     ) -> bool {
-        let floor = core.floor();
         let Some(person) = people.people.get(s.worker) else {
             // The worker is new to the fleet: only a step can tell what that means.
             return s.worker.ix() < floor.ledger.workers.len();
@@ -44,7 +43,7 @@ impl Yielding {
         let Some(place) = track.whereabouts(now) else { return false };
         let others = track.others(now);
         let stands = person.told.as_ref().is_some_and(|(told, _)| told.state == GuidanceState::Stop);
-        let limits = self.limits(core, people, traffic);
+        let limits = self.limits(floor, people, traffic);
         floor.ledger.present().any(|robot| {
             let Some(seen) = floor.scene.robot(robot).filter(|t| t.speed_mps > STANDS_MPS) else {
                 return false;

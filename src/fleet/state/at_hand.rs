@@ -1,0 +1,45 @@
+//! Which robot a step is dealing with: named where a contradiction ends the step.
+//!
+//! Main type: [`AtHand`]. It is a note about the step and no part of what the step decides, so questions may leave it,
+//! too. Refuses: to be read by anything that decides.
+
+use crate::id::RobotId;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+/// Stands for no robot: no fleet has so many.
+const NOBODY: u32 = u32::MAX;
+
+/// The robot that is being dealt with, if it is one. One thread runs a step; the number is atomic so that others may
+/// look at the fleet between steps.
+#[derive(Debug)]
+pub(in crate::fleet) struct AtHand(AtomicU32);
+
+impl Default for AtHand {
+    fn default() -> AtHand {
+        AtHand(AtomicU32::new(NOBODY))
+    }
+}
+
+impl Clone for AtHand {
+    fn clone(&self) -> AtHand {
+        AtHand(AtomicU32::new(self.0.load(Ordering::Relaxed)))
+    }
+}
+
+impl AtHand {
+    /// This robot is being dealt with from now on.
+    pub fn note(&self, robot: RobotId) {
+        self.0.store(robot.0, Ordering::Relaxed);
+    }
+
+    /// No robot is being dealt with any more.
+    pub fn clear(&self) {
+        self.0.store(NOBODY, Ordering::Relaxed);
+    }
+
+    /// The robot that is being dealt with, if it is one.
+    pub fn robot(&self) -> Option<RobotId> {
+        let number = self.0.load(Ordering::Relaxed);
+        (number != NOBODY).then_some(RobotId(number))
+    }
+}
