@@ -79,10 +79,10 @@ use crate::id::{NodeId, RobotId};
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use people::state::HumanState;
-use state::core::Core;
 use state::floor::Floor;
 use state::heard::WorkerInput;
 use state::restrictions::Found;
+use state::writer::Writer;
 use std::sync::Arc;
 use traffic::state::{Effort, Traffic};
 use traffic::{closures, displaced, failure, fence};
@@ -92,7 +92,7 @@ use yielding::state::Yielding;
 /// The fleet.
 #[derive(Clone)]
 pub struct Fleet {
-    core: Core,
+    writer: Writer,
     people: HumanState,
     yielding: Yielding,
     traffic: Traffic,
@@ -131,71 +131,71 @@ impl Fleet {
     pub fn resume(mut ledger: Ledger, settings: Settings, facts: impl IntoIterator<Item = Fact>) -> Fleet {
         facts.into_iter().for_each(|fact| ledger.evolve(&fact));
         let warehouse = ledger.warehouse().clone();
-        let core = Core::new(ledger, settings);
+        let writer = Writer::new(ledger, settings);
         let mut fleet = Fleet {
-            people: HumanState::new(&warehouse, &core.regions, core.settings.method),
+            people: HumanState::new(&warehouse, &writer.regions, writer.settings.method),
             yielding: Yielding::default(),
-            traffic: Traffic::new(core.floor()),
-            core,
+            traffic: Traffic::new(writer.floor()),
+            writer,
             replans: Replans::default(),
             waits_ns: 0,
             #[cfg(test)]
             trap: None,
         };
-        fleet.people.remember(&fleet.core.ledger.on_floor);
+        fleet.people.remember(&fleet.writer.ledger().on_floor);
         // Who asks before the first step is told what the facts alone say: who is paused, that nobody was heard of yet.
         fleet.note_waits(Time::ZERO);
         fleet
     }
 
     fn note_waits(&mut self, now: Time) {
-        let start = (self.core.settings.stopwatch)();
-        waits::note_waits(&mut self.core, &self.people, &self.yielding, &self.traffic, now);
-        self.waits_ns = (self.core.settings.stopwatch)() - start;
+        let start = (self.writer.settings.stopwatch)();
+        waits::note_waits(&mut self.writer, &self.people, &self.yielding, &self.traffic, now);
+        self.waits_ns = (self.writer.settings.stopwatch)() - start;
     }
 
     /// Takes all inputs in, then decides once from what is known now.
     pub fn step(&mut self, now: Time, inputs: Vec<Input>) -> Step {
-        self.core.at_hand.clear();
-        self.traffic.effort = Effort::of_a_step(self.core.floor());
+        self.writer.at_hand.clear();
+        self.traffic.effort = Effort::of_a_step(self.writer.floor());
         self.note_workplaces(now);
         let lost = self.people.lost(now);
-        let heard = requests::absorb(&mut self.core, (&self.people.walkways, &lost), now, inputs);
+        let heard = requests::absorb(&mut self.writer, (&self.people.walkways, &lost), now, inputs);
         #[cfg(test)]
         self.spring();
         self.restrict(&heard.people, now);
         self.react(now);
         self.traffic.needs.left_early(heard.left_early);
-        let taken_up = self.traffic.note_progress(&mut self.core, now);
+        let taken_up = self.traffic.note_progress(&mut self.writer, now);
         self.yielding.state.forget_standing(&taken_up);
-        traffic::visits::retime_visits(&mut self.core, now);
+        traffic::visits::retime_visits(&mut self.writer, now);
         self.dispatch(&heard.picked, now);
         self.plan(now);
         let interrupted = |robot| self.yielding.procedure.holds(robot);
-        self.traffic.grant(&mut self.core, &self.yielding.state, interrupted, now);
+        self.traffic.grant(&mut self.writer, &self.yielding.state, interrupted, now);
         self.note_waits(now);
-        waits::note_activities(&mut self.core, now);
-        self.replans.note(&mut self.core, &self.yielding, &self.traffic, now);
-        std::mem::take(&mut self.core.out)
+        waits::note_activities(&mut self.writer, now);
+        self.replans.note(&mut self.writer, &self.yielding, &self.traffic, now);
+        self.writer.take_step()
     }
 
     /// Who is in the workplaces of stations: two persons where hands are followed, or somebody whose headset is silent.
     fn note_workplaces(&mut self, now: Time) {
-        let Fleet { core, people, .. } = self;
-        people.note_used(core.visits.used(), now);
-        if core.settings.flow.hears_hands() {
-            people.in_company(now).into_iter().for_each(|station| core.visits.note_company(station, now));
+        let Fleet { writer, people, .. } = self;
+        people.note_used(writer.visits.used(), now);
+        if writer.settings.flow.hears_hands() {
+            people.in_company(now).into_iter().for_each(|station| writer.visits.note_company(station, now));
         }
     }
 
     /// What restricts robots in this step: closed areas, people, displaced robots, obstructions, ways out and what all
     /// that cuts off. Each part says what it finds, and here alone it is merged. Also what workers are told.
     fn restrict(&mut self, heard: &[WorkerInput], now: Time) {
-        let Fleet { core, people, yielding, traffic, .. } = self;
-        closures::renew_areas(core, now);
-        let report = people.evaluate(core, heard, &yielding.state, now);
-        core.out.guidance = report.guidance;
-        let floor = core.floor();
+        let Fleet { writer, people, yielding, traffic, .. } = self;
+        closures::renew_areas(writer, now);
+        let report = people.evaluate(writer, heard, &yielding.state, now);
+        writer.guide(report.guidance);
+        let floor = writer.floor();
         let found = Found {
             stood_on: closures::stood_on(floor, people.conditions(), now),
             displaced: displaced::closed_by_displaced(floor, now),
@@ -207,73 +207,73 @@ impl Fleet {
             others: report.others,
             let_pass: report.let_pass,
         };
-        core.restrictions.merge(found);
+        writer.restrictions.merge(found);
     }
 
     /// What robots do about it at once: they stop, slow down, or forget what they were granted.
     fn react(&mut self, now: Time) {
-        let Fleet { core, people, yielding, traffic, .. } = self;
-        if let Some((worker, led)) = yielding.follow_procedure(core, people, traffic, now) {
+        let Fleet { writer, people, yielding, traffic, .. } = self;
+        if let Some((worker, led)) = yielding.follow_procedure(writer, people, traffic, now) {
             people.lead(worker, led, now);
         }
-        yielding.follow_passing(core, people, now);
-        yielding.turn_halfway(core, people, traffic, now);
-        yielding.limit_robots(core, people, traffic, now);
-        yielding.revoke_grants(core, people, traffic, now);
-        traffic.revoke_grants_into_displaced(core, now);
-        traffic.revoke_obstructed(core, now);
-        traffic.revoke_ways_out(core, now);
-        yielding.meet(core, people, now);
+        yielding.follow_passing(writer, people, now);
+        yielding.turn_halfway(writer, people, traffic, now);
+        yielding.limit_robots(writer, people, traffic, now);
+        yielding.revoke_grants(writer, people, traffic, now);
+        traffic.revoke_grants_into_displaced(writer, now);
+        traffic.revoke_obstructed(writer, now);
+        traffic.revoke_ways_out(writer, now);
+        yielding.meet(writer, people, now);
     }
 
     /// Which robot does what.
     fn dispatch(&mut self, picked: &[RobotId], now: Time) {
-        let Fleet { core, traffic, .. } = self;
+        let Fleet { writer, traffic, .. } = self;
         // No job begins while the building is evacuated.
-        if core.ledger.evacuation.is_some() {
+        if writer.ledger().evacuation.is_some() {
             return;
         }
-        let lapsed = dispatch::jobs::assign(core, &traffic.needs, &mut traffic.planners, picked, now);
-        traffic.lose_places(core, &lapsed);
+        let lapsed = dispatch::jobs::assign(writer, &traffic.needs, &mut traffic.planners, picked, now);
+        traffic.lose_places(writer, &lapsed);
     }
 
     /// Routes, within the step's budget of expansions: for robots that need one; for those that were interrupted, would
     /// drive into a closed area, meet people or wait for others, where a better one is found.
     fn plan(&mut self, now: Time) {
-        let Fleet { core, people, yielding, traffic, .. } = self;
-        if core.ledger.evacuation.is_some() {
-            return traffic.clear_ways_out(core, now);
+        let Fleet { writer, people, yielding, traffic, .. } = self;
+        if writer.ledger().evacuation.is_some() {
+            return traffic.clear_ways_out(writer, now);
         }
-        traffic.plan_needed(core, now);
-        yielding.plan_interrupted(core, traffic, now);
-        traffic.route_round_closures(core, now);
-        yielding.give_way(core, people, traffic, now);
-        traffic.improve(core, now);
+        traffic.plan_needed(writer, now);
+        yielding.plan_interrupted(writer, traffic, now);
+        traffic.route_round_closures(writer, now);
+        yielding.give_way(writer, people, traffic, now);
+        traffic.improve(writer, now);
     }
 
     /// The floor as it is now, for questions.
     fn floor(&self) -> Floor<'_> {
-        self.core.floor()
+        self.writer.floor()
     }
 
     /// The building.
     pub fn warehouse(&self) -> &Arc<Warehouse> {
-        self.core.warehouse()
+        self.writer.warehouse()
     }
 
     /// What was promised.
     pub fn ledger(&self) -> &Ledger {
-        &self.core.ledger
+        &self.writer.ledger()
     }
 
     /// The newest telemetry of a robot.
     pub fn telemetry(&self, robot: RobotId) -> Option<&Telemetry> {
-        self.core.scene.robot(robot)
+        self.writer.scene.robot(robot)
     }
 
     /// The settings.
     pub fn settings(&self) -> &Settings {
-        &self.core.settings
+        &self.writer.settings
     }
 
     /// How long the searches since the last call took, nanoseconds by the stopwatch of the settings.
@@ -285,8 +285,8 @@ impl Fleet {
     /// the facts leave with those of the next step. A step does this for a robot that finds no route. This is for
     /// measuring how long it takes.
     pub fn plan_jointly(&mut self, robot: RobotId, now: Time) -> bool {
-        self.traffic.effort = Effort::of_a_step(self.core.floor());
-        self.traffic.insert(&mut self.core, robot, now)
+        self.traffic.effort = Effort::of_a_step(self.writer.floor());
+        self.traffic.insert(&mut self.writer, robot, now)
     }
 
     /// How long the last step took to note why robots and people wait, nanoseconds by the stopwatch of the settings.
@@ -296,17 +296,17 @@ impl Fleet {
 
     /// Whether a node is on the way of a worker to a door while the building is evacuated.
     pub fn is_on_way_out(&self, node: NodeId) -> bool {
-        self.core.restrictions.ways_out.contains(&node)
+        self.writer.restrictions.ways_out.contains(&node)
     }
 
     /// Whether a robot is on the way of a worker to a door, and so may drive on it to leave it.
     pub fn leaves_way_out(&self, robot: RobotId) -> bool {
-        self.floor().is_on(robot, &self.core.restrictions.ways_out)
+        self.floor().is_on(robot, &self.writer.restrictions.ways_out)
     }
 
     /// The robot that was being dealt with when a step ended in a panic, if it was one.
     pub fn at_hand(&self) -> Option<RobotId> {
-        self.core.at_hand.robot()
+        self.writer.at_hand.robot()
     }
 
     /// Fences a robot off. The facts leave with those of the next step.
@@ -314,7 +314,7 @@ impl Fleet {
     /// # Panics
     /// If even that contradicts the ledger.
     pub fn fence(&mut self, robot: RobotId, now: Time) {
-        fence::fence(&mut self.core, robot, now);
+        fence::fence(&mut self.writer, robot, now);
     }
 
     /// From now on robots get no further grants: each drives to the end of what it was granted, and stands on a node
@@ -332,7 +332,7 @@ impl Fleet {
     #[cfg(test)]
     fn spring(&mut self) {
         if let Some(robot) = self.trap {
-            self.core.at_hand.note(robot);
+            self.writer.at_hand.note(robot);
             panic!("a test asked for it");
         }
     }

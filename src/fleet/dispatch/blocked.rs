@@ -3,11 +3,11 @@
 //! Main function: [`give_back_blocked`]. Refuses: to touch a robot that stands elsewhere with its rack; traffic brings
 //! it to storage first.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::needs::Needs;
+use crate::fleet::state::writer::Writer;
 use crate::id::{JobId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
@@ -18,13 +18,13 @@ const LONG: Span = Span::from_secs(60);
 /// Robots that stand with their racks in storage, and cannot go on because of one that cannot drive, set them down
 /// there after a while. No robot goes on to fetch another rack past it. The jobs wait until the way is clear, or a
 /// robot on the right side does them.
-pub(in crate::fleet) fn give_back_blocked(core: &mut Core, needs: &Needs, now: Time) {
-    if core.restrictions.cut_off.is_empty() {
+pub(in crate::fleet) fn give_back_blocked(writer: &mut Writer, needs: &Needs, now: Time) {
+    if writer.restrictions.cut_off.is_empty() {
         return;
     }
-    for robot in core.ledger.present() {
-        if let Some((job, task)) = core.floor().instead_of_blocked(robot, needs, now) {
-            core.progress(job, JobState::Waiting, Some((robot, task)), now);
+    for robot in writer.ledger().present() {
+        if let Some((job, task)) = writer.floor().instead_of_blocked(robot, needs, now) {
+            writer.progress(job, JobState::Waiting, Some((robot, task)), now);
         }
     }
 }

@@ -6,11 +6,11 @@
 //! parking place leaves it likewise for one that a customer sends there. Refuses: to trust a battery that says nothing
 //! is left; that robot has failed.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::job_kind::JobKind;
+use crate::fleet::state::writer::Writer;
 use crate::id::{JobId, NodeId, RackId, RobotId};
 use crate::time::{Span, Time};
 use crate::warehouse::NodeKind;
@@ -21,15 +21,15 @@ const MARGIN: f64 = 0.1;
 const LOOKS: Span = Span::from_secs(5);
 
 /// Robots with too little charge give back what they have not begun.
-pub(in crate::fleet) fn give_back_jobs(core: &mut Core, now: Time) {
-    for robot in core.ledger.present() {
-        let Task::Fetch { job: Some(job), node, .. } = core.ledger.robots[robot].task else { continue };
-        let fit = core.scene.fit(robot, now).is_some();
-        if fit && core.floor().is_critical(robot) && !core.floor().next_stop_is_granted(robot) {
-            let stay = core.floor().free_charger(robot).unwrap_or(node);
+pub(in crate::fleet) fn give_back_jobs(writer: &mut Writer, now: Time) {
+    for robot in writer.ledger().present() {
+        let Task::Fetch { job: Some(job), node, .. } = writer.ledger().robots[robot].task else { continue };
+        let fit = writer.scene.fit(robot, now).is_some();
+        if fit && writer.floor().is_critical(robot) && !writer.floor().next_stop_is_granted(robot) {
+            let stay = writer.floor().free_charger(robot).unwrap_or(node);
             let purpose = if stay == node { Purpose::Park } else { Purpose::Charge };
             let task = Task::rest_at(stay, purpose);
-            core.progress(job, JobState::Waiting, Some((robot, task)), now);
+            writer.progress(job, JobState::Waiting, Some((robot, task)), now);
         }
     }
 }
@@ -37,98 +37,100 @@ pub(in crate::fleet) fn give_back_jobs(core: &mut Core, now: Time) {
 /// What idle robots without a job do: charge if they should, lowest first, make room at chargers, and leave places
 /// where they are in the way.
 /// Gives the robots that have lost a place which they were promised.
-pub(in crate::fleet) fn rest(core: &mut Core, mut robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
-    robots.sort_by(|a, b| core.floor().battery(*a).total_cmp(&core.floor().battery(*b)).then(a.cmp(b)));
+pub(in crate::fleet) fn rest(writer: &mut Writer, mut robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
+    robots.sort_by(|a, b| writer.floor().battery(*a).total_cmp(&writer.floor().battery(*b)).then(a.cmp(b)));
     let (mut without, mut to_park) = (Vec::new(), Vec::new());
     for robot in robots {
-        if send_to_charger(core, robot) {
+        if send_to_charger(writer, robot) {
             continue;
         }
-        let low = core.floor().battery(robot) < core.floor().charging(robot).low;
-        if (low || core.floor().is_sent_to_charge(robot)) && !core.floor().at_charger(robot) {
+        let low = writer.floor().battery(robot) < writer.floor().charging(robot).low;
+        if (low || writer.floor().is_sent_to_charge(robot)) && !writer.floor().at_charger(robot) {
             without.push(robot);
         }
-        if core.floor().is_sent_to_park(robot) {
+        if writer.floor().is_sent_to_park(robot) {
             to_park.push(robot);
         }
-        leave_the_way(core, robot, now);
+        leave_the_way(writer, robot, now);
     }
-    make_room_at_chargers(core, &without, now);
-    make_room_to_park(core, &to_park, now);
-    if without.is_empty() { Vec::new() } else { lapse_promises(core, now) }
+    make_room_at_chargers(writer, &without, now);
+    make_room_to_park(writer, &to_park, now);
+    if without.is_empty() { Vec::new() } else { lapse_promises(writer, now) }
 }
 
 /// Takes their places at chargers from robots that have no prospect of getting there. Those that need one then get it,
 /// the emptiest first, and so do these when they can drive again.
-fn lapse_promises(core: &mut Core, now: Time) -> Vec<RobotId> {
-    let floor = core.floor();
+fn lapse_promises(writer: &mut Writer, now: Time) -> Vec<RobotId> {
+    let floor = writer.floor();
     let lapses = |r: &RobotId| floor.is_sent_to_a_charger(*r) && floor.has_no_prospect(*r, now);
     let lapsed: Vec<RobotId> = floor.ledger.present().filter(lapses).collect();
     for robot in &lapsed {
         tracing::debug!(?robot, "its place at the charger lapses");
-        match core.ledger.robots[*robot].task.job() {
-            Some(job) => core.progress(job, JobState::Waiting, Some((*robot, Task::Idle)), now),
-            None => core.record(RobotFact::Tasked { robot: *robot, task: Task::Idle }),
+        match writer.ledger().robots[*robot].task.job() {
+            Some(job) => writer.progress(job, JobState::Waiting, Some((*robot, Task::Idle)), now),
+            None => writer.record(RobotFact::Tasked { robot: *robot, task: Task::Idle }),
         }
     }
     lapsed
 }
 
 /// Sends an idle robot to a free charger if it should charge.
-fn send_to_charger(core: &mut Core, robot: RobotId) -> bool {
-    let (battery, c) = (core.floor().battery(robot), *core.floor().charging(robot));
+fn send_to_charger(writer: &mut Writer, robot: RobotId) -> bool {
+    let (battery, c) = (writer.floor().battery(robot), *writer.floor().charging(robot));
     let should = battery < c.low || (c.opportunity && battery < c.full);
-    if !should || core.floor().at_charger(robot) {
+    if !should || writer.floor().at_charger(robot) {
         return false;
     }
-    let Some(stay) = core.floor().free_charger(robot) else { return false };
-    move_to(core, robot, stay, Purpose::Charge);
+    let Some(stay) = writer.floor().free_charger(robot) else { return false };
+    move_to(writer, robot, stay, Purpose::Charge);
     true
 }
 
 /// Sends a robot that stands where it may not stay, or in the way of a rack that is wanted, somewhere else.
-fn leave_the_way(core: &mut Core, robot: RobotId, now: Time) {
-    let node = core.ledger.node_of(robot);
-    let may_stay = core.warehouse().nodes[node].kind.is_lasting() && !core.floor().is_closing(node);
+fn leave_the_way(writer: &mut Writer, robot: RobotId, now: Time) {
+    let node = writer.ledger().node_of(robot);
+    let may_stay = writer.warehouse().nodes[node].kind.is_lasting() && !writer.floor().is_closing(node);
     let stay = match may_stay {
-        false => core.floor().any_stay(robot),
-        true if core.floor().is_in_the_way(robot, node, now) => core.floor().place_without_rack(robot),
+        false => writer.floor().any_stay(robot),
+        true if writer.floor().is_in_the_way(robot, node, now) => writer.floor().place_without_rack(robot),
         true => None,
     };
     if let Some(stay) = stay {
-        move_to(core, robot, stay, Purpose::Park);
+        move_to(writer, robot, stay, Purpose::Park);
     }
 }
 
 /// For each robot without a charger, one that has enough leaves its charger, the fullest first.
-fn make_room_at_chargers(core: &mut Core, without: &[RobotId], now: Time) {
-    let leaving = core.ledger.present().filter(|r| core.floor().leaves_charger(*r)).count();
+fn make_room_at_chargers(writer: &mut Writer, without: &[RobotId], now: Time) {
+    let leaving = writer.ledger().present().filter(|r| writer.floor().leaves_charger(*r)).count();
     for needs in without.iter().skip(leaving) {
-        let Some(robot) = core.floor().fullest_at_a_charger(*needs, now) else { return };
-        let stay = core
+        let Some(robot) = writer.floor().fullest_at_a_charger(*needs, now) else { return };
+        let stay = writer
             .floor()
             .free_place(robot, NodeKind::Parking)
-            .or_else(|| core.floor().free_place(robot, NodeKind::Storage));
+            .or_else(|| writer.floor().free_place(robot, NodeKind::Storage));
         let Some(stay) = stay else { return };
-        move_to(core, robot, stay, Purpose::Park);
+        move_to(writer, robot, stay, Purpose::Park);
     }
 }
 
 /// For each robot that is sent to park and finds no place, one that rests at a parking place leaves it for a place
 /// beside racks, the fullest first.
-fn make_room_to_park(core: &mut Core, without: &[RobotId], now: Time) {
-    let leaving = core.ledger.present().filter(|r| core.floor().leaves_parking(*r)).count();
+fn make_room_to_park(writer: &mut Writer, without: &[RobotId], now: Time) {
+    let leaving = writer.ledger().present().filter(|r| writer.floor().leaves_parking(*r)).count();
     for needs in without.iter().skip(leaving) {
-        let Some(robot) = core.floor().fullest_at_parking(*needs, now) else { return };
-        let empty = core.floor().storage_without_rack(robot);
-        let Some(stay) = empty.or_else(|| core.floor().free_place(robot, NodeKind::Storage)) else { return };
-        move_to(core, robot, stay, Purpose::Park);
+        let Some(robot) = writer.floor().fullest_at_parking(*needs, now) else { return };
+        let empty = writer.floor().storage_without_rack(robot);
+        let Some(stay) = empty.or_else(|| writer.floor().free_place(robot, NodeKind::Storage)) else {
+            return;
+        };
+        move_to(writer, robot, stay, Purpose::Park);
     }
 }
 
-fn move_to(core: &mut Core, robot: RobotId, stay: NodeId, purpose: Purpose) {
+fn move_to(writer: &mut Writer, robot: RobotId, stay: NodeId, purpose: Purpose) {
     let task = Task::rest_at(stay, purpose);
-    core.record(RobotFact::Tasked { robot, task });
+    writer.record(RobotFact::Tasked { robot, task });
 }
 
 impl Floor<'_> {

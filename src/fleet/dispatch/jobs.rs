@@ -10,7 +10,6 @@ use crate::fleet::dispatch::charging::{give_back_jobs, rest};
 use crate::fleet::dispatch::enough::stations_with_enough;
 use crate::fleet::dispatch::leaving::let_leave;
 use crate::fleet::dispatch::maintenance::send_to_maintenance;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::index::RackGoal;
@@ -20,6 +19,7 @@ use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
 use crate::fleet::state::storage::along_axes;
+use crate::fleet::state::writer::Writer;
 use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use crate::route::Stage;
 use crate::time::Time;
@@ -35,40 +35,41 @@ const CONGESTION_MS: i64 = 8_000;
 /// Gives jobs to robots, and sends those without a job where they are wanted or in no other robot's way. `picked` are
 /// those that have just been picked from. Gives the robots that have lost a place which they were promised.
 pub(in crate::fleet) fn assign(
-    core: &mut Core,
+    writer: &mut Writer,
     needs: &Needs,
     planners: &mut Planners,
     picked: &[RobotId],
     now: Time,
 ) -> Vec<RobotId> {
-    core.ledger.advance_queue(now);
-    give_back_jobs(core, now);
-    give_back_blocked(core, needs, now);
-    let_leave(core, now);
-    send_to_maintenance(core, now);
-    assign_named(core, planners, now);
-    let floor = core.floor();
+    writer.advance_queue(now);
+    give_back_jobs(writer, now);
+    give_back_blocked(writer, needs, now);
+    let_leave(writer, now);
+    send_to_maintenance(writer, now);
+    assign_named(writer, planners, now);
+    let floor = writer.floor();
     let charger_is_free = floor.a_charger_is_free();
     let idle = floor.idle_robots(now).into_iter();
     let (working, mut resting): (Vec<RobotId>, Vec<RobotId>) =
         idle.partition(|r| floor.is_charged(*r, charger_is_free) && !floor.is_shut_in(*r));
-    resting.extend(assign_racks(core, needs, working, picked, now));
-    rest(core, resting, now)
+    resting.extend(assign_racks(writer, needs, working, picked, now));
+    rest(writer, resting, now)
 }
 
 /// Jobs for a robot that the customer named: one for each idle robot, before any rack.
-fn assign_named(core: &mut Core, planners: &mut Planners, now: Time) {
-    for robot in core.floor().idle_robots(now) {
-        if let Some(job) = core.floor().named_job_for(robot).filter(|j| core.floor().may_begin(robot, *j)) {
-            begin_named(core, planners, robot, job, now);
+fn assign_named(writer: &mut Writer, planners: &mut Planners, now: Time) {
+    for robot in writer.floor().idle_robots(now) {
+        if let Some(job) = writer.floor().named_job_for(robot).filter(|j| writer.floor().may_begin(robot, *j))
+        {
+            begin_named(writer, planners, robot, job, now);
         }
     }
 }
 
 /// Sends an idle robot where a job says. The job waits while there is no place for it, and while closed areas or broken
 /// robots are on all ways; it fails where no way leads.
-fn begin_named(core: &mut Core, planners: &mut Planners, robot: RobotId, job: JobId, now: Time) {
-    let floor = core.floor();
+fn begin_named(writer: &mut Writer, planners: &mut Planners, robot: RobotId, job: JobId, now: Time) {
+    let floor = writer.floor();
     let errand = floor.ledger.jobs[&job].request.kind.errand();
     let (goal, stay, purpose) = match errand.expect("a job that names a robot sends it somewhere") {
         Errand::Charge => (None, floor.free_place(robot, NodeKind::Charger), Purpose::Charge),
@@ -77,41 +78,41 @@ fn begin_named(core: &mut Core, planners: &mut Planners, robot: RobotId, job: Jo
     };
     let Some(stay) = stay else { return };
     let goal = goal.unwrap_or(stay);
-    let here = core.ledger.node_of(robot);
-    let cut_off = &core.restrictions.cut_off;
-    if cut_off.between(core.warehouse(), (here, goal), false, std::iter::empty()).is_some() {
+    let here = writer.ledger().node_of(robot);
+    let cut_off = &writer.restrictions.cut_off;
+    if cut_off.between(writer.warehouse(), (here, goal), false, std::iter::empty()).is_some() {
         return;
     }
     let ways = [Stage::to_stay(goal), Stage::to_stay(stay)];
-    let kind = core.settings.kind(&core.ledger.robots[robot].kind);
+    let kind = writer.settings.kind(&writer.ledger().robots[robot].kind);
     if planners.of_mut(kind).free_flow(here, &ways).is_none() {
-        return core.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
+        return writer.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
     }
     let task = Task::Move { job: Some(job), goal, stay, purpose };
-    core.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
+    writer.progress(job, JobState::Assigned { robot }, Some((robot, task)), now);
 }
 
 /// Gives rack jobs to idle robots, and to those that were just picked from jobs for the racks that they have; gives
 /// back the idle robots that got none. A robot with a rack for which a job in storage is worth more puts the rack away,
 /// and is idle then.
 fn assign_racks(
-    core: &mut Core,
+    writer: &mut Writer,
     needs: &Needs,
     robots: Vec<RobotId>,
     picked: &[RobotId],
     now: Time,
 ) -> Vec<RobotId> {
-    let chains = chains(core.floor(), needs, picked, now);
-    if robots.is_empty() && chains.is_empty() || core.ledger.jobs.is_empty() {
+    let chains = chains(writer.floor(), needs, picked, now);
+    if robots.is_empty() && chains.is_empty() || writer.ledger().jobs.is_empty() {
         return robots;
     }
-    let has_offers = core.ledger.index().queue.has_offers();
-    let jobs = if has_offers { candidates(core.floor(), needs, &robots, now) } else { Vec::new() };
+    let has_offers = writer.ledger().index().queue.has_offers();
+    let jobs = if has_offers { candidates(writer.floor(), needs, &robots, now) } else { Vec::new() };
     if jobs.is_empty() && chains.is_empty() {
         return robots;
     }
-    let (few, mut left) = nearest(core.floor().ways(&robots, &jobs, now));
-    let cost = costs(core.floor(), &few, &jobs, &chains, now);
+    let (few, mut left) = nearest(writer.floor().ways(&robots, &jobs, now));
+    let cost = costs(writer.floor(), &few, &jobs, &chains, now);
     let mut found = least_cost(&cost);
     let goes_on = |(i, column): (usize, &Option<usize>)| *column == Some(jobs.len() + i);
     if !few.is_empty() && !found[few.len()..].iter().enumerate().all(goes_on) {
@@ -122,7 +123,7 @@ fn assign_racks(
         match column.and_then(|c| jobs.get(c)) {
             Some(&(job, rack, node, _)) => {
                 let task = Task::Fetch { job: Some(job), rack, node };
-                core.progress(job, JobState::Assigned { robot: *robot }, Some((*robot, task)), now);
+                writer.progress(job, JobState::Assigned { robot: *robot }, Some((*robot, task)), now);
             }
             None => left.push(*robot),
         }
@@ -130,7 +131,7 @@ fn assign_racks(
     for (i, (chain, column)) in chains.iter().zip(&found[few.len()..]).enumerate() {
         if *column == Some(jobs.len() + i) {
             let (robot, state) = (chain.robot, JobState::Carrying { robot: chain.robot });
-            core.progress(chain.job, state, Some((robot, chain.task())), now);
+            writer.progress(chain.job, state, Some((robot, chain.task())), now);
         }
     }
     left

@@ -2,11 +2,11 @@
 //!
 //! Refuses: to treat a robot as gone that can still be heard, carries a rack, or may be driving.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobFailure, JobState};
 use crate::fleet::state::ledger::Service;
+use crate::fleet::state::writer::Writer;
 use crate::id::{JobId, RobotId};
 use crate::time::{Span, Time};
 
@@ -16,24 +16,24 @@ const SWITCHED_OFF: Span = Span::from_secs(10);
 const TAKEN_AWAY: Span = Span::from_secs(60);
 
 /// Robots that were to leave, and are heard of no more, have left.
-pub(in crate::fleet) fn let_leave(core: &mut Core, now: Time) {
-    for robot in core.ledger.present() {
-        if !core.floor().has_left(robot, now) {
+pub(in crate::fleet) fn let_leave(writer: &mut Writer, now: Time) {
+    for robot in writer.ledger().present() {
+        if !writer.floor().has_left(robot, now) {
             continue;
         }
-        if let Some(job) = core.ledger.robots[robot].task.job() {
-            core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
-        } else if core.ledger.robots[robot].task != Task::Idle {
-            core.record(RobotFact::Tasked { robot, task: Task::Idle });
+        if let Some(job) = writer.ledger().robots[robot].task.job() {
+            writer.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+        } else if writer.ledger().robots[robot].task != Task::Idle {
+            writer.record(RobotFact::Tasked { robot, task: Task::Idle });
         }
-        let named: Vec<JobId> = core.ledger.index().named_for(robot).collect();
+        let named: Vec<JobId> = writer.ledger().index().named_for(robot).collect();
         for job in named {
-            core.progress(job, JobState::Failed(JobFailure::RobotGone), None, now);
+            writer.progress(job, JobState::Failed(JobFailure::RobotGone), None, now);
         }
-        tracing::info!(robot = core.ledger.robots[robot].name, "a robot has left the floor");
-        core.record(RobotFact::Left { robot, at: now });
+        tracing::info!(robot = writer.ledger().robots[robot].name, "a robot has left the floor");
+        writer.record(RobotFact::Left { robot, at: now });
         // Whatever is heard of it from now on is news.
-        core.scene.forget(robot);
+        writer.scene.forget(robot);
     }
 }
 

@@ -2,34 +2,34 @@
 //!
 //! Refuses: to say which robots those are; operators do.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Purpose, RobotFact, Task};
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::ledger::Service;
+use crate::fleet::state::writer::Writer;
 use crate::time::Time;
 use crate::warehouse::NodeKind;
 
 /// Robots in maintenance give back jobs that they have not begun, and go to a parking place. Where none is free
 /// they rest where they are.
-pub(in crate::fleet) fn send_to_maintenance(core: &mut Core, now: Time) {
-    for robot in core.ledger.present() {
-        let record = &core.ledger.robots[robot];
-        if record.service == Service::Works || record.failed || core.floor().is_halted(robot) {
+pub(in crate::fleet) fn send_to_maintenance(writer: &mut Writer, now: Time) {
+    for robot in writer.ledger().present() {
+        let record = &writer.ledger().robots[robot];
+        if record.service == Service::Works || record.failed || writer.floor().is_halted(robot) {
             continue;
         }
-        if core.scene.fit(robot, now).is_none() {
+        if writer.scene.fit(robot, now).is_none() {
             continue;
         }
         match record.task {
-            Task::Fetch { job: Some(job), node, .. } if !core.floor().next_stop_is_granted(robot) => {
-                let stay = core.floor().free_place(robot, NodeKind::Parking).unwrap_or(node);
+            Task::Fetch { job: Some(job), node, .. } if !writer.floor().next_stop_is_granted(robot) => {
+                let stay = writer.floor().free_place(robot, NodeKind::Parking).unwrap_or(node);
                 let task = Task::rest_at(stay, Purpose::Park);
-                core.progress(job, JobState::Waiting, Some((robot, task)), now);
+                writer.progress(job, JobState::Waiting, Some((robot, task)), now);
             }
-            Task::Idle if core.warehouse().kind(core.ledger.node_of(robot)) != NodeKind::Parking => {
-                if let Some(stay) = core.floor().free_place(robot, NodeKind::Parking) {
+            Task::Idle if writer.warehouse().kind(writer.ledger().node_of(robot)) != NodeKind::Parking => {
+                if let Some(stay) = writer.floor().free_place(robot, NodeKind::Parking) {
                     let task = Task::rest_at(stay, Purpose::Park);
-                    core.record(RobotFact::Tasked { robot, task });
+                    writer.record(RobotFact::Tasked { robot, task });
                 }
             }
             _ => {}

@@ -5,8 +5,8 @@
 use crate::aware::BODY_M;
 use crate::fleet::people::routing::REDIRECT;
 use crate::fleet::people::state::{HumanState, WalkMode};
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::writer::Writer;
 use crate::geometry::Point;
 use crate::human::Whereabouts;
 use crate::id::WorkerId;
@@ -19,8 +19,14 @@ const OUT_M: f64 = 1.0;
 
 impl HumanState {
     /// Leads a worker to the nearest door while the building is evacuated; whether it is.
-    pub(super) fn lead_to_exit(&mut self, core: &mut Core, worker: WorkerId, at: Point, now: Time) -> bool {
-        if core.ledger.evacuation.is_none() {
+    pub(super) fn lead_to_exit(
+        &mut self,
+        writer: &mut Writer,
+        worker: WorkerId,
+        at: Point,
+        now: Time,
+    ) -> bool {
+        if writer.ledger().evacuation.is_none() {
             return false;
         }
         let person = &mut self.people[worker];
@@ -28,7 +34,7 @@ impl HumanState {
         let current = person.plan.as_ref().map(|p| p.assignment);
         let works = current.flatten().is_some();
         if works {
-            Self::lay_aside(core, current.flatten(), now);
+            Self::lay_aside(writer, current.flatten(), now);
         }
         let person = &mut self.people[worker];
         let is_led = current.is_some() && !works && !matches!(person.mode, WalkMode::Stopped { .. });
@@ -36,7 +42,7 @@ impl HumanState {
             return true;
         }
         person.minded = Some(now);
-        let floor = core.floor();
+        let floor = writer.floor();
         if self.is_out(floor, at) {
             let person = &mut self.people[worker];
             (person.plan, person.mode, person.way_out) = (None, WalkMode::Idle, Vec::new());

@@ -6,9 +6,9 @@
 use crate::aware::{Effects, HumanAwarePolicy};
 use crate::fleet::people::routing::REDIRECT;
 use crate::fleet::people::state::{HumanState, Led, LetsPassStage, Person, STROLL_MPS, WalkMode};
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::heard::WorkerInput;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::YieldingState;
 use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
 use crate::id::WorkerId;
@@ -20,13 +20,13 @@ const BACK_M: f64 = 1.0;
 
 impl HumanState {
     /// Takes in what was heard of workers.
-    pub(super) fn hear(&mut self, core: &mut Core, heard: &[WorkerInput], now: Time) {
+    pub(super) fn hear(&mut self, writer: &mut Writer, heard: &[WorkerInput], now: Time) {
         for heard in heard {
             match heard {
-                WorkerInput::Seen(sighting) => self.sight(core.floor(), sighting, now),
+                WorkerInput::Seen(sighting) => self.sight(writer.floor(), sighting, now),
                 WorkerInput::Cleared(worker) => self.clear(*worker, now),
                 WorkerInput::Narrowed(worker, place) => self.person(*worker).track.remember(place.into()),
-                WorkerInput::SignedOff(worker) => self.sign_off(core, *worker, now),
+                WorkerInput::SignedOff(worker) => self.sign_off(writer, *worker, now),
             }
         }
     }
@@ -55,35 +55,35 @@ impl HumanState {
     }
 
     /// Follows all workers: where they are, whether they left their paths, where they may be going.
-    pub(super) fn follow(&mut self, core: &mut Core, yielding: &YieldingState, now: Time) {
-        self.note_closures(core.floor());
-        self.let_robots_pass(core.floor(), yielding, now);
-        self.hand_out(core, now);
+    pub(super) fn follow(&mut self, writer: &mut Writer, yielding: &YieldingState, now: Time) {
+        self.note_closures(writer.floor());
+        self.let_robots_pass(writer.floor(), yielding, now);
+        self.hand_out(writer, now);
         for worker in self.people.ids() {
-            self.watch(core, yielding, worker, now);
+            self.watch(writer, yielding, worker, now);
         }
         if !self.people.is_empty() {
-            self.infer(core.floor(), now);
-            self.note_goals(core, now);
-            self.update_forecasts(core.floor(), now);
-            self.note_places(core, now);
+            self.infer(writer.floor(), now);
+            self.note_goals(writer, now);
+            self.update_forecasts(writer.floor(), now);
+            self.note_places(writer, now);
         }
     }
 
     /// Follows one worker: assignment, path, deviation.
-    fn watch(&mut self, core: &mut Core, yielding: &YieldingState, worker: WorkerId, now: Time) {
+    fn watch(&mut self, writer: &mut Writer, yielding: &YieldingState, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
-        let is_evacuated = self.lead_to_exit(core, worker, place.at, now);
+        let is_evacuated = self.lead_to_exit(writer, worker, place.at, now);
         if is_evacuated {
             // Whatever there is to do waits.
         } else if self.people[worker].lets_pass.is_none_or(|l| l.stage == LetsPassStage::Waits) {
-            self.mind_closures(core.floor(), yielding, worker, place.at, now);
-            self.take_up_work(core, yielding, worker, place.at, now);
+            self.mind_closures(writer.floor(), yielding, worker, place.at, now);
+            self.take_up_work(writer, yielding, worker, place.at, now);
         }
         let person = &mut self.people[worker];
         if person.relocated {
             // The worker did not walk there: the path starts here anew.
-            self.route_on(core.floor(), yielding, worker, place.at, now);
+            self.route_on(writer.floor(), yielding, worker, place.at, now);
             return;
         }
         if !person.fresh {
@@ -95,10 +95,10 @@ impl HumanState {
         if person.lets_pass.is_some() && person.waits().is_none() {
             return self.watch_aside(worker, &place);
         }
-        let waits = !is_evacuated && self.keep_on_time(core.floor(), yielding, worker, &place, now);
+        let waits = !is_evacuated && self.keep_on_time(writer.floor(), yielding, worker, &place, now);
         if !waits {
-            self.look_ahead(core.floor(), yielding, worker, &place, now);
-            self.make_room(core.floor(), yielding, worker, place.at, now);
+            self.look_ahead(writer.floor(), yielding, worker, &place, now);
+            self.make_room(writer.floor(), yielding, worker, place.at, now);
         }
         let person = &mut self.people[worker];
         let Some(plan) = person.plan.as_mut() else { return };
@@ -106,14 +106,14 @@ impl HumanState {
         // A person at work does not stay on one point, least of all beside a robot.
         let works = stands && plan.assignment.is_some() && plan.is_there(place.at);
         match (conduct, person.mode) {
-            (Conduct::OnPath, _) if works => self.at_the_end(core, yielding, worker, place.at, now),
+            (Conduct::OnPath, _) if works => self.at_the_end(writer, yielding, worker, place.at, now),
             (Conduct::Deviating, WalkMode::Deviating { .. }) => {
-                self.show_the_way_back(core.floor(), yielding, worker, place.at, now)
+                self.show_the_way_back(writer.floor(), yielding, worker, place.at, now)
             }
             // Told to stop off the path: the procedure tries again by itself.
             (Conduct::Deviating, WalkMode::Stopped { .. })
-                if core.settings.policy != HumanAwarePolicy::Giveway => {}
-            (Conduct::Deviating, _) => self.leaves_path(core, yielding, worker, place.at, now),
+                if writer.settings.policy != HumanAwarePolicy::Giveway => {}
+            (Conduct::Deviating, _) => self.leaves_path(writer, yielding, worker, place.at, now),
             (Conduct::Outside, _) => {}
             (Conduct::OnPath, WalkMode::Deviating { .. }) => {
                 let start = plan.follower.path()[0];
@@ -124,7 +124,7 @@ impl HumanState {
             (Conduct::OnPath, WalkMode::Redirected) if plan.follower.progress() == 0 => {}
             (Conduct::OnPath, WalkMode::Stopped { since }) if now - since < REDIRECT => {}
             (Conduct::OnPath, _) => person.mode = WalkMode::Following,
-            (Conduct::Arrived, _) => self.at_the_end(core, yielding, worker, place.at, now),
+            (Conduct::Arrived, _) => self.at_the_end(writer, yielding, worker, place.at, now),
         }
     }
 

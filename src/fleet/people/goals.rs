@@ -4,9 +4,9 @@
 
 use crate::fleet::people::intents::DOORS;
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Fact;
 use crate::fleet::state::note::FloorNote;
+use crate::fleet::state::writer::Writer;
 use crate::time::{Span, Time};
 
 /// A goal less probable than this is none yet.
@@ -17,7 +17,7 @@ const AGAIN: Span = Span::from_secs(5);
 
 impl HumanState {
     /// Notes the goal of each worker that has become the most probable one, by far enough.
-    pub(super) fn note_goals(&mut self, core: &mut Core, now: Time) {
+    pub(super) fn note_goals(&mut self, writer: &mut Writer, now: Time) {
         for (worker, _) in self.present(now) {
             let Some(belief) = self.intents.belief(worker) else { continue };
             let best = belief.goals.iter().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -32,7 +32,7 @@ impl HumanState {
             let Some(place) = self.intents.distances.place(goal) else { continue };
             self.people[worker].goal_noted = Some((goal, now));
             let percent = (100.0 * probability.min(1.0)).round() as u8;
-            core.record(Fact::Noted(FloorNote::Goal { worker, place: place.into(), percent, at: now }));
+            writer.record(Fact::Noted(FloorNote::Goal { worker, place: place.into(), percent, at: now }));
         }
     }
 }

@@ -4,10 +4,10 @@
 //! Refuses: to take anybody off the floor whom nobody saw leave, or vouches for.
 
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::WorkerFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::LastPlace;
+use crate::fleet::state::writer::Writer;
 use crate::geometry::Point;
 use crate::human::{LastKnown, Presence};
 use crate::id::WorkerId;
@@ -41,7 +41,7 @@ impl HumanState {
     }
 
     /// Notes in the ledger where workers are, coarsely.
-    pub(super) fn note_places(&self, core: &mut Core, now: Time) {
+    pub(super) fn note_places(&self, writer: &mut Writer, now: Time) {
         for (worker, place) in self.present(now) {
             let track = &self.people[worker].track;
             let Some(seen) = track.last_seen().filter(|_| !track.is_vouched()) else { continue };
@@ -50,20 +50,20 @@ impl HumanState {
                 let lost = place.presence == Presence::Lost;
                 moved_m > if lost { NOTED_M.1 } else { NOTED_M.0 } || noted.within_mm.is_some()
             };
-            if core.ledger.on_floor.get(&worker).is_none_or(is_far) {
+            if writer.ledger().on_floor.get(&worker).is_none_or(is_far) {
                 let place = LastPlace { at: place.at.into(), seen, within_mm: None };
-                core.record(WorkerFact::Noted { worker, place });
+                writer.record(WorkerFact::Noted { worker, place });
             }
         }
     }
 
     /// A worker has taken the headset off. At a door that is leaving; anywhere else the worker is still there, and will
     /// not be seen.
-    pub(super) fn sign_off(&mut self, core: &mut Core, worker: WorkerId, now: Time) {
+    pub(super) fn sign_off(&mut self, writer: &mut Writer, worker: WorkerId, now: Time) {
         let Some(place) = self.whereabouts(worker, now) else { return };
-        if is_at_door(core.floor(), place.at) && place.presence != Presence::Lost {
+        if is_at_door(writer.floor(), place.at) && place.presence != Presence::Lost {
             self.clear(worker, now);
-            core.record(WorkerFact::Cleared { worker, by: None, at: now });
+            writer.record(WorkerFact::Cleared { worker, by: None, at: now });
         } else {
             self.person(worker).track.sign_off(now);
         }

@@ -4,9 +4,9 @@
 //! take one back from a worker because another one has come nearer.
 
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::AssignmentFact;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::writer::Writer;
 use crate::geometry::Point;
 use crate::human::Presence;
 use crate::id::WorkerId;
@@ -18,26 +18,26 @@ const WAYS_MAX: usize = 64;
 impl HumanState {
     /// Gives waiting assignments, the oldest first, to those who have the shortest way to them. Of two who have the
     /// same way, the one with the lower number gets it.
-    pub(super) fn hand_out(&self, core: &mut Core, now: Time) {
-        let waiting: Vec<_> = core.ledger.index().unassigned().take(WAYS_MAX).collect();
-        if waiting.is_empty() || core.ledger.evacuation.is_some() {
+    pub(super) fn hand_out(&self, writer: &mut Writer, now: Time) {
+        let waiting: Vec<_> = writer.ledger().index().unassigned().take(WAYS_MAX).collect();
+        if waiting.is_empty() || writer.ledger().evacuation.is_some() {
             return;
         }
-        let mut free = self.free_workers(core.floor(), now);
+        let mut free = self.free_workers(writer.floor(), now);
         let mut ways = 0;
         for assignment in waiting {
             ways += free.len();
             if free.is_empty() || (ways > WAYS_MAX && ways > free.len()) {
                 return;
             }
-            let place = core.ledger.assignments[&assignment].request.place;
-            let goal = core.warehouse().nodes[place].at;
+            let place = writer.ledger().assignments[&assignment].request.place;
+            let goal = writer.warehouse().nodes[place].at;
             let ways_there =
                 free.iter().enumerate().filter_map(|(i, (_, at))| Some((self.far(*at, goal)?, i)));
             // Workers are in order, and the first of equals is taken.
             let Some((_, nearest)) = ways_there.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
             let (worker, _) = free.remove(nearest);
-            core.record(AssignmentFact::Given { assignment, worker, at: now });
+            writer.record(AssignmentFact::Given { assignment, worker, at: now });
         }
     }
 

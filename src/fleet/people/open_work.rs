@@ -4,10 +4,10 @@
 //! Refuses: to lead anybody.
 
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::AssignmentFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{AssignmentState, GuidanceReason};
+use crate::fleet::state::writer::Writer;
 use crate::geometry::Point;
 use crate::id::{AssignmentId, ClosureId, WorkerId};
 use crate::time::{Span, Time};
@@ -66,12 +66,12 @@ impl HumanState {
     }
 
     /// An assignment that a worker has begun waits again, if it is not over: its place is closed.
-    pub(super) fn lay_aside(core: &mut Core, assignment: Option<AssignmentId>, now: Time) {
+    pub(super) fn lay_aside(writer: &mut Writer, assignment: Option<AssignmentId>, now: Time) {
         let Some(id) = assignment else { return };
-        let begun = core.ledger.assignments.get(&id).is_some_and(|a| a.state != AssignmentState::Waiting);
+        let begun = writer.ledger().assignments.get(&id).is_some_and(|a| a.state != AssignmentState::Waiting);
         if begun {
             let state = AssignmentState::Waiting;
-            core.record(AssignmentFact::Advanced { assignment: id, state, at: now });
+            writer.record(AssignmentFact::Advanced { assignment: id, state, at: now });
         }
     }
 }

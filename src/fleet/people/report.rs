@@ -3,10 +3,10 @@
 //! Main type: [`PeopleReport`]. Refuses: to act on it.
 
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::heard::WorkerInput;
 use crate::fleet::state::regions::KindConditions;
 use crate::fleet::state::worker::Guidance;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::YieldingState;
 use crate::human::Whereabouts;
 use crate::id::{IdVec, WorkerId};
@@ -30,15 +30,15 @@ impl HumanState {
     /// Takes in what was heard of workers, follows each, and reports.
     pub(in crate::fleet) fn evaluate(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         heard: &[WorkerInput],
         yielding: &YieldingState,
         now: Time,
     ) -> PeopleReport {
-        self.hear(core, heard, now);
-        self.follow(core, yielding, now);
-        self.restrict(core.floor(), now);
-        let guidance = self.guide(core.floor(), now);
+        self.hear(writer, heard, now);
+        self.follow(writer, yielding, now);
+        self.restrict(writer.floor(), now);
+        let guidance = self.guide(writer.floor(), now);
         let among = |place: &Whereabouts| !self.is_at_workplace(place);
         let places = self.people.iter().map(|p| p.track.whereabouts(now).filter(among)).collect();
         PeopleReport { places, others: self.others(now), let_pass: self.standing_aside(now), guidance }

@@ -5,10 +5,10 @@
 use crate::aware::{BODY_M, HumanAwarePolicy};
 use crate::fleet::people::blocked::WaysPast;
 use crate::fleet::people::state::{HumanState, WalkMode};
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{AssignmentFact, EncounterFact};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{AssignmentState, GuidanceReason};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::{STANDS, YieldingState};
 use crate::geometry::{Point, Segment};
 use crate::human::Whereabouts;
@@ -48,29 +48,29 @@ impl HumanState {
     /// Starts the next assignment, or drops the path of one that was cancelled.
     pub(in crate::fleet) fn take_up_work(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         yielding: &YieldingState,
         worker: WorkerId,
         at: Point,
         now: Time,
     ) {
-        let next = self.next_open_assignment(core.floor(), worker, at, now);
+        let next = self.next_open_assignment(writer.floor(), worker, at, now);
         let person = &self.people[worker];
         let current = person.plan.as_ref().and_then(|p| p.assignment);
         if person.plan.is_some() && (current == next || current.is_none()) {
             return;
         }
-        Self::lay_aside(core, current.filter(|id| next != Some(*id)), now);
+        Self::lay_aside(writer, current.filter(|id| next != Some(*id)), now);
         match next {
             Some(id) => {
-                if core.ledger.assignments[&id].state == AssignmentState::Waiting {
+                if writer.ledger().assignments[&id].state == AssignmentState::Waiting {
                     let state = AssignmentState::Walking;
-                    core.record(AssignmentFact::Advanced { assignment: id, state, at: now });
+                    writer.record(AssignmentFact::Advanced { assignment: id, state, at: now });
                 }
-                self.route_on(core.floor(), yielding, worker, at, now);
+                self.route_on(writer.floor(), yielding, worker, at, now);
             }
             None => {
-                let by_closure = self.waits_for_closure(core.floor(), worker, at, now);
+                let by_closure = self.waits_for_closure(writer.floor(), worker, at, now);
                 let person = &mut self.people[worker];
                 (person.plan, person.mode, person.by_closure) = (None, WalkMode::Idle, by_closure);
             }
@@ -296,16 +296,16 @@ impl HumanState {
 
     pub(in crate::fleet) fn leaves_path(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         yielding: &YieldingState,
         worker: WorkerId,
         at: Point,
         now: Time,
     ) {
-        core.record(EncounterFact::Deviated { worker, at: now });
+        writer.record(EncounterFact::Deviated { worker, at: now });
         self.people[worker].mode = WalkMode::Deviating { since: now };
-        if core.settings.policy == HumanAwarePolicy::Giveway {
-            self.route_on(core.floor(), yielding, worker, at, now);
+        if writer.settings.policy == HumanAwarePolicy::Giveway {
+            self.route_on(writer.floor(), yielding, worker, at, now);
         }
     }
 
@@ -327,7 +327,7 @@ impl HumanState {
     /// At the end of the path: at work, done, or on to the next.
     pub(in crate::fleet) fn at_the_end(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         yielding: &YieldingState,
         worker: WorkerId,
         at: Point,
@@ -339,7 +339,7 @@ impl HumanState {
         let Some(id) = plan.assignment else {
             // A path that only led out of the way.
             person.mode = WalkMode::Following;
-            return self.route_on(core.floor(), yielding, worker, at, now);
+            return self.route_on(writer.floor(), yielding, worker, at, now);
         };
         if !is_there {
             return;
@@ -348,8 +348,8 @@ impl HumanState {
         let before = person.was_there.filter(|(left, _)| *left == id).map_or(Span::ZERO, |(_, t)| t);
         let since = *person.there_since.get_or_insert(now - before);
         let state = if now - since >= stay { AssignmentState::Done } else { AssignmentState::Working };
-        if core.ledger.assignments.get(&id).is_some_and(|a| a.state != state) {
-            core.record(AssignmentFact::Advanced { assignment: id, state, at: now });
+        if writer.ledger().assignments.get(&id).is_some_and(|a| a.state != state) {
+            writer.record(AssignmentFact::Advanced { assignment: id, state, at: now });
         }
     }
 }

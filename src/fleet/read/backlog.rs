@@ -39,13 +39,13 @@ impl Fleet {
     /// it gives, however many wait.
     pub fn backlog(&self, most: usize, now: Time) -> Backlog {
         let pending = |id: JobId| {
-            let job = &self.core.ledger.jobs[&id];
+            let job = &self.writer.ledger().jobs[&id];
             let (kind, priority) = (job.request.kind, job.request.priority);
             Pending { job: id, kind, priority, accepted: job.accepted, after: self.floor().first_before(id) }
         };
         Backlog {
             at: now,
-            jobs: self.core.ledger.index().queue.in_order(now).take(most).map(pending).collect(),
+            jobs: self.writer.ledger().index().queue.in_order(now).take(most).map(pending).collect(),
         }
     }
 }

@@ -29,12 +29,13 @@ const LEAST_AREA_M: f64 = 1.0;
 impl Fleet {
     /// Everything that outsiders may see.
     pub fn view(&self, now: Time) -> View {
-        let robots: Vec<RobotView> = self.core.ledger.robots.ids().map(|r| self.robot_view(r, now)).collect();
-        let stations = self.core.warehouse().stations.ids().map(|s| self.station_view(s, now)).collect();
-        let waiting = self.core.ledger.index().queue.len() as u64;
-        let active = self.core.ledger.jobs.len() as u64 - waiting;
+        let robots: Vec<RobotView> =
+            self.writer.ledger().robots.ids().map(|r| self.robot_view(r, now)).collect();
+        let stations = self.writer.warehouse().stations.ids().map(|s| self.station_view(s, now)).collect();
+        let waiting = self.writer.ledger().index().queue.len() as u64;
+        let active = self.writer.ledger().jobs.len() as u64 - waiting;
         let counts = self.counts(waiting, active);
-        let racks = self.core.ledger.racks.iter().copied().collect();
+        let racks = self.writer.ledger().racks.iter().copied().collect();
         let (workers, closures) = (self.worker_views(now), self.floor().closure_views());
         let charger_is_free = self.floor().a_charger_is_free();
         let idle = self.floor().idle_robots(now).into_iter();
@@ -42,17 +43,17 @@ impl Fleet {
             |r: &RobotId| self.floor().is_charged(*r, charger_is_free) && !self.floor().is_shut_in(*r);
         let free = idle.filter(works);
         let free_at: Vec<(BodyId, NodeId)> =
-            free.map(|r| (self.floor().body(r), self.core.ledger.node_of(r))).collect();
+            free.map(|r| (self.floor().body(r), self.writer.ledger().node_of(r))).collect();
         let mut of_kind: BTreeMap<BodyId, usize> = BTreeMap::new();
         free_at.iter().for_each(|(body, _)| *of_kind.entry(*body).or_default() += 1);
-        let kinds = self.core.ledger.present().map(|r| self.floor().body(r)).collect();
+        let kinds = self.writer.ledger().present().map(|r| self.floor().body(r)).collect();
         let forecast_coverage = self.people.coverage.forecast_coverage().to_vec();
-        let (blocked, stopped) = (self.floor().blocked(), self.core.ledger.stopped);
+        let (blocked, stopped) = (self.floor().blocked(), self.writer.ledger().stopped);
         let full = with_enough_racks(self.floor(), &self.traffic.needs, now);
         let line = self.line(&full, now);
-        let paused_stations = self.core.ledger.paused_stations.clone();
-        let cut_off = self.core.restrictions.cut_off.clone();
-        let closing = self.core.restrictions.closing_nodes();
+        let paused_stations = self.writer.ledger().paused_stations.clone();
+        let cut_off = self.writer.restrictions.cut_off.clone();
+        let closing = self.writer.restrictions.closing_nodes();
         View {
             now,
             robots,
@@ -60,8 +61,8 @@ impl Fleet {
             stations,
             workers,
             closures,
-            recurring: self.core.ledger.recurring.clone(),
-            evacuation: self.core.ledger.evacuation,
+            recurring: self.writer.ledger().recurring.clone(),
+            evacuation: self.writer.ledger().evacuation,
             blocked,
             kinds,
             free: of_kind,
@@ -79,7 +80,7 @@ impl Fleet {
 
     /// The first jobs in line for a robot.
     fn line(&self, full: &BTreeMap<StationId, RobotId>, now: Time) -> Vec<(JobId, u8)> {
-        let ledger = &self.core.ledger;
+        let ledger = &self.writer.ledger();
         let is_open = |goal| match goal {
             RackGoal::Station(s) => !full.contains_key(&s) && !ledger.paused_stations.contains_key(&s),
             RackGoal::Storage => true,
@@ -90,8 +91,8 @@ impl Fleet {
 
     /// Sums of the ledger, and what was tried.
     fn counts(&self, waiting: u64, active: u64) -> Counts {
-        let (sums, tally) = (self.core.ledger.counts, self.traffic.tally);
-        let [lines, wrong_reaches] = self.core.visits.counted();
+        let (sums, tally) = (self.writer.ledger().counts, self.traffic.tally);
+        let [lines, wrong_reaches] = self.writer.visits.counted();
         Counts {
             robot_deliveries: sums.robot_deliveries,
             human_deliveries: sums.human_deliveries,
@@ -114,19 +115,20 @@ impl Fleet {
     }
 
     fn robot_view(&self, r: RobotId, now: Time) -> RobotView {
-        let record = &self.core.ledger.robots[r];
-        let seen = self.core.scene.robot(r);
-        let chain = self.core.ledger.chain(r);
+        let record = &self.writer.ledger().robots[r];
+        let seen = self.writer.scene.robot(r);
+        let chain = self.writer.ledger().chain(r);
         let nodes = |from: u64, to: u64| -> Vec<NodeId> {
             (from..to).filter_map(|s| chain.get(s)).map(|v| v.node).collect()
         };
-        let stands = Pose { at: self.core.warehouse().nodes[self.core.ledger.node_of(r)].at, heading: 0.0 };
+        let stands =
+            Pose { at: self.writer.warehouse().nodes[self.writer.ledger().node_of(r)].at, heading: 0.0 };
         let (activity, since) = self.activity(r, now);
         RobotView {
             name: record.name.clone(),
             pose: seen.map_or(stands, |t| t.pose),
             seen: seen.map(|t| t.seen),
-            heard: self.core.scene.heard(r),
+            heard: self.writer.scene.heard(r),
             speed_mps: seen.map_or(0.0, |t| t.speed_mps),
             kind: record.kind.clone(),
             battery: seen.map_or(0.0, |t| t.battery),
@@ -136,11 +138,11 @@ impl Fleet {
             fault: seen.and_then(|t| t.fault),
             state: self.floor().robot_state(r),
             task: record.task,
-            rack: self.core.ledger.rack_on(r),
+            rack: self.writer.ledger().rack_on(r),
             doing: self.floor().doing(r),
             activity,
             since,
-            driven_m: self.core.scene.driven_m(r),
+            driven_m: self.writer.scene.driven_m(r),
             job: record.task.job(),
             granted: nodes(chain.first(), chain.granted()),
             held: nodes(chain.granted(), chain.end()),
@@ -152,18 +154,18 @@ impl Fleet {
 
     /// What a robot is at, and since when. What a person ordered is durable: it has lasted since the order.
     pub fn activity(&self, robot: RobotId, now: Time) -> (Activity, Time) {
-        let noted = self.core.activities.of(robot);
+        let noted = self.writer.activities.of(robot);
         let (activity, since) = noted.unwrap_or_else(|| (self.floor().activity(robot, self.why(robot)), now));
         let ordered = match activity {
-            Activity::Paused => self.core.ledger.robots[robot].paused,
-            Activity::Stopped => self.core.ledger.stopped.or(self.core.ledger.evacuation),
+            Activity::Paused => self.writer.ledger().robots[robot].paused,
+            Activity::Stopped => self.writer.ledger().stopped.or(self.writer.ledger().evacuation),
             _ => None,
         };
         (activity, ordered.unwrap_or(since))
     }
 
     fn worker_views(&self, now: Time) -> Vec<WorkerView> {
-        self.core.ledger.workers.pairs().map(|(w, name)| self.worker_view(w, name, now)).collect()
+        self.writer.ledger().workers.pairs().map(|(w, name)| self.worker_view(w, name, now)).collect()
     }
 
     fn worker_view(&self, worker: WorkerId, name: &str, now: Time) -> WorkerView {
@@ -180,7 +182,7 @@ impl Fleet {
             speed_mps: place.map_or(0.0, |w| w.velocity.norm()),
             accuracy_m: place.map_or(0.0, |w| w.sigma_m + w.reach_m),
             area: place.map(|w| self.lost_area(&w)).unwrap_or_default(),
-            regions_m: self.core.regions.widest_m(sigma),
+            regions_m: self.writer.regions.widest_m(sigma),
             guidance,
             goals: self.goals_view(&belief),
             undecided: belief.undecided,
@@ -204,7 +206,7 @@ impl Fleet {
             // The place of a task that is over is no goal any more, and still where the worker went.
             IntentState::Goal(g) => self.people.intents.distances.place(g).or_else(|| {
                 let node = task_place(g)?;
-                self.core.warehouse().nodes.get(node).map(|n| n.at)
+                self.writer.warehouse().nodes.get(node).map(|n| n.at)
             }),
             IntentState::Undecided | IntentState::Elsewhere => None,
         };
@@ -223,8 +225,8 @@ impl Fleet {
     }
 
     fn station_view(&self, s: StationId, now: Time) -> StationView {
-        let (ledger, visits) = (&self.core.ledger, &self.core.visits);
-        let station = &self.core.warehouse().stations[s];
+        let (ledger, visits) = (&self.writer.ledger(), &self.writer.visits);
+        let station = &self.writer.warehouse().stations[s];
         let stands = |n: NodeId| ledger.present().find(|r| ledger.node_of(*r) == n);
         let here = stands(station.node);
         let picked = here.filter(|r| self.floor().is_picked_from(*r));
@@ -240,7 +242,7 @@ impl Fleet {
             placed: self.visit_placed(s, now),
             ends: visits.ends_held(s),
             has_cell: station.cell.is_some(),
-            hears_hands: station.cell.is_some() && self.core.settings.flow.hears_hands(),
+            hears_hands: station.cell.is_some() && self.writer.settings.flow.hears_hands(),
             saw_hands: visits.saw_hands(s, now),
             warning: visits.warning(s, now),
             arm: self.arm(s, now),
@@ -256,29 +258,29 @@ impl Fleet {
     /// How long the visit that is on at a station will last from now on; nothing where none is on, or nobody counts
     /// lines.
     pub fn visit_left(&self, station: StationId, now: Time) -> Option<Remaining> {
-        if !self.core.settings.flow.counts_lines() {
+        if !self.writer.settings.flow.counts_lines() {
             return None;
         }
         let (id, job) = self.visit_on(station)?;
-        self.core.visits.remaining(id, job, self.floor().ends_out(job), now)
+        self.writer.visits.remaining(id, job, self.floor().ends_out(job), now)
     }
 
     /// How long it takes until the last piece of the visit that is on at a station is in its tote: later than the end
     /// of the visit if the rack leaves at the last grasp.
     fn visit_placed(&self, station: StationId, now: Time) -> Option<Remaining> {
-        let (id, job) = self.visit_on(station).filter(|_| self.core.settings.flow.counts_lines())?;
-        self.core.visits.remaining(id, job, false, now)
+        let (id, job) = self.visit_on(station).filter(|_| self.writer.settings.flow.counts_lines())?;
+        self.writer.visits.remaining(id, job, false, now)
     }
 
     fn visit_on(&self, station: StationId) -> Option<(JobId, &Job)> {
         let robot = self.floor().picked_from(station)?;
-        let id = self.core.ledger.robots[robot].task.job()?;
-        Some((id, self.core.ledger.jobs.get(&id)?))
+        let id = self.writer.ledger().robots[robot].task.job()?;
+        Some((id, self.writer.ledger().jobs.get(&id)?))
     }
 
     /// The robot arm at a station; nothing where there is none, or it is of no known kind.
     pub fn arm(&self, station: StationId, now: Time) -> Option<ArmView> {
-        self.core.arms.view(station, now)
+        self.writer.arms.view(station, now)
     }
 
     /// The time at which a robot is planned to be somewhere; nothing if it waits for what nobody knows the end of.
@@ -291,7 +293,7 @@ impl Fleet {
 
     /// Which robot brings the next rack to a station, and when it is planned to be there.
     fn next_rack(&self, station: NodeId, picked: Option<RobotId>) -> Option<(RobotId, Time)> {
-        let ledger = &self.core.ledger;
+        let ledger = &self.writer.ledger();
         let comes = |robot: RobotId| {
             let record = &ledger.robots[robot];
             if !matches!(record.task, Task::Deliver { station: s, .. } if s == station) {

@@ -63,16 +63,16 @@ pub struct ClosingEffect {
 impl Fleet {
     /// The nodes that a closure closes, each once.
     pub fn closed_by(&self, area: &Closure) -> Vec<NodeId> {
-        nodes_of(area, self.core.warehouse())
+        nodes_of(area, self.writer.warehouse())
     }
 
     /// What closing an area would do.
     ///
     /// O(nodes × stations + open jobs): for a question, not for a step.
     pub fn effect_of_closing(&self, area: &Closure, now: Time) -> ClosingEffect {
-        let w = self.core.warehouse();
+        let w = self.writer.warehouse();
         let nodes = nodes_of(area, w);
-        let (ledger, before) = (&self.core.ledger, &self.core.restrictions.cut_off);
+        let (ledger, before) = (&self.writer.ledger(), &self.writer.restrictions.cut_off);
         let after = before.with_closed(w, &nodes, ClosureId(ledger.next_closure), now);
         let closed: BTreeSet<NodeId> = nodes.iter().copied().collect();
         let is_new = |s: &StationId| !before.blocked().any(|b| b == *s);
@@ -100,23 +100,23 @@ impl Fleet {
     /// Whether a job that has not lifted its rack would wait because of these cuts.
     fn would_wait(&self, job: &Job, cut: &CutOff, now: Time) -> bool {
         let kind = &job.request.kind;
-        let rack = kind.rack().map(|rack| self.core.ledger.racks[rack]);
+        let rack = kind.rack().map(|rack| self.writer.ledger().racks[rack]);
         let Some(RackAt::Stored(node)) = rack else { return false };
         let station = match *kind {
             JobKind::Deliver { station, .. } => cut.blocks_for_long(station, now),
             _ => None,
         };
-        station.or_else(|| cut.blocks_job(self.core.warehouse(), kind, node)).is_some()
+        station.or_else(|| cut.blocks_job(self.writer.warehouse(), kind, node)).is_some()
     }
 
     /// The job of a robot that holds nodes of an area, and when it is to leave the last of them, but for the one where
     /// its route ends.
     fn passes_until(&self, robot: RobotId, closed: &BTreeSet<NodeId>) -> Option<(JobId, RobotId, Time)> {
-        let task = self.core.ledger.robots[robot].task;
+        let task = self.writer.ledger().robots[robot].task;
         if task == Task::Idle {
             return None;
         }
-        let visits = self.core.ledger.chain(robot).visits().filter(|v| closed.contains(&v.node));
+        let visits = self.writer.ledger().chain(robot).visits().filter(|v| closed.contains(&v.node));
         let until = visits.map(|v| v.leave).filter(|t| !t.is_forever()).max()?;
         Some((task.job()?, robot, until))
     }

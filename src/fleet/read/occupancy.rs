@@ -36,7 +36,7 @@ impl Fleet {
     /// # Errors
     /// How many nodes there are, where they are too many.
     pub fn occupancy(&self, area: Area, ahead: Span, now: Time) -> Result<Vec<NodeOccupancy>, usize> {
-        let nodes = &self.core.warehouse().nodes;
+        let nodes = &self.writer.warehouse().nodes;
         let mut found: Vec<NodeId> =
             nodes.pairs().filter(|(_, n)| area.contains(n.at)).map(|(id, _)| id).collect();
         if found.len() > MOST_NODES {
@@ -54,10 +54,10 @@ impl Fleet {
     }
 
     fn node_occupancy(&self, node: NodeId, window: Window) -> NodeOccupancy {
-        let resource = self.core.warehouse().node_resource(node);
-        let holds = self.core.ledger.timeline().holds(resource, window);
+        let resource = self.writer.warehouse().node_resource(node);
+        let holds = self.writer.ledger().timeline().holds(resource, window);
         let mut conditions: Vec<Condition> = Vec::new();
-        for condition in self.core.restrictions.conditions.all().flat_map(|set| set.of(node)) {
+        for condition in self.writer.restrictions.conditions.all().flat_map(|set| set.of(node)) {
             if condition.window.overlaps(window) && !conditions.contains(condition) {
                 conditions.push(*condition);
             }

@@ -36,7 +36,7 @@ impl Fleet {
 
     /// Whether a hand is seen in the opening of a station or in the rack there.
     pub fn sees_hand_inside(&self, station: StationId, now: Time) -> bool {
-        self.core.visits.sees_inside(station, now)
+        self.writer.visits.sees_inside(station, now)
     }
 
     /// Whether a robot stands at its station and the pick has not ended.
@@ -46,7 +46,7 @@ impl Fleet {
 
     /// Whether a robot was heard of lately and can drive.
     pub fn is_fit(&self, robot: RobotId, now: Time) -> bool {
-        self.core.scene.fit(robot, now).is_some()
+        self.writer.scene.fit(robot, now).is_some()
     }
 
     /// Whether a robot has no route for its task.
@@ -62,7 +62,7 @@ impl Fleet {
     /// How urgent a job for a rack is, milliseconds: the order in which robots are matched with jobs.
     pub fn urgency_ms(&self, job: &Job, now: Time) -> i64 {
         let JobRequest { priority, deadline, .. } = job.request;
-        let oldest = self.core.ledger.index().queue.oldest(now)[usize::from(priority)];
+        let oldest = self.writer.ledger().index().queue.oldest(now)[usize::from(priority)];
         urgency_ms(priority, job.accepted, deadline, now, oldest)
     }
 
@@ -79,10 +79,10 @@ impl Fleet {
 
     /// Whether a robot that has nothing else to do could do a job whose rack stands in storage.
     pub fn could_do(&self, robot: RobotId, id: JobId, now: Time) -> bool {
-        let (floor, job) = (self.floor(), &self.core.ledger.jobs[&id]);
+        let (floor, job) = (self.floor(), &self.writer.ledger().jobs[&id]);
         let Some(rack) = job.request.kind.rack() else { return false };
-        let RackAt::Stored(node) = self.core.ledger.racks[rack] else { return false };
-        let from = self.core.ledger.node_of(robot);
+        let RackAt::Stored(node) = self.writer.ledger().racks[rack] else { return false };
+        let from = self.writer.ledger().node_of(robot);
         !floor.job_is_closed_off(&job.request.kind, node)
             && floor.way_ms((robot, from), id, (rack, node), now).is_some()
     }
@@ -123,7 +123,7 @@ impl Fleet {
     /// it is on the line again.
     pub fn passing_floor(&self, robot: RobotId) -> Option<Hull> {
         let what = self.passing(robot)?;
-        let stretch = self.floor().stretch(robot, self.core.ledger.chain(robot).first(), what.to)?;
+        let stretch = self.floor().stretch(robot, self.writer.ledger().chain(robot).first(), what.to)?;
         Some(self.floor().footprint(robot).free(stretch.line, stretch.corridor))
     }
 
@@ -136,11 +136,11 @@ impl Fleet {
     /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
     /// the worker to stand, if the worker was not told yet.
     pub fn calls_for_stop(&self, sighting: &Sighting, now: Time) -> bool {
-        self.yielding.calls_for_stop(self.core.floor(), &self.people, &self.traffic, sighting, now)
+        self.yielding.calls_for_stop(self.writer.floor(), &self.people, &self.traffic, sighting, now)
     }
 
     /// What a step that took in these hands now would warn of.
     pub fn warning_of(&self, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
-        warning_of(self.core.floor(), seen, now)
+        warning_of(self.writer.floor(), seen, now)
     }
 }

@@ -81,10 +81,10 @@ impl Fleet {
     /// Regions around the reservations of all robots that are near an area.
     fn robots_regions(&self, area: Area, window: Window, found: &mut Stays) {
         let mut known: BTreeMap<(NodeId, BodyId, bool), Around> = BTreeMap::new();
-        for robot in self.core.ledger.present() {
-            let (chain, reach) = (self.core.ledger.chain(robot), self.radii(robot, true, 0.0).1);
+        for robot in self.writer.ledger().present() {
+            let (chain, reach) = (self.writer.ledger().chain(robot), self.radii(robot, true, 0.0).1);
             for visit in (chain.first()..chain.end()).filter_map(|s| chain.get(s)) {
-                let at = self.core.warehouse().nodes[visit.node].at;
+                let at = self.writer.warehouse().nodes[visit.node].at;
                 if !visit.window().overlaps(window) || area.distance_m(at) > reach {
                     continue;
                 }
@@ -107,7 +107,7 @@ impl Fleet {
         found: &mut Stays,
     ) {
         // The widest of all kinds, with a rack.
-        let sizes = self.core.regions.widest_m(place.sigma_m);
+        let sizes = self.writer.regions.widest_m(place.sigma_m);
         let radii = (sizes[1] + place.reach_m, sizes[2] + place.reach_m);
         let mut add = |at: Point, when: Window| {
             if when.overlaps(window) {
@@ -132,7 +132,7 @@ impl Fleet {
 
     /// The nodes around a place, as far as they are on foot.
     fn around(&self, at: Point, (keep_out, slow): (f64, f64)) -> Around {
-        let near = self.people.afoot.nodes_within(self.core.warehouse(), at, slow).into_iter();
+        let near = self.people.afoot.nodes_within(self.writer.warehouse(), at, slow).into_iter();
         let region = |d: f64| if d <= keep_out { SafetyRegion::KeepOut } else { SafetyRegion::Slow };
         near.map(|(node, d)| (node, region(d))).collect()
     }

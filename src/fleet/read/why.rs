@@ -128,12 +128,12 @@ impl Fleet {
 
     /// One link for a job, and the links of the robot behind it. Gives the job that it waits for.
     fn follow_job(&self, view: &View, id: JobId, now: Time, chain: &mut Vec<Waiting>) -> Option<JobId> {
-        let job = self.core.ledger.jobs.get(&id)?;
+        let job = self.writer.ledger().jobs.get(&id)?;
         let who = Who::Job(id);
         if chain.len() >= LONGEST || chain.iter().any(|w| w.who == who) {
             return None;
         }
-        let Some(why) = view.why_job(self.core.warehouse(), id, job) else {
+        let Some(why) = view.why_job(self.writer.warehouse(), id, job) else {
             if let Some(robot) = job.state.robot() {
                 self.follow(robot, now, chain);
             }
@@ -187,7 +187,7 @@ impl Fleet {
                 Because::Robot(Why::WaitsFor(resource, _)) => Some((resource, link.until)),
                 _ => None,
             };
-            next = match self.core.waits.of(party).edge {
+            next = match self.writer.waits.of(party).edge {
                 Edge::On(other) => Some(other),
                 Edge::Moves | Edge::Until(_) | Edge::Operator | Edge::NoWay | Edge::Still => None,
             };
@@ -202,12 +202,13 @@ impl Fleet {
     /// Whether what a robot does at a stop takes longer than it was to: its plan is put off again and again.
     fn is_overdue(&self, robot: RobotId, act: Act, now: Time) -> bool {
         let (_, since) = self.activity(robot, now);
-        let job = self.core.ledger.robots[robot].task.job().and_then(|id| self.core.ledger.jobs.get(&id));
+        let job =
+            self.writer.ledger().robots[robot].task.job().and_then(|id| self.writer.ledger().jobs.get(&id));
         let planned = match (act, job) {
             // How long the lines of a visit take is estimated anew all the time.
             (Act::Pick(_), Some(job)) if job.lines_now().is_some() => return false,
             (Act::Pick(_), Some(job)) => job.request.stations().next().and_then(|visit| {
-                Some(visit.pick.unwrap_or(self.core.warehouse().stations.get(visit.station)?.pick))
+                Some(visit.pick.unwrap_or(self.writer.warehouse().stations.get(visit.station)?.pick))
             }),
             _ => None,
         };
@@ -223,7 +224,7 @@ impl Fleet {
             until: until.filter(|t| !t.is_forever() && *t > now),
             ahead,
         };
-        let chain = self.core.ledger.chain(robot);
+        let chain = self.writer.ledger().chain(robot);
         let why = self.why(robot);
         // A robot that is broken, silent or told to stand is so at a stop, too.
         let stopped = why.is_some_and(Why::is_by_itself);
@@ -235,7 +236,7 @@ impl Fleet {
         let Some(why) = why else { return self.floor().goes_on(robot, wanted, now, link) };
         let (until, ahead) = match why {
             Why::WaitsFor(..) => {
-                let before = self.core.ledger.timeline().before(robot, chain.granted());
+                let before = self.writer.ledger().timeline().before(robot, chain.granted());
                 let before = before.map(|(_, held)| held).unwrap_or_default();
                 (before.iter().map(|h| h.window.end()).max(), before.len())
             }
@@ -250,7 +251,7 @@ impl Fleet {
 
     /// What a worker waits for.
     fn worker_link(&self, worker: WorkerId) -> Waiting {
-        let because = match self.core.waits.worker(worker).edge {
+        let because = match self.writer.waits.worker(worker).edge {
             Edge::On(Party::Robot(robot)) => Because::InTheWay(robot),
             Edge::NoWay => Because::NoWay,
             Edge::Still => Because::Stands,
@@ -262,12 +263,12 @@ impl Fleet {
 
     /// Why a robot does not go on, if it does not, as of the last step.
     pub fn why(&self, robot: RobotId) -> Option<Why> {
-        self.core.waits.robot(robot).why
+        self.writer.waits.robot(robot).why
     }
 
     /// What a robot or a worker waits for, as of the last step.
     pub fn wait(&self, party: Party) -> Wait {
-        self.core.waits.of(party)
+        self.writer.waits.of(party)
     }
 
     /// Workers whom no source has known for this long: robots stay out of all that each may have reached.
@@ -275,7 +276,7 @@ impl Fleet {
         let people = self.people.people.pairs();
         let lost = people.filter_map(|(worker, person)| {
             let silent = person.track.silent(now).filter(|s| *s > long)?;
-            let waiting = self.core.waits.waiting_for(worker);
+            let waiting = self.writer.waits.waiting_for(worker);
             Some(LostWorker { worker, silent, waiting })
         });
         lost.collect()
@@ -293,7 +294,7 @@ impl Fleet {
     /// People whom the fleet has kept in one spot for longer than this: waiting for a robot, for a way, or to let a
     /// robot pass.
     pub fn kept_workers(&self, long: Span) -> Vec<(WorkerId, Span)> {
-        let waited = |worker| (worker, self.core.waits.kept_in_one_spot(worker));
+        let waited = |worker| (worker, self.writer.waits.kept_in_one_spot(worker));
         self.people.people.ids().map(waited).filter(|(_, waited)| *waited > long).collect()
     }
 
@@ -311,11 +312,11 @@ impl Fleet {
     /// What robots and workers wait for without anything that would set them free, as of the last step.
     pub fn standstills(&self) -> Vec<Standstill> {
         let mut by_root: Vec<Standstill> = Vec::new();
-        let waits = self.core.waits.parties();
+        let waits = self.writer.waits.parties();
         for (party, wait) in waits.filter(|(_, wait)| wait.standstill.is_some()) {
             let since = wait.standstill.expect("just seen");
             let i = by_root.iter().position(|s| s.end == wait.end).unwrap_or_else(|| {
-                let (root, behind) = (self.core.waits.root(wait.end), Vec::new());
+                let (root, behind) = (self.writer.waits.root(wait.end), Vec::new());
                 by_root.push(Standstill { end: wait.end, root, behind, since });
                 by_root.len() - 1
             });

@@ -3,13 +3,13 @@
 //! Refuses: to decide anything about robots.
 
 use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::FloorFact;
 use crate::fleet::state::heard::{Heard, WorkerInput};
-use crate::fleet::state::io::{CausedFacts, Input};
+use crate::fleet::state::io::Input;
 use crate::fleet::state::request::{
-    Answer, Answered, FloorAction, JobAction, Reply, Request, RobotAction, Token, WorkerAction,
+    Answer, Answered, FloorAction, JobAction, Request, RobotAction, Token, WorkerAction,
 };
+use crate::fleet::state::writer::Writer;
 use crate::id::{Dense, WorkerId};
 use crate::time::Time;
 use crate::warehouse::walkway::Walkways;
@@ -17,12 +17,12 @@ use crate::warehouse::walkway::Walkways;
 /// Takes all inputs in: observations of robots go to the scene, requests become facts or refusals. `walkways` is where
 /// workers can walk, `lost` those of whom nobody knows where they are.
 pub(in crate::fleet) fn absorb(
-    core: &mut Core,
+    writer: &mut Writer,
     (walkways, lost): (&Walkways, &[WorkerId]),
     now: Time,
     inputs: Vec<Input>,
 ) -> Heard {
-    let mut intake = Intake { core, walkways, lost, heard: Heard::default() };
+    let mut intake = Intake { writer, walkways, lost, heard: Heard::default() };
     intake.take_in(now, inputs);
     intake.heard
 }
@@ -32,7 +32,7 @@ pub(in crate::fleet) fn absorb(
 impl Intake<'_> {
     /// Takes all inputs in.
     fn take_in(&mut self, now: Time, inputs: Vec<Input>) {
-        self.core.scene.begin(now);
+        self.writer.scene.begin(now);
         self.expire_keys(now);
         for input in inputs {
             self.take(input, now);
@@ -44,24 +44,24 @@ impl Intake<'_> {
     /// Takes one input in.
     fn take(&mut self, input: Input, now: Time) {
         match input {
-            Input::Telemetry(t) if t.robot.ix() < self.core.ledger.robots.len() => {
-                self.core.scene.see(t, now)
+            Input::Telemetry(t) if t.robot.ix() < self.writer.ledger().robots.len() => {
+                self.writer.scene.see(t, now)
             }
             Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot"),
-            Input::Sighted(s) if self.core.ledger.knows(s.worker) => {
+            Input::Sighted(s) if self.writer.ledger().knows(s.worker) => {
                 self.heard.people.push(WorkerInput::Seen(s));
             }
             Input::Sighted(s) => tracing::warn!(worker = ?s.worker, "sighting of an unknown worker"),
             Input::Hands(seen) => self.hear_hands(&seen, now),
             Input::Arm(said) => self.hear_arm(&said, now),
-            Input::VisitEnds { station, at } => self.core.visits.tell(station, at),
+            Input::VisitEnds { station, at } => self.writer.visits.tell(station, at),
             Input::Ask { token, request } => self.answer(token, request, now),
         }
     }
 
     /// Carries a request out or refuses it, and notes which facts it caused.
     fn answer(&mut self, token: Token, request: Request, now: Time) {
-        let before = self.core.out.facts.len();
+        let before = self.writer.facts().len();
         let answer = match request {
             Request::Job(action) => self.take_job(action, now),
             Request::Robot(action) => self.take_robot(action, now),
@@ -69,11 +69,8 @@ impl Intake<'_> {
             Request::Worker(action) => self.take_worker(action, now),
             Request::Floor(action) => self.take_floor(action, now),
         };
-        self.core.out.replies.push(Reply { token, answer });
-        let facts = before..self.core.out.facts.len();
-        if !facts.is_empty() {
-            self.core.out.caused.push(CausedFacts { token, facts });
-        }
+        let facts = before..self.writer.facts().len();
+        self.writer.answer(token, answer, facts);
     }
 
     fn take_job(&mut self, action: JobAction, now: Time) -> Answered {
@@ -129,9 +126,9 @@ impl Intake<'_> {
     /// Forgets some of the keys that are too old.
     fn expire_keys(&mut self, now: Time) {
         let (jobs, assignments) =
-            (self.core.ledger.keys.expired(now), self.core.ledger.assignment_keys.expired(now));
+            (self.writer.ledger().keys.expired(now), self.writer.ledger().assignment_keys.expired(now));
         if !jobs.is_empty() || !assignments.is_empty() {
-            self.core.record(FloorFact::KeysExpired { jobs, assignments });
+            self.writer.record(FloorFact::KeysExpired { jobs, assignments });
         }
     }
 }

@@ -18,10 +18,10 @@ impl Intake<'_> {
         if area.outline.len() < 3 || area.window.start() >= area.window.end() {
             return Err(Refusal::Area(AreaRefusal::Empty));
         }
-        if area.outline.len() > self.core.settings.corners_max {
-            return Err(Refusal::Area(AreaRefusal::TooManyCorners(self.core.settings.corners_max)));
+        if area.outline.len() > self.writer.settings.corners_max {
+            return Err(Refusal::Area(AreaRefusal::TooManyCorners(self.writer.settings.corners_max)));
         }
-        if area.nodes.iter().any(|n| self.core.warehouse().nodes.get(*n).is_none()) {
+        if area.nodes.iter().any(|n| self.writer.warehouse().nodes.get(*n).is_none()) {
             return Err(Refusal::UnknownPlace);
         }
         Ok(())
@@ -29,19 +29,19 @@ impl Intake<'_> {
 
     pub(super) fn close(&mut self, area: Closure) -> Answered {
         self.check_area(&area)?;
-        if self.core.ledger.closures.len() >= self.core.settings.closures_max {
-            return Err(Refusal::TooMany(Bounded::Closures, self.core.ledger.closures.len()));
+        if self.writer.ledger().closures.len() >= self.writer.settings.closures_max {
+            return Err(Refusal::TooMany(Bounded::Closures, self.writer.ledger().closures.len()));
         }
-        let closure = ClosureId(self.core.ledger.next_closure);
-        self.core.record(AreaFact::Closed { closure, area });
+        let closure = ClosureId(self.writer.ledger().next_closure);
+        self.writer.record(AreaFact::Closed { closure, area });
         Ok(Answer::Closure(closure))
     }
 
     pub(super) fn reopen(&mut self, closure: ClosureId, now: Time) -> Answered {
-        if !self.core.ledger.closures.contains_key(&closure) {
+        if !self.writer.ledger().closures.contains_key(&closure) {
             return Err(Refusal::Area(AreaRefusal::UnknownClosure(closure)));
         }
-        self.core.record(AreaFact::Reopened { closure, at: now });
+        self.writer.record(AreaFact::Reopened { closure, at: now });
         Ok(Answer::Done)
     }
 
@@ -50,43 +50,43 @@ impl Intake<'_> {
         if !closure.can_be() {
             return Err(Refusal::Area(AreaRefusal::Recurrence));
         }
-        let ledger = &self.core.ledger;
-        if ledger.recurring.len() >= self.core.settings.series_max {
+        let ledger = &self.writer.ledger();
+        if ledger.recurring.len() >= self.writer.settings.series_max {
             return Err(Refusal::TooMany(Bounded::Series, ledger.recurring.len()));
         }
         let series = SeriesId(ledger.next_series);
         let area = Closure { series: Some(series), ..closure.area };
-        self.core.record(AreaFact::Recurs { series, closure: RecurringClosure { area, ..closure } });
+        self.writer.record(AreaFact::Recurs { series, closure: RecurringClosure { area, ..closure } });
         Ok(Answer::Series(series))
     }
 
     /// A closure recurs no more; what is announced of it, or in force, ends.
     pub(super) fn end_series(&mut self, series: SeriesId, now: Time) -> Answered {
-        if !self.core.ledger.recurring.contains_key(&series) {
+        if !self.writer.ledger().recurring.contains_key(&series) {
             return Err(Refusal::Area(AreaRefusal::UnknownSeries(series)));
         }
-        let closures = self.core.ledger.closures.iter();
+        let closures = self.writer.ledger().closures.iter();
         let open = closures.filter(|(_, c)| c.series == Some(series) && now < c.window.end());
         let open: Vec<ClosureId> = open.map(|(id, _)| *id).collect();
-        self.core.record(AreaFact::SeriesEnded { series, at: now });
-        open.into_iter().for_each(|closure| self.core.record(AreaFact::Reopened { closure, at: now }));
+        self.writer.record(AreaFact::SeriesEnded { series, at: now });
+        open.into_iter().for_each(|closure| self.writer.record(AreaFact::Reopened { closure, at: now }));
         Ok(Answer::Done)
     }
 
     /// Everybody is to leave the building; said again, it changes nothing.
     pub(super) fn evacuate(&mut self, now: Time) -> Answered {
-        if self.core.warehouse().nodes_where(|k| k == NodeKind::Exit).is_empty() {
+        if self.writer.warehouse().nodes_where(|k| k == NodeKind::Exit).is_empty() {
             return Err(Refusal::Area(AreaRefusal::NoExits));
         }
-        if self.core.ledger.evacuation.is_none() {
-            self.core.record(FloorFact::Evacuated { at: now });
+        if self.writer.ledger().evacuation.is_none() {
+            self.writer.record(FloorFact::Evacuated { at: now });
         }
         Ok(Answer::Done)
     }
 
     pub(super) fn end_evacuation(&mut self, now: Time) -> Answered {
-        if self.core.ledger.evacuation.is_some() {
-            self.core.record(FloorFact::EvacuationEnded { at: now });
+        if self.writer.ledger().evacuation.is_some() {
+            self.writer.record(FloorFact::EvacuationEnded { at: now });
         }
         Ok(Answer::Done)
     }

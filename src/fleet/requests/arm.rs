@@ -28,13 +28,13 @@ impl Intake<'_> {
     /// Takes in what an arm says.
     pub(super) fn hear_arm(&mut self, said: &ArmSaid, now: Time) {
         let station = said.station;
-        let Some(post) = self.core.arms.post(station) else {
+        let Some(post) = self.writer.arms.post(station) else {
             return tracing::warn!(?station, "a report from an arm that is not known");
         };
         let Some(deed) = post.arm.hear(now, said) else { return };
         let Some((job, line)) = post.line else { return };
         let spent_s = (now - std::mem::replace(&mut post.piece_since, now)).as_secs_f64();
-        self.core.visits.learn_arm(station, spent_s);
+        self.writer.visits.learn_arm(station, spent_s);
         if deed == ArmDeed::FoundNothing || post.arm.task().is_none() {
             post.line = None;
         }
@@ -55,7 +55,7 @@ impl Intake<'_> {
 
     /// Lets every arm decide what it does next. Only stations with an arm cost anything.
     pub(super) fn move_arms(&mut self, now: Time) {
-        for station in self.core.arms.stations() {
+        for station in self.writer.arms.stations() {
             let visit = self.visit_at(station, now);
             self.withdraw(station, visit, now);
             if let Some(visit) = visit {
@@ -67,17 +67,17 @@ impl Intake<'_> {
 
     /// Whether a line of the visit that is on is the arm's.
     fn is_arms(&self, job: JobId, line: usize) -> bool {
-        let lines = self.core.ledger.jobs.get(&job).and_then(|job| job.lines_now());
+        let lines = self.writer.ledger().jobs.get(&job).and_then(|job| job.lines_now());
         lines.and_then(|lines| lines.all().get(line)).is_some_and(|p| p.state == LineState::Arm)
     }
 
     fn give_to(&mut self, change: LineChange, job: JobId, line: usize, now: Time) {
-        self.core.record(JobFact::LineChanged { job, line, change, at: now });
+        self.writer.record(JobFact::LineChanged { job, line, change, at: now });
     }
 
     /// A task whose visit or line is over, or which the arm cannot do, is the arm's no more.
     fn withdraw(&mut self, station: StationId, visit: Option<OnVisit>, now: Time) {
-        let Some(post) = self.core.arms.post(station) else { return };
+        let Some(post) = self.writer.arms.post(station) else { return };
         let gives_up = post.arm.gives_up();
         let spent_s = (now - post.piece_since).as_secs_f64();
         let troubled = post.arm.trouble(now).is_some();
@@ -87,11 +87,11 @@ impl Intake<'_> {
         let Some((job, line)) = post.line else { return };
         if gives_up {
             post.left.push((job, line));
-            self.core.visits.learn_arm(station, spent_s);
+            self.writer.visits.learn_arm(station, spent_s);
         }
         let is_on = visit.is_some_and(|visit| visit.job == job) && self.is_arms(job, line);
         if gives_up || troubled || !is_on {
-            let post = self.core.arms.post(station).expect("it is there");
+            let post = self.writer.arms.post(station).expect("it is there");
             post.line = None;
             post.arm.drop_task();
         }
@@ -102,23 +102,23 @@ impl Intake<'_> {
         let Some(face) = self.face(station, Some(visit)) else { return };
         let Some((_, lines)) = self.lines_under(visit.robot) else { return };
         let lines = lines.clone();
-        let was_heard = self.core.arms.post(station).is_some_and(|post| post.arm.was_heard());
+        let was_heard = self.writer.arms.post(station).is_some_and(|post| post.arm.was_heard());
         if !was_heard && lines.all().iter().all(|p| p.state != LineState::Arm) {
             return;
         }
         let tote = |name: &str| {
-            let cell = self.core.warehouse().stations[station].cell.as_ref()?;
+            let cell = self.writer.warehouse().stations[station].cell.as_ref()?;
             cell.totes.iter().position(|t| t.name == name)
         };
         let totes: Vec<Option<usize>> = lines.all().iter().map(|p| tote(&p.line.tote)).collect();
-        let visits = &self.core.visits;
-        let hand_s = visits.hand_s(visit.job, &self.core.ledger.jobs[&visit.job], now).unwrap_or(0.0);
+        let visits = &self.writer.visits;
+        let hand_s = visits.hand_s(visit.job, &self.writer.ledger().jobs[&visit.job], now).unwrap_or(0.0);
         let takes = |p: &LineProgress| {
             let (line_s, arm_piece_s) = visits.line_s(station, p.left());
             TakenBy { hand_s, line_s, arm_piece_s }
         };
         let takes: Vec<TakenBy> = lines.all().iter().map(takes).collect();
-        let Some(post) = self.core.arms.post(station) else { return };
+        let Some(post) = self.writer.arms.post(station) else { return };
         post.arm.turn_to(&face);
         let is_well = post.arm.was_heard() && post.arm.trouble(now).is_none();
         let mut reaches = |n: usize| {
@@ -161,9 +161,9 @@ impl Intake<'_> {
 
     fn move_arm(&mut self, station: StationId, visit: Option<OnVisit>, now: Time) {
         let Some(face) = self.face(station, visit) else { return };
-        let mode = self.core.settings.arm_mode;
-        let is_inside = mode == ArmMode::Turns && self.core.visits.desk(station).comes_inside(&face, now);
-        let Some(post) = self.core.arms.post(station) else { return };
+        let mode = self.writer.settings.arm_mode;
+        let is_inside = mode == ArmMode::Turns && self.writer.visits.desk(station).comes_inside(&face, now);
+        let Some(post) = self.writer.arms.post(station) else { return };
         if is_inside {
             post.hand_inside = now;
         }
@@ -174,19 +174,19 @@ impl Intake<'_> {
         let model = (mode == ArmMode::Predictive).then(PickModel::builtin);
         let picker = post.sight.ahead(&face, now, model.as_deref());
         let order = post.arm.cycle(now, Surroundings { picker: picker.as_ref(), holds });
-        self.core.out.arms.extend(order);
+        self.writer.move_arm(order);
     }
 
     /// A person lets the rack go: an arm of which nothing is heard is out of it.
     pub(super) fn vouch_for_arm(&mut self, station: StationId, now: Time) {
-        if let Some(post) = self.core.arms.post(station).filter(|post| post.arm.trouble(now).is_some()) {
+        if let Some(post) = self.writer.arms.post(station).filter(|post| post.arm.trouble(now).is_some()) {
             post.arm.vouch_outside();
         }
     }
 
     /// Notes what was seen of a picker beside an arm.
     pub(super) fn show_picker(&mut self, seen: &crate::cell::HandsSeen) {
-        if let Some(post) = self.core.arms.post(seen.station) {
+        if let Some(post) = self.writer.arms.post(seen.station) {
             post.sight.see(seen);
         }
     }

@@ -14,10 +14,10 @@ use crate::time::Time;
 impl Intake<'_> {
     /// Changes a waiting job, whole or not at all.
     pub(in crate::fleet) fn change(&mut self, job: JobId, change: JobChange, now: Time) -> Answered {
-        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
+        if job.0 == 0 || job.0 >= self.writer.ledger().next_job {
             return Err(Refusal::Job(JobRefusal::Unknown(job)));
         }
-        let Some(record) = self.core.ledger.jobs.get(&job) else {
+        let Some(record) = self.writer.ledger().jobs.get(&job) else {
             return Err(Refusal::Job(JobRefusal::IsOver(job)));
         };
         if record.state != JobState::Waiting {
@@ -26,7 +26,7 @@ impl Intake<'_> {
         let before = &record.request;
         let kind = changed_kind(before.kind, &change)?;
         if kind != before.kind {
-            self.core.floor().check_request(&JobRequest { kind, ..before.clone() })?;
+            self.writer.floor().check_request(&JobRequest { kind, ..before.clone() })?;
         }
         let priority = change.priority.unwrap_or(before.priority);
         if priority > 9 {
@@ -37,9 +37,9 @@ impl Intake<'_> {
         }
         let deadline = change.deadline.unwrap_or(before.deadline);
         if (kind, deadline) != (before.kind, before.deadline) {
-            self.core.record(JobFact::Changed { job, kind, priority, deadline, at: now });
+            self.writer.record(JobFact::Changed { job, kind, priority, deadline, at: now });
         } else if priority != before.priority {
-            self.core.record(JobFact::Prioritised { job, priority, at: now });
+            self.writer.record(JobFact::Prioritised { job, priority, at: now });
         }
         Ok(Answer::Done)
     }

@@ -22,35 +22,35 @@ impl Intake<'_> {
         node: NodeId,
         now: Time,
     ) -> Answered {
-        let known = self.core.ledger.robots.pairs().find(|(_, r)| r.name == name).map(|(robot, _)| robot);
-        if let Some(robot) = known.filter(|r| !self.core.ledger.robots[*r].is_gone()) {
+        let known = self.writer.ledger().robots.pairs().find(|(_, r)| r.name == name).map(|(robot, _)| robot);
+        if let Some(robot) = known.filter(|r| !self.writer.ledger().robots[*r].is_gone()) {
             return Ok(Answer::Robot(Made { id: robot, new: false }));
         }
-        if known.is_none() && self.core.ledger.robots.len() >= self.core.settings.robots_max {
-            return Err(Refusal::TooMany(Bounded::Robots, self.core.ledger.robots.len()));
+        if known.is_none() && self.writer.ledger().robots.len() >= self.writer.settings.robots_max {
+            return Err(Refusal::TooMany(Bounded::Robots, self.writer.ledger().robots.len()));
         }
-        if !self.core.settings.kinds.iter().any(|k| k.name == kind) {
+        if !self.writer.settings.kinds.iter().any(|k| k.name == kind) {
             return Err(Refusal::Robot(RobotRefusal::UnknownKind));
         }
-        if self.core.warehouse().nodes.get(node).is_none() {
+        if self.writer.warehouse().nodes.get(node).is_none() {
             return Err(Refusal::UnknownPlace);
         }
-        let robot = known.unwrap_or(RobotId::at(self.core.ledger.robots.len()));
+        let robot = known.unwrap_or(RobotId::at(self.writer.ledger().robots.len()));
         // A hold that should be over by the plan is one until the robot has left.
-        let (warehouse, ever) = (self.core.warehouse(), Window::new(Time(i64::MIN), Time::MAX));
+        let (warehouse, ever) = (self.writer.warehouse(), Window::new(Time(i64::MIN), Time::MAX));
         let body = warehouse.body_of(&kind);
         if !warehouse.may_be_at(body, node) {
             return Err(Refusal::Robot(RobotRefusal::NotForKind(node)));
         }
         let line = warehouse.line(body, false, warehouse.node_resource(node));
-        let mut others = self.core.ledger.timeline().holders_during(line, ever, robot);
-        let in_the_way = || self.core.scene.all_displaced().any(|(_, d)| d.nodes.contains(&node));
-        if others.next().is_some() || self.core.floor().is_promised(node, robot) || in_the_way() {
+        let mut others = self.writer.ledger().timeline().holders_during(line, ever, robot);
+        let in_the_way = || self.writer.scene.all_displaced().any(|(_, d)| d.nodes.contains(&node));
+        if others.next().is_some() || self.writer.floor().is_promised(node, robot) || in_the_way() {
             return Err(Refusal::Robot(RobotRefusal::PlaceTaken(node)));
         }
         drop(others);
-        self.core.scene.forget(robot);
-        self.core.record(match known {
+        self.writer.scene.forget(robot);
+        self.writer.record(match known {
             None => Fact::Robot(RobotFact::Registered { robot, name, kind, node, at: now }),
             Some(_) => Fact::Robot(RobotFact::Returned { robot, kind, node, at: now }),
         });
@@ -60,7 +60,7 @@ impl Intake<'_> {
     /// A robot goes to maintenance; one that leaves goes on leaving.
     pub(in crate::fleet) fn begin_maintenance(&mut self, robot: RobotId, now: Time) -> Answered {
         if self.service_of(robot)? == Service::Works {
-            self.core.record(RobotFact::Maintenance { robot, since: Some(now) });
+            self.writer.record(RobotFact::Maintenance { robot, since: Some(now) });
         }
         Ok(Answer::Done)
     }
@@ -70,7 +70,7 @@ impl Intake<'_> {
         match self.service_of(robot)? {
             Service::Works | Service::Gone { .. } => {}
             Service::Maintenance { .. } | Service::Leaving { .. } => {
-                self.core.record(RobotFact::Maintenance { robot, since: None });
+                self.writer.record(RobotFact::Maintenance { robot, since: None });
             }
         }
         Ok(Answer::Done)
@@ -79,13 +79,13 @@ impl Intake<'_> {
     /// A robot is to leave the floor.
     pub(in crate::fleet) fn retire(&mut self, robot: RobotId, now: Time) -> Answered {
         if !matches!(self.service_of(robot)?, Service::Leaving { .. }) {
-            self.core.record(RobotFact::Retired { robot, at: now });
+            self.writer.record(RobotFact::Retired { robot, at: now });
         }
         Ok(Answer::Done)
     }
 
     fn service_of(&self, robot: RobotId) -> Result<Service, Refusal> {
-        let record = self.core.ledger.robots.get(robot).ok_or(Refusal::UnknownPlace)?;
+        let record = self.writer.ledger().robots.get(robot).ok_or(Refusal::UnknownPlace)?;
         if record.is_gone() { Err(Refusal::Robot(RobotRefusal::IsGone(robot))) } else { Ok(record.service) }
     }
 }

@@ -39,8 +39,8 @@ impl Intake<'_> {
     pub(super) fn hear_hands(&mut self, seen: &HandsSeen, now: Time) {
         let station = seen.station;
         self.show_picker(seen);
-        let known = station.ix() < self.core.warehouse().stations.len();
-        if !known || !self.core.settings.flow.hears_hands() || seen.seen > now + AHEAD {
+        let known = station.ix() < self.writer.warehouse().stations.len();
+        if !known || !self.writer.settings.flow.hears_hands() || seen.seen > now + AHEAD {
             return;
         }
         let visit = self.visit_at(station, now);
@@ -48,9 +48,9 @@ impl Intake<'_> {
         let Some(face) = self.face(station, visit) else { return };
         let tote = lit.as_ref().or(left.as_ref()).map(|line| line.tote);
         let lit = lit.map(|line| line.slot);
-        let model = self.core.settings.picks.clone();
+        let model = self.writer.settings.picks.clone();
         let scene = DeskScene { face: &face, model: &model, lit, tote };
-        let events = self.core.visits.see(scene, seen);
+        let events = self.writer.visits.see(scene, seen);
         for event in events {
             match event {
                 DeskEvent::Grasped(slot) if lit.is_some_and(|wanted| wanted != slot) => {
@@ -66,12 +66,12 @@ impl Intake<'_> {
 
     /// The line that is lit in a visit.
     fn lit(&self, station: StationId, visit: OnVisit) -> Option<WaitingLine> {
-        self.core.floor().lit_line(station, visit.job)
+        self.writer.floor().lit_line(station, visit.job)
     }
 
     /// The line of the rack before that is not confirmed yet.
     fn unconfirmed(&self, station: StationId) -> Option<WaitingLine> {
-        self.core.floor().unconfirmed_line(station)
+        self.writer.floor().unconfirmed_line(station)
     }
 
     /// A piece was put into a tote: it confirms the line that waits for it, of the rack that is there or of the one
@@ -92,17 +92,17 @@ impl Intake<'_> {
         }
         let WaitingLine { job, line, .. } = wanted;
         let by_hand = (ConfirmedBy::Hand, 1);
-        if !piece.sure || self.core.visits.is_confirmed(station, (job, line), by_hand, now) {
+        if !piece.sure || self.writer.visits.is_confirmed(station, (job, line), by_hand, now) {
             return;
         }
-        self.core.visits.note_confirmed(station, (job, line), by_hand, now);
+        self.writer.visits.note_confirmed(station, (job, line), by_hand, now);
         let change = LineChange::Done(1);
         match of_this {
             Some(visit) => {
                 let noted = self.change_line(visit.robot, (line, change), ConfirmedBy::Hand, now);
                 debug_assert!(noted.is_ok(), "a lit line waits for a piece");
             }
-            None => self.core.record(JobFact::LineChanged { job, line, change, at: now }),
+            None => self.writer.record(JobFact::LineChanged { job, line, change, at: now }),
         }
     }
 
@@ -110,28 +110,25 @@ impl Intake<'_> {
     /// in hands that are out of the opening.
     fn let_go(&mut self, station: StationId, face: &PickFace, now: Time) {
         let Some(visit) = self.visit_at(station, now) else { return };
-        let visits = &mut self.core.visits;
+        let visits = &mut self.writer.visits;
         if visits.desk(station).comes_inside(face, now)
             || visits.is_shared(station, now)
-            || self.core.arms.is_inside(station)
+            || self.writer.arms.is_inside(station)
         {
             return;
         }
-        let job = &self.core.ledger.jobs[&visit.job];
-        let Some(lines) = job.lines_now() else { return };
         // Nobody knows where a hand is that was inside when it was seen last: then a button ends the visit.
-        let may_be_inside = self.core.visits.desk(station).may_be_inside(face);
+        let may_be_inside = self.writer.visits.desk(station).may_be_inside(face);
+        let ends_out = self.writer.floor().ends_out(&self.writer.ledger().jobs[&visit.job]);
+        let (ledger, visits) = self.writer.ledger_and_visits();
+        let Some(lines) = ledger.jobs[&visit.job].lines_now() else { return };
         if lines.are_over() && !may_be_inside {
             return self.end_pick(visit.robot, JobState::Done, now);
         }
-        let leaves = self.core.floor().ends_out(job)
-            && !may_be_inside
-            && !self.core.ledger.unconfirmed.contains_key(&station);
+        let leaves = ends_out && !may_be_inside && !ledger.unconfirmed.contains_key(&station);
         let Some(lit) = lines.lit().filter(|_| leaves) else { return };
         let lit = &lines.all()[lit];
-        if lines.pieces_left() == lit.left()
-            && self.core.visits.desk(station).in_hand(lit.line.slot) >= lit.left()
-        {
+        if lines.pieces_left() == lit.left() && visits.desk(station).in_hand(lit.line.slot) >= lit.left() {
             self.end_pick(visit.robot, JobState::Done, now);
         }
     }
@@ -139,22 +136,23 @@ impl Intake<'_> {
     /// Lets racks go that were kept because of hands which are out, and notes which robots must not move because of
     /// others.
     pub(super) fn let_kept_go(&mut self, now: Time) {
-        let held = self.core.visits.begin_hands();
-        let mut at_hands = self.core.visits.hands_inside(now);
-        at_hands.extend(self.core.arms.inside());
+        let held = self.writer.visits.begin_hands();
+        let mut at_hands = self.writer.visits.hands_inside(now);
+        at_hands.extend(self.writer.arms.inside());
         if !at_hands.is_empty() {
-            let stations = &self.core.warehouse().stations;
+            let stations = &self.writer.warehouse().stations;
             let nodes: Vec<(NodeId, StationId)> = at_hands.iter().map(|s| (stations[*s].node, *s)).collect();
-            let floor = self.core.floor();
+            let floor = self.writer.floor();
             let comes = |r: RobotId| Some((r, floor.comes_to(r, &nodes, held.contains_key(&r))?));
-            let robots: Vec<(RobotId, StationId)> = self.core.ledger.present().filter_map(comes).collect();
-            self.core.visits.stop_at_hands(robots);
+            let robots: Vec<(RobotId, StationId)> =
+                self.writer.ledger().present().filter_map(comes).collect();
+            self.writer.visits.stop_at_hands(robots);
         }
-        for station in self.core.visits.kept() {
+        for station in self.writer.visits.kept() {
             if self.may_hand_be_inside(station, now) {
                 continue;
             }
-            self.core.visits.keep(station, false);
+            self.writer.visits.keep(station, false);
             let Some(visit) = self.visit_at(station, now) else { continue };
             if self.lines_under(visit.robot).is_some_and(|(_, lines)| lines.are_over()) {
                 self.end_pick(visit.robot, JobState::Done, now);
@@ -164,8 +162,8 @@ impl Intake<'_> {
 
     fn warn(&mut self, seen: &HandsSeen, wrong: WrongReach, now: Time) {
         let HandsSeen { station, person, seen, .. } = *seen;
-        self.core.visits.note_warning(station, wrong, now);
-        self.core.out.warnings.push(CellWarning { station, person, wrong, seen });
+        self.writer.visits.note_warning(station, wrong, now);
+        self.writer.warn(CellWarning { station, person, wrong, seen });
     }
 }
 

@@ -18,40 +18,40 @@ use crate::warehouse::NodeKind;
 impl Intake<'_> {
     /// A job is accepted, whole or not at all; the same client key makes no second one.
     pub(super) fn submit(&mut self, request: JobRequest, now: Time) -> JobTaken {
-        if let Some(job) = request.key.as_ref().and_then(|k| self.core.ledger.keys.get(k)) {
+        if let Some(job) = request.key.as_ref().and_then(|k| self.writer.ledger().keys.get(k)) {
             return Ok(Made { id: *job, new: false });
         }
-        self.core.floor().check_request(&request)?;
+        self.writer.floor().check_request(&request)?;
         if request.priority > 9 {
             return Err(Refusal::Job(JobRefusal::Priority(request.priority)));
         }
         if request.deadline.is_some_and(|deadline| deadline < now) {
             return Err(Refusal::Job(JobRefusal::DeadlineIsOver));
         }
-        if request.after.len() > self.core.settings.after_max {
-            return Err(Refusal::Job(JobRefusal::TooManyBefore(self.core.settings.after_max)));
+        if request.after.len() > self.writer.settings.after_max {
+            return Err(Refusal::Job(JobRefusal::TooManyBefore(self.writer.settings.after_max)));
         }
-        if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.core.ledger.next_job) {
+        if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.writer.ledger().next_job) {
             return Err(Refusal::Job(JobRefusal::UnknownPredecessor(*job)));
         }
-        if self.core.ledger.jobs.len() >= self.core.settings.waiting_max {
-            return Err(Refusal::TooMany(Bounded::Jobs, self.core.ledger.jobs.len()));
+        if self.writer.ledger().jobs.len() >= self.writer.settings.waiting_max {
+            return Err(Refusal::TooMany(Bounded::Jobs, self.writer.ledger().jobs.len()));
         }
-        let job = JobId(self.core.ledger.next_job);
-        self.core.record(JobFact::Accepted { job, request, at: now });
+        let job = JobId(self.writer.ledger().next_job);
+        self.writer.record(JobFact::Accepted { job, request, at: now });
         Ok(Made { id: job, new: true })
     }
 
     /// Cancels a job at any stage: the job is over at once; a robot at work on it brings its rack to storage.
     pub(super) fn cancel(&mut self, job: JobId, now: Time) -> Answered {
-        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
+        if job.0 == 0 || job.0 >= self.writer.ledger().next_job {
             return Err(Refusal::Job(JobRefusal::Unknown(job)));
         }
-        let Some(record) = self.core.ledger.jobs.get(&job) else {
+        let Some(record) = self.writer.ledger().jobs.get(&job) else {
             return Err(Refusal::Job(JobRefusal::IsOver(job)));
         };
-        let tasked = record.state.robot().map(|robot| (robot, self.core.floor().task_without_job(robot)));
-        self.core.progress(job, JobState::Cancelled, tasked, now);
+        let tasked = record.state.robot().map(|robot| (robot, self.writer.floor().task_without_job(robot)));
+        self.writer.progress(job, JobState::Cancelled, tasked, now);
         if let Some((robot, _)) = tasked {
             self.end_cancelled_pick(robot);
             self.heard.left_early.push(robot);

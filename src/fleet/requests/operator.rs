@@ -16,8 +16,8 @@ use crate::time::Time;
 impl Intake<'_> {
     /// One robot, or the whole fleet, is to stand.
     pub(in crate::fleet) fn halt(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
-        if self.core.floor().halted_since(robot)?.is_none() {
-            self.core.record(FloorFact::Halted { robot, at: now });
+        if self.writer.floor().halted_since(robot)?.is_none() {
+            self.writer.record(FloorFact::Halted { robot, at: now });
         }
         Ok(Answer::Done)
     }
@@ -25,9 +25,9 @@ impl Intake<'_> {
     /// It may go on. A robot that was paused, or is fenced off, stays so when the fleet goes on.
     pub(in crate::fleet) fn release(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
         let fenced =
-            robot.is_some_and(|r| self.core.ledger.robots.get(r).is_some_and(|r| r.fenced.is_some()));
-        if self.core.floor().halted_since(robot)?.is_some() || fenced {
-            self.core.record(FloorFact::Released { robot, at: now });
+            robot.is_some_and(|r| self.writer.ledger().robots.get(r).is_some_and(|r| r.fenced.is_some()));
+        if self.writer.floor().halted_since(robot)?.is_some() || fenced {
+            self.writer.record(FloorFact::Released { robot, at: now });
         }
         Ok(Answer::Done)
     }

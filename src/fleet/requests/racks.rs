@@ -19,21 +19,21 @@ impl Intake<'_> {
     /// A rack stands on a storage node now, and not on the robot any more.
     pub(in crate::fleet) fn take_rack_off(&mut self, rack: RackId, node: NodeId, now: Time) -> Answered {
         let robot = self.robot_to_unload(rack, node, now)?;
-        self.core.record(RobotFact::RackTaken { robot, rack, node, at: now });
-        match self.core.ledger.robots[robot].task.job() {
-            None => self.core.record(RobotFact::Tasked { robot, task: Task::Idle }),
+        self.writer.record(RobotFact::RackTaken { robot, rack, node, at: now });
+        match self.writer.ledger().robots[robot].task.job() {
+            None => self.writer.record(RobotFact::Tasked { robot, task: Task::Idle }),
             Some(job) => {
-                let record = &self.core.ledger.jobs[&job];
+                let record = &self.writer.ledger().jobs[&job];
                 if matches!(record.state, JobState::Picking { .. }) {
-                    self.core.progress(job, JobState::Carrying { robot }, None, now);
+                    self.writer.progress(job, JobState::Carrying { robot }, None, now);
                 }
-                let is_done = match self.core.ledger.jobs[&job].request.kind {
+                let is_done = match self.writer.ledger().jobs[&job].request.kind {
                     JobKind::Return { .. } => true,
                     JobKind::Relocate { node: goal, .. } => goal == node,
                     _ => false,
                 };
                 let state = if is_done { JobState::Done } else { JobState::Waiting };
-                self.core.progress(job, state, Some((robot, Task::Idle)), now);
+                self.writer.progress(job, state, Some((robot, Task::Idle)), now);
             }
         }
         Ok(Answer::Done)
@@ -41,21 +41,21 @@ impl Intake<'_> {
 
     /// The robot that has a rack on it, if people may have set that down on a node.
     fn robot_to_unload(&self, rack: RackId, node: NodeId, now: Time) -> Result<RobotId, Refusal> {
-        let (ledger, floor) = (&self.core.ledger, self.core.floor());
-        if rack.ix() >= ledger.racks.len() || node.ix() >= self.core.warehouse().nodes.len() {
+        let (ledger, floor) = (&self.writer.ledger(), self.writer.floor());
+        if rack.ix() >= ledger.racks.len() || node.ix() >= self.writer.warehouse().nodes.len() {
             return Err(Refusal::UnknownPlace);
         }
         let RackAt::On(robot) = ledger.racks[rack] else {
             return Err(Refusal::Rack(RackRefusal::IsStored(rack)));
         };
-        if !ledger.robots[robot].failed && self.core.scene.fit(robot, now).is_some() {
+        if !ledger.robots[robot].failed && self.writer.scene.fit(robot, now).is_some() {
             return Err(Refusal::Robot(RobotRefusal::CanDrive(robot)));
         }
-        if self.core.warehouse().kind(node) != NodeKind::Storage {
+        if self.writer.warehouse().kind(node) != NodeKind::Storage {
             return Err(Refusal::Rack(RackRefusal::NotStorage(node)));
         }
         let (own, ever) = (robot, Window::new(Time(i64::MIN), Time::MAX));
-        let line = ledger.timeline().line(own, true, self.core.warehouse().node_resource(node));
+        let line = ledger.timeline().line(own, true, self.writer.warehouse().node_resource(node));
         let is_held = ledger.timeline().holders_during(line, ever, own).next().is_some();
         if floor.storage_taken(node, rack) || is_held {
             return Err(Refusal::Rack(RackRefusal::StorageTaken(node)));

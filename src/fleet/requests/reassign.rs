@@ -24,10 +24,10 @@ pub(in crate::fleet) const BINDS: Span = Span::from_secs(300);
 impl Intake<'_> {
     /// Takes a job from its robot, and gives it to `chosen`, or to any other robot if none is named.
     pub(in crate::fleet) fn reassign(&mut self, job: JobId, chosen: Option<RobotId>, now: Time) -> Answered {
-        if job.0 == 0 || job.0 >= self.core.ledger.next_job {
+        if job.0 == 0 || job.0 >= self.writer.ledger().next_job {
             return Err(Refusal::Job(JobRefusal::Unknown(job)));
         }
-        let Some(record) = self.core.ledger.jobs.get(&job) else {
+        let Some(record) = self.writer.ledger().jobs.get(&job) else {
             return Err(Refusal::Job(JobRefusal::IsOver(job)));
         };
         let (state, has) = (record.state, record.state.robot());
@@ -35,7 +35,7 @@ impl Intake<'_> {
             return Err(Refusal::Job(JobRefusal::NamesItsRobot(record.request.kind.word())));
         };
         if let Some(robot) = chosen {
-            self.core.floor().check_choice(record, rack, robot)?;
+            self.writer.floor().check_choice(record, rack, robot)?;
         }
         if has.is_some() && has == chosen {
             return Ok(Answer::Done);
@@ -47,8 +47,8 @@ impl Intake<'_> {
             return Err(Refusal::Job(JobRefusal::CannotBeTaken(job)));
         }
         if let Some(robot) = has {
-            let task = self.core.floor().task_after_loss(robot);
-            self.core.progress(job, JobState::Waiting, Some((robot, task)), now);
+            let task = self.writer.floor().task_after_loss(robot);
+            self.writer.progress(job, JobState::Waiting, Some((robot, task)), now);
             self.heard.left_early.push(robot);
         }
         let choice = match (chosen, has) {
@@ -56,7 +56,7 @@ impl Intake<'_> {
             (None, Some(robot)) => RobotChoice::Except(robot, now + STAYS_AWAY),
             (None, None) => RobotChoice::Any,
         };
-        self.core.record(JobFact::Chosen { job, choice, at: now });
+        self.writer.record(JobFact::Chosen { job, choice, at: now });
         Ok(Answer::Done)
     }
 }

@@ -23,27 +23,29 @@ impl Intake<'_> {
         order: StationOrder,
         now: Time,
     ) -> Answered {
-        if station.ix() >= self.core.warehouse().stations.len() {
+        if station.ix() >= self.writer.warehouse().stations.len() {
             return Err(Refusal::UnknownPlace);
         }
         if !matches!(order, StationOrder::Pause | StationOrder::Resume) {
-            self.core.visits.note_use(station, now);
+            self.writer.visits.note_use(station, now);
         }
-        let paused = self.core.ledger.paused_stations.contains_key(&station);
+        let paused = self.writer.ledger().paused_stations.contains_key(&station);
         match order {
-            StationOrder::Pause if !paused => self.core.record(FloorFact::StationPaused { station, at: now }),
+            StationOrder::Pause if !paused => {
+                self.writer.record(FloorFact::StationPaused { station, at: now })
+            }
             StationOrder::Resume if paused => {
-                self.core.record(FloorFact::StationResumed { station, at: now })
+                self.writer.record(FloorFact::StationResumed { station, at: now })
             }
             StationOrder::Pause | StationOrder::Resume => {}
             StationOrder::Done | StationOrder::Short | StationOrder::Release => {
                 let robot = self
-                    .core
+                    .writer
                     .floor()
                     .picked_from(station)
                     .ok_or(Refusal::Pick(PickRefusal::NothingThere(station)))?;
                 self.vouch_for_arm(station, now);
-                self.core.visits.desk(station).forget_lost(now);
+                self.writer.visits.desk(station).forget_lost(now);
                 self.settle_lines(robot, order == StationOrder::Done, now);
                 let state = match order {
                     StationOrder::Short => JobState::Failed(JobFailure::Short),
@@ -70,13 +72,13 @@ impl Intake<'_> {
         (line, change): (usize, LineChange),
         now: Time,
     ) -> Answered {
-        let noted = if let Some(robot) = self.core.floor().picked_from(station) {
+        let noted = if let Some(robot) = self.writer.floor().picked_from(station) {
             self.press(robot, station, (line, change), now)
         } else if let Some(noted) = self.hear_of_last(station, (Some(line), change), now) {
             noted
         } else {
             let (job, lines) = self
-                .core
+                .writer
                 .visits
                 .ended(station, now)
                 .ok_or(Refusal::Pick(PickRefusal::NothingThere(station)))?;
@@ -112,13 +114,13 @@ impl Intake<'_> {
         let known = lines.all().get(line).map(|p| (p.state, p.pieces));
         if let Some((state, pieces)) = known
             && state == LineState::Lit
-            && self.core.visits.is_confirmed(station, (job, line), by_button, now)
+            && self.writer.visits.is_confirmed(station, (job, line), by_button, now)
         {
             return Ok(LineNoted { job, line, outcome: LineOutcome::Already, state, pieces });
         }
         let noted = self.change_line(robot, (line, change), ConfirmedBy::Button, now)?;
         if noted.outcome == LineOutcome::Changed {
-            self.core.visits.note_confirmed(station, (job, line), by_button, now);
+            self.writer.visits.note_confirmed(station, (job, line), by_button, now);
         }
         Ok(noted)
     }
@@ -131,11 +133,11 @@ impl Intake<'_> {
         (line, change): (Option<usize>, LineChange),
         now: Time,
     ) -> Option<Result<LineNoted, Refusal>> {
-        let left = self.core.ledger.unconfirmed.get(&station)?;
+        let left = self.writer.ledger().unconfirmed.get(&station)?;
         let (job, line, mut lines) = (left.job, line.or(left.lines.lit())?, left.lines.clone());
         Some(lines.change(line, change).map_err(Refusal::from).map(|outcome| {
             if outcome == LineOutcome::Changed {
-                self.core.record(JobFact::LineChanged { job, line, change, at: now });
+                self.writer.record(JobFact::LineChanged { job, line, change, at: now });
             }
             let LineProgress { state, pieces, .. } = lines.all()[line];
             LineNoted { job, line, outcome, state, pieces }
@@ -149,14 +151,14 @@ impl Intake<'_> {
             lines.all().iter().map(LineProgress::left).enumerate().filter(|(_, n)| *n > 0).collect();
         for (line, pieces) in left {
             let change = if done { LineChange::Done(pieces) } else { LineChange::Short };
-            self.core.record(JobFact::LineChanged { job, line, change, at: now });
+            self.writer.record(JobFact::LineChanged { job, line, change, at: now });
         }
     }
 
     /// Nobody picks for a job that was cancelled: the robot need not wait.
     pub(in crate::fleet) fn end_cancelled_pick(&mut self, robot: RobotId) {
-        if self.core.floor().is_picked_from(robot) {
-            self.core.record(RouteFact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
+        if self.writer.floor().is_picked_from(robot) {
+            self.writer.record(RouteFact::Acted { robot, serial: self.writer.ledger().chain(robot).first() });
             self.heard.left_early.push(robot);
         }
     }

@@ -24,7 +24,7 @@ pub(super) struct OnVisit {
 impl Intake<'_> {
     /// The job for which a robot is picked from, with the lines of this visit, if it has lines.
     pub(super) fn lines_under(&self, robot: RobotId) -> Option<(JobId, &Lines)> {
-        let ledger = &self.core.ledger;
+        let ledger = &self.writer.ledger();
         let job = ledger.robots[robot].task.job()?;
         Some((job, ledger.jobs.get(&job)?.lines_now()?))
     }
@@ -45,12 +45,12 @@ impl Intake<'_> {
         let mut lines = lines.clone();
         let outcome = lines.change(line, change)?;
         if outcome == LineOutcome::Changed {
-            self.core.record(JobFact::LineChanged { job, line, change, at: now });
+            self.writer.record(JobFact::LineChanged { job, line, change, at: now });
         }
         if lines.are_over() {
-            let station = self.core.floor().station_of(robot);
+            let station = self.writer.floor().station_of(robot);
             match station.filter(|station| self.keeps_rack(*station, by, now)) {
-                Some(station) => self.core.visits.keep(station, true),
+                Some(station) => self.writer.visits.keep(station, true),
                 None => self.end_pick(robot, JobState::Done, now),
             }
         }
@@ -63,7 +63,7 @@ impl Intake<'_> {
         match by {
             ConfirmedBy::Hand => self.may_hand_be_inside(station, now),
             ConfirmedBy::Button => {
-                self.core.visits.desk(station).forget_lost(now);
+                self.writer.visits.desk(station).forget_lost(now);
                 self.is_hand_inside(station, now)
             }
         }
@@ -71,45 +71,45 @@ impl Intake<'_> {
 
     /// Ends the pick at which a robot stands: its job ends so, if it is not over already, and the robot may leave.
     pub(super) fn end_pick(&mut self, robot: RobotId, state: JobState, now: Time) {
-        if let Some(station) = self.core.floor().station_of(robot) {
-            self.core.visits.keep(station, false);
+        if let Some(station) = self.writer.floor().station_of(robot) {
+            self.writer.visits.keep(station, false);
         }
-        self.core.record(RouteFact::Acted { robot, serial: self.core.ledger.chain(robot).first() });
+        self.writer.record(RouteFact::Acted { robot, serial: self.writer.ledger().chain(robot).first() });
         self.heard.left_early.push(robot);
-        if let Task::Deliver { job, rack, store, .. } = self.core.ledger.robots[robot].task {
-            let next = self.core.ledger.jobs[&job].request.then.first().copied();
+        if let Task::Deliver { job, rack, store, .. } = self.writer.ledger().robots[robot].task {
+            let next = self.writer.ledger().jobs[&job].request.then.first().copied();
             if let Some(next) = next.filter(|_| state == JobState::Done) {
-                let station = self.core.warehouse().stations[next.station].node;
+                let station = self.writer.warehouse().stations[next.station].node;
                 let task = Task::Deliver { job, rack, station, store };
-                self.core.record(JobFact::Served { job, tasked: (robot, task), at: now });
+                self.writer.record(JobFact::Served { job, tasked: (robot, task), at: now });
                 return;
             }
             let task = Task::Store { job: None, rack, store };
-            self.core.progress(job, state, Some((robot, task)), now);
+            self.writer.progress(job, state, Some((robot, task)), now);
             self.heard.picked.push(robot);
         }
     }
 
     /// The visit at a station, with lines. It is looked up once for all observations of a step.
     pub(super) fn visit_at(&mut self, station: StationId, now: Time) -> Option<OnVisit> {
-        let robot = match self.core.visits.looked_up(station, now) {
+        let robot = match self.writer.visits.looked_up(station, now) {
             Some(robot) => robot,
             None => {
-                let robot = self.core.floor().picked_from(station);
-                self.core.visits.note_robot(station, robot, now);
+                let robot = self.writer.floor().picked_from(station);
+                self.writer.visits.note_robot(station, robot, now);
                 robot
             }
         };
-        let robot = robot.filter(|robot| self.core.floor().is_picked_from(*robot))?;
+        let robot = robot.filter(|robot| self.writer.floor().is_picked_from(*robot))?;
         let (job, _) = self.lines_under(robot)?;
         Some(OnVisit { robot, job })
     }
 
     /// The rack's face at a station: of the rack that stands there, or of the one before.
     pub(super) fn face(&mut self, station: StationId, visit: Option<OnVisit>) -> Option<Arc<PickFace>> {
-        let rack = visit.and_then(|v| self.core.ledger.jobs[&v.job].request.kind.rack());
-        let warehouse = self.core.ledger.warehouse();
-        self.core.visits.face(warehouse, station, rack).cloned()
+        let rack = visit.and_then(|v| self.writer.ledger().jobs[&v.job].request.kind.rack());
+        let (ledger, visits) = self.writer.ledger_and_visits();
+        visits.face(ledger.warehouse(), station, rack).cloned()
     }
 
     /// Whether a hand is seen inside, or the robot arm is, or two persons are there, while the rack at a station is to
@@ -117,16 +117,17 @@ impl Intake<'_> {
     pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
         let visit = self.visit_at(station, now);
         let Some(face) = self.face(station, visit) else { return false };
-        self.core.visits.desk(station).is_inside(&face, now)
-            || self.core.arms.is_inside(station)
-            || self.core.visits.is_shared(station, now)
+        self.writer.visits.desk(station).is_inside(&face, now)
+            || self.writer.arms.is_inside(station)
+            || self.writer.visits.is_shared(station, now)
     }
 
     /// The same, or a hand was inside when it was seen last and nobody has said since that it is out.
     pub(super) fn may_hand_be_inside(&mut self, station: StationId, now: Time) -> bool {
         let visit = self.visit_at(station, now);
-        let lost_inside =
-            self.face(station, visit).is_some_and(|face| self.core.visits.desk(station).may_be_inside(&face));
+        let lost_inside = self
+            .face(station, visit)
+            .is_some_and(|face| self.writer.visits.desk(station).may_be_inside(&face));
         lost_inside || self.is_hand_inside(station, now)
     }
 }

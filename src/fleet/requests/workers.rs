@@ -18,25 +18,25 @@ const NARROWS_MM: RangeInclusive<i64> = 500..=8000;
 
 impl Intake<'_> {
     pub(super) fn register_worker(&mut self, name: String, now: Time) -> Answered {
-        let known = self.core.ledger.workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
+        let known = self.writer.ledger().workers.pairs().find(|(_, n)| **n == name).map(|(w, _)| w);
         if let Some(worker) = known {
             return Ok(Answer::Worker(Made { id: worker, new: false }));
         }
-        let workers = &self.core.ledger.workers;
+        let workers = &self.writer.ledger().workers;
         // As long as there are others, nobody gets the number of somebody who has gone.
-        let worker = if workers.len() < self.core.settings.workers_max {
+        let worker = if workers.len() < self.writer.settings.workers_max {
             WorkerId::at(workers.len())
         } else {
             let free = workers.pairs().find(|(_, name)| name.is_empty()).map(|(worker, _)| worker);
             free.ok_or(Refusal::TooMany(Bounded::Workers, workers.len()))?
         };
-        self.core.record(WorkerFact::Registered { worker, name, at: now });
+        self.writer.record(WorkerFact::Registered { worker, name, at: now });
         Ok(Answer::Worker(Made { id: worker, new: true }))
     }
 
     /// Whoever calls this has seen to it that no list says any more who it was.
     pub(super) fn forget_worker(&mut self, worker: WorkerId, now: Time) -> Answered {
-        let ledger = &self.core.ledger;
+        let ledger = &self.writer.ledger();
         if !ledger.knows(worker) {
             return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
@@ -45,7 +45,7 @@ impl Intake<'_> {
             return Err(Refusal::Worker(WorkerRefusal::Busy(worker)));
         }
         self.heard.people.push(WorkerInput::Cleared(worker));
-        self.core.record(WorkerFact::Registered { worker, name: String::new(), at: now });
+        self.writer.record(WorkerFact::Registered { worker, name: String::new(), at: now });
         Ok(Answer::Done)
     }
 
@@ -55,24 +55,24 @@ impl Intake<'_> {
         request: AssignmentRequest,
         now: Time,
     ) -> Answered {
-        if let Some(id) = request.key.as_ref().and_then(|k| self.core.ledger.assignment_keys.get(k)) {
+        if let Some(id) = request.key.as_ref().and_then(|k| self.writer.ledger().assignment_keys.get(k)) {
             return Ok(Answer::Assignment(Made { id: *id, new: false }));
         }
-        if let Some(worker) = worker.filter(|w| !self.core.ledger.knows(*w)) {
+        if let Some(worker) = worker.filter(|w| !self.writer.ledger().knows(*w)) {
             return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         self.check_walkable(request.place)?;
-        if self.core.ledger.assignments.len() >= self.core.settings.assignments_max {
-            return Err(Refusal::TooMany(Bounded::Assignments, self.core.ledger.assignments.len()));
+        if self.writer.ledger().assignments.len() >= self.writer.settings.assignments_max {
+            return Err(Refusal::TooMany(Bounded::Assignments, self.writer.ledger().assignments.len()));
         }
-        let assignment = AssignmentId(self.core.ledger.next_assignment);
-        self.core.record(AssignmentFact::Assigned { assignment, worker, request, at: now });
+        let assignment = AssignmentId(self.writer.ledger().next_assignment);
+        self.writer.record(AssignmentFact::Assigned { assignment, worker, request, at: now });
         Ok(Answer::Assignment(Made { id: assignment, new: true }))
     }
 
     /// Whether a worker can get near a node on foot.
     fn check_walkable(&self, place: NodeId) -> Result<(), Refusal> {
-        let Some(node) = self.core.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
+        let Some(node) = self.writer.warehouse().nodes.get(place) else { return Err(Refusal::UnknownPlace) };
         match self.walkways.on_floor(node.at) {
             Some(_) => Ok(()),
             None => Err(Refusal::Worker(WorkerRefusal::OutOfReach(place))),
@@ -80,10 +80,10 @@ impl Intake<'_> {
     }
 
     pub(super) fn take_back(&mut self, id: AssignmentId, now: Time) -> Answered {
-        if !self.core.ledger.assignments.contains_key(&id) {
+        if !self.writer.ledger().assignments.contains_key(&id) {
             return Err(Refusal::Worker(WorkerRefusal::UnknownAssignment(id)));
         }
-        self.core.record(AssignmentFact::Advanced {
+        self.writer.record(AssignmentFact::Advanced {
             assignment: id,
             state: AssignmentState::Cancelled,
             at: now,
@@ -94,24 +94,28 @@ impl Intake<'_> {
     /// Takes a worker's word for it: the person who did the work knows, and devices may see a worker at the wrong
     /// place.
     pub(super) fn finish(&mut self, worker: WorkerId, id: AssignmentId, now: Time) -> Answered {
-        if self.core.ledger.assignments.get(&id).is_none_or(|a| a.worker != Some(worker)) {
+        if self.writer.ledger().assignments.get(&id).is_none_or(|a| a.worker != Some(worker)) {
             return Err(Refusal::Worker(WorkerRefusal::UnknownAssignment(id)));
         }
-        self.core.record(AssignmentFact::Advanced { assignment: id, state: AssignmentState::Done, at: now });
+        self.writer.record(AssignmentFact::Advanced {
+            assignment: id,
+            state: AssignmentState::Done,
+            at: now,
+        });
         Ok(Answer::Done)
     }
 
     pub(super) fn clear_worker(&mut self, worker: WorkerId, by: String, now: Time) -> Answered {
-        if !self.core.ledger.knows(worker) {
+        if !self.writer.ledger().knows(worker) {
             return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         self.heard.people.push(WorkerInput::Cleared(worker));
-        self.core.record(WorkerFact::Cleared { worker, by: Some(by), at: now });
+        self.writer.record(WorkerFact::Cleared { worker, by: Some(by), at: now });
         Ok(Answer::Done)
     }
 
     pub(super) fn sign_off(&mut self, worker: WorkerId) -> Answered {
-        if !self.core.ledger.knows(worker) {
+        if !self.writer.ledger().knows(worker) {
             return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         self.heard.people.push(WorkerInput::SignedOff(worker));
@@ -126,7 +130,7 @@ impl Intake<'_> {
         (at, within_mm): (Spot, i64),
         now: Time,
     ) -> Answered {
-        if !self.core.ledger.knows(worker) {
+        if !self.writer.ledger().knows(worker) {
             return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         if !self.lost.contains(&worker) {
@@ -138,7 +142,7 @@ impl Intake<'_> {
         }
         let place = LastPlace { at, seen: now, within_mm: Some(within_mm) };
         self.heard.people.push(WorkerInput::Narrowed(worker, place));
-        self.core.record(WorkerFact::Narrowed { worker, place, by, at: now });
+        self.writer.record(WorkerFact::Narrowed { worker, place, by, at: now });
         Ok(Answer::Done)
     }
 }

@@ -62,7 +62,7 @@ fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(3)) });
     // As the assigning phase does when no way leads to the goal of a robot that the customer named.
     let state = JobState::Failed(JobFailure::Unreachable);
-    floor.fleet.core.record(JobFact::Progressed { job: first, state, tasked: None, at: floor.now });
+    floor.fleet.writer.record(JobFact::Progressed { job: first, state, tasked: None, at: floor.now });
     assert!(
         floor.fleet.ledger().index().queue.offers(floor.now, |_| true).next().is_none(),
         "it cannot start"

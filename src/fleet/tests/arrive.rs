@@ -5,8 +5,8 @@ use crate::aware::SLOW_MPS;
 
 impl TestFloor {
     fn arrival_limit(&self) -> Option<f64> {
-        let Fleet { core, people, yielding, traffic, .. } = &self.fleet;
-        yielding.limits(core.floor(), people, traffic).arrival_limit(RobotId(0), self.now)
+        let Fleet { writer, people, yielding, traffic, .. } = &self.fleet;
+        yielding.limits(writer.floor(), people, traffic).arrival_limit(RobotId(0), self.now)
     }
 
     /// A robot at full speed, before which somebody crosses from the side, so far ahead, or comes to stand there: the

@@ -121,7 +121,7 @@ fn asked_for_another(kept_s: i64) -> bool {
     assert_eq!(waits(&floor), Edge::On(Party::Worker(ana.worker)), "the robot does not wait for her");
     for kept in [Span::ZERO, Span::from_secs(kept_s)] {
         let (edge, until) = (Edge::On(Party::Robot(robot)), floor.now + kept);
-        floor.fleet.core.waits.note_worker(ben.worker, Some(ben.at), edge, until);
+        floor.fleet.writer.waits.note_worker(ben.worker, Some(ben.at), edge, until);
     }
     floor.walk(&mut ana);
     floor.fleet.people.people[ana.worker].lets_pass.is_some_and(|l| l.robot == robot)
@@ -167,5 +167,5 @@ fn a_person_who_is_measured_inside_a_robot_and_stays_there_is_led_out_at_one_sid
 }
 
 fn fleet_floor(floor: &TestFloor) -> crate::fleet::state::floor::Floor<'_> {
-    floor.fleet.core.floor()
+    floor.fleet.writer.floor()
 }

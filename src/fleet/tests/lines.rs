@@ -217,7 +217,7 @@ fn lines_that_are_done_one_by_one_teach_the_pace_and_lines_confirmed_at_once_do_
         let (mut floor, _) = TestFloor::at_cell(picked(&[&lines]));
         let kind = JobKind::Deliver { rack: RackId(5), station: StationId(0), pick: None };
         let other = Job::new(JobRequest { lines: vec![lines.to_vec()], ..request(kind) }, floor.now);
-        let stay = |f: &TestFloor| f.fleet.core.visits.stay(&other).expect("it has lines");
+        let stay = |f: &TestFloor| f.fleet.writer.visits.stay(&other).expect("it has lines");
         let before = stay(&floor);
         match order {
             Some(order) => {

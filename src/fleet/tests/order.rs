@@ -152,7 +152,7 @@ fn closures_that_come_and_go_leave_the_conditions_that_the_list_says() {
             });
             let wanted: Vec<Condition> = wanted.collect();
             assert_eq!(
-                floor.fleet.core.restrictions.conditions.of(BodyId(0)).of(node),
+                floor.fleet.writer.restrictions.conditions.of(BodyId(0)).of(node),
                 wanted,
                 "{node:?} at {now}"
             );
@@ -160,7 +160,7 @@ fn closures_that_come_and_go_leave_the_conditions_that_the_list_says() {
             let counts = wanted.iter().any(|k| k.window.overlaps(soon));
             assert!(!counts || floor.fleet.floor().is_closing(node), "{node:?} at {now}");
         }
-        let state = format!("{:?}", floor.fleet.core.restrictions.areas);
+        let state = format!("{:?}", floor.fleet.writer.restrictions.areas);
         changes += usize::from(state != before);
         before = state;
     }

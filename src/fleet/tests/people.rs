@@ -352,7 +352,7 @@ fn of_an_area_of_nodes_exactly_these_are_closed() {
         series: None,
     };
     floor.step(vec![Input::ask(3, FloorAction::Close(area.clone()))]);
-    let mut closed: Vec<NodeId> = floor.fleet.core.restrictions.conditions.of(BodyId(0)).nodes().collect();
+    let mut closed: Vec<NodeId> = floor.fleet.writer.restrictions.conditions.of(BodyId(0)).nodes().collect();
     closed.sort_unstable();
     assert_eq!(closed, nodes);
     let unknown = Closure { nodes: vec![NodeId(9999)], ..area };

@@ -161,8 +161,8 @@ fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
     let robot = waiting(&floor).expect("just seen");
     let here = floor.fleet.ledger().node_of(robot);
     let (_, way) = floor.fleet.warehouse().ways(here).next().expect("it came somewhere");
-    let Fleet { core, traffic, .. } = &mut floor.fleet;
-    assert!(traffic.detour(core, robot, way.to, floor.now), "there is room beside it");
+    let Fleet { writer, traffic, .. } = &mut floor.fleet;
+    assert!(traffic.detour(writer, robot, way.to, floor.now), "there is room beside it");
     let chain = floor.fleet.ledger().chain(robot);
     assert!(chain.end() > chain.granted() && chain.last().map(|v| v.node) == Some(here), "it comes back");
     assert!(floor.fleet.floor().lacks_route(robot), "and it stands in line as before");
@@ -231,8 +231,8 @@ fn who_stands_for_long_after_the_work_should_be_done_is_not_about_to_set_off() {
     let seen = floor.fleet.people.whereabouts(there, floor.now).expect("she is seen");
     let speed = |later_s: i64| {
         let later = floor.now + Span::from_secs(later_s);
-        let Fleet { core, people, traffic, yielding, .. } = &floor.fleet;
-        yielding.limits(core.floor(), people, traffic).walk_of(there, &seen, robot, later).speed_mps
+        let Fleet { writer, people, traffic, yielding, .. } = &floor.fleet;
+        yielding.limits(writer.floor(), people, traffic).walk_of(there, &seen, robot, later).speed_mps
     };
     assert!(speed(0) > 1.0 && speed(20) > 1.0, "she sets off when it is done, or a little later");
     assert!(speed(60) < 0.1, "something else keeps her, maybe the robot");

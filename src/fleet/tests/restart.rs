@@ -13,9 +13,10 @@ impl TestFloor {
     #[track_caller]
     pub(super) fn assert_fold(&self) {
         let (warehouse, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
-        let fold = Fleet::restore(warehouse, settings, self.facts.clone()).core.ledger;
+        let restored = Fleet::restore(warehouse, settings, self.facts.clone());
+        let fold = restored.writer.ledger();
         let live = self.fleet.ledger();
-        assert!(fold == *live, "the ledger is not the fold of its facts at {}", self.now);
+        assert!(fold == live, "the ledger is not the fold of its facts at {}", self.now);
     }
 }
 

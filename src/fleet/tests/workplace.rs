@@ -17,7 +17,7 @@ fn at_work() -> (TestFloor, Puppet) {
 }
 
 fn restricts(floor: &TestFloor) -> bool {
-    !floor.fleet.core.restrictions.conditions.is_empty()
+    !floor.fleet.writer.restrictions.conditions.is_empty()
 }
 
 #[test]

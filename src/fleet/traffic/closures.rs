@@ -7,7 +7,6 @@
 
 use crate::aware::{HumanAwarePolicy, Zone};
 use crate::fleet::state::closed_areas::storage_behind;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{AreaFact, Purpose, RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
@@ -15,6 +14,7 @@ use crate::fleet::state::recurring::ANNOUNCED;
 use crate::fleet::state::regions::KindConditions;
 use crate::fleet::state::restrictions::Closing;
 use crate::fleet::state::worker::Closure;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::STANDS;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
@@ -28,52 +28,47 @@ const AGAIN: Span = Span::from_secs(5);
 
 /// Begins and ends announced closures, and forgets those that have been over for long. What else bound robots in the
 /// step before does not any more.
-pub(in crate::fleet) fn renew_areas(core: &mut Core, now: Time) {
-    announce_recurring(core, now);
-    let restrictions = &mut core.restrictions;
-    restrictions.conditions.all_mut().for_each(Conditions::clear);
-    let (closures, changes) = (&core.ledger.closures, core.ledger.index().closure_changes());
-    let warehouse = core.ledger.warehouse();
-    restrictions.areas.update(closures, changes, &mut restrictions.conditions, warehouse, now);
-    for closure in restrictions.areas.forgotten(closures, now) {
-        core.record(AreaFact::Reopened { closure, at: now });
+pub(in crate::fleet) fn renew_areas(writer: &mut Writer, now: Time) {
+    announce_recurring(writer, now);
+    for closure in writer.renew_restrictions(now) {
+        writer.record(AreaFact::Reopened { closure, at: now });
     }
 }
 
 /// Announces what recurs: what begins within the hour, and the next occurrence in any case. What recurs no more is
 /// ended when its last occurrence is over.
-fn announce_recurring(core: &mut Core, now: Time) {
-    let changes = core.ledger.index().closure_changes();
-    if core.ledger.recurring.is_empty() || !core.restrictions.areas.looks_at_recurring(changes, now) {
+fn announce_recurring(writer: &mut Writer, now: Time) {
+    let changes = writer.ledger().index().closure_changes();
+    if writer.ledger().recurring.is_empty() || !writer.restrictions.areas.looks_at_recurring(changes, now) {
         return;
     }
-    let all: Vec<SeriesId> = core.ledger.recurring.keys().copied().collect();
+    let all: Vec<SeriesId> = writer.ledger().recurring.keys().copied().collect();
     for series in all {
-        announce_next(core, series, now);
+        announce_next(writer, series, now);
         let is_open = |c: &Closure| c.series == Some(series) && now < c.window.end();
-        let goes_on = core.ledger.recurring[&series].next.is_some();
-        if !goes_on && !core.ledger.closures.values().any(is_open) {
-            core.record(AreaFact::SeriesEnded { series, at: now });
+        let goes_on = writer.ledger().recurring[&series].next.is_some();
+        if !goes_on && !writer.ledger().closures.values().any(is_open) {
+            writer.record(AreaFact::SeriesEnded { series, at: now });
         }
     }
 }
 
-fn announce_next(core: &mut Core, series: SeriesId, now: Time) {
+fn announce_next(writer: &mut Writer, series: SeriesId, now: Time) {
     loop {
-        let recurring = &core.ledger.recurring[&series];
+        let recurring = &writer.ledger().recurring[&series];
         let Some(begins) = recurring.due(now) else {
             if recurring.next.is_some() {
-                core.record(AreaFact::Scheduled { series, next: None });
+                writer.record(AreaFact::Scheduled { series, next: None });
             }
             return;
         };
         let ahead = |c: &Closure| c.series == Some(series) && now < c.window.start();
-        if begins > now + ANNOUNCED && core.ledger.closures.values().any(ahead) {
+        if begins > now + ANNOUNCED && writer.ledger().closures.values().any(ahead) {
             return;
         }
         let (area, next) = (recurring.occurrence(begins), recurring.first_from(begins + Span(1)));
-        core.record(AreaFact::Closed { closure: ClosureId(core.ledger.next_closure), area });
-        core.record(AreaFact::Scheduled { series, next });
+        writer.record(AreaFact::Closed { closure: ClosureId(writer.ledger().next_closure), area });
+        writer.record(AreaFact::Scheduled { series, next });
     }
 }
 
@@ -97,70 +92,70 @@ pub(in crate::fleet) fn stood_on(floor: Floor<'_>, people: &KindConditions, now:
 
 impl Traffic {
     /// Robots whose promised way leads through a closed area, or ends in one, get another one.
-    pub(in crate::fleet) fn route_round_closures(&mut self, core: &mut Core, now: Time) {
-        if core.restrictions.closing.is_empty() && core.restrictions.areas.is_empty() {
+    pub(in crate::fleet) fn route_round_closures(&mut self, writer: &mut Writer, now: Time) {
+        if writer.restrictions.closing.is_empty() && writer.restrictions.areas.is_empty() {
             return;
         }
-        for robot in core.ledger.present() {
+        for robot in writer.ledger().present() {
             let looked = self.looked_round.get(&robot).is_some_and(|t| now - *t < AGAIN);
-            if self.effort.is_spent() || looked || !core.floor().can_be_routed_round(robot, now) {
+            if self.effort.is_spent() || looked || !writer.floor().can_be_routed_round(robot, now) {
                 continue;
             }
-            let floor = core.floor();
+            let floor = writer.floor();
             let ends_there = floor.task_elsewhere(robot) != floor.ledger.robots[robot].task;
             if ends_there || floor.fetches_too_late(robot, now) || floor.leads_into_closed(robot, now) {
                 self.looked_round.insert(robot, now);
-                self.route_round(core, robot, now);
+                self.route_round(writer, robot, now);
             }
         }
     }
 
     /// Another route for the rest of the task, to another place where that is closed. The old route stands where
     /// there is none.
-    fn route_round(&mut self, core: &mut Core, robot: RobotId, now: Time) {
-        if gives_job_back(core, robot, now) {
+    fn route_round(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+        if gives_job_back(writer, robot, now) {
             return;
         }
-        let old = core.ledger.robots[robot].task;
-        let task = core.floor().task_elsewhere(robot);
+        let old = writer.ledger().robots[robot].task;
+        let task = writer.floor().task_elsewhere(robot);
         if task != old {
-            core.record(RobotFact::Tasked { robot, task });
+            writer.record(RobotFact::Tasked { robot, task });
         }
-        let stages = core.floor().stages_left(robot);
+        let stages = writer.floor().stages_left(robot);
         self.tally.replans += 1;
-        match self.search(core.floor(), robot, &stages, now) {
-            Ok(route) => commit(core, robot, route),
-            Err(_) if task != old => core.record(RobotFact::Tasked { robot, task: old }),
-            Err(_) => self.set_down_instead(core, robot, now),
+        match self.search(writer.floor(), robot, &stages, now) {
+            Ok(route) => commit(writer, robot, route),
+            Err(_) if task != old => writer.record(RobotFact::Tasked { robot, task: old }),
+            Err(_) => self.set_down_instead(writer, robot, now),
         }
     }
 
     /// A robot with a rack whose job is cut off for long brings the rack to storage that it can reach, and gives the
     /// job back: it would stand with the rack until the area is opened.
-    fn set_down_instead(&mut self, core: &mut Core, robot: RobotId, now: Time) {
-        let floor = core.floor();
+    fn set_down_instead(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+        let floor = writer.floor();
         let Some((job, rack)) = floor.carries_in_vain(robot, now) else { return };
         let store = floor.best_storage(robot, rack, floor.ledger.node_of(robot), 0);
         let lift = floor.kinematics(robot).lift;
         let stage = Stage { loaded: true, stay: lift, ..Stage::to_stay(store) };
-        if let Ok(route) = self.search(core.floor(), robot, &[stage], now) {
+        if let Ok(route) = self.search(writer.floor(), robot, &[stage], now) {
             let task = Task::Store { job: None, rack, store };
-            core.progress(job, JobState::Waiting, Some((robot, task)), now);
-            commit(core, robot, route);
+            writer.progress(job, JobState::Waiting, Some((robot, task)), now);
+            commit(writer, robot, route);
         }
     }
 }
 
 /// If a robot would fetch a rack from a closed place, it gives the job back: another robot gets it, later. Returns
 /// whether it did.
-fn gives_job_back(core: &mut Core, robot: RobotId, now: Time) -> bool {
-    let Task::Fetch { job: Some(job), node, .. } = core.ledger.robots[robot].task else { return false };
-    if !core.floor().job_is_closed_off(&core.ledger.jobs[&job].request.kind, node) {
+fn gives_job_back(writer: &mut Writer, robot: RobotId, now: Time) -> bool {
+    let Task::Fetch { job: Some(job), node, .. } = writer.ledger().robots[robot].task else { return false };
+    if !writer.floor().job_is_closed_off(&writer.ledger().jobs[&job].request.kind, node) {
         return false;
     }
-    let Some(stay) = core.floor().any_stay(robot) else { return false };
+    let Some(stay) = writer.floor().any_stay(robot) else { return false };
     let task = Task::rest_at(stay, Purpose::Park);
-    core.progress(job, JobState::Waiting, Some((robot, task)), now);
+    writer.progress(job, JobState::Waiting, Some((robot, task)), now);
     true
 }
 

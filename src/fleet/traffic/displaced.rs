@@ -7,7 +7,6 @@
 //! what became of a rack.
 
 use crate::fleet::state::closed_areas::storage_behind;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
 use crate::fleet::state::fact::{Act, KeptRoute, RobotFact, RouteFact, Task};
 use crate::fleet::state::fault::Fault;
@@ -16,6 +15,7 @@ use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::restrictions::Closing;
 use crate::fleet::state::scene::{SILENCE, Scene};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::failure::fail;
 use crate::fleet::traffic::state::Traffic;
 use crate::geometry::{Point, Segment, axis_distance, axis_distance_to_segment, to_mm};
@@ -34,45 +34,45 @@ impl Traffic {
     /// Whether it was taken up somewhere else.
     pub(super) fn note_place(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         robot: RobotId,
         seen: &Telemetry,
         now: Time,
     ) -> bool {
-        let (known, displaced) = (core.scene.is_placed(robot), core.scene.displaced(robot).is_some());
+        let (known, displaced) = (writer.scene.is_placed(robot), writer.scene.displaced(robot).is_some());
         let by_hand = seen.fault == Some(Fault::Manual);
         let stands = seen.stands() && !by_hand;
         if known && !stands && !displaced && !by_hand {
             return false;
         }
-        if core.settings.without_conflicts || core.floor().is_in_place(seen) {
-            fits_again(core, robot);
+        if writer.settings.without_conflicts || writer.floor().is_in_place(seen) {
+            fits_again(writer, robot);
             return false;
         }
         // A robot that is fenced off is not taken up, but no robot is to drive into it either.
-        let is_fenced = core.ledger.robots[robot].fenced.is_some();
+        let is_fenced = writer.ledger().robots[robot].fenced.is_some();
         if by_hand {
-            displace(core, seen, Displacement::ByHand, now);
+            displace(writer, seen, Displacement::ByHand, now);
             return false;
         }
-        match self.place_for(core, seen) {
+        match self.place_for(writer, seen) {
             Ok(node) if stands && !is_fenced => {
-                take_up(core, robot, node, now);
+                take_up(writer, robot, node, now);
                 self.revoked.remove(&robot);
                 return true;
             }
-            Ok(node) => displace(core, seen, Displacement::KnowsWaypoints(node), now),
-            Err(why) => displace(core, seen, why, now),
+            Ok(node) => displace(writer, seen, Displacement::KnowsWaypoints(node), now),
+            Err(why) => displace(writer, seen, why, now),
         }
         false
     }
 
     /// The node on which a robot can be taken up.
-    fn place_for(&mut self, core: &mut Core, seen: &Telemetry) -> Result<NodeId, Displacement> {
+    fn place_for(&mut self, writer: &mut Writer, seen: &Telemetry) -> Result<NodeId, Displacement> {
         let robot = seen.robot;
-        let (node, off_m) = core.floor().nearest_node(seen.pose.at);
-        if !core.floor().carries_what_is_promised(seen) {
-            let expected = core.ledger.rack_on(robot);
+        let (node, off_m) = writer.floor().nearest_node(seen.pose.at);
+        if !writer.floor().carries_what_is_promised(seen) {
+            let expected = writer.ledger().rack_on(robot);
             return Err(Displacement::Load { carries: seen.rack, expected });
         }
         if off_m > OFF_ROUTE_M {
@@ -82,17 +82,17 @@ impl Traffic {
         if seen.known > seen.reached {
             return Err(Displacement::KnowsWaypoints(node));
         }
-        if let Some(other) = core.floor().granted_to_another(robot, node) {
+        if let Some(other) = writer.floor().granted_to_another(robot, node) {
             return Err(Displacement::GrantedTo(node, other));
         }
-        let stored = core.ledger.index().places.rack_on(node);
+        let stored = writer.ledger().index().places.rack_on(node);
         if let Some(rack) = stored.filter(|_| seen.rack.is_some()) {
             return Err(Displacement::RackThere(node, rack));
         }
         // Asked once for each place: the answer stays the same and costs a search.
         let no_way = Displacement::NoWayOut(node);
-        let asked = core.scene.displaced(robot).is_some_and(|d| d.why == no_way);
-        if asked || !self.has_way_out(core.floor(), robot, node) { Err(no_way) } else { Ok(node) }
+        let asked = writer.scene.displaced(robot).is_some_and(|d| d.why == no_way);
+        if asked || !self.has_way_out(writer.floor(), robot, node) { Err(no_way) } else { Ok(node) }
     }
 
     /// Whether lanes lead on from a node: to where the robot is to bring its rack, else to a place where it may stay.
@@ -111,14 +111,14 @@ impl Traffic {
 
     /// Revokes what robots were granted that were stopped before they drove into a displaced one, so that they can go
     /// round it and it can be taken up.
-    pub(in crate::fleet) fn revoke_grants_into_displaced(&mut self, core: &mut Core, now: Time) {
-        if core.scene.all_displaced().next().is_none() {
+    pub(in crate::fleet) fn revoke_grants_into_displaced(&mut self, writer: &mut Writer, now: Time) {
+        if writer.scene.all_displaced().next().is_none() {
             return;
         }
-        for robot in core.ledger.present() {
-            let back = self.drives_back_to(core.floor(), robot);
-            if core.floor().drives_into(robot, back).is_some() {
-                self.revoke_grant(core, robot, now);
+        for robot in writer.ledger().present() {
+            let back = self.drives_back_to(writer.floor(), robot);
+            if writer.floor().drives_into(robot, back).is_some() {
+                self.revoke_grant(writer, robot, now);
             }
         }
     }
@@ -138,58 +138,58 @@ impl Traffic {
     }
 }
 
-fn fits_again(core: &mut Core, robot: RobotId) {
-    if core.scene.place(robot).is_some() {
-        core.restrictions.conditions.withdraw(Cause::Robot(robot));
+fn fits_again(writer: &mut Writer, robot: RobotId) {
+    if writer.scene.place(robot).is_some() {
+        writer.restrictions.conditions.withdraw(Cause::Robot(robot));
     }
 }
 
 /// A robot stands on a free node: it is booked there and nowhere else. It keeps the rack that it carries and
 /// the job for which it does, and gives any other job back. Others that were promised the place lose that way.
-fn take_up(core: &mut Core, robot: RobotId, node: NodeId, now: Time) {
-    match core.ledger.robots[robot].task {
+fn take_up(writer: &mut Writer, robot: RobotId, node: NodeId, now: Time) {
+    match writer.ledger().robots[robot].task {
         Task::Fetch { job: Some(job), .. } | Task::Move { job: Some(job), .. } => {
-            core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+            writer.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
         }
         Task::Fetch { job: None, .. } | Task::Move { job: None, .. } => {
-            core.record(RobotFact::Tasked { robot, task: Task::Idle });
+            writer.record(RobotFact::Tasked { robot, task: Task::Idle });
         }
-        Task::Deliver { job, .. } if matches!(core.ledger.jobs[&job].state, JobState::Picking { .. }) => {
-            core.progress(job, JobState::Carrying { robot }, None, now);
+        Task::Deliver { job, .. } if matches!(writer.ledger().jobs[&job].state, JobState::Picking { .. }) => {
+            writer.progress(job, JobState::Carrying { robot }, None, now);
         }
         Task::Deliver { .. } | Task::Store { .. } | Task::Idle => {}
     }
     debug_assert!(
-        core.floor().granted_to_another(robot, node).is_none(),
+        writer.floor().granted_to_another(robot, node).is_none(),
         "{robot:?} stands in another's way"
     );
-    let serial = core.ledger.chain(robot).end();
-    let cut = core.floor().truncated_for_place(robot, node);
-    core.record(RouteFact::Placed { robot, node, serial, cut, at: now });
-    fits_again(core, robot);
+    let serial = writer.ledger().chain(robot).end();
+    let cut = writer.floor().truncated_for_place(robot, node);
+    writer.record(RouteFact::Placed { robot, node, serial, cut, at: now });
+    fits_again(writer, robot);
 }
 
 /// A robot cannot go on from where it stands: it counts as failed, and no robot drives into it.
-fn displace(core: &mut Core, seen: &Telemetry, why: Displacement, now: Time) {
+fn displace(writer: &mut Writer, seen: &Telemetry, why: Displacement, now: Time) {
     let (robot, at) = (seen.robot, seen.pose.at);
-    let before = core.scene.displaced(robot);
-    let is_off = !core.floor().keeps_to_its_holds(seen);
+    let before = writer.scene.displaced(robot);
+    let is_off = !writer.floor().keeps_to_its_holds(seen);
     let nodes = match before {
         Some(b) if (b.at - at).norm() < SAME_M && b.is_off == is_off => b.nodes.clone(),
-        _ if is_off => core.floor().nodes_blocked_by(robot, at),
+        _ if is_off => writer.floor().nodes_blocked_by(robot, at),
         _ => Vec::new(),
     };
     if before.is_none_or(|b| b.why != why) {
-        tracing::warn!(robot = core.ledger.robots[robot].name, ?why, "a robot is not at its reservation");
+        tracing::warn!(robot = writer.ledger().robots[robot].name, ?why, "a robot is not at its reservation");
     }
     let displaced = Displaced { why, at, is_off, nodes };
-    let closing = closed_around(core.floor(), robot, &displaced, now);
-    core.scene.displace(robot, displaced);
-    core.restrictions.close(closing);
-    if !core.ledger.robots[robot].failed {
-        fail(core, robot, now);
+    let closing = closed_around(writer.floor(), robot, &displaced, now);
+    writer.scene.displace(robot, displaced);
+    writer.restrictions.close(closing);
+    if !writer.ledger().robots[robot].failed {
+        fail(writer, robot, now);
     }
-    assert!(core.ledger.robots[robot].failed, "{robot:?} is displaced and counts as failed");
+    assert!(writer.ledger().robots[robot].failed, "{robot:?} is displaced and counts as failed");
 }
 
 /// The floor around robots that are off everything they hold.

@@ -5,9 +5,9 @@
 //! racks are kept, and robots go on with them when it is over.
 
 use crate::fleet::state::binding::WAY_M;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::restrictions::{Closing, WaysOut};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::{Traffic, Withheld};
 use crate::geometry::{Point, Segment};
 use crate::id::{NodeId, RobotId};
@@ -38,18 +38,18 @@ impl Traffic {
 
     /// Robots on the ways out leave for the nearest place where they may stay, and so do those for which they wait and
     /// whose routes lead onto one. One that finds none drives on along its route, which leads off them, too.
-    pub(in crate::fleet) fn clear_ways_out(&mut self, core: &mut Core, now: Time) {
+    pub(in crate::fleet) fn clear_ways_out(&mut self, writer: &mut Writer, now: Time) {
         let kept_off =
             |r: &RobotId| matches!(self.withheld(*r), Some(Withheld::Condition(Cause::Evacuation, _)));
-        let moving = core.restrictions.clears_ways_out.iter().copied();
-        let floor = core.floor();
+        let moving = writer.restrictions.clears_ways_out.iter().copied();
+        let floor = writer.floor();
         let stays = |r: &RobotId| kept_off(r) || floor.lacks_route(*r);
         let leaves: Vec<RobotId> =
             moving.filter(|r| floor.is_on(*r, &floor.restrictions.ways_out) || stays(r)).collect();
         for robot in leaves {
             let tried = self.cleared.get(&robot).is_some_and(|t| now - *t < AGAIN);
-            let fit = core.scene.fit(robot, now).is_some() && !core.ledger.robots[robot].failed;
-            if self.effort.is_spent() || tried || !fit || core.floor().only_leaves(robot) {
+            let fit = writer.scene.fit(robot, now).is_some() && !writer.ledger().robots[robot].failed;
+            if self.effort.is_spent() || tried || !fit || writer.floor().only_leaves(robot) {
                 continue;
             }
             self.cleared.insert(robot, now);
@@ -58,20 +58,20 @@ impl Traffic {
                 Some(Withheld::Condition(Cause::Worker(worker), _)) => Some(worker),
                 _ => None,
             };
-            self.step_out(core, robot, worker, now);
+            self.step_out(writer, robot, worker, now);
         }
     }
 
     /// Robots that stand and were granted a way onto one of the ways out forget it.
-    pub(in crate::fleet) fn revoke_ways_out(&mut self, core: &mut Core, now: Time) {
-        if core.ledger.evacuation.is_none() {
+    pub(in crate::fleet) fn revoke_ways_out(&mut self, writer: &mut Writer, now: Time) {
+        if writer.ledger().evacuation.is_none() {
             return;
         }
-        for robot in core.ledger.present() {
-            let (floor, ways_out) = (core.floor(), &core.restrictions.ways_out);
+        for robot in writer.ledger().present() {
+            let (floor, ways_out) = (writer.floor(), &writer.restrictions.ways_out);
             let enters = floor.granted_ahead(robot).any(|v| ways_out.contains(&v.node));
             if enters && !floor.is_on(robot, ways_out) {
-                self.revoke_grant(core, robot, now);
+                self.revoke_grant(writer, robot, now);
             }
         }
     }

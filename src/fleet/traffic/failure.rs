@@ -3,40 +3,40 @@
 //!
 //! Refuses: to say when a robot has failed.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::cut_off::CutOff;
 use crate::fleet::state::fact::{Purpose, RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::truncate::truncate_behind;
 use crate::id::RobotId;
 use crate::time::Time;
 
 /// A robot stops for good: its job goes to another if it cannot lift the rack any more, and all robots whose way
 /// leads over its place lose that way.
-pub(super) fn fail(core: &mut Core, robot: RobotId, now: Time) {
-    assert!(!core.ledger.robots[robot].failed, "{robot:?} fails twice");
-    core.record(RobotFact::Failed { robot, at: now });
-    give_up(core, robot, now);
+pub(super) fn fail(writer: &mut Writer, robot: RobotId, now: Time) {
+    assert!(!writer.ledger().robots[robot].failed, "{robot:?} fails twice");
+    writer.record(RobotFact::Failed { robot, at: now });
+    give_up(writer, robot, now);
 }
 
 /// What others take over from a robot that stands for good.
-pub(in crate::fleet) fn give_up(core: &mut Core, robot: RobotId, now: Time) {
-    let task = core.ledger.robots[robot].task;
-    if !core.floor().next_stop_is_granted(robot) {
+pub(in crate::fleet) fn give_up(writer: &mut Writer, robot: RobotId, now: Time) {
+    let task = writer.ledger().robots[robot].task;
+    if !writer.floor().next_stop_is_granted(robot) {
         match task {
             Task::Fetch { job: Some(job), .. } => {
-                core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+                writer.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
             }
             // Its place at a charger or to park is free for another.
-            Task::Move { job: None, .. } => core.record(RobotFact::Tasked { robot, task: Task::Idle }),
+            Task::Move { job: None, .. } => writer.record(RobotFact::Tasked { robot, task: Task::Idle }),
             Task::Move { job: Some(job), purpose: Purpose::Charge | Purpose::Park, .. } => {
-                core.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
+                writer.progress(job, JobState::Waiting, Some((robot, Task::Idle)), now);
             }
             _ => {}
         }
     }
-    truncate_behind(core, robot);
+    truncate_behind(writer, robot);
 }
 
 /// Which stations and storage nodes robots that cannot drive, and closed areas, cut off; nothing where that is as before.

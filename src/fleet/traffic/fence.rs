@@ -4,18 +4,18 @@
 //! those behind it get other ways, its job goes to another. It stays so over a restart, until a person releases it.
 //! Refuses: to repair anything; what is wrong is for a person to see.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::RobotFact;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::failure::give_up;
 use crate::id::{Dense, RobotId};
 use crate::time::Time;
 
 /// Fences a robot off.
-pub(in crate::fleet) fn fence(core: &mut Core, robot: RobotId, now: Time) {
-    let known = robot.ix() < core.ledger.robots.len();
-    if known && core.ledger.robots[robot].fenced.is_none() {
-        core.record(RobotFact::Fenced { robot, at: now });
-        give_up(core, robot, now);
-        assert!(core.ledger.robots[robot].failed, "{robot:?} is fenced off and counts as failed");
+pub(in crate::fleet) fn fence(writer: &mut Writer, robot: RobotId, now: Time) {
+    let known = robot.ix() < writer.ledger().robots.len();
+    if known && writer.ledger().robots[robot].fenced.is_none() {
+        writer.record(RobotFact::Fenced { robot, at: now });
+        give_up(writer, robot, now);
+        assert!(writer.ledger().robots[robot].failed, "{robot:?} is fenced off and counts as failed");
     }
 }

@@ -10,10 +10,10 @@
 //! Refuses: to move robots if one of them cannot drive or is held by a person, who ends that; and to send a robot away
 //! from its charger that has no charge to drive on.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::Task;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::{JobFailure, JobState};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::traffic::tentative::PLACES;
@@ -35,38 +35,38 @@ struct GoalChain {
 impl Traffic {
     /// If a robot waits for places in a cycle, or behind an idle robot, sends one of them to a free place, or gives a
     /// job up if there has been none for long.
-    pub(super) fn break_goal_chain(&mut self, core: &mut Core, robot: RobotId, now: Time) {
-        let floor = core.floor();
+    pub(super) fn break_goal_chain(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+        let floor = writer.floor();
         let Some(GoalChain { robots, leaver }) = floor.goal_chain(robot) else { return };
         let can_drive = |r: &RobotId| floor.scene.fit(*r, now).is_some() && !floor.is_halted(*r);
         if !robots.iter().all(can_drive) || leaver != robot && floor.is_critical(leaver) {
             return;
         }
-        if self.leave_aside(core, leaver, now) {
+        if self.leave_aside(writer, leaver, now) {
             for other in robots.iter().filter(|r| **r != leaver) {
                 self.needs.waiting.entry(*other).and_modify(|need| need.next_try = now);
             }
             return;
         }
         let fails_since = self.needs.waiting.get(&robot).and_then(|need| need.fails_since);
-        let is_hopeless = |r: &RobotId| core.floor().places_aside(*r).is_empty();
+        let is_hopeless = |r: &RobotId| writer.floor().places_aside(*r).is_empty();
         if fails_since.is_some_and(|since| now - since > HOPE) && robots.iter().all(is_hopeless) {
-            give_up_newest(core, &robots, now);
+            give_up_newest(writer, &robots, now);
         }
     }
 
     /// Sends a robot that rests to a free place, the nearest ones first and others at later tries. Nothing of its task
     /// is done there. Whether it goes.
-    fn leave_aside(&mut self, core: &mut Core, robot: RobotId, now: Time) -> bool {
-        let loaded = core.floor().ledger.rack_on(robot).is_some();
+    fn leave_aside(&mut self, writer: &mut Writer, robot: RobotId, now: Time) -> bool {
+        let loaded = writer.floor().ledger.rack_on(robot).is_some();
         let tries = self.needs.waiting.get(&robot).map_or(0, |need| need.tries as usize);
-        let places = core.floor().places_aside(robot);
+        let places = writer.floor().places_aside(robot);
         let first = if places.is_empty() { 0 } else { (tries / PLACES) * PLACES % places.len() };
         for place in places.into_iter().cycle().skip(first).take(PLACES) {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
-            if let Ok(mut route) = self.search(core.floor(), robot, &[stage], now) {
+            if let Ok(mut route) = self.search(writer.floor(), robot, &[stage], now) {
                 route.stops.clear();
-                commit(core, robot, route);
+                commit(writer, robot, route);
                 return true;
             }
         }
@@ -75,10 +75,10 @@ impl Traffic {
 }
 
 /// The newest job of the robots in a chain fails; its robot stays where it is, or puts its rack away.
-fn give_up_newest(core: &mut Core, chain: &[RobotId], now: Time) {
-    let job_of = |r: &RobotId| Some((core.ledger.robots[*r].task.job()?, *r));
+fn give_up_newest(writer: &mut Writer, chain: &[RobotId], now: Time) {
+    let job_of = |r: &RobotId| Some((writer.ledger().robots[*r].task.job()?, *r));
     let Some((job, robot)): Option<(JobId, RobotId)> = chain.iter().filter_map(job_of).max() else { return };
-    let floor = core.floor();
+    let floor = writer.floor();
     let task = match floor.ledger.rack_on(robot) {
         Some(rack) => {
             let here = floor.ledger.node_of(robot);
@@ -86,7 +86,7 @@ fn give_up_newest(core: &mut Core, chain: &[RobotId], now: Time) {
         }
         None => Task::Idle,
     };
-    core.progress(job, JobState::Failed(JobFailure::NoPlaceAside), Some((robot, task)), now);
+    writer.progress(job, JobState::Failed(JobFailure::NoPlaceAside), Some((robot, task)), now);
 }
 
 impl Floor<'_> {

@@ -5,10 +5,10 @@
 //! from a robot that stands and confirms it.
 
 use crate::aware::SLOW_MPS;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Moved, RouteFact};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Telemetry, Waypoint};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::YieldingState;
 use crate::fleet::traffic::state::{Direction, Traffic, Withheld};
 use crate::id::{RobotId, WorkerId};
@@ -31,52 +31,61 @@ impl Traffic {
     /// Grants to each robot what it needs to keep its speed. Robots that are `interrupted` get no more than they have.
     pub(in crate::fleet) fn grant(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         yielding: &YieldingState,
         interrupted: impl Fn(RobotId) -> bool,
         now: Time,
     ) {
-        if self.waits_for_first_reports(&core.scene, now) {
+        if self.waits_for_first_reports(&writer.scene, now) {
             return;
         }
-        while self.withheld.len() < core.ledger.robots.len() {
+        while self.withheld.len() < writer.ledger().robots.len() {
             self.withheld.push(None);
         }
-        for robot in core.ledger.present() {
-            core.at_hand.note(robot);
-            if core.ledger.robots[robot].failed || core.scene.fit(robot, now).is_none() {
+        for robot in writer.ledger().present() {
+            writer.at_hand.note(robot);
+            if writer.ledger().robots[robot].failed || writer.scene.fit(robot, now).is_none() {
                 continue;
             }
-            let before = core.ledger.chain(robot).granted();
+            let before = writer.ledger().chain(robot).granted();
             let direction = self.direction(robot);
-            let stays = direction != Some(Direction::Forward) && core.floor().is_halfway(robot);
+            let stays = direction != Some(Direction::Forward) && writer.floor().is_halfway(robot);
             let goes_back = direction == Some(Direction::Back);
-            let is_kept = self.settling || core.floor().is_halted(robot) || interrupted(robot);
+            let is_kept = self.settling || writer.floor().is_halted(robot) || interrupted(robot);
             let gets_no_more = is_kept || stays || goes_back;
             self.withheld[robot] = match gets_no_more {
-                true => core.floor().withholds(yielding, robot, before, now),
-                false => extend_grant(core, yielding, robot, now),
+                true => writer.floor().withholds(yielding, robot, before, now),
+                false => extend_grant(writer, yielding, robot, now),
             };
-            let granted = core.ledger.chain(robot).granted() > before;
-            let is_passing = core.floor().must_hear_of_passing(yielding, robot, now);
-            if granted || is_passing || (goes_back || !stays) && core.floor().must_repeat(robot, now) {
-                send(core, yielding, robot, goes_back, now);
+            let granted = writer.ledger().chain(robot).granted() > before;
+            let is_passing = writer.floor().must_hear_of_passing(yielding, robot, now);
+            if granted || is_passing || (goes_back || !stays) && writer.floor().must_repeat(robot, now) {
+                send(writer, yielding, robot, goes_back, now);
             }
         }
     }
 }
 
 /// Grants as many further visits as the robot needs to keep its speed; says why no more, if it needs more.
-fn extend_grant(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: Time) -> Option<Withheld> {
-    let first = core.ledger.chain(robot).granted();
-    let withheld = grant_ahead(core, yielding, robot, now);
-    let early = withheld == Some(Withheld::Early) && core.ledger.chain(robot).granted() == first;
-    if early && go_on_early(core, robot, now) { grant_ahead(core, yielding, robot, now) } else { withheld }
+fn extend_grant(
+    writer: &mut Writer,
+    yielding: &YieldingState,
+    robot: RobotId,
+    now: Time,
+) -> Option<Withheld> {
+    let first = writer.ledger().chain(robot).granted();
+    let withheld = grant_ahead(writer, yielding, robot, now);
+    let early = withheld == Some(Withheld::Early) && writer.ledger().chain(robot).granted() == first;
+    if early && go_on_early(writer, robot, now) {
+        grant_ahead(writer, yielding, robot, now)
+    } else {
+        withheld
+    }
 }
 
 /// Grants further visits up to the first that is withheld, and no more than the robot needs.
-fn grant_ahead(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: Time) -> Option<Withheld> {
-    let floor = core.floor();
+fn grant_ahead(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, now: Time) -> Option<Withheld> {
+    let floor = writer.floor();
     let first = floor.ledger.chain(robot).granted();
     let mut serial = first;
     let mut ahead = floor.granted_ahead_m(robot);
@@ -93,38 +102,38 @@ fn grant_ahead(core: &mut Core, yielding: &YieldingState, robot: RobotId, now: T
         serial += 1;
     }
     if serial > first {
-        debug_assert!(core.ledger.timeline().waits_for(robot, first).is_none());
-        assert!(!core.floor().is_halted(robot), "{robot:?} is to stand and is granted more");
-        core.record(RouteFact::Granted { robot, serial: serial - 1, at: now });
+        debug_assert!(writer.ledger().timeline().waits_for(robot, first).is_none());
+        assert!(!writer.floor().is_halted(robot), "{robot:?} is to stand and is granted more");
+        writer.record(RouteFact::Granted { robot, serial: serial - 1, at: now });
     }
     withheld
 }
 
 /// Moves forward what a robot holds after its last granted visit, if nothing of what it was to wait for is left.
 /// Whether anything moved.
-fn go_on_early(core: &mut Core, robot: RobotId, now: Time) -> bool {
-    if core.floor().waits_as_planned(robot, now) {
+fn go_on_early(writer: &mut Writer, robot: RobotId, now: Time) -> bool {
+    if writer.floor().waits_as_planned(robot, now) {
         return false;
     }
-    let chain = core.ledger.chain(robot);
+    let chain = writer.ledger().chain(robot);
     let last = chain.granted() - 1;
     let here = chain.get(last).expect("what is granted is held");
     let is_there = chain.first() == last;
     let depart = if is_there { now } else { now.max(here.arrive + here.stay) };
-    let shifts = core.ledger.timeline().advance(robot, depart);
+    let shifts = writer.ledger().timeline().advance(robot, depart);
     let moves = !shifts.is_empty();
     if moves {
-        core.record(RouteFact::Retimed { moved: vec![Moved { robot, shifts }] });
+        writer.record(RouteFact::Retimed { moved: vec![Moved { robot, shifts }] });
     }
     moves
 }
 
 /// Sends everything granted from where the robot is; to one that is to go back there, nothing beyond.
-fn send(core: &mut Core, yielding: &YieldingState, robot: RobotId, goes_back: bool, now: Time) {
-    let grant = core.ledger.timeline().granted(robot).expect("every robot stands somewhere");
+fn send(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, goes_back: bool, now: Time) {
+    let grant = writer.ledger().timeline().granted(robot).expect("every robot stands somewhere");
     let grant = if goes_back { grant.first_alone() } else { grant };
-    let chain = core.ledger.chain(robot);
-    let stops = &core.ledger.robots[robot].stops;
+    let chain = writer.ledger().chain(robot);
+    let stops = &writer.ledger().robots[robot].stops;
     // It leaves the line only where it has a way back.
     let may_leave = yielding.of(robot).passing.is_some_and(|p| p.what.to < chain.granted());
     let waypoints = (grant.serials())
@@ -135,14 +144,14 @@ fn send(core: &mut Core, yielding: &YieldingState, robot: RobotId, goes_back: bo
             passes: may_leave.then(|| yielding.of(robot).passes(serial)).flatten(),
         })
         .collect();
-    let recalls = core.ledger.robots[robot].recalls;
+    let recalls = writer.ledger().robots[robot].recalls;
     assert!(
         grant.serials().all(|serial| serial < chain.granted()),
         "orders end where the grant of {robot:?} does"
     );
     debug_assert_eq!(grant.serials().next(), Some(chain.first()), "orders begin where {robot:?} is");
-    core.out.commands.push((robot, Command::Drive { grant, waypoints, recalls }));
-    core.scene.robot_mut(robot).told = Some(now);
+    writer.send(robot, Command::Drive { grant, waypoints, recalls });
+    writer.scene.robot_mut(robot).told = Some(now);
 }
 
 impl Traffic {

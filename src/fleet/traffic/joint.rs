@@ -3,9 +3,9 @@
 //!
 //! Refuses: to move robots that are broken or silent, and to take back what was granted.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::RouteFact;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::{InsertionCounts, Traffic};
 use crate::id::RobotId;
 use crate::route::Route;
@@ -30,21 +30,21 @@ pub(super) type Found = (RobotId, Route);
 
 impl Traffic {
     /// Plans `robot` together with the few robots that stand most in its way. Whether that worked.
-    pub(in crate::fleet) fn insert(&mut self, core: &mut Core, robot: RobotId, now: Time) -> bool {
-        if core.floor().next_stop_is_granted(robot) {
+    pub(in crate::fleet) fn insert(&mut self, writer: &mut Writer, robot: RobotId, now: Time) -> bool {
+        if writer.floor().next_stop_is_granted(robot) {
             return false;
         }
-        let start = (core.settings.stopwatch)();
+        let start = (writer.settings.stopwatch)();
         self.tally.insertions.tried += 1;
-        let movable = self.movable(core.floor(), robot, now);
-        let in_place = core.floor().in_the_places_of(robot, &movable);
+        let movable = self.movable(writer.floor(), robot, now);
+        let in_place = writer.floor().in_the_places_of(robot, &movable);
         let first =
-            if in_place.is_empty() { None } else { self.insert_past(core.floor(), robot, &in_place, now) };
-        let found = first.or_else(|| self.insert_past(core.floor(), robot, &movable, now));
-        self.plan_times.push((core.settings.stopwatch)() - start);
+            if in_place.is_empty() { None } else { self.insert_past(writer.floor(), robot, &in_place, now) };
+        let found = first.or_else(|| self.insert_past(writer.floor(), robot, &movable, now));
+        self.plan_times.push((writer.settings.stopwatch)() - start);
         let Some(Inserted { cost, behind, routes }) = found else { return false };
         self.tally.insertions.count(cost, behind);
-        commit_all(core, routes);
+        commit_all(writer, routes);
         true
     }
 
@@ -199,9 +199,9 @@ pub(in crate::fleet) fn in_turn(
 }
 
 /// Books routes that were found together.
-pub(in crate::fleet) fn commit_all(core: &mut Core, routes: Vec<Found>) {
-    let bookings = routes.into_iter().map(|(r, route)| core.floor().booking(r, route)).collect();
-    core.record(RouteFact::Routed { bookings });
+pub(in crate::fleet) fn commit_all(writer: &mut Writer, routes: Vec<Found>) {
+    let bookings = routes.into_iter().map(|(r, route)| writer.floor().booking(r, route)).collect();
+    writer.record(RouteFact::Routed { bookings });
 }
 
 /// The asking robot first, last, and last among the others turned round.

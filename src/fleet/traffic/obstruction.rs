@@ -5,10 +5,10 @@
 //! believes to be elsewhere.
 //! Refuses: to know what stands there, and to keep a place closed for good: operators close areas.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::restrictions::Closing;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::{Obstruction, Traffic};
 use crate::id::{NodeId, RobotId};
 use crate::route::{Cause, Condition, Effect};
@@ -87,9 +87,9 @@ impl Traffic {
     }
 
     /// Revokes what obstructed robots were granted.
-    pub(in crate::fleet) fn revoke_obstructed(&mut self, core: &mut Core, now: Time) {
-        for robot in core.scene.kept_from_driving(now) {
-            self.revoke_grant(core, robot, now);
+    pub(in crate::fleet) fn revoke_obstructed(&mut self, writer: &mut Writer, now: Time) {
+        for robot in writer.scene.kept_from_driving(now) {
+            self.revoke_grant(writer, robot, now);
         }
     }
 }

@@ -4,13 +4,13 @@
 //! complete up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant
 //! a). Refuses: to let the time of day decide how much is planned.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::cut_off::Barrier;
 use crate::fleet::state::fact::{RobotFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job_kind::JobKind;
 use crate::fleet::state::needs::Need;
 use crate::fleet::state::passing::{HeldChoice, cheapest};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
 use crate::id::{IdVec, NodeId, RobotId};
@@ -39,45 +39,46 @@ fn is_ready(floor: Floor<'_>, robot: RobotId, now: Time) -> bool {
 
 impl Traffic {
     /// Routes for robots that need one, longest waiting first, and earlier ones for those that may go on earlier.
-    pub(in crate::fleet) fn plan_needed(&mut self, core: &mut Core, now: Time) {
-        self.needs.tickets.note(core.floor(), now);
-        self.lapse_places(core, now);
-        let in_need = self.in_need(core.floor(), now);
-        let mut bound = if in_need.is_empty() { IdVec::new() } else { core.floor().bound_for_stations() };
+    pub(in crate::fleet) fn plan_needed(&mut self, writer: &mut Writer, now: Time) {
+        self.needs.tickets.note(writer.floor(), now);
+        self.lapse_places(writer, now);
+        let in_need = self.in_need(writer.floor(), now);
+        let mut bound = if in_need.is_empty() { IdVec::new() } else { writer.floor().bound_for_stations() };
         for (i, robot) in in_need.iter().copied().enumerate() {
             if self.effort.is_spent() {
                 let left = in_need[i..].iter().copied();
                 let ready = left
-                    .filter(|r| is_ready(core.floor(), *r, now))
-                    .filter(|r| self.needs.has_its_turn(core.floor(), *r, &bound, now));
+                    .filter(|r| is_ready(writer.floor(), *r, now))
+                    .filter(|r| self.needs.has_its_turn(writer.floor(), *r, &bound, now));
                 self.needs.postponed = self.needs.still_postponed(ready, now);
                 return;
             }
-            if !is_ready(core.floor(), robot, now) {
+            if !is_ready(writer.floor(), robot, now) {
                 continue;
             }
-            if !self.needs.has_its_turn(core.floor(), robot, &bound, now) {
-                self.wait_for_turn(core, robot, now);
+            if !self.needs.has_its_turn(writer.floor(), robot, &bound, now) {
+                self.wait_for_turn(writer, robot, now);
                 continue;
             }
             let waited = self.needs.waited(robot, now);
-            self.plan_one(core, robot, now);
-            if let Some(station) = core.floor().station_of(robot).filter(|_| !core.floor().lacks_route(robot))
+            self.plan_one(writer, robot, now);
+            if let Some(station) =
+                writer.floor().station_of(robot).filter(|_| !writer.floor().lacks_route(robot))
             {
                 self.needs.set_off.insert(station, waited);
                 bound[station] += 1;
             }
         }
         self.needs.postponed.clear();
-        self.plan_early(core, now);
+        self.plan_early(writer, now);
     }
 
     /// Robots whose stop ended before it was to end look for an earlier route.
-    fn plan_early(&mut self, core: &mut Core, now: Time) {
+    fn plan_early(&mut self, writer: &mut Writer, now: Time) {
         for robot in std::mem::take(&mut self.needs.early) {
-            let is_fit = core.scene.fit(robot, now).is_some() && !core.ledger.robots[robot].failed;
-            if is_fit && !core.floor().lacks_route(robot) {
-                self.improve_one(core, robot, now);
+            let is_fit = writer.scene.fit(robot, now).is_some() && !writer.ledger().robots[robot].failed;
+            if is_fit && !writer.floor().lacks_route(robot) {
+                self.improve_one(writer, robot, now);
             }
         }
     }
@@ -102,18 +103,18 @@ impl Traffic {
     }
 
     /// One robot, one search; after some that failed, others make way, or it does.
-    fn plan_one(&mut self, core: &mut Core, robot: RobotId, now: Time) {
-        debug_assert!(core.floor().lacks_route(robot), "{robot:?} has the route that its task asks for");
-        self.choose_storage(core, robot);
-        let stages = core.floor().stages(robot);
-        match self.search(core.floor(), robot, &stages, now) {
+    fn plan_one(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+        debug_assert!(writer.floor().lacks_route(robot), "{robot:?} has the route that its task asks for");
+        self.choose_storage(writer, robot);
+        let stages = writer.floor().stages(robot);
+        match self.search(writer.floor(), robot, &stages, now) {
             Ok(route) => {
-                commit(core, robot, route);
+                commit(writer, robot, route);
                 self.needs.waiting.remove(&robot);
             }
             Err(why) => {
                 self.tally.failures += 1;
-                let cut = core.floor().cut_before_goal(robot, self.obstructed());
+                let cut = writer.floor().cut_before_goal(robot, self.obstructed());
                 let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
                 need.next_try = now + Span((RETRY.0 << need.tries.min(4)).min(RETRY_MAX.0));
                 need.tries += 1;
@@ -121,7 +122,7 @@ impl Traffic {
                 need.cut = cut;
                 tracing::debug!(?robot, ?why, tries = need.tries, "no route");
                 if need.tries.is_multiple_of(INSERT_EVERY) {
-                    self.ask_for_room(core, robot, now);
+                    self.ask_for_room(writer, robot, now);
                 }
             }
         }
@@ -129,35 +130,35 @@ impl Traffic {
 
     /// Others make way for a robot that finds no route, or it leaves for a place where it may stay, or a chain of goals
     /// is broken.
-    fn ask_for_room(&mut self, core: &mut Core, robot: RobotId, now: Time) {
-        if self.insert(core, robot, now) {
+    fn ask_for_room(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+        if self.insert(writer, robot, now) {
             self.needs.waiting.remove(&robot);
-        } else if !self.step_out(core, robot, None, now) {
-            self.break_goal_chain(core, robot, now);
+        } else if !self.step_out(writer, robot, None, now) {
+            self.break_goal_chain(writer, robot, now);
         }
     }
 
     /// Looks for a better storage node before a rack leaves, and after each failed search.
-    fn choose_storage(&mut self, core: &mut Core, robot: RobotId) {
+    fn choose_storage(&mut self, writer: &mut Writer, robot: RobotId) {
         let tries = self.needs.waiting.get(&robot).map_or(0, |n| n.tries as usize);
-        let task = match core.ledger.robots[robot].task {
+        let task = match writer.ledger().robots[robot].task {
             Task::Deliver { job, rack, station, store } => {
-                let best = core.floor().best_storage(robot, rack, station, tries);
+                let best = writer.floor().best_storage(robot, rack, station, tries);
                 (best != store).then_some(Task::Deliver { job, rack, station, store: best })
             }
-            Task::Store { job, rack, store } if tries > 0 && !core.floor().is_relocation(job) => {
-                let here = core.ledger.node_of(robot);
+            Task::Store { job, rack, store } if tries > 0 && !writer.floor().is_relocation(job) => {
+                let here = writer.ledger().node_of(robot);
                 // Where it stands already, it can set the rack down whatever is in its way.
                 if store == here {
                     return;
                 }
-                let best = core.floor().best_storage(robot, rack, here, tries);
+                let best = writer.floor().best_storage(robot, rack, here, tries);
                 (best != store).then_some(Task::Store { job, rack, store: best })
             }
             _ => None,
         };
         if let Some(task) = task {
-            core.record(RobotFact::Tasked { robot, task });
+            writer.record(RobotFact::Tasked { robot, task });
         }
     }
 
@@ -216,30 +217,30 @@ impl Traffic {
     /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
     /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit between the
     /// holds of all robots, so the order of all stays free of cycles.
-    pub(in crate::fleet) fn improve(&mut self, core: &mut Core, now: Time) {
-        for robot in core.ledger.present() {
+    pub(in crate::fleet) fn improve(&mut self, writer: &mut Writer, now: Time) {
+        for robot in writer.ledger().present() {
             if self.effort.is_spent() {
                 return;
             }
             let looked = self.needs.looked.get(&robot).copied().unwrap_or(Time::ZERO);
-            if now - looked < PATIENCE || !core.floor().is_held_up(robot, now) {
+            if now - looked < PATIENCE || !writer.floor().is_held_up(robot, now) {
                 continue;
             }
             self.needs.looked.insert(robot, now);
-            self.improve_one(core, robot, now);
+            self.improve_one(writer, robot, now);
         }
     }
 
-    fn improve_one(&mut self, core: &mut Core, robot: RobotId, now: Time) {
-        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return };
-        let chain = core.ledger.chain(robot);
+    fn improve_one(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+        let Some(stop) = writer.ledger().robots[robot].stops.first().copied() else { return };
+        let chain = writer.ledger().chain(robot);
         let Some(planned) = chain.get(stop.serial).map(|v| v.arrive) else { return };
         if stop.serial < chain.granted() {
             return;
         }
-        let stages = core.floor().stages_left(robot);
-        match self.search(core.floor(), robot, &stages, now) {
-            Ok(route) if reached(&route) + WORTH < planned => commit(core, robot, route),
+        let stages = writer.floor().stages_left(robot);
+        match self.search(writer.floor(), robot, &stages, now) {
+            Ok(route) if reached(&route) + WORTH < planned => commit(writer, robot, route),
             Ok(_) | Err(_) => {}
         }
     }
@@ -248,32 +249,40 @@ impl Traffic {
     /// wait, and than passing them, if the robot can. What is best.
     pub(in crate::fleet) fn reroute(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         robot: RobotId,
         (waited, passes): (Span, Option<Time>),
         now: Time,
     ) -> HeldChoice {
-        let Some(stop) = core.ledger.robots[robot].stops.first().copied() else { return HeldChoice::Wait };
-        let planned = core.floor().expected(robot, stop.serial, waited, now);
-        let stages = core.floor().stages_left(robot);
-        let found = self.search(core.floor(), robot, &stages, now).ok();
+        let Some(stop) = writer.ledger().robots[robot].stops.first().copied() else {
+            return HeldChoice::Wait;
+        };
+        let planned = writer.floor().expected(robot, stop.serial, waited, now);
+        let stages = writer.floor().stages_left(robot);
+        let found = self.search(writer.floor(), robot, &stages, now).ok();
         let choice = cheapest(planned, found.as_ref().map(reached), passes);
         if let (HeldChoice::Reroute, Some(route)) = (choice, found) {
-            commit(core, robot, route);
+            commit(writer, robot, route);
             self.tally.replans += 1;
         }
         choice
     }
 
     /// Plans an interrupted robot anew; the old route stands where the new one is no earlier.
-    pub(in crate::fleet) fn plan_again(&mut self, core: &mut Core, robot: RobotId, waited: Span, now: Time) {
-        let stop = core.ledger.robots[robot].stops.first().copied();
-        let Some(stop) = stop.filter(|s| s.serial >= core.ledger.chain(robot).granted()) else { return };
-        let planned = core.floor().expected(robot, stop.serial, waited, now);
-        let stages = core.floor().stages_left(robot);
+    pub(in crate::fleet) fn plan_again(
+        &mut self,
+        writer: &mut Writer,
+        robot: RobotId,
+        waited: Span,
+        now: Time,
+    ) {
+        let stop = writer.ledger().robots[robot].stops.first().copied();
+        let Some(stop) = stop.filter(|s| s.serial >= writer.ledger().chain(robot).granted()) else { return };
+        let planned = writer.floor().expected(robot, stop.serial, waited, now);
+        let stages = writer.floor().stages_left(robot);
         self.tally.replans += 1;
-        match self.search(core.floor(), robot, &stages, now) {
-            Ok(route) if reached(&route) < planned => commit(core, robot, route),
+        match self.search(writer.floor(), robot, &stages, now) {
+            Ok(route) if reached(&route) < planned => commit(writer, robot, route),
             Ok(_) | Err(_) => {}
         }
     }
@@ -281,15 +290,15 @@ impl Traffic {
     /// A way to a place aside first, then on with the task. Whether it was found and taken.
     pub(in crate::fleet) fn detour(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         robot: RobotId,
         place: NodeId,
         now: Time,
     ) -> bool {
-        let Some(stages) = core.floor().stages_aside(robot, place) else { return false };
-        let Ok(route) = self.search(core.floor(), robot, &stages, now) else { return false };
-        let route = core.floor().with_own_stops(robot, route);
-        commit(core, robot, route);
+        let Some(stages) = writer.floor().stages_aside(robot, place) else { return false };
+        let Ok(route) = self.search(writer.floor(), robot, &stages, now) else { return false };
+        let route = writer.floor().with_own_stops(robot, route);
+        commit(writer, robot, route);
         true
     }
 }

@@ -6,10 +6,10 @@
 //! What was granted stays granted until the robot says that it has forgotten it, whatever is lost or late on the way.
 //! Refuses: to revoke what a robot was granted that drives, or works.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::RouteFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::{Command, Telemetry};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::STANDS;
 use crate::fleet::traffic::state::{Direction, Traffic};
 use crate::geometry::Point;
@@ -26,15 +26,16 @@ const ON_NODE_M: f64 = 0.02;
 
 impl Traffic {
     /// Revokes what a robot was granted beyond where it stands, if it can forget it and was not told just now.
-    pub(in crate::fleet) fn revoke_grant(&mut self, core: &mut Core, robot: RobotId, now: Time) {
+    pub(in crate::fleet) fn revoke_grant(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         let told = self.revoked.get(&robot).is_some_and(|t| now - *t < AGAIN);
-        if told || !core.floor().can_be_revoked(robot, now) {
+        if told || !writer.floor().can_be_revoked(robot, now) {
             return;
         }
         self.revoked.insert(robot, now);
-        let (reached, number) = (core.ledger.chain(robot).first(), core.ledger.robots[robot].recalls + 1);
-        assert!(reached < core.ledger.chain(robot).granted(), "{robot:?} stands where it may be");
-        core.out.urgent.push((robot, Command::Revoke { reached, number }));
+        let (reached, number) =
+            (writer.ledger().chain(robot).first(), writer.ledger().robots[robot].recalls + 1);
+        assert!(reached < writer.ledger().chain(robot).granted(), "{robot:?} stands where it may be");
+        writer.tell_at_once(robot, Command::Revoke { reached, number });
     }
 
     /// Forgets revocations that are so old that the robot has left, or will not.
@@ -44,22 +45,22 @@ impl Traffic {
 
     /// Robots between two nodes that have forgotten what they were granted, and those that have driven back from there
     /// and hold the second node still: they are told to give it up.
-    pub(in crate::fleet) fn halfway(&mut self, core: &mut Core, now: Time) -> Vec<RobotId> {
+    pub(in crate::fleet) fn halfway(&mut self, writer: &mut Writer, now: Time) -> Vec<RobotId> {
         let back: Vec<RobotId> = self.directions.keys().copied().collect();
         for robot in back {
-            let floor = core.floor();
+            let floor = writer.floor();
             if !floor.is_halfway(robot) {
                 let came_back =
                     self.direction(robot) == Some(Direction::Back) && floor.can_be_revoked(robot, now);
                 if came_back {
-                    self.revoke_grant(core, robot, now);
+                    self.revoke_grant(writer, robot, now);
                 } else if let Some((Direction::Back, _)) = self.directions.remove(&robot) {
                     // It stands where it came from: the best route from there is looked for at once.
                     self.needs.early.insert(robot);
                 }
             }
         }
-        let floor = core.floor();
+        let floor = writer.floor();
         floor
             .ledger
             .present()
@@ -117,15 +118,15 @@ impl Traffic {
 
 /// The robot says how often it forgot what it was granted. It keeps the node that it reached last, and the one that it
 /// is on its way to if it stands between the two.
-pub(in crate::fleet) fn note_revoked(core: &mut Core, robot: RobotId, seen: &Telemetry, now: Time) {
-    let chain = core.ledger.chain(robot);
-    let told = seen.recalls > core.ledger.robots[robot].recalls;
+pub(in crate::fleet) fn note_revoked(writer: &mut Writer, robot: RobotId, seen: &Telemetry, now: Time) {
+    let chain = writer.ledger().chain(robot);
+    let told = seen.recalls > writer.ledger().robots[robot].recalls;
     if !told || !(chain.first()..chain.granted()).contains(&seen.known) {
         return;
     }
-    let between = seen.known == seen.reached && !core.floor().is_on_node(seen);
+    let between = seen.known == seen.reached && !writer.floor().is_on_node(seen);
     let serial = (seen.known + u64::from(between)).min(chain.granted() - 1);
-    core.record(RouteFact::Revoked { robot, serial, recalls: seen.recalls, at: now });
+    writer.record(RouteFact::Revoked { robot, serial, recalls: seen.recalls, at: now });
 }
 
 impl Floor<'_> {

@@ -2,10 +2,10 @@
 //!
 //! Refuses: to search for routes.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Act, Booking, RouteFact, Stop, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job_kind::JobKind;
+use crate::fleet::state::writer::Writer;
 use crate::geometry::Segment;
 use crate::id::{JobId, NodeId, RobotId};
 use crate::route::{Route, Stage};
@@ -146,7 +146,7 @@ impl Floor<'_> {
 }
 
 /// Books a route.
-pub(super) fn commit(core: &mut Core, robot: RobotId, route: Route) {
-    let booking = core.floor().booking(robot, route);
-    core.record(RouteFact::Routed { bookings: vec![booking] });
+pub(super) fn commit(writer: &mut Writer, robot: RobotId, route: Route) {
+    let booking = writer.floor().booking(robot, route);
+    writer.record(RouteFact::Routed { bookings: vec![booking] });
 }

@@ -6,8 +6,8 @@
 //! outermost robot wants to come in: then all on the way out leave together, the one farthest out first. Refuses: to
 //! send a robot off that stands where it may stay, unless it is in the way of another.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::joint::{commit_all, in_turn};
 use crate::fleet::traffic::stages::commit;
 use crate::fleet::traffic::state::Traffic;
@@ -28,12 +28,12 @@ impl Traffic {
     /// worker waits for it, only to places that lie farther from that worker than it does.
     pub(in crate::fleet) fn step_out(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         robot: RobotId,
         worker: Option<WorkerId>,
         now: Time,
     ) -> bool {
-        let floor = core.floor();
+        let floor = writer.floor();
         let (from, _) = floor.grant_end(robot);
         if floor.warehouse().kind(from.node).is_lasting() || floor.next_stop_is_granted(robot) {
             return false;
@@ -45,31 +45,31 @@ impl Traffic {
         let leads_off = |n: NodeId| person.is_none_or(|p| (at(n) - p).norm() > own_m + FARTHER_M);
         for place in floor.stays_near(robot, PLACES, leads_off) {
             let stage = Stage { loaded, ..Stage::to_stay(place) };
-            if let Ok(mut route) = self.search(core.floor(), robot, &[stage], now) {
+            if let Ok(mut route) = self.search(writer.floor(), robot, &[stage], now) {
                 // Nothing of its task is done there.
                 route.stops.clear();
-                commit(core, robot, route);
+                commit(writer, robot, route);
                 return true;
             }
         }
-        self.step_out_together(core, robot, now)
+        self.step_out_together(writer, robot, now)
     }
 
     /// Sends a robot out of the way together with those that stand on its way out, these first. Those that are to come
     /// onto it soon come after it.
-    fn step_out_together(&mut self, core: &mut Core, robot: RobotId, now: Time) -> bool {
-        let (mut leave, come) = self.in_the_way_out(core.floor(), robot, now);
+    fn step_out_together(&mut self, writer: &mut Writer, robot: RobotId, now: Time) -> bool {
+        let (mut leave, come) = self.in_the_way_out(writer.floor(), robot, now);
         if leave.is_empty() && come.is_empty() || leave.len() + come.len() > TOGETHER {
             return false;
         }
         leave.push(robot);
         let order = [leave, come.clone()].concat();
-        let routes = in_turn(core.floor(), &order, |timeline, r| {
-            let on = if come.contains(&r) { self.search_on(core.floor(), timeline, r, now) } else { None };
-            on.or_else(|| self.way_out_on(core.floor(), timeline, r, now))
+        let routes = in_turn(writer.floor(), &order, |timeline, r| {
+            let on = if come.contains(&r) { self.search_on(writer.floor(), timeline, r, now) } else { None };
+            on.or_else(|| self.way_out_on(writer.floor(), timeline, r, now))
         });
         let Some(routes) = routes else { return false };
-        commit_all(core, routes);
+        commit_all(writer, routes);
         true
     }
 

@@ -2,20 +2,20 @@
 //!
 //! Refuses: to move anything; it takes promises back, the planning phase makes new ones.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{KeptRoute, RouteFact};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::writer::Writer;
 use crate::id::RobotId;
 use std::collections::{BTreeSet, VecDeque};
 
 /// Takes back what was promised, but not granted, to every robot that would have to pass one that stands still
 /// for an unknown time, and to every robot that would have to pass those in turn. They all keep what they were
 /// granted: robots that may be broken are not asked to come back.
-pub(in crate::fleet) fn truncate_behind(core: &mut Core, broken: RobotId) {
-    let found = core.floor().all_behind(BTreeSet::from([broken]), None);
-    let robots = core.floor().kept_by(found);
+pub(in crate::fleet) fn truncate_behind(writer: &mut Writer, broken: RobotId) {
+    let found = writer.floor().all_behind(BTreeSet::from([broken]), None);
+    let robots = writer.floor().kept_by(found);
     debug_assert!(robots.iter().any(|kept| kept.robot == broken), "{broken:?} keeps what it was granted");
-    core.record(RouteFact::Truncated { robots });
+    writer.record(RouteFact::Truncated { robots });
 }
 
 impl Floor<'_> {

@@ -5,8 +5,8 @@
 //! and gets a place again as soon as those that could go have gone. Refuses: to take a place from a robot that stands
 //! in the queue or drives.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::traffic::truncate::truncate_behind;
 use crate::id::{RobotId, StationId};
@@ -19,8 +19,8 @@ const AGAIN: Span = Span::from_millis(6400);
 
 impl Traffic {
     /// Takes their places at stations from robots that have no prospect of getting there, if others wait for one.
-    pub(super) fn lapse_places(&mut self, core: &mut Core, now: Time) {
-        let floor = core.floor();
+    pub(super) fn lapse_places(&mut self, writer: &mut Writer, now: Time) {
+        let floor = writer.floor();
         let waits =
             |r: RobotId| floor.lacks_route(r) && !floor.is_halted(r) && floor.scene.fit(r, now).is_some();
         let wanted: BTreeSet<StationId> =
@@ -34,25 +34,25 @@ impl Traffic {
         for robot in lapsed {
             tracing::debug!(?robot, "its place at the station lapses");
             self.needs.tickets.lapse(robot, now);
-            truncate_behind(core, robot);
+            truncate_behind(writer, robot);
         }
     }
 
     /// These robots have lost the places that they were promised at chargers, and with them the routes there.
-    pub(in crate::fleet) fn lose_places(&mut self, core: &mut Core, robots: &[RobotId]) {
-        robots.iter().for_each(|robot| truncate_behind(core, *robot));
+    pub(in crate::fleet) fn lose_places(&mut self, writer: &mut Writer, robots: &[RobotId]) {
+        robots.iter().for_each(|robot| truncate_behind(writer, *robot));
     }
 
     /// A robot whose turn has not come, and that has lost its route, leaves for a place to stay if it stands where it
     /// may not: it waits where it is in the way of no other.
-    pub(super) fn wait_for_turn(&mut self, core: &mut Core, robot: RobotId, now: Time) {
+    pub(super) fn wait_for_turn(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         let need = self.needs.waiting.get_mut(&robot).expect("it is in need");
         need.fails_since = None;
-        let here = core.warehouse().kind(core.ledger.node_of(robot));
+        let here = writer.warehouse().kind(writer.ledger().node_of(robot));
         let may_stay = here.is_lasting() || matches!(here, NodeKind::Station(_));
-        if !may_stay && core.floor().rests(robot) {
+        if !may_stay && writer.floor().rests(robot) {
             need.next_try = now + AGAIN;
-            self.step_out(core, robot, None, now);
+            self.step_out(writer, robot, None, now);
         }
     }
 }

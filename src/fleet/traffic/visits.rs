@@ -4,9 +4,9 @@
 //! changes and no stream of them. Refuses: to end a visit.
 
 use crate::cell::Remaining;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Moved, RouteFact, Task};
 use crate::fleet::state::floor::Floor;
+use crate::fleet::state::writer::Writer;
 use crate::id::{JobId, RobotId};
 use crate::time::{Span, Time};
 
@@ -15,22 +15,22 @@ const OFF: Span = Span::from_millis(1000);
 const OFF_SHARE: f64 = 0.25;
 
 /// Moves the planned end of each visit to where it is expected, later or earlier.
-pub(in crate::fleet) fn retime_visits(core: &mut Core, now: Time) {
-    if !core.settings.flow.counts_lines() {
+pub(in crate::fleet) fn retime_visits(writer: &mut Writer, now: Time) {
+    if !writer.settings.flow.counts_lines() {
         return;
     }
-    for robot in core.ledger.present() {
-        let Some(job) = visit_of(core.floor(), robot) else { continue };
-        core.visits.begin(job, now);
-        let record = &core.ledger.jobs[&job];
-        let ends_out = core.floor().ends_out(record);
-        if let Some(remaining) = core.visits.remaining(job, record, ends_out, now) {
-            core.visits.expect(job, &remaining, now);
-            core.at_hand.note(robot);
-            retime(core, robot, remaining, now);
+    for robot in writer.ledger().present() {
+        let Some(job) = visit_of(writer.floor(), robot) else { continue };
+        writer.visits.begin(job, now);
+        let record = &writer.ledger().jobs[&job];
+        let ends_out = writer.floor().ends_out(record);
+        if let Some(remaining) = writer.visits.remaining(job, record, ends_out, now) {
+            writer.visits.expect(job, &remaining, now);
+            writer.at_hand.note(robot);
+            retime(writer, robot, remaining, now);
         }
     }
-    core.at_hand.clear();
+    writer.at_hand.clear();
 }
 
 /// The job with lines for which a robot is picked from.
@@ -40,23 +40,23 @@ fn visit_of(floor: Floor<'_>, robot: RobotId) -> Option<JobId> {
     (has_lines && floor.is_picked_from(robot)).then_some(job)
 }
 
-fn retime(core: &mut Core, robot: RobotId, remaining: Remaining, now: Time) {
-    let chain = core.ledger.chain(robot);
+fn retime(writer: &mut Writer, robot: RobotId, remaining: Remaining, now: Time) {
+    let chain = writer.ledger().chain(robot);
     let serial = chain.first();
     let Some(here) = chain.get(serial).filter(|v| !v.depart.is_forever()) else { return };
     let left = Span::from_secs_f64(remaining.mean_s);
     let off = now + left - here.depart;
     let bearable = OFF.max(Span::from_secs_f64(OFF_SHARE * remaining.mean_s));
     let moved = if off > bearable {
-        let slip = core.ledger.timeline().delay(robot, serial, now + left);
+        let slip = writer.ledger().timeline().delay(robot, serial, now + left);
         slip.into_iter().map(|(h, shifts)| Moved { robot: h, shifts }).collect()
     } else if -off > bearable && chain.granted() == serial + 1 {
-        let shifts = core.ledger.timeline().advance(robot, now + left);
+        let shifts = writer.ledger().timeline().advance(robot, now + left);
         if shifts.is_empty() { Vec::new() } else { vec![Moved { robot, shifts }] }
     } else {
         Vec::new()
     };
     if !moved.is_empty() {
-        core.record(RouteFact::Retimed { moved });
+        writer.record(RouteFact::Retimed { moved });
     }
 }

@@ -9,8 +9,8 @@ mod robots;
 mod workers;
 
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::wait_graph::WorkProgress;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::state::Yielding;
 use crate::time::Time;
@@ -19,14 +19,14 @@ use robots::RobotWaits;
 /// Notes what all parties wait for, after the grants of a step, and how each chain of waiting ends. O(robots and
 /// workers).
 pub(in crate::fleet) fn note_waits(
-    core: &mut Core,
+    writer: &mut Writer,
     people: &HumanState,
     yielding: &Yielding,
     traffic: &Traffic,
     now: Time,
 ) {
-    let mut graph = std::mem::take(&mut core.waits);
-    let floor = core.floor();
+    let mut graph = std::mem::take(&mut writer.waits);
+    let floor = writer.floor();
     let waits = RobotWaits::new(floor, yielding, traffic, now);
     for robot in floor.ledger.robots.ids() {
         let why = waits.why(robot);
@@ -42,15 +42,15 @@ pub(in crate::fleet) fn note_waits(
         graph.note_worker(worker, at, people.edge(worker, now), now);
     }
     graph.find_ends(now);
-    core.waits = graph;
+    writer.waits = graph;
 }
 
 /// Notes what each robot is at, after [`note_waits`]. O(robots).
-pub(in crate::fleet) fn note_activities(core: &mut Core, now: Time) {
-    let mut activities = std::mem::take(&mut core.activities);
-    for robot in core.ledger.robots.ids() {
-        let why = core.waits.robot(robot).why;
-        activities.note(robot, core.floor().activity(robot, why), now);
+pub(in crate::fleet) fn note_activities(writer: &mut Writer, now: Time) {
+    let mut activities = std::mem::take(&mut writer.activities);
+    for robot in writer.ledger().robots.ids() {
+        let why = writer.waits.robot(robot).why;
+        activities.note(robot, writer.floor().activity(robot, why), now);
     }
-    core.activities = activities;
+    writer.activities = activities;
 }

@@ -4,10 +4,10 @@
 //! that finds a better way past other robots is not noted, since that happens all the time. Costs nothing in steps in
 //! which no route changes. Refuses: more than one note of a robot in five seconds for one cause.
 
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::{Booking, Fact, RobotFact, RouteFact, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::note::{FloorNote, ReplanCause};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::state::Yielding;
 use crate::geometry::Spot;
@@ -81,16 +81,16 @@ impl Replans {
     }
 
     /// Notes the replans of a step at its end.
-    pub fn note(&mut self, core: &mut Core, yielding: &Yielding, traffic: &Traffic, now: Time) {
+    pub fn note(&mut self, writer: &mut Writer, yielding: &Yielding, traffic: &Traffic, now: Time) {
         let mut notes = Vec::new();
-        let facts = std::mem::take(&mut core.out.facts);
+        let facts = writer.facts();
         let broken = facts.iter().find_map(|fact| match fact {
             Fact::Robot(RobotFact::Failed { robot, .. } | RobotFact::Fenced { robot, .. })
             | Fact::Route(RouteFact::Placed { robot, .. }) => Some(*robot),
             _ => None,
         });
-        let floor = core.floor();
-        for fact in &facts {
+        let floor = writer.floor();
+        for fact in facts {
             match fact {
                 Fact::Route(RouteFact::Truncated { robots: cut } | RouteFact::Placed { cut, .. }) => {
                     let by = broken.map(ReplanCause::Robot);
@@ -112,8 +112,7 @@ impl Replans {
                 _ => {}
             }
         }
-        core.out.facts = facts;
-        notes.into_iter().for_each(|note| core.record(Fact::Noted(note)));
+        notes.into_iter().for_each(|note| writer.record(Fact::Noted(note)));
     }
 
     /// A robot has a route: what there is to note, if it had another one for the same.

@@ -4,10 +4,10 @@
 
 use crate::aware::{Meeting, Near};
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::fact::EncounterFact;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::worker::{Encounter, Reaction};
+use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::GivesWay;
 use crate::fleet::yielding::state::{EncounterCost, Yielding};
 use crate::geometry::to_mm;
@@ -23,34 +23,34 @@ impl Yielding {
     /// Notes that a robot gives way to a worker, once until it is on its way again.
     pub(in crate::fleet) fn gives_way(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         robot: RobotId,
         worker: WorkerId,
         reaction: Reaction,
         now: Time,
     ) {
         debug_assert!(reaction != Reaction::Kept, "{robot:?} gives way and keeps on");
-        debug_assert!(core.ledger.workers.get(worker).is_some(), "{robot:?} gives way to nobody");
+        debug_assert!(writer.ledger().workers.get(worker).is_some(), "{robot:?} gives way to nobody");
         let before = self.state.of(robot).to;
         let since = before.map_or(now, |y| y.since);
         self.state.of_mut(robot).to = Some(GivesWay { worker, reaction, since });
         if before.is_none() {
-            core.record(EncounterFact::Interrupted { robot, worker, reaction, at: now });
+            writer.record(EncounterFact::Interrupted { robot, worker, reaction, at: now });
         }
     }
 
     /// Encounters, as far as they are seen.
-    pub(in crate::fleet) fn meet(&mut self, core: &mut Core, people: &HumanState, now: Time) {
+    pub(in crate::fleet) fn meet(&mut self, writer: &mut Writer, people: &HumanState, now: Time) {
         let mut near = Vec::new();
         for (worker, w) in people.among_robots(now) {
-            for robot in core.ledger.present() {
-                let Some(seen) = core.scene.robot(robot) else { continue };
+            for robot in writer.ledger().present() {
+                let Some(seen) = writer.scene.robot(robot) else { continue };
                 let distance_m = (seen.pose.at - w.at).norm();
                 if distance_m > NEAR_M || w.presence == Presence::Lost {
                     continue;
                 }
-                let loaded = core.ledger.rack_on(robot).is_some();
-                let radius_m = core.floor().regions(robot).stop_radius_m(loaded, 0.0);
+                let loaded = writer.ledger().rack_on(robot).is_some();
+                let radius_m = writer.floor().regions(robot).stop_radius_m(loaded, 0.0);
                 let (robot_mps, worker_mps) = (seen.speed_mps, w.velocity.norm());
                 let (at, robot_at) = (w.at, seen.pose.at);
                 near.push(Near { worker, robot, at, robot_at, radius_m, distance_m, robot_mps, worker_mps });
@@ -58,7 +58,7 @@ impl Yielding {
         }
         let over = self.meter.observe(now, &near);
         for pair in self.meter.open().map(Meeting::pair).chain(over.iter().map(Meeting::pair)) {
-            note_cost(&mut self.costs, core.floor(), pair, now);
+            note_cost(&mut self.costs, writer.floor(), pair, now);
         }
         for meeting in over {
             let start = meeting.start;
@@ -66,7 +66,7 @@ impl Yielding {
             debug_assert!(meeting.began <= now, "an encounter ends before it began");
             let yielding = self.state.of(start.robot).to;
             let reaction = yielding.map_or(Reaction::Kept, |y| y.reaction);
-            core.record(EncounterFact::Met(Encounter {
+            writer.record(EncounterFact::Met(Encounter {
                 worker: start.worker,
                 robot: start.robot,
                 began: meeting.began,

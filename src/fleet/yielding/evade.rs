@@ -9,10 +9,10 @@ use crate::aware::zone_answers::ZoneAnswer;
 use crate::aware::{Adaptation, HumanAwarePolicy, Zone};
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::binding::STOPPING;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::passing::HeldChoice;
 use crate::fleet::state::worker::Reaction;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::state::Yielding;
 use crate::id::{NodeId, RobotId, WorkerId};
@@ -57,27 +57,27 @@ impl Yielding {
     /// Looks at all robots whose holds a worker touches, and changes the routes of those that would wait for long.
     pub(in crate::fleet) fn give_way(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         traffic: &mut Traffic,
         now: Time,
     ) {
-        if core.restrictions.conditions.is_empty() {
+        if writer.restrictions.conditions.is_empty() {
             // There is nobody to give way to: what was noted of earlier waiting says nothing about the next one.
             self.state.no_worker_is_near(now);
             return;
         }
         let none_yields =
             || self.state.giving_way().next().is_none() && self.state.standing().next().is_none();
-        if !core.restrictions.conditions.has_passing() && none_yields() {
+        if !writer.restrictions.conditions.has_passing() && none_yields() {
             return;
         }
-        for robot in core.ledger.present() {
-            self.note_holding(core, robot, now);
+        for robot in writer.ledger().present() {
+            self.note_holding(writer, robot, now);
             if traffic.effort.is_spent() {
                 continue;
             }
-            let floor = core.floor();
+            let floor = writer.floor();
             let from = match floor.settings.policy {
                 HumanAwarePolicy::Giveway => {
                     let decision = self.decide(floor, robot, now);
@@ -93,23 +93,23 @@ impl Yielding {
                 _ => self.has_stood_for_long(floor, robot, now),
             };
             match from {
-                Some(worker) => self.change_route(core, people, traffic, (robot, worker), now),
-                None => self.pass_from_between(core, people, robot, now),
+                Some(worker) => self.change_route(writer, people, traffic, (robot, worker), now),
+                None => self.pass_from_between(writer, people, robot, now),
             }
         }
     }
 
     /// Notes whether a robot stands because of a person, or is on its way again.
-    fn note_holding(&mut self, core: &mut Core, robot: RobotId, now: Time) {
-        let chain = core.ledger.chain(robot);
+    fn note_holding(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+        let chain = writer.ledger().chain(robot);
         let at_end = chain.first() + 1 == chain.granted() && chain.granted() < chain.end();
-        let stands = core.scene.fit(robot, now).is_some_and(|t| t.speed_mps < 0.05);
+        let stands = writer.scene.fit(robot, now).is_some_and(|t| t.speed_mps < 0.05);
         let due = chain.get(chain.granted()).filter(|v| at_end && stands && v.enter <= now);
         match due
-            .and_then(|v| core.floor().grant_waits_for(&self.state, robot, v, now))
+            .and_then(|v| writer.floor().grant_waits_for(&self.state, robot, v, now))
             .map(|(cause, _)| cause)
         {
-            Some(Cause::Worker(worker)) => self.gives_way(core, robot, worker, Reaction::Held, now),
+            Some(Cause::Worker(worker)) => self.gives_way(writer, robot, worker, Reaction::Held, now),
             Some(Cause::Closure(_) | Cause::Robot(_) | Cause::Obstruction(_) | Cause::Evacuation) => {}
             None if !stands => {
                 let yielding = self.state.of_mut(robot);
@@ -176,35 +176,35 @@ impl Yielding {
     /// the worker within the corridor.
     fn change_route(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         traffic: &mut Traffic,
         (robot, worker): (RobotId, WorkerId),
         now: Time,
     ) {
         let last = self.state.of(robot).rerouted;
-        if last.is_some_and(|t| now - t < AGAIN) || core.ledger.robots[robot].failed {
+        if last.is_some_and(|t| now - t < AGAIN) || writer.ledger().robots[robot].failed {
             return;
         }
-        let at_stop = core.ledger.robots[robot].stops.first().map(|s| s.serial);
-        let granted = core.ledger.chain(robot).granted();
+        let at_stop = writer.ledger().robots[robot].stops.first().map(|s| s.serial);
+        let granted = writer.ledger().chain(robot).granted();
         if at_stop.is_some_and(|s| s < granted) {
             return;
         }
         self.state.of_mut(robot).rerouted = Some(now);
-        let floor = core.floor();
+        let floor = writer.floor();
         let must_leave = self.must_leave(floor, robot, now).is_some() && !self.leads_off(floor, robot, now);
-        if must_leave && self.pass_instead(core, people, (robot, worker), now) {
+        if must_leave && self.pass_instead(writer, people, (robot, worker), now) {
             return;
         }
         if must_leave {
-            return self.evade(core, traffic, robot, worker, now);
+            return self.evade(writer, traffic, robot, worker, now);
         }
         let waited = self.state.of(robot).waited(now);
-        let prospect = self.prospect(core.floor(), people, (robot, worker), now);
-        match (traffic.reroute(core, robot, (waited, prospect.map(|p| p.arrives)), now), prospect) {
-            (HeldChoice::Reroute, _) => self.gives_way(core, robot, worker, Reaction::Rerouted, now),
-            (HeldChoice::Pass, Some(prospect)) => self.pass(core, robot, prospect),
+        let prospect = self.prospect(writer.floor(), people, (robot, worker), now);
+        match (traffic.reroute(writer, robot, (waited, prospect.map(|p| p.arrives)), now), prospect) {
+            (HeldChoice::Reroute, _) => self.gives_way(writer, robot, worker, Reaction::Rerouted, now),
+            (HeldChoice::Pass, Some(prospect)) => self.pass(writer, robot, prospect),
             _ => {}
         }
     }
@@ -227,35 +227,42 @@ pub(in crate::fleet) const TRIES: usize = 3;
 
 impl Yielding {
     /// Drives out of a worker's way to the nearest place where nobody is expected, and on with the task from there.
-    fn evade(&mut self, core: &mut Core, traffic: &mut Traffic, robot: RobotId, worker: WorkerId, now: Time) {
-        let circle = core.floor().waits_in_a_circle_with(robot, now);
+    fn evade(
+        &mut self,
+        writer: &mut Writer,
+        traffic: &mut Traffic,
+        robot: RobotId,
+        worker: WorkerId,
+        now: Time,
+    ) {
+        let circle = writer.floor().waits_in_a_circle_with(robot, now);
         let stuck_with = circle.or(self.state.stuck_with(robot, now));
         if let Some(worker) = stuck_with {
-            close_before(core, robot, worker, now);
+            close_before(writer, robot, worker, now);
         }
-        let places = core.floor().places_out_of_the_way(robot, worker);
-        let left = places.into_iter().take(TRIES).any(|place| traffic.detour(core, robot, place, now));
+        let places = writer.floor().places_out_of_the_way(robot, worker);
+        let left = places.into_iter().take(TRIES).any(|place| traffic.detour(writer, robot, place, now));
         if left {
             traffic.tally.replans += 1;
         }
-        let insert = !left && !core.floor().waits_for_room(robot) && traffic.insert(core, robot, now);
-        let steps_out = |traffic: &mut Traffic, core: &mut Core| {
-            stuck_with.is_some() && traffic.step_out(core, robot, stuck_with, now)
+        let insert = !left && !writer.floor().waits_for_room(robot) && traffic.insert(writer, robot, now);
+        let steps_out = |traffic: &mut Traffic, writer: &mut Writer| {
+            stuck_with.is_some() && traffic.step_out(writer, robot, stuck_with, now)
         };
-        if left || insert || steps_out(traffic, core) {
-            self.gives_way(core, robot, worker, Reaction::Rerouted, now);
+        if left || insert || steps_out(traffic, writer) {
+            self.gives_way(writer, robot, worker, Reaction::Rerouted, now);
         }
     }
 }
 
 /// Closes what is nearer to a worker than a robot is, for the rest of the step. A worker who waits for a robot will not
 /// have gone when the windows of a person who merely stands are over: no route past that worker is one.
-fn close_before(core: &mut Core, robot: RobotId, worker: WorkerId, now: Time) {
-    let Some(at) = core.restrictions.whereabouts(worker).map(|w| w.at) else { return };
-    let own_m = (core.floor().place_of(robot) - at).norm();
+fn close_before(writer: &mut Writer, robot: RobotId, worker: WorkerId, now: Time) {
+    let Some(at) = writer.restrictions.whereabouts(worker).map(|w| w.at) else { return };
+    let own_m = (writer.floor().place_of(robot) - at).norm();
     let (window, cause) = (Window::new(now, Time::MAX), Cause::Worker(worker));
-    for node in core.ledger.warehouse().nodes_within(at, own_m) {
-        core.restrictions.conditions.add(node, Condition { window, effect: Effect::Closed, cause });
+    for node in writer.ledger().warehouse().nodes_within(at, own_m) {
+        writer.restrictions.conditions.add(node, Condition { window, effect: Effect::Closed, cause });
     }
 }
 

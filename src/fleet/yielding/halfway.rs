@@ -3,8 +3,8 @@
 //! Main function: `turn_halfway`. Refuses: to turn a robot that moves.
 
 use crate::fleet::people::state::HumanState;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::io::Telemetry;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::speed_limit::SpeedLimits;
 use crate::fleet::yielding::state::Yielding;
@@ -14,32 +14,32 @@ impl Yielding {
     /// Has each robot go on to a node to which nothing keeps it from driving; it stays where that is true of neither.
     pub(in crate::fleet) fn turn_halfway(
         &self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         traffic: &mut Traffic,
         now: Time,
     ) {
-        let robots = traffic.halfway(core, now);
+        let robots = traffic.halfway(writer, now);
         if robots.is_empty() {
             return;
         }
         let present = people.places(now);
         for robot in robots {
-            let stands = core.scene.robot(robot).is_some_and(Telemetry::stands);
+            let stands = writer.scene.robot(robot).is_some_and(Telemetry::stands);
             if !stands && traffic.direction(robot).is_some() {
                 continue;
             }
-            let limits = self.limits(core.floor(), people, traffic);
+            let limits = self.limits(writer.floor(), people, traffic);
             let may_go = |direction| {
                 let limits = SpeedLimits { direction: Some(direction), ..limits };
                 limits.limit_for(robot, &present, now).0 != Some(0.0)
             };
-            let obstructed = traffic.is_obstructed_ahead(core.floor(), robot);
-            let open = traffic.directions_for(core.floor(), robot, now).map(|d| may_go(d).then_some(d));
+            let obstructed = traffic.is_obstructed_ahead(writer.floor(), robot);
+            let open = traffic.directions_for(writer.floor(), robot, now).map(|d| may_go(d).then_some(d));
             let chosen = match open {
                 // Nothing keeps it from either: whichever gets it to its next stop earlier.
                 [Some(_), Some(_)] if traffic.direction(robot).is_none() && !obstructed => {
-                    Some(traffic.better_direction(core.floor(), robot, now))
+                    Some(traffic.better_direction(writer.floor(), robot, now))
                 }
                 [first, second] => first.or(second),
             };

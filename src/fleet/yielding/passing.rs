@@ -11,10 +11,10 @@ use crate::aware::{HumanAwarePolicy, SLOW_MPS};
 use crate::fleet::people::foreseen::ForeseenPerson;
 use crate::fleet::people::state::HumanState;
 use crate::fleet::state::binding::STOPPING;
-use crate::fleet::state::core::Core;
 use crate::fleet::state::displaced::OFF_ROUTE_M;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::passing::{HeldChoice, Passing, PassingStretch, RobotPassing, cheapest};
+use crate::fleet::state::writer::Writer;
 use crate::geometry::Point;
 use crate::human::Whereabouts;
 use crate::id::{RobotId, WorkerId};
@@ -97,14 +97,14 @@ impl Yielding {
     }
 
     /// The robot passes if that is what was chosen and it stands where that begins; else it drives there first.
-    pub(super) fn pass(&mut self, core: &mut Core, robot: RobotId, prospect: Prospect) {
+    pub(super) fn pass(&mut self, writer: &mut Writer, robot: RobotId, prospect: Prospect) {
         if prospect.is_there {
             let Passing { from, to, .. } = prospect.what;
             assert!(from < to, "{robot:?} passes somebody on its way from {from} to {to}");
             assert!(self.state.of(robot).passing.is_none(), "{robot:?} begins to pass while it passes");
             let passing = RobotPassing { what: prospect.what, stands_since: None };
             self.state.of_mut(robot).passing = Some(passing);
-            core.scene.set_passing(robot, true);
+            writer.scene.set_passing(robot, true);
         }
     }
 
@@ -112,18 +112,20 @@ impl Yielding {
     /// does.
     pub(super) fn pass_instead(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         (robot, worker): (RobotId, WorkerId),
         now: Time,
     ) -> bool {
-        let Some(prospect) = self.prospect(core.floor(), people, (robot, worker), now) else { return false };
-        let until = core.floor().region_ends(robot, prospect.what, now);
-        let Some(planned) = core.floor().planned_stop(robot) else { return false };
+        let Some(prospect) = self.prospect(writer.floor(), people, (robot, worker), now) else {
+            return false;
+        };
+        let until = writer.floor().region_ends(robot, prospect.what, now);
+        let Some(planned) = writer.floor().planned_stop(robot) else { return false };
         let waits = planned + (until - now).max(self.state.of(robot).waited(now));
         let passes = cheapest(waits, None, Some(prospect.arrives)) == HeldChoice::Pass;
         if passes {
-            self.pass(core, robot, prospect);
+            self.pass(writer, robot, prospect);
         }
         passes
     }
@@ -132,12 +134,12 @@ impl Yielding {
     /// there.
     pub(super) fn pass_from_between(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         robot: RobotId,
         now: Time,
     ) {
-        let floor = core.floor();
+        let floor = writer.floor();
         let chain = floor.ledger.chain(robot);
         let noted = self.state.of(robot);
         let looked = noted.passing_looked.is_some_and(|t| now - t < AGAIN);
@@ -146,28 +148,28 @@ impl Yielding {
             return;
         }
         self.state.of_mut(robot).passing_looked = Some(now);
-        let Some(prospect) = self.prospect(core.floor(), people, (robot, standing.worker), now) else {
+        let Some(prospect) = self.prospect(writer.floor(), people, (robot, standing.worker), now) else {
             return;
         };
-        let until = core.floor().region_ends(robot, prospect.what, now);
-        let Some(planned) = core.floor().planned_stop(robot) else { return };
+        let until = writer.floor().region_ends(robot, prospect.what, now);
+        let Some(planned) = writer.floor().planned_stop(robot) else { return };
         let waits = planned + (until - now).max(now - standing.since);
         if cheapest(waits, None, Some(prospect.arrives)) == HeldChoice::Pass {
-            self.pass(core, robot, prospect);
+            self.pass(writer, robot, prospect);
         }
     }
 
     /// Whether there is still room for robots that pass somebody; those that are past everybody are on the line again.
-    pub(in crate::fleet) fn follow_passing(&mut self, core: &mut Core, people: &HumanState, now: Time) {
+    pub(in crate::fleet) fn follow_passing(&mut self, writer: &mut Writer, people: &HumanState, now: Time) {
         let passing: Vec<(RobotId, RobotPassing)> = self.state.passing().collect();
         for (robot, mut passing) in passing {
-            let chain = core.ledger.chain(robot);
+            let chain = writer.ledger().chain(robot);
             if chain.first() >= passing.what.to || chain.granted() <= passing.what.to {
                 self.state.of_mut(robot).passing = None;
-                core.scene.set_passing(robot, false);
+                writer.scene.set_passing(robot, false);
                 continue;
             }
-            let has_room = has_room(core.floor(), people, (robot, passing), now);
+            let has_room = has_room(writer.floor(), people, (robot, passing), now);
             passing.stands_since = if has_room { None } else { passing.stands_since.or(Some(now)) };
             self.state.of_mut(robot).passing = Some(passing);
         }

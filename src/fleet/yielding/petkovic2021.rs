@@ -10,10 +10,10 @@
 use crate::aware::{BODY_M, Effects, HumanAwarePolicy};
 use crate::fleet::people::intents::goal_of;
 use crate::fleet::people::state::{HumanState, Led, WalkMode};
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::regions::KindConditions;
 use crate::fleet::state::worker::Reaction;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::joint::{commit_all, in_turn};
 use crate::fleet::traffic::state::Traffic;
 use crate::fleet::yielding::evade::TRIES;
@@ -44,36 +44,36 @@ impl Yielding {
     /// worker is to be led.
     pub(in crate::fleet) fn follow_procedure(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         traffic: &mut Traffic,
         now: Time,
     ) -> Option<(WorkerId, Led)> {
-        if core.settings.policy == HumanAwarePolicy::Giveway {
+        if writer.settings.policy == HumanAwarePolicy::Giveway {
             return None;
         }
-        if let Some(led) = self.lets_go_on(core.floor(), people, now) {
+        if let Some(led) = self.lets_go_on(writer.floor(), people, now) {
             return Some(led);
         }
         for worker in people.people.ids() {
-            if self.calls_for_procedure(core.floor(), people, worker, now) {
+            if self.calls_for_procedure(writer.floor(), people, worker, now) {
                 self.procedure.queue.insert(worker);
             }
         }
         if self.procedure.running.is_none()
             && let Some(worker) = self.procedure.queue.pop_first()
         {
-            self.interrupt_all(core, worker, now);
+            self.interrupt_all(writer, worker, now);
         }
         let (worker, since) = self.procedure.running?;
-        let all_stand = core.ledger.present().all(|r| self.is_at_rest(core.floor(), r));
+        let all_stand = writer.ledger().present().all(|r| self.is_at_rest(writer.floor(), r));
         if !all_stand && now - since <= REST {
             return None;
         }
         self.procedure.running = None;
-        self.procedure.again = core.ledger.present().collect();
+        self.procedure.again = writer.ledger().present().collect();
         self.procedure.ended = Some(now);
-        Some((worker, self.plan_for(core, people, traffic, worker, now)?))
+        Some((worker, self.plan_for(writer, people, traffic, worker, now)?))
     }
 
     /// A worker who was told to stop, and who has a way by now, so that no robot need be interrupted: no robot is on
@@ -135,13 +135,13 @@ impl Yielding {
         }
     }
 
-    fn interrupt_all(&mut self, core: &mut Core, worker: WorkerId, now: Time) {
+    fn interrupt_all(&mut self, writer: &mut Writer, worker: WorkerId, now: Time) {
         self.procedure.running = Some((worker, now));
-        for robot in core.ledger.present().collect::<Vec<_>>() {
-            let drives = core.scene.robot(robot).is_some_and(|t| t.speed_mps > 0.05);
-            let chain = core.ledger.chain(robot);
+        for robot in writer.ledger().present().collect::<Vec<_>>() {
+            let drives = writer.scene.robot(robot).is_some_and(|t| t.speed_mps > 0.05);
+            let chain = writer.ledger().chain(robot);
             if drives || chain.granted() < chain.end() {
-                self.gives_way(core, robot, worker, Reaction::Stopped, now);
+                self.gives_way(writer, robot, worker, Reaction::Stopped, now);
             }
         }
     }
@@ -149,30 +149,30 @@ impl Yielding {
     /// A path for the worker, once all robots stand.
     fn plan_for(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         traffic: &mut Traffic,
         worker: WorkerId,
         now: Time,
     ) -> Option<Led> {
         let place = people.whereabouts(worker, now)?;
-        let segment = predicted_segment(core.floor(), people, worker, place.at, now);
+        let segment = predicted_segment(writer.floor(), people, worker, place.at, now);
         let end = segment.last().copied()?;
-        let in_the_way = core.floor().robots_on(&segment);
+        let in_the_way = writer.floor().robots_on(&segment);
         if in_the_way.is_empty() {
             return Some(Led::AsExpected(segment));
         }
-        if let Some(path) = core.floor().way_between_robots(people, place.at, end) {
+        if let Some(path) = writer.floor().way_between_robots(people, place.at, end) {
             return Some(Led::Redirected(path));
         }
-        let mut conditions = core.restrictions.conditions.clone();
+        let mut conditions = writer.restrictions.conditions.clone();
         conditions.withdraw(Cause::Worker(worker));
         let way = Hypothesis { probability: 1.0, path: segment.clone(), stay: None };
-        for (conditions, regions) in conditions.with_regions(&core.regions) {
-            let effects = Effects { warehouse: core.warehouse(), regions, afoot: &people.afoot, now };
+        for (conditions, regions) in conditions.with_regions(&writer.regions) {
+            let effects = Effects { warehouse: writer.warehouse(), regions, afoot: &people.afoot, now };
             effects.plan(conditions, worker, &way, Band::ANY);
         }
-        if self.all_leave(core, traffic, conditions, worker, &in_the_way, now) {
+        if self.all_leave(writer, traffic, conditions, worker, &in_the_way, now) {
             return Some(Led::AsExpected(segment));
         }
         self.procedure.stopped.insert(worker, segment);
@@ -183,35 +183,40 @@ impl Yielding {
     /// `conditions` has the path as what the worker will walk.
     fn all_leave(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         traffic: &mut Traffic,
         conditions: KindConditions,
         worker: WorkerId,
         robots: &[RobotId],
         now: Time,
     ) -> bool {
-        let before = std::mem::replace(&mut core.restrictions.conditions, conditions);
-        let routes = evasions(core.floor(), traffic, worker, robots, now);
-        core.restrictions.conditions = before;
+        let before = std::mem::replace(&mut writer.restrictions.conditions, conditions);
+        let routes = evasions(writer.floor(), traffic, worker, robots, now);
+        writer.restrictions.conditions = before;
         let Some(routes) = routes else { return false };
-        commit_all(core, routes);
+        commit_all(writer, routes);
         for robot in robots {
             // It has just been planned; whatever else is earlier may lead back onto the path.
             self.procedure.again.remove(robot);
             traffic.tally.replans += 1;
-            self.gives_way(core, *robot, worker, Reaction::Rerouted, now);
+            self.gives_way(writer, *robot, worker, Reaction::Rerouted, now);
         }
         true
     }
 
     /// Plans interrupted robots anew, a few in each step; a robot that finds nothing better goes on as before.
-    pub(in crate::fleet) fn plan_interrupted(&mut self, core: &mut Core, traffic: &mut Traffic, now: Time) {
+    pub(in crate::fleet) fn plan_interrupted(
+        &mut self,
+        writer: &mut Writer,
+        traffic: &mut Traffic,
+        now: Time,
+    ) {
         if self.procedure.ended == Some(now) {
             return;
         }
         while !traffic.effort.is_spent() {
             let Some(robot) = self.procedure.again.pop_first() else { return };
-            traffic.plan_again(core, robot, self.state.of(robot).waited(now), now);
+            traffic.plan_again(writer, robot, self.state.of(robot).waited(now), now);
         }
     }
 }

@@ -7,10 +7,10 @@ use crate::aware::{
     BEYOND, Drive, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within, quantised,
 };
 use crate::fleet::people::state::{HumanState, STROLL_MPS, WalkMode};
-use crate::fleet::state::core::Core;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Command;
 use crate::fleet::state::worker::Reaction;
+use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::{RobotYielding, STANDS, Standing, YieldingState};
 use crate::fleet::traffic::state::{Direction, Traffic};
 use crate::fleet::yielding::state::Yielding;
@@ -61,21 +61,22 @@ impl Yielding {
     /// Tells every robot how fast it may be near people, where it does not know yet. This leaves at once.
     pub(in crate::fleet) fn limit_robots(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         traffic: &Traffic,
         now: Time,
     ) {
         let present = people.places(now);
-        for robot in core.ledger.present().collect::<Vec<_>>() {
-            let Some(seen) = core.scene.robot(robot).copied() else { continue };
-            let (limit, because) = self.limits(core.floor(), people, traffic).limit_for(robot, &present, now);
-            let limit = if core.visits.at_hands(robot).is_some() { Some(0.0) } else { limit };
+        for robot in writer.ledger().present().collect::<Vec<_>>() {
+            let Some(seen) = writer.scene.robot(robot).copied() else { continue };
+            let (limit, because) =
+                self.limits(writer.floor(), people, traffic).limit_for(robot, &present, now);
+            let limit = if writer.visits.at_hands(robot).is_some() { Some(0.0) } else { limit };
             if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > STANDS_MPS) {
-                self.gives_way(core, robot, worker, Reaction::Stopped, now);
+                self.gives_way(writer, robot, worker, Reaction::Stopped, now);
             }
             assert!(limit.is_none_or(|mps| mps >= 0.0), "{robot:?} is told to drive at {limit:?} m/s");
-            let node = core.ledger.node_of(robot);
+            let node = writer.ledger().node_of(robot);
             let is_revoked = traffic.is_revoked(robot);
             self.state.of_mut(robot).note_standing(node, limit, because, is_revoked, now);
             let told = self.state.of(robot).limit_told;
@@ -86,14 +87,14 @@ impl Yielding {
                 continue;
             }
             self.state.of_mut(robot).limit_told = Some((limit, now));
-            core.out.urgent.push((robot, Command::Limit(limit)));
+            writer.tell_at_once(robot, Command::Limit(limit));
         }
     }
 
     /// Revokes what robots were granted beyond where they stand that have yielded to a person for long.
     pub(in crate::fleet) fn revoke_grants(
         &mut self,
-        core: &mut Core,
+        writer: &mut Writer,
         people: &HumanState,
         traffic: &mut Traffic,
         now: Time,
@@ -102,13 +103,13 @@ impl Yielding {
             let stood_for = self.state.stood_for(robot, now);
             // One that passes somebody is beside the line, and goes on from there.
             let passes = self.state.of(robot).passing.is_some();
-            let stood_for = stood_for.filter(|w| !passes && !core.restrictions.let_pass.contains(w));
+            let stood_for = stood_for.filter(|w| !passes && !writer.restrictions.let_pass.contains(w));
             let Some(w) = stood_for.and_then(|w| people.whereabouts(w, now)) else {
                 continue;
             };
-            let at = core.floor().place_of(robot);
-            if !self.limits(core.floor(), people, traffic).drives_away(robot, at, &w, now) {
-                traffic.revoke_grant(core, robot, now);
+            let at = writer.floor().place_of(robot);
+            if !self.limits(writer.floor(), people, traffic).drives_away(robot, at, &w, now) {
+                traffic.revoke_grant(writer, robot, now);
             }
         }
         traffic.forget_revoked(now);

@@ -244,8 +244,8 @@ impl TinyWorld {
     }
 
     fn robot_key(&self, r: &StepRobot, key: &mut String) {
-        let Fleet { core, traffic, yielding, .. } = &self.fleet;
-        let (chain, record) = (core.ledger.chain(r.id), &core.ledger.robots[r.id]);
+        let Fleet { writer, traffic, yielding, .. } = &self.fleet;
+        let (chain, record) = (writer.ledger().chain(r.id), &writer.ledger().robots[r.id]);
         _ = write!(key, "{:?}{:?}{:?}", r.node, r.lane, r.path.iter().map(|p| p.node).collect::<Vec<_>>());
         _ = write!(key, "{:?}{:?}{:?}{}", r.acting.map(|a| a.1), r.rack, r.limit_mps, r.has_forgotten);
         _ = write!(key, "{:?}{}", r.acted == Some(r.reached), record.interrupted);

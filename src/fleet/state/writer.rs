@@ -1,0 +1,189 @@
+//! What the rooms of a fleet share, for those parts of a step that change it: what was promised, what is seen, what
+//! restricts robots now, and what the step gives out.
+//!
+//! Main type: [`Writer`]. What was promised changes by facts alone, and what leaves is only ever added to. Questions take
+//! a [`Floor`], through which nothing can be changed. Refuses: to keep anything that belongs to one room.
+
+use crate::cell::arm::ArmOrder;
+use crate::fleet::state::activity::Activities;
+use crate::fleet::state::arms::Arms;
+use crate::fleet::state::at_hand::AtHand;
+use crate::fleet::state::fact::{Fact, JobFact, Task};
+use crate::fleet::state::floor::Floor;
+use crate::fleet::state::io::{CausedFacts, CellWarning, Command, Step};
+use crate::fleet::state::job::JobState;
+use crate::fleet::state::ledger::Ledger;
+use crate::fleet::state::regions::KindRegions;
+use crate::fleet::state::request::{Answered, Reply, Token};
+use crate::fleet::state::restrictions::Restrictions;
+use crate::fleet::state::scene::Scene;
+use crate::fleet::state::settings::Settings;
+use crate::fleet::state::storage::Storage;
+use crate::fleet::state::visits::Visits;
+use crate::fleet::state::wait_graph::WaitGraph;
+use crate::fleet::state::worker::Guidance;
+use crate::id::{ClosureId, JobId, RobotId, WorkerId};
+use crate::route::Conditions;
+use crate::time::Time;
+use crate::warehouse::Warehouse;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// What the rooms of a fleet share, with the right to change it.
+#[derive(Clone, Debug)]
+pub(in crate::fleet) struct Writer {
+    /// The settings.
+    pub settings: Settings,
+    /// What was promised.
+    ledger: Ledger,
+    /// What is seen.
+    pub scene: Scene,
+    /// What people, closed areas and displaced robots mean for robots, in this step.
+    pub restrictions: Restrictions,
+    /// What robots and workers wait for, as of the end of the last step.
+    pub waits: WaitGraph,
+    /// What robots are at, as of the end of the last step.
+    pub activities: Activities,
+    /// How near robots of each kind come to people, and how fast.
+    pub regions: KindRegions,
+    /// What the map says about storage.
+    pub storage: Storage,
+    /// What is kept in mind about visits at work cells.
+    pub visits: Visits,
+    /// The robot arms at work cells.
+    pub arms: Arms,
+    /// What the step gives out so far.
+    out: Step,
+    /// The robot that is being dealt with: named where a contradiction ends the step.
+    pub at_hand: AtHand,
+}
+
+impl Writer {
+    /// What a ledger says, with nothing seen yet.
+    pub fn new(ledger: Ledger, settings: Settings) -> Writer {
+        let warehouse = ledger.warehouse();
+        let regions = KindRegions::new(warehouse, &settings);
+        Writer {
+            restrictions: Restrictions::none(warehouse, &regions),
+            waits: WaitGraph::default(),
+            activities: Activities::default(),
+            regions,
+            storage: Storage::new(warehouse),
+            scene: Scene::default(),
+            visits: Visits::new(settings.flow.counts_lines()),
+            arms: Arms::new(warehouse),
+            out: Step::default(),
+            at_hand: AtHand::default(),
+            ledger,
+            settings,
+        }
+    }
+
+    /// The floor as it is now, for questions.
+    pub fn floor(&self) -> Floor<'_> {
+        let Writer {
+            settings,
+            ledger,
+            scene,
+            restrictions,
+            waits,
+            regions,
+            storage,
+            visits,
+            arms,
+            at_hand,
+            ..
+        } = self;
+        Floor { ledger, scene, settings, restrictions, waits, regions, storage, visits, arms, at_hand }
+    }
+
+    /// What was promised.
+    pub fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    /// The queue of waiting jobs goes by this time from now on.
+    pub fn advance_queue(&mut self, now: Time) {
+        self.ledger.advance_queue(now);
+    }
+
+    /// What was promised, and what is kept in mind about visits, which may change meanwhile.
+    pub fn ledger_and_visits(&mut self) -> (&Ledger, &mut Visits) {
+        (&self.ledger, &mut self.visits)
+    }
+
+    /// Forgets what bound robots in the step before, but for announced closures: those begin and end. Which of them
+    /// have been over for long.
+    pub fn renew_restrictions(&mut self, now: Time) -> Vec<ClosureId> {
+        let Restrictions { conditions, areas, .. } = &mut self.restrictions;
+        conditions.all_mut().for_each(Conditions::clear);
+        let (closures, changes) = (&self.ledger.closures, self.ledger.index().closure_changes());
+        areas.update(closures, changes, conditions, self.ledger.warehouse(), now);
+        areas.forgotten(closures, now)
+    }
+
+    /// The building.
+    pub fn warehouse(&self) -> &Arc<Warehouse> {
+        self.ledger.warehouse()
+    }
+
+    /// Takes a fact into the ledger and into the step's result.
+    pub fn record(&mut self, fact: impl Into<Fact>) {
+        let fact = fact.into();
+        if let Some(robot) = fact.robot() {
+            self.at_hand.note(robot);
+        }
+        self.visits.note(&self.ledger, &fact);
+        self.ledger.evolve(&fact);
+        self.out.facts.push(fact);
+    }
+
+    /// What happened in this step so far, in order.
+    pub fn facts(&self) -> &[Fact] {
+        &self.out.facts
+    }
+
+    /// Gives an order to a robot. It leaves once the facts are durable.
+    pub fn send(&mut self, robot: RobotId, command: Command) {
+        self.out.commands.push((robot, command));
+    }
+
+    /// Gives an order to a robot that takes no hold from any. It leaves at once.
+    pub fn tell_at_once(&mut self, robot: RobotId, command: Command) {
+        self.out.urgent.push((robot, command));
+    }
+
+    /// Answers a request, and notes which facts it caused itself. The answer leaves once they are durable.
+    pub fn answer(&mut self, token: Token, answer: Answered, caused: Range<usize>) {
+        assert!(caused.end <= self.out.facts.len(), "a request caused facts that are there");
+        self.out.replies.push(Reply { token, answer });
+        if !caused.is_empty() {
+            self.out.caused.push(CausedFacts { token, facts: caused });
+        }
+    }
+
+    /// Tells workers something. It leaves at once.
+    pub fn guide(&mut self, guidance: Vec<(WorkerId, Guidance)>) {
+        self.out.guidance.extend(guidance);
+    }
+
+    /// Warns a person at a work cell. It leaves at once.
+    pub fn warn(&mut self, warning: CellWarning) {
+        self.out.warnings.push(warning);
+    }
+
+    /// Gives robot arms trajectories. They leave at once.
+    pub fn move_arm(&mut self, order: impl IntoIterator<Item = ArmOrder>) {
+        self.out.arms.extend(order);
+    }
+
+    /// The step ends: what it gives out.
+    pub fn take_step(&mut self) -> Step {
+        std::mem::take(&mut self.out)
+    }
+
+    /// A job comes to another state, and its robot to another task with it.
+    pub fn progress(&mut self, job: JobId, state: JobState, tasked: Option<(RobotId, Task)>, now: Time) {
+        self.record(JobFact::Progressed { job, state, tasked, at: now });
+    }
+}
