@@ -16,7 +16,6 @@ use crate::text::{Sentence, SentenceArgs};
 use crate::time::Time;
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::borrow::Cow;
 use std::sync::{Mutex, MutexGuard};
 use tokio::sync::Notify;
 use utoipa::ToSchema;
@@ -210,7 +209,7 @@ pub struct AlarmMemberDto {
     pub text: String,
     /// Which sentence `text` is; null for alarms of versions that had no codes.
     #[schema(value_type = Option<String>, example = "robot_silent")]
-    pub code: Option<Cow<'static, str>>,
+    pub code: Option<&'static str>,
     /// What stands in its places.
     pub args: SentenceArgs,
     /// Where on the map, metres; null if it is in no one place.
@@ -266,7 +265,7 @@ pub struct AlarmDto {
     pub text: String,
     /// Which sentence `text` is; null for alarms of versions that had no codes.
     #[schema(value_type = Option<String>, example = "robot_silent")]
-    pub code: Option<Cow<'static, str>>,
+    pub code: Option<&'static str>,
     /// What stands in its places.
     pub args: SentenceArgs,
     /// What to do.
@@ -366,7 +365,7 @@ pub struct AlarmRowDto {
     pub text: String,
     /// Which sentence `text` is; null for alarms of versions that had no codes.
     #[schema(value_type = Option<String>, example = "robot_silent")]
-    pub code: Option<Cow<'static, str>>,
+    pub code: Option<&'static str>,
     /// What stands in its places.
     pub args: SentenceArgs,
     /// What to do.

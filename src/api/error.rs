@@ -9,7 +9,6 @@ use crate::text::{Sentence, SentenceArg, SentenceArgs};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
-use std::borrow::Cow;
 use utoipa::ToSchema;
 
 /// An error as `application/problem+json` (RFC 9457).
@@ -17,17 +16,19 @@ use utoipa::ToSchema;
 pub struct Problem {
     /// A name for this kind of error that never changes, such as `/problems/unknown-rack`.
     #[serde(rename = "type")]
-    pub kind: String,
+    #[schema(value_type = String)]
+    pub kind: Box<str>,
     /// The kind of error in words.
     pub title: &'static str,
     /// The HTTP status.
     #[schema(example = 422, minimum = 400, maximum = 599)]
     pub status: u16,
     /// What happened here, and what to do, in English.
-    pub detail: String,
+    #[schema(value_type = String)]
+    pub detail: Box<str>,
     /// Which sentence `detail` is.
     #[schema(value_type = String, example = "no_such_thing")]
-    pub code: Option<Cow<'static, str>>,
+    pub code: Option<&'static str>,
     /// What stands in its places.
     pub args: SentenceArgs,
     /// The path of the request.
@@ -35,11 +36,12 @@ pub struct Problem {
     #[schema(value_type = Option<String>, nullable = false)]
     pub instance: Option<Box<str>>,
     /// The fields that are wrong; left out if no field is.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub errors: Vec<FieldError>,
+    #[serde(skip_serializing_if = "is_none")]
+    #[schema(value_type = Vec<FieldError>)]
+    pub errors: Box<[FieldError]>,
     /// Seconds after which a retry makes sense.
     #[serde(skip)]
-    pub retry_after: Option<u32>,
+    pub retry_after: Option<u16>,
     /// By which door a wrong secret came, if that is the problem: whoever answers slows such answers down.
     #[serde(skip)]
     pub wrong_secret: Option<SecretDoor>,
@@ -54,9 +56,13 @@ pub struct FieldError {
     pub detail: String,
     /// Which sentence `detail` is.
     #[schema(value_type = String, example = "priority_out_of_range")]
-    pub code: Option<Cow<'static, str>>,
+    pub code: Option<&'static str>,
     /// What stands in its places.
     pub args: SentenceArgs,
+}
+
+fn is_none(errors: &[FieldError]) -> bool {
+    errors.is_empty()
 }
 
 impl FieldError {
@@ -68,7 +74,7 @@ impl FieldError {
 
     /// What is wrong.
     pub fn sentence(&self) -> Sentence {
-        Sentence::from_parts(self.code.clone(), self.args.clone(), self.detail.clone())
+        Sentence::from_parts(self.code, self.args.clone(), self.detail.clone())
     }
 
     /// What is wrong with the `name` of a machine: it has 1 to `longest` letters, digits, `-`, `_` and `.`.
@@ -84,14 +90,14 @@ impl Problem {
     pub fn new(status: StatusCode, kind: &str, title: &'static str, detail: Sentence) -> Problem {
         let (code, args, detail) = detail.into_parts();
         Problem {
-            kind: format!("/problems/{kind}"),
+            kind: format!("/problems/{kind}").into(),
             title,
             status: status.as_u16(),
-            detail,
+            detail: detail.into(),
             code,
             args,
             instance: None,
-            errors: Vec::new(),
+            errors: Box::default(),
             retry_after: None,
             wrong_secret: None,
         }
@@ -99,7 +105,7 @@ impl Problem {
 
     /// What happened.
     pub fn sentence(&self) -> Sentence {
-        Sentence::from_parts(self.code.clone(), self.args.clone(), self.detail.clone())
+        Sentence::from_parts(self.code, self.args.clone(), self.detail.clone().into())
     }
 
     /// 400: the request cannot be read; `detail` is for developers.
@@ -130,7 +136,7 @@ impl Problem {
             errors.iter().map(|e| requests::field_is_wrong(&e.field, e.sentence())).collect();
         let detail = requests::fields_are_wrong(detail);
         let status = StatusCode::UNPROCESSABLE_ENTITY;
-        Problem { errors, ..Problem::new(status, "invalid", "Some fields are wrong", detail) }
+        Problem { errors: errors.into(), ..Problem::new(status, "invalid", "Some fields are wrong", detail) }
     }
 
     /// 400: order lines that nobody can pick.
@@ -151,12 +157,12 @@ impl Problem {
     }
 
     /// 429: there are as many as the server takes, for a while.
-    pub fn too_many(detail: Sentence, retry_after: u32) -> Problem {
+    pub fn too_many(detail: Sentence, retry_after: u16) -> Problem {
         Problem { retry_after: Some(retry_after), ..Problem::no_room(detail) }
     }
 
     /// 503: not now.
-    pub fn unavailable(detail: Sentence, retry_after: u32) -> Problem {
+    pub fn unavailable(detail: Sentence, retry_after: u16) -> Problem {
         let status = StatusCode::SERVICE_UNAVAILABLE;
         let problem = Problem::new(status, "unavailable", "The server cannot do this now", detail);
         Problem { retry_after: Some(retry_after), ..problem }

@@ -12,7 +12,6 @@ use crate::geometry::{Point, Spot};
 use crate::id::{AssignmentId, ClosureId, Dense, JobId, RobotId, StationId};
 use crate::text::SentenceArgs;
 use serde::Serialize;
-use std::borrow::Cow;
 use utoipa::ToSchema;
 
 /// A node within this of a place is at it, metres.
@@ -59,7 +58,7 @@ pub struct EventDto {
     /// Which sentence `text` is, of an alarm; absent from others, and where a version that had no codes wrote it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, nullable = false, example = "robot_silent")]
-    pub code: Option<Cow<'static, str>>,
+    pub code: Option<&'static str>,
     /// What stands in its places; absent where `code` is.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]

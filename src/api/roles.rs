@@ -287,6 +287,6 @@ mod tests {
         let caller = Caller { name: "anna".into(), role: Role::Viewer, ..Caller::anonymous() };
         let problem = check_role(&caller, "POST", "/v1/fleet/stop", "/v1/fleet/stop").unwrap_err();
         let detail = "\"anna\" has the role viewer, and this needs the role operator or admin";
-        assert_eq!((problem.status, problem.detail.as_str()), (403, detail));
+        assert_eq!((problem.status, &*problem.detail), (403, detail));
     }
 }

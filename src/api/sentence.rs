@@ -4,13 +4,12 @@
 //! sentences.
 
 use crate::text::{Sentence, SentenceArgs};
-use std::borrow::Cow;
 use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
 use utoipa::openapi::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Ref, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
 /// Code, arguments and text, of a sentence that has these three.
-pub type SentenceParts = (Option<Cow<'static, str>>, Option<SentenceArgs>, Option<String>);
+pub type SentenceParts = (Option<&'static str>, Option<SentenceArgs>, Option<String>);
 
 /// The parts of a sentence as a database keeps it. One without a code has no arguments.
 pub fn kept_parts(kept: Option<String>) -> SentenceParts {

@@ -20,13 +20,13 @@ use tokio::time::sleep;
 use tower::ServiceExt;
 
 /// Seconds after which a new try makes sense while the journal loads.
-const AGAIN_S: u32 = 1;
+const AGAIN_S: u16 = 1;
 
 /// Seconds after which a new try makes sense where there is no room on the disk.
-const ROOM_S: u32 = 10;
+const ROOM_S: u16 = 10;
 
 /// Seconds after which a new try makes sense where a person has to act first.
-const MENDED_S: u32 = 60;
+const MENDED_S: u16 = 60;
 
 /// How long requests that are inside may take when the map is changed, and how often it is looked.
 const LEAVE: Duration = Duration::from_secs(3);
@@ -126,7 +126,7 @@ async fn enter(State(entrance): State<Entrance>, request: Request) -> Response {
     lives.oneshot(request).await.into_response()
 }
 
-fn problem(kind: &str, title: &'static str, detail: Sentence, again_s: u32) -> Problem {
+fn problem(kind: &str, title: &'static str, detail: Sentence, again_s: u16) -> Problem {
     let problem = Problem::new(StatusCode::SERVICE_UNAVAILABLE, kind, title, detail);
     Problem { retry_after: Some(again_s), ..problem }
 }

@@ -159,7 +159,10 @@ async fn marks_that_do_not_fit_are_refused_with_what_to_do_and_good_ones_begin_a
     assert_eq!(aligned["provisional"], true, "two marks leave left and right open: {aligned}");
     let warning = headset.next("warning").await;
     assert_eq!(warning["code"], "one-line");
-    assert!(warning["text"]["text"].as_str().unwrap().contains("at least 1 m"), "it says what to do: {warning}");
+    assert!(
+        warning["text"]["text"].as_str().unwrap().contains("at least 1 m"),
+        "it says what to do: {warning}"
+    );
     headset.say(pose(1, headset.clock_ms())).await;
     assert_eq!(headset.next("warning").await["code"], "old-epoch");
     headset.say(json!({"type": "reset"})).await;

@@ -40,7 +40,10 @@ async fn a_pick_ends_when_the_station_says_so_and_not_by_the_clock() {
         assert_eq!(say(at, &station, end).await.status, 204);
         let path = format!("/v1/jobs/{id}");
         let ended = until("the job is over", at, &path, |j| j["state"] == state).await;
-        assert!(state == "done" || ended["why"]["text"].as_str().unwrap().contains("goods were missing"), "{ended}");
+        assert!(
+            state == "done" || ended["why"]["text"].as_str().unwrap().contains("goods were missing"),
+            "{ended}"
+        );
         until("the robot has left", at, "/v1/stations", |s| s["items"][0]["robot"] == Value::Null).await;
     }
     server.stop().await.unwrap();

@@ -119,7 +119,7 @@ fn fails_for(api: &Api, is_so: impl Fn(&Alarm) -> bool) -> Result<(), Problem> {
         return Ok(());
     }
     let said: Vec<_> = errors.iter().map(FieldError::sentence).collect();
-    Err(Problem { errors, ..Problem::unavailable(requests::alarms_say(said), 2) })
+    Err(Problem { errors: errors.into(), ..Problem::unavailable(requests::alarms_say(said), 2) })
 }
 
 /// Metrics for Prometheus, as OpenMetrics text.

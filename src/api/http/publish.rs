@@ -240,7 +240,7 @@ fn refused(why: &MapRefusal) -> Problem {
             let reasons: Vec<_> = errors.iter().map(FieldError::sentence).collect();
             let detail = requests::map_not_published(reasons);
             let problem = Problem::conflict("map-refused", "The map is not published", detail);
-            Problem { errors, ..problem }
+            Problem { errors: errors.into(), ..problem }
         }
     }
 }

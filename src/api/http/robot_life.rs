@@ -21,7 +21,6 @@ use crate::text::sentence::requests;
 use crate::time::Time;
 use axum::Json;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 use utoipa::{IntoParams, ToSchema};
 
 /// One robot with what lists leave out.
@@ -67,7 +66,7 @@ pub struct RobotEventDto {
     /// Which sentence `text` is, of an alarm; absent from others, and where a version that had no codes wrote it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, nullable = false, example = "robot_silent")]
-    pub code: Option<Cow<'static, str>>,
+    pub code: Option<&'static str>,
     /// What stands in its places; absent where `code` is.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]

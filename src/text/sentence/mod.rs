@@ -20,13 +20,12 @@ mod wire;
 pub use arg::SentenceArg;
 pub use wire::SentenceArgs;
 
-use std::borrow::Cow;
 use std::fmt;
 
 /// What is said to people: a code, what stands in its places, and the same in English.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Sentence {
-    code: Option<Cow<'static, str>>,
+    code: Option<&'static str>,
     args: SentenceArgs,
     text: String,
 }
@@ -35,7 +34,7 @@ impl Sentence {
     /// Called by the constructors alone: the English text is made from the same code and arguments.
     fn new(code: &'static str, args: Vec<(&'static str, SentenceArg)>, text: String) -> Sentence {
         let args = SentenceArgs(args.into_iter().map(|(name, arg)| (name.into(), arg)).collect());
-        Sentence { code: Some(code.into()), args, text }
+        Sentence { code: Some(code), args, text }
     }
 
     /// A text from before sentences had codes; it stays English.
@@ -44,8 +43,8 @@ impl Sentence {
     }
 
     /// Which sentence it is; nothing for texts from before sentences had codes.
-    pub fn code(&self) -> Option<&str> {
-        self.code.as_deref()
+    pub fn code(&self) -> Option<&'static str> {
+        self.code
     }
 
     /// In English.
@@ -54,12 +53,12 @@ impl Sentence {
     }
 
     /// Code, arguments and English text.
-    pub fn into_parts(self) -> (Option<Cow<'static, str>>, SentenceArgs, String) {
+    pub fn into_parts(self) -> (Option<&'static str>, SentenceArgs, String) {
         (self.code, self.args, self.text)
     }
 
     /// The sentence of these parts, which were one before.
-    pub(crate) fn from_parts(code: Option<Cow<'static, str>>, args: SentenceArgs, text: String) -> Sentence {
+    pub(crate) fn from_parts(code: Option<&'static str>, args: SentenceArgs, text: String) -> Sentence {
         Sentence { code, args, text }
     }
 

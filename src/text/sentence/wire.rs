@@ -5,7 +5,7 @@
 //! versions have such. Refuses: to make a text from a code that it read; the text is written beside it.
 
 use super::arg::ten_to;
-use super::{Sentence, SentenceArg};
+use super::{SENTENCES, Sentence, SentenceArg};
 use serde::de::{Deserializer, Error as _};
 use serde::ser::{SerializeMap, SerializeStruct, Serializer};
 use serde::{Deserialize, Serialize};
@@ -14,7 +14,7 @@ use std::borrow::Cow;
 
 /// What stands in the places of a sentence, by their names.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct SentenceArgs(pub(super) Vec<(Cow<'static, str>, SentenceArg)>);
+pub struct SentenceArgs(pub(super) Box<[(Cow<'static, str>, SentenceArg)]>);
 
 impl SentenceArgs {
     /// Whether there are none.
@@ -26,7 +26,7 @@ impl SentenceArgs {
 impl Serialize for SentenceArgs {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for (name, arg) in &self.0 {
+        for (name, arg) in &*self.0 {
             map.serialize_entry(name, arg)?;
         }
         map.end()
@@ -66,11 +66,14 @@ fn read(value: &Value) -> Option<Sentence> {
     if let Value::String(text) = value {
         return Some(Sentence::without_code(text));
     }
-    let text = value.get("text")?.as_str()?.to_owned();
-    let code = value.get("code").and_then(Value::as_str).map(|code| code.to_owned().into());
+    let text = value.get("text")?.as_str()?;
+    let code = value.get("code").and_then(Value::as_str);
+    // A newer version may know others.
+    let known = |code| SENTENCES.into_iter().flatten().find(|entry| entry.code == code);
+    let Some(entry) = code.and_then(known) else { return Some(Sentence::without_code(text)) };
     let args = value.get("args").and_then(Value::as_object).into_iter().flatten();
     let args = args.filter_map(|(name, arg)| Some((name.clone().into(), read_arg(arg)?))).collect();
-    Some(Sentence { code, args: SentenceArgs(args), text })
+    Some(Sentence { code: Some(entry.code), args: SentenceArgs(args), text: text.to_owned() })
 }
 
 fn read_arg(value: &Value) -> Option<SentenceArg> {
