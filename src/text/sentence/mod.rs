@@ -58,7 +58,7 @@ impl Sentence {
     }
 
     /// The sentence of these parts, which were one before.
-    pub(crate) fn from_parts(code: Option<&'static str>, args: SentenceArgs, text: String) -> Sentence {
+    pub fn from_parts(code: Option<&'static str>, args: SentenceArgs, text: String) -> Sentence {
         Sentence { code, args, text }
     }
 
