@@ -24,7 +24,8 @@
 //! # The code, in reading order
 //!
 //! - [`time`], [`id`], [`text`], [`geometry`]: integer microseconds and half-open windows; one newtype per kind of
-//!   thing; names and tables as people write them; metres and radians in the map's frame.
+//!   thing; names and tables as people write them, and every sentence for people, with a code of its own
+//!   (`text/sentence/mod.rs`); metres and radians in the map's frame.
 //! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them get in each other's way; checks that
 //!   refuse a map on which robots could get stuck; formats.
 //! - [`timeline`]: which robot holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof

@@ -9,6 +9,8 @@ use super::kind::AlarmKind;
 use crate::cell::arm::{ArmActivity, ArmTrouble};
 use crate::fleet::{Fleet, View};
 use crate::id::{Dense, StationId};
+use crate::text::Sentence;
+use crate::text::sentence::alarms;
 
 /// Arms that are in trouble now.
 pub(super) fn conditions(fleet: &Fleet, view: &View) -> Vec<AlarmCondition> {
@@ -16,19 +18,9 @@ pub(super) fn conditions(fleet: &Fleet, view: &View) -> Vec<AlarmCondition> {
     let condition = |(i, station): (usize, &crate::fleet::StationView)| {
         let arm = station.arm.as_ref()?;
         let place = &map.stations[StationId::at(i)];
-        let text = match wrong_with(arm.activity) {
-            Some(said) => {
-                format!(
-                    "the robot arm at {} {said}: it gets no trajectory, the picker has its lines.",
-                    place.name
-                )
-            }
-            None if arm.is_stuck_inside => {
-                format!(
-                    "the robot arm at {} has not moved in the opening for a minute: no rack comes or leaves.",
-                    place.name
-                )
-            }
+        let text = match wrong_with(arm.activity, &place.name) {
+            Some(said) => said,
+            None if arm.is_stuck_inside => alarms::arm_stuck(&place.name),
             None => return None,
         };
         let subject = AlarmSubject::new(SubjectKind::Station, place.name.clone());
@@ -39,14 +31,17 @@ pub(super) fn conditions(fleet: &Fleet, view: &View) -> Vec<AlarmCondition> {
 }
 
 /// Why an arm gets no trajectory, in words; nothing of one whose own stop holds it.
-fn wrong_with(activity: ArmActivity) -> Option<&'static str> {
-    let ArmActivity::Trouble(why) = activity else { return None };
+fn wrong_with(activity: ArmActivity, station: &str) -> Option<Sentence> {
+    let why = match activity {
+        ArmActivity::Trouble(why) => why,
+        ArmActivity::Off | ArmActivity::Idle | ArmActivity::Moving => return None,
+    };
     match why {
         ArmTrouble::Stopped => None,
-        ArmTrouble::Silent => Some("is silent"),
-        ArmTrouble::Late => Some("sends its reports too late"),
-        ArmTrouble::Joints => Some("reports joints that it cannot have"),
-        ArmTrouble::Jump => Some("reports joints that it cannot have come to"),
+        ArmTrouble::Silent => Some(alarms::arm_silent(station)),
+        ArmTrouble::Late => Some(alarms::arm_late(station)),
+        ArmTrouble::Joints => Some(alarms::arm_joints(station)),
+        ArmTrouble::Jump => Some(alarms::arm_jump(station)),
     }
 }
 
@@ -65,7 +60,7 @@ mod tests {
         view.stations[0].arm = Some(ArmView { activity, line: None, is_stuck_inside });
         let found = conditions(&fleet, &view);
         assert!(found.iter().all(|c| c.kind == AlarmKind::ArmTrouble));
-        found.into_iter().next().map(|c| c.text)
+        found.into_iter().next().map(|c| c.text.to_string())
     }
 
     #[test]

@@ -5,6 +5,8 @@
 
 use super::kind::{AlarmKind, AlarmSeverity};
 use crate::geometry::Spot;
+use crate::text::sentence::alarms;
+use crate::text::{Sentence, SentenceArg};
 use crate::time::Time;
 
 /// What sort of thing an alarm is about.
@@ -93,9 +95,9 @@ pub struct AlarmCondition {
     /// How bad it is.
     pub severity: AlarmSeverity,
     /// In words; how long it has lasted is not part of them.
-    pub text: String,
+    pub text: Sentence,
     /// What to do.
-    pub remedy: String,
+    pub remedy: Sentence,
     /// Where, if it is in one place.
     pub at: Option<Spot>,
     /// How many robots wait because of it.
@@ -106,22 +108,13 @@ pub struct AlarmCondition {
 
 impl AlarmCondition {
     /// One of this kind, with the severity and the remedy of its kind.
-    pub fn new(kind: AlarmKind, subject: AlarmSubject, text: impl Into<String>) -> AlarmCondition {
-        let (severity, remedy) = (kind.severity(), kind.remedy().to_owned());
-        AlarmCondition {
-            kind,
-            subject,
-            severity,
-            text: text.into(),
-            remedy,
-            at: None,
-            waiting: 0,
-            since: None,
-        }
+    pub fn new(kind: AlarmKind, subject: AlarmSubject, text: Sentence) -> AlarmCondition {
+        let (severity, remedy) = (kind.severity(), kind.remedy());
+        AlarmCondition { kind, subject, severity, text, remedy, at: None, waiting: 0, since: None }
     }
 
     /// One about the server.
-    pub fn of_server(kind: AlarmKind, text: impl Into<String>) -> AlarmCondition {
+    pub fn of_server(kind: AlarmKind, text: Sentence) -> AlarmCondition {
         AlarmCondition::new(kind, AlarmSubject::server(), text)
     }
 
@@ -157,11 +150,11 @@ impl AlarmKey {
     }
 }
 
-/// The first three of some names, and how many more there are.
-pub(super) fn some_of(names: &[String]) -> String {
-    let shown = names[..names.len().min(3)].join(", ");
+/// The first three of some names, or of other things, and how many more there are.
+pub(super) fn some_of<T: Clone + Into<SentenceArg>>(names: &[T]) -> SentenceArg {
+    let shown = names[..names.len().min(3)].to_vec();
     match names.len().saturating_sub(3) {
-        0 => shown,
-        more => format!("{shown} and {more} more"),
+        0 => shown.into(),
+        more => alarms::and_more(shown, more).into(),
     }
 }

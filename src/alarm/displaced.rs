@@ -6,62 +6,29 @@
 use crate::fleet::Displacement;
 use crate::geometry::Point;
 use crate::id::{NodeId, RackId, RobotId};
+use crate::text::sentence::reasons;
+use crate::text::{Sentence, SentenceArg};
 use crate::warehouse::Warehouse;
 
 /// A predicate: "stands at (4.1, 7.9), 0.6 m from the nearest node n-12: push …".
-pub fn words(map: &Warehouse, robot: impl Fn(RobotId) -> String, displacement: Displacement) -> String {
+pub fn words(map: &Warehouse, robot: impl Fn(RobotId) -> String, displacement: Displacement) -> Sentence {
     let node = |n: NodeId| map.nodes.get(n).map_or_else(|| format!("{n:?}"), |n| n.name.clone());
     let rack = |r: RackId| map.racks.get(r).map_or_else(|| format!("{r:?}"), |r| r.name.clone());
-    let elsewhere = "push or drive it onto a free node; it rejoins the fleet there by itself";
     match displacement {
         Displacement::OffNode { at, nearest, off_mm } => {
-            let (at, off_m) = (Point::from(at), off_mm as f64 / 1000.0);
-            let near = node(nearest);
-            format!(
-                "stands at ({:.1}, {:.1}), {off_m:.1} m from the nearest node {near}: {elsewhere}",
-                at.x, at.y
-            )
+            let (at, tenths) = (Point::from(at), |m| SentenceArg::rounded(m, 1));
+            reasons::off_node(tenths(at.x), tenths(at.y), tenths(off_mm as f64 / 1000.0), node(nearest))
         }
-        Displacement::KnowsWaypoints(n) => format!(
-            "stands on {}, which it does not hold, and still has its old route: clear that (switch it off \
-             and on); it rejoins the fleet there by itself",
-            node(n)
-        ),
-        Displacement::GrantedTo(n, other) => format!(
-            "stands on {}, to which {} may drive already: {elsewhere}, or where it is once {} has backed off",
-            node(n),
-            robot(other),
-            robot(other)
-        ),
-        Displacement::RackThere(n, k) => {
-            format!("stands with its rack on {}, where rack {} is stored: {elsewhere}", node(n), rack(k))
-        }
-        Displacement::NoWayOut(n) => {
-            format!("stands on {}, from which it has no lane to drive on: {elsewhere}", node(n))
-        }
-        Displacement::ByHand => {
-            "is driven by hand: leave it on a free node; once that ends, it rejoins the fleet by itself"
-                .to_owned()
-        }
-        Displacement::Load { carries: None, expected: Some(k) } => {
-            let k = rack(k);
-            format!(
-                "carries no rack, but rack {k} was on it: set rack {k} onto it, and it goes on by itself; or set the \
-                 rack down in storage and say where with POST /v1/racks/{k}/taken"
-            )
-        }
-        Displacement::Load { carries: Some(k), expected: None } => {
-            let k = rack(k);
-            format!(
-                "carries rack {k}, but had no rack on it: take rack {k} off it and back to its place; it goes on by \
-                 itself"
-            )
-        }
+        Displacement::KnowsWaypoints(n) => reasons::knows_old_route(node(n)),
+        Displacement::GrantedTo(n, other) => reasons::on_granted_node(node(n), robot(other)),
+        Displacement::RackThere(n, k) => reasons::on_stored_rack(node(n), rack(k)),
+        Displacement::NoWayOut(n) => reasons::no_way_out(node(n)),
+        Displacement::ByHand => reasons::displaced_by_hand(),
+        Displacement::Load { carries: None, expected: Some(k) } => reasons::rack_missing(rack(k)),
+        Displacement::Load { carries: Some(k), expected: None } => reasons::rack_unexpected(rack(k)),
         Displacement::Load { carries, expected } => {
-            let name =
-                |r: Option<RackId>| r.map_or_else(|| "no rack".into(), |r| format!("rack {}", rack(r)));
-            let (has, had) = (name(carries), name(expected));
-            format!("carries {has}, but {had} was on it: put {had} onto it instead; it goes on by itself")
+            let named = |r: Option<RackId>| r.map_or_else(reasons::no_rack, |r| reasons::rack_named(rack(r)));
+            reasons::other_rack(named(carries), named(expected))
         }
     }
 }
@@ -76,7 +43,7 @@ mod tests {
         let map = lab();
         let nearest = map.node_named("R118").expect("a node of the laboratory");
         let at = map.nodes[nearest].at;
-        let said = |d| words(&map, |r| format!("robot-{}", r.0 + 1), d);
+        let said = |d| words(&map, |r| format!("robot-{}", r.0 + 1), d).text().to_owned();
         let off = said(Displacement::OffNode { at: at.into(), nearest, off_mm: 600 });
         let place = format!(
             "stands at ({:.1}, {:.1}), 0.6 m from the nearest node R118: push or drive it",

@@ -10,6 +10,8 @@ use super::kind::AlarmKind;
 use super::roots::Roots;
 use crate::fleet::{Activity, Fleet, Party, RobotView, StationView, Task, View, Why};
 use crate::id::{Dense, RobotId, StationId};
+use crate::text::sentence::alarms;
+use crate::text::{Sentence, SentenceArg};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 
@@ -64,25 +66,17 @@ impl FlowWatch {
         if dry.is_empty() && standing.is_none() {
             return None;
         }
-        let mut said = Vec::new();
         let name = |s: &StationId| fleet.warehouse().stations[*s].name.clone();
         let names: Vec<String> = dry.iter().map(|(s, _)| name(s)).collect();
-        if !names.is_empty() {
-            said.push(format!(
-                "no rack is picked at {}, though robots stand outside with racks",
-                some_of(&names)
-            ));
-        }
-        if let Some((at_work, _)) = standing {
-            said.push(format!("{} of {at_work} robots at work wait", waiting.len()));
-        }
-        said.extend(most_behind(fleet, roots, &waiting).map(|first| format!("most wait behind {first}")));
+        let behind = most_behind(fleet, roots, &waiting).map(alarms::most_wait_behind);
+        let (stations, at_work) = ((!names.is_empty()).then(|| some_of(&names)), standing.map(|s| s.0));
+        let said = in_words(stations, (waiting.len(), at_work), behind)?;
         let since = dry.iter().map(|(_, since)| *since).chain(standing.map(|(_, since)| since)).min();
         let subject = match &names[..] {
             [one] => AlarmSubject::new(SubjectKind::Station, one.clone()),
             _ => AlarmSubject::floor(),
         };
-        let one = AlarmCondition::new(AlarmKind::Flow, subject, said.join("; ") + ".");
+        let one = AlarmCondition::new(AlarmKind::Flow, subject, said);
         Some(AlarmCondition { waiting: waiting.len(), since, ..one })
     }
 
@@ -124,6 +118,22 @@ impl FlowWatch {
         self.stands = (share >= least).then(|| self.stands.unwrap_or(view.now));
         let since = self.stands.filter(|since| view.now - *since > MOST.1)?;
         Some((at_work, since))
+    }
+}
+
+/// What does not flow: stations that idle, and how many of the robots at work wait.
+fn in_words(
+    stations: Option<SentenceArg>,
+    (waiting, at_work): (usize, Option<usize>),
+    behind: Option<Sentence>,
+) -> Option<Sentence> {
+    match (stations, at_work) {
+        (Some(stations), Some(robots)) => {
+            Some(alarms::stations_dry_and_robots_stand(stations, waiting, robots, behind))
+        }
+        (Some(stations), None) => Some(alarms::stations_dry(stations, behind)),
+        (None, Some(robots)) => Some(alarms::robots_stand(waiting, robots, behind)),
+        (None, None) => None,
     }
 }
 
@@ -210,7 +220,8 @@ mod tests {
             for _ in 0..seconds {
                 self.view.now += Span::from_secs(1);
                 let roots = Roots::default();
-                said = self.watch.look(&self.fleet, &self.view, &roots, |_| false).map(|c| c.text);
+                said =
+                    self.watch.look(&self.fleet, &self.view, &roots, |_| false).map(|c| c.text.to_string());
             }
             said
         }

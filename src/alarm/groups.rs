@@ -6,8 +6,9 @@
 
 use super::condition::{AlarmCondition, AlarmSubject, some_of};
 use super::kind::{AlarmKind, AlarmSeverity};
-use super::roots::robots_wait;
 use crate::geometry::{Point, Spot};
+use crate::text::sentence::alarms;
+use crate::text::{Sentence, SentenceArg};
 use crate::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,7 +25,7 @@ pub struct AlarmMember {
     /// With what something is wrong.
     pub subject: AlarmSubject,
     /// In words.
-    pub text: String,
+    pub text: Sentence,
     /// Where.
     pub at: Option<Spot>,
     /// Since when its cause has been there.
@@ -57,11 +58,65 @@ impl Gathering {
 fn group(kind: AlarmKind, members: &[&AlarmCondition], robots: usize) -> AlarmCondition {
     let names: Vec<String> = members.iter().map(|c| c.subject.id.clone()).collect();
     let waiting = members.iter().map(|c| c.waiting).sum();
-    let (what, wait) = (kind.of_many(), robots_wait(waiting).replace("for it", "for them"));
-    let text = format!("{} of {robots} robots {what}: {}{wait}.", members.len(), some_of(&names));
+    let text = of_many(kind, (members.len(), robots), some_of(&names), waiting);
     let all = AlarmCondition::new(kind, AlarmSubject::floor(), text).at_least(AlarmSeverity::Critical);
     let since = members.iter().filter_map(|c| c.since).min();
     AlarmCondition { waiting, since, at: middle(members.iter().filter_map(|c| c.at)), ..all }
+}
+
+/// What is said of so many of all robots that have trouble of this kind.
+fn of_many(kind: AlarmKind, (count, all): (usize, usize), names: SentenceArg, waiting: usize) -> Sentence {
+    let waiting = match waiting {
+        0 => None,
+        1 => Some(alarms::one_robot_waits_for_them()),
+        n => Some(alarms::robots_wait_for_them(n)),
+    };
+    use AlarmKind as K;
+    match kind {
+        K::RobotFailed => alarms::robots_failed(count, all, names, waiting),
+        K::EmergencyStop => alarms::robots_emergency_stop(count, all, names, waiting),
+        K::RobotSilent => alarms::robots_silent(count, all, names, waiting),
+        K::RobotDisplaced => alarms::robots_displaced(count, all, names, waiting),
+        K::RobotObstructed => alarms::robots_obstructed(count, all, names, waiting),
+        K::RobotUnplugged => alarms::robots_unplugged(count, all, names, waiting),
+        K::RobotLow => alarms::robots_low(count, all, names, waiting),
+        K::RobotBlocked => alarms::robots_find_no_route(count, all, names, waiting),
+        K::RobotStuck => alarms::robots_stuck(count, all, names, waiting),
+        K::BeyondGrant => alarms::robots_beyond_grant(count, all, names, waiting),
+        K::RobotReturned => alarms::robots_returned(count, all, names, waiting),
+        // These are about one robot each, or about none; no group of them is made.
+        K::RobotFenced
+        | K::WaitsInVain
+        | K::Standstill
+        | K::FloorStandstill
+        | K::NoDeliveries
+        | K::WorkerLost
+        | K::WorkerKept
+        | K::WorkerInClosedArea
+        | K::JobStuck
+        | K::DeadlineAtRisk
+        | K::DeadlineMissed
+        | K::StationStarved
+        | K::Flow
+        | K::ArmTrouble
+        | K::StepsLate
+        | K::PlanBacklog
+        | K::ForecastBad
+        | K::ClockOff
+        | K::Journal
+        | K::Halt
+        | K::Database
+        | K::LoopStuck
+        | K::Broken
+        | K::LedgerUnsound
+        | K::PastNotKept
+        | K::WebhookFailing
+        | K::SecretsGuessed
+        | K::RecordingEnded
+        | K::Stopped
+        | K::Paused
+        | K::Evacuation => alarms::robots_in_trouble(count, all, names, waiting),
+    }
 }
 
 /// The place that is nearest to the mean of all: a real one, unlike the mean.
@@ -82,7 +137,8 @@ mod tests {
     fn silent(robots: usize) -> Vec<AlarmCondition> {
         let one = |i: usize| {
             let subject = AlarmSubject::new(SubjectKind::Robot, format!("robot-{i}"));
-            AlarmCondition::new(AlarmKind::RobotSilent, subject, "it sends no reports.")
+            let text = alarms::robot_silent("it", SentenceArg::nothing());
+            AlarmCondition::new(AlarmKind::RobotSilent, subject, text)
                 .at(Spot { x_mm: i as i64 * 1000, y_mm: 0 })
         };
         (0..robots).map(one).collect()

@@ -9,6 +9,8 @@ use super::deliveries::Deliveries;
 use super::kind::AlarmKind;
 use crate::fleet::{Fleet, JobState, JobWhy, View};
 use crate::id::{Dense, JobId, StationId};
+use crate::text::Sentence;
+use crate::text::sentence::alarms;
 use crate::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -95,7 +97,7 @@ impl JobWatch {
 
     fn undelivered(&mut self, fleet: &Fleet, view: &View) -> Option<AlarmCondition> {
         let drought = self.deliveries.note(fleet, view);
-        let said = "jobs wait and robots can drive, but nothing is delivered.";
+        let said = alarms::no_deliveries();
         let one = AlarmCondition::new(AlarmKind::NoDeliveries, AlarmSubject::floor(), said);
         (drought > DELIVERS).then(|| AlarmCondition { since: Some(view.now - drought), ..one })
     }
@@ -122,15 +124,16 @@ impl JobWatch {
             .map(|(id, _)| *id)
             .collect();
         let impossible: Vec<JobId> = self.without_kind.iter().copied().collect();
-        let mut said = Vec::new();
-        if !without_reason.is_empty() {
-            said.push(format!("jobs wait, and nothing keeps them: {}", some_of(&named(&without_reason))));
-        }
-        if !impossible.is_empty() {
-            said.push(format!("no robot on this floor can do {}", some_of(&named(&impossible))));
-        }
         let first = without_reason.first().or(impossible.first())?;
-        Some(AlarmCondition::new(AlarmKind::JobStuck, subject(*first), said.join("; ") + "."))
+        let said = match (without_reason.is_empty(), impossible.is_empty()) {
+            (false, false) => {
+                let (in_vain, impossible) = (named(&without_reason), named(&impossible));
+                alarms::jobs_wait_in_vain_or_impossible(some_of(&in_vain), some_of(&impossible))
+            }
+            (_, true) => alarms::jobs_wait_in_vain(some_of(&named(&without_reason))),
+            (true, false) => alarms::jobs_impossible(some_of(&named(&impossible))),
+        };
+        Some(AlarmCondition::new(AlarmKind::JobStuck, subject(*first), said))
     }
 
     fn deadlines(&mut self, fleet: &Fleet, view: &View, some: &[JobId]) -> Vec<AlarmCondition> {
@@ -149,11 +152,11 @@ impl JobWatch {
                 at_risk.push(*id);
             }
         }
-        let one = |kind, ids: &[JobId], said: String| {
+        let one = |kind, ids: &[JobId], said: Sentence| {
             ids.first().map(|first| AlarmCondition::new(kind, subject(*first), said))
         };
-        let late = format!("past their deadline: {}.", some_of(&named(&missed)));
-        let soon = format!("will probably not be done by their deadline: {}.", some_of(&named(&at_risk)));
+        let late = alarms::deadline_missed(some_of(&named(&missed)));
+        let soon = alarms::deadline_at_risk(some_of(&named(&at_risk)));
         let late = one(AlarmKind::DeadlineMissed, &missed, late);
         late.into_iter().chain(one(AlarmKind::DeadlineAtRisk, &at_risk, soon)).collect()
     }
@@ -184,7 +187,7 @@ impl JobWatch {
         let long = self.starved.iter().filter(|(_, (since, _))| view.now - *since > STARVED);
         let condition = |(s, (since, id)): (&StationId, &(Time, JobId))| {
             let name = &map.stations[*s].name;
-            let said = format!("no rack is on its way to {name}, though j{} waits for it.", id.0);
+            let said = alarms::station_starved(name, format!("j{}", id.0));
             let subject = AlarmSubject::new(SubjectKind::Station, name.clone());
             let one = AlarmCondition::new(AlarmKind::StationStarved, subject, said);
             AlarmCondition { since: Some(*since), ..one }.at(map.nodes[map.stations[*s].node].at)
@@ -228,7 +231,7 @@ mod tests {
             view.free.clear();
             view.free.extend(free.then_some((BodyId(0), 1)));
             let some = watch.slice(&fleet);
-            watch.stuck(&fleet, &view, &some).map(|c| c.text)
+            watch.stuck(&fleet, &view, &some).map(|c| c.text.to_string())
         };
         let all: Vec<_> = (0..30).filter_map(|i| look(i * 5, true)).collect();
         assert_eq!(all, [""; 0], "none waits for long yet");

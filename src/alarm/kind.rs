@@ -2,6 +2,8 @@
 //!
 //! Main types: [`AlarmKind`], [`AlarmSeverity`], [`AlarmScope`]. Refuses: to look at the fleet.
 
+use crate::text::Sentence;
+use crate::text::sentence::remedies;
 use crate::time::Span;
 
 /// How bad it is.
@@ -49,7 +51,7 @@ pub enum AlarmScope {
 macro_rules! kinds {
     ($(
         $(#[$doc:meta])*
-        $name:ident: $word:literal, $severity:ident, $scope:ident, $raise:literal, $clear:literal;
+        $name:ident: $word:literal, $severity:ident, $scope:ident, $raise:literal, $clear:literal, $remedy:ident;
     )*) => {
         /// What an alarm is about.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -85,95 +87,100 @@ macro_rules! kinds {
             pub fn cleared_after(self) -> Span {
                 match self { $(AlarmKind::$name => Span::from_secs($clear),)* }
             }
+
+            /// What to do about it.
+            pub fn remedy(self) -> Sentence {
+                match self { $(AlarmKind::$name => remedies::$remedy(),)* }
+            }
         }
     };
 }
 
 kinds! {
     /// A robot says that it is broken, or was found to be.
-    RobotFailed: "robot_failed", Warning, Watch, 1, 3;
+    RobotFailed: "robot_failed", Warning, Watch, 1, 3, do_repair_robot;
     /// A robot's emergency stop is pressed.
-    EmergencyStop: "emergency_stop", Warning, Watch, 1, 2;
+    EmergencyStop: "emergency_stop", Warning, Watch, 1, 2, do_release_emergency_stop;
     /// A robot has not been heard of.
-    RobotSilent: "robot_silent", Warning, Watch, 4, 3;
+    RobotSilent: "robot_silent", Warning, Watch, 4, 3, do_check_radio;
     /// A robot stands where nothing is held for it, or does not carry what it should.
-    RobotDisplaced: "robot_displaced", Warning, Watch, 4, 3;
+    RobotDisplaced: "robot_displaced", Warning, Watch, 4, 3, do_bring_robot;
     /// Something that a robot cannot pass stands on its way.
-    RobotObstructed: "robot_obstructed", Warning, Watch, 20, 10;
+    RobotObstructed: "robot_obstructed", Warning, Watch, 20, 10, do_clear_way;
     /// A robot stands at a charger and gets no current.
-    RobotUnplugged: "robot_unplugged", Warning, Watch, 3, 5;
+    RobotUnplugged: "robot_unplugged", Warning, Watch, 3, 5, do_check_charger;
     /// A robot is low on charge, and no charger is free for it.
-    RobotLow: "robot_low", Warning, Watch, 60, 15;
+    RobotLow: "robot_low", Warning, Watch, 60, 15, do_free_charger;
     /// A robot finds no route, and nothing is known to be in its way.
-    RobotBlocked: "robot_blocked", Warning, Watch, 60, 10;
+    RobotBlocked: "robot_blocked", Warning, Watch, 60, 10, do_open_area_or_clear_goal;
     /// A robot has a task and does not get on.
-    RobotStuck: "robot_stuck", Warning, Watch, 0, 5;
+    RobotStuck: "robot_stuck", Warning, Watch, 0, 5, do_see_what_keeps_robot;
     /// A robot says that it is beyond what it was granted.
-    BeyondGrant: "grant", Critical, Watch, 1, 5;
+    BeyondGrant: "grant", Critical, Watch, 1, 5, do_stop_robot;
     /// A robot that has left the floor still reports.
-    RobotReturned: "robot_returned", Warning, Watch, 1, 15;
+    RobotReturned: "robot_returned", Warning, Watch, 1, 15, do_register_or_switch_off;
     /// What is known about a robot contradicts itself.
-    RobotFenced: "fenced", Critical, Watch, 0, 0;
+    RobotFenced: "fenced", Critical, Watch, 0, 0, do_check_and_resume_robot;
     /// Robots wait for what does not keep them.
-    WaitsInVain: "waits", Warning, Watch, 3, 5;
+    WaitsInVain: "waits", Warning, Watch, 3, 5, do_pause_resume_and_report;
     /// Robots and people wait, and nothing that goes on by itself will set them free.
-    Standstill: "standstill", Warning, Watch, 0, 5;
+    Standstill: "standstill", Warning, Watch, 0, 5, do_make_room;
     /// Nothing moves on the whole floor, though there is work.
-    FloorStandstill: "floor_standstill", Critical, Watch, 0, 5;
+    FloorStandstill: "floor_standstill", Critical, Watch, 0, 5, do_look_at_first_named;
     /// Nothing is delivered, though jobs wait and robots can drive.
-    NoDeliveries: "deliveries", Critical, Watch, 0, 5;
+    NoDeliveries: "deliveries", Critical, Watch, 0, 5, do_look_at_jobs;
     /// Nobody knows where a worker is.
-    WorkerLost: "worker_lost", Warning, Watch, 0, 2;
+    WorkerLost: "worker_lost", Warning, Watch, 0, 2, do_look_for_worker;
     /// Robots have kept a person in one spot.
-    WorkerKept: "worker_kept", Warning, Watch, 0, 5;
+    WorkerKept: "worker_kept", Warning, Watch, 0, 5, do_ask_worker_to_walk;
     /// A worker is in an area that is closed to people.
-    WorkerInClosedArea: "closed_areas", Warning, Watch, 0, 3;
+    WorkerInClosedArea: "closed_areas", Warning, Watch, 0, 3, do_call_worker_out;
     /// Jobs wait without a reason, or for a robot that does not exist.
-    JobStuck: "job_stuck", Warning, Watch, 0, 10;
+    JobStuck: "job_stuck", Warning, Watch, 0, 10, do_cancel_or_add;
     /// Jobs will probably not be done by their deadline.
-    DeadlineAtRisk: "deadline_at_risk", Warning, Watch, 5, 30;
+    DeadlineAtRisk: "deadline_at_risk", Warning, Watch, 5, 30, do_raise_priority_or_postpone;
     /// Jobs are past their deadline.
-    DeadlineMissed: "deadline_missed", Warning, Watch, 0, 5;
+    DeadlineMissed: "deadline_missed", Warning, Watch, 0, 5, do_tell_customer;
     /// Jobs wait for a station, and no robot is on its way there.
-    StationStarved: "station_starved", Warning, Watch, 0, 10;
+    StationStarved: "station_starved", Warning, Watch, 0, 10, do_look_at_first_job;
     /// Stations idle beside racks that are brought to them, or most of the fleet waits.
-    Flow: "flow", Warning, Watch, 0, 15;
+    Flow: "flow", Warning, Watch, 0, 15, do_look_at_first_robot;
     /// A robot arm beside a picker gets no trajectory.
-    ArmTrouble: "arm_trouble", Warning, Watch, 1, 3;
+    ArmTrouble: "arm_trouble", Warning, Watch, 1, 3, do_check_arm;
     /// Steps take longer than the control period.
-    StepsLate: "steps_late", Warning, Watch, 5, 20;
+    StepsLate: "steps_late", Warning, Watch, 5, 20, do_more_processor_or_fewer_robots;
     /// Robots wait for long before a route is searched for them.
-    PlanBacklog: "plan_backlog", Warning, Watch, 5, 15;
+    PlanBacklog: "plan_backlog", Warning, Watch, 5, 15, do_more_processor_or_move_robot;
     /// Forecasts of people do not hold.
-    ForecastBad: "forecast", Warning, Watch, 30, 60;
+    ForecastBad: "forecast", Warning, Watch, 30, 60, do_check_tags;
     /// The system's clock and the server's are far apart.
-    ClockOff: "clock", Warning, Watch, 0, 5;
+    ClockOff: "clock", Warning, Watch, 0, 5, do_set_clock;
     /// The facts do not become durable.
-    Journal: "journal", Critical, Server, 0, 0;
+    Journal: "journal", Critical, Server, 0, 0, do_check_disk;
     /// So many facts are not durable that all robots have to stand.
-    Halt: "halt", Critical, Server, 0, 0;
+    Halt: "halt", Critical, Server, 0, 0, do_check_disk;
     /// The files of the database are not in their place.
-    Database: "database", Critical, Server, 0, 0;
+    Database: "database", Critical, Server, 0, 0, do_put_database_back;
     /// The control loop does not turn.
-    LoopStuck: "loop", Critical, Server, 0, 0;
+    LoopStuck: "loop", Critical, Server, 0, 0, do_restart_if_it_stays;
     /// The fleet in memory cannot be trusted.
-    Broken: "broken", Critical, Server, 0, 0;
+    Broken: "broken", Critical, Server, 0, 0, do_restart_and_restore;
     /// What was promised contradicts itself.
-    LedgerUnsound: "ledger", Critical, Server, 0, 0;
+    LedgerUnsound: "ledger", Critical, Server, 0, 0, do_restart_and_restore;
     /// The past is not recorded.
-    PastNotKept: "past", Warning, Server, 0, 0;
+    PastNotKept: "past", Warning, Server, 0, 0, do_make_room_on_disk;
     /// A webhook has taken no events for a while.
-    WebhookFailing: "webhook", Warning, Server, 0, 0;
+    WebhookFailing: "webhook", Warning, Server, 0, 0, do_bring_receiver_back;
     /// An address shows many tokens or cookies that are wrong.
-    SecretsGuessed: "secrets", Warning, Server, 0, 0;
+    SecretsGuessed: "secrets", Warning, Server, 0, 0, do_find_guesser;
     /// A recording is shown to its end.
-    RecordingEnded: "end", Notice, Server, 0, 0;
+    RecordingEnded: "end", Notice, Server, 0, 0, do_seek_or_close;
     /// All robots are stopped by hand.
-    Stopped: "stopped", Notice, Operator, 0, 0;
+    Stopped: "stopped", Notice, Operator, 0, 0, do_resume_fleet;
     /// Single robots are paused by hand.
-    Paused: "paused", Notice, Operator, 0, 0;
+    Paused: "paused", Notice, Operator, 0, 0, do_resume_robots;
     /// The building is evacuated.
-    Evacuation: "evacuation", Critical, Operator, 0, 0;
+    Evacuation: "evacuation", Critical, Operator, 0, 0, do_end_evacuation;
 }
 
 impl AlarmKind {
@@ -240,99 +247,6 @@ impl AlarmKind {
         use AlarmKind as K;
         matches!(self, K::Journal | K::Halt | K::Database | K::LoopStuck | K::Broken)
     }
-
-    /// What can be said at most of many robots that have it: "5 robots …".
-    pub(super) fn of_many(self) -> &'static str {
-        use AlarmKind as K;
-        match self {
-            K::RobotFailed => "have failed",
-            K::EmergencyStop => "have their emergency stop pressed",
-            K::RobotSilent => "send no reports",
-            K::RobotDisplaced => "stand where they are not expected",
-            K::RobotObstructed => "are obstructed",
-            K::RobotUnplugged => "get no current from their chargers",
-            K::RobotLow => "are low on charge and find no free charger",
-            K::RobotBlocked => "find no route",
-            K::RobotStuck => "make no progress",
-            K::BeyondGrant => "report more than they were granted",
-            K::RobotReturned => "have left the floor but still report",
-            _ => "need attention",
-        }
-    }
-
-    /// What to do about it.
-    pub fn remedy(self) -> &'static str {
-        use AlarmKind as K;
-        match self {
-            K::RobotFailed => {
-                "Go to the robot and repair it, or take it off the floor. Others drive round it."
-            }
-            K::EmergencyStop => "Check why it was pressed, then release it: the robot goes on by itself.",
-            K::RobotSilent => "Check the robot's power and radio. Its place stays closed until it reports.",
-            K::RobotDisplaced => "Bring the robot, or its rack, where the text says.",
-            K::RobotObstructed => "Clear the way ahead of the robot.",
-            K::RobotUnplugged => "Check the charger's power and contacts.",
-            K::RobotLow => "Free a charger, or charge the robot by hand.",
-            K::RobotBlocked => "Look at why it waits: open an area that is closed, or clear its goal.",
-            K::RobotStuck => "Go to the robot and see what keeps it, or pause and resume it.",
-            K::BeyondGrant => "Stop the robot and check where it is.",
-            K::RobotReturned => "Register the robot again, or switch it off: others do not make way for it.",
-            K::RobotFenced => "Check where the robot and its rack are, then resume the robot.",
-            K::WaitsInVain => "Pause and resume these robots, and report this.",
-            K::Standstill => "Ask the person to make room, or move the robot that the others wait for.",
-            K::FloorStandstill => "Look at why the named robots and jobs wait, and start with the first.",
-            K::NoDeliveries => "Look at why the jobs wait: the list of jobs says it of each.",
-            other => other.remedy_of_others(),
-        }
-    }
-
-    fn remedy_of_others(self) -> &'static str {
-        use AlarmKind as K;
-        match self {
-            K::WorkerLost => "Look where the worker was last seen. If nobody is there, clear the worker.",
-            K::WorkerKept => "Tell the worker to walk on: robots give way to people who walk.",
-            K::WorkerInClosedArea => "Call the worker out, or open the area.",
-            K::JobStuck => "Cancel these jobs, or add what they need; submit them again then.",
-            K::DeadlineAtRisk => "Raise the priority of these jobs, or postpone others.",
-            K::DeadlineMissed => "Tell the customer, and raise the priority of these jobs.",
-            K::StationStarved => "Look at why the first of these jobs waits.",
-            K::Flow => {
-                "Look at what the first of these robots waits for, and clear that way; or send fewer robots."
-            }
-            K::ArmTrouble => {
-                "Check the arm's power and connection, and bring it out of the opening. If it stays off, release the \
-                 rack: by that you say that the arm is outside."
-            }
-            K::StepsLate => "Give the server more processor time, or run fewer robots on it.",
-            K::PlanBacklog => "Give the server more processor time; if a robot blocks a main aisle, move it.",
-            K::ForecastBad => {
-                "Nothing at once: robots keep out of all that people can reach. Check the tags."
-            }
-            K::ClockOff => {
-                "Set the system's clock right and restart Giveway. If the system's clock is behind and right, stop \
-                 Giveway and type `giveway database set-clock` before that."
-            }
-            K::Journal | K::Halt => "Check the disk of the database: make room, or bring it back.",
-            K::Database => "Put the files of the database back, or restart with a backup.",
-            K::LoopStuck => "If this does not end within a minute, restart Giveway.",
-            K::Broken | K::LedgerUnsound => {
-                "Keep a copy of the database, restart Giveway, and restore a backup if that does not help."
-            }
-            K::WebhookFailing => {
-                "Bring its receiver back, or remove the webhook. Events wait for about an hour; then they are given up."
-            }
-            K::SecretsGuessed => {
-                "Find out who sends them: a device with an old token, or somebody who guesses. The audit has the \
-                 addresses."
-            }
-            K::PastNotKept => "Make room on the disk of the recordings.",
-            K::RecordingEnded => "Seek in the recording, or close it.",
-            K::Stopped => "Resume the fleet when it may go on.",
-            K::Paused => "Resume the robots when they may go on.",
-            K::Evacuation => "End the evacuation when everybody may come back.",
-            other => other.word(),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -347,8 +261,7 @@ mod tests {
         for kind in AlarmKind::ALL {
             assert_eq!(AlarmKind::of_word(kind.word()), Some(kind));
             let remedy = kind.remedy();
-            assert!(remedy.ends_with('.') && remedy.len() > 20, "{kind:?}: {remedy}");
-            assert_eq!(kind.is_about_a_robot(), kind.of_many() != "need attention", "{kind:?}");
+            assert!(remedy.text().ends_with('.') && remedy.text().len() > 20, "{kind:?}: {remedy}");
         }
     }
 

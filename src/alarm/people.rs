@@ -7,6 +7,8 @@ use super::kind::{AlarmKind, AlarmSeverity};
 use super::roots::Roots;
 use crate::fleet::{Edge, Fleet, Party, View};
 use crate::id::{Dense, RobotId, WorkerId};
+use crate::text::sentence::alarms;
+use crate::text::{Sentence, SentenceArg};
 use crate::time::Span;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,12 +28,12 @@ pub(super) fn conditions(
     for lost in fleet.lost_workers(LOST, view.now) {
         let behind = roots.behind(Party::Worker(lost.worker));
         let waiting: BTreeSet<RobotId> = lost.waiting.iter().chain(behind).copied().collect();
-        let wait = match waiting.len() {
-            0 => "no robot waits".to_owned(),
-            1 => "1 robot waits".to_owned(),
-            n => format!("{n} robots wait"),
+        let name = called(fleet, lost.worker);
+        let said = match waiting.len() {
+            0 => alarms::worker_lost(name),
+            1 => alarms::worker_lost_one_waits(name),
+            n => alarms::worker_lost_robots_wait(name, n),
         };
-        let said = format!("{} is lost: {wait}.", called(fleet, lost.worker));
         let severity = if waiting.is_empty() { AlarmSeverity::Warning } else { AlarmSeverity::Critical };
         let one = about(view, AlarmKind::WorkerLost, lost.worker, said).at_least(severity);
         found.push(AlarmCondition { waiting: waiting.len(), since: Some(view.now - lost.silent), ..one });
@@ -46,24 +48,22 @@ pub(super) fn conditions(
         }
         let name = called(fleet, worker);
         let said = match by {
-            Some(robot) => {
-                format!("{name} is kept in one spot by {}.", fleet.ledger().robots[robot].name)
-            }
-            None => format!("{name} is kept in one spot by robots."),
+            Some(robot) => alarms::worker_kept_by(name, &fleet.ledger().robots[robot].name),
+            None => alarms::worker_kept(name),
         };
         let one = about(view, AlarmKind::WorkerKept, worker, said);
         found.push(AlarmCondition { since: Some(view.now - waited), ..one });
     }
     for (worker, closure) in fleet.in_closed_areas(view.now) {
         let reason = fleet.ledger().closures.get(&closure).map_or("", |c| c.reason.as_str());
-        let said =
-            format!("{} is in c{}, which is closed to people ({reason}).", called(fleet, worker), closure.0);
+        let area = format!("c{}", closure.0);
+        let said = alarms::worker_in_closed_area(called(fleet, worker), area, reason);
         found.push(about(view, AlarmKind::WorkerInClosedArea, worker, said));
     }
     found
 }
 
-fn about(view: &View, kind: AlarmKind, worker: WorkerId, text: String) -> AlarmCondition {
+fn about(view: &View, kind: AlarmKind, worker: WorkerId, text: Sentence) -> AlarmCondition {
     let subject = AlarmSubject::new(SubjectKind::Worker, format!("w{}", worker.0 + 1));
     let found = AlarmCondition::new(kind, subject, text);
     match view.workers.get(worker.ix()).and_then(|w| w.pose) {
@@ -73,8 +73,10 @@ fn about(view: &View, kind: AlarmKind, worker: WorkerId, text: String) -> AlarmC
 }
 
 /// What people call a worker, with the number.
-pub(super) fn called(fleet: &Fleet, worker: WorkerId) -> String {
+pub(super) fn called(fleet: &Fleet, worker: WorkerId) -> SentenceArg {
     let number = worker.0 + 1;
-    let known = fleet.ledger().workers.get(worker);
-    known.map_or_else(|| format!("worker {number}"), |name| format!("{name} (w{number})"))
+    match fleet.ledger().workers.get(worker) {
+        Some(name) => format!("{name} (w{number})").into(),
+        None => alarms::worker_numbered(number).into(),
+    }
 }

@@ -8,6 +8,8 @@ use super::kind::{AlarmKind, AlarmSeverity};
 use super::roots::{Roots, robots_wait};
 use crate::fleet::{Because, Doing, Edge, Fault, Fleet, Party, RobotView, Task, View, Why};
 use crate::id::{Dense, NodeId, RobotId};
+use crate::text::sentence::{alarms, remedies};
+use crate::text::{Sentence, SentenceArg};
 use crate::time::{Span, Time};
 use std::collections::BTreeMap;
 
@@ -17,9 +19,6 @@ const STUCK: Span = Span::from_secs(120);
 const STUCK_BEHIND: Span = Span::from_secs(3600);
 /// A robot that left the floor and was heard of within this still reports.
 const REPORTS: Span = Span::from_secs(10);
-/// What to do about an obstacle that no robot stands before any more.
-const LEFT_OBSTACLE: &str =
-    "Clear the place: robots try it again two minutes after they last found it closed.";
 /// If so many robots wait for one thing, somebody has to act at once.
 const SEVERE: usize = 5;
 
@@ -70,11 +69,10 @@ impl RobotWatch {
     pub fn conditions(&self, fleet: &Fleet, view: &View, roots: &Roots) -> BTreeMap<RobotId, AlarmCondition> {
         let looked = |(i, row): (usize, &RobotView)| {
             let robot = RobotId::at(i);
-            let found = self.condition(fleet, view, robot)?;
             let waiting = roots.behind(Party::Robot(robot)).len();
-            let text = format!("{}{}.", found.text, robots_wait(waiting));
+            let found = self.condition(fleet, view, robot, robots_wait(waiting))?;
             let severity = if waiting >= SEVERE { AlarmSeverity::Critical } else { AlarmSeverity::Notice };
-            Some((robot, AlarmCondition { text, waiting, ..found }.at_least(severity).at(row.pose.at)))
+            Some((robot, AlarmCondition { waiting, ..found }.at_least(severity).at(row.pose.at)))
         };
         let mut found: BTreeMap<_, _> = view.robots.iter().enumerate().filter_map(looked).collect();
         // Only now is it known which robots have a cause of their own: one behind them is not stuck.
@@ -89,84 +87,41 @@ impl RobotWatch {
         found
     }
 
-    fn condition(&self, fleet: &Fleet, view: &View, robot: RobotId) -> Option<AlarmCondition> {
+    /// What is wrong with a robot; `waiting` says how many others wait for it, as the end of the sentence.
+    fn condition(
+        &self,
+        fleet: &Fleet,
+        view: &View,
+        robot: RobotId,
+        waiting: Option<Sentence>,
+    ) -> Option<AlarmCondition> {
         let record = &fleet.ledger().robots[robot];
-        let is = |kind, text: String| {
+        let is = |kind, text: Sentence| {
             let subject = AlarmSubject::new(SubjectKind::Robot, record.name.clone());
             Some(AlarmCondition::new(kind, subject, text))
         };
         let name = &record.name;
         if record.is_gone() {
             let heard = fleet.telemetry(robot).is_some_and(|t| view.now - t.seen <= REPORTS);
-            let said = format!("{name} has left the floor but still reports");
-            return heard.then(|| is(AlarmKind::RobotReturned, said))?;
+            return heard.then(|| is(AlarmKind::RobotReturned, alarms::robot_returned(name, waiting)))?;
         }
         if record.fenced.is_some() {
-            let said =
-                format!("what is known about {name} contradicts itself: fenced off, others go round it");
-            return is(AlarmKind::RobotFenced, said);
+            return is(AlarmKind::RobotFenced, alarms::robot_fenced(name, waiting));
         }
         if is_beyond_grant(fleet, robot) {
-            return is(AlarmKind::BeyondGrant, format!("{name} reports more than it was granted"));
+            return is(AlarmKind::BeyondGrant, alarms::robot_beyond_grant(name, waiting));
         }
-        self.fault(fleet, view, robot, is).or_else(|| self.stuck(fleet, view, robot, is))
+        let fault = fault(fleet, view, robot, waiting.clone());
+        if let Some((kind, text)) = fault {
+            return is(kind, text);
+        }
+        let since = self.stuck_since(fleet, view, robot)?;
+        let found = is(AlarmKind::RobotStuck, alarms::robot_stuck(name, waiting))?;
+        Some(AlarmCondition { since: Some(since), ..found })
     }
 
-    fn fault(
-        &self,
-        fleet: &Fleet,
-        view: &View,
-        robot: RobotId,
-        is: impl Fn(AlarmKind, String) -> Option<AlarmCondition>,
-    ) -> Option<AlarmCondition> {
-        let (record, row) = (&fleet.ledger().robots[robot], &view.robots[robot.ix()]);
-        let name = &record.name;
-        let other = |r: RobotId| fleet.ledger().robots[r].name.clone();
-        match row.why {
-            Some(Why::EmergencyStop) => {
-                is(AlarmKind::EmergencyStop, format!("{name}: emergency stop pressed"))
-            }
-            Some(Why::Displaced(how)) => {
-                let said = words(fleet.warehouse(), other, how);
-                is(AlarmKind::RobotDisplaced, format!("{name} {said}"))
-            }
-            Some(Why::Silent) => is(AlarmKind::RobotSilent, format!("{name} sends no reports")),
-            Some(Why::Unplugged) => {
-                is(AlarmKind::RobotUnplugged, format!("{name} gets no current from its charger"))
-            }
-            Some(Why::Obstructed(node)) => {
-                let node = &fleet.warehouse().nodes[node].name;
-                let said = format!("something stands in the way of {name}, before {node}");
-                is(AlarmKind::RobotObstructed, said)
-            }
-            // It says so, whatever else it waits for meanwhile, such as another route.
-            _ if row.fault == Some(Fault::Obstructed) => {
-                is(AlarmKind::RobotObstructed, format!("something stands in the way of {name}"))
-            }
-            Some(Why::NoRoute) if fleet.wait(Party::Robot(robot)).edge == Edge::NoWay => {
-                is(AlarmKind::RobotBlocked, format!("{name} finds no route"))
-            }
-            // A person with it sees what is wrong.
-            Some(Why::Manual | Why::Maintenance | Why::Leaving | Why::Gone) => None,
-            _ if record.failed => is(AlarmKind::RobotFailed, format!("{name} has failed and cannot drive")),
-            _ if is_low(row) => {
-                let percent = (row.battery * 100.0).round();
-                is(
-                    AlarmKind::RobotLow,
-                    format!("{name} has {percent} % of charge left and finds no free charger"),
-                )
-            }
-            _ => None,
-        }
-    }
-
-    fn stuck(
-        &self,
-        fleet: &Fleet,
-        view: &View,
-        robot: RobotId,
-        is: impl Fn(AlarmKind, String) -> Option<AlarmCondition>,
-    ) -> Option<AlarmCondition> {
+    /// Since when a robot has not got on although it has a task, if that is for long and nobody wanted it.
+    fn stuck_since(&self, fleet: &Fleet, view: &View, robot: RobotId) -> Option<Time> {
         let stood = self.without_progress(robot, view.now);
         let free = self.progress.get(&robot).map_or(Span::ZERO, |p| view.now - p.free_since);
         if free <= STUCK && stood <= STUCK_BEHIND {
@@ -180,12 +135,48 @@ impl RobotWatch {
             first
                 .is_some_and(|w| matches!(w.because, Because::Later) && w.until.is_some_and(|t| t > view.now))
         };
-        if is_wanted || is_planned() {
-            return None;
-        }
-        let found = is(AlarmKind::RobotStuck, format!("{} has a task and makes no progress", row.name))?;
-        Some(AlarmCondition { since: Some(view.now - stood), ..found })
+        (!is_wanted && !is_planned()).then(|| view.now - stood)
     }
+}
+
+/// The fault that keeps a robot, if one does.
+fn fault(
+    fleet: &Fleet,
+    view: &View,
+    robot: RobotId,
+    waiting: Option<Sentence>,
+) -> Option<(AlarmKind, Sentence)> {
+    let (record, row) = (&fleet.ledger().robots[robot], &view.robots[robot.ix()]);
+    let name = &record.name;
+    let other = |r: RobotId| fleet.ledger().robots[r].name.clone();
+    Some(match row.why {
+        Some(Why::EmergencyStop) => (AlarmKind::EmergencyStop, alarms::robot_emergency_stop(name, waiting)),
+        Some(Why::Displaced(how)) => {
+            let how = words(fleet.warehouse(), other, how);
+            (AlarmKind::RobotDisplaced, alarms::robot_displaced(name, how, waiting))
+        }
+        Some(Why::Silent) => (AlarmKind::RobotSilent, alarms::robot_silent(name, waiting)),
+        Some(Why::Unplugged) => (AlarmKind::RobotUnplugged, alarms::robot_unplugged(name, waiting)),
+        Some(Why::Obstructed(node)) => {
+            let node = &fleet.warehouse().nodes[node].name;
+            (AlarmKind::RobotObstructed, alarms::robot_obstructed_before(name, node, waiting))
+        }
+        // It says so, whatever else it waits for meanwhile, such as another route.
+        _ if row.fault == Some(Fault::Obstructed) => {
+            (AlarmKind::RobotObstructed, alarms::robot_obstructed(name, waiting))
+        }
+        Some(Why::NoRoute) if fleet.wait(Party::Robot(robot)).edge == Edge::NoWay => {
+            (AlarmKind::RobotBlocked, alarms::robot_finds_no_route(name, waiting))
+        }
+        // A person with it sees what is wrong.
+        Some(Why::Manual | Why::Maintenance | Why::Leaving | Why::Gone) => return None,
+        _ if record.failed => (AlarmKind::RobotFailed, alarms::robot_failed(name, waiting)),
+        _ if is_low(row) => {
+            let percent = SentenceArg::rounded(row.battery * 100.0, 0);
+            (AlarmKind::RobotLow, alarms::robot_low(name, percent, waiting))
+        }
+        _ => return None,
+    })
 }
 
 /// Obstacles that robots have turned away from: no robot stands before them any more, and still the way has to be
@@ -198,10 +189,10 @@ pub(super) fn left_obstacles(
     let left = fleet.left_obstacles().into_iter().filter(|(_, robot, _)| !is_there(robot));
     let condition = |(node, robot, since): (NodeId, RobotId, Time)| {
         let (node, name) = (&fleet.warehouse().nodes[node], &fleet.ledger().robots[robot].name);
-        let said = format!("something stood in the way of {name}, before {}: robots go round it.", node.name);
+        let said = alarms::obstacle_left(name, &node.name);
         let subject = AlarmSubject::new(SubjectKind::Robot, name.clone());
         let one = AlarmCondition::new(AlarmKind::RobotObstructed, subject, said).at(node.at);
-        AlarmCondition { since: Some(since), remedy: LEFT_OBSTACLE.into(), ..one }
+        AlarmCondition { since: Some(since), remedy: remedies::do_clear_place(), ..one }
     };
     // Two places that one robot found are one alarm.
     let by_robot: BTreeMap<RobotId, AlarmCondition> = left.map(|l| (l.1, condition(l))).collect();

@@ -4,6 +4,8 @@
 
 use crate::fleet::{ChainEnd, Edge, Fleet, Party};
 use crate::id::RobotId;
+use crate::text::Sentence;
+use crate::text::sentence::alarms;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The ends of all chains of waiting.
@@ -53,11 +55,11 @@ fn last(fleet: &Fleet, start: Party) -> Party {
     at
 }
 
-/// How many robots wait, as the end of a sentence.
-pub(super) fn robots_wait(waiting: usize) -> String {
+/// How many robots wait for one thing, as the end of a sentence.
+pub(super) fn robots_wait(waiting: usize) -> Option<Sentence> {
     match waiting {
-        0 => String::new(),
-        1 => "; 1 robot waits for it".to_owned(),
-        n => format!("; {n} robots wait for it"),
+        0 => None,
+        1 => Some(alarms::one_robot_waits_for_it()),
+        n => Some(alarms::robots_wait_for_it(n)),
     }
 }

@@ -8,6 +8,8 @@ use super::condition::{AlarmCondition, some_of};
 use super::kind::{AlarmKind, AlarmSeverity};
 use crate::fleet::{Fleet, View};
 use crate::id::RobotId;
+use crate::text::sentence::alarms;
+use crate::text::{Sentence, SentenceArg};
 use crate::time::{Span, Time};
 use std::collections::{BTreeMap, VecDeque};
 
@@ -64,8 +66,7 @@ pub(super) fn conditions(
     let late = health.steps.late_percent();
     if late * LATE_ONE_IN >= 100 {
         let period = health.period.0 / 1000;
-        let said =
-            format!("steps take longer than the control period of {period} ms: {late} % of the last ones.");
+        let said = alarms::steps_late(period, late);
         found.push(AlarmCondition::of_server(AlarmKind::StepsLate, said));
     }
     // A robot with a cause of its own is not held up by the processor.
@@ -73,18 +74,22 @@ pub(super) fn conditions(
     queue.retain(|(robot, _)| !robots.contains_key(robot));
     if queue.first().is_some_and(|(_, waited)| *waited > UNSEARCHED) {
         let names: Vec<String> = queue.iter().map(|(r, _)| fleet.ledger().robots[*r].name.clone()).collect();
-        let said = format!("robots wait for a route to be searched for them: {}.", some_of(&names));
+        let said = alarms::plan_backlog(some_of(&names));
         let one = AlarmCondition::of_server(AlarmKind::PlanBacklog, said);
         found.push(AlarmCondition { waiting: queue.len(), ..one });
     }
-    let untrusted: Vec<String> = view
+    let horizon = |seconds: f64, covered: f64| {
+        let (seconds, percent) = (SentenceArg::rounded(seconds, 1), SentenceArg::rounded(covered * 100.0, 0));
+        alarms::forecast_horizon(seconds, percent)
+    };
+    let untrusted: Vec<Sentence> = view
         .forecast_coverage
         .iter()
         .filter(|f| !f.trusted)
-        .map(|f| format!("{:.1} s ahead ({:.0} % within the 95 % region)", f.horizon_s, f.covered * 100.0))
+        .map(|f| horizon(f.horizon_s, f.covered))
         .collect();
     if !untrusted.is_empty() {
-        let said = format!("forecasts of people do not hold: {}.", some_of(&untrusted));
+        let said = alarms::forecasts_fail(some_of(&untrusted));
         found.push(AlarmCondition::of_server(AlarmKind::ForecastBad, said));
     }
     found.extend(clock(health.clock_ahead));
@@ -94,8 +99,10 @@ pub(super) fn conditions(
 fn clock(ahead: Span) -> Option<AlarmCondition> {
     let off = Span(ahead.0.abs());
     let seconds = off.0 / 1_000_000;
-    let how = if ahead > Span::ZERO { "ahead of" } else { "behind" };
-    let said = format!("the system's clock is {seconds} s {how} the clock that Giveway goes by.");
+    let said = match ahead > Span::ZERO {
+        true => alarms::clock_ahead(seconds),
+        false => alarms::clock_behind(seconds),
+    };
     let one = AlarmCondition::of_server(AlarmKind::ClockOff, said).at_least(AlarmSeverity::Warning);
     (off > CLOCKS).then_some(one)
 }

@@ -10,6 +10,8 @@ use super::robots::RobotWatch;
 use super::roots::Roots;
 use crate::fleet::{ChainEnd, Doing, Edge, Fleet, JobState, JobWhy, Party, Standstill, Task, View, Why};
 use crate::id::{Dense, RobotId};
+use crate::text::sentence::alarms;
+use crate::text::{Sentence, SentenceArg};
 use crate::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -41,12 +43,13 @@ pub(super) fn standstills(
 fn standstill(fleet: &Fleet, view: &View, found: &Standstill) -> Option<AlarmCondition> {
     let root = *found.root.first()?;
     let name = |party: &Party| match party {
-        Party::Robot(r) => fleet.ledger().robots[*r].name.clone(),
+        Party::Robot(r) => SentenceArg::from(&fleet.ledger().robots[*r].name),
         Party::Worker(w) => called(fleet, *w),
     };
     let (subject, at) = match root {
         Party::Robot(r) => {
-            (AlarmSubject::new(SubjectKind::Robot, name(&root)), view.robots.get(r.ix()).map(|r| r.pose.at))
+            let subject = AlarmSubject::new(SubjectKind::Robot, fleet.ledger().robots[r].name.clone());
+            (subject, view.robots.get(r.ix()).map(|r| r.pose.at))
         }
         Party::Worker(w) => {
             let at = view.workers.get(w.ix()).and_then(|w| w.pose).map(|pose| pose.at);
@@ -59,18 +62,22 @@ fn standstill(fleet: &Fleet, view: &View, found: &Standstill) -> Option<AlarmCon
 }
 
 /// What stands still, with names.
-pub(super) fn in_words(found: &Standstill, name: impl Fn(&Party) -> String) -> String {
-    let roots: Vec<String> = found.root.iter().map(&name).collect();
-    let root = roots.join(" and ");
+pub(super) fn in_words(found: &Standstill, name: impl Fn(&Party) -> SentenceArg) -> Sentence {
+    let mut roots: Vec<SentenceArg> = found.root.iter().map(&name).collect();
+    let last = roots.pop();
+    let root = match last {
+        Some(last) if !roots.is_empty() => alarms::and(roots, last).into(),
+        last => SentenceArg::from(last),
+    };
     let behind = match &found.behind[..] {
-        [] => String::new(),
-        [one] => format!("; {} waits for that", name(one)),
-        [first, others @ ..] => format!("; {} and {} more wait for that", name(first), others.len()),
+        [] => None,
+        [one] => Some(alarms::one_waits_behind(name(one))),
+        [first, others @ ..] => Some(alarms::more_wait_behind(name(first), others.len())),
     };
     match found.root.first() {
-        Some(_) if matches!(found.end, ChainEnd::Cycle(_)) => format!("{root} wait for one another{behind}."),
-        Some(Party::Worker(_)) => format!("{root} stands in the way{behind}."),
-        _ => format!("{root} has no way to go{behind}."),
+        Some(_) if matches!(found.end, ChainEnd::Cycle(_)) => alarms::wait_for_one_another(root, behind),
+        Some(Party::Worker(_)) => alarms::stands_in_the_way(root, behind),
+        _ => alarms::no_way_to_go(root, behind),
     }
 }
 
@@ -98,7 +105,7 @@ pub(super) fn whole_floor(
     let unexplained = tasked.iter().filter(|r| !is_explained(r));
     let unexplained: Vec<String> = unexplained.map(|r| ledger.robots[*r].name.clone()).collect();
     if !unexplained.is_empty() {
-        let said = format!("nothing on the floor moves: {}.", some_of(&unexplained));
+        let said = alarms::floor_stands(some_of(&unexplained));
         let one = AlarmCondition::new(AlarmKind::FloorStandstill, AlarmSubject::floor(), said);
         return Some(AlarmCondition { waiting: unexplained.len(), since: Some(view.now - stood), ..one });
     }
@@ -109,7 +116,7 @@ pub(super) fn whole_floor(
         let of_robot = if let Party::Robot(r) = only { robots.get_mut(&r) } else { None };
         if let Some(one) = of_robot.or_else(|| found.iter_mut().find(|c| is_about(fleet, c, only))) {
             one.severity = AlarmSeverity::Critical;
-            one.text += " Nothing else on the floor moves.";
+            one.text = alarms::nothing_else_moves(one.text.clone());
         }
     }
     None
@@ -133,7 +140,7 @@ impl IdleFloor {
         };
         let since = *self.since.get_or_insert(view.now);
         let n = view.counts.waiting;
-        let said = format!("no robot has anything to do, though jobs wait: {n}. {job} waits because {why}.");
+        let said = alarms::robots_idle(n, &job, why);
         let subject = AlarmSubject::new(SubjectKind::Job, job);
         let one = AlarmCondition::new(AlarmKind::FloorStandstill, subject, said);
         (view.now - since > FLOOR_STANDS).then_some(AlarmCondition { since: Some(since), ..one })
@@ -141,7 +148,7 @@ impl IdleFloor {
 }
 
 /// The first waiting job whose reason no person wanted and no charging robot will end; with the reason in words.
-fn unwanted_reason(fleet: &Fleet, view: &View) -> Option<(String, String)> {
+fn unwanted_reason(fleet: &Fleet, view: &View) -> Option<(String, Sentence)> {
     let map = fleet.warehouse();
     let charges = view.robots.iter().any(|r| r.doing == Doing::Charging);
     let waiting = fleet.ledger().jobs.iter().filter(|(_, j)| j.state == JobState::Waiting).take(JOBS);
@@ -161,14 +168,14 @@ fn unwanted_reason(fleet: &Fleet, view: &View) -> Option<(String, String)> {
                 | JobWhy::NoKind,
             ) => return None,
             Some(JobWhy::NoRobot | JobWhy::Outranked(_)) if charges => return None,
-            Some(JobWhy::NoRobot | JobWhy::Outranked(_)) => "no robot can take it".to_owned(),
-            Some(JobWhy::ClosedOff) => "its rack, or where it is to go, is closed off".to_owned(),
-            Some(JobWhy::NoPlace(_)) => "no charger or parking place is free".to_owned(),
+            Some(JobWhy::NoRobot | JobWhy::Outranked(_)) => alarms::no_robot_can_take_it(),
+            Some(JobWhy::ClosedOff) => alarms::destination_closed_off(),
+            Some(JobWhy::NoPlace(_)) => alarms::no_place_free(),
             Some(JobWhy::StationFull(s) | JobWhy::RacksWait(s, _)) => {
-                format!("enough racks wait for {}", map.stations[s].name)
+                alarms::enough_racks_wait(&map.stations[s].name)
             }
-            Some(JobWhy::RackBusy(rack, ..)) => format!("its rack {} is on a robot", map.racks[rack].name),
-            None => "of nothing that is known".to_owned(),
+            Some(JobWhy::RackBusy(rack, ..)) => alarms::its_rack_is_on_a_robot(&map.racks[rack].name),
+            None => alarms::nothing_known(),
         };
         Some((format!("j{}", id.0), said))
     });

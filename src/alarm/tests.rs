@@ -113,7 +113,7 @@ impl StandingFloor {
 
     /// The active alarms: kinds and texts.
     fn active(&self) -> Vec<(&'static str, String)> {
-        self.register.active().into_iter().map(|a| (a.kind.word(), a.text)).collect()
+        self.register.active().into_iter().map(|a| (a.kind.word(), a.text.to_string())).collect()
     }
 
     fn kinds(&self) -> Vec<&'static str> {
@@ -348,17 +348,18 @@ fn forecasts_that_do_not_hold_are_an_alarm_once_it_lasts() {
         assert!(s >= 30 || new.iter().all(|a| a.kind != AlarmKind::ForecastBad), "after {s} s: {new:?}");
     }
     let alarm = register.active().into_iter().find(|a| a.kind == AlarmKind::ForecastBad);
-    assert!(alarm.expect("it lasted").text.contains("2.0 s ahead (60 % within"));
+    assert!(alarm.expect("it lasted").text.text().contains("2.0 s ahead (60 % within"));
 }
 
 #[test]
 fn a_standstill_is_told_with_names() {
     use crate::fleet::{ChainEnd, Party, Standstill};
+    use crate::text::SentenceArg;
     let (robot, worker) = (Party::Robot(RobotId(3)), Party::Worker(WorkerId(0)));
-    let name = |p: &Party| if *p == worker { "Ana".to_owned() } else { "robot-4".to_owned() };
+    let name = |p: &Party| SentenceArg::from(if *p == worker { "Ana" } else { "robot-4" });
     let told = |end, root: &[Party], behind: &[Party]| {
         let found = Standstill { end, root: root.into(), behind: behind.into(), since: Time(1) };
-        standing::in_words(&found, name)
+        standing::in_words(&found, name).to_string()
     };
     assert_eq!(told(ChainEnd::Cycle(robot), &[robot, worker], &[]), "robot-4 and Ana wait for one another.");
     assert_eq!(

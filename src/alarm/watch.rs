@@ -14,6 +14,7 @@ use super::server::LoopHealth;
 use super::standing::{IdleFloor, is_about, is_stopped, standstills, whole_floor};
 use super::{arms, people, server};
 use crate::fleet::{Fleet, Party, View, Why};
+use crate::text::sentence::alarms;
 
 /// What has to be remembered from look to look.
 #[derive(Clone, Debug, Default)]
@@ -70,12 +71,12 @@ impl FloorWatch {
 pub fn operator_conditions(view: &View) -> Vec<AlarmCondition> {
     let mut found = Vec::new();
     if let Some(since) = view.stopped {
-        let said = "all robots are stopped by hand.";
+        let said = alarms::all_stopped();
         let one = AlarmCondition::new(AlarmKind::Stopped, AlarmSubject::floor(), said);
         found.push(AlarmCondition { since: Some(since), ..one });
     }
     if let Some(since) = view.evacuation {
-        let said = "the building is evacuated: people are led to the doors, robots stand.";
+        let said = alarms::evacuation();
         let one = AlarmCondition::new(AlarmKind::Evacuation, AlarmSubject::floor(), said);
         found.push(AlarmCondition { since: Some(since), ..one });
     }
@@ -83,7 +84,7 @@ pub fn operator_conditions(view: &View) -> Vec<AlarmCondition> {
     if let Some(first) = paused.first() {
         let names: Vec<String> = paused.iter().map(|r| r.name.clone()).collect();
         let subject = AlarmSubject::new(SubjectKind::Robot, first.name.clone());
-        let said = format!("paused by hand: {}.", some_of(&names));
+        let said = alarms::robots_paused(some_of(&names));
         found.push(AlarmCondition::new(AlarmKind::Paused, subject, said).at(first.pose.at));
     }
     found

@@ -12,6 +12,7 @@ use crate::alarm::{
 };
 use crate::fleet::View;
 use crate::geometry::{Point, Spot};
+use crate::text::{Sentence, SentenceArgs};
 use crate::time::Time;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -34,7 +35,7 @@ impl Alarms {
     }
 
     /// Raises an alarm of a part of the server, or gives an active one a new text. Whether it is new.
-    pub fn raise(&self, kind: AlarmKind, text: impl Into<String>, now: Time) -> bool {
+    pub fn raise(&self, kind: AlarmKind, text: Sentence, now: Time) -> bool {
         let new = self.register().raise(AlarmCondition::of_server(kind, text), now);
         self.tell(new.as_slice());
         new.is_some()
@@ -206,6 +207,11 @@ pub struct AlarmMemberDto {
     pub subject: AlarmSubjectDto,
     /// In words.
     pub text: String,
+    /// Which sentence `text` is; null for alarms of versions that had no codes.
+    #[schema(value_type = Option<String>, example = "robot_silent")]
+    pub code: Option<&'static str>,
+    /// What stands in its places.
+    pub args: SentenceArgs,
     /// Where on the map, metres; null if it is in no one place.
     pub x: Option<f64>,
     /// Metres.
@@ -219,10 +225,13 @@ pub struct AlarmMemberDto {
 impl From<&AlarmMember> for AlarmMemberDto {
     fn from(m: &AlarmMember) -> AlarmMemberDto {
         let (x, y) = place(m.at).unzip();
+        let (code, args, text) = m.text.clone().into_parts();
         AlarmMemberDto {
             id: alarm_name(m.id),
             subject: (&m.subject).into(),
-            text: m.text.clone(),
+            text,
+            code,
+            args,
             x,
             y,
             since: time_text(m.since),
@@ -254,9 +263,13 @@ pub struct AlarmDto {
     /// In words.
     #[schema(example = "robot-3 sends no reports; 2 robots wait for it.")]
     pub text: String,
+    /// Which sentence `text` is; null for alarms of versions that had no codes.
+    #[schema(value_type = Option<String>, example = "robot_silent")]
+    pub code: Option<&'static str>,
+    /// What stands in its places.
+    pub args: SentenceArgs,
     /// What to do.
-    #[schema(example = "Check the robot's power and radio. Its place stays closed until it reports.")]
-    pub remedy: String,
+    pub remedy: Sentence,
     /// Where on the map, metres; null if it is in no one place.
     pub x: Option<f64>,
     /// Metres.
@@ -285,6 +298,7 @@ pub struct AlarmDto {
 impl From<&Alarm> for AlarmDto {
     fn from(a: &Alarm) -> AlarmDto {
         let (x, y) = place(a.at).unzip();
+        let (code, args, text) = a.text.clone().into_parts();
         let noted = |n: &Acknowledgement| AcknowledgementDto { by: n.by.clone(), at: time_text(n.at) };
         AlarmDto {
             id: alarm_name(a.id),
@@ -292,7 +306,9 @@ impl From<&Alarm> for AlarmDto {
             severity: a.severity.into(),
             state: if a.cleared.is_some() { AlarmStateDto::Cleared } else { AlarmStateDto::Active },
             subject: (&a.subject).into(),
-            text: a.text.clone(),
+            text,
+            code,
+            args,
             remedy: a.remedy.clone(),
             x,
             y,
@@ -347,8 +363,13 @@ pub struct AlarmRowDto {
     pub subject: Option<String>,
     /// In words.
     pub text: String,
+    /// Which sentence `text` is; null for alarms of versions that had no codes.
+    #[schema(value_type = Option<String>, example = "robot_silent")]
+    pub code: Option<&'static str>,
+    /// What stands in its places.
+    pub args: SentenceArgs,
     /// What to do.
-    pub remedy: String,
+    pub remedy: Sentence,
     /// Where on the map, metres; null if it is in no one place.
     pub x: Option<f64>,
     /// Metres.
@@ -370,6 +391,7 @@ pub struct AlarmRowDto {
 /// An active alarm in the live feed; its times count from `started_s`.
 pub(super) fn row(alarm: &Alarm, started_s: f64) -> Value {
     let (x, y) = place(alarm.at).unzip();
+    let (code, args, text) = alarm.text.clone().into_parts();
     let is_a_thing = !matches!(alarm.subject.kind, SubjectKind::Floor | SubjectKind::Server);
     json!(AlarmRowDto {
         id: alarm_name(alarm.id),
@@ -377,7 +399,9 @@ pub(super) fn row(alarm: &Alarm, started_s: f64) -> Value {
         severity: alarm.severity.into(),
         subject_kind: alarm.subject.kind.into(),
         subject: is_a_thing.then(|| alarm.subject.id.clone()),
-        text: alarm.text.clone(),
+        text,
+        code,
+        args,
         remedy: alarm.remedy.clone(),
         x,
         y,

@@ -12,6 +12,7 @@ use super::cookie::{is_loopback, session_secret};
 use super::error::Problem;
 use super::port::Now;
 use super::secrets::{SecretDoor, WrongSecrets};
+use crate::text::sentence::requests;
 use crate::time::{Span, Time};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use sha2::{Digest, Sha256};
@@ -141,6 +142,7 @@ impl Gate {
             if (changes || headers.contains_key(header::UPGRADE)) && !says_own_page(headers) {
                 let detail = "with a session, pages of this server may change something and open feeds, and browsers \
                               say which page asks; other clients send a token";
+                let detail = requests::malformed(detail);
                 return Err(Problem::new(StatusCode::FORBIDDEN, "foreign", "Origin not allowed", detail));
             }
             return Ok(caller);
@@ -154,8 +156,7 @@ impl Gate {
             }
             _ => {}
         }
-        let detail = "this server needs a token that holds: send `Authorization: Bearer TOKEN`, offer the \
-                      WebSocket protocols `giveway` and `bearer.TOKEN`, or sign in at /sign-in";
+        let detail = requests::token_needed();
         let problem = Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", "A token is needed", detail);
         Err(Problem { wrong_secret: self.wrong_door(headers, cookie), ..problem })
     }
@@ -254,8 +255,9 @@ impl Gate {
     fn check_origin(&self, headers: &HeaderMap) -> Result<(), Problem> {
         let text = |name| headers.get(name).map(|v| v.to_str().unwrap_or("?"));
         let host = text(header::HOST).unwrap_or("");
-        let forbid =
-            |detail: String| Problem::new(StatusCode::FORBIDDEN, "foreign", "Origin not allowed", detail);
+        let forbid = |detail: String| {
+            Problem::new(StatusCode::FORBIDDEN, "foreign", "Origin not allowed", requests::malformed(detail))
+        };
         if !self.is_closed() && !is_loopback(host) {
             let detail = format!("without tokens this server answers at localhost only, not at \"{host}\"");
             return Err(forbid(detail));

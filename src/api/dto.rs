@@ -9,6 +9,7 @@ use super::text::{job_name, round3, time_text, worker_name};
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
 use crate::fleet::{Counts, Job, JobParts, JobRow, JobState, RackAt, RobotChoice, RobotView, View, Visiting};
 use crate::id::{Dense, NodeId, RobotId, StationId};
+use crate::text::Sentence;
 use crate::time::Time;
 use crate::warehouse::Warehouse;
 use serde::{Serialize, Serializer};
@@ -76,8 +77,7 @@ pub struct RobotDto<N = String> {
     #[schema(value_type = Vec<String>)]
     pub held: Vec<N>,
     /// Why it does not go on; null if nothing holds it up.
-    #[schema(example = "waiting for A12, held by robot-7")]
-    pub why: Option<String>,
+    pub why: Option<Sentence>,
     /// The worker whom it passes beside the line, within the corridor of the lane; null if it keeps to the line.
     pub passes: Option<String>,
     /// Because of whom or what it got another way last, and when; null if it has not since the server started.
@@ -200,8 +200,7 @@ pub struct JobDto {
     /// How far it has come.
     pub state: JobStateDto,
     /// Why it failed, or what it waits for.
-    #[schema(example = "waiting for j16 to be over")]
-    pub why: Option<String>,
+    pub why: Option<Sentence>,
     /// The customer's own text.
     #[schema(example = "order 4711")]
     pub reference: Option<String>,
@@ -411,7 +410,7 @@ impl Names<'_> {
         all.enumerate().map(stop).collect()
     }
 
-    fn why_of_job(&self, record: &JobRow) -> Option<String> {
+    fn why_of_job(&self, record: &JobRow) -> Option<Sentence> {
         if let JobState::Failed(why) = record.job.state {
             let gone = record.gone.node.clone();
             return Some(self.why_failed(why, gone));

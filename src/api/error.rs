@@ -1,9 +1,11 @@
 //! Errors on the wire: RFC 9457 problems that say what happened and what to do.
 //!
-//! Main types: [`Problem`], [`FieldError`]. Use a constructor by status; every one takes a sentence for
-//! people. Server faults are logged where they are made, and nowhere else. Refuses: to show internals.
+//! Main types: [`Problem`], [`FieldError`]. Use a constructor by status; every one takes a sentence of
+//! `text/sentence`. Server faults are logged where they are made, and nowhere else. Refuses: to show internals.
 
 use super::secrets::SecretDoor;
+use crate::text::sentence::requests;
+use crate::text::{Sentence, SentenceArg, SentenceArgs};
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -14,24 +16,32 @@ use utoipa::ToSchema;
 pub struct Problem {
     /// A name for this kind of error that never changes, such as `/problems/unknown-rack`.
     #[serde(rename = "type")]
-    pub kind: String,
+    #[schema(value_type = String)]
+    pub kind: Box<str>,
     /// The kind of error in words.
     pub title: &'static str,
     /// The HTTP status.
     #[schema(example = 422, minimum = 400, maximum = 599)]
     pub status: u16,
-    /// What happened here, and what to do.
-    pub detail: String,
+    /// What happened here, and what to do, in English.
+    #[schema(value_type = String)]
+    pub detail: Box<str>,
+    /// Which sentence `detail` is.
+    #[schema(value_type = String, example = "no_such_thing")]
+    pub code: Option<&'static str>,
+    /// What stands in its places.
+    pub args: SentenceArgs,
     /// The path of the request.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, nullable = false)]
     pub instance: Option<Box<str>>,
     /// The fields that are wrong; left out if no field is.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub errors: Vec<FieldError>,
+    #[serde(skip_serializing_if = "is_none")]
+    #[schema(value_type = Vec<FieldError>)]
+    pub errors: Box<[FieldError]>,
     /// Seconds after which a retry makes sense.
     #[serde(skip)]
-    pub retry_after: Option<u32>,
+    pub retry_after: Option<u16>,
     /// By which door a wrong secret came, if that is the problem: whoever answers slows such answers down.
     #[serde(skip)]
     pub wrong_secret: Option<SecretDoor>,
@@ -42,65 +52,91 @@ pub struct Problem {
 pub struct FieldError {
     /// Its name.
     pub field: String,
-    /// What is wrong, and what is right.
+    /// What is wrong, and what is right, in English.
     pub detail: String,
+    /// Which sentence `detail` is.
+    #[schema(value_type = String, example = "priority_out_of_range")]
+    pub code: Option<&'static str>,
+    /// What stands in its places.
+    pub args: SentenceArgs,
+}
+
+fn is_none(errors: &[FieldError]) -> bool {
+    errors.is_empty()
 }
 
 impl FieldError {
     /// A wrong field.
-    pub fn new(field: impl Into<String>, detail: impl Into<String>) -> FieldError {
-        FieldError { field: field.into(), detail: detail.into() }
+    pub fn new(field: impl Into<String>, detail: Sentence) -> FieldError {
+        let (code, args, detail) = detail.into_parts();
+        FieldError { field: field.into(), detail, code, args }
+    }
+
+    /// What is wrong.
+    pub fn sentence(&self) -> Sentence {
+        Sentence::from_parts(self.code, self.args.clone(), self.detail.clone())
     }
 
     /// What is wrong with the `name` of a machine: it has 1 to `longest` letters, digits, `-`, `_` and `.`.
     pub fn of_plain_name(name: &str, longest: usize) -> Option<FieldError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         let fits = (1..=longest).contains(&name.len()) && name.chars().all(plain);
-        (!fits).then(|| FieldError::new("name", format!("1 to {longest} letters, digits, `-`, `_` or `.`")))
+        (!fits).then(|| FieldError::new("name", requests::plain_name(longest)))
     }
 }
 
 impl Problem {
     /// A problem of this kind, `kind` being the last part of its type.
-    pub fn new(status: StatusCode, kind: &str, title: &'static str, detail: impl Into<String>) -> Problem {
+    pub fn new(status: StatusCode, kind: &str, title: &'static str, detail: Sentence) -> Problem {
+        let (code, args, detail) = detail.into_parts();
         Problem {
-            kind: format!("/problems/{kind}"),
+            kind: format!("/problems/{kind}").into(),
             title,
             status: status.as_u16(),
             detail: detail.into(),
+            code,
+            args,
             instance: None,
-            errors: Vec::new(),
+            errors: Box::default(),
             retry_after: None,
             wrong_secret: None,
         }
     }
 
-    /// 400: the request cannot be read.
-    pub fn malformed(detail: impl Into<String>) -> Problem {
+    /// What happened.
+    pub fn sentence(&self) -> Sentence {
+        Sentence::from_parts(self.code, self.args.clone(), self.detail.clone().into())
+    }
+
+    /// 400: the request cannot be read; `detail` is for developers.
+    pub fn malformed(detail: impl Into<SentenceArg>) -> Problem {
+        let detail = requests::malformed(detail);
         Problem::new(StatusCode::BAD_REQUEST, "malformed", "The request cannot be read", detail)
     }
 
     /// 401: a secret is wrong, which came by this door.
-    pub fn wrong_secret(door: SecretDoor, title: &'static str, detail: impl Into<String>) -> Problem {
+    pub fn wrong_secret(door: SecretDoor, title: &'static str, detail: Sentence) -> Problem {
         let problem = Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", title, detail);
         Problem { wrong_secret: Some(door), ..problem }
     }
 
     /// 404: no such thing.
-    pub fn unknown(what: &str, detail: impl Into<String>) -> Problem {
+    pub fn unknown(what: &str, detail: Sentence) -> Problem {
         Problem::new(StatusCode::NOT_FOUND, &format!("unknown-{what}"), "Not found", detail)
     }
 
     /// 409: not in this state.
-    pub fn conflict(kind: &str, title: &'static str, detail: impl Into<String>) -> Problem {
+    pub fn conflict(kind: &str, title: &'static str, detail: Sentence) -> Problem {
         Problem::new(StatusCode::CONFLICT, kind, title, detail)
     }
 
     /// 422: readable, but some fields cannot be.
     pub fn invalid(errors: Vec<FieldError>) -> Problem {
-        let detail: Vec<_> = errors.iter().map(|e| format!("{}: {}", e.field, e.detail)).collect();
+        let detail: Vec<_> =
+            errors.iter().map(|e| requests::field_is_wrong(&e.field, e.sentence())).collect();
+        let detail = requests::fields_are_wrong(detail);
         let status = StatusCode::UNPROCESSABLE_ENTITY;
-        Problem { errors, ..Problem::new(status, "invalid", "Some fields are wrong", detail.join("; ")) }
+        Problem { errors: errors.into(), ..Problem::new(status, "invalid", "Some fields are wrong", detail) }
     }
 
     /// 400: order lines that nobody can pick.
@@ -112,30 +148,34 @@ impl Problem {
 
     /// 409: nothing in a recording can be changed.
     pub fn of_recording() -> Problem {
-        let detail = "a recording is shown here, and nothing in it can be changed: ask a running server";
-        Problem::conflict("recording", "This is a recording", detail)
+        Problem::conflict("recording", "This is a recording", requests::of_recording())
     }
 
     /// 429: there are as many as the server takes, and it gets room when somebody makes it.
-    pub fn no_room(detail: impl Into<String>) -> Problem {
+    pub fn no_room(detail: Sentence) -> Problem {
         Problem::new(StatusCode::TOO_MANY_REQUESTS, "too-many", "A limit is reached", detail)
     }
 
     /// 429: there are as many as the server takes, for a while.
-    pub fn too_many(detail: impl Into<String>, retry_after: u32) -> Problem {
+    pub fn too_many(detail: Sentence, retry_after: u16) -> Problem {
         Problem { retry_after: Some(retry_after), ..Problem::no_room(detail) }
     }
 
     /// 503: not now.
-    pub fn unavailable(detail: impl Into<String>, retry_after: u32) -> Problem {
+    pub fn unavailable(detail: Sentence, retry_after: u16) -> Problem {
         let status = StatusCode::SERVICE_UNAVAILABLE;
         let problem = Problem::new(status, "unavailable", "The server cannot do this now", detail);
         Problem { retry_after: Some(retry_after), ..problem }
     }
 
+    /// 503: the database does not answer; `why` is for operators.
+    pub fn of_records(why: String) -> Problem {
+        Problem::unavailable(requests::unavailable(why), 2)
+    }
+
     /// 500: our mistake.
     pub fn internal() -> Problem {
-        let detail = "The server hit an internal error and logged it. Nothing that was acknowledged is lost.";
+        let detail = requests::internal_error();
         Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "Internal server error", detail)
     }
 

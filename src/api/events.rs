@@ -5,10 +5,12 @@
 use super::caller::Role;
 use super::dto::Names;
 use super::replans::{ReplanCauseDto, ReplannedDto};
+use super::sentence::kept_parts;
 use super::text::{alarm_name, assignment_name, closure_name, job_name, time_text, worker_name};
 use crate::fleet::{EventDetails, EventKind, EventRow, ReplanCause, RobotView};
 use crate::geometry::{Point, Spot};
 use crate::id::{AssignmentId, ClosureId, Dense, JobId, RobotId, StationId};
+use crate::text::SentenceArgs;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -53,6 +55,14 @@ pub struct EventDto {
     pub reference: Option<String>,
     /// Of an alarm, its text.
     pub text: Option<String>,
+    /// Which sentence `text` is, of an alarm; absent from others, and where a version that had no codes wrote it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>, nullable = false, example = "robot_silent")]
+    pub code: Option<&'static str>,
+    /// What stands in its places; absent where `code` is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub args: Option<SentenceArgs>,
     /// Of a robot that was replanned and of a worker's goal, what they are about.
     #[serde(flatten)]
     pub details: EventDetailsDto,
@@ -147,6 +157,7 @@ pub fn event(names: Names<'_>, role: Role, row: EventRow) -> EventDto {
         EventKind::Alarm => Some(alarm_name(subject)),
         EventKind::Fleet | EventKind::Encounter => None,
     };
+    let (code, args, text) = kept_parts(row.text.filter(|_| row.kind == EventKind::Alarm));
     EventDto {
         seq: row.seq,
         at: time_text(row.at),
@@ -157,7 +168,9 @@ pub fn event(names: Names<'_>, role: Role, row: EventRow) -> EventDto {
         robot: row.robot.and_then(robot),
         worker: row.worker.filter(|_| is_shown).map(worker_name),
         reference: row.reference,
-        text: row.text.filter(|_| row.kind == EventKind::Alarm),
+        text,
+        code,
+        args,
         details: names.event_details(row.details),
     }
 }

@@ -5,6 +5,8 @@
 
 use super::error::{FieldError, Problem};
 use super::text::{LATEST, is_never, parse_time};
+use crate::text::Sentence;
+use crate::text::sentence::requests;
 use crate::time::Time;
 use axum::body::Bytes;
 use axum::extract::rejection::{PathRejection, QueryRejection};
@@ -26,8 +28,7 @@ const LONGEST_SIGNATURE: usize = 80;
 pub fn signed(by: &str) -> Result<String, FieldError> {
     let by = by.trim();
     if by.is_empty() || by.chars().count() > LONGEST_SIGNATURE || by.chars().any(char::is_control) {
-        let detail = format!("say who you are, in 1 to {LONGEST_SIGNATURE} characters");
-        return Err(FieldError::new("by", detail));
+        return Err(FieldError::new("by", requests::say_who_you_are(LONGEST_SIGNATURE)));
     }
     Ok(by.to_owned())
 }
@@ -48,10 +49,10 @@ pub fn read_end(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) -
 }
 
 /// What is wrong with a text that is no time.
-pub fn no_time(text: &str) -> String {
+pub fn no_time(text: &str) -> Sentence {
     match is_never(text) {
-        true => format!("\"{text}\" is later than {LATEST}, the latest time"),
-        false => format!("\"{text}\" is not a time such as 2027-01-31T12:00:00Z"),
+        true => requests::time_too_late(text, LATEST),
+        false => requests::not_a_time(text),
     }
 }
 
@@ -77,15 +78,17 @@ pub(super) async fn json_text(request: Request, limit: usize) -> Result<Bytes, P
     if !media.eq_ignore_ascii_case("application/json") {
         let status = StatusCode::UNSUPPORTED_MEDIA_TYPE;
         let detail = format!("the body is \"{media}\": send JSON with `Content-Type: application/json`");
+        let detail = requests::malformed(detail);
         return Err(Problem::new(status, "media-type", "The body is not JSON", detail));
     }
     let read = axum::body::to_bytes(request.into_body(), limit);
     let read = tokio::time::timeout(BODY_TIME, read).await.map_err(|_| {
         let detail = format!("the body did not come within {} s: send it at once", BODY_TIME.as_secs());
+        let detail = requests::malformed(detail);
         Problem::new(StatusCode::REQUEST_TIMEOUT, "slow-body", "The body is too slow", detail)
     })?;
     let bytes = read.map_err(|_| {
-        let detail = format!("the body is cut off or longer than {limit} bytes");
+        let detail = requests::malformed(format!("the body is cut off or longer than {limit} bytes"));
         Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
     })?;
     // Some programs begin every text with a byte order mark, which means nothing in UTF-8.
@@ -98,7 +101,8 @@ pub(super) fn not_as_wanted(e: &serde_json::Error) -> Problem {
     match e.classify() {
         serde_json::error::Category::Data => {
             let status = StatusCode::UNPROCESSABLE_ENTITY;
-            Problem::new(status, "invalid", "Some fields are wrong", e.to_string())
+            let detail = requests::malformed(e.to_string());
+            Problem::new(status, "invalid", "Some fields are wrong", detail)
         }
         _ => Problem::malformed(format!("the body is not JSON: {e}")),
     }

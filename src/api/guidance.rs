@@ -8,6 +8,8 @@ use super::text::{assignment_name, round3};
 use super::words::{GuidanceReasonDto, GuidanceStateDto};
 use crate::fleet::{Guidance, GuidanceReason, GuidanceState, NearRobot};
 use crate::geometry::{Point, wrap_angle};
+use crate::text::Sentence;
+use crate::text::sentence::guidance as say;
 use crate::time::Time;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -45,9 +47,8 @@ pub struct GuidanceDto {
     /// What the worker is told.
     pub state: GuidanceStateDto,
     /// Why, in words.
-    #[schema(example = "you left the path")]
-    pub reason: Option<String>,
-    /// The same, for programs that say it in other languages.
+    pub reason: Option<Sentence>,
+    /// The same, for programs that have words of their own for it.
     pub cause: Option<GuidanceCauseDto>,
     /// Counts up with every new path.
     pub version: u64,
@@ -168,39 +169,23 @@ fn cause(reason: GuidanceReason, names: Names<'_>) -> GuidanceCauseDto {
     GuidanceCauseDto { kind: reason.into(), robot, closure }
 }
 
-pub(super) fn reason(reason: GuidanceReason, names: Names<'_>) -> String {
+pub(super) fn reason(reason: GuidanceReason, names: Names<'_>) -> Sentence {
+    use GuidanceReason as Why;
     match reason {
-        GuidanceReason::LeftPath => "you left the path".into(),
-        GuidanceReason::RobotComes(r) => format!("{} is coming close: stand still", names.robot(r)),
-        GuidanceReason::RobotInTheWay(r) => {
-            format!("{} blocks the path and cannot move away", names.robot(r))
-        }
-        GuidanceReason::RobotWaits(r) => format!("{} waits for you: please make room", names.robot(r)),
-        GuidanceReason::RobotPasses(r) => {
-            format!("{} has waited for long: stay where you are until it has passed", names.robot(r))
-        }
-        GuidanceReason::RobotCrosses(r) => {
-            format!("{} crosses your path: wait a moment, this way is still the fastest", names.robot(r))
-        }
-        GuidanceReason::PlaceUnsure(r) => format!(
-            "{} waits because the headset knows badly where you are: stand still, and touch the marks again",
-            names.robot(r)
-        ),
-        GuidanceReason::CutsOff => "you stand where robots have work: please make room".into(),
-        GuidanceReason::RoundClosure(c) => {
-            format!("the way leads round a closed area: {}", names.why_closed(c))
-        }
-        GuidanceReason::LeavesClosure(c) => {
-            format!("this area is closed, leave it along the path: {}", names.why_closed(c))
-        }
-        GuidanceReason::PlaceClosed(c) => {
-            format!("the place of your task is in a closed area, wait outside: {}", names.why_closed(c))
-        }
-        GuidanceReason::Evacuation => "the building is evacuated: leave by the door, and stay outside".into(),
-        GuidanceReason::NoWay => "no path to the place is free".into(),
-        GuidanceReason::NotTracked => {
-            "the headset does not know where you are: stand still, and touch the marks again".into()
-        }
+        Why::LeftPath => say::you_left_path(),
+        Why::RobotComes(r) => say::robot_comes(names.robot(r)),
+        Why::RobotInTheWay(r) => say::robot_blocks_path(names.robot(r)),
+        Why::RobotWaits(r) => say::robot_waits_for_you(names.robot(r)),
+        Why::RobotPasses(r) => say::robot_passes(names.robot(r)),
+        Why::RobotCrosses(r) => say::robot_crosses(names.robot(r)),
+        Why::PlaceUnsure(r) => say::place_unsure(names.robot(r)),
+        Why::CutsOff => say::cuts_off(),
+        Why::RoundClosure(c) => say::round_closure(names.why_closed(c)),
+        Why::LeavesClosure(c) => say::leaves_closure(names.why_closed(c)),
+        Why::PlaceClosed(c) => say::place_closed(names.why_closed(c)),
+        Why::Evacuation => say::leave_building(),
+        Why::NoWay => say::no_way(),
+        Why::NotTracked => say::not_tracked(),
     }
 }
 

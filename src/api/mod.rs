@@ -38,9 +38,8 @@ pub mod recording;
 mod refusal;
 mod replans;
 mod roles;
-#[cfg(test)]
-mod said;
 pub mod secrets;
+mod sentence;
 mod shift;
 pub mod targets;
 pub mod text;
@@ -55,6 +54,7 @@ pub use building::map_version;
 pub use http::{alive, router};
 
 use crate::fleet::{Answered, Ask, Refusal, Request, RobotKind, WorkerAction};
+use crate::text::sentence::requests;
 use crate::warehouse::Warehouse;
 use alarms::Alarms;
 use audit::{AuditDesk, AuditEntry};
@@ -155,11 +155,11 @@ impl Api {
     /// Asks what the view does not say.
     async fn query<T>(&self, question: impl FnOnce(oneshot::Sender<T>) -> Question) -> Result<T, Problem> {
         let (reply, answer) = oneshot::channel();
-        let busy = || Problem::unavailable("too many questions are waiting: ask again in a second", 1);
+        let busy = || Problem::unavailable(requests::busy(), 1);
         self.questions.try_send(question(reply)).map_err(|_| busy())?;
         match tokio::time::timeout(PATIENCE, answer).await {
             Ok(Ok(answer)) => Ok(answer),
-            _ => Err(Problem::unavailable("the fleet did not answer in time: ask again soon", 2)),
+            _ => Err(Problem::unavailable(requests::fleet_did_not_answer(), 2)),
         }
     }
 
@@ -194,22 +194,20 @@ impl Api {
         let (reply, answer) = oneshot::channel();
         let by = self.entry.clone().unwrap_or_else(|| Arc::new(self.over_feed(&request)));
         queue.try_send(QueuedRequest { request, by, reply }).map_err(|_| {
-            let cause = self.alarms.list().into_iter().map(|a| a.text).collect::<Vec<_>>().join("; ");
-            let cause = if cause.is_empty() { "too many requests are waiting".into() } else { cause };
-            Problem::unavailable(format!("nothing was accepted: {cause}. Try again soon."), 1)
+            let alarms: Vec<_> = self.alarms.list().into_iter().map(|a| a.text).collect();
+            let cause = match alarms.is_empty() {
+                true => requests::too_many_requests_wait(),
+                false => requests::alarms_say(alarms),
+            };
+            Problem::unavailable(requests::nothing_accepted(cause), 1)
         })?;
         match tokio::time::timeout(PATIENCE, answer).await {
             Ok(Ok(reply)) => Ok(reply),
             Ok(Err(_)) => {
-                let detail = "nothing was accepted: the journal accepts no facts, or the server is \
-                              shutting down. Try again soon.";
-                Err(Problem::unavailable(detail, 2))
+                let cause = requests::journal_takes_nothing();
+                Err(Problem::unavailable(requests::nothing_accepted(cause), 2))
             }
-            Err(_) => {
-                let detail = "not durable after ten seconds: whether it was accepted will be known later. \
-                              Try again with the same Idempotency-Key, which never makes a second one.";
-                Err(Problem::unavailable(detail, 5))
-            }
+            Err(_) => Err(Problem::unavailable(requests::not_durable_yet(), 5)),
         }
     }
 }

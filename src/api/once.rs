@@ -10,6 +10,7 @@ use super::caller::Caller;
 use super::error::Problem;
 use super::extract::{BODY_LIMIT, IdempotencyKey};
 use super::port::{AnswerDesk, KeptAnswer, KeyedRequest, KnownRequest};
+use crate::text::sentence::requests;
 use axum::body::{Body, to_bytes};
 use axum::extract::{FromRequestParts, Request};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
@@ -41,14 +42,14 @@ pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, n
     };
     // What is too long is refused by who reads it, and leaves nothing to be repeated.
     let Ok(body) = to_bytes(body, BODY_LIMIT + 1).await else {
-        let detail = format!("a body may have {BODY_LIMIT} bytes at most");
+        let detail = requests::malformed(format!("a body may have {BODY_LIMIT} bytes at most"));
         let status = StatusCode::PAYLOAD_TOO_LARGE;
         return Problem::new(status, "too-large", "The body is too long", detail).into_response();
     };
     let digest = Sha256::digest(&body).iter().map(|b| format!("{b:02x}")).collect();
     let keyed = KeyedRequest { caller: caller.account(), route: route.into(), key };
     match desk.begin(keyed.clone(), digest, (api.now)()).await {
-        Err(why) => Problem::unavailable(why, 2).into_response(),
+        Err(why) => Problem::of_records(why).into_response(),
         Ok(KnownRequest::Answered(kept)) => replayed(kept),
         Ok(KnownRequest::New) => {
             // To its end, whether or not the client waits for that.
@@ -106,16 +107,19 @@ fn refused(known: &KnownRequest) -> Problem {
     match known {
         KnownRequest::Other => {
             let detail = "the Idempotency-Key was used for another request: use a new key for a new one";
+            let detail = requests::malformed(detail);
             let status = StatusCode::UNPROCESSABLE_ENTITY;
             Problem::new(status, "key-reused", "The key belongs to another request", detail)
         }
         KnownRequest::Running => {
             let detail = "the request with this key is still being carried out: ask again in a second";
+            let detail = requests::malformed(detail);
             Problem { retry_after: Some(1), ..Problem::conflict("in-progress", "Still in progress", detail) }
         }
         _ => {
             let detail = "the server ended, or could not write, while it carried out the request with this key, so it \
                           is not known whether it did: look at the list, and use a new key if it is not there";
+            let detail = requests::malformed(detail);
             Problem::conflict("outcome-unknown", "The outcome is not known", detail)
         }
     }

@@ -18,6 +18,7 @@ use crate::fleet::{
 };
 use crate::geometry::Point;
 use crate::id::{ClosureId, Dense, NodeId, SeriesId, WorkerId};
+use crate::text::Sentence;
 use crate::time::Time;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -53,8 +54,7 @@ pub struct WorkerDto {
     /// What the worker is told.
     pub state: GuidanceStateDto,
     /// Why, in words.
-    #[schema(example = "you left the path")]
-    pub reason: Option<String>,
+    pub reason: Option<Sentence>,
     /// Counts up with every new path.
     pub version: u64,
     /// The path from here on, metres.

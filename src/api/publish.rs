@@ -6,6 +6,7 @@
 use super::audit::AuditEntry;
 use super::error::Problem;
 use crate::fleet::carry::Report;
+use crate::text::sentence::requests;
 use crate::time::Time;
 use crate::warehouse::{Difference, Draft, Review};
 use std::sync::Arc;
@@ -104,10 +105,9 @@ impl MapDesk {
     ) -> Result<Result<T, MapRefusal>, Problem> {
         let requests = self.requests.as_ref().ok_or_else(Problem::of_recording)?;
         let (reply, answer) = oneshot::channel();
-        let busy = || Problem::unavailable("another map is being checked or published: try again soon", 3);
+        let busy = || Problem::unavailable(requests::map_busy(), 3);
         requests.try_send(request(reply)).map_err(|_| busy())?;
-        let gone = "the server shuts down, or goes over to another map just now: look at the map again";
-        answer.await.map_err(|_| Problem::unavailable(gone, 3))
+        answer.await.map_err(|_| Problem::unavailable(requests::map_changes(), 3))
     }
 }
 

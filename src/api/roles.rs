@@ -5,6 +5,7 @@
 
 use super::caller::{Caller, Role};
 use super::error::Problem;
+use crate::text::sentence::requests;
 use axum::http::StatusCode;
 
 /// Who may use a route.
@@ -216,13 +217,11 @@ pub fn check_role(caller: &Caller, method: &str, route: &str, path: &str) -> Res
     {
         return Ok(());
     }
-    let subject = caller.subject.as_deref().map_or(String::new(), |s| format!(" of {s}"));
-    let needed = access.words().unwrap_or_default();
-    let detail = format!(
-        "\"{}\" has the role {}{subject}, and this needs the role {needed}",
-        caller.name,
-        caller.role.word()
-    );
+    let (name, role, needed) = (&caller.name, caller.role.word(), access.words().unwrap_or_default());
+    let detail = match &caller.subject {
+        Some(subject) => requests::role_needed_for_subject(name, role, subject, needed),
+        None => requests::role_needed(name, role, needed),
+    };
     Err(Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail))
 }
 
@@ -288,6 +287,6 @@ mod tests {
         let caller = Caller { name: "anna".into(), role: Role::Viewer, ..Caller::anonymous() };
         let problem = check_role(&caller, "POST", "/v1/fleet/stop", "/v1/fleet/stop").unwrap_err();
         let detail = "\"anna\" has the role viewer, and this needs the role operator or admin";
-        assert_eq!((problem.status, problem.detail.as_str()), (403, detail));
+        assert_eq!((problem.status, &*problem.detail), (403, detail));
     }
 }

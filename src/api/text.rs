@@ -5,7 +5,6 @@
 
 use crate::id::{AssignmentId, ClosureId, JobId, SeriesId, WorkerId};
 use crate::time::{Span, Time};
-use crate::warehouse::Station;
 
 /// A job's name on the wire.
 pub fn job_name(id: JobId) -> String {
@@ -142,14 +141,6 @@ pub fn parse_closure(text: &str) -> Option<ClosureId> {
 /// A worker's number from its name, if it is one.
 pub fn parse_worker_name(text: &str) -> Option<WorkerId> {
     number(text, "w").and_then(|n| u32::try_from(n - 1).ok()).map(WorkerId)
-}
-
-/// Why a robot stands because of a hand at a station, in words.
-pub fn hand_words(station: Option<&Station>) -> String {
-    match station {
-        Some(station) => format!("stands while a hand is in the opening of station {}", station.name),
-        None => "stands while a hand is in the opening of its station".into(),
-    }
 }
 
 #[cfg(test)]

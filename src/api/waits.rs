@@ -8,6 +8,8 @@ use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use super::words::{WaitCauseDto as About, WaitedKindDto as By, WaiterKindDto};
 use crate::fleet::{Act, Because, JobWhy, Waiting, Who, Why};
 use crate::id::Dense;
+use crate::text::Sentence;
+use crate::text::sentence::reasons;
 use crate::time::Time;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -22,7 +24,7 @@ pub struct WhyDto {
     pub waiting: bool,
     /// When this was so, RFC 3339.
     pub at: String,
-    /// The whole chain in one sentence.
+    /// The whole chain in one sentence, in English: the texts of its links.
     #[schema(example = "robot-1 waits for R33, held by robot-2; robot-2 is being picked from.")]
     pub text: String,
     /// From the robot or job that waits to the root cause: all other links depend on the last one.
@@ -40,8 +42,7 @@ pub struct LinkDto {
     /// What the link is about.
     pub cause: About,
     /// In words, without the name of the robot or job.
-    #[schema(example = "waits for R33, held by robot-2")]
-    pub text: String,
+    pub text: Sentence,
     /// Node or lane that is waited for.
     #[schema(example = "R33")]
     pub resource: Option<String>,
@@ -74,7 +75,7 @@ impl Names<'_> {
             Who::Job(j) => (job_name(j), WaiterKindDto::Job),
             Who::Worker(w) => (worker_name(w), WaiterKindDto::Worker),
         };
-        let link = |cause, by: Option<(String, By)>, text: String| {
+        let link = |cause, by: Option<(String, By)>, text: Sentence| {
             let (by, by_kind) = by.unzip();
             let until = waiting.until.map(time_text);
             let until_s = waiting.until.map(|t| round3((t - at).as_secs_f64()));
@@ -99,27 +100,25 @@ impl Names<'_> {
                     _ => None,
                 };
                 let text = self.why_of_party(waiting.who, why);
-                LinkDto { resource, ..link(cause, by, active(&text)) }
+                LinkDto { resource, ..link(cause, by, text) }
             }
             Because::Job(why) => {
                 let (cause, by) = self.about_job(why);
-                link(cause, by, active(&self.why_job(why)))
+                link(cause, by, self.why_job(why))
             }
-            Because::AtStop(act) => link(About::Stop, None, at_stop(act).into()),
-            Because::Drives => link(About::Drives, None, "drives on and then frees it".into()),
-            Because::Later => link(About::Later, None, "goes on as planned".into()),
-            Because::Stays => link(About::Stays, None, "stands where it may stay".into()),
-            Because::Walks => link(About::Walks, None, "walks on, or is at work".into()),
+            Because::AtStop(act) => link(About::Stop, None, at_stop(act)),
+            Because::Drives => link(About::Drives, None, reasons::drives_on()),
+            Because::Later => link(About::Later, None, reasons::goes_on_as_planned()),
+            Because::Stays => link(About::Stays, None, reasons::stays()),
+            Because::Walks => link(About::Walks, None, reasons::walks()),
             Because::InTheWay(r) => {
                 let by = self.robot(r);
-                let text = format!("waits for {by}, which is in the way");
+                let text = reasons::robot_in_the_way(&by);
                 link(About::Robot, Some((by, By::Robot)), text)
             }
-            Because::NoWay => link(About::NoWay, None, "was told to stop: there is no way on".into()),
-            Because::Stands => link(About::Stands, None, "stands, and may walk on or not".into()),
-            Because::Lost => {
-                link(About::Lost, None, "cannot be placed: the headset has lost its place".into())
-            }
+            Because::NoWay => link(About::NoWay, None, reasons::told_to_stop()),
+            Because::Stands => link(About::Stands, None, reasons::person_stands()),
+            Because::Lost => link(About::Lost, None, reasons::person_lost()),
         }
     }
 
@@ -145,7 +144,7 @@ impl Names<'_> {
     }
 
     /// Why a robot does not go on, in words.
-    fn why_of_party(&self, who: Who, why: Why) -> String {
+    fn why_of_party(&self, who: Who, why: Why) -> Sentence {
         let robot = match who {
             Who::Robot(r) => self.view.robots.get(r.ix()),
             Who::Job(_) | Who::Worker(_) => None,
@@ -186,36 +185,12 @@ impl Names<'_> {
     }
 }
 
-/// What a robot does at a stop, in words.
-fn at_stop(act: Act) -> &'static str {
+/// What a robot does at a stop.
+fn at_stop(act: Act) -> Sentence {
     match act {
-        Act::Lift(_) => "is lifting its rack",
-        Act::Set(_) => "is setting its rack down",
-        Act::Pick(_) => "is being picked from",
-        Act::Arrive => "has arrived",
+        Act::Lift(_) => reasons::lifts(),
+        Act::Set(_) => reasons::sets_down(),
+        Act::Pick(_) => reasons::is_picked_from(),
+        Act::Arrive => reasons::has_arrived(),
     }
-}
-
-/// The reason as a predicate: "waiting for …" becomes "waits for …".
-pub(super) fn active(text: &str) -> String {
-    for (from, to) in [
-        ("waiting for ", "waits for "),
-        ("giving way to ", "gives way to "),
-        ("no robot is free", "waits for a robot: none is free"),
-        ("no route found yet; trying again", "has found no route yet and tries again"),
-        ("no telemetry", "sends no telemetry"),
-        ("driven by hand", "is driven by hand"),
-        ("in maintenance", "is in maintenance"),
-        ("no robot of a kind", "waits for a robot: none of a kind"),
-        ("paused", "is paused"),
-        ("stopped", "is stopped"),
-        ("stands while the building", "stands while the building"),
-        ("the way leads into ", "stands before "),
-        ("the queue of ", "waits outside: the queue of "),
-    ] {
-        if let Some(rest) = text.strip_prefix(from) {
-            return format!("{to}{rest}");
-        }
-    }
-    text.to_owned()
 }

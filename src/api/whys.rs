@@ -1,80 +1,61 @@
-//! Why jobs and robots do not go on, and why jobs failed, in words.
+//! Why jobs and robots do not go on, and why jobs failed, in sentences.
 //!
-//! Adds these questions to [`Names`]. `web/src/language/said/` has each sentence in other languages. Refuses: to find
-//! out why; the fleet does.
+//! Adds these questions to [`Names`]. Each reason has a sentence of its own in `text/sentence/reasons.rs`. Refuses: to
+//! find out why; the fleet does.
 
 use super::dto::Names;
-use super::text::{closure_name, hand_words, job_name, worker_name};
+use super::text::{closure_name, job_name, worker_name};
 use crate::alarm::displacement_words;
 use crate::fleet::{JobFailure, JobWhy, JobsAhead, RobotView, Why};
-use crate::id::{Dense, RobotId};
+use crate::id::{Dense, RackId, RobotId, StationId};
+use crate::text::sentence::reasons;
+use crate::text::{Sentence, SentenceArg};
 use crate::warehouse::NodeKind;
 
 impl Names<'_> {
-    /// Why a job does not go on, in words.
-    pub fn why_job(&self, why: JobWhy) -> String {
-        let rack = |r| self.map.racks.get(r).map_or_else(|| format!("{r:?}"), |rack| rack.name.clone());
-        let station = |s| self.map.stations.get(s).map_or_else(|| format!("{s:?}"), |s| s.name.clone());
+    /// Why a job does not go on.
+    pub fn why_job(&self, why: JobWhy) -> Sentence {
         match why {
-            JobWhy::After(job) => format!("waiting for {} to be over", job_name(job)),
-            JobWhy::RackBusy(k, r, _) if self.trouble(r).is_some() => {
-                let is_on = self.view.robots.get(r.ix()).is_some_and(|robot| robot.rack == Some(k));
-                let at = if is_on { "which is on" } else { "which was to be fetched by" };
-                format!("waiting for rack {}, {at} {}", rack(k), self.with_trouble(r))
-            }
-            JobWhy::RackBusy(k, r, Some(job)) => {
-                format!("waiting for rack {}, which {} moves for {}", rack(k), self.robot(r), job_name(job))
-            }
-            JobWhy::RackBusy(k, r, None) => {
-                format!("waiting for rack {}, which {} brings back to storage", rack(k), self.robot(r))
-            }
-            JobWhy::RobotBusy(r, Some(job)) => {
-                format!("waiting for {}, which works on {}", self.robot(r), job_name(job))
-            }
-            JobWhy::RobotBusy(r, None) => {
-                format!("waiting for {}, which is on its way somewhere", self.robot(r))
-            }
-            JobWhy::NoRobot => "no robot is free".into(),
-            JobWhy::Outranked(ahead) => format!("no robot is free; jobs ahead: {}", ahead_words(ahead)),
-            JobWhy::NoKind => "no robot of a kind that can do this job has joined".into(),
-            JobWhy::StationFull(s) => {
-                format!("waiting for room at {}: a robot stands in every place", station(s))
-            }
-            JobWhy::RacksWait(s, r) => {
-                let (station, robot) = (station(s), self.robot(r));
-                format!(
-                    "waiting for room at {station}: enough racks wait for it already, first that on {robot}"
-                )
-            }
-            JobWhy::StationPaused(s) => format!("waiting for {} to resume: it is paused", station(s)),
-            JobWhy::ClosedOff => "waiting for a closed or obstructed place at its rack or destination".into(),
+            JobWhy::After(job) => reasons::after_job(job_name(job)),
+            JobWhy::RackBusy(k, r, job) => self.rack_busy(k, r, job.map(job_name)),
+            JobWhy::RobotBusy(r, Some(job)) => reasons::robot_works(self.robot(r), job_name(job)),
+            JobWhy::RobotBusy(r, None) => reasons::robot_on_its_way(self.robot(r)),
+            JobWhy::NoRobot => reasons::no_robot_free(),
+            JobWhy::Outranked(ahead) => outranked(ahead),
+            JobWhy::NoKind => reasons::no_robot_of_kind(),
+            JobWhy::StationFull(s) => reasons::station_full(self.station_name(s)),
+            JobWhy::RacksWait(s, r) => reasons::racks_wait(self.station_name(s), self.robot(r)),
+            JobWhy::StationPaused(s) => reasons::station_paused(self.station_name(s)),
+            JobWhy::ClosedOff => reasons::place_closed_off(),
             JobWhy::StationBlocked(s, r) => {
-                format!(
-                    "waiting for the way to or from {}, on which stands {}",
-                    station(s),
-                    self.with_trouble(r)
-                )
+                reasons::station_blocked(self.station_name(s), self.with_trouble(r))
             }
-            JobWhy::WayBlocked(r) => {
-                format!(
-                    "waiting for the only way to its rack or destination, on which stands {}",
-                    self.with_trouble(r)
-                )
-            }
-            JobWhy::WayClosed(c) => {
-                let area = closure_name(c);
-                format!("waiting for closed area {area} to open: it cuts the rack off from its destination")
-            }
-            JobWhy::RackBlocked(k, r) => {
-                format!("waiting for rack {}, beneath which stands {}", rack(k), self.with_trouble(r))
-            }
-            JobWhy::NoPlace(NodeKind::Charger) => "waiting for a charger: all are taken or closed".into(),
-            JobWhy::NoPlace(_) => "waiting for a parking place: all are taken or closed".into(),
-            JobWhy::RobotLow(r) => format!("waiting for {} to charge", self.robot(r)),
+            JobWhy::WayBlocked(r) => reasons::way_blocked(self.with_trouble(r)),
+            JobWhy::WayClosed(c) => reasons::way_closed(closure_name(c)),
+            JobWhy::RackBlocked(k, r) => reasons::rack_blocked(self.rack_name(k), self.with_trouble(r)),
+            JobWhy::NoPlace(NodeKind::Charger) => reasons::no_charger(),
+            JobWhy::NoPlace(_) => reasons::no_parking(),
+            JobWhy::RobotLow(r) => reasons::robot_charges(self.robot(r)),
             JobWhy::Robot(r, why) => match self.view.robots.get(r.ix()) {
-                Some(robot) => format!("{}: {}", robot.name, self.why_of(robot, why)),
+                Some(robot) => reasons::robot_says(&robot.name, self.why_of(robot, why)),
                 None => self.why(why),
             },
+        }
+    }
+
+    /// The rack of a job is on a robot, or reserved for one; `job` is what the robot moves it for.
+    fn rack_busy(&self, rack: RackId, robot: RobotId, job: Option<String>) -> Sentence {
+        let name = self.rack_name(rack);
+        if self.trouble(robot).is_some() {
+            let is_on = self.view.robots.get(robot.ix()).is_some_and(|robot| robot.rack == Some(rack));
+            return match is_on {
+                true => reasons::rack_on(name, self.with_trouble(robot)),
+                false => reasons::rack_to_be_fetched(name, self.with_trouble(robot)),
+            };
+        }
+        match job {
+            Some(job) => reasons::rack_moved(name, self.robot(robot), job),
+            None => reasons::rack_brought_back(name, self.robot(robot)),
         }
     }
 
@@ -84,118 +65,79 @@ impl Names<'_> {
     }
 
     /// A robot, with what is wrong with it.
-    fn with_trouble(&self, r: RobotId) -> String {
+    fn with_trouble(&self, r: RobotId) -> SentenceArg {
         let robot = self.view.robots.get(r.ix());
-        let trouble = robot.and_then(|robot| Some(self.why_of(robot, self.trouble(r)?)));
-        self.robot(r) + &trouble.map(|words| format!(" ({words})")).unwrap_or_default()
+        match robot.and_then(|robot| Some(self.why_of(robot, self.trouble(r)?))) {
+            Some(trouble) => reasons::robot_in_trouble(self.robot(r), trouble).into(),
+            None => self.robot(r).into(),
+        }
     }
 
-    /// Why a robot does not go on, in words, with what becomes of its rack.
-    pub fn why_of(&self, robot: &RobotView, why: Why) -> String {
-        let rack = robot.rack.and_then(|r| self.map.racks.get(r));
-        match (why, rack) {
-            (Why::Failed, Some(rack)) => {
-                let name = &rack.name;
-                format!(
-                    "cannot drive, and has rack {name} on it: repair it, or push it onto a free node; or set the rack \
-                     down in storage by hand and say where with POST /v1/racks/{name}/taken"
-                )
-            }
+    /// Why a robot does not go on, with what becomes of its rack.
+    pub fn why_of(&self, robot: &RobotView, why: Why) -> Sentence {
+        match (why, robot.rack.and_then(|r| self.map.racks.get(r))) {
+            (Why::Failed, Some(rack)) => reasons::cannot_drive_with_rack(&rack.name),
             _ => self.why(why),
         }
     }
 
-    /// Why a robot does not go on, in words.
-    pub fn why(&self, why: Why) -> String {
+    /// Why a robot does not go on.
+    pub fn why(&self, why: Why) -> Sentence {
         match why {
-            Why::WaitsFor(resource, r) => {
-                format!("waiting for {}, held by {}", self.map.resource_name(resource), self.robot(r))
-            }
-            Why::GivesWay(w) => format!("giving way to worker {}", worker_name(w)),
-            Why::Closed(c) => format!("the way leads into closed area {}", closure_name(c)),
-            Why::QueueFull(s) => match self.map.stations.get(s) {
-                Some(station) => format!("the queue of station {} is full", station.name),
-                None => "the queue of its station is full".into(),
-            },
-            Why::NotItsTurn(s, r) => match self.map.stations.get(s) {
-                Some(station) => {
-                    format!(
-                        "waiting for its turn at station {}: before it comes {}",
-                        station.name,
-                        self.robot(r)
-                    )
-                }
-                None => format!("waiting for its turn at its station: before it comes {}", self.robot(r)),
-            },
-            Why::StationPaused(s) => {
-                let station = self.map.stations.get(s).map_or("its station", |s| s.name.as_str());
-                format!("waiting for {station} to resume: it is paused")
-            }
-            Why::HandInOpening(s) => hand_words(self.map.stations.get(s)),
-            Why::NoRoute => "no route found yet; trying again".into(),
-            Why::Failed => {
-                "cannot drive: repair it, push it onto a free node, or take it off the floor".into()
-            }
-            Why::EmergencyStop => {
-                "stopped: its emergency stop is pressed; release it when the way is clear".into()
-            }
-            Why::Manual => "driven by hand: it goes on by itself once it is left on a free node".into(),
-            Why::Obstructed(n) => {
-                let node = self.map.nodes.get(n).map_or("the next node", |n| n.name.as_str());
-                format!(
-                    "cannot pass: something stands on its way to {node}; clear the way; the robot looks for another"
-                )
-            }
-            Why::WayObstructed(n) => {
-                let node = self.node(n);
-                format!("waiting for {node} to be cleared: a robot reported that something stands there")
-            }
-            Why::Unplugged => "gets no current from its charger: check the plug and the charger".into(),
+            Why::WaitsFor(resource, r) => reasons::waits_for(self.map.resource_name(resource), self.robot(r)),
+            Why::GivesWay(w) => reasons::gives_way(worker_name(w)),
+            Why::Closed(c) => reasons::area_ahead(closure_name(c)),
+            Why::QueueFull(s) => reasons::queue_full(self.station_name(s)),
+            Why::NotItsTurn(s, r) => reasons::not_its_turn(self.station_name(s), self.robot(r)),
+            Why::StationPaused(s) => reasons::station_paused(self.station_name(s)),
+            Why::HandInOpening(s) => reasons::hand_in_opening(self.station_name(s)),
+            Why::NoRoute => reasons::no_route(),
+            Why::Failed => reasons::cannot_drive(),
+            Why::EmergencyStop => reasons::emergency_stop(),
+            Why::Manual => reasons::driven_by_hand(),
+            Why::Obstructed(n) => reasons::obstructed(self.node(n)),
+            Why::WayObstructed(n) => reasons::way_obstructed(self.node(n)),
+            Why::Unplugged => reasons::unplugged(),
             Why::Displaced(displacement) => displacement_words(self.map, |r| self.robot(r), displacement),
-            Why::BlockedBy(r) => {
-                format!("waiting for {} to be repaired or moved out of its way", self.robot(r))
-            }
-            Why::Silent => "no telemetry".into(),
-            Why::Paused => PAUSED.into(),
-            Why::Maintenance => "in maintenance".into(),
-            Why::Leaving => "leaves the floor: switch it off before you take it away".into(),
-            Why::Gone => "has left the floor".into(),
-            Why::Stopped => "stopped with the whole fleet".into(),
-            Why::Evacuation => "stands while the building is evacuated".into(),
+            Why::BlockedBy(r) => reasons::blocked_by(self.robot(r)),
+            Why::Silent => reasons::silent(),
+            Why::Paused => reasons::paused(),
+            Why::Maintenance => reasons::in_maintenance(),
+            Why::Leaving => reasons::leaves(),
+            Why::Gone => reasons::has_left(),
+            Why::Stopped => reasons::fleet_stopped(),
+            Why::Evacuation => reasons::stands_for_evacuation(),
         }
     }
 
-    /// Why a job failed, in words; `gone` is what a place was called that the map no longer has.
-    pub fn why_failed(&self, why: JobFailure, gone: Option<String>) -> String {
+    /// Why a job failed; `gone` is what a place was called that the map no longer has.
+    pub fn why_failed(&self, why: JobFailure, gone: Option<String>) -> Sentence {
         match why {
-        JobFailure::Predecessor(job) => {
-            format!("{}, which had to be over first, was cancelled or failed", job_name(job))
-        }
-        JobFailure::Unreachable => "no route leads there, even on an empty floor".into(),
-        JobFailure::Short => "the station reported that goods were missing".into(),
-        JobFailure::NoPlaceAside => {
-            "robots want one another's places, and no free place is left at which one of them could make room"
-                .into()
-        }
-        JobFailure::RobotGone => "the robot that it names has left the floor".into(),
-        JobFailure::MapChanged => "the map was changed and no longer has what this job names".into(),
-        JobFailure::StorageTaken(node) => {
-            let node = gone.unwrap_or_else(|| self.node(node));
-            format!("{node} has another rack, or is reserved for one: the rack was put elsewhere")
+            JobFailure::Predecessor(job) => reasons::predecessor_failed(job_name(job)),
+            JobFailure::Unreachable => reasons::unreachable(),
+            JobFailure::Short => reasons::goods_missing(),
+            JobFailure::NoPlaceAside => reasons::no_place_aside(),
+            JobFailure::RobotGone => reasons::named_robot_gone(),
+            JobFailure::MapChanged => reasons::map_changed(),
+            JobFailure::StorageTaken(node) => reasons::put_elsewhere(gone.unwrap_or_else(|| self.node(node))),
         }
     }
+
+    fn rack_name(&self, rack: RackId) -> String {
+        self.map.racks.get(rack).map_or_else(|| format!("{rack:?}"), |rack| rack.name.clone())
+    }
+
+    fn station_name(&self, station: StationId) -> String {
+        self.map.stations.get(station).map_or_else(|| format!("{station:?}"), |s| s.name.clone())
     }
 }
 
-/// Who is before a job, in words.
-fn ahead_words(JobsAhead { higher, others, more }: JobsAhead) -> String {
+/// How many jobs are before a job.
+fn outranked(JobsAhead { higher, others, more }: JobsAhead) -> Sentence {
     match (higher, others) {
-        _ if more => format!("{} or more", higher + others),
-        (_, 0) => format!("{higher} of higher priority"),
-        (0, _) => format!("{others} older or due sooner"),
-        _ => format!("{higher} of higher priority and {others} older or due sooner"),
+        _ if more => reasons::many_jobs_ahead(higher + others),
+        (_, 0) => reasons::jobs_of_higher_priority(higher),
+        (0, _) => reasons::jobs_due_sooner(others),
+        _ => reasons::jobs_ahead(higher, others),
     }
 }
-
-/// What a robot says that was paused; pages go by it.
-const PAUSED: &str = "paused by hand";

@@ -12,6 +12,7 @@ use super::live::{FeedReader, LAGGING, PatchFormat, SnapshotFormat};
 use super::people::SensesDto;
 use super::text::worker_name;
 use crate::id::{Dense, WorkerId};
+use crate::text::sentence::requests;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, Utf8Bytes, WebSocket, WebSocketUpgrade, close_code};
 use axum::http::StatusCode;
@@ -82,10 +83,11 @@ pub(super) fn reader_upgrade(
 ) -> Result<WebSocketUpgrade, Problem> {
     let upgrade = upgrade.map_err(|e| {
         let detail = format!("this is a WebSocket: connect with ws:// or wss:// ({})", e.body_text());
+        let detail = requests::malformed(detail);
         Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
     })?;
     if api.metrics.live_clients.get() >= MOST_READERS {
-        return Err(Problem::too_many(format!("{MOST_READERS} live feeds are open, which is the limit"), 10));
+        return Err(Problem::too_many(requests::too_many_feeds(MOST_READERS), 10));
     }
     Ok(upgrade.protocols(["giveway"]).max_message_size(4096).max_write_buffer_size(64 << 20))
 }

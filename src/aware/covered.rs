@@ -7,6 +7,8 @@
 use super::nodes_in;
 use crate::geometry::{OutlineFault, Point, Segment, Vector, inside, outline_area_m2, runs_through};
 use crate::id::{NodeId, StationId};
+use crate::text::sentence::requests;
+use crate::text::{Sentence, SentenceArg};
 use crate::warehouse::{NodeKind, Warehouse};
 use std::fmt;
 
@@ -55,31 +57,29 @@ impl From<OutlineFault> for AreaFault {
     }
 }
 
-impl fmt::Display for AreaFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl AreaFault {
+    /// What is wrong, and what to do.
+    pub fn sentence(&self) -> Sentence {
+        let metres = |m: f64| SentenceArg::up_to(m, 3);
         let reach = |(low, high): &(Point, Point)| {
-            format!("the map reaches from ({}, {}) to ({}, {}) metres", low.x, low.y, high.x, high.y)
+            requests::map_reaches(metres(low.x), metres(low.y), metres(high.x), metres(high.y))
         };
         match self {
-            AreaFault::Outline(fault) => write!(f, "{fault}"),
+            AreaFault::Outline(fault) => fault.sentence(),
             AreaFault::Small(m2) => {
-                write!(f, "it encloses {m2:.4} m², and must enclose an area of at least {SMALLEST_M2} m²")
+                requests::area_too_small(SentenceArg::rounded(*m2, 4), SentenceArg::rounded(SMALLEST_M2, 2))
             }
-            AreaFault::OffFloor { corner, at, bounds } => write!(
-                f,
-                "corner {corner} at ({}, {}) is far off the floor: {}; are these millimetres, or another map's?",
-                at.x,
-                at.y,
-                reach(bounds)
-            ),
-            AreaFault::Nothing(bounds) => {
-                write!(
-                    f,
-                    "it covers nothing that could be closed: no node and no floor to walk on; {}",
-                    reach(bounds)
-                )
+            AreaFault::OffFloor { corner, at, bounds } => {
+                requests::area_off_floor(*corner, metres(at.x), metres(at.y), reach(bounds))
             }
+            AreaFault::Nothing(bounds) => requests::area_covers_nothing(reach(bounds)),
         }
+    }
+}
+
+impl fmt::Display for AreaFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.sentence().text())
     }
 }
 

@@ -3,6 +3,8 @@
 //! Main function: [`outline_area_m2`]. Refuses: to put corners in order, which would be a guess.
 
 use super::{FARTHEST_M, Point, Segment};
+use crate::text::sentence::requests;
+use crate::text::{Sentence, SentenceArg};
 use std::fmt;
 
 /// Less is no area, square metres: openings of cells are thin.
@@ -21,24 +23,21 @@ pub enum OutlineFault {
     Crosses(usize, usize),
 }
 
+impl OutlineFault {
+    /// What is wrong, and what to do.
+    pub fn sentence(&self) -> Sentence {
+        match self {
+            OutlineFault::Corners(n) => requests::outline_corners(*n),
+            OutlineFault::Far(i) => requests::outline_far(*i, FARTHEST_M as i64),
+            OutlineFault::Flat(m2) => requests::outline_flat(SentenceArg::rounded(*m2, 6)),
+            OutlineFault::Crosses(i, j) => requests::outline_crosses(*i, *j),
+        }
+    }
+}
+
 impl fmt::Display for OutlineFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            OutlineFault::Corners(n) => {
-                write!(f, "{n} corners enclose no area: an outline needs three or more that differ")
-            }
-            OutlineFault::Far(i) => {
-                write!(f, "corner {i} is absurdly far away or not a number: give metres within ±{FARTHEST_M}")
-            }
-            OutlineFault::Flat(m2) => {
-                write!(f, "it encloses {m2:.6} m², which is no area: draw it with its width")
-            }
-            OutlineFault::Crosses(i, j) => write!(
-                f,
-                "the outline crosses itself: the side from corner {i} meets the side from corner {j}; list the corners \
-                 in the order in which one walks round the area"
-            ),
-        }
+        f.write_str(self.sentence().text())
     }
 }
 

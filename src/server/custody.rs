@@ -6,6 +6,7 @@ use super::clock::Clock;
 use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
 use crate::store::Store;
+use crate::text::sentence::alarms as sentence;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -34,7 +35,7 @@ pub async fn watch_over(
             }
             Err(e) => {
                 displaced.send_replace(true);
-                let text = format!("{e}. Robots drive to the end of their grants and stop.");
+                let text = sentence::database_gone(e.to_string());
                 alarms.raise(AlarmKind::Database, text, clock.now());
             }
         }

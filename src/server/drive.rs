@@ -26,6 +26,7 @@ use crate::fleet::{CellWarning, Command, Fleet, Guidance, Input, SILENCE};
 use crate::id::{RobotId, WorkerId};
 use crate::sim::World;
 use crate::store::Store;
+use crate::text::sentence::alarms as sentence;
 use crate::time::{Span, Time};
 use std::sync::Arc;
 use std::time::Duration;
@@ -215,9 +216,7 @@ impl DriveLoop {
         let robots = if self.pace.halted {
             drivers(inputs).collect()
         } else {
-            let text =
-                "the journal is full: all robots were told to stop until the database takes facts again.";
-            self.alarms.raise(AlarmKind::Halt, text, now);
+            self.alarms.raise(AlarmKind::Halt, sentence::journal_full(), now);
             self.pace.halted = true;
             self.fleet.ledger().robots.ids().collect()
         };
@@ -446,7 +445,7 @@ mod tests {
         assert!(drive.rescue.is_broken());
         until(&mut drive, Some(0.0)).await;
         let said = drive.alarms.of_kind(AlarmKind::Broken).expect("it says so").text;
-        assert!(said.contains("again and again"), "{said}");
+        assert!(said.text().contains("again and again"), "{said}");
         let mut refused = ask(&queue, JobAction::Cancel(crate::id::JobId(1)));
         drive.turn(&mut published);
         assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));

@@ -6,6 +6,8 @@
 
 use crate::api::alive;
 use crate::api::error::Problem;
+use crate::text::Sentence;
+use crate::text::sentence::requests;
 use axum::Router;
 use axum::extract::{Request, State};
 use axum::http::StatusCode;
@@ -18,13 +20,13 @@ use tokio::time::sleep;
 use tower::ServiceExt;
 
 /// Seconds after which a new try makes sense while the journal loads.
-const AGAIN_S: u32 = 1;
+const AGAIN_S: u16 = 1;
 
 /// Seconds after which a new try makes sense where there is no room on the disk.
-const ROOM_S: u32 = 10;
+const ROOM_S: u16 = 10;
 
 /// Seconds after which a new try makes sense where a person has to act first.
-const MENDED_S: u32 = 60;
+const MENDED_S: u16 = 60;
 
 /// How long requests that are inside may take when the map is changed, and how often it is looked.
 const LEAVE: Duration = Duration::from_secs(3);
@@ -107,22 +109,24 @@ async fn enter(State(entrance): State<Entrance>, request: Request) -> Response {
             return response;
         }
         Inside::Starting => {
-            let detail = "the server is starting: it loads its journal. Try again soon.";
-            problem("starting", "The server is starting", detail.into(), AGAIN_S)
+            problem("starting", "The server is starting", requests::server_starting(), AGAIN_S)
         }
         Inside::Changing => {
-            let detail = "the server goes over to another map: it loads its journal again. Try again soon.";
-            problem("starting", "The map is being changed", detail.into(), AGAIN_S)
+            problem("starting", "The map is being changed", requests::map_being_changed(), AGAIN_S)
         }
-        Inside::NoRoom(why) => problem("no-room", "There is no room on the disk", why, ROOM_S),
-        Inside::Shut(why) => problem("broken", "The server cannot work", why, MENDED_S),
+        Inside::NoRoom(why) => {
+            problem("no-room", "There is no room on the disk", requests::unavailable(why), ROOM_S)
+        }
+        Inside::Shut(why) => {
+            problem("broken", "The server cannot work", requests::unavailable(why), MENDED_S)
+        }
     };
     let path = request.uri().path().to_owned();
     let lives = Router::new().route("/v1/health/live", get(alive)).fallback(async move || problem.at(&path));
     lives.oneshot(request).await.into_response()
 }
 
-fn problem(kind: &str, title: &'static str, detail: String, again_s: u32) -> Problem {
+fn problem(kind: &str, title: &'static str, detail: Sentence, again_s: u16) -> Problem {
     let problem = Problem::new(StatusCode::SERVICE_UNAVAILABLE, kind, title, detail);
     Problem { retry_after: Some(again_s), ..problem }
 }

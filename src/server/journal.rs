@@ -12,6 +12,8 @@ use crate::api::alarms::Alarms;
 use crate::api::metrics::Metrics;
 use crate::fleet::{Fact, Ledger};
 use crate::store::{SNAPSHOT_AFTER, StepCause, StepEntry, Store, StoreError};
+use crate::text::Sentence;
+use crate::text::sentence::alarms as sentence;
 use crate::time::Time;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -215,9 +217,7 @@ impl JournalSender {
                 Err(e) if e.is_fatal() => return Err(e),
                 Err(e) => {
                     self.metrics.journal_errors.inc();
-                    self.fail(format!(
-                        "the journal cannot be written: {e}. Robots get no new orders meanwhile."
-                    ));
+                    self.fail(sentence::journal_not_written(e.to_string()));
                 }
             }
             tokio::time::sleep(pause).await;
@@ -234,14 +234,12 @@ impl JournalSender {
             return result;
         }
         let waiting = self.pending();
-        self.fail(format!(
-            "the journal is slow: {waiting} facts wait for {}. Robots get no new orders meanwhile.",
-            self.store.path().display()
-        ));
+        let file = self.store.path().display().to_string();
+        self.fail(sentence::journal_slow(waiting, file));
         append.await
     }
 
-    fn fail(&self, text: String) {
+    fn fail(&self, text: Sentence) {
         self.alarms.raise(AlarmKind::Journal, text, self.clock.now());
         self.failing.send_replace(true);
     }

@@ -11,6 +11,7 @@ use crate::api::alarms::Alarms;
 use crate::api::live::Live;
 use crate::api::recording::{EVERY, Folder, Limits, Rotation, is_notable};
 use crate::fleet::{Backlog, Fact, Fleet};
+use crate::text::sentence::alarms as sentence;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 use std::io;
@@ -87,7 +88,7 @@ impl KeptPast {
             Ok(KeptPast { folder: Some(folder), tap, ended: Some(ended) })
         };
         begin().unwrap_or_else(|e| {
-            let text = format!("the past is not kept: {}: {e}. The fleet goes on.", path.display());
+            let text = sentence::past_not_begun(format!("{}: {e}", path.display()));
             alarms.raise(AlarmKind::PastNotKept, text, clock.now());
             KeptPast::default()
         })
@@ -135,7 +136,7 @@ impl Keeper {
             }
             Ok(()) => {}
             Err(e) => {
-                let text = format!("the past is not kept: {e}. The fleet goes on; make room on the disk.");
+                let text = sentence::past_not_kept(e.to_string());
                 self.alarms.raise(AlarmKind::PastNotKept, text, now);
                 self.rest = Some(now + REST);
             }
@@ -162,7 +163,7 @@ mod tests {
         let folder = Arc::new(Folder::open(path.clone(), map, "lab".into(), None).unwrap());
         let rotation = Rotation::new(folder, Limits { age_s: 60.0, bytes: 1 << 20 });
         let mut keeper = Keeper { rotation, live, clock: clock.clone(), alarms: alarms.clone(), rest: None };
-        let standing = || alarms.of_kind(AlarmKind::PastNotKept).map(|a| a.text);
+        let standing = || alarms.of_kind(AlarmKind::PastNotKept).map(|a| a.text.to_string());
         // A file where the folder was refuses every file in it.
         fs::remove_dir_all(&path).unwrap();
         fs::write(&path, "in the way").unwrap();

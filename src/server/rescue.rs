@@ -11,6 +11,7 @@ use super::start::panic_text;
 use crate::alarm::AlarmKind;
 use crate::fleet::{Fleet, Input, Ledger, Step, Token};
 use crate::id::RobotId;
+use crate::text::sentence::alarms as sentence;
 use crate::time::{Span, Time};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -152,10 +153,7 @@ impl DriveLoop {
 
     /// Nothing is decided any more; what is left is to tell the robots to stand, and to say so.
     fn give_up(&mut self, said: &str, why: &str) {
-        let text = format!(
-            "the fleet contradicts itself ({said}), and {why}: all robots were told to stop, nothing is accepted. \
-             Keep a copy of the database, restart Giveway, and restore a backup if that does not help."
-        );
+        let text = sentence::fleet_contradicts_itself(said, why);
         self.alarms.raise(AlarmKind::Broken, text, self.clock.now());
         // Nothing may look at what a panic left half-way.
         self.fleet = Fleet::new(self.fleet.warehouse().clone(), self.fleet.settings().clone());

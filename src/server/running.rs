@@ -25,6 +25,7 @@ use crate::api::{Api, router};
 use crate::fleet::Fleet;
 use crate::sim::World;
 use crate::store::{Store, StoreError};
+use crate::text::sentence::alarms as sentence;
 use crate::time::Span;
 use anyhow::{Context, anyhow};
 use axum::Router;
@@ -304,11 +305,7 @@ async fn feed(
         if age <= STUCK {
             alarms.clear(AlarmKind::LoopStuck, clock.now());
         } else {
-            alarms.raise(
-                AlarmKind::LoopStuck,
-                "the control loop is stuck: robots get no orders.",
-                clock.now(),
-            );
+            alarms.raise(AlarmKind::LoopStuck, sentence::loop_stuck(), clock.now());
         }
         live.publish(&moment, &alarms.list(), started_s);
         if let Ok(Err(_)) = timeout(Duration::from_secs(1), picture.changed()).await {

@@ -23,6 +23,7 @@ use crate::api::{Api, router};
 use crate::fleet::{Fleet, View};
 use crate::history::{History, LoopTimes};
 use crate::sim::replay::{Player, Turn};
+use crate::text::sentence::alarms as sentence;
 use crate::time::{Span, Time};
 use anyhow::Context;
 use std::net::SocketAddr;
@@ -240,8 +241,8 @@ impl Screen {
 
     /// The last frame stays; the feed goes on, so that no page takes the connection for lost.
     async fn stay(&mut self, fleet: &Fleet, same: bool, now: Time) -> anyhow::Result<()> {
-        let told = if same { "" } else { " This build decides differently from the one that recorded it." };
-        self.alarms.raise(AlarmKind::RecordingEnded, format!("The recording has ended.{told}"), now);
+        let told = if same { sentence::recording_ended() } else { sentence::recording_ended_otherwise() };
+        self.alarms.raise(AlarmKind::RecordingEnded, told, now);
         loop {
             let moment = self.moments.borrow().clone();
             self.live.publish(&moment, &self.alarms.list(), 0.0);

@@ -9,6 +9,8 @@ use crate::api::auth::Gate;
 use crate::api::caller::{NamedToken, Role, SessionHolder, TokenHash, WebSession};
 use crate::api::port::{Later, Now, TokenDesk};
 use crate::store::{SessionRow, Store, StoreError, TokenDraft, TokenRow};
+use crate::text::sentence::alarms as sentence;
+use crate::text::{Sentence, SentenceArg};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -85,15 +87,19 @@ impl TokenKeeper {
     /// Raises an alarm about addresses that show many wrong secrets, or ends it.
     fn warn(&self) {
         let many = self.gate.wrong_secrets().alarming(Instant::now());
-        let said: Vec<String> = many.iter().map(|(from, n)| format!("{from} (at least {n} times)")).collect();
+        let guesses = |(from, n): &(_, _)| sentence::address_guesses(format!("{from}"), *n);
+        let mut said: Vec<Sentence> = many.iter().map(guesses).collect();
         let now = (self.now)();
         if said.is_empty() {
             self.alarms.clear(AlarmKind::SecretsGuessed, now);
         } else {
-            let (first, rest) = said.split_at(said.len().min(MOST_NAMED));
-            let more = if rest.is_empty() { String::new() } else { format!(" and {} more", rest.len()) };
-            let text = format!("wrong tokens or cookies come from {}{more}.", first.join(", "));
-            self.alarms.raise(AlarmKind::SecretsGuessed, text, now);
+            let more = said.len().saturating_sub(MOST_NAMED);
+            said.truncate(MOST_NAMED);
+            let named = match more {
+                0 => SentenceArg::from(said),
+                more => sentence::and_more(said, more).into(),
+            };
+            self.alarms.raise(AlarmKind::SecretsGuessed, sentence::wrong_secrets(named), now);
         }
     }
 

@@ -14,6 +14,8 @@ use crate::api::targets::masked;
 use crate::api::webhooks::{FailedMessage, HookRequest, Taken, Webhook, message, read_secret, signature};
 use crate::fleet::EventQuery;
 use crate::store::{FailedRow, HookRow, Store, StoreError};
+use crate::text::Sentence;
+use crate::text::sentence::alarms as sentence;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
@@ -191,12 +193,12 @@ impl HookKeeper {
         let now = (self.api.now)();
         self.failing.retain(|id, _| hooks.iter().any(|hook| hook.id == *id));
         let overdue = self.failing.iter().filter(|(_, (since, _))| since.elapsed() >= self.tolerance);
-        let said: Vec<String> = overdue.map(|(id, (_, why))| format!("h{id} ({why})")).collect();
+        let fails = |id: i64, why: &str| sentence::webhook_fails(format!("h{id}"), why);
+        let said: Vec<Sentence> = overdue.map(|(id, (_, why))| fails(*id, why)).collect();
         if said.is_empty() {
             self.api.alarms.clear(AlarmKind::WebhookFailing, now);
         } else {
-            let text = format!("webhooks take no events: {}.", said.join(", "));
-            self.api.alarms.raise(AlarmKind::WebhookFailing, text, now);
+            self.api.alarms.raise(AlarmKind::WebhookFailing, sentence::webhooks_fail(said), now);
         }
     }
 

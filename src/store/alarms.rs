@@ -9,6 +9,7 @@ use crate::alarm::{
     SubjectKind,
 };
 use crate::geometry::Spot;
+use crate::text::Sentence;
 use crate::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
@@ -104,8 +105,8 @@ async fn write(db: &mut SqliteConnection, alarms: &[Alarm]) -> Result<(), StoreE
             .bind(a.severity.word())
             .bind(a.subject.kind.word())
             .bind(&a.subject.id)
-            .bind(&a.text)
-            .bind(&a.remedy)
+            .bind(a.text.kept())
+            .bind(a.remedy.kept())
             .bind(a.at.map(|at| at.x_mm))
             .bind(a.at.map(|at| at.y_mm))
             .bind(a.waiting as i64)
@@ -143,8 +144,8 @@ fn read(row: &SqliteRow) -> Option<Alarm> {
         kind: AlarmKind::of_word(word("kind")?)?,
         severity: AlarmSeverity::of_word(word("severity")?)?,
         subject: AlarmSubject::new(SubjectKind::of_word(word("subject_kind")?)?, text("subject")?),
-        text: text("text")?,
-        remedy: text("remedy")?,
+        text: Sentence::read(&text("text")?),
+        remedy: Sentence::read(&text("remedy")?),
         at,
         waiting: usize::try_from(number("waiting")?).ok()?,
         since: Time(number("since")?),

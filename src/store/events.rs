@@ -126,7 +126,8 @@ pub(super) async fn note_alarm(db: &mut SqliteConnection, alarm: &Alarm) -> Resu
         Some(at) => ("cleared", at),
         None => noted.unwrap_or(("active", alarm.since)),
     };
-    let query = sqlx::query(NOTE_ALARM).bind(at.0).bind(alarm.id.cast_signed()).bind(new).bind(&alarm.text);
+    let query =
+        sqlx::query(NOTE_ALARM).bind(at.0).bind(alarm.id.cast_signed()).bind(new).bind(alarm.text.kept());
     query.execute(db).await?;
     Ok(())
 }

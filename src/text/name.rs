@@ -3,6 +3,7 @@
 //! Main function: [`name_fault`]. Upper and lower case are seen, so `a1` and `A1` are two names; so are a wide and a
 //! narrow digit. Refuses: to change a name, which would be another one to whoever handed it in.
 
+use super::sentence::{Sentence, requests};
 use std::fmt;
 use unicode_normalization::is_nfc;
 
@@ -23,29 +24,25 @@ pub enum NameFault {
     Alphabet(char),
 }
 
-impl fmt::Display for NameFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl NameFault {
+    /// What is wrong, and what to do.
+    pub fn sentence(&self) -> Sentence {
         let code = |c: &char| format!("U+{:04X}", u32::from(*c));
         match self {
-            NameFault::Length(most) => write!(f, "use 1 to {most} characters"),
-            NameFault::Edge => f.write_str("it begins or ends with a blank, which nobody sees: leave that out"),
-            NameFault::Blank(c) if c.is_control() => {
-                write!(f, "it has a tab, a line break or another control character ({}): leave it out", code(c))
-            }
-            NameFault::Blank(c) => {
-                write!(f, "it has white space ({}) other than single plain blanks: use one plain blank", code(c))
-            }
-            NameFault::Unseen(c) => {
-                write!(f, "it has a character that is not shown ({}): leave it out", code(c))
-            }
-            NameFault::Form => f.write_str(
-                "it has a letter in two parts, or in a form of its own, that looks like another one: write it in \
-                 Unicode's composed form (NFC)",
-            ),
-            NameFault::Alphabet(c) => {
-                write!(f, "{c} ({}) is of another alphabet and looks like a Latin letter: use one alphabet", code(c))
-            }
+            NameFault::Length(most) => requests::name_length(*most),
+            NameFault::Edge => requests::name_edge(),
+            NameFault::Blank(c) if c.is_control() => requests::name_control(code(c)),
+            NameFault::Blank(c) => requests::name_blank(code(c)),
+            NameFault::Unseen(c) => requests::name_unseen(code(c)),
+            NameFault::Form => requests::name_form(),
+            NameFault::Alphabet(c) => requests::name_alphabet(c.to_string(), code(c)),
         }
+    }
+}
+
+impl fmt::Display for NameFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.sentence().text())
     }
 }
 

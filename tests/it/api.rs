@@ -45,10 +45,10 @@ async fn a_job_is_accepted_listed_and_cancelled() {
     let follower = post(at, None, &follower).await.unwrap().json();
     assert_eq!(follower["after"], json!([id]));
     let path = format!("/v1/jobs/{}", follower["id"].as_str().unwrap());
-    let why = format!("waiting for {id} to be over");
+    let why = format!("waits for {id} to be over");
     let mut told = Value::Null;
     for _ in 0..100 {
-        told = get(at, &path).await.json()["why"].take();
+        told = get(at, &path).await.json()["why"]["text"].take();
         if told == *why {
             break;
         }

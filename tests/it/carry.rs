@@ -247,7 +247,7 @@ async fn a_rack_with_a_job_is_given_up_only_where_that_is_accepted_and_nothing_e
     let jobs = until(at, "every job ends", |jobs| jobs.iter().all(is_over)).await;
     let (failed, done): (Vec<&Value>, Vec<&Value>) = jobs.iter().partition(|j| j["id"] == "j7");
     assert_eq!((&failed[0]["state"], &failed[0]["rack"]), (&json!("failed"), &json!("K12")), "{failed:#?}");
-    assert!(failed[0]["why"].as_str().unwrap().contains("the map was changed"), "{failed:#?}");
+    assert!(failed[0]["why"]["text"].as_str().unwrap().contains("the map was changed"), "{failed:#?}");
     assert!(done.iter().all(|j| j["state"] == "done"), "{done:#?}");
     server.stop().await.unwrap();
 

@@ -87,15 +87,19 @@ async fn a_robot_goes_to_maintenance_over_http_and_comes_back() {
     let path = "/v1/robots/robot-1/maintenance";
     until(at, "robot-1", "there", |_| true).await;
     assert_eq!(send(at, "PUT", path, &[], "").await.unwrap().status, 204);
-    until(at, "robot-1", "in maintenance", |r| r["why"] == "in maintenance" && r["maintenance"] == true)
-        .await;
+    until(at, "robot-1", "in maintenance", |r| {
+        r["why"]["code"] == "in_maintenance" && r["maintenance"] == true
+    })
+    .await;
     server.stop().await.unwrap();
     let server = start(&folder).await;
     let at = server.address();
     until(at, "robot-1", "in maintenance still", |r| r["maintenance"] == true).await;
     assert_eq!(send(at, "DELETE", path, &[], "").await.unwrap().status, 204);
-    until(at, "robot-1", "at work again", |r| r["maintenance"] == false && r["why"] != "in maintenance")
-        .await;
+    until(at, "robot-1", "at work again", |r| {
+        r["maintenance"] == false && r["why"]["code"] != "in_maintenance"
+    })
+    .await;
     send(at, "PUT", "/v1/robots/robot-99/maintenance", &[], "").await.unwrap().problem(404);
     server.stop().await.unwrap();
 }
@@ -144,7 +148,7 @@ async fn a_robot_leaves_over_http_and_comes_back_under_its_name() {
         }
     }
     assert_eq!(statuses.last(), Some(&201), "some place was free: {statuses:?}");
-    until(at, "robot-1", "back", |r| r["leaving"] == false && r["why"] != "has left the floor").await;
+    until(at, "robot-1", "back", |r| r["leaving"] == false && r["why"]["code"] != "has_left").await;
     server.stop().await.unwrap();
 }
 

@@ -26,7 +26,8 @@ async fn each_fault_has_its_name_and_its_reason_and_ends() {
         let folder = Folder::new();
         let server = Server::start(&config(&folder), faulty(faults)).await.unwrap();
         let at = server.address();
-        let has = |r: &Value| r["fault"] == fault && r["why"].as_str().is_some_and(|w| w.contains(reason));
+        let has =
+            |r: &Value| r["fault"] == fault && r["why"]["text"].as_str().is_some_and(|w| w.contains(reason));
         let mut whose: Option<String> = None;
         let mut is_over = false;
         for _ in 0..2400 {

@@ -83,7 +83,7 @@ impl Headset {
         let mut last = String::new();
         while let Some(message) = self.any().await {
             if message["type"] == "error" {
-                last = message["text"].as_str().unwrap().into();
+                last = message["text"]["text"].as_str().unwrap().into();
             }
         }
         last
@@ -145,11 +145,11 @@ async fn marks_that_do_not_fit_are_refused_with_what_to_do_and_good_ones_begin_a
     let refused = headset.next("refused").await;
     assert_eq!((refused["epoch"].clone(), refused["aligned"].clone()), (json!(1), json!(false)), "{refused}");
     assert!(
-        !refused["remedy"].as_str().unwrap().is_empty()
-            && refused["reason"].as_str().unwrap().contains("off")
+        !refused["remedy"]["text"].as_str().unwrap().is_empty()
+            && refused["reason"]["text"].as_str().unwrap().contains("off")
     );
     headset.say(json!({"type": "anchors", "pairs": [{"device": [0, 0, 0], "mark": "nowhere"}]})).await;
-    assert!(headset.next("refused").await["reason"].as_str().unwrap().contains("nowhere"));
+    assert!(headset.next("refused").await["reason"]["text"].as_str().unwrap().contains("nowhere"));
     // Ahead of the device is the map's +x.
     let right = json!([anchor(0.0, 0.0, [5.0, 5.0]), anchor(0.0, -10.0, [15.0, 5.0])]);
     headset.say(json!({"type": "anchors", "pairs": right})).await;
@@ -159,7 +159,10 @@ async fn marks_that_do_not_fit_are_refused_with_what_to_do_and_good_ones_begin_a
     assert_eq!(aligned["provisional"], true, "two marks leave left and right open: {aligned}");
     let warning = headset.next("warning").await;
     assert_eq!(warning["code"], "one-line");
-    assert!(warning["text"].as_str().unwrap().contains("at least 1 m"), "it says what to do: {warning}");
+    assert!(
+        warning["text"]["text"].as_str().unwrap().contains("at least 1 m"),
+        "it says what to do: {warning}"
+    );
     headset.say(pose(1, headset.clock_ms())).await;
     assert_eq!(headset.next("warning").await["code"], "old-epoch");
     headset.say(json!({"type": "reset"})).await;
@@ -406,7 +409,7 @@ async fn who_says_to_be_done_is_done_wherever_the_device_believes_to_be() {
     for not_hers in ["a1", "a2", "a77"] {
         headset.say(json!({"type": "done", "assignment": not_hers})).await;
         let answer = headset.next("done").await;
-        assert!(answer["refused"].as_str().is_some_and(|why| why.contains("over")), "{answer}");
+        assert!(answer["refused"]["text"].as_str().is_some_and(|why| why.contains("over")), "{answer}");
     }
     headset.say(json!({"type": "done", "assignment": "everything"})).await;
     assert_eq!(headset.next("warning").await["code"], "done");

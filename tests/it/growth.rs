@@ -6,6 +6,7 @@ use crate::people::{delete, post};
 use giveway::alarm::{Alarm, AlarmKind, AlarmQuery, AlarmSubject, SubjectKind};
 use giveway::fleet::{EventKind, EventQuery, Fact, FloorFact};
 use giveway::store::{MOST_OVER, MOST_PAST, SessionRow, StepEntry, Store, TokenDraft};
+use giveway::text::Sentence;
 use giveway::time::{Span, Time};
 use serde_json::json;
 use std::net::SocketAddr;
@@ -55,8 +56,8 @@ async fn of_alarms_that_are_over_the_newest_are_kept() {
             kind: AlarmKind::Journal,
             severity: AlarmKind::Journal.severity(),
             subject: AlarmSubject::new(SubjectKind::Server, String::new()),
-            text: "slow".into(),
-            remedy: "make room".into(),
+            text: Sentence::without_code("slow"),
+            remedy: Sentence::without_code("make room"),
             at: None,
             waiting: 0,
             since,

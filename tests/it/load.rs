@@ -148,7 +148,7 @@ async fn walk(at: SocketAddr, (i, worker): (usize, String), way: [[f64; 2]; 2], 
                 if let Some((robot, _, since, told)) = &mut stands
                     && (!free && !*told && epoch == headset.epoch)
                 {
-                    let reason = message["reason"].as_str().unwrap_or_default();
+                    let reason = message["reason"]["text"].as_str().unwrap_or_default();
                     let near = message["near"].as_array().into_iter().flatten();
                     let distance = near.filter(|n| n["id"] == robot.as_str()).find_map(|n| n["distance"].as_f64());
                     let because = reason.split(' ').next() == Some(robot.as_str())

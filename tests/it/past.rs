@@ -72,7 +72,7 @@ async fn a_server_shows_what_happened_before_and_after_a_restart() {
     let kept = past(at, 0.5).await;
     let first = &kept["spans"][0];
     assert!(first["from_s"].as_f64() < Some(0.0), "{kept}");
-    assert_eq!(kept["bookmarks"][0]["words"], "all robots were stopped by hand");
+    assert_eq!(kept["bookmarks"][0]["words"]["text"], "all robots were stopped by hand");
     // A restart may be so quick that both runs are one span.
     let [from, to] = [&first["from"], &kept["start"]].map(|t| t.as_str().unwrap());
     let query = format!("from={from}&to={to}&map=false");

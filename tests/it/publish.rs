@@ -222,7 +222,7 @@ async fn losses_are_published_only_where_they_are_accepted() {
     assert_eq!((answer.status, answer.json()["losses"].as_array().unwrap().len()), (200, 2), "{answer:?}");
     let jobs = all_end(at).await;
     let (failed, done): (Vec<&Value>, Vec<&Value>) = jobs.iter().partition(|j| j["id"] == "j7");
-    assert!(failed[0]["why"].as_str().unwrap().contains("the map was changed"), "{failed:#?}");
+    assert!(failed[0]["why"]["text"].as_str().unwrap().contains("the map was changed"), "{failed:#?}");
     assert!(done.iter().all(|j| j["state"] == "done"), "{done:#?}");
     server.stop().await.unwrap();
 }

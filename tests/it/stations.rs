@@ -40,7 +40,10 @@ async fn a_pick_ends_when_the_station_says_so_and_not_by_the_clock() {
         assert_eq!(say(at, &station, end).await.status, 204);
         let path = format!("/v1/jobs/{id}");
         let ended = until("the job is over", at, &path, |j| j["state"] == state).await;
-        assert!(state == "done" || ended["why"].as_str().unwrap().contains("goods were missing"), "{ended}");
+        assert!(
+            state == "done" || ended["why"]["text"].as_str().unwrap().contains("goods were missing"),
+            "{ended}"
+        );
         until("the robot has left", at, "/v1/stations", |s| s["items"][0]["robot"] == Value::Null).await;
     }
     server.stop().await.unwrap();
@@ -59,8 +62,8 @@ async fn a_paused_station_gets_no_racks_and_stays_paused_over_a_restart() {
     until("it is paused", at, "/v1/stations", |s| s["items"][0]["paused"].is_string()).await;
     let made = post(at, None, &delivery(0)).await.unwrap().json();
     let path = format!("/v1/jobs/{}", made["id"].as_str().unwrap());
-    let why = format!("waiting for {station} to resume: it is paused");
-    until("the job says why it waits", at, &path, |j| j["why"] == *why).await;
+    let why = format!("waits for {station} to resume: it is paused");
+    until("the job says why it waits", at, &path, |j| j["why"]["text"] == *why).await;
     assert_eq!(say(at, &station, "resume").await.status, 204);
     until("a robot has it", at, &path, |j| j["state"] != "waiting").await;
     server.stop().await.unwrap();
@@ -137,8 +140,8 @@ async fn a_job_that_a_closed_area_cuts_off_begins_when_the_area_is_opened_long_b
     let job = post(at, None, &delivery(0)).await.unwrap().json();
     let job = format!("/v1/jobs/{}", job["id"].as_str().unwrap());
     let area = closed.json()["id"].as_str().unwrap().to_owned();
-    let why = format!("waiting for closed area {area} to open: it cuts the rack off from its destination");
-    until("the job says what cuts it off", at, &job, |j| j["why"] == *why).await;
+    let why = format!("waits for closed area {area} to open: it cuts the rack off from its destination");
+    until("the job says what cuts it off", at, &job, |j| j["why"]["text"] == *why).await;
     let opened = send(at, "DELETE", &format!("/v1/closures/{area}"), &[], "").await.unwrap();
     assert!(opened.status < 300, "{}", opened.text);
     until("a robot has it", at, &job, |j| j["state"] != "waiting").await;

@@ -126,7 +126,7 @@ async fn a_job_is_given_to_the_robot_that_an_operator_names() {
     let second = post(at, None, &wanted).await.unwrap().json();
     let given = reassign(at, &second["id"], json!({"robot": first["robot"]})).await.json();
     assert_eq!((&given["only"], &given["state"]), (&first["robot"], &json!("waiting")));
-    assert!(given["why"].as_str().unwrap().contains(first["robot"].as_str().unwrap()), "{given}");
+    assert!(given["why"]["text"].as_str().unwrap().contains(first["robot"].as_str().unwrap()), "{given}");
     send(at, "POST", "/v1/stations/W/done", &[JSON], "{}").await.unwrap();
     let done = until(at, &second["id"], "it is done", |j| j["state"] == "done").await;
     assert_eq!((&done["robot"], &done["only"]), (&first["robot"], &Value::Null));

@@ -34,7 +34,7 @@ async fn robots_and_jobs_say_why_they_wait_to_the_root() {
     assert_eq!((why["id"].clone(), why["waiting"].clone()), (json!(second), json!(true)));
     let link = &why["chain"][0];
     assert_eq!((link["cause"].clone(), link["by"].clone()), (json!("job"), json!(first)), "{why}");
-    assert_eq!(link["text"], format!("waits for {first} to be over"));
+    assert_eq!(link["text"]["text"], format!("waits for {first} to be over"));
     let root = why["chain"].as_array().unwrap().last().unwrap();
     let left = root["until_s"].as_f64().unwrap();
     assert!((3000.0..=3700.0).contains(&left), "the pick lasts an hour: {root}");

@@ -5,6 +5,9 @@ import { ToyPeople } from './toypeople.mjs';
 const SPEED = 1.2;
 const BATTERY_PER_M = 0.0004;
 
+/** A reason as the server says it. */
+const waitsFor = (place, robot) => ({ code: 'waits_for', args: { place, robot }, text: `waits for ${place}, held by ${robot}` });
+
 export class ToyFleet {
   constructor({ map, neighbours }, count, people) {
     this.people = new ToyPeople({ map, neighbours }, people);
@@ -57,7 +60,7 @@ export class ToyFleet {
     const owner = this.taken.get(next);
     if (owner !== undefined && owner !== k) {
       const other = this.robots[owner].wire;
-      Object.assign(w, { speed: 0, granted: [robot.node], held: robot.way.slice(0, 5), why: `waiting for ${this.map.nodes[next].id}, held by ${other.id}` });
+      Object.assign(w, { speed: 0, granted: [robot.node], held: robot.way.slice(0, 5), why: waitsFor(this.map.nodes[next].id, other.id) });
       robot.stuck += dt;
       w.state = robot.stuck > 2 ? 'interrupted' : w.state;
       if (robot.stuck > 4) { robot.stuck = 0; robot.way = this.#route(robot.node, this.#somewhere(w.rack !== null), w.rack !== null, next); }

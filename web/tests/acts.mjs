@@ -197,12 +197,12 @@ await check('A robot goes to maintenance, rests at a parking place, and comes ba
   const card = page.getByRole('region', { name: 'Robot', exact: true });
   await card.getByRole('button', { name: 'Out of service' }).click();
   await card.getByRole('button', { name: 'Back in service' }).waitFor({ timeout: PATIENCE });
-  for (let i = 0; i < 240 && (await one()).why !== 'in maintenance'; i++) await page.waitForTimeout(500);
-  assert((await one()).why === 'in maintenance', `it says ${(await one()).why}`);
+  for (let i = 0; i < 240 && (await one()).why?.code !== 'in_maintenance'; i++) await page.waitForTimeout(500);
+  assert((await one()).why?.code === 'in_maintenance', `it says ${(await one()).why?.text}`);
   await page.screenshot({ path: `${SHOTS}maintenance.png` });
   await card.getByRole('button', { name: 'Back in service' }).click();
   await card.getByRole('button', { name: 'Out of service' }).waitFor({ timeout: PATIENCE });
-  assert((await one()).why !== 'in maintenance', 'it is still in maintenance');
+  assert((await one()).why?.code !== 'in_maintenance', 'it is still in maintenance');
   await card.getByRole('button', { name: 'Close' }).click();
   return id;
 });

@@ -184,7 +184,7 @@ describe('the list of alarms', () => {
 
 describe('the alarm page', () => {
   const record = (id: string, more: Partial<AlarmRecord> = {}): AlarmRecord => ({
-    id, kind: 'robot_silent', severity: 'warning', state: 'active', subject: { kind: 'robot', id: 'robot-3' }, text: 'robot-3 sends no reports.', remedy: '',
+    id, kind: 'robot_silent', severity: 'warning', state: 'active', subject: { kind: 'robot', id: 'robot-3' }, text: 'robot-3 sends no reports.', code: 'robot_silent', args: {}, remedy: { code: null, args: {}, text: '' },
     x: null, y: null, waiting: 0, since: '2027-01-31T06:00:00Z', acknowledged: null, shelved: null, notes: [], acts: [], group: null, members: [], cleared: null, ...more,
   });
   const aside = { by: 'Ben', at: '2027-01-31T06:00:00Z', until: '2027-01-31T09:00:00Z', reason: 'radio' };

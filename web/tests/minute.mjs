@@ -137,7 +137,7 @@ await check('A headset comes to the floor, gets a task, and the dashboard shows 
     const look = () => {
       const { floor } = globalThis;
       const { state, goals, x, y } = floor.workers.find((w) => w.id === id);
-      const yields = floor.robots.filter((r) => r.why === `giving way to worker ${id}`).map((r) => r.id);
+      const yields = floor.robots.filter((r) => r.why?.code === 'gives_way' && r.why.args.worker === id).map((r) => r.id);
       if (floor.version !== version) globalThis.story.push({ t: floor.time_s, state, goal: goals[0] ?? null, yields, at: [x, y], deviations: floor.counters.deviations });
       version = floor.version;
       requestAnimationFrame(look);

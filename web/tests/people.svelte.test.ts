@@ -4,18 +4,18 @@ import { actDid, actDo, learnNames, learnNumbers, personName, said } from '../sr
 import { ACTS } from '../src/wire';
 
 const floor = [{ id: 'w1', name: 'worker-7e31' }, { id: 'w12', name: 'worker-99aa' }];
-const SENTENCES = ['worker-7e31 (w1) is lost: 3 robots wait.', 'giving way to worker w1', 'worker-7e31 is lost: robots stop around the last known position'];
+const SENTENCES = ['worker-7e31 (w1) is lost: 3 robots wait.', 'gives way to worker w1', 'worker-7e31 is lost: robots stop around the last known position'];
 afterEach(() => { learnNumbers([]); learnNames(new Map()); });
 
 test('whoever may see names sees them in every sentence, and nothing else for the same person', () => {
   learnNumbers(floor);
   learnNames(new Map([['worker-7e31', 'picker-7'], ['worker-99aa', 'Anna Berg']]));
-  expect(SENTENCES.map(said)).toEqual(['picker-7 is lost: 3 robots wait.', 'giving way to worker picker-7', 'picker-7 is lost: robots stop around the last known position']);
+  expect(SENTENCES.map(said)).toEqual(['picker-7 is lost: 3 robots wait.', 'gives way to worker picker-7', 'picker-7 is lost: robots stop around the last known position']);
   expect(['w1', 'w12', 'w2', 'robot-1'].map(personName)).toEqual(['picker-7', 'Anna Berg', 'w2', 'robot-1']);
 });
 test('all others see the pseudonym everywhere, and no number', () => {
   learnNumbers(floor);
-  expect(SENTENCES.map(said)).toEqual(['worker-7e31 is lost: 3 robots wait.', 'giving way to worker-7e31', 'worker-7e31 is lost: robots stop around the last known position']);
+  expect(SENTENCES.map(said)).toEqual(['worker-7e31 is lost: 3 robots wait.', 'gives way to worker-7e31', 'worker-7e31 is lost: robots stop around the last known position']);
   expect(personName('w1')).toBe('worker-7e31');
 });
 test('every act has a word for doing it and one for having done it', () => {

@@ -13,7 +13,7 @@ const reduced = reduce(EMPTY, snapshot({
   time_s: 100, alarms: [alarm],
   robots: [
     robot('robot-10', { activity: 'failed', since: at(40), battery: 0.1, granted: [1], why: 'cannot drive' }),
-    robot('robot-2', { activity: 'waiting', since: at(90), job: 'j7', granted: [0], why: 'waiting for R33, held by robot-10' }),
+    robot('robot-2', { activity: 'waiting', since: at(90), job: 'j7', granted: [0], why: { code: 'waits_for', args: { place: 'R33', robot: 'robot-10' }, text: 'waits for R33, held by robot-10' } }),
     robot('robot-1', { activity: 'waiting', since: at(70), kind: 'mover', battery: 0.5, granted: [] }),
     robot('robot-9', { activity: 'gone', state: 'gone' }),
   ],

@@ -20,7 +20,7 @@ const texts = (table: { lines: readonly { cells: readonly { text: string }[] }[]
 describe('jobs', () => {
   test('those submitted here come first, once, with what can be done about them', () => {
     const own = [job('j2')];
-    const { tables: [table] } = latestJobs({ own, items: [job('j1', { robot: 'r1', why: 'late' }), ...own], state: 'any', part: '' });
+    const { tables: [table] } = latestJobs({ own, items: [job('j1', { robot: 'r1', why: { text: 'late' } }), ...own], state: 'any', part: '' });
     expect(table!.lines.map((line) => [line.id, line.mine, line.job?.id])).toEqual([['j2', true, 'j2'], ['j1', false, 'j1']]);
     expect(table!.lines[1]!.cells[3]).toEqual({ text: 'r1', kind: 'robot' });
     expect(table!.lines[1]!.cells[4]).toEqual({ text: 'waiting', more: 'late' });
@@ -36,8 +36,8 @@ describe('jobs', () => {
     expect(turnedJobs(turnedJobs(NEWEST, 'id'), 'id')).toBe(NEWEST);
   });
   test('a reason that begins with the state stands for both', () => {
-    const state = (why: string) => latestJobs({ own: [], items: [job('j1', { why })], state: 'any', part: '' }).tables[0]!.lines[0]!.cells[4]!;
-    expect(state('waiting for job j2 to be over')).toEqual({ text: 'waiting for job j2 to be over' });
+    const state = (text: string) => latestJobs({ own: [], items: [job('j1', { why: { text } })], state: 'any', part: '' }).tables[0]!.lines[0]!.cells[4]!;
+    expect(state('waits for j2 to be over')).toEqual({ text: 'waits for j2 to be over' });
     expect(state('no robot is free')).toEqual({ text: 'waiting', more: 'no robot is free' });
   });
 

@@ -8,6 +8,7 @@ use super::condition::{AlarmCondition, AlarmKey, AlarmSubject};
 use super::groups::AlarmMember;
 use super::kind::{AlarmKind, AlarmScope, AlarmSeverity};
 use crate::geometry::Spot;
+use crate::text::Sentence;
 use crate::time::Time;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -26,9 +27,9 @@ pub struct Alarm {
     /// With what something is wrong.
     pub subject: AlarmSubject,
     /// In words.
-    pub text: String,
+    pub text: Sentence,
     /// What to do.
-    pub remedy: String,
+    pub remedy: Sentence,
     /// Where.
     pub at: Option<Spot>,
     /// How many robots wait because of it.

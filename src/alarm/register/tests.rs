@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::alarm::SubjectKind;
+use crate::text::SentenceArg;
+use crate::text::sentence::alarms;
 use crate::time::Span;
 
 fn at(s: i64) -> Time {
@@ -10,15 +12,15 @@ fn at(s: i64) -> Time {
 
 fn lost(waiting: usize) -> AlarmCondition {
     let subject = AlarmSubject::new(SubjectKind::Worker, "w7");
-    let one =
-        AlarmCondition::new(AlarmKind::WorkerLost, subject, format!("ana is lost: {waiting} robots wait."));
+    let text = alarms::worker_lost_robots_wait("ana", waiting);
+    let one = AlarmCondition::new(AlarmKind::WorkerLost, subject, text);
     let severity = if waiting > 0 { AlarmSeverity::Critical } else { AlarmSeverity::Warning };
     AlarmCondition { waiting, severity, ..one }
 }
 
 fn silent(robot: &str) -> AlarmCondition {
     let subject = AlarmSubject::new(SubjectKind::Robot, robot);
-    AlarmCondition::new(AlarmKind::RobotSilent, subject, format!("{robot} sends no reports."))
+    AlarmCondition::new(AlarmKind::RobotSilent, subject, alarms::robot_silent(robot, SentenceArg::nothing()))
 }
 
 #[test]
@@ -55,7 +57,7 @@ fn an_acknowledgement_is_kept_until_the_alarm_gets_worse() {
     register.observe(AlarmScope::Watch, vec![lost(14)], at(4));
     let worse = register.active().remove(0);
     assert_eq!((worse.id, worse.severity, worse.acknowledged), (id, AlarmSeverity::Critical, None));
-    assert!(worse.text.contains("14 robots"), "{}", worse.text);
+    assert!(worse.text.text().contains("14 robots"), "{}", worse.text);
     assert_eq!(register.acknowledge(id + 1, "ben", at(5)), None, "there is none of this number");
 }
 
@@ -64,7 +66,7 @@ fn an_alarm_outlasts_a_restart_with_its_number_and_its_acknowledgement_and_ends_
     let mut before = AlarmRegister::default();
     let id = before.observe(AlarmScope::Watch, vec![lost(3)], at(0))[0].id;
     before.acknowledge(id, "ben", at(1));
-    before.raise(AlarmCondition::of_server(AlarmKind::Journal, "the journal is slow."), at(1));
+    before.raise(AlarmCondition::of_server(AlarmKind::Journal, alarms::journal_full()), at(1));
     let active = before.active();
     let mut after = AlarmRegister::default();
     after.restore(17, active, at(100));
@@ -78,14 +80,15 @@ fn an_alarm_outlasts_a_restart_with_its_number_and_its_acknowledgement_and_ends_
     assert!(new.is_empty() && after.active().len() == 1);
     after.observe(AlarmScope::Watch, vec![], at(130));
     assert!(after.active().is_empty(), "found again and gone");
-    let raised = after.raise(AlarmCondition::of_server(AlarmKind::Journal, "slow again."), at(140));
+    let raised = after
+        .raise(AlarmCondition::of_server(AlarmKind::Journal, alarms::journal_slow(3, "a file")), at(140));
     assert_eq!(raised.expect("new").id, 18, "numbers go on");
 }
 
 #[test]
 fn one_scope_does_not_end_what_another_one_found() {
     let mut register = AlarmRegister::default();
-    register.raise(AlarmCondition::of_server(AlarmKind::Journal, "the journal is slow."), at(0));
+    register.raise(AlarmCondition::of_server(AlarmKind::Journal, alarms::journal_full()), at(0));
     register.observe(AlarmScope::Watch, vec![], at(100));
     register.observe(AlarmScope::Operator, vec![], at(100));
     assert_eq!(register.active().len(), 1);
@@ -233,7 +236,7 @@ fn an_alarm_that_gets_worse_calls_though_it_was_put_aside_and_some_cannot_be() {
     register.observe(AlarmScope::Watch, vec![lost(3)], at(1));
     assert_eq!(register.active()[0].shelved, None);
     assert_eq!(register.shelve(id + 9, aside(1000)), Err(CareRefusal::NotActive));
-    let journal = AlarmCondition::of_server(AlarmKind::Journal, "the journal is slow.");
+    let journal = AlarmCondition::of_server(AlarmKind::Journal, alarms::journal_full());
     let journal = register.raise(journal, at(2)).expect("new").id;
     assert_eq!(register.shelve(journal, aside(1000)), Err(CareRefusal::AlwaysCalls));
 }

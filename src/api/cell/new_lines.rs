@@ -6,6 +6,8 @@ use crate::api::error::FieldError;
 use crate::api::words::PickedByDto;
 use crate::cell::{LineProblem, MOST_LINES, MOST_PIECES, OrderLine, PickedBy, problem};
 use crate::id::{RackId, StationId};
+use crate::text::sentence::{refusals, requests};
+use crate::text::{Sentence, SentenceArg};
 use crate::warehouse::Warehouse;
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -47,8 +49,8 @@ pub fn read_lines(field: &str, lines: &[NewLine], errors: &mut Vec<FieldError>) 
 
 fn read_line(field: &str, line: &NewLine, errors: &mut Vec<FieldError>) -> Option<OrderLine> {
     let mut wrong =
-        |name: &str, detail: String| errors.push(FieldError::new(format!("{field}.{name}"), detail));
-    let slot = line.slot.parse().map_err(|e| wrong("slot", format!("{e}"))).ok();
+        |name: &str, detail: Sentence| errors.push(FieldError::new(format!("{field}.{name}"), detail));
+    let slot = line.slot.parse().map_err(|e| wrong("slot", requests::malformed(format!("{e}")))).ok();
     let quantity = u32::try_from(line.quantity).ok().filter(|n| (1..=MOST_PIECES).contains(n));
     if quantity.is_none() {
         wrong("quantity", describe(LineProblem::Quantity, None));
@@ -57,7 +59,7 @@ fn read_line(field: &str, line: &NewLine, errors: &mut Vec<FieldError>) -> Optio
         (1..=LONGEST_ITEM).contains(&text.chars().count()) && !text.chars().any(char::is_control)
     };
     if line.item.as_deref().is_some_and(|text| !fits(text)) {
-        wrong("item", format!("1 to {LONGEST_ITEM} characters without line breaks"));
+        wrong("item", requests::characters_without_line_breaks(LONGEST_ITEM));
         return None;
     }
     let by = line.by.map_or(PickedBy::default(), PickedBy::from);
@@ -101,32 +103,34 @@ pub struct LineNames<'a> {
 }
 
 /// A problem in words, with names where they are known.
-pub fn describe(problem: LineProblem, names: Option<LineNames<'_>>) -> String {
-    let rack = names.map_or("this rack", |n| &n.map.racks[n.rack].name);
-    let station = names.map_or("this station", |n| &n.map.stations[n.station].name);
+pub fn describe(problem: LineProblem, names: Option<LineNames<'_>>) -> Sentence {
+    let rack = || match names {
+        Some(n) => SentenceArg::from(&n.map.racks[n.rack].name),
+        None => refusals::this_rack().into(),
+    };
+    let station = || match names {
+        Some(n) => SentenceArg::from(&n.map.stations[n.station].name),
+        None => refusals::this_station().into(),
+    };
     let line = names.and_then(|n| n.line);
     match problem {
-        LineProblem::NoCell => {
-            format!("{station} has no work cell: add one to the map, or submit the job without lines")
-        }
-        LineProblem::NoSlots => format!("the map does not say which slots {rack} has: give it a rack type"),
+        LineProblem::NoCell => refusals::no_work_cell(station()),
+        LineProblem::NoSlots => refusals::no_slots_known(rack()),
         LineProblem::UnknownSlot => match line {
-            Some(line) => format!("{rack} has no slot {}", line.slot),
-            None => format!("{rack} has no such slot"),
+            Some(line) => refusals::no_such_slot(rack(), line.slot.to_string()),
+            None => refusals::slot_unknown(rack()),
         },
         LineProblem::UnknownTote => match (line, names) {
             (Some(line), Some(n)) => {
                 let cell = n.map.stations[n.station].cell.as_ref();
                 let totes: Vec<_> = cell.iter().flat_map(|c| &c.totes).map(|t| t.name.as_str()).collect();
-                format!("{station} has no tote \"{}\"; it has {}", line.tote, totes.join(", "))
+                refusals::no_such_tote(station(), &line.tote, totes)
             }
-            _ => format!("{station} has no such tote"),
+            _ => refusals::tote_unknown(station()),
         },
-        LineProblem::Quantity => format!("1 to {MOST_PIECES} pieces"),
-        LineProblem::Twice(first) => {
-            format!("the same slot, tote and item as in line {}: put the quantities into one", first + 1)
-        }
-        LineProblem::NoArm => format!("{station} has no arm"),
-        LineProblem::TooMany => format!("at most {MOST_LINES} lines for one visit"),
+        LineProblem::Quantity => refusals::pieces_out_of_range(MOST_PIECES),
+        LineProblem::Twice(first) => refusals::line_twice(first + 1),
+        LineProblem::NoArm => refusals::no_arm(station()),
+        LineProblem::TooMany => refusals::too_many_lines(MOST_LINES),
     }
 }

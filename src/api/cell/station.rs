@@ -9,6 +9,8 @@ use crate::cell::arm::{ArmActivity, ArmTrouble};
 use crate::cell::{Lines, ReachPlace, Remaining, SeenReach};
 use crate::fleet::{ArmView, EndsHeld, StationView, WrongReach};
 use crate::id::{Dense, JobId, RackId, RobotId, StationId};
+use crate::text::Sentence;
+use crate::text::sentence::reasons;
 use crate::time::Span;
 use crate::warehouse::{ArmMount, Cell, Tote};
 use serde::Serialize;
@@ -125,8 +127,7 @@ pub struct ArmDto {
     /// What it does.
     pub state: ArmStateDto,
     /// Why it gets no trajectory, in words; null where nothing is wrong.
-    #[schema(example = "the arm is silent")]
-    pub reason: Option<String>,
+    pub reason: Option<Sentence>,
     /// The line that it picks; null if it picks none.
     pub line: Option<ArmLineDto>,
 }
@@ -260,8 +261,19 @@ fn arm_dto(mount: &ArmMount, arm: Option<ArmView>) -> ArmDto {
     ArmDto {
         kind: mount.kind.clone(),
         state,
-        reason: reason.map(|why| why.to_string()),
+        reason: reason.map(trouble),
         line: line.map(|(job, n)| ArmLineDto { job: job_name(job), n: n + 1 }),
+    }
+}
+
+/// Why an arm gets no trajectory.
+fn trouble(why: ArmTrouble) -> Sentence {
+    match why {
+        ArmTrouble::Silent => reasons::arm_is_silent(),
+        ArmTrouble::Late => reasons::arm_reports_late(),
+        ArmTrouble::Joints => reasons::arm_joints_impossible(),
+        ArmTrouble::Jump => reasons::arm_joints_jump(),
+        ArmTrouble::Stopped => reasons::arm_stopped(),
     }
 }
 

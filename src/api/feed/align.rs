@@ -8,6 +8,8 @@
 //! different heights, and to guess which of two stories is true.
 
 use crate::geometry::{FARTHEST_M, Point, Vector, wrap_angle};
+use crate::text::sentence::{feed, remedies};
+use crate::text::{Sentence, SentenceArg};
 use nalgebra::Rotation2;
 
 /// One standard deviation of touching a mark, metres. Fits that look better than that are not believed.
@@ -84,27 +86,19 @@ pub struct Alignment {
 }
 
 /// Why pairs make no alignment.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Misfit {
     /// Nothing to go by.
-    #[error("there are no marks, or only one without a direction")]
     TooFew,
     /// More than anybody touches.
-    #[error("{0} marks are too many")]
     TooMany(usize),
     /// A number that cannot be.
-    #[error("mark {0} has impossible numbers")]
     Absurd(usize),
     /// Marks too close to tell a direction.
-    #[error("the marks are only {0:.2} m apart")]
     TooClose(f64),
     /// Distances differ.
-    #[error("distances in the device are {0:.3} times those on the map")]
     Scale(f64),
     /// The floor is not level in the device's frame.
-    #[error(
-        "marks of one floor lie at heights from {low_m:.2} to {high_m:.2} m in the device, number {worst} off the most"
-    )]
     Heights {
         /// The lowest, metres.
         low_m: f64,
@@ -114,10 +108,8 @@ pub enum Misfit {
         worst: usize,
     },
     /// The marks fit with an axis exchanged, and not without.
-    #[error("the marks fit only as in a mirror: the device exchanges two axes, or counts one backwards")]
     Mirrored,
     /// A mark points elsewhere than the places of the marks say.
-    #[error("mark {mark} points {degrees:.0} degrees away from where the marks say that it points")]
     Direction {
         /// Which, from 0.
         mark: usize,
@@ -125,7 +117,6 @@ pub enum Misfit {
         degrees: f64,
     },
     /// The marks do not lie as on the map.
-    #[error("the marks are {rms_m:.2} m off, number {worst} the most")]
     Residual {
         /// Root of the mean square, metres.
         rms_m: f64,
@@ -133,32 +124,42 @@ pub enum Misfit {
         worst: usize,
     },
     /// One of three is wrong, and it is not certain which.
-    #[error("one of the marks is wrong, and the others do not show which")]
     Ambiguous,
 }
 
 impl Misfit {
-    /// What the person who wears the device can do.
-    pub fn remedy(self) -> &'static str {
+    /// What is wrong with the marks.
+    pub fn sentence(self) -> Sentence {
+        let decimal = SentenceArg::rounded;
         match self {
-            Misfit::TooFew => "touch two marks, or give one mark with its direction",
-            Misfit::TooMany(_) => "send the 32 nearest",
-            Misfit::Absurd(_) => "touch this mark again",
-            Misfit::TooClose(_) => "touch marks that are at least 1 m apart, better 10 m",
-            Misfit::Scale(_) => {
-                "check that each mark has the right name, and that the device counts in metres"
+            Misfit::TooFew => feed::too_few_marks(),
+            Misfit::TooMany(marks) => feed::too_many_marks(marks),
+            Misfit::Absurd(mark) => feed::mark_absurd(mark),
+            Misfit::TooClose(m) => feed::marks_too_close(decimal(m, 2)),
+            Misfit::Scale(times) => feed::marks_scaled(decimal(times, 3)),
+            Misfit::Heights { low_m, high_m, worst } => {
+                feed::marks_at_heights(decimal(low_m, 2), decimal(high_m, 2), worst)
             }
-            Misfit::Heights { .. } => {
-                "touch that mark again; if all are wrong, send WebXR axes: x to the right, y up, z backwards, metres"
-            }
-            Misfit::Mirrored => {
-                "send WebXR axes: x to the right, y up, z backwards; from a left-handed frame negate z"
-            }
-            Misfit::Direction { .. } => {
-                "send x, y, z, w of a rotation in WebXR axes, or leave the direction out"
-            }
-            Misfit::Residual { .. } => "check the name of that mark, and touch it again",
-            Misfit::Ambiguous => "touch a fourth mark",
+            Misfit::Mirrored => feed::marks_mirrored(),
+            Misfit::Direction { mark, degrees } => feed::mark_turned(mark, decimal(degrees, 0)),
+            Misfit::Residual { rms_m, worst } => feed::marks_off(decimal(rms_m, 2), worst),
+            Misfit::Ambiguous => feed::marks_ambiguous(),
+        }
+    }
+
+    /// What the person who wears the device can do.
+    pub fn remedy(self) -> Sentence {
+        match self {
+            Misfit::TooFew => remedies::do_touch_two_marks(),
+            Misfit::TooMany(_) => remedies::do_send_nearest_marks(),
+            Misfit::Absurd(_) => remedies::do_touch_mark_again(),
+            Misfit::TooClose(_) => remedies::do_touch_marks_apart(),
+            Misfit::Scale(_) => remedies::do_check_names_and_metres(),
+            Misfit::Heights { .. } => remedies::do_touch_again_or_check_axes(),
+            Misfit::Mirrored => remedies::do_send_webxr_axes(),
+            Misfit::Direction { .. } => remedies::do_send_rotation(),
+            Misfit::Residual { .. } => remedies::do_check_name_of_mark(),
+            Misfit::Ambiguous => remedies::do_touch_fourth_mark(),
         }
     }
 }
@@ -566,7 +567,8 @@ mod tests {
         }
         let heights = Misfit::Heights { low_m: -2.0, high_m: 3.5, worst: 1 };
         assert_eq!(Alignment::fit(&stairs), Err(heights));
-        assert!(heights.to_string().contains("from -2.00 to 3.50 m") && heights.remedy().contains("y up"));
+        assert!(heights.sentence().text().contains("from -2.00 to 3.50 m"));
+        assert!(heights.remedy().text().contains("y up"));
         let mut level = seen(0.4, Vector::new(1.0, 2.0), &HALL);
         level.iter_mut().for_each(|p| p.height_m = -1.6);
         assert_eq!(Alignment::fit(&level).unwrap().floor_m, -1.6, "wherever the device has its origin");

@@ -217,5 +217,5 @@ fn eyes_fourteen_metres_up_are_refused_and_the_words_say_what_to_do() {
         assert_eq!(intake.take(&said(height_m), NOW), Err(PoseFault::Height));
     }
     assert!(intake.take(&said(0.3), NOW).is_ok(), "somebody lies on the floor");
-    assert!(PoseFault::Height.text().contains("touch the marks again"));
+    assert!(PoseFault::Height.sentence().text().contains("touch the marks again"));
 }

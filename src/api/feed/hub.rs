@@ -18,6 +18,7 @@ use crate::cell::HandPoints;
 use crate::fleet::{CellWarning, FeedCounts, Guidance, View};
 use crate::human::{Presence, Sighting, SourceId};
 use crate::id::{Dense, IdVec, WorkerId};
+use crate::text::sentence::requests;
 use crate::time::{Span, Time};
 use crate::warehouse::{Place, Warehouse};
 use nalgebra::Vector3;
@@ -184,9 +185,8 @@ impl Feeds {
     /// A problem that says where the known ones are listed.
     pub fn worker(&self, text: &str) -> Result<WorkerId, Problem> {
         let known = parse_worker_name(text).filter(|w| self.name(*w).is_some());
-        known.ok_or_else(|| {
-            Problem::unknown("worker", format!("there is no worker \"{text}\"; GET /v1/workers lists them"))
-        })
+        known
+            .ok_or_else(|| Problem::unknown("worker", requests::no_such_thing("worker", text, "/v1/workers")))
     }
 
     /// Feeds without workers, and the end from which sightings are taken.

@@ -5,6 +5,7 @@
 use super::lights::CellLightsDto;
 use super::wire::PoseFrame;
 use crate::api::guidance::GuidanceDto;
+use crate::text::Sentence;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -65,9 +66,9 @@ pub enum FeedMessage {
         /// What is refused: `anchors`.
         what: &'static str,
         /// Why.
-        reason: String,
+        reason: Sentence,
         /// What to do.
-        remedy: String,
+        remedy: Sentence,
         /// The alignment that stays.
         epoch: u32,
         /// Whether there is one.
@@ -91,21 +92,21 @@ pub enum FeedMessage {
         #[schema(example = "a3")]
         assignment: String,
         /// Why it is not done; null if it is.
-        refused: Option<String>,
+        refused: Option<Sentence>,
     },
     /// Something is wrong with what the headset sends.
     Warning {
-        /// What, in a word.
+        /// What kind of fault, in a word.
         #[schema(example = "too-old")]
         code: String,
         /// How often since the last one.
         count: u64,
         /// What, and what to do.
-        text: String,
+        text: Sentence,
     },
     /// The last message before the server closes the connection.
     Error {
         /// Why.
-        text: String,
+        text: Sentence,
     },
 }

@@ -12,7 +12,6 @@ use super::message::FeedMessage;
 use super::thin::RateLimiter;
 use super::warn::Warnings;
 use super::wire::{self, AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid, VERSIONS};
-use crate::api::auth::TOKEN_ENDED;
 use crate::api::called::Called;
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
@@ -21,6 +20,8 @@ use crate::api::text::{assignment_name, parse_assignment, worker_name};
 use crate::api::{Api, dto::Names};
 use crate::fleet::{Ask, GuidanceState};
 use crate::id::{AssignmentId, WorkerId};
+use crate::text::Sentence;
+use crate::text::sentence::{feed, remedies, requests};
 use crate::time::{Span, Time};
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{CloseFrame, Message, WebSocket, WebSocketUpgrade, close_code};
@@ -31,14 +32,6 @@ use std::pin::pin;
 use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::timeout;
-
-/// What is said of hands that cannot be.
-const NO_HAND: &str = "a hand is left out: a joint is no four numbers, or its joints are too many, far from each other \
-                       or from any shoulder, or have not moved at all for a second, or left and right changed places";
-
-/// What is said of marks that lie on one line.
-const ONE_LINE: &str = "the marks lie on one line, so left and right may be exchanged, and robots keep away from two \
-                        places: touch a mark beside that line, too, at least 1 m from it";
 
 /// How long a message may be: both hands with all joints, twice.
 const MESSAGE: usize = 32 * 1024;
@@ -84,6 +77,7 @@ pub async fn feed(
     let worker = api.feeds.worker(&id)?;
     let upgrade = upgrade.map_err(|e| {
         let detail = format!("this is a WebSocket: connect with ws:// or wss:// ({})", e.body_text());
+        let detail = requests::malformed(detail);
         Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
     })?;
     let upgrade = upgrade.protocols(["giveway"]).max_message_size(MESSAGE).max_write_buffer_size(4 << 20);
@@ -99,7 +93,7 @@ enum SessionEnd {
     /// The client is gone, or does not take what it is sent.
     Gone,
     /// The server says goodbye, with a code and a reason.
-    Bye(u16, String),
+    Bye(u16, Sentence),
 }
 
 /// One connection.
@@ -120,7 +114,7 @@ struct Session<'a> {
     last_heard: Time,
     unreadable: u32,
     /// Assignments that the wearer is done with, until the fleet has answered.
-    reports: JoinSet<(AssignmentId, Option<String>)>,
+    reports: JoinSet<(AssignmentId, Option<Sentence>)>,
     sent: Option<GuidanceKey>,
     sent_at: Time,
     /// Which hands cannot be.
@@ -131,9 +125,10 @@ struct Session<'a> {
 
 /// Serves one client until it leaves, stalls, is replaced, or the server goes down.
 async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
-    let late = "no hello within ten seconds: the first message is hello, with versions";
+    let late =
+        || requests::malformed("no hello within ten seconds: the first message is hello, with versions");
     let greeted = timeout(GREETING, greeting(&mut socket)).await;
-    let end = match greeted.unwrap_or_else(|_| Err(SessionEnd::Bye(close_code::POLICY, late.into()))) {
+    let end = match greeted.unwrap_or_else(|_| Err(SessionEnd::Bye(close_code::POLICY, late()))) {
         Ok(hello) => {
             let Some(connection) = api.feeds.sit(worker) else { return };
             let now = (api.now)();
@@ -169,7 +164,7 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
     if let Some(SessionEnd::Bye(code, reason)) = end {
         let text = text(&FeedMessage::Error { text: reason.clone() });
         _ = timeout(SEND, socket.send(Message::Text(text.into()))).await;
-        let frame = CloseFrame { code, reason: short(&reason).into() };
+        let frame = CloseFrame { code, reason: short(reason.text()).into() };
         _ = timeout(SEND, socket.send(Message::Close(Some(frame)))).await;
     }
 }
@@ -180,13 +175,9 @@ fn text(message: &FeedMessage) -> String {
 }
 
 /// What is said of marks that do not fit with the others.
-fn left_out(said: &[AnchorSaid], dropped: &[usize]) -> String {
+fn left_out(said: &[AnchorSaid], dropped: &[usize]) -> Sentence {
     let name = |i: &usize| said.get(*i).and_then(|a| a.mark.clone()).unwrap_or_else(|| i.to_string());
-    let names: Vec<String> = dropped.iter().map(name).collect();
-    let names = names.join(", ");
-    format!(
-        "marks that do not fit with the others are left out: {names}; check their names, and touch them again"
-    )
+    feed::marks_left_out(dropped.iter().map(name).collect::<Vec<String>>())
 }
 
 /// Reasons in close frames have room for 123 bytes.
@@ -197,7 +188,7 @@ fn short(reason: &str) -> &str {
 
 /// The first message, in a version that both speak.
 async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, SessionEnd> {
-    let policy = |reason: &str| SessionEnd::Bye(close_code::POLICY, reason.into());
+    let policy = |reason: &str| SessionEnd::Bye(close_code::POLICY, requests::malformed(reason));
     let message = loop {
         match socket.recv().await {
             Some(Ok(Message::Text(text))) => break text,
@@ -245,14 +236,13 @@ impl Session<'_> {
                 taken = self.connection.taken.changed() => {
                     taken.map_err(|_| SessionEnd::Gone)?;
                     if *self.connection.taken.borrow() != self.connection.number {
-                        let reason = "another connection of this worker replaced this one";
-                        return Err(SessionEnd::Bye(close_code::POLICY, reason.into()));
+                        return Err(SessionEnd::Bye(close_code::POLICY, feed::replaced_by_another()));
                     }
                 }
                 () = async { _ = closing.wait_for(|closing| *closing).await.is_ok() } => {
-                    return Err(SessionEnd::Bye(close_code::AWAY, "server shutting down".into()));
+                    return Err(SessionEnd::Bye(close_code::AWAY, feed::server_shutting_down()));
                 }
-                () = &mut ended => return Err(SessionEnd::Bye(close_code::POLICY, TOKEN_ENDED.into())),
+                () = &mut ended => return Err(SessionEnd::Bye(close_code::POLICY, feed::token_ended())),
                 Some(Ok((id, refused))) = self.reports.join_next() => self.reported(id, refused).await?,
                 () = tokio::time::sleep(wait) => self.tick().await?,
                 message = self.socket.recv() => self.hear(message).await?,
@@ -314,33 +304,37 @@ impl Session<'_> {
                 // Poses do not wait for the journal, nor does this. A refusal changes nothing: the silence will say it.
                 let (api, worker) = (self.api.clone(), self.worker);
                 tokio::spawn(async move { api.ask(Ask::sign_off(worker)).await });
-                Err(SessionEnd::Bye(1000, "goodbye".into()))
+                Err(SessionEnd::Bye(1000, requests::malformed("goodbye")))
             }
             HeadsetMessage::Ack { version } => {
                 self.api.feeds.acknowledge(self.worker, version);
                 Ok(())
             }
-            HeadsetMessage::Hello(_) => self.warn("hello", 1, "hello is the first message only").await,
+            HeadsetMessage::Hello(_) => {
+                self.warn("hello", 1, requests::malformed("hello is the first message only")).await
+            }
         }
     }
 
     /// Asks the fleet to note that the wearer is done. Poses do not wait for the journal, so the answer comes later.
     async fn done(&mut self, said: &str) -> Result<(), SessionEnd> {
         let Some(id) = parse_assignment(said) else {
-            return self.warn("done", 1, "name the assignment as guidance does, such as a3").await;
+            let text = requests::malformed("name the assignment as guidance does, such as a3");
+            return self.warn("done", 1, text).await;
         };
         if self.reports.len() >= MOST_REPORTS {
-            return self.warn("done", 1, "too many at once: wait for the answers").await;
+            let text = requests::malformed("too many at once: wait for the answers");
+            return self.warn("done", 1, text).await;
         }
         let (api, worker) = (self.api.clone(), self.worker);
         self.reports.spawn(async move {
             let problem = api.ask(Ask::finish(worker, id)).await.err();
-            (id, problem.map(|p| p.detail))
+            (id, problem.map(|p| p.sentence()))
         });
         Ok(())
     }
 
-    async fn reported(&mut self, id: AssignmentId, refused: Option<String>) -> Result<(), SessionEnd> {
+    async fn reported(&mut self, id: AssignmentId, refused: Option<Sentence>) -> Result<(), SessionEnd> {
         self.send(FeedMessage::Done { assignment: assignment_name(id), refused }).await
     }
 
@@ -369,7 +363,7 @@ impl Session<'_> {
             }
         };
         match fault {
-            Some(fault) => self.warn(fault.word(), 1, fault.text()).await,
+            Some(fault) => self.warn(fault.word(), 1, fault.sentence()).await,
             None => Ok(()),
         }
     }
@@ -388,17 +382,18 @@ impl Session<'_> {
             return Ok(());
         }
         self.api.metrics.hands_refused.inc_by(refused);
-        self.warn("hands", refused, NO_HAND).await
+        self.warn("hands", refused, feed::hand_left_out()).await
     }
 
     async fn unreadable(&mut self, text: &str) -> Result<(), SessionEnd> {
         self.unreadable += 1;
         if self.unreadable > MOST_UNREADABLE {
-            let reason = format!("{MOST_UNREADABLE} messages in a row could not be read");
+            let reason =
+                requests::malformed(format!("{MOST_UNREADABLE} messages in a row could not be read"));
             return Err(SessionEnd::Bye(close_code::POLICY, reason));
         }
         self.api.metrics.refused("unreadable");
-        self.warn("unreadable", 1, text).await
+        self.warn("unreadable", 1, requests::malformed(text)).await
     }
 
     async fn ping(&mut self) -> Result<(), SessionEnd> {
@@ -432,18 +427,18 @@ impl Session<'_> {
             }
             PingOutcome::Absurd => {
                 let text = "t1 and t2 are milliseconds of one monotonic clock, t1 before t2";
-                self.warn("pong", 1, text).await
+                self.warn("pong", 1, requests::malformed(text)).await
             }
         }
     }
 
     async fn align(&mut self, said: &[AnchorSaid]) -> Result<(), SessionEnd> {
-        let fit = pairs(said, &self.api.map).map_err(|text| (text, "correct the message"));
+        let fit = pairs(said, &self.api.map).map_err(|text| (text, remedies::do_correct_message()));
         let fit = fit.and_then(|pairs| {
             let touched = self.api.feeds.are_new_marks(self.worker, &pairs);
             match self.intake.align(&pairs, touched) {
                 Ok(alignment) => Ok((alignment.clone(), pairs)),
-                Err(misfit) => Err((misfit.to_string(), misfit.remedy())),
+                Err(misfit) => Err((misfit.sentence(), misfit.remedy())),
             }
         });
         let fit = fit.map(|(alignment, pairs)| {
@@ -465,16 +460,16 @@ impl Session<'_> {
             Err((reason, remedy)) => FeedMessage::Refused {
                 what: "anchors",
                 reason,
-                remedy: remedy.into(),
+                remedy,
                 epoch: self.intake.epoch(),
                 aligned: self.intake.alignment().is_some(),
             },
         };
         self.send(answer).await?;
         if !dropped.is_empty() {
-            self.warn("mark-left-out", dropped.len() as u64, &left_out(said, &dropped)).await?;
+            self.warn("mark-left-out", dropped.len() as u64, left_out(said, &dropped)).await?;
         }
-        if provisional { self.warn("one-line", 1, ONE_LINE).await } else { Ok(()) }
+        if provisional { self.warn("one-line", 1, feed::marks_on_one_line()).await } else { Ok(()) }
     }
 
     /// Sends what is to be picked where the wearer stands, where that changed.
@@ -527,21 +522,17 @@ impl Session<'_> {
         let absurd = absurd - self.counted.1.min(absurd);
         self.counted = (counts.jumps, counts.absurd);
         if jumps > 0 {
-            let text = "the pose is farther away than anybody walks: if the origin moved, send reset";
-            self.warn("jump", jumps, text).await?;
+            self.warn("jump", jumps, feed::pose_jumped()).await?;
         }
         if absurd > 0 {
-            let text = "nobody can be there: check the frame, the marks and the clock";
-            self.warn("impossible", absurd, text).await?;
+            self.warn("impossible", absurd, feed::nobody_can_be_there()).await?;
         }
         Ok(())
     }
 
-    async fn warn(&mut self, code: &'static str, count: u64, text: &str) -> Result<(), SessionEnd> {
+    async fn warn(&mut self, code: &'static str, count: u64, text: Sentence) -> Result<(), SessionEnd> {
         match self.warnings.note(code, count, (self.api.now)()) {
-            Some(count) => {
-                self.send(FeedMessage::Warning { code: code.into(), count, text: text.into() }).await
-            }
+            Some(count) => self.send(FeedMessage::Warning { code: code.into(), count, text }).await,
             None => Ok(()),
         }
     }

@@ -191,7 +191,8 @@ async fn a_stop_leaves_at_once_and_says_which_pose_it_was_decided_with() {
             break message;
         }
     };
-    assert_eq!(stop["reason"], "no path to the place is free");
+    assert_eq!(stop["reason"]["text"], "no path to the place is free");
+    assert_eq!(stop["reason"]["code"], "no_way");
     assert_eq!(stop["cause"], json!({"kind": "no_way", "robot": null, "closure": null}));
     assert_eq!(stop["pose"], json!({"epoch": 1, "seq": 7}));
     let text = stage.metrics.text(&Moment::default());
@@ -282,7 +283,7 @@ async fn a_null_joint_drops_its_hand_alone_and_the_wearer_is_told() {
     }
     let warning = anna.next("warning").await;
     assert_eq!((&warning["code"], &warning["count"]), (&json!("hands"), &json!(1)), "the first at once");
-    assert!(warning["text"].as_str().unwrap().contains("no four numbers"), "{warning}");
+    assert!(warning["text"]["text"].as_str().unwrap().contains("no four numbers"), "{warning}");
     let text = stage.metrics.text(&Moment::default());
     assert!(text.contains("giveway_hands_refused_total 3"), "{text}");
     assert!(!text.contains("unreadable"), "{text}");
@@ -319,7 +320,7 @@ async fn hands_that_cannot_be_are_not_seen_and_the_wearer_is_told() {
     }
     let warning = anna.next("warning").await;
     assert_eq!((&warning["code"], &warning["count"]), (&json!("hands"), &json!(2)), "{warning}");
-    assert!(warning["text"].as_str().unwrap().contains("left and right changed places"), "{warning}");
+    assert!(warning["text"]["text"].as_str().unwrap().contains("left and right changed places"), "{warning}");
     let text = stage.metrics.text(&Moment::default());
     assert!(text.contains("giveway_hands_refused_total 5"), "{text}");
 }

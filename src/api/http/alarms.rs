@@ -14,6 +14,7 @@ use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, Params, PathPart, read_end, read_time, signed};
 use crate::api::text::parse_alarm;
+use crate::text::sentence::requests;
 use crate::time::Span;
 use axum::Json;
 use serde::Deserialize;
@@ -59,13 +60,13 @@ pub async fn list(
     match p.state.as_deref() {
         Some("active") if is_history => {
             let detail = "active alarms are listed all at once: leave out from, to, group, limit and cursor";
-            return Err(Problem::invalid(vec![FieldError::new("state", detail)]));
+            return Err(Problem::invalid(vec![FieldError::new("state", requests::malformed(detail))]));
         }
         Some("active") => {}
         None if !is_history => {}
         Some("any") | None => return history(&api, &p).await,
         Some(other) => {
-            let detail = format!("\"{other}\" is neither active nor any");
+            let detail = requests::not_one_of(other, vec!["active", "any"]);
             return Err(Problem::invalid(vec![FieldError::new("state", detail)]));
         }
     }
@@ -75,7 +76,7 @@ pub async fn list(
 async fn history(api: &Api, p: &AlarmParams) -> Result<Json<Page<AlarmDto>>, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let query = AlarmQuery { limit: limit + 1, ..query(p)? };
-    let mut rows = api.records.alarms(query).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let mut rows = api.records.alarms(query).await.map_err(Problem::of_records)?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
     let next = rows.last().filter(|_| more).map(|row| row.id.to_string());
@@ -90,11 +91,11 @@ fn query(p: &AlarmParams) -> Result<AlarmQuery, Problem> {
     let to = read_end("to", p.to.as_deref(), &mut errors);
     let before = p.cursor.as_deref().map(str::parse::<u64>);
     if let Some(Err(_)) = before {
-        errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
+        errors.push(FieldError::new("cursor", requests::not_a_cursor()));
     }
     let group = p.group.as_deref().map(parse_alarm);
     if let Some(None) = group {
-        errors.push(FieldError::new("group", "give the id of an alarm, such as al18"));
+        errors.push(FieldError::new("group", requests::malformed("give the id of an alarm, such as al18")));
     }
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
@@ -172,7 +173,7 @@ pub async fn shelve(
     });
     let reason = written("reason", &body.reason, 200, &mut errors);
     if length < Span::from_secs(60) || length > LONGEST_SHELVING {
-        errors.push(FieldError::new("for_s", "must be from 60 to 43200 (twelve hours)"));
+        errors.push(FieldError::new("for_s", requests::shelving_out_of_range()));
     }
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
@@ -241,29 +242,23 @@ fn written(field: &str, text: &str, most: usize, errors: &mut Vec<FieldError>) -
     let text = text.trim();
     let is_text = |c: char| !c.is_control() || c == '\n';
     if text.is_empty() || text.chars().count() > most || !text.chars().all(is_text) {
-        errors.push(FieldError::new(field, format!("give a text of 1 to {most} characters")));
+        errors.push(FieldError::new(field, requests::give_a_text(most)));
     }
     text.to_owned()
 }
 
 fn not_active(id: &str) -> Problem {
-    Problem::unknown("alarm", format!("no alarm \"{id}\" is active; GET /v1/alarms lists those that are"))
+    Problem::unknown("alarm", requests::alarm_not_active(id))
 }
 
 fn refusal(why: CareRefusal, id: &str) -> Problem {
     match why {
         CareRefusal::NotActive => not_active(id),
         CareRefusal::AlwaysCalls => {
-            let detail = format!(
-                "{id} says that nothing can be promised, or that people have to leave: it always calls"
-            );
+            let detail = requests::alarm_always_calls(id);
             Problem::conflict("always-calls", "This alarm cannot be put aside", detail)
         }
-        CareRefusal::TooManyNotes => {
-            Problem::too_many(format!("{id} has {MOST_NOTES} notes, as many as an alarm may have"), 3600)
-        }
-        CareRefusal::TooManyShelved => {
-            Problem::too_many(format!("{MOST_SHELVED} alarms are put aside: take one back up first"), 60)
-        }
+        CareRefusal::TooManyNotes => Problem::too_many(requests::too_many_notes(id, MOST_NOTES), 3600),
+        CareRefusal::TooManyShelved => Problem::too_many(requests::too_many_shelved(MOST_SHELVED), 60),
     }
 }

@@ -5,6 +5,7 @@
 //! a person works.
 
 use super::lists::{checked_limit, read_words, refuse_wrong};
+use super::new_job::unknown;
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::caller::Role;
@@ -16,6 +17,7 @@ use crate::api::text::{assignment_name, parse_assignment, worker_name};
 use crate::api::words::AssignmentStateDto;
 use crate::fleet::{Ask, AssignmentQuery, AssignmentRequest, AssignmentRow, Made};
 use crate::id::{AssignmentId, WorkerId};
+use crate::text::sentence::requests;
 use crate::time::Span;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
@@ -90,9 +92,7 @@ pub async fn of_worker(
     if !may_know_pace(&api, worker) {
         let is_open = |word: &&str| OPEN.contains(word);
         if !query.states.iter().all(is_open) {
-            let detail = "assignments of one person that are over are for administrators, since their times tell how \
-                          fast the person works: ask for those that are waiting, walking or working, or for those of \
-                          all people at /v1/assignments";
+            let detail = requests::pace_is_private();
             return Err(Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail));
         }
         if query.states.is_empty() {
@@ -178,10 +178,7 @@ async fn hand_in(
     // One that waited for a worker may have found one since.
     let other = worker.is_some() && record.assignment.worker != worker;
     if known != request || other {
-        let detail = format!(
-            "the Idempotency-Key was used for {}, which is another assignment: use a new key for a new one",
-            assignment_name(id)
-        );
+        let detail = requests::key_of_another(assignment_name(id));
         let status = StatusCode::UNPROCESSABLE_ENTITY;
         return Err(Problem::new(status, "key-reused", "The key belongs to another assignment", detail));
     }
@@ -210,7 +207,7 @@ pub async fn finish(Called(api): Called, PathPart(id): PathPart) -> Result<Json<
     let id = parse_id(&id)?;
     let Some(worker) = read(&api, id).await?.assignment.worker else {
         let name = assignment_name(id);
-        let detail = format!("{name} waits for a worker who is free: cancel it if it is not wanted any more");
+        let detail = requests::assignment_waits(name);
         let title = "Nobody has the assignment yet";
         return Err(Problem::new(StatusCode::CONFLICT, "assignment-waits", title, detail));
     };
@@ -243,7 +240,7 @@ fn read_query(api: &Api, p: &AssignmentParams) -> Result<AssignmentQuery, Proble
     let before = p.cursor.as_deref().and_then(|cursor| {
         let id = parse_assignment(cursor);
         if id.is_none() {
-            errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
+            errors.push(FieldError::new("cursor", requests::not_a_cursor()));
         }
         id
     });
@@ -252,19 +249,18 @@ fn read_query(api: &Api, p: &AssignmentParams) -> Result<AssignmentQuery, Proble
 }
 
 async fn list(api: &Api, query: AssignmentQuery) -> Result<Json<Page<AssignmentDto>>, Problem> {
-    let page = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let page = api.records.assignments(query).await.map_err(Problem::of_records)?;
     let items = page.rows.iter().map(|row| dto(api, row)).collect();
     Ok(Json(Page { items, next: page.next.map(assignment_name) }))
 }
 
 fn parse_id(text: &str) -> Result<AssignmentId, Problem> {
-    let detail = || format!("\"{text}\" is not an assignment id; ids look like a3");
-    parse_assignment(text).ok_or_else(|| Problem::unknown("assignment", detail()))
+    parse_assignment(text).ok_or_else(|| Problem::unknown("assignment", requests::not_an_assignment_id(text)))
 }
 
 async fn read(api: &Api, id: AssignmentId) -> Result<AssignmentRow, Problem> {
-    let record = api.records.assignment(id).await.map_err(|why| Problem::unavailable(why, 2))?;
-    record.ok_or_else(|| Problem::unknown("assignment", format!("{} does not exist", assignment_name(id))))
+    let record = api.records.assignment(id).await.map_err(Problem::of_records)?;
+    record.ok_or_else(|| Problem::unknown("assignment", requests::does_not_exist(assignment_name(id))))
 }
 
 /// Whether the caller may know how long a worker took for something: an administrator, or the worker's own device.
@@ -283,7 +279,7 @@ fn dto(api: &Api, record: &AssignmentRow) -> AssignmentDto {
 }
 
 fn no_place(name: &str) -> FieldError {
-    FieldError::new("place", format!("there is no node \"{name}\"; GET /v1/map lists them"))
+    FieldError::new("place", unknown("node", name))
 }
 
 impl NewAssignment {
@@ -295,11 +291,11 @@ impl NewAssignment {
         }
         let stay_s = self.stay_s.unwrap_or(USUAL_STAY_S);
         if !(0.0..=LONGEST_STAY_S).contains(&stay_s) {
-            errors.push(FieldError::new("stay_s", format!("must be 0 to {LONGEST_STAY_S} seconds")));
+            errors.push(FieldError::new("stay_s", requests::seconds_out_of_range(LONGEST_STAY_S as i64)));
         }
         let what = self.what.clone().unwrap_or_default();
         if what.chars().count() > LONGEST_TEXT {
-            errors.push(FieldError::new("what", format!("must have at most {LONGEST_TEXT} characters")));
+            errors.push(FieldError::new("what", requests::too_many_characters(LONGEST_TEXT)));
         }
         match place {
             Some(place) if errors.is_empty() => {

@@ -11,6 +11,7 @@ use crate::api::dto::Page;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Params, read_end, read_time};
 use crate::api::text::time_text;
+use crate::text::sentence::requests;
 use crate::time::Time;
 use axum::Json;
 use serde::{Deserialize, Serialize};
@@ -95,14 +96,14 @@ pub async fn list(
     let to = read_end("to", p.to.as_deref(), &mut errors);
     let before = p.cursor.as_deref().map(str::parse::<i64>);
     if let Some(Err(_)) = before {
-        errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
+        errors.push(FieldError::new("cursor", requests::not_a_cursor()));
     }
     if !errors.is_empty() {
         return Err(Problem::invalid(errors));
     }
     let query =
         AuditQuery { from, to, actor: p.actor, before: before.and_then(Result::ok), limit: limit + 1 };
-    let mut rows = api.records.audit(query).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let mut rows = api.records.audit(query).await.map_err(Problem::of_records)?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
     let next = rows.last().filter(|_| more).map(|row| row.id.to_string());

@@ -13,6 +13,7 @@ use crate::api::refusal::refused;
 use crate::api::text::job_name;
 use crate::fleet::{Ask, JobRequest, JobTaken, Made};
 use crate::id::JobId;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
@@ -109,10 +110,7 @@ pub async fn submit(
 
 fn check_size(new: &NewJobs, key: Option<&str>) -> Result<(), Problem> {
     if !(1..=MOST_JOBS).contains(&new.jobs.len()) {
-        let detail = format!(
-            "{} jobs; 1 to {MOST_JOBS} are allowed: send the rest in another request",
-            new.jobs.len()
-        );
+        let detail = requests::batch_out_of_range(new.jobs.len(), MOST_JOBS);
         return Err(Problem::invalid(vec![FieldError::new("jobs", detail)]));
     }
     // There must be room for the position.
@@ -124,11 +122,15 @@ fn check_size(new: &NewJobs, key: Option<&str>) -> Result<(), Problem> {
 
 fn read_row(api: &Api, row: Value, i: usize, key: &Option<String>) -> Result<JobRequest, Problem> {
     let row: BatchRow = serde_json::from_value(row).map_err(|e| {
-        Problem::new(StatusCode::UNPROCESSABLE_ENTITY, "invalid", "Some fields are wrong", e.to_string())
+        Problem::new(
+            StatusCode::UNPROCESSABLE_ENTITY,
+            "invalid",
+            "Some fields are wrong",
+            requests::malformed(e.to_string()),
+        )
     })?;
     if row.key.as_ref().is_some_and(|key| !(1..=LONGEST_KEY).contains(&key.len())) {
-        let detail = format!("1 to {LONGEST_KEY} characters");
-        return Err(Problem::invalid(vec![FieldError::new("key", detail)]));
+        return Err(Problem::invalid(vec![FieldError::new("key", requests::name_length(LONGEST_KEY))]));
     }
     let key = row.key.or_else(|| key.as_ref().map(|key| format!("{key}#{i}")));
     let key = key.map(|text| api.caller.client_key(text));

@@ -20,6 +20,7 @@ use crate::aware::check_area;
 use crate::fleet::{AreaRefusal, Ask, Binds, Closure, Recurrence, RecurringClosure, Refusal};
 use crate::geometry::{Point, Spot};
 use crate::id::{ClosureId, NodeId, SeriesId};
+use crate::text::sentence::{refusals, requests};
 use crate::time::{Time, Window};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
@@ -234,7 +235,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Clo
         }
     };
     let found = moment.view.closures.iter().find(|c| c.id == id);
-    let detail = || format!("{} is not closed; GET /v1/closures lists what is", closure_name(id));
+    let detail = || refusals::closure_unknown(closure_name(id));
     let found = found.ok_or_else(|| Problem::unknown("closure", detail()))?;
     Ok(Json(ClosedDto::Once(once(names, id, &found.closure, (api.now)()))))
 }
@@ -265,7 +266,7 @@ pub async fn reopen(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
 }
 
 fn parse_id(text: &str) -> Result<ClosedId, Problem> {
-    let detail = || format!("\"{text}\" is not a closure id; ids look like c2, or s1 for what recurs");
+    let detail = || requests::not_a_closure_id(text);
     let recurring = || parse_series(text).map(ClosedId::Recurring);
     parse_closure(text)
         .map(ClosedId::Once)
@@ -280,7 +281,7 @@ impl NewClosure {
         let mut nodes = Vec::new();
         let binds = self.binds.as_deref().map_or(Some(Binds::default()), Binds::of);
         if binds.is_none() {
-            errors.push(FieldError::new("binds", "must be \"robots\", \"people\" or \"both\""));
+            errors.push(FieldError::new("binds", requests::binds_whom()));
         }
         let binds = binds.unwrap_or_default();
         let outline = match (&self.outline, &self.nodes) {
@@ -290,7 +291,7 @@ impl NewClosure {
                 around(api, &nodes)
             }
             _ => {
-                errors.push(FieldError::new("outline", "give either outline or nodes"));
+                errors.push(FieldError::new("outline", requests::outline_or_nodes()));
                 Vec::new()
             }
         };
@@ -299,12 +300,11 @@ impl NewClosure {
         let given = self.from.as_ref().map(|_| from);
         let until = read_end("until", self.until.as_deref(), &mut errors).unwrap_or(Time::MAX);
         if until <= from.max(now) {
-            errors.push(FieldError::new("until", "must be after `from` and in the future"));
+            errors.push(FieldError::new("until", requests::until_after_from()));
         }
         let reason = self.reason.trim();
         if reason.is_empty() || reason.chars().count() > LONGEST_REASON {
-            let detail = format!("say in 1 to {LONGEST_REASON} characters why the area is closed");
-            errors.push(FieldError::new("reason", detail));
+            errors.push(FieldError::new("reason", requests::say_why_closed(LONGEST_REASON)));
         }
         let recurs = self.recurs.as_ref().and_then(|r| r.read((given, until), now, &mut errors));
         if !errors.is_empty() {
@@ -326,10 +326,9 @@ fn checked_outline(
 ) -> Vec<Point> {
     let outline: Vec<Point> = corners.iter().map(|c| Point::new(c[0], c[1])).collect();
     if !(3..=MOST_CORNERS).contains(&outline.len()) {
-        let detail = format!("must be 3 to {MOST_CORNERS} corners [x, y] in metres");
-        errors.push(FieldError::new("outline", detail));
+        errors.push(FieldError::new("outline", requests::corners_out_of_range(MOST_CORNERS)));
     } else if let Err(fault) = check_area(&api.map, &outline, binds.robots(), binds.people()) {
-        errors.push(FieldError::new("outline", fault.to_string()));
+        errors.push(FieldError::new("outline", fault.sentence()));
     }
     outline
 }
@@ -337,7 +336,7 @@ fn checked_outline(
 /// The nodes of these names.
 fn named(api: &Api, names: &[String], errors: &mut Vec<FieldError>) -> Vec<NodeId> {
     if names.is_empty() || names.len() > MOST_CORNERS {
-        errors.push(FieldError::new("nodes", format!("must be the names of 1 to {MOST_CORNERS} nodes")));
+        errors.push(FieldError::new("nodes", requests::node_names_out_of_range(MOST_CORNERS)));
         return Vec::new();
     }
     let mut nodes = Vec::new();

@@ -12,6 +12,7 @@ use crate::api::extract::{Params, read_end, read_time};
 use crate::api::people::EncounterDto;
 use crate::api::words::ReactionDto;
 use crate::fleet::{EncounterQuery, Listed};
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
@@ -70,7 +71,7 @@ pub async fn list(
         limit => checked_limit(limit, 50)?,
     };
     let filter = EncounterQuery { limit, ..filter(&api, &p)? };
-    let page = api.records.encounters(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let page = api.records.encounters(filter).await.map_err(Problem::of_records)?;
     let Listed { rows, next } = page;
     let next = next.map(|seq| seq.to_string());
     let moment = api.moment();
@@ -92,7 +93,7 @@ pub fn wants_table(headers: &HeaderMap, format: Option<&str>) -> Result<bool, Pr
         Some("csv") => Ok(true),
         Some("json") => Ok(false),
         Some(other) => {
-            let detail = format!("\"{other}\" is neither csv nor json");
+            let detail = requests::not_one_of(other, vec!["csv", "json"]);
             Err(Problem::invalid(vec![FieldError::new("format", detail)]))
         }
         None => {
@@ -108,7 +109,7 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
     let to = read_end("to", p.to.as_deref(), &mut errors);
     let worker = p.worker.as_deref().and_then(|text| {
         let worker = api.feeds.worker(text);
-        worker.map_err(|problem| errors.push(FieldError::new("worker", problem.detail))).ok()
+        worker.map_err(|problem| errors.push(FieldError::new("worker", problem.sentence()))).ok()
     });
     let moment = api.moment();
     let robot = named("robot", p.robot.as_deref(), |name| robot_named(&moment, name), &mut errors);
@@ -118,7 +119,7 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
     let before = p.cursor.as_deref().and_then(|cursor| {
         let seq = cursor.parse::<i64>().ok();
         if seq.is_none() {
-            errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
+            errors.push(FieldError::new("cursor", requests::not_a_cursor()));
         }
         seq
     });

@@ -12,6 +12,7 @@ use crate::api::events::{EventDto, event};
 use crate::api::extract::Params;
 use crate::fleet::{EventKind, EventQuery, EventRow};
 use crate::id::Dense;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
@@ -95,7 +96,7 @@ pub async fn list(
         headers.get(header::ACCEPT).and_then(|v| v.to_str().ok()).is_some_and(|v| v.contains(STREAM));
     // Subscribed before the look, so that nothing comes in between.
     let changed = api.records.events_changed();
-    let span = api.records.event_span().await.map_err(|why| Problem::unavailable(why, 2))?;
+    let span = api.records.event_span().await.map_err(Problem::of_records)?;
     let begin = after.unwrap_or(if as_stream { span.last } else { span.before });
     if !span.follows(begin) {
         let detail = format!(
@@ -105,13 +106,14 @@ pub async fn list(
             span.last,
             span.last
         );
+        let detail = requests::malformed(detail);
         return Err(Problem::new(StatusCode::GONE, "events-gone", "These events are not kept", detail));
     }
     let query = EventQuery { kinds, after: begin, limit };
     if as_stream {
         return stream(api, query, changed);
     }
-    let rows = api.records.events(query).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let rows = api.records.events(query).await.map_err(Problem::of_records)?;
     let full = rows.len() == limit as usize;
     // Behind a page that is not full there is nothing of these kinds up to the last number that was looked at.
     let next = rows.last().filter(|_| full).map_or(span.last.max(begin), |row| row.seq);
@@ -127,16 +129,16 @@ fn read_kinds(text: Option<&str>) -> Result<Vec<EventKind>, Problem> {
     let words = text.into_iter().flat_map(|text| text.split(','));
     let read = |word: &str| {
         EventKind::of_word(word.trim()).ok_or_else(|| {
-            let known = EventKind::ALL.map(EventKind::word).join(", ");
-            Problem::invalid(vec![FieldError::new("kind", format!("\"{word}\" is not one of {known}"))])
+            let known = EventKind::ALL.map(EventKind::word).to_vec();
+            Problem::invalid(vec![FieldError::new("kind", requests::not_one_of(word, known))])
         })
     };
     words.map(read).collect()
 }
 
 fn read_after(headers: &HeaderMap, after: Option<i64>) -> Result<Option<i64>, Problem> {
-    let wrong =
-        |field: &str| Problem::invalid(vec![FieldError::new(field, "it is not the number of an event")]);
+    let detail = "it is not the number of an event";
+    let wrong = |field: &str| Problem::invalid(vec![FieldError::new(field, requests::malformed(detail))]);
     let last = match headers.get("last-event-id").map(|v| v.to_str().unwrap_or("?").trim()) {
         Some("") | None => None,
         Some(text) => Some(text.parse::<i64>().map_err(|_| wrong("Last-Event-ID"))?),
@@ -176,7 +178,7 @@ impl Drop for EventStream {
 fn stream(api: Api, query: EventQuery, changed: watch::Receiver<()>) -> Result<Response, Problem> {
     if api.metrics.event_streams.get() >= MOST_STREAMS {
         let detail = format!("{MOST_STREAMS} streams of events are open, which is the limit");
-        return Err(Problem::too_many(detail, 10));
+        return Err(Problem::too_many(requests::malformed(detail), 10));
     }
     api.metrics.event_streams.inc();
     let closing = api.closing.clone();

@@ -8,6 +8,7 @@ use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::fleet::RobotState;
+use crate::text::sentence::requests;
 use crate::time::Span;
 use axum::Json;
 use axum::http::header;
@@ -100,11 +101,9 @@ pub async fn ready(Called(api): Called) -> Result<Json<Ready>, Problem> {
     match api.moment().unheard {
         Some(0) => {}
         Some(n) => {
-            let detail =
-                format!("{n} robots have not reported yet; they are known to be silent in three seconds");
-            return Err(Problem::unavailable(detail, 1));
+            return Err(Problem::unavailable(requests::robots_unheard(n), 1));
         }
-        None => return Err(Problem::unavailable("the fleet has not made its first step yet", 1)),
+        None => return Err(Problem::unavailable(requests::no_step_yet(), 1)),
     }
     Ok(Json(Ready { status: "ready" }))
 }
@@ -116,8 +115,8 @@ fn fails_for(api: &Api, is_so: impl Fn(&Alarm) -> bool) -> Result<(), Problem> {
     if errors.is_empty() {
         return Ok(());
     }
-    let text: Vec<_> = errors.iter().map(|e| e.detail.as_str()).collect();
-    Err(Problem { errors: errors.clone(), ..Problem::unavailable(text.join("; "), 2) })
+    let said: Vec<_> = errors.iter().map(FieldError::sentence).collect();
+    Err(Problem { errors: errors.into(), ..Problem::unavailable(requests::alarms_say(said), 2) })
 }
 
 /// Metrics for Prometheus, as OpenMetrics text.

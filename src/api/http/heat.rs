@@ -119,7 +119,7 @@ fn waiting(api: &Api, from: Time, to: Time) -> Vec<CellDto> {
 async fn encounters(api: &Api, from: Time, to: Time) -> Result<Vec<CellDto>, Problem> {
     let filter =
         EncounterQuery { from: Some(from), to: Some(to), limit: ENCOUNTERS, ..EncounterQuery::default() };
-    let rows = api.records.encounters(filter).await.map_err(|why| Problem::unavailable(why, 2))?.rows;
+    let rows = api.records.encounters(filter).await.map_err(Problem::of_records)?.rows;
     let mut cells: BTreeMap<(i64, i64), f64> = BTreeMap::new();
     for row in rows {
         let at = row.encounter.at;

@@ -10,6 +10,7 @@ use crate::api::extract::{Params, read_end, read_time};
 use crate::api::text::{round3, time_text};
 use crate::api::words::PolicyDto;
 use crate::history::{Bucket, TIERS, floor};
+use crate::text::sentence::requests;
 use crate::time::{Span, Time};
 use axum::Json;
 use serde::{Deserialize, Serialize};
@@ -136,13 +137,13 @@ pub fn stretch(api: &Api, from: Option<&str>, to: Option<&str>) -> Result<(Time,
     let to = to.unwrap_or_else(|| api.moment().view.now + Span(1));
     let from = from.unwrap_or(to - HOUR);
     if errors.is_empty() && from >= to {
-        errors.push(FieldError::new("from", "must be before `to`"));
+        errors.push(FieldError::new("from", requests::must_be_before_to()));
     }
     if errors.is_empty() { Ok((from, to)) } else { Err(Problem::invalid(errors)) }
 }
 
 fn checked_step(s: i64, stretch: Span) -> Result<Span, Problem> {
-    let refused = |detail: String| Problem::invalid(vec![FieldError::new("step", detail)]);
+    let refused = |detail| Problem::invalid(vec![FieldError::new("step", requests::malformed(detail))]);
     let finest_s = TIERS[0].0.0 / 1_000_000;
     if !(finest_s..=86_400).contains(&s) || s % finest_s != 0 {
         return Err(refused(format!("must be a multiple of {finest_s} up to 86400, in seconds")));

@@ -4,7 +4,7 @@
 //! robot works on.
 
 use super::lists::{checked_limit, named, read_words};
-use super::new_job::{NewJob, robot_named};
+use super::new_job::{NewJob, robot_named, unknown};
 use crate::api::Api;
 use crate::api::called::Called;
 use crate::api::dto::{JobDto, Names, Page};
@@ -14,6 +14,7 @@ use crate::api::text::{job_name, parse_job_name};
 use crate::api::words::JobStateDto;
 use crate::fleet::{Ask, JOB_STATES, JobChange, JobQuery, JobRequest, JobRow, Listed, Made};
 use crate::id::JobId;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Deserializer};
@@ -72,19 +73,19 @@ pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<J
     let before = p.cursor.as_deref().and_then(|cursor| {
         let id = parse_job_name(cursor);
         if id.is_none() {
-            errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
+            errors.push(FieldError::new("cursor", requests::not_a_cursor()));
         }
         id
     });
     let label = p.label.as_deref().and_then(|text| {
         let label = text.split_once(':').map(|(key, value)| (key.to_owned(), value.to_owned()));
         if label.is_none() {
-            errors.push(FieldError::new("label", "give a key and a value, such as wave:7"));
+            errors.push(FieldError::new("label", requests::give_key_and_value()));
         }
         label
     });
     if p.reference_part.as_ref().is_some_and(|part| part.chars().count() < SHORTEST_PART) {
-        errors.push(FieldError::new("reference_part", "give three characters or more"));
+        errors.push(FieldError::new("reference_part", requests::give_three_characters()));
     }
     let filter = read_filter(&api, &p, &mut errors);
     if !errors.is_empty() {
@@ -92,7 +93,7 @@ pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<J
     }
     let (reference, reference_part) = (p.reference, p.reference_part);
     let filter = JobQuery { reference, reference_part, label, before, limit, ..filter };
-    let page = api.records.jobs(filter).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let page = api.records.jobs(filter).await.map_err(Problem::of_records)?;
     let Listed { rows, next } = page;
     let next = next.map(job_name);
     let moment = api.moment();
@@ -161,10 +162,7 @@ pub(super) fn check_same(row: &JobRow, asked: JobRequest) -> Result<(), Problem>
     if known == asked {
         return Ok(());
     }
-    let detail = format!(
-        "the Idempotency-Key was used for {}, which is another job: use a new key for a new job",
-        job_name(row.id)
-    );
+    let detail = requests::key_of_another(job_name(row.id));
     let status = StatusCode::UNPROCESSABLE_ENTITY;
     Err(Problem::new(status, "key-reused", "The key belongs to another job", detail))
 }
@@ -212,23 +210,18 @@ pub async fn change(
 impl JobPatch {
     fn read(&self, api: &Api) -> Result<JobChange, Problem> {
         let mut errors = Vec::new();
-        let mut unknown = |field: &str, name: &str| {
-            errors.push(FieldError::new(
-                field,
-                format!("there is no {field} \"{name}\"; GET /v1/{field}s lists them"),
-            ));
-        };
+        let mut wrong = |field: &str, name: &str| errors.push(FieldError::new(field, unknown(field, name)));
         let station = self.station.as_deref().and_then(|name| {
             let station = api.map.station_named(name);
             if station.is_none() {
-                unknown("station", name);
+                wrong("station", name);
             }
             station
         });
         let robot = self.robot.as_deref().and_then(|name| {
             let robot = robot_named(&api.moment(), name);
             if robot.is_none() {
-                unknown("robot", name);
+                wrong("robot", name);
             }
             robot
         });
@@ -286,13 +279,12 @@ pub async fn reassign(
 }
 
 fn parse_id(text: &str) -> Result<JobId, Problem> {
-    parse_job_name(text)
-        .ok_or_else(|| Problem::unknown("job", format!("\"{text}\" is not a job id; ids look like j17")))
+    parse_job_name(text).ok_or_else(|| Problem::unknown("job", requests::not_a_job_id(text)))
 }
 
 pub(super) async fn read(api: &Api, id: JobId) -> Result<JobRow, Problem> {
-    let row = api.records.job(id).await.map_err(|why| Problem::unavailable(why, 2))?;
-    row.ok_or_else(|| Problem::unknown("job", format!("{} does not exist", job_name(id))))
+    let row = api.records.job(id).await.map_err(Problem::of_records)?;
+    row.ok_or_else(|| Problem::unknown("job", requests::does_not_exist(job_name(id))))
 }
 
 fn dto(api: &Api, row: &JobRow) -> JobDto {

@@ -11,6 +11,7 @@ use crate::api::extract::{JsonBody, PathPart};
 use crate::api::port::{KindRefusal, KindRequest};
 use crate::api::{Api, Kinds};
 use crate::fleet::RobotKind;
+use crate::text::sentence::requests;
 use crate::warehouse::Footprint;
 use axum::Json;
 use axum::http::StatusCode;
@@ -226,8 +227,7 @@ fn refuse_used(api: &Api, name: &str) -> Result<(), Problem> {
     if of_it == 0 || api.kinds.is_of_scenario(name) {
         return Ok(());
     }
-    let detail =
-        format!("{of_it} robots are of kind {name:?}, or were when they left: add a kind of another name");
+    let detail = requests::kind_in_use(of_it, name);
     Err(Problem::conflict("kind-in-use", "Robots are of this kind", detail))
 }
 
@@ -253,9 +253,9 @@ impl Kinds {
     ) -> Result<T, Problem> {
         let requests = self.requests.as_ref().ok_or_else(Problem::of_recording)?;
         let (reply, answer) = oneshot::channel();
-        let busy = || Problem::unavailable("too many requests are waiting: ask again in a second", 1);
+        let busy = || Problem::unavailable(requests::busy(), 1);
         requests.try_send(request(reply)).map_err(|_| busy())?;
-        let done = answer.await.map_err(|_| Problem::unavailable("the server is shutting down", 2))?;
+        let done = answer.await.map_err(|_| Problem::unavailable(requests::shutting_down(), 2))?;
         done.map_err(|why| refused(why, name))
     }
 }
@@ -264,23 +264,19 @@ impl Kinds {
 fn refused(why: KindRefusal, name: &str) -> Problem {
     match why {
         KindRefusal::OfScenario => {
-            let detail = format!("the scenario has a kind {name:?}: change it there, or choose another name");
+            let detail = requests::kind_of_scenario(name);
             Problem::conflict("kind-of-scenario", "The scenario has this kind", detail)
         }
-        KindRefusal::Unknown => {
-            Problem::unknown("kind", format!("no kind {name:?} was added; GET /v1/kinds lists all kinds"))
+        KindRefusal::Unknown => Problem::unknown("kind", requests::kind_unknown(name)),
+        KindRefusal::Figure(key, detail) => {
+            Problem::invalid(vec![FieldError::new(key, requests::malformed(detail))])
         }
-        KindRefusal::Figure(key, detail) => Problem::invalid(vec![FieldError::new(key, detail)]),
         KindRefusal::Map(found) => {
-            Problem::invalid(found.into_iter().map(|text| FieldError::new("footprint", text)).collect())
+            let wrong = |text| FieldError::new("footprint", requests::malformed(text));
+            Problem::invalid(found.into_iter().map(wrong).collect())
         }
-        KindRefusal::TooMany(most) => {
-            Problem::no_room(format!("there are {most} kinds, which is the limit: remove one that was added"))
-        }
-        KindRefusal::Database => {
-            let detail = "the database does not answer; the server's log says why. Nothing was changed.";
-            Problem::unavailable(detail, 2)
-        }
+        KindRefusal::TooMany(most) => Problem::no_room(requests::too_many_kinds(most)),
+        KindRefusal::Database => Problem::unavailable(requests::database_does_not_answer(), 2),
     }
 }
 

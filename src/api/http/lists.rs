@@ -2,13 +2,14 @@
 //!
 //! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: pages of more than 500.
 
-use super::new_job::robot_named;
+use super::new_job::{robot_named, unknown};
 use crate::api::called::Called;
 use crate::api::dto::{Names, Page, RackDto, RobotDto, StationDto};
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Params, read_time};
 use crate::api::words::{ActivityDto, RobotStateDto};
 use crate::fleet::{Activity, RobotView};
+use crate::text::sentence::requests;
 use axum::Json;
 use serde::Deserialize;
 use utoipa::IntoParams;
@@ -140,8 +141,7 @@ pub fn read_words(
         match known.iter().find(|known| **known == word) {
             Some(known) => found.push(*known),
             None => {
-                let known = known.join(", ");
-                errors.push(FieldError::new(field, format!("\"{word}\" is not one of {known}")));
+                errors.push(FieldError::new(field, requests::not_one_of(word, known.to_vec())));
             }
         }
     }
@@ -163,8 +163,7 @@ pub fn named<T>(
     let name = name?;
     let found = find(name);
     if found.is_none() {
-        let detail = format!("there is no {field} \"{name}\"; GET /v1/{field}s lists them");
-        errors.push(FieldError::new(field, detail));
+        errors.push(FieldError::new(field, unknown(field, name)));
     }
     found
 }
@@ -178,7 +177,7 @@ pub fn refuse_wrong(errors: Vec<FieldError>) -> Result<(), Problem> {
 pub fn checked_limit(limit: Option<u32>, usual: u32) -> Result<u32, Problem> {
     match limit.unwrap_or(usual) {
         n @ 1..=LONGEST_PAGE => Ok(n),
-        n => Err(Problem::invalid(vec![FieldError::new("limit", format!("{n} is not between 1 and 500"))])),
+        n => Err(Problem::invalid(vec![FieldError::new("limit", requests::not_between(n, 1, LONGEST_PAGE))])),
     }
 }
 
@@ -189,8 +188,7 @@ pub fn page<T>(all: Vec<T>, p: &Paging) -> Result<Json<Page<T>>, Problem> {
         None => 0,
         Some(Ok(start)) => start,
         Some(Err(_)) => {
-            let detail = "use the value of `next` in the previous page";
-            return Err(Problem::invalid(vec![FieldError::new("cursor", detail)]));
+            return Err(Problem::invalid(vec![FieldError::new("cursor", requests::not_a_cursor())]));
         }
     };
     let end = start.saturating_add(limit);

@@ -9,6 +9,8 @@ use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart, signed};
 use crate::fleet::Ask;
 use crate::geometry::{Spot, to_mm};
+use crate::text::SentenceArg;
+use crate::text::sentence::requests;
 use axum::http::StatusCode;
 use serde::Deserialize;
 use utoipa::ToSchema;
@@ -73,7 +75,10 @@ pub async fn narrow(
     let by = signed(&body.by).map_err(|e| errors.push(e)).unwrap_or_default();
     let spot = spot(&api, &body).map_err(|e| errors.push(e)).ok();
     if !(0.5..=8.0).contains(&body.within_m) {
-        errors.push(FieldError::new("within_m", "must be from 0.5 to 8 metres"));
+        errors.push(FieldError::new(
+            "within_m",
+            requests::metres_out_of_range(SentenceArg::rounded(0.5, 1), 8),
+        ));
     }
     match spot {
         Some(spot) if errors.is_empty() => {
@@ -92,8 +97,8 @@ fn spot(api: &Api, body: &NarrowBody) -> Result<Spot, FieldError> {
         (None, Some(name)) => {
             let node = api.map.node_named(name);
             let at = node.map(|n| api.map.nodes[n].at.into());
-            at.ok_or_else(|| FieldError::new("node", format!("the map has no node \"{name}\"")))
+            at.ok_or_else(|| FieldError::new("node", requests::node_not_on_map(name)))
         }
-        _ => Err(FieldError::new("at", "give either `at`, two numbers in metres, or `node`")),
+        _ => Err(FieldError::new("at", requests::at_or_node())),
     }
 }

@@ -10,6 +10,8 @@ use crate::api::extract::{JsonBody, json_text, not_as_wanted};
 use crate::api::text::round3;
 use crate::api::trial::{NoTrial, TrialFigures, TrialOrder};
 use crate::geometry::Point;
+use crate::text::SentenceArg;
+use crate::text::sentence::requests;
 use crate::time::Span;
 use crate::warehouse::{Draft, Remark, Review, Severity, Warehouse, formats, review, room_for};
 use axum::extract::{FromRequest, Request, State};
@@ -50,7 +52,8 @@ impl<S: Send + Sync> FromRequest<S> for MapBody {
         let text = json_text(request, LIMIT).await?;
         serde_json::from_slice(&text).map(|MapFile(draft)| MapBody(draft)).map_err(|e| {
             let others = std::str::from_utf8(&text).ok().and_then(formats::of_others);
-            let named = others.map(|why| Problem::invalid(vec![FieldError::new("body", why)]));
+            let named =
+                others.map(|why| Problem::invalid(vec![FieldError::new("body", requests::malformed(why))]));
             named.unwrap_or_else(|| not_as_wanted(&e))
         })
     }
@@ -223,8 +226,9 @@ pub async fn trial(
     Ok(Json(told(&order, &figures)))
 }
 
-fn wrong(field: &str, detail: impl Into<String>) -> FieldError {
-    FieldError::new(field, detail)
+/// What the map editor shows as it is: findings of checks, and limits of trials.
+fn wrong(field: &str, detail: impl Into<SentenceArg>) -> FieldError {
+    FieldError::new(field, requests::malformed(detail))
 }
 
 fn read(new: NewTrial) -> Result<TrialOrder, Problem> {
@@ -267,8 +271,8 @@ fn nothing_to_try(map: &Warehouse, robots: usize) -> Option<FieldError> {
 
 fn refused(why: NoTrial) -> Problem {
     match why {
-        NoTrial::Busy => Problem::too_many("another trial runs: try again when it has ended", 5),
-        NoTrial::Nowhere => Problem::unavailable("this server tries no maps", 60),
+        NoTrial::Busy => Problem::too_many(requests::trial_busy(), 5),
+        NoTrial::Nowhere => Problem::unavailable(requests::no_trials(), 60),
         NoTrial::Unfit(why) => Problem::invalid(vec![wrong("map", why)]),
         NoTrial::Broken => Problem::internal(),
     }

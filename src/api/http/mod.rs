@@ -57,6 +57,7 @@ use super::peer::{Peer, Recognised, SharedBody};
 use super::roles::{Access, OIDC_CALLBACK, access_of, check_role, is_audited, subject_of};
 use super::secrets::SecretDoor;
 use super::{Api, once, ws};
+use crate::text::sentence::requests;
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{Extensions, HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Version, header};
 use axum::middleware::{self, Next};
@@ -338,6 +339,7 @@ fn method_word(method: &Method) -> &'static str {
 
 async fn wrong_method(request: Request) -> Problem {
     let detail = format!("{} is not allowed here: /openapi.json lists what is", request.method());
+    let detail = requests::malformed(detail);
     Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method", "Method not allowed", detail)
 }
 

@@ -12,7 +12,8 @@ use crate::api::words::JobKindDto;
 use crate::cell::OrderLine;
 use crate::fleet::{JobField, JobKind, JobParts, JobRequest, JobWord, Visiting};
 use crate::id::{Dense, NodeId, RackId, RobotId, StationId};
-use crate::text::{NameFault, name_fault};
+use crate::text::sentence::{refusals, requests};
+use crate::text::{NameFault, Sentence, name_fault};
 use crate::time::Span;
 use crate::warehouse::Warehouse;
 use serde::Deserialize;
@@ -103,11 +104,11 @@ pub(super) fn robot_named(moment: &Moment, name: &str) -> Option<RobotId> {
 
 /// What is said of a name that nothing has. One that only looks like a name that there is, because of what nobody sees
 /// in it, is told apart.
-pub(super) fn unknown(what: &str, name: &str) -> String {
-    let list = if what == "node" { "map".into() } else { format!("{what}s") };
+pub(super) fn unknown(what: &str, name: &str) -> Sentence {
+    let list = if what == "node" { "/v1/map".into() } else { format!("/v1/{what}s") };
     match name_fault(name, usize::MAX).filter(|fault| !matches!(fault, NameFault::Length(_))) {
-        Some(fault) => format!("there is no {what} \"{}\": {fault}", name.escape_debug()),
-        None => format!("there is no {what} \"{name}\"; GET /v1/{list} lists them"),
+        Some(fault) => requests::no_such_name(what, name.escape_debug().to_string(), fault.sentence()),
+        None => requests::no_such_thing(what, name, list),
     }
 }
 
@@ -122,7 +123,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn wrong(&mut self, field: &str, detail: impl Into<String>) {
+    fn wrong(&mut self, field: &str, detail: Sentence) {
         self.errors.push(FieldError::new(field, detail));
     }
 
@@ -134,7 +135,7 @@ impl Reader<'_> {
         find: impl Fn(&Self, &str) -> Option<T>,
     ) -> Option<T> {
         let Some(text) = text else {
-            self.wrong(field, format!("required for {}", self.kind.word()));
+            self.wrong(field, requests::required_for(self.kind.word()));
             return None;
         };
         let found = find(self, text);
@@ -176,7 +177,7 @@ impl Reader<'_> {
             return Vec::new();
         };
         if !(1..=MOST_STOPS).contains(&stops.len()) {
-            self.wrong("stops", format!("{} stops; 1 to {MOST_STOPS} are allowed", stops.len()));
+            self.wrong("stops", requests::stops_out_of_range(stops.len(), MOST_STOPS));
             return Vec::new();
         }
         let own = [
@@ -185,11 +186,11 @@ impl Reader<'_> {
             ("lines", new.lines.is_some()),
         ];
         for (field, _) in own.into_iter().filter(|(_, given)| *given) {
-            self.wrong(field, "leave it out where there are stops: each of them has its own");
+            self.wrong(field, requests::stops_have_their_own());
         }
         for (i, pair) in stops.windows(2).enumerate() {
             if pair[0].station == pair[1].station {
-                let detail = format!("\"{}\" comes twice in a row: put the picks into one", pair[0].station);
+                let detail = requests::station_twice(&pair[0].station);
                 self.wrong(&format!("stops[{}].station", i + 1), detail);
             }
         }
@@ -231,7 +232,7 @@ impl Reader<'_> {
     fn pick(&mut self, field: &str, seconds: Option<f64>) -> Option<Span> {
         let seconds = seconds?;
         if !(0.0..=LONGEST_PICK_S).contains(&seconds) {
-            self.wrong(field, format!("must be 0 to {LONGEST_PICK_S} seconds"));
+            self.wrong(field, requests::seconds_out_of_range(LONGEST_PICK_S as i64));
             return None;
         }
         Some(Span::from_secs_f64(seconds))
@@ -251,7 +252,7 @@ impl Reader<'_> {
             ("lines", new.lines.is_some()),
         ];
         for (field, _) in given.into_iter().filter(|(f, given)| *given && !fields.contains(f)) {
-            self.wrong(field, format!("no such field; a {} job has {}", self.kind.word(), fields.join(", ")));
+            self.wrong(field, requests::no_such_field(self.kind.word(), fields.to_vec()));
         }
     }
 
@@ -261,19 +262,18 @@ impl Reader<'_> {
             (1..=longest).contains(&text.chars().count()) && !text.chars().any(char::is_control)
         };
         if new.reference.as_deref().is_some_and(|text| !fits(text, LONGEST_REFERENCE)) {
-            self.wrong("reference", format!("1 to {LONGEST_REFERENCE} characters without line breaks"));
+            self.wrong("reference", requests::characters_without_line_breaks(LONGEST_REFERENCE));
         }
         let labels = new.labels.iter().flatten();
         if labels.clone().count() > MOST_LABELS {
-            self.wrong("labels", format!("at most {MOST_LABELS} are allowed"));
+            self.wrong("labels", requests::at_most_allowed(MOST_LABELS));
         }
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         for (key, value) in labels.take(MOST_LABELS) {
             if !fits(key, LONGEST_KEY) || !key.chars().all(plain) {
-                let detail = format!("keys have 1 to {LONGEST_KEY} letters, digits, `-`, `_` or `.`");
-                self.wrong("labels", detail);
+                self.wrong("labels", requests::plain_key(LONGEST_KEY));
             } else if !fits(value, LONGEST_VALUE) {
-                let detail = format!("1 to {LONGEST_VALUE} characters without line breaks");
+                let detail = requests::characters_without_line_breaks(LONGEST_VALUE);
                 self.wrong(&format!("labels.{key}"), detail);
             }
         }
@@ -318,21 +318,19 @@ impl NewJob {
         r.superfluous(self);
         let priority = self.priority.unwrap_or(0);
         if !(0..=9).contains(&priority) {
-            r.wrong("priority", format!("{priority} is not between 0 and 9"));
+            r.wrong("priority", refusals::priority_out_of_range(priority));
         }
         let deadline = read_end("deadline", self.deadline.as_deref(), &mut r.errors);
         r.names(self);
         let names = self.after.as_deref().unwrap_or(&[]);
         if names.len() > MOST_PREDECESSORS {
-            r.wrong("after", format!("{} jobs; at most {MOST_PREDECESSORS} are allowed", names.len()));
+            r.wrong("after", requests::predecessors_out_of_range(names.len(), MOST_PREDECESSORS));
         }
         let mut after = Vec::new();
         for (i, name) in names.iter().take(MOST_PREDECESSORS).enumerate() {
             match parse_job_name(name) {
                 Some(id) => after.push(id),
-                None => {
-                    r.wrong(&format!("after[{i}]"), format!("\"{name}\" is not a job id; ids look like j17"))
-                }
+                None => r.wrong(&format!("after[{i}]"), requests::not_a_job_id(name)),
             }
         }
         let then = r.then(self);

@@ -14,6 +14,7 @@ use crate::api::error::Problem;
 use crate::api::extract::{JsonBody, Params};
 use crate::api::oidc::{AuthorizationResponse, Oidc, OidcRefusal, SIGN_ON_LIFE, SignedOn};
 use crate::api::roles::OIDC_CALLBACK;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{AppendHeaders, IntoResponse, Response};
@@ -86,14 +87,10 @@ pub async fn begin(
     let plain = is_plain(&headers);
     let redirect = oidc.redirect().map_or_else(|| own_address(&headers, plain), str::to_owned);
     let back = given.back.filter(|back| is_own_page(back)).unwrap_or_else(|| "/".into());
-    let request = oidc.begin(redirect, back, (api.now)()).await.map_err(|_| {
-        let name = oidc.name();
-        let detail = format!(
-            "{name} does not answer as an identity provider should. Sign in with a token meanwhile, or try again; \
-             the log of the server says what is wrong"
-        );
-        Problem::unavailable(detail, 10)
-    })?;
+    let request = oidc
+        .begin(redirect, back, (api.now)())
+        .await
+        .map_err(|_| Problem::unavailable(requests::provider_does_not_answer(oidc.name()), 10))?;
     let cookie = attempt_cookie(&headers, &request.secret, SIGN_ON_LIFE.0 / 1_000_000, plain);
     Ok(([(header::SET_COOKIE, cookie)], Json(ProviderRedirectDto { address: request.address })))
 }
@@ -129,15 +126,14 @@ async fn begin_session(api: &Api, signed_on: SignedOn) -> Result<(String, String
     let (secret, created) = (fresh_token(), (api.now)());
     let (hash, holder) = (hash_of(&secret), SessionHolder::Person { name: name.clone(), role });
     let session = WebSession { hash, holder, created, expires };
-    desk(api)?.sign_in(session).await.map_err(|why| Problem::unavailable(why, 2))?;
+    desk(api)?.sign_in(session).await.map_err(Problem::of_records)?;
     let what = format!("GET {OIDC_CALLBACK}");
     note(api, &Caller::of_person(name, role, hash), &what, StatusCode::CREATED);
     Ok((secret, back))
 }
 
 fn configured(api: &Api) -> Result<&Arc<Oidc>, Problem> {
-    let detail = "the settings of this server name no identity provider: sign in with a token at /sign-in";
-    api.oidc.as_ref().ok_or_else(|| Problem::unknown("provider", detail))
+    api.oidc.as_ref().ok_or_else(|| Problem::unknown("provider", requests::no_provider()))
 }
 
 /// The address of the callback as the browser knows this server.

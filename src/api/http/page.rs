@@ -6,6 +6,7 @@
 use crate::api::assets::{encoded, file};
 use crate::api::error::Problem;
 use crate::api::peer::SharedBody;
+use crate::text::sentence::requests;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
@@ -21,6 +22,7 @@ pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
     let path = uri.path().trim_start_matches('/');
     let unknown = || {
         let detail = format!("there is nothing at /{path}: /openapi.json lists the paths of the API");
+        let detail = requests::malformed(detail);
         Problem::unknown("page", detail).into_response()
     };
     if path == "v1" || path.starts_with("v1/") || !matches!(method, Method::GET | Method::HEAD) {

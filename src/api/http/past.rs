@@ -8,6 +8,7 @@ use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{Params, no_time};
 use crate::api::recording::{Cut, Folder, Mark, Sum, thinned};
 use crate::api::text::{parse_time, round3, time_text};
+use crate::text::sentence::requests;
 use crate::time::{Span, Time};
 use axum::Json;
 use axum::body::{Body, Bytes};
@@ -138,7 +139,10 @@ pub async fn figures(
     let (from, to) = span(folder, &p.from, &p.to)?;
     let step = p.step.unwrap_or(1.0);
     if !(1.0..=86_400.0).contains(&step) {
-        return Err(Problem::invalid(vec![FieldError::new("step", "must be 1 to 86400, in seconds")]));
+        return Err(Problem::invalid(vec![FieldError::new(
+            "step",
+            requests::not_between(step.round() as i64, 1, 86_400),
+        )]));
     }
     let sums = folder.sums(from.unwrap_or(f64::NEG_INFINITY), to.unwrap_or(f64::INFINITY));
     let sums = thinned(&sums, step);
@@ -159,12 +163,12 @@ pub async fn recording(Called(api): Called, Params(p): Params<SpanParams>) -> Re
     let from = from.or_else(|| Some(folder.past(0.0, 0.0).spans.first()?.0)).unwrap_or(0.0);
     let to = to.unwrap_or(from + USUAL_S);
     if to < from || to - from > LONGEST_S {
-        let detail = format!("a reel covers 0 to {LONGEST_S} seconds: ask for several");
+        let detail = requests::malformed(format!("a reel covers 0 to {LONGEST_S} seconds: ask for several"));
         return Err(Problem::invalid(vec![FieldError::new("to", detail)]));
     }
-    let cut = folder.cut(from, to, p.map != Some(false)).ok_or_else(|| {
-        Problem::unknown("past", "nothing is kept of that time: GET /v1/past lists what is")
-    })?;
+    let cut = folder
+        .cut(from, to, p.map != Some(false))
+        .ok_or_else(|| Problem::unknown("past", requests::nothing_kept()))?;
     let name = format!("attachment; filename=\"giveway-{}.reel\"", file_name(folder, from));
     let headers =
         [(header::CONTENT_TYPE, "application/gzip".to_owned()), (header::CONTENT_DISPOSITION, name)];
@@ -172,8 +176,7 @@ pub async fn recording(Called(api): Called, Params(p): Params<SpanParams>) -> Re
 }
 
 fn folder(api: &Api) -> Result<&Arc<Folder>, Problem> {
-    let detail = "this server keeps no frames of the past: start it with --past-hours 24, or see its log";
-    api.past.as_ref().ok_or_else(|| Problem::unknown("past", detail))
+    api.past.as_ref().ok_or_else(|| Problem::unknown("past", requests::no_past()))
 }
 
 fn file_name(folder: &Folder, from_s: f64) -> String {
@@ -194,7 +197,7 @@ fn span(
         let zero = folder.start.unwrap_or(Time::ZERO);
         let found = seconds.or_else(|| Some((parse_time(text)? - zero).as_secs_f64()));
         if found.is_none() {
-            let detail = format!("{}, nor seconds", no_time(text));
+            let detail = requests::malformed(format!("{}, nor seconds", no_time(text)));
             errors.push(FieldError::new(field, detail));
         }
         found

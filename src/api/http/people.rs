@@ -12,6 +12,7 @@ use crate::api::text::{assignment_name, time_text, worker_name};
 use crate::fleet::Ask;
 use crate::fleet::{AssignmentQuery, AssignmentState, Presence};
 use crate::id::{Dense, WorkerId};
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::StatusCode;
 use serde::Serialize;
@@ -60,21 +61,21 @@ pub async fn erase(Called(api): Called, PathPart(id): PathPart) -> Result<Status
     let worker = api.feeds.worker(&id)?;
     let seen = api.moment().view.workers.get(worker.ix()).map(|w| w.presence);
     if seen.is_some_and(|presence| presence != Presence::Absent) {
-        let detail = format!("{id} is on the floor: wait until the person has left, or clear a lost worker");
+        let detail = requests::person_on_floor(&id);
         return Err(Problem::conflict("on-floor", "The person is on the floor", detail));
     }
     let open = [AssignmentState::Waiting, AssignmentState::Walking, AssignmentState::Working];
     let states = open.map(|state| state.word()).into();
     let query = AssignmentQuery { worker: Some(worker), states, limit: 1, ..AssignmentQuery::default() };
-    let open = api.records.assignments(query).await.map_err(|why| Problem::unavailable(why, 2))?.rows;
+    let open = api.records.assignments(query).await.map_err(Problem::of_records)?.rows;
     if let Some(open) = open.first() {
-        let detail = format!("{id} has the assignment {}: cancel it first", assignment_name(open.id));
+        let detail = requests::person_assigned(&id, assignment_name(open.id));
         return Err(Problem::conflict("assigned", "The person has something to do", detail));
     }
     // Also where no name is kept: the person was erased by an earlier Giveway, which kept the place, or is older than
     // pseudonyms.
     let pseudonym = api.feeds.name(worker).unwrap_or_default();
     let erased = api.pseudonyms.erase(&pseudonym, Some(worker)).await;
-    erased.map_err(|why| Problem::unavailable(why, 2))?;
+    erased.map_err(Problem::of_records)?;
     done(&api, Ask::forget_worker(worker)).await
 }

@@ -13,6 +13,8 @@ use crate::api::text::{parse_time, worker_name};
 use crate::geometry::{FARTHEST_M, Point};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
+use crate::text::sentence::requests;
+use crate::text::{Sentence, SentenceArg};
 use crate::time::{Span, Time};
 use axum::Json;
 use axum::http::StatusCode;
@@ -99,14 +101,15 @@ pub async fn many(
     JsonBody(new): JsonBody<NewPositions>,
 ) -> Result<Json<TakenDto>, Problem> {
     if new.positions.len() > MOST {
-        let detail = format!("{} positions are too many; at most {MOST} at once", new.positions.len());
+        let detail = requests::at_most_allowed(MOST);
         return Err(Problem::invalid(vec![FieldError::new("positions", detail)]));
     }
     let now = (api.now)();
-    let take = |p: &WorkerPosition| -> Result<(), String> {
-        let worker = api.feeds.worker(&p.worker).map_err(|problem| problem.detail)?;
-        let sighting = p.position.read(worker, now).map_err(|e| format!("{}: {}", e.field, e.detail))?;
-        report(&api, sighting, now).map_err(|problem| problem.detail)
+    let take = |p: &WorkerPosition| -> Result<(), Sentence> {
+        let worker = api.feeds.worker(&p.worker).map_err(|problem| problem.sentence())?;
+        let wrong = |e: FieldError| requests::field_is_wrong(&e.field, e.sentence());
+        let sighting = p.position.read(worker, now).map_err(wrong)?;
+        report(&api, sighting, now).map_err(|problem| problem.sentence())
     };
     let results = new.positions.iter().map(take).enumerate();
     let refused: Vec<_> = results
@@ -120,39 +123,39 @@ pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
     api.queue()?;
     let worker = worker_name(sighting.worker);
     api.feeds.report(sighting, now).map_err(|why| match why {
-        Untaken::Unknown => Problem::unknown("worker", format!("{worker} does not exist")),
+        Untaken::Unknown => Problem::unknown("worker", requests::does_not_exist(worker)),
         Untaken::Full => {
             api.metrics.refused("full");
-            Problem::unavailable("too many positions are waiting: send only the newest of each worker", 1)
+            Problem::unavailable(requests::too_many_positions(), 1)
         }
     })
 }
 
 /// A time by another clock than the server's, if it can be right.
-pub fn checked_time(seen: Time, now: Time) -> Result<Time, String> {
+pub fn checked_time(seen: Time, now: Time) -> Result<Time, Sentence> {
     if seen > now + AHEAD {
-        let ahead = (seen - now).as_secs_f64();
-        return Err(format!("lies {ahead:.1} s in the future: set the clock by NTP, or leave the time out"));
+        let ahead = SentenceArg::rounded((seen - now).as_secs_f64(), 1);
+        return Err(requests::time_in_future(ahead));
     }
     if now - seen > OLDEST {
-        let behind = (now - seen).as_secs_f64();
-        return Err(format!("is {behind:.0} s old: send the newest only, and set the clock by NTP"));
+        let behind = SentenceArg::rounded((now - seen).as_secs_f64(), 0);
+        return Err(requests::time_too_old(behind));
     }
     Ok(seen)
 }
 
 impl NewPosition {
     fn read(&self, worker: WorkerId, now: Time) -> Result<Sighting, FieldError> {
-        let wrong = |field: &str, detail: String| Err(FieldError::new(field, detail));
+        let wrong = |field: &str, detail: Sentence| Err(FieldError::new(field, detail));
         if !(self.x.abs() <= FARTHEST_M && self.y.abs() <= FARTHEST_M) {
-            return wrong("x", format!("x and y must be metres on the map, up to {FARTHEST_M}"));
+            return wrong("x", requests::metres_on_the_map(FARTHEST_M as i64));
         }
         let accuracy_m = self.accuracy_m.unwrap_or(USUAL_ACCURACY_M);
         if !(0.0..=100.0).contains(&accuracy_m) {
-            return wrong("accuracy_m", "must be 0 to 100 metres".into());
+            return wrong("accuracy_m", requests::metres_out_of_range(0, 100));
         }
         if self.heading.is_some_and(|h| h.abs() > 100.0) {
-            return wrong("heading", "must be in radians".into());
+            return wrong("heading", requests::malformed("must be in radians"));
         }
         let seen = match self.at.as_deref() {
             None => now,

@@ -13,6 +13,7 @@ use crate::api::publish::{MapOrder, MapOrigin, MapOutlook, MapRefusal, MapReques
 use crate::api::text::{round3, time_text};
 use crate::fleet::carry::{Report, ReportEntry};
 use crate::geometry::Point;
+use crate::text::sentence::requests;
 use crate::warehouse::{Difference, Severity};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -213,7 +214,7 @@ fn is_based_on(headers: &HeaderMap, version: &str) -> Result<(), Problem> {
             "say with If-Match on which version the map is based, as the ETag of GET /v1/map names it: now \
              \"{version}\""
         );
-        let status = StatusCode::PRECONDITION_REQUIRED;
+        let (status, detail) = (StatusCode::PRECONDITION_REQUIRED, requests::malformed(detail));
         return Err(Problem::new(status, "if-match", "If-Match is missing", detail));
     };
     let named = named.to_str().unwrap_or("");
@@ -221,34 +222,34 @@ fn is_based_on(headers: &HeaderMap, version: &str) -> Result<(), Problem> {
     if named.split(',').map(str::trim).any(known) {
         return Ok(());
     }
-    let detail = format!(
-        "the map is based on version {named}, and the map in operation is \"{version}\": somebody published another \
-         one since. Look at what is different, take it over, and publish again"
-    );
+    let detail = requests::map_of_other_version(named, version);
     let status = StatusCode::PRECONDITION_FAILED;
     Err(Problem::new(status, "other-version", "The map was changed meanwhile", detail))
 }
 
 fn refused(why: &MapRefusal) -> Problem {
     match why {
-        MapRefusal::Failed(why) => Problem::unavailable(why.clone(), 10),
+        MapRefusal::Failed(why) => Problem::unavailable(requests::unavailable(why), 10),
         MapRefusal::Outlook(outlook) => {
             let errors = reasons(outlook);
-            let detail = format!(
-                "the map is not published, and nothing was changed: {}",
-                errors.iter().map(|e| e.detail.as_str()).collect::<Vec<_>>().join("; ")
-            );
+            let reasons: Vec<_> = errors.iter().map(FieldError::sentence).collect();
+            let detail = requests::map_not_published(reasons);
             let problem = Problem::conflict("map-refused", "The map is not published", detail);
-            Problem { errors, ..problem }
+            Problem { errors: errors.into(), ..problem }
         }
     }
 }
 
 /// Why a map is refused: errors of its own, obstacles and losses on the floor.
 fn reasons(outlook: &MapOutlook) -> Vec<FieldError> {
-    let errors = outlook.review.of(Severity::Error).map(|r| FieldError::new("error", r.to_string()));
+    let errors = outlook
+        .review
+        .of(Severity::Error)
+        .map(|r| FieldError::new("error", requests::malformed(r.to_string())));
     let Report { obstacles, losses, .. } = &outlook.report;
-    let of = |field: &'static str| move |e: &ReportEntry| FieldError::new(field, e.to_string());
+    let of = |field: &'static str| {
+        move |e: &ReportEntry| FieldError::new(field, requests::malformed(e.to_string()))
+    };
     errors
         .chain(obstacles.iter().map(of("obstacle")))
         .chain(losses.iter().map(of("loss")))

@@ -12,6 +12,7 @@ use crate::api::people::{RecurringClosureDto, WEEKDAYS};
 use crate::api::text::{parse_offset, parse_time_of_day};
 use crate::api::words::WeekdayDto;
 use crate::fleet::{LocalClock, Recurrence, Weekdays};
+use crate::text::sentence::requests;
 use crate::time::{Span, Time, Window};
 use axum::Json;
 use serde::Deserialize;
@@ -70,7 +71,7 @@ impl NewRecurrence {
         let mut of_day = |field: &str, text: &str| {
             let time = parse_time_of_day(text);
             if time.is_none() {
-                let detail = format!("\"{text}\" is not a time of day such as 22:30");
+                let detail = requests::not_a_time_of_day(text);
                 errors.push(FieldError::new(format!("recurs.{field}"), detail));
             }
             time.unwrap_or(Span::ZERO)
@@ -80,16 +81,14 @@ impl NewRecurrence {
         let said = self.utc_offset.as_deref();
         let clock = said.map_or(Some(LocalClock::default()), |text| clock_of(text, earliest));
         if clock.is_none() {
-            let detail = "must be the name of a time zone such as Europe/Berlin, or an offset such as +01:00 or -05:30";
-            errors.push(FieldError::new("recurs.utc_offset", detail));
+            errors.push(FieldError::new("recurs.utc_offset", requests::not_a_zone()));
         }
         let mut days = 0;
         for name in self.weekdays.iter().flatten() {
             match WEEKDAYS.iter().position(|day| day.word() == name) {
                 Some(day) => days |= 1 << day,
                 None => {
-                    let detail =
-                        format!("\"{name}\" is not one of {}", WEEKDAYS.map(WeekdayDto::word).join(", "));
+                    let detail = requests::not_one_of(name, WEEKDAYS.map(WeekdayDto::word).to_vec());
                     errors.push(FieldError::new("recurs.weekdays", detail));
                 }
             }
@@ -97,7 +96,7 @@ impl NewRecurrence {
         let weekdays = if self.weekdays.is_none() { Weekdays::ALL } else { Weekdays(days) };
         let lasts = if ends > begins { ends - begins } else { ends + DAY - begins };
         if lasts >= DAY || self.weekdays.is_some() && days == 0 {
-            errors.push(FieldError::new("recurs", "must be on some day, and from one time to another"));
+            errors.push(FieldError::new("recurs", requests::recurs_never()));
         }
         let clock = clock.filter(|_| errors.len() == before)?;
         let usual = usual_day(&clock, earliest, (begins, lasts));

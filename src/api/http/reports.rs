@@ -10,6 +10,8 @@ use crate::api::error::{FieldError, Problem};
 use crate::api::extract::JsonBody;
 use crate::api::feed::warn::Warnings;
 use crate::api::massrobotics::{InteropReport, Unfit};
+use crate::text::Sentence;
+use crate::text::sentence::{feed, requests};
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
@@ -52,6 +54,7 @@ pub async fn stream(
 ) -> Result<Response, Problem> {
     let upgrade = upgrade.map_err(|e| {
         let detail = format!("this is a WebSocket: connect, or POST a report ({})", e.body_text());
+        let detail = requests::malformed(detail);
         Problem::new(StatusCode::UPGRADE_REQUIRED, "websocket", "A WebSocket is needed", detail)
     })?;
     let upgrade = upgrade.protocols(["giveway"]).max_message_size(MESSAGE);
@@ -102,12 +105,22 @@ fn take(api: &Api, said: &InteropReport) -> Result<(), Problem> {
     let worker = named(name).or_else(|| named(&name.to_lowercase()));
     let worker = worker.ok_or_else(|| {
         api.metrics.refused("unknown-uuid");
-        Problem::unknown("worker", Unfit::UnknownUuid(said.uuid.clone()).to_string())
+        Problem::unknown("worker", unfit(&Unfit::UnknownUuid(said.uuid.clone())))
     })?;
-    let unfit = |e: Unfit| Problem::invalid(vec![FieldError::new("report", e.to_string())]);
-    let Some(sighting) = api.interop.sighting(worker, said).map_err(unfit)? else { return Ok(()) };
+    let wrong = |e: Unfit| Problem::invalid(vec![FieldError::new("report", unfit(&e))]);
+    let Some(sighting) = api.interop.sighting(worker, said).map_err(wrong)? else { return Ok(()) };
     let now = (api.now)();
     let wrong = |detail| Problem::invalid(vec![FieldError::new("timestamp", detail)]);
     checked_time(sighting.seen, now).map_err(wrong)?;
     report(api, sighting, now)
+}
+
+/// Why a report is not taken. All but an unknown device is for developers.
+fn unfit(why: &Unfit) -> Sentence {
+    match why {
+        Unfit::UnknownUuid(uuid) => feed::no_worker_for_uuid(uuid),
+        Unfit::UnknownDatum(_) | Unfit::Time(_) | Unfit::Neither | Unfit::Absurd => {
+            requests::malformed(why.to_string())
+        }
+    }
 }

@@ -12,9 +12,12 @@ use crate::api::dto::{Names, Page, RobotDto};
 use crate::api::error::{FieldError, Problem};
 use crate::api::events::EventDetailsDto;
 use crate::api::extract::{Params, PathPart, read_end, read_time};
+use crate::api::sentence::kept_parts;
 use crate::api::text::{alarm_name, job_name, round3, time_text};
 use crate::fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
 use crate::id::{Dense, JobId};
+use crate::text::SentenceArgs;
+use crate::text::sentence::requests;
 use crate::time::Time;
 use axum::Json;
 use serde::{Deserialize, Serialize};
@@ -60,6 +63,14 @@ pub struct RobotEventDto {
     /// The kind of the job, or the text of the alarm.
     #[schema(example = "deliver")]
     pub text: Option<String>,
+    /// Which sentence `text` is, of an alarm; absent from others, and where a version that had no codes wrote it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>, nullable = false, example = "robot_silent")]
+    pub code: Option<&'static str>,
+    /// What stands in its places; absent where `code` is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub args: Option<SentenceArgs>,
     /// When the alarm ended, RFC 3339.
     pub ended: Option<String>,
     /// Of a replan, because of whom or what, and the way before and since.
@@ -91,7 +102,7 @@ pub struct RobotHistoryParams {
     (status = 503, description = "The database does not answer")))]
 pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<RobotDetailDto>, Problem> {
     let robot = parse_robot(&api, &id)?;
-    let jobs = api.records.robot_jobs(robot).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let jobs = api.records.robot_jobs(robot).await.map_err(Problem::of_records)?;
     let moment = api.moment();
     let row = &moment.view.robots[robot.ix()];
     let alarms = api.alarms.about(&AlarmSubject::new(SubjectKind::Robot, id));
@@ -127,7 +138,7 @@ pub async fn history(
     let before = p.cursor.as_deref().and_then(|text| {
         let entry = parse_cursor(text);
         if entry.is_none() {
-            errors.push(FieldError::new("cursor", "use the value of `next` in the previous page"));
+            errors.push(FieldError::new("cursor", requests::not_a_cursor()));
         }
         entry
     });
@@ -135,7 +146,7 @@ pub async fn history(
         return Err(Problem::invalid(errors));
     }
     let query = RobotEventQuery { robot, name: id, from, to, before, limit: limit + 1 };
-    let mut rows = api.records.robot_events(query).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let mut rows = api.records.robot_events(query).await.map_err(Problem::of_records)?;
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
     let cursor = |row: &RobotEventRow| format!("{}-{}-{}", row.at.0, row.source.number(), row.id);
@@ -160,12 +171,18 @@ fn event(names: Names<'_>, row: RobotEventRow) -> RobotEventDto {
         RobotEventSource::Change => ("change", None),
         RobotEventSource::Replan => ("replan", None),
     };
+    let (code, args, text) = match row.source {
+        RobotEventSource::Alarm => kept_parts(row.text),
+        RobotEventSource::Job | RobotEventSource::Change | RobotEventSource::Replan => (None, None, row.text),
+    };
     RobotEventDto {
         at: time_text(row.at),
         kind,
         id,
         what: row.word,
-        text: row.text,
+        text,
+        code,
+        args,
         ended: row.ended.map(time_text),
         details: names.event_details(row.details),
     }

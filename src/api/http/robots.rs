@@ -6,11 +6,13 @@
 //! Main types: [`NewRobot`], [`TakenRack`]. Refuses: to let a robot join where another one is, or is to be.
 
 use super::halt::done;
+use super::new_job::unknown;
 use super::why::parse_robot;
 use crate::api::called::Called;
 use crate::api::error::{FieldError, Problem};
 use crate::api::extract::{JsonBody, PathPart};
 use crate::fleet::{Ask, Made, USUAL_KIND};
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
@@ -71,15 +73,10 @@ pub async fn register(
     let mut wrong: Vec<FieldError> = FieldError::of_plain_name(&name, LONGEST_NAME).into_iter().collect();
     let node = api.map.node_named(&new.node);
     if node.is_none() {
-        wrong.push(FieldError::new(
-            "node",
-            format!("there is no node {:?}; GET /v1/map lists them", new.node),
-        ));
+        wrong.push(FieldError::new("node", unknown("node", &new.node)));
     }
     if api.kinds.is_removed(&new.kind) {
-        let detail =
-            "no robots of this kind join any more: it was removed, or replaced from the next start on";
-        wrong.push(FieldError::new("kind", detail));
+        wrong.push(FieldError::new("kind", requests::kind_removed()));
     }
     let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
     let Made { new, .. } = api.ask(Ask::register_robot(name.clone(), new.kind, node)).await?;
@@ -129,9 +126,9 @@ pub async fn take_rack(
     PathPart(id): PathPart,
     JsonBody(taken): JsonBody<TakenRack>,
 ) -> Result<StatusCode, Problem> {
-    let unknown = || Problem::unknown("rack", format!("there is no rack {id:?}; GET /v1/racks lists all"));
-    let rack = api.map.rack_named(&id).ok_or_else(unknown)?;
-    let detail = || format!("there is no node {:?}; GET /v1/map lists them", taken.node);
+    let no_rack = || Problem::unknown("rack", requests::no_such_thing("rack", &id, "/v1/racks"));
+    let rack = api.map.rack_named(&id).ok_or_else(no_rack)?;
+    let detail = || unknown("node", &taken.node);
     let node = api.map.node_named(&taken.node);
     let node = node.ok_or_else(|| Problem::invalid(vec![FieldError::new("node", detail())]))?;
     done(&api, Ask::take_rack(rack, node)).await

@@ -14,6 +14,7 @@ use crate::api::extract::JsonBody;
 use crate::api::port::TokenDesk;
 use crate::api::secrets::SecretDoor;
 use crate::api::text::time_text;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use serde::{Deserialize, Serialize};
@@ -80,14 +81,14 @@ pub async fn sign_in(
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<SessionDto>), Problem> {
     let (now, token) = ((api.now)(), hash_of(given.token.trim()));
     let Some(caller) = api.gate.holder(&token, now) else {
-        let detail = "the token is wrong, has expired or was revoked";
+        let detail = requests::token_wrong();
         return Err(Problem::wrong_secret(SecretDoor::SignIn, "The token does not hold", detail));
     };
     let secret = fresh_token();
     let holder = SessionHolder::Token(token);
     let hash = hash_of(&secret);
     let session = WebSession { hash, holder, created: now, expires: now + SESSION_LIFE };
-    desk(&api)?.sign_in(session).await.map_err(|why| Problem::unavailable(why, 2))?;
+    desk(&api)?.sign_in(session).await.map_err(Problem::of_records)?;
     let caller = Caller { session: Some(hash), ..caller };
     note(&api, &caller, "POST /v1/session", StatusCode::CREATED);
     let cookie = (header::SET_COOKIE, session_cookie(&headers, &secret, is_plain(&headers)));
@@ -102,7 +103,7 @@ pub async fn sign_out(
     headers: HeaderMap,
 ) -> Result<(StatusCode, [(HeaderName, String); 1]), Problem> {
     if let Some(hash) = api.caller.session {
-        desk(&api)?.sign_out(hash).await.map_err(|why| Problem::unavailable(why, 2))?;
+        desk(&api)?.sign_out(hash).await.map_err(Problem::of_records)?;
         note(&api, &api.caller, "DELETE /v1/session", StatusCode::NO_CONTENT);
     }
     Ok((StatusCode::NO_CONTENT, [(header::SET_COOKIE, no_session_cookie(&headers))]))

@@ -10,6 +10,7 @@ use crate::api::error::{FieldError, Problem};
 use crate::api::extract::Params;
 use crate::api::shift::{ShiftReportDto, ShiftSources};
 use crate::history::TIERS;
+use crate::text::sentence::requests;
 use crate::time::{Span, Time};
 use axum::Json;
 use axum::http::{HeaderMap, header};
@@ -59,10 +60,10 @@ pub async fn report(
     let acts_to = if to > now { Time(i64::MAX) } else { to };
     let to = to.min(now + Span(1)).max(from + Span(1));
     if to - from > LONGEST {
-        let detail = "must be 31 days before `to` at most: older figures are not kept";
+        let detail = requests::report_too_long();
         return Err(Problem::invalid(vec![FieldError::new("from", detail)]));
     }
-    let refused = |why| Problem::unavailable(why, 2);
+    let refused = Problem::of_records;
     let rows = api.records.shift((from, to), now).await.map_err(refused)?;
     let asked = AlarmQuery { from: Some(from), to: Some(to), limit: ALARMS, ..AlarmQuery::default() };
     let alarms = api.records.alarms(asked).await.map_err(refused)?;

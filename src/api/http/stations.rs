@@ -15,6 +15,7 @@ use crate::api::text::job_name;
 use crate::cell::{LineChange, LineOutcome};
 use crate::fleet::{Ask, LineNoted, StationOrder};
 use crate::id::StationId;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::StatusCode;
 use serde::Deserialize;
@@ -48,12 +49,13 @@ impl LineChangeDto {
     fn read(&self) -> Result<LineChange, Problem> {
         match (self.done, self.short, self.undo) {
             (Some(done), None, None) => u32::try_from(done).map(LineChange::Done).map_err(|_| {
-                Problem::invalid(vec![FieldError::new("done", "how many more pieces, at least one")])
+                Problem::invalid(vec![FieldError::new("done", requests::pieces_at_least_one())])
             }),
             (None, Some(true), None) => Ok(LineChange::Short),
             (None, None, Some(true)) => Ok(LineChange::Undo),
             _ => {
                 let detail = "give one of {\"done\": pieces}, {\"short\": true} and {\"undo\": true}";
+                let detail = requests::malformed(detail);
                 Err(Problem::invalid(vec![FieldError::new("done", detail)]))
             }
         }
@@ -80,7 +82,7 @@ pub async fn line(
     JsonBody(change): JsonBody<LineChangeDto>,
 ) -> Result<Json<LineChangedDto>, Problem> {
     let station = parse_station(&api, &id)?;
-    let no_line = || Problem::unknown("line", format!("there is no line \"{n}\"; lines count from 1"));
+    let no_line = || Problem::unknown("line", requests::line_unknown(&n));
     let n: usize = n.parse().ok().filter(|n| *n > 0).ok_or_else(no_line)?;
     change_line(&api, station, Some(n - 1), change.read()?).await
 }
@@ -185,7 +187,5 @@ async fn say(api: &Api, name: &str, order: StationOrder) -> Result<StatusCode, P
 /// The station of this name.
 pub(in crate::api) fn parse_station(api: &Api, name: &str) -> Result<StationId, Problem> {
     let found = api.map.stations.pairs().find(|(_, s)| s.name == name).map(|(id, _)| id);
-    found.ok_or_else(|| {
-        Problem::unknown("station", format!("there is no station \"{name}\"; GET /v1/stations lists all"))
-    })
+    found.ok_or_else(|| Problem::unknown("station", requests::no_such_thing("station", name, "/v1/stations")))
 }

@@ -13,6 +13,8 @@ use crate::api::words::{CauseKindDto, EffectDto, HolderKindDto};
 use crate::fleet::{Area, MOST_NODES, NodeOccupancy, Party, RegionStay, SafetyRegion};
 use crate::geometry::{FARTHEST_M, Point};
 use crate::route::{Cause, Condition, Effect};
+use crate::text::SentenceArg;
+use crate::text::sentence::requests;
 use crate::time::{Span, Time, Window};
 use crate::timeline::{Held, Layer};
 use axum::Json;
@@ -139,7 +141,7 @@ pub async fn timelines(
     let (area, ahead) = p.read()?;
     let seen = api.query(|reply| Question::Occupancy(area, ahead, reply)).await?;
     let strips = seen.what.map_err(|count| {
-        let detail = format!("the area has {count} nodes, more than {MOST_NODES}: choose a smaller area");
+        let detail = requests::area_too_large(count, MOST_NODES);
         Problem::invalid(vec![FieldError::new("area", detail)])
     })?;
     let moment = api.moment();
@@ -153,12 +155,15 @@ impl AreaParams {
         let mut errors = Vec::new();
         for (field, value) in [("x0", self.x0), ("y0", self.y0), ("x1", self.x1), ("y1", self.y1)] {
             if value.is_nan() || value.abs() > FARTHEST_M {
-                errors.push(FieldError::new(field, format!("must be metres on the map, up to {FARTHEST_M}")));
+                errors.push(FieldError::new(field, requests::metres_on_the_map(FARTHEST_M as i64)));
             }
         }
         let ahead_s = self.ahead_s.unwrap_or(USUAL_S);
         if !(1.0..=FARTHEST_S).contains(&ahead_s) {
-            errors.push(FieldError::new("ahead_s", format!("{ahead_s} is not between 1 and {FARTHEST_S}")));
+            errors.push(FieldError::new(
+                "ahead_s",
+                requests::not_between(SentenceArg::up_to(ahead_s, 3), 1, FARTHEST_S as i64),
+            ));
         }
         if !errors.is_empty() {
             return Err(Problem::invalid(errors));

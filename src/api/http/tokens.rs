@@ -14,6 +14,7 @@ use crate::api::extract::{JsonBody, Params, PathPart, read_end};
 use crate::api::port::TokenDesk;
 use crate::api::text::{parse_token_name, time_text, token_name};
 use crate::text::name_fault;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Serialize};
@@ -82,7 +83,7 @@ pub struct TokenMade {
     (status = 422),
     (status = 503)))]
 pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<TokenDto>>, Problem> {
-    let all = desk(&api)?.list().await.map_err(|why| Problem::unavailable(why, 2))?;
+    let all = desk(&api)?.list().await.map_err(Problem::of_records)?;
     page(all.iter().map(|token| dto(&api, token)).collect(), &p)
 }
 
@@ -101,15 +102,14 @@ pub async fn make(
     let token = fresh_token();
     let wanted = NamedToken { hash: hash_of(&token), ..new.read(&api)? };
     let name = wanted.name.clone();
-    let all = desk(&api)?.list().await.map_err(|why| Problem::unavailable(why, 2))?;
+    let all = desk(&api)?.list().await.map_err(Problem::of_records)?;
     let now = (api.now)();
     if all.iter().filter(|t| t.holds(now)).count() >= MOST_TOKENS {
-        let detail = format!("{MOST_TOKENS} tokens hold, which is the limit: revoke one that nobody uses");
-        return Err(Problem::no_room(detail));
+        return Err(Problem::no_room(requests::too_many_tokens(MOST_TOKENS)));
     }
-    let made = desk(&api)?.add(wanted).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let made = desk(&api)?.add(wanted).await.map_err(Problem::of_records)?;
     let Some(made) = made else {
-        let detail = format!("a token of \"{name}\" holds: rotate or revoke it, or take another name");
+        let detail = requests::token_name_taken(name);
         return Err(Problem::conflict("name-taken", "The name is taken", detail));
     };
     let place = format!("/v1/tokens/{}", token_name(made.id));
@@ -123,7 +123,7 @@ pub async fn make(
     (status = 204, description = "Revoked"),
     (status = 404, description = "There is no such token, or it was revoked before")))]
 pub async fn revoke(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    let revoked = desk(&api)?.revoke(parse(&id)?).await.map_err(|why| Problem::unavailable(why, 2))?;
+    let revoked = desk(&api)?.revoke(parse(&id)?).await.map_err(Problem::of_records)?;
     if revoked { Ok(StatusCode::NO_CONTENT) } else { Err(unknown(&id)) }
 }
 
@@ -135,7 +135,7 @@ pub async fn revoke(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
 pub async fn rotate(Called(api): Called, PathPart(id): PathPart) -> Result<Json<TokenMade>, Problem> {
     let (number, token) = (parse(&id)?, fresh_token());
     let made = desk(&api)?.rotate(number, hash_of(&token)).await;
-    let made = made.map_err(|why| Problem::unavailable(why, 2))?.ok_or_else(|| unknown(&id))?;
+    let made = made.map_err(Problem::of_records)?.ok_or_else(|| unknown(&id))?;
     Ok(Json(TokenMade { token, known: dto(&api, &made) }))
 }
 
@@ -145,27 +145,24 @@ impl NewToken {
         let mut errors = Vec::new();
         let name = self.name.trim();
         if let Some(fault) = name_fault(name, LONGEST_NAME) {
-            errors.push(FieldError::new("name", fault.to_string()));
+            errors.push(FieldError::new("name", fault.sentence()));
         }
         if Caller::RESERVED.contains(&name) {
-            errors.push(FieldError::new("name", format!("\"{name}\" is the name of callers without one")));
+            errors.push(FieldError::new("name", requests::token_name_reserved(name)));
         }
         let expires = read_end("expires", self.expires.as_deref(), &mut errors);
         if expires.is_some_and(|end| end <= (api.now)()) {
-            errors.push(FieldError::new("expires", "is over already"));
+            errors.push(FieldError::new("expires", requests::is_over_already()));
         }
         match (self.role, self.subject.as_deref()) {
             (Role::Device, Some(id)) if is_known(api, id) => {}
             (Role::Device, Some(id)) => {
-                let detail =
-                    format!("there is no worker and no robot \"{id}\": name one as `w1` or `robot-2`");
-                errors.push(FieldError::new("subject", detail));
+                errors.push(FieldError::new("subject", requests::no_worker_or_robot(id)));
             }
             (Role::Device, None) => {
-                errors
-                    .push(FieldError::new("subject", "name the worker or robot that the device speaks for"));
+                errors.push(FieldError::new("subject", requests::name_the_subject()));
             }
-            (_, Some(_)) => errors.push(FieldError::new("subject", "only devices speak for somebody")),
+            (_, Some(_)) => errors.push(FieldError::new("subject", requests::only_devices_speak())),
             (_, None) => {}
         }
         if !errors.is_empty() {
@@ -199,8 +196,7 @@ fn parse(id: &str) -> Result<i64, Problem> {
 }
 
 fn unknown(id: &str) -> Problem {
-    let detail = format!("there is no token \"{id}\" that could be: GET /v1/tokens lists them");
-    Problem::unknown("token", detail)
+    Problem::unknown("token", requests::token_unknown(id))
 }
 
 fn dto(api: &Api, token: &NamedToken) -> TokenDto {

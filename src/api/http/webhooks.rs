@@ -13,6 +13,7 @@ use crate::api::webhooks::{
     FailedMessage, HookDesk, HookReply, HookRequest, Webhook, new_secret, read_secret,
 };
 use crate::fleet::EventKind;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, Uri};
@@ -124,8 +125,7 @@ pub async fn add(
     let (kinds, secret) = check(&new)?;
     check_target(&api, &new.url).await?;
     if ask(&api, HookRequest::List).await?.len() >= MOST_HOOKS {
-        let detail = format!("there are {MOST_HOOKS} webhooks, which is the limit: remove one first");
-        return Err(Problem::no_room(detail));
+        return Err(Problem::no_room(requests::too_many_webhooks(MOST_HOOKS)));
     }
     let told = secret.clone();
     let hook = ask(&api, |reply| HookRequest::Add(new.url, kinds, secret, reply)).await?;
@@ -160,8 +160,7 @@ pub async fn failures(
     Params(p): Params<FailureParams>,
 ) -> Result<Json<Page<FailedMessageDto>>, Problem> {
     let limit = checked_limit(p.limit, 50)?;
-    let wrong =
-        || Problem::invalid(vec![FieldError::new("cursor", "use the value of `next` in the previous page")]);
+    let wrong = || Problem::invalid(vec![FieldError::new("cursor", requests::not_a_cursor())]);
     let before = p.cursor.map(|text| text.parse::<i64>().map_err(|_| wrong())).transpose()?;
     let number = parse(&id)?;
     let found = ask(&api, |reply| HookRequest::Failures(number, before, limit + 1, reply)).await?;
@@ -175,9 +174,9 @@ pub async fn failures(
 async fn ask<T>(api: &Api, request: impl FnOnce(HookReply<T>) -> HookRequest) -> Result<T, Problem> {
     let queue = &desk(api)?.queue;
     let (reply, answer) = oneshot::channel();
-    let busy = || Problem::unavailable("too much is asked about webhooks: ask again in a second", 1);
+    let busy = || Problem::unavailable(requests::busy(), 1);
     queue.try_send(request(reply)).map_err(|_| busy())?;
-    answer.await.map_err(|_| busy())?.map_err(|why| Problem::unavailable(why, 2))
+    answer.await.map_err(|_| busy())?.map_err(Problem::of_records)
 }
 
 fn desk(api: &Api) -> Result<&HookDesk, Problem> {
@@ -190,7 +189,7 @@ async fn check_target(api: &Api, url: &str) -> Result<(), Problem> {
     let usual = if uri.scheme_str() == Some("http") { 80 } else { 443 };
     let port = uri.port_u16().unwrap_or(usual);
     let checked = desk(api)?.targets.check(uri.host().unwrap_or_default(), port).await;
-    checked.map_err(|why| Problem::invalid(vec![FieldError::new("url", why)]))
+    checked.map_err(|why| Problem::invalid(vec![FieldError::new("url", requests::malformed(why))]))
 }
 
 /// The kinds and the secret of a new webhook.
@@ -200,20 +199,24 @@ fn check(new: &NewWebhook) -> Result<(Vec<EventKind>, String), Problem> {
         matches!(uri.scheme_str(), Some("http" | "https")) && uri.host().is_some_and(|host| !host.is_empty())
     });
     if host.is_none() || new.url.len() > LONGEST_URL {
-        errors.push(FieldError::new("url", "give an address such as https://wms.example/giveway"));
+        errors.push(FieldError::new(
+            "url",
+            requests::malformed("give an address such as https://wms.example/giveway"),
+        ));
     }
     let mut kinds = Vec::new();
     for word in &new.kinds {
         match EventKind::of_word(word) {
             Some(kind) => kinds.push(kind),
             None => {
-                let known = EventKind::ALL.map(EventKind::word).join(", ");
-                errors.push(FieldError::new("kinds", format!("\"{word}\" is not one of {known}")));
+                let known = EventKind::ALL.map(EventKind::word).to_vec();
+                errors.push(FieldError::new("kinds", requests::not_one_of(word, known)));
             }
         }
     }
     if new.secret.as_deref().is_some_and(|secret| read_secret(secret).is_none()) {
-        errors.push(FieldError::new("secret", "give whsec_ and 24 to 64 bytes in base64, or leave it out"));
+        let detail = requests::malformed("give whsec_ and 24 to 64 bytes in base64, or leave it out");
+        errors.push(FieldError::new("secret", detail));
     }
     if errors.is_empty() {
         Ok((kinds, new.secret.clone().unwrap_or_else(new_secret)))
@@ -227,7 +230,7 @@ fn parse(id: &str) -> Result<i64, Problem> {
 }
 
 fn unknown(id: &str) -> Problem {
-    Problem::unknown("webhook", format!("there is no webhook \"{id}\"; GET /v1/webhooks lists them"))
+    Problem::unknown("webhook", requests::no_such_thing("webhook", id, "/v1/webhooks"))
 }
 
 fn dto(hook: Webhook) -> WebhookDto {

@@ -11,6 +11,7 @@ use crate::api::port::Question;
 use crate::api::text::{job_name, parse_job_name};
 use crate::api::waits::WhyDto;
 use crate::id::{Dense, RobotId};
+use crate::text::sentence::requests;
 use axum::Json;
 
 /// Why a robot waits: the resource, what holds it, until when, and what that holder waits for, down to the root cause.
@@ -32,10 +33,9 @@ pub async fn robot(Called(api): Called, PathPart(id): PathPart) -> Result<Json<W
      body = WhyDto),
     (status = 503, description = "Too many questions; see Retry-After")))]
 pub async fn job(Called(api): Called, PathPart(id): PathPart) -> Result<Json<WhyDto>, Problem> {
-    let job = parse_job_name(&id)
-        .ok_or_else(|| Problem::unknown("job", format!("\"{id}\" is not a job id; ids look like j17")))?;
-    let known = api.records.job(job).await.map_err(|why| Problem::unavailable(why, 2))?;
-    known.ok_or_else(|| Problem::unknown("job", format!("{} does not exist", job_name(job))))?;
+    let job = parse_job_name(&id).ok_or_else(|| Problem::unknown("job", requests::not_a_job_id(&id)))?;
+    let known = api.records.job(job).await.map_err(Problem::of_records)?;
+    known.ok_or_else(|| Problem::unknown("job", requests::does_not_exist(job_name(job))))?;
     let waits = api.query(|reply| Question::Job(job, reply)).await?;
     Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
 }
@@ -43,7 +43,6 @@ pub async fn job(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Why
 /// A robot that is known.
 pub fn parse_robot(api: &Api, name: &str) -> Result<RobotId, Problem> {
     let found = api.moment().view.robots.iter().position(|r| r.name == name);
-    let unknown =
-        || Problem::unknown("robot", format!("there is no robot \"{name}\"; GET /v1/robots lists all"));
+    let unknown = || Problem::unknown("robot", requests::no_such_thing("robot", name, "/v1/robots"));
     found.map(RobotId::at).ok_or_else(unknown)
 }

@@ -15,7 +15,9 @@ use crate::api::text::{round3, worker_name};
 use crate::api::words::{GuidanceStateDto, PresenceDto};
 use crate::fleet::{Ask, Made};
 use crate::id::{Dense, WorkerId};
+use crate::text::Sentence;
 use crate::text::name_fault;
+use crate::text::sentence::requests;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
 use serde::{Deserialize, Serialize};
@@ -59,8 +61,7 @@ pub struct ListedWorkerDto {
     /// What the worker is told.
     pub state: GuidanceStateDto,
     /// Why, in words.
-    #[schema(example = "you left the path")]
-    pub reason: Option<String>,
+    pub reason: Option<Sentence>,
     /// What the path is for.
     #[schema(example = "a3")]
     pub assignment: Option<String>,
@@ -167,8 +168,7 @@ fn own_worker(api: &Api, name: &str) -> Result<LocatedWorker, Problem> {
             Ok(located(api, id, own))
         }
         _ => {
-            let detail =
-                format!("this token is for the worker {subject} alone: sign in with that worker's name");
+            let detail = requests::token_of_worker(subject);
             Err(Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail))
         }
     }
@@ -188,7 +188,7 @@ pub async fn hire(
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<WorkerDto>), Problem> {
     let name = new.name.trim();
     if let Some(fault) = name_fault(name, LONGEST_NAME) {
-        return Err(Problem::invalid(vec![FieldError::new("name", fault.to_string())]));
+        return Err(Problem::invalid(vec![FieldError::new("name", fault.sentence())]));
     }
     if api.caller.role == Role::Device {
         return own_worker(&api, name).map(|own| (StatusCode::OK, own.0, own.1));
@@ -196,7 +196,7 @@ pub async fn hire(
     api.queue()?;
     let taken = |name: &str| api.feeds.named(name).is_some();
     let registered = api.pseudonyms.register(name, (api.now)(), taken).await;
-    let pseudonym = registered.map_err(|why| Problem::unavailable(why, 2))?;
+    let pseudonym = registered.map_err(Problem::of_records)?;
     match api.answer_to(Ask::register_worker(pseudonym.clone())).await? {
         Ok(Made { id, new }) => {
             let status = if new { StatusCode::CREATED } else { StatusCode::OK };

@@ -135,7 +135,7 @@ fn a_robot_that_goes_another_way_is_a_bookmark_that_says_for_whom() {
         recording.note(&Fact::Noted(FloorNote::Replanned { robot, cause, was: vec![], now: vec![], at }));
     }
     let marks = recording.add(&frame(Time::ZERO, 1.0)).unwrap().marks;
-    let said: Vec<_> = marks.iter().map(|m| (m.kind, m.words.as_str(), m.who.join(" "))).collect();
+    let said: Vec<_> = marks.iter().map(|m| (m.kind, m.words.text(), m.who.join(" "))).collect();
     let of = |words, who: &str| (MarkKind::Replan, words, who.to_owned());
     let expected = [
         of("robot-1 went another way for w1", "robot-1 w1"),

@@ -11,6 +11,8 @@ use crate::fleet::{
     AreaFact, Encounter, EncounterFact, Fact, FloorFact, FloorNote, Reaction, ReplanCause, RobotFact,
 };
 use crate::id::{Dense, RobotId, WorkerId};
+use crate::text::sentence::bookmarks;
+use crate::text::{Sentence, SentenceArg};
 use crate::time::Time;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -23,8 +25,7 @@ pub struct Mark {
     /// What kind of thing happened.
     pub kind: MarkKind,
     /// What happened, in words.
-    #[schema(example = "w1 met robot-3 (closest 0.62 m); the robot was stopped")]
-    pub words: String,
+    pub words: Sentence,
     /// Robots and workers that it happened to.
     pub who: Vec<String>,
     /// Where, metres.
@@ -113,78 +114,89 @@ pub fn is_notable(fact: &Fact) -> bool {
 pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
     let seconds = |at: &Time| round3((*at - zero).as_secs_f64());
     let robot = |r: &RobotId| frame.robots.get(r.ix()).map(|robot| (robot.id.clone(), [robot.x, robot.y]));
-    let of_robot = |kind, at: &Time, r: &RobotId, what: &str| {
+    let of_robot = |kind, at: &Time, r: &RobotId, what: &dyn Fn(&str) -> Sentence| {
         let (id, place) = robot(r)?;
-        let words = format!("{id} {what}");
+        let words = what(&id);
         Some(Mark { at_s: seconds(at), kind, words, who: vec![id], place: Some(place), encounter: None })
     };
-    let of_all = |kind, at_s, words: String, place| {
+    let of_all = |kind, at_s, words: Sentence, place| {
         let (who, encounter) = (Vec::new(), None);
         Mark { at_s, kind, words, who, place, encounter }
     };
     match fact {
         Fact::Encounter(EncounterFact::Deviated { worker, at }) => {
             let place = frame.workers.get(worker.ix()).and_then(|w| Some([w.x?, w.y?]));
-            let words = format!("{} left the path", called(*worker, frame));
+            let words = bookmarks::left_path(called(*worker, frame));
             let who = vec![worker_name(*worker)];
             Some(Mark { at_s: seconds(at), kind: MarkKind::Deviation, words, who, place, encounter: None })
         }
         Fact::Encounter(EncounterFact::Met(e)) => Some(met(e, seconds, robot(&e.robot)?.0, frame)),
         Fact::Noted(FloorNote::Replanned { robot: r, cause, at, .. }) => {
             let (what, with) = replanned(cause, frame)?;
-            let mut mark = of_robot(MarkKind::Replan, at, r, &what)?;
+            let mut mark = of_robot(MarkKind::Replan, at, r, &*what)?;
             mark.who.extend(with);
             Some(mark)
         }
         Fact::Floor(FloorFact::Halted { robot: Some(r), at }) => {
-            of_robot(MarkKind::Stop, at, r, "was paused by hand")
+            of_robot(MarkKind::Stop, at, r, &|id| bookmarks::was_paused(id))
         }
-        Fact::Floor(FloorFact::Released { robot: Some(r), at }) => of_robot(MarkKind::Stop, at, r, "goes on"),
+        Fact::Floor(FloorFact::Released { robot: Some(r), at }) => {
+            of_robot(MarkKind::Stop, at, r, &|id| bookmarks::goes_on(id))
+        }
         Fact::Floor(FloorFact::Halted { robot: None, at }) => {
-            Some(of_all(MarkKind::Stop, seconds(at), "all robots were stopped by hand".into(), None))
+            Some(of_all(MarkKind::Stop, seconds(at), bookmarks::all_were_stopped(), None))
         }
         Fact::Floor(FloorFact::Released { robot: None, at }) => {
-            Some(of_all(MarkKind::Stop, seconds(at), "all robots go on".into(), None))
+            Some(of_all(MarkKind::Stop, seconds(at), bookmarks::all_go_on(), None))
         }
-        Fact::Robot(RobotFact::Failed { robot: r, at }) => of_robot(MarkKind::Failure, at, r, "broke down"),
+        Fact::Robot(RobotFact::Failed { robot: r, at }) => {
+            of_robot(MarkKind::Failure, at, r, &|id| bookmarks::broke_down(id))
+        }
         Fact::Robot(RobotFact::Repaired { robot: r, at }) => {
-            of_robot(MarkKind::Failure, at, r, "works again")
+            of_robot(MarkKind::Failure, at, r, &|id| bookmarks::works_again(id))
         }
         Fact::Robot(RobotFact::Fenced { robot: r, at }) => {
-            of_robot(MarkKind::Failure, at, r, "was fenced off")
+            of_robot(MarkKind::Failure, at, r, &|id| bookmarks::was_fenced_off(id))
         }
         Fact::Floor(FloorFact::Evacuated { at }) => {
-            Some(of_all(MarkKind::Alarm, seconds(at), "the building was evacuated".into(), None))
+            Some(of_all(MarkKind::Alarm, seconds(at), bookmarks::was_evacuated(), None))
         }
         Fact::Floor(FloorFact::EvacuationEnded { at }) => {
-            Some(of_all(MarkKind::Alarm, seconds(at), "the evacuation ended".into(), None))
+            Some(of_all(MarkKind::Alarm, seconds(at), bookmarks::evacuation_ended(), None))
         }
         Fact::Area(AreaFact::Closed { closure, area }) => {
-            let words = format!("{} was closed: {}", closure_name(*closure), area.reason);
+            let words = bookmarks::area_was_closed(closure_name(*closure), &area.reason);
             let place = area.outline.first().map(|p| [p.x_mm as f64 / 1000.0, p.y_mm as f64 / 1000.0]);
             Some(of_all(MarkKind::Closure, frame.time_s, words, place))
         }
         Fact::Area(AreaFact::Reopened { closure, at }) => {
-            let words = format!("{} was opened again", closure_name(*closure));
+            let words = bookmarks::area_was_opened(closure_name(*closure));
             Some(of_all(MarkKind::Closure, seconds(at), words, None))
         }
         _ => None,
     }
 }
 
-/// What a robot did for a worker, or to avoid a closure, a robot or an obstruction, in words; and the id of the worker
-/// or robot.
-fn replanned(cause: &ReplanCause, frame: &Frame) -> Option<(String, Option<String>)> {
+/// Makes a sentence about the robot of this name.
+type OfRobot = Box<dyn Fn(&str) -> Sentence>;
+
+/// What a robot did for a worker, or to avoid a closure, a robot or an obstruction; and the id of the worker or robot.
+fn replanned(cause: &ReplanCause, frame: &Frame) -> Option<(OfRobot, Option<String>)> {
     Some(match cause {
         ReplanCause::Worker(worker) => {
-            (format!("went another way for {}", called(*worker, frame)), Some(worker_name(*worker)))
+            let name = called(*worker, frame);
+            (Box::new(move |id| bookmarks::went_another_way_for(id, &name)), Some(worker_name(*worker)))
         }
-        ReplanCause::Closure(closure) => (format!("went round {}", closure_name(*closure)), None),
+        ReplanCause::Closure(closure) => {
+            let area = closure_name(*closure);
+            (Box::new(move |id| bookmarks::went_round(id, &area)), None)
+        }
         ReplanCause::Robot(robot) => {
-            let id = frame.robots.get(robot.ix())?.id.clone();
-            (format!("went round {id}"), Some(id))
+            let other = frame.robots.get(robot.ix())?.id.clone();
+            let with = other.clone();
+            (Box::new(move |id| bookmarks::went_round(id, &other)), Some(with))
         }
-        ReplanCause::Obstruction => ("went round an obstruction".to_owned(), None),
+        ReplanCause::Obstruction => (Box::new(|id| bookmarks::went_round_obstruction(id)), None),
     })
 }
 
@@ -196,14 +208,14 @@ fn called(worker: WorkerId, frame: &Frame) -> String {
 fn met(e: &Encounter, seconds: impl Fn(&Time) -> f64, robot: String, frame: &Frame) -> Mark {
     let name = called(e.worker, frame);
     let metres = |mm: i64| mm as f64 / 1000.0;
-    let then = match e.reaction {
-        Reaction::Kept => "drove on",
-        Reaction::Slowed => "was slowed",
-        Reaction::Held => "had to wait",
-        Reaction::Rerouted => "went another way",
-        Reaction::Stopped => "was stopped",
+    let closest_m = SentenceArg::rounded(metres(e.closest_mm), 2);
+    let words = match e.reaction {
+        Reaction::Kept => bookmarks::met_and_drove_on(name, &robot, closest_m),
+        Reaction::Slowed => bookmarks::met_and_was_slowed(name, &robot, closest_m),
+        Reaction::Held => bookmarks::met_and_had_to_wait(name, &robot, closest_m),
+        Reaction::Rerouted => bookmarks::met_and_rerouted(name, &robot, closest_m),
+        Reaction::Stopped => bookmarks::met_and_was_stopped(name, &robot, closest_m),
     };
-    let words = format!("{name} met {robot} (closest {:.2} m); the robot {then}", metres(e.closest_mm));
     let [x, y] = [e.at.x_mm, e.at.y_mm].map(metres);
     let worker = worker_name(e.worker);
     let who = vec![worker.clone(), robot.clone()];
@@ -238,8 +250,8 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
         let is_new = |id: &serde_json::Value| !before.iter().any(|alarm| has(alarm, id));
         for alarm in rows(new).into_iter().filter(|alarm| is_new(&alarm["id"])) {
             let by_fact = alarm["kind"].as_str().is_some_and(|id| BY_FACT.contains(&id));
-            if let (false, Some(text)) = (by_fact, alarm["text"].as_str()) {
-                let (words, encounter) = (text.to_owned(), None);
+            if let (false, Ok(words)) = (by_fact, Sentence::deserialize(&alarm)) {
+                let encounter = None;
                 let who = alarm["subject"].as_str().map(str::to_owned).into_iter().collect();
                 let place = alarm["x"].as_f64().zip(alarm["y"].as_f64()).map(|(x, y)| [x, y]);
                 found.push(Mark { at_s: new.time_s, kind: MarkKind::Alarm, words, who, place, encounter });
@@ -248,7 +260,7 @@ pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
     }
     for (before, now) in old.workers.iter().zip(&new.workers) {
         if now.presence == PresenceDto::Lost && before.presence != PresenceDto::Lost {
-            let words = format!("{} is lost: robots stop around the last known position", now.name);
+            let words = bookmarks::worker_was_lost(&now.name);
             let place = now.x.zip(now.y).map(|(x, y)| [x, y]);
             let (who, encounter) = (vec![now.id.clone()], None);
             found.push(Mark { at_s: new.time_s, kind: MarkKind::Alarm, words, who, place, encounter });

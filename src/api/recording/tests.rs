@@ -6,6 +6,8 @@ use crate::api::alarms::Alarms;
 use crate::api::port::Moment;
 use crate::fleet::{EncounterFact, Fleet, Settings, View};
 use crate::id::WorkerId;
+use crate::text::Sentence;
+use crate::text::sentence::alarms as sentence;
 use crate::warehouse::lab;
 use serde_json::Value;
 use std::path::PathBuf;
@@ -151,12 +153,12 @@ fn an_alarm_is_a_bookmark_once_and_a_stop_by_hand_is_not_two() {
     let mut take_frame =
         |at_s, alarms: &Alarms| recording.add(&frame(at_s, alarms)).expect("a new frame").marks;
     assert!(take_frame(0.0, &alarms).is_empty());
-    alarms.raise(AlarmKind::Journal, "the journal is slow", Time::ZERO);
-    alarms.raise(AlarmKind::Stopped, "by hand", Time::ZERO);
+    alarms.raise(AlarmKind::Journal, sentence::journal_slow(1, "a file"), Time::ZERO);
+    alarms.raise(AlarmKind::Stopped, sentence::all_stopped(), Time::ZERO);
     let marks = take_frame(1.0, &alarms);
     assert_eq!(marks.len(), 1);
-    assert_eq!((marks[0].kind, marks[0].words.as_str()), (MarkKind::Alarm, "the journal is slow"));
-    alarms.raise(AlarmKind::Journal, "the journal is slower", Time::ZERO);
+    assert_eq!((marks[0].kind, &marks[0].words), (MarkKind::Alarm, &sentence::journal_slow(1, "a file")));
+    alarms.raise(AlarmKind::Journal, sentence::journal_slow(2, "a file"), Time::ZERO);
     assert!(take_frame(2.0, &alarms).is_empty());
     assert!(recording.add(&frame(2.0, &alarms)).is_none(), "the same frame is none");
 }
@@ -187,7 +189,7 @@ fn of_the_bookmarks_of_an_hour_the_first_are_kept_and_the_next_file_has_room_aga
     let test = TestFolder::new("many-marks");
     let folder = test.folder(0);
     let frame = |at_s: f64, marks: usize| {
-        let (words, who) = ("a robot stood".to_owned(), Vec::new());
+        let (words, who) = (Sentence::without_code("a robot stood"), Vec::new());
         let mark = Mark { at_s, kind: MarkKind::Alarm, words, who, place: None, encounter: None };
         RecordedFrame { at_s, marks: vec![mark; marks], ..RecordedFrame::default() }
     };

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::alarm::{AlarmKind, AlarmSeverity, AlarmSubject, SubjectKind};
+use crate::text::Sentence;
 
 const HOUR: Span = Span::from_secs(3600);
 const FROM: Time = Time(20_000 * 86_400 * 1_000_000);
@@ -99,8 +100,8 @@ fn alarms_last_as_long_as_they_did_within_the_time() {
         kind,
         severity: AlarmSeverity::Warning,
         subject: AlarmSubject::new(SubjectKind::Robot, "robot-1"),
-        text: String::new(),
-        remedy: String::new(),
+        text: Sentence::default(),
+        remedy: Sentence::default(),
         at: None,
         waiting: 0,
         since: at(since),

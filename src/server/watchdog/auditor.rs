@@ -7,6 +7,7 @@ use super::super::start::panic_text;
 use crate::alarm::AlarmKind;
 use crate::api::alarms::Alarms;
 use crate::fleet::Ledger;
+use crate::text::sentence::alarms as sentence;
 use crate::time::Time;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -31,9 +32,7 @@ impl Auditor {
             Ok(()) => _ = alarms.clear(AlarmKind::LedgerUnsound, now),
             Err(panic) => {
                 let said = panic_text(&*panic);
-                let text = format!(
-                    "the ledger contradicts itself: {said}. Keep a copy of the database and restart Giveway."
-                );
+                let text = sentence::ledger_contradicts_itself(said);
                 alarms.raise(AlarmKind::LedgerUnsound, text, now);
             }
         }

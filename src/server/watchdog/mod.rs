@@ -12,6 +12,7 @@ use crate::alarm::{AlarmCondition, AlarmKind, AlarmSubject, FloorWatch, LoopHeal
 use crate::api::alarms::Alarms;
 use crate::fleet::{Fleet, View};
 use crate::sim::laws::untrue;
+use crate::text::sentence::alarms;
 use crate::time::{Span, Time};
 
 /// The fleet is looked at this often.
@@ -51,6 +52,8 @@ impl Watchdog {
 fn waits_in_vain(fleet: &Fleet, now: Time) -> Option<AlarmCondition> {
     let in_vain = fleet.ledger().present().filter(|r| untrue(fleet, *r, now).is_some());
     let names: Vec<&str> = in_vain.map(|r| fleet.ledger().robots[r].name.as_str()).collect();
-    let said = format!("robots wait for what does not keep them: {}.", names.join(", "));
-    (!names.is_empty()).then(|| AlarmCondition::new(AlarmKind::WaitsInVain, AlarmSubject::floor(), said))
+    (!names.is_empty()).then(|| {
+        let said = alarms::robots_wait_in_vain(names);
+        AlarmCondition::new(AlarmKind::WaitsInVain, AlarmSubject::floor(), said)
+    })
 }

@@ -69,7 +69,7 @@ export class Signals {
       this.#means.beep(rings || news.some((a) => severityOf(a) === 'critical') ? 'critical' : 'warning');
     }
     if (this.notifications) {
-      for (const alarm of news) this.#means.notify(said(alarm.text), said(alarm.remedy ?? ''), alarm.id);
+      for (const alarm of news) this.#means.notify(said(alarm), said(alarm.remedy ?? ''), alarm.id);
     }
   }
 }

@@ -32,7 +32,7 @@ const fits = (alarm: AlarmRecord, filter: AlarmFilter): boolean => {
 export function wantedAlarms(alarms: readonly AlarmRecord[], filter: AlarmFilter, search: string): AlarmRecord[] {
   const words = search.toLowerCase().split(/\s+/).filter((word) => word !== '');
   return alarms.filter((alarm) => {
-    const cells = [alarm.id, subjectOf(alarm), said(alarm.text), alarm.acknowledged?.by, ...alarm.members.map(subjectOf), ...alarm.notes.map((n) => n.text)];
+    const cells = [alarm.id, subjectOf(alarm), said(alarm), alarm.acknowledged?.by, ...alarm.members.map(subjectOf), ...alarm.notes.map((n) => n.text)];
     const text = cells.filter(Boolean).join(' ').toLowerCase();
     return fits(alarm, filter) && words.every((word) => text.includes(word));
   });

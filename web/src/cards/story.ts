@@ -1,5 +1,6 @@
 // What happened to each thing since the page was opened, in a few lines: what a mirror says now that the
 // one before did not. It remembers only what changed, and no more than the last lines of it.
+import { sameSaid } from '../language';
 import { activityWords, clock, doing, GUIDANCE_WORDS, number, percent, PRESENCE_WORDS, replanCause, said, t, within } from '../words';
 import { activityOf, type Goal, type MapNode, type Mirror, type Rack, type Robot, row, type Station, type Table, type Worker } from '../wire';
 import type { Picked } from '../floor';
@@ -74,7 +75,7 @@ function robotLines(a: Robot, b: Robot): (string | null)[] {
     activityOf(a) === activityOf(b) ? null : within(activityWords(activityOf(b))),
     a.doing === b.doing ? null : doing(b.doing),
     a.job === b.job || b.job === null ? null : t('story.job', { job: b.job }),
-    a.why === b.why ? null : b.why === null ? t('story.continues') : said(b.why),
+    sameSaid(a.why, b.why) ? null : b.why === null ? t('story.continues') : said(b.why),
     b.replanned === null || a.replanned?.at === b.replanned.at ? null : t('story.replanned', { cause: replanCause(b.replanned) }),
   ];
 }
@@ -83,7 +84,7 @@ function workerLines(a: Worker, b: Worker): (string | null)[] {
   const state = within(GUIDANCE_WORDS[b.state] ?? b.state);
   return [
     a.presence === b.presence ? null : t('story.seen', { presence: PRESENCE_WORDS[b.presence] ?? b.presence }),
-    a.state === b.state ? null : b.reason === null ? state : t('story.told', { state, reason: b.reason }),
+    a.state === b.state ? null : b.reason === null ? state : t('story.told', { state, reason: said(b.reason) }),
     a.assignment === b.assignment || b.assignment === null ? null : t('story.assignment', { assignment: b.assignment }),
   ];
 }

@@ -1,5 +1,6 @@
 // The feed of one worker: greeting, clock, epochs, guidance, and coming back after a break. What is sent while the
 // socket is shut is dropped, since only the newest pose counts. Socket, clock and chance come from outside.
+import { asSaid, said, type Said } from '../language';
 import { retryDelay, type Clock } from '../wire';
 import type { Guidance } from './guide';
 import type { PoseMessage } from './pump';
@@ -16,12 +17,12 @@ export type FeedEvent =
   | { kind: 'welcome'; epoch: number; aligned: boolean }
   | { kind: 'epoch'; epoch: number; aligned: boolean }
   | { kind: 'aligned'; epoch: number; fit: Aligned }
-  | { kind: 'refused'; text: string; aligned: boolean }
+  | { kind: 'refused'; reason: Said | string; remedy: Said | string; aligned: boolean }
   | { kind: 'guidance'; guidance: Guidance }
   | { kind: 'cell'; cell: CellLights }
-  | { kind: 'done'; assignment: string; refused: string | null }
+  | { kind: 'done'; assignment: string; refused: Said | string | null }
   | { kind: 'clock'; error_ms: number }
-  | { kind: 'warning'; code: string; text: string };
+  | { kind: 'warning'; code: string; text: Said | string };
 
 export type FeedState =
   | { kind: 'connecting' }
@@ -66,7 +67,7 @@ export class Feed {
   #attempt = 0;
   #heardAt = 0;
   #open = false;
-  #last = '';
+  #last: Said | string = '';
   #timers: { retry: unknown; look: unknown } = { retry: null, look: null };
 
   constructor(options: FeedOptions) {
@@ -142,7 +143,7 @@ export class Feed {
         message: mine((text: string) => this.#hear(text)),
         closed: mine((code: number, reason: string) => {
           this.#drop();
-          if (code === POLICY) this.#become({ kind: 'ended', text: reason || this.#last });
+          if (code === POLICY) this.#become({ kind: 'ended', text: this.#last === '' ? reason : said(this.#last) });
           else this.#lose();
         }),
       });
@@ -168,19 +169,19 @@ export class Feed {
       case 'aligned':
         return this.#tell({ kind: 'aligned', epoch: Number(m['epoch']), fit: m as unknown as Aligned });
       case 'refused':
-        return this.#tell({ kind: 'refused', text: `${String(m['reason'])}: ${String(m['remedy'])}`, aligned: m['aligned'] === true });
+        return this.#tell({ kind: 'refused', reason: asSaid(m['reason']) ?? '', remedy: asSaid(m['remedy']) ?? '', aligned: m['aligned'] === true });
       case 'guidance':
         return this.#tell({ kind: 'guidance', guidance: m as unknown as Guidance });
       case 'cell':
         return this.#tell({ kind: 'cell', cell: m as unknown as CellLights });
       case 'done':
-        return this.#tell({ kind: 'done', assignment: String(m['assignment']), refused: typeof m['refused'] === 'string' ? m['refused'] : null });
+        return this.#tell({ kind: 'done', assignment: String(m['assignment']), refused: asSaid(m['refused']) });
       case 'clock':
         return this.#tell({ kind: 'clock', error_ms: Number(m['error_ms']) });
       case 'warning':
-        return this.#tell({ kind: 'warning', code: String(m['code']), text: String(m['text']) });
+        return this.#tell({ kind: 'warning', code: String(m['code']), text: asSaid(m['text']) ?? '' });
       case 'error':
-        this.#last = String(m['text']);
+        this.#last = asSaid(m['text']) ?? '';
         return;
       default:
         // A newer server may say more than this page knows.

@@ -1,4 +1,5 @@
 // What the wearer is to see now: the server's guidance, judged by how well position and connection are known.
+import { said, type Said } from '../language';
 import { duration, metres, seconds, t, type Key } from './words';
 import type { GuidanceState, Point } from '../wire';
 
@@ -20,8 +21,8 @@ export interface Cause {
 }
 export interface Guidance {
   state: GuidanceState;
-  /** In English, for kinds of causes that this page does not know. */
-  reason: string | null;
+  /** For kinds of causes that this page does not know. */
+  reason: Said | string | null;
   cause?: Cause | null;
   version: number;
   path: Point[];
@@ -161,7 +162,7 @@ function whyOf({ cause, reason }: Guidance, { tracking }: Standing): string {
   const phone = tracking === 'none' ? BY_PHONE.find((one) => one === kind) : undefined;
   const key: Key | null = phone ? `cause.${phone}.phone` : kind ? `cause.${kind}` : null;
   if (key) return t(key, { robot: cause?.robot ?? '', closure: cause?.closure ?? '' });
-  return reason === null ? '' : sentence(reason);
+  return reason === null ? '' : sentence(said(reason));
 }
 
 /** How the device makes itself felt when this replaces that: milliseconds on and off; empty for not at all. */

@@ -1,4 +1,5 @@
 // Requests of this page to the public API, with the token where one is wanted.
+import { said } from '../language';
 import type { Line, LineEvents } from './feed';
 import type { Task } from './guide';
 import type { FloorMap, Problem, RobotKind, Worker } from '../wire';
@@ -50,7 +51,8 @@ export class Server {
       if (response.status === 204) return { kind: 'ok', value: null as T };
       if (response.ok) return { kind: 'ok', value: (await response.json()) as T };
       const problem = (await response.json().catch(() => ({}))) as Partial<Problem>;
-      return { kind: 'refused', text: problem.detail ?? problem.title ?? `the server answered ${response.status}` };
+      const { detail, title, ...sentence } = problem;
+      return { kind: 'refused', text: said({ ...sentence, text: detail ?? title ?? `the server answered ${response.status}` }) };
     } catch {
       return { kind: 'unreachable' };
     }

@@ -6,7 +6,7 @@ import { Feed, type FeedEvent, type FeedOptions, type FeedState } from './feed';
 import { distance, type Alignment, type Vec2, type Vec3 } from './frame';
 import { lengthOf, show, type Ended, type Guidance, type Shown, type Standing, type Task } from './guide';
 import { Pump, type Sample } from './pump';
-import { said } from '../language';
+import { explained, said, spoken } from '../language';
 
 export interface WearerOptions extends Pick<FeedOptions, 'frame' | 'open' | 'clock' | 'random'> {
   /** Names of the marks that the wearer will show, and where the map has them. */
@@ -240,7 +240,7 @@ export class Wearer {
         return;
       case 'refused':
         if (!event.aligned) this.alignment = null;
-        return this.#mark({ kind: 'refused', text: said(event.text) });
+        return this.#mark({ kind: 'refused', text: explained(spoken(), said(event.reason), said(event.remedy)) });
       case 'guidance':
         if (event.guidance.assignment !== this.guidance?.assignment) this.#leave(this.guidance?.assignment ?? null);
         [this.guidance, this.#heardAt] = [event.guidance, this.#options.clock.now()];

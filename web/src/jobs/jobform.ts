@@ -1,6 +1,6 @@
 // The job form without its looks: which fields a kind of job needs, and the request made of them.
 import type { JobKind, NewJob, Problem } from '../wire';
-import { said, t, trouble, wordsBy } from '../words';
+import { detailOf, t, trouble, wordsBy } from '../words';
 
 export type Field = 'rack' | 'station' | 'node' | 'robot';
 export type FormField = Field | 'priority' | 'deadline';
@@ -66,8 +66,8 @@ export function explain(problem: Problem, kind: JobKind): { fields: FieldErrors;
   const rest: string[] = [];
   for (const error of problem.errors ?? []) {
     const field = error.field.startsWith('stops') ? 'station' : error.field;
-    if (shown.includes(field)) fields[field as FormField] = said(error.detail);
-    else rest.push(said(error.detail));
+    if (shown.includes(field)) fields[field as FormField] = detailOf(error);
+    else rest.push(detailOf(error));
   }
   const isNamed = Object.keys(fields).length > 0 || rest.length > 0;
   if (!isNamed) rest.push(trouble({ kind: 'refused', problem }) ?? '');

@@ -95,10 +95,10 @@ export function lateFor_s(job: Pick<Job, 'deadline' | 'state' | 'updated'>, now:
   return late > 0 ? late : null;
 }
 
-/** A job's state and why it does not go on; the reason alone where it begins with the state. */
+/** A job's state and why it does not go on; the reason alone where it begins with the same word, such as "waiting" and "waits for …". */
 function stateCell(job: Job): Cell {
   const [state, why] = [STATE_WORDS[job.state] ?? job.state, job.why === null ? null : said(job.why)];
-  const repeats = why?.toLowerCase().startsWith(`${state.toLowerCase()} `);
+  const repeats = why?.toLowerCase().startsWith(state.toLowerCase().slice(0, 4));
   return why !== null && repeats ? { text: why } : { text: state, more: why };
 }
 

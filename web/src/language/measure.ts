@@ -49,6 +49,9 @@ export const together = (language: Language, parts: readonly string[]): string =
 /** Things one after the other, in a line. */
 export const listed = (language: Language, parts: readonly string[]): string => parts.join(language === 'zh' ? '，' : ', ');
 
+/** Something, and what there is to say about it. */
+export const explained = (language: Language, what: string, more: string): string => `${what}${language === 'zh' ? '：' : ': '}${more}`;
+
 /** Hours or days, spelt out. */
 export const spelt = (language: Language, n: number, name: 'hour' | 'day'): string => unit(language, name, n, 0, 'long');
 

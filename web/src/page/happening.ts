@@ -1,9 +1,12 @@
 // What is happening on the floor, in one line: for whoever sees it for the first time, or looks up for a second. Pure.
-import { onFloor, type Mirror } from '../wire';
+import { onFloor, type Mirror, type Robot } from '../wire';
 import { t } from '../words';
 
 /** Whether a robot waits for a person, or makes way for one. */
-const givesWay = ({ why, passes }: { why: string | null; passes: string | null }): boolean => passes !== null || /\bworker\b/.test(why ?? '');
+function givesWay({ why, passes }: Pick<Robot, 'why' | 'passes'>): boolean {
+  // Recordings of earlier versions have words alone.
+  return passes !== null || (typeof why === 'string' ? /\bworker\b/.test(why) : why?.code === 'gives_way');
+}
 
 /** The line; null until something is known. */
 export function happening(mirror: Mirror): string | null {

@@ -1,7 +1,7 @@
 // What the server knows of one robot: asked while its card is open, so that it does not depend on how long this page was.
 import { poll } from '../parts';
 import type { Api, RobotDetail, RobotEvent } from '../wire';
-import { replanCause, t, wordsBy, trouble } from '../words';
+import { replanCause, said, t, wordsBy, trouble } from '../words';
 
 export type LifeApi = Pick<Api, 'robot' | 'robotHistory'>;
 
@@ -75,8 +75,12 @@ const way = (nodes: readonly string[] = []): string => nodes.slice(0, MOST_NODES
 export function eventWords(e: RobotEvent): string {
   switch (e.kind) {
     case 'job': return `${e.text ?? t('robot.job')} ${e.id ?? ''}: ${e.what}`;
-    case 'alarm': return e.ended === null ? (e.text ?? e.what) : t('robot.alarm.over', { alarm: e.text ?? e.what });
+    case 'alarm': return e.ended === null ? alarmWords(e) : t('robot.alarm.over', { alarm: alarmWords(e) });
     case 'replan': return `${t('story.replanned', { cause: e.cause ? replanCause(e.cause) : e.what })}: ${way(e.was)} → ${way(e.now)}`;
     case 'change': return CHANGES[e.what] ?? e.what.replaceAll('_', ' ');
   }
+}
+
+function alarmWords({ text, code, args, what }: RobotEvent): string {
+  return text === null ? what : said({ text, ...(code === undefined ? {} : { code }), ...(args === undefined ? {} : { args }) });
 }

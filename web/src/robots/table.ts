@@ -47,7 +47,7 @@ export function wantedOf(lines: readonly RobotLine[], only: Activity | null, sea
   const words = search.toLowerCase().split(/\s+/).filter((word) => word !== '');
   return lines.filter((line) => {
     if (only !== null && line.activity !== only) return false;
-    const cells = [line.id, line.kind, activityWords(line.activity), line.job, line.place, line.why, ...line.alarms.map((a) => said(a.text))];
+    const cells = [line.id, line.kind, activityWords(line.activity), line.job, line.place, line.why, ...line.alarms.map((a) => said(a))];
     const text = cells.filter(Boolean).join(' ').toLowerCase();
     return words.every((word) => text.includes(word));
   });

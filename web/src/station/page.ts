@@ -257,5 +257,5 @@ export class StationPage {
 export function refusalWords(answer: Exclude<Answer<unknown>, { kind: 'ok' }>): string {
   if (answer.kind === 'unreachable') return t('refused.unreachable');
   if (answer.kind !== 'refused') return t('refused.unknown');
-  return answer.text === null ? t('refused.status', { status: String(answer.status) }) : said(answer.text);
+  return answer.said === null ? t('refused.status', { status: String(answer.status) }) : said(answer.said);
 }

@@ -1,11 +1,12 @@
 // Requests of this page to the public API. The browser adds the cookie of the session.
+import type { Said } from '../language';
 import type { Problem, Socket, SocketEvents } from '../wire';
 
 export type Answer<T> =
   | { kind: 'ok'; value: T }
   | { kind: 'locked' }
   | { kind: 'unknown' }
-  | { kind: 'refused'; text: string | null; status: number }
+  | { kind: 'refused'; said: Said | null; status: number }
   | { kind: 'unreachable' };
 
 /** What is said about a line: so many more pieces, that the slot is empty, or that all that is taken back. */
@@ -31,7 +32,9 @@ async function ask<T>(method: string, path: string, body?: object): Promise<Answ
     if (response.status === 401) return { kind: 'locked' };
     if (response.status === 404) return { kind: 'unknown' };
     const problem = (await response.json().catch(() => ({}))) as Partial<Problem>;
-    return { kind: 'refused', text: problem.detail ?? problem.title ?? null, status: response.status };
+    const { detail, title, ...sentence } = problem;
+    const text = detail ?? title;
+    return { kind: 'refused', said: text === undefined ? null : { ...sentence, text }, status: response.status };
   } catch {
     return { kind: 'unreachable' };
   }

@@ -38,8 +38,8 @@ export class LiveWhy implements WhyShown {
   }
 }
 
-function stepOf({ who, kind, text: english, ahead, by, by_kind, until, until_s }: WhyLink): WhyStep {
-  const text = said(english);
+function stepOf({ who, kind, text: sentence, ahead, by, by_kind, until, until_s }: WhyLink): WhyStep {
+  const text = said(sentence);
   // Robots, jobs and workers that are waited for are links of the chain themselves.
   const beside = by !== null && by_kind !== null && by_kind !== 'robot' && by_kind !== 'job' && by_kind !== 'worker';
   const soon = until_s !== null && until_s >= 1 ? t('why.until', { time: timeOfDay(until), span: span(until_s) }) : t('why.soon');

@@ -1,6 +1,6 @@
-// Why a robot waited in the past, from the words of the frames alone: so it works for a file without a server, too.
+// Why a robot waited in the past, from the reasons in the frames alone: so it works for a file without a server, too.
 import { doing, said, t } from '../words';
-import { row, type Mirror, type Robot } from '../wire';
+import { row, type Mirror, type Robot, type SentenceArg } from '../wire';
 
 /** One link of a chain: a robot, and what it waits for or does, in words. */
 export interface Link {
@@ -8,7 +8,7 @@ export interface Link {
   readonly text: string;
 }
 
-/** From a robot that waits to the root, as far as the words of the frame lead; empty where it does not wait. */
+/** From a robot that waits to the root, as far as the reasons in the frame lead; empty where it does not wait. */
 export function chainOf(mirror: Mirror, id: string): Link[] {
   const chain: Link[] = [];
   const met = new Set<string>();
@@ -20,8 +20,13 @@ export function chainOf(mirror: Mirror, id: string): Link[] {
   return chain;
 }
 
-/** The robot that words name. */
-function namedIn(words: string | null, mirror: Mirror): Robot | undefined {
-  const names = words?.split(/[\s,;:]+/) ?? [];
+/** The robot that a reason names. */
+function namedIn(why: Robot['why'], mirror: Mirror): Robot | undefined {
+  // Recordings of earlier versions have words alone.
+  const names = typeof why === 'string' ? why.split(/[\s,;:]+/) : why === null ? [] : textsIn(Object.values(why.args ?? {}));
   return names.map((name) => row(mirror.robots, name)).find((found) => found !== undefined);
 }
+
+/** The texts in the places of a sentence, and of sentences within it. */
+const textsIn = (args: readonly SentenceArg[]): string[] =>
+  args.flatMap((arg) => (typeof arg === 'string' ? [arg] : typeof arg === 'number' ? [] : textsIn('text' in arg ? Object.values(arg.args ?? {}) : arg)));

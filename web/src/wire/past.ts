@@ -1,5 +1,5 @@
 // What the server and a reel say of the past: spans, bookmarks, running sums.
-import type { Encounter } from './types';
+import type { Encounter, Sentence } from './types';
 
 /** What is kept of the past, in seconds from the server's start. */
 export interface Past {
@@ -17,7 +17,7 @@ export type MarkKind = (typeof MARK_KINDS)[number];
 export interface Mark {
   at_s: number;
   kind: MarkKind;
-  words: string;
+  words: Sentence | string;
   who: string[];
   place: [x: number, y: number] | null;
   /** The details of an encounter; older versions wrote none. */

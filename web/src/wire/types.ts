@@ -51,6 +51,14 @@ export const ACTIVITIES = [
 ] as const;
 /** One that has left the floor keeps its place in the list of the feed, where robots go by number. */
 export type Activity = (typeof ACTIVITIES)[number] | 'gone';
+/** What the server says to people: which sentence, what stands in its places, and the same in English. Recordings of earlier
+ *  versions have the text alone. */
+export interface Sentence {
+  code?: string | null;
+  args?: Record<string, SentenceArg>;
+  text: string;
+}
+export type SentenceArg = string | number | Sentence | readonly SentenceArg[];
 /** Whether the task of a robot goes on. */
 export type RobotState = 'idle' | 'busy' | 'free' | 'interrupted' | 'failed' | 'gone';
 export type Doing =
@@ -84,7 +92,7 @@ export interface Robot {
   granted: number[];
   /** Nodes kept for it further on, which it may not enter yet. */
   held: number[];
-  why: string | null;
+  why: Sentence | string | null;
   /** The worker whom it passes beside the line; null in recordings of earlier versions. */
   passes: string | null;
   /** Because of whom or what it got another way last, and when; null in recordings of earlier versions. */
@@ -119,6 +127,9 @@ export interface RobotEvent {
   /** The state of the job, the kind of the alarm, or the change in a word. */
   what: string;
   text: string | null;
+  /** Of an alarm, which sentence the text is. */
+  code?: string;
+  args?: Record<string, SentenceArg>;
   ended: string | null;
   /** Of a replan: because of whom or what, and the nodes ahead before and since. */
   cause?: Pick<Replanned, 'kind' | 'id'>;
@@ -168,7 +179,7 @@ export interface Worker {
   /** Radii, metres: robots stop, keep out, go slowly. */
   regions: [stop: number, out: number, slow: number];
   state: GuidanceState;
-  reason: string | null;
+  reason: Sentence | string | null;
   /** From here on, metres. */
   path: Point[];
   assignment: string | null;
@@ -233,16 +244,15 @@ export const SEVERITIES = ['critical', 'warning', 'notice'] as const;
 export type Severity = (typeof SEVERITIES)[number];
 export type SubjectKind = 'robot' | 'worker' | 'job' | 'station' | 'closure' | 'floor' | 'server';
 /** An active alarm in the feed. What recordings of earlier versions lack is optional: there the id was the kind. */
-export interface Alarm {
+export interface Alarm extends Sentence {
   id: string;
-  text: string;
   since_s: number;
   kind?: string;
   severity?: Severity;
   subject_kind?: SubjectKind;
   /** Null for the floor and the server. */
   subject?: string | null;
-  remedy?: string;
+  remedy?: Sentence | string;
   x?: number | null;
   y?: number | null;
   /** How many robots wait because of it. */
@@ -256,14 +266,13 @@ export interface Alarm {
   members?: readonly { id: string; subject: string; acknowledged_by: string | null }[];
 }
 /** An alarm in the list, active or past. */
-export interface AlarmRecord {
+export interface AlarmRecord extends Sentence {
   id: string;
   kind: string;
   severity: Severity;
   state: 'active' | 'cleared';
   subject: { kind: SubjectKind; id: string };
-  text: string;
-  remedy: string;
+  remedy: Sentence;
   x: number | null;
   y: number | null;
   waiting: number;
@@ -276,10 +285,9 @@ export interface AlarmRecord {
   members: AlarmMember[];
   cleared: string | null;
 }
-export interface AlarmMember {
+export interface AlarmMember extends Sentence {
   id: string;
   subject: { kind: SubjectKind; id: string };
-  text: string;
   x: number | null;
   y: number | null;
   since: string;
@@ -410,7 +418,7 @@ export interface Job {
   priority: number;
   deadline: string | null;
   state: JobState;
-  why: string | null;
+  why: Sentence | null;
   created: string;
   updated: string;
 }
@@ -444,7 +452,7 @@ export interface WhyLink {
   /** resource, queue, person, closure … or, if it waits for nothing, stop, drives, later, stays. */
   cause: string;
   /** In words, without its own name. */
-  text: string;
+  text: Sentence;
   by: string | null;
   by_kind: 'robot' | 'worker' | 'job' | 'closure' | 'station' | null;
   ahead: number;
@@ -633,11 +641,21 @@ export interface Episode {
   since: string;
 }
 
+/** One wrong field; the detail is a sentence. */
+export interface FieldError {
+  field: string;
+  detail: string;
+  code?: string;
+  args?: Record<string, SentenceArg>;
+}
 /** RFC 9457, with the field each error belongs to. */
 export interface Problem {
   type?: string;
   title: string;
   status: number;
   detail?: string;
-  errors?: { field: string; detail: string }[];
+  /** Which sentence the detail is. */
+  code?: string;
+  args?: Record<string, SentenceArg>;
+  errors?: FieldError[];
 }

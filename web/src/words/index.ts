@@ -7,4 +7,4 @@ export * from './moments';
 export { actDid, actDo } from './acts';
 export { learnSaid } from '../language';
 export { learnNames, learnNumbers, nameOf, personName, said, withNames } from './people.svelte';
-export { trouble } from './trouble';
+export { detailOf, trouble } from './trouble';

@@ -1,6 +1,6 @@
 // How people are called on this page. A name is chosen once, by the right of whoever looks: all that is shown asks here, so
 // nobody has a name, a pseudonym and a number at the same time.
-import { said as saidIn } from '../language';
+import { said as saidIn, type Said } from '../language';
 
 /** Names by pseudonym, for those who may see names. A pseudonym stands for one person for ever, on whatever floor. */
 let names = $state.raw<ReadonlyMap<string, string>>(new Map());
@@ -23,7 +23,7 @@ export function personName(id: string): string {
   return pseudonym === undefined ? id : nameOf(pseudonym);
 }
 
-/** A sentence of the server with the one name of each person in it. */
+/** A text with the one name of each person in it. */
 export function withNames(text: string): string {
   if (numbers.size === 0) return text;
   let named = text;
@@ -37,4 +37,4 @@ export function withNames(text: string): string {
 }
 
 /** What the server said, in the language of the reader, with people by their names. */
-export const said = (text: string): string => saidIn(withNames(text)).replaceAll('worker worker-', 'worker-');
+export const said = (sentence: Said | string): string => withNames(saidIn(sentence)).replaceAll('worker worker-', 'worker-');

@@ -12,6 +12,8 @@ use super::wire::{AnchorSaid, HandSaid, PoseFrame, PoseSaid, QualitySaid};
 use crate::geometry::{FARTHEST_M, Point, Vector};
 use crate::human::{Quality, Sighting, SourceId};
 use crate::id::WorkerId;
+use crate::text::Sentence;
+use crate::text::sentence::feed;
 use crate::time::{Span, Time};
 use crate::warehouse::Warehouse;
 
@@ -149,37 +151,21 @@ impl PoseFault {
     }
 
     /// What happened and what to do.
-    pub fn text(self) -> &'static str {
+    pub fn sentence(self) -> Sentence {
         match self {
-            PoseFault::NoClock => {
-                "poses are accepted once the first ping is answered: answer pings with a pong"
-            }
-            PoseFault::NotAligned => "the frame of the device is not known: send anchors",
-            PoseFault::OldEpoch => {
-                "the pose belongs to an earlier alignment: use the epoch of the last answer"
-            }
-            PoseFault::UnknownEpoch => "this epoch was never given out: use the epoch of the last answer",
-            PoseFault::NoPosition => {
-                "a pose needs pos, or at in the frame of the map; one that is lost needs one before it"
-            }
-            PoseFault::Absurd => "impossible numbers: give positions in metres, accuracy from 0 to 100 m",
-            PoseFault::Height => {
-                "the eyes are below the floor of the marks, or more than 4 m above it: y is up, in metres; touch the \
-                 marks again"
-            }
-            PoseFault::Askew => {
-                "you walk where the device says that you do not face: send quat in WebXR axes (x to the right, y up, \
-                 ahead is -z), and pos likewise"
-            }
-            PoseFault::Quaternion => "quat must be x, y, z, w of length 1",
-            PoseFault::Future => {
-                "the pose lies in the future: t is the moment on the clock that answers pings"
-            }
-            PoseFault::TooOld => {
-                "the pose is more than ten seconds old: send the newest and drop queued ones"
-            }
-            PoseFault::Repeated => "this seq came already: count up within an epoch",
-            PoseFault::Reordered => "a later seq came already: only the newest counts",
+            PoseFault::NoClock => feed::pose_without_clock(),
+            PoseFault::NotAligned => feed::pose_not_aligned(),
+            PoseFault::OldEpoch => feed::pose_of_old_epoch(),
+            PoseFault::UnknownEpoch => feed::pose_of_unknown_epoch(),
+            PoseFault::NoPosition => feed::pose_without_position(),
+            PoseFault::Absurd => feed::pose_absurd(),
+            PoseFault::Height => feed::pose_at_height(),
+            PoseFault::Askew => feed::pose_askew(),
+            PoseFault::Quaternion => feed::pose_not_turned(),
+            PoseFault::Future => feed::pose_in_future(),
+            PoseFault::TooOld => feed::pose_too_old(),
+            PoseFault::Repeated => feed::pose_repeated(),
+            PoseFault::Reordered => feed::pose_reordered(),
         }
     }
 }
@@ -381,20 +367,18 @@ impl PoseIntake {
 ///
 /// # Errors
 /// What is wrong, in words.
-pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<PointPair>, String> {
+pub fn pairs(said: &[AnchorSaid], map: &Warehouse) -> Result<Vec<PointPair>, Sentence> {
     let pair = |(i, a): (usize, &AnchorSaid)| {
         let named = |name: &String| {
             let mark = map.mark_named(name);
-            mark.ok_or_else(|| {
-                format!("pairs[{i}]: there is no mark or node \"{name}\"; GET /v1/map lists them")
-            })
+            mark.ok_or_else(|| feed::no_mark_named(i, name))
         };
         let at = match (a.map, &a.mark) {
             (Some([x, y]), None) => Point::new(x, y),
             (None, Some(name)) => named(name)?,
-            _ => return Err(format!("pairs[{i}]: give map [x, y], or mark, the name of a mark or node")),
+            _ => return Err(feed::map_or_mark(i)),
         };
-        let no_rotation = || format!("pairs[{i}]: {}", PoseFault::Quaternion.text());
+        let no_rotation = || feed::pair_is_wrong(i, PoseFault::Quaternion.sentence());
         let turned = a.quat.map(|q| rotation(q).ok_or_else(no_rotation)).transpose()?;
         let turn = turned.and_then(facing).zip(a.heading).map(|(phi, heading)| heading - phi);
         let (heading, weight) = (turn.and(a.heading), a.weight.unwrap_or(1.0));

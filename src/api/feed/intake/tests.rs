@@ -264,7 +264,7 @@ fn marks_are_named_or_measured() {
     let made = pairs(std::slice::from_ref(&anchor), &map).unwrap();
     assert_eq!((made[0].map, made[0].device), (map.nodes[id].at, Vector::new(1.0, 2.0)));
     let unknown = AnchorSaid { mark: Some("nowhere".into()), ..anchor.clone() };
-    assert!(pairs(&[unknown], &map).unwrap_err().contains("nowhere"));
+    assert!(pairs(&[unknown], &map).unwrap_err().text().contains("nowhere"));
     let neither = AnchorSaid { mark: None, ..anchor };
-    assert!(pairs(&[neither], &map).unwrap_err().contains("mark"));
+    assert!(pairs(&[neither], &map).unwrap_err().text().contains("mark"));
 }
