@@ -172,7 +172,7 @@ async fn web_sockets_send_what_the_asyncapi_document_says() {
     crate::feed::hire(at, "anna").await;
     crate::helper::post(at, None, &crate::helper::delivery(0)).await.unwrap();
     let mut headset = Headset::open(at, "w1").await.unwrap();
-    headset.say(json!({"type": "hello", "versions": [1], "frame": "device"})).await;
+    headset.say(json!({"type": "hello", "versions": [1, 2], "frame": "device"})).await;
     headset.next("clock").await;
     let place = |x: f64| json!({"device": [x, 1.0, 0.0], "map": [x, 0.0]});
     headset.say(json!({"type": "anchors", "pairs": [place(0.0)]})).await;

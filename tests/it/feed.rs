@@ -28,7 +28,7 @@ impl Headset {
     /// Connected, greeted, with a known clock.
     pub async fn connect(at: SocketAddr, worker: &str, frame: &str) -> Headset {
         let mut headset = Headset::open(at, worker).await.unwrap();
-        headset.say(json!({"type": "hello", "versions": [1, 7], "frame": frame})).await;
+        headset.say(json!({"type": "hello", "versions": [2, 7], "frame": frame})).await;
         headset.next("clock").await;
         headset
     }
@@ -83,7 +83,9 @@ impl Headset {
         let mut last = String::new();
         while let Some(message) = self.any().await {
             if message["type"] == "error" {
-                last = message["text"]["text"].as_str().unwrap().into();
+                // Bare text before the version is known, and in version 1.
+                let text = &message["text"];
+                last = text.as_str().or(text["text"].as_str()).unwrap().into();
             }
         }
         last
@@ -113,8 +115,8 @@ async fn a_headset_and_the_server_agree_on_a_version_or_part_with_a_reason() {
     assert_eq!((welcome["worker"].clone(), welcome["name"].clone()), (json!("w1"), json!("anna")));
     assert!(headset.next("clock").await["error_ms"].as_f64().unwrap() < 1000.0);
     for (first, word) in [
-        (json!({"type": "hello", "versions": [99]}), "versions [1]"),
-        (json!({"type": "hello", "versions": []}), "versions [1]"),
+        (json!({"type": "hello", "versions": [99]}), "versions [2, 1]"),
+        (json!({"type": "hello", "versions": []}), "versions [2, 1]"),
         (json!({"type": "pose", "epoch": 1, "seq": 1, "t": 1}), "hello"),
         (json!({"type": "nonsense"}), "hello"),
     ] {

@@ -308,7 +308,7 @@ describe('a wearer', () => {
     world.welcome();
     world.hear({ type: 'ping', id: 7 });
     world.look();
-    expect(world.line.sent).toEqual([{ type: 'hello', versions: [1], frame: 'device' }, { type: 'pong', id: 7, t1: 1000, t2: 1000 }]);
+    expect(world.line.sent).toEqual([{ type: 'hello', versions: [2, 1], frame: 'device' }, { type: 'pong', id: 7, t1: 1000, t2: 1000 }]);
     world.align();
     expect(world.line.sent.at(-1)).toEqual({ type: 'anchors', pairs: [{ device: [0, 0, 0], mark: 'A' }, { device: [10, 0, 0], mark: 'B' }] });
     world.look();

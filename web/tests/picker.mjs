@@ -58,7 +58,7 @@ export class Headset {
       const say = (message) => {
         if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
       };
-      socket.onopen = () => say({ type: 'hello', versions: [1], frame: 'map' });
+      socket.onopen = () => say({ type: 'hello', versions: [2, 1], frame: 'map' });
       socket.onmessage = ({ data }) => {
         const message = JSON.parse(data);
         const t = performance.now();

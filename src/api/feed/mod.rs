@@ -17,6 +17,7 @@ pub mod pose;
 pub mod session;
 pub mod swap;
 pub mod thin;
+mod version;
 pub mod warn;
 pub mod wire;
 

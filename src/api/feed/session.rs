@@ -10,8 +10,9 @@ use super::joints::JointGate;
 use super::lights::{CellLightsDto, CellTold};
 use super::message::FeedMessage;
 use super::thin::RateLimiter;
+use super::version::{VERSIONS, encoded, spoken};
 use super::warn::Warnings;
-use super::wire::{self, AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid, VERSIONS};
+use super::wire::{self, AnchorSaid, HeadsetMessage, HelloSaid, PoseSaid};
 use crate::api::called::Called;
 use crate::api::error::Problem;
 use crate::api::extract::PathPart;
@@ -99,6 +100,8 @@ enum SessionEnd {
 /// One connection.
 struct Session<'a> {
     api: &'a Api,
+    /// Of the protocol.
+    version: u32,
     worker: WorkerId,
     socket: WebSocket,
     connection: Connection,
@@ -128,13 +131,17 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
     let late =
         || requests::malformed("no hello within ten seconds: the first message is hello, with versions");
     let greeted = timeout(GREETING, greeting(&mut socket)).await;
+    // Who has not said which version it speaks is told in the one that has bare text.
+    let mut version = 1;
     let end = match greeted.unwrap_or_else(|_| Err(SessionEnd::Bye(close_code::POLICY, late()))) {
-        Ok(hello) => {
+        Ok((both_speak, hello)) => {
+            version = both_speak;
             let Some(connection) = api.feeds.sit(worker) else { return };
             let now = (api.now)();
             let counts = connection.told.borrow().counts;
             let mut session = Session {
                 api,
+                version,
                 worker,
                 socket,
                 connection,
@@ -162,16 +169,11 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
         Err(end) => Some(end),
     };
     if let Some(SessionEnd::Bye(code, reason)) = end {
-        let text = text(&FeedMessage::Error { text: reason.clone() });
+        let text = encoded(&FeedMessage::Error { text: reason.clone() }, version);
         _ = timeout(SEND, socket.send(Message::Text(text.into()))).await;
         let frame = CloseFrame { code, reason: short(reason.text()).into() };
         _ = timeout(SEND, socket.send(Message::Close(Some(frame)))).await;
     }
-}
-
-/// A message as it travels.
-fn text(message: &FeedMessage) -> String {
-    serde_json::to_string(message).expect("messages are plain")
 }
 
 /// What is said of marks that do not fit with the others.
@@ -187,7 +189,7 @@ fn short(reason: &str) -> &str {
 }
 
 /// The first message, in a version that both speak.
-async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, SessionEnd> {
+async fn greeting(socket: &mut WebSocket) -> Result<(u32, HelloSaid), SessionEnd> {
     let policy = |reason: &str| SessionEnd::Bye(close_code::POLICY, requests::malformed(reason));
     let message = loop {
         match socket.recv().await {
@@ -198,11 +200,13 @@ async fn greeting(socket: &mut WebSocket) -> Result<HelloSaid, SessionEnd> {
         }
     };
     match serde_json::from_str::<HeadsetMessage>(&message) {
-        Ok(HeadsetMessage::Hello(hello)) if hello.versions.iter().any(|v| VERSIONS.contains(v)) => Ok(hello),
-        Ok(HeadsetMessage::Hello(hello)) => Err(policy(&format!(
-            "this server speaks versions {VERSIONS:?} of the feed, the client only {:?}",
-            &hello.versions[..hello.versions.len().min(8)]
-        ))),
+        Ok(HeadsetMessage::Hello(hello)) => match spoken(&hello.versions) {
+            Some(version) => Ok((version, hello)),
+            None => Err(policy(&format!(
+                "this server speaks versions {VERSIONS:?} of the feed, the client only {:?}",
+                &hello.versions[..hello.versions.len().min(8)]
+            ))),
+        },
         Ok(_) => Err(policy("the first message is hello, with the versions that you speak")),
         Err(e) => Err(policy(&format!("the first message is not a hello: {e}"))),
     }
@@ -212,7 +216,7 @@ impl Session<'_> {
     async fn run(&mut self, hello: &HelloSaid) -> Result<(), SessionEnd> {
         let name = self.api.feeds.name(self.worker);
         let welcome = FeedMessage::Welcome {
-            version: VERSIONS[0],
+            version: self.version,
             worker: worker_name(self.worker),
             name: name.map(|pseudonym| self.api.pseudonyms.shown(&self.api.caller, self.worker, &pseudonym)),
             frame: hello.frame,
@@ -538,7 +542,7 @@ impl Session<'_> {
     }
 
     async fn send(&mut self, message: FeedMessage) -> Result<(), SessionEnd> {
-        let message = Message::Text(text(&message).into());
+        let message = Message::Text(encoded(&message, self.version).into());
         match timeout(SEND, self.socket.send(message)).await {
             Ok(Ok(())) => Ok(()),
             _ => Err(SessionEnd::Gone),

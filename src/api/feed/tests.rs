@@ -130,7 +130,7 @@ impl TestServer {
     async fn connect(&self, frame: &str) -> Client {
         let (socket, _) = connect_async(format!("ws://{}/v1/workers/w1/feed", self.at)).await.unwrap();
         let mut client = Client { socket };
-        client.say(json!({"type": "hello", "versions": [1], "frame": frame})).await;
+        client.say(json!({"type": "hello", "versions": [2], "frame": frame})).await;
         client
     }
 }

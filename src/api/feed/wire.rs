@@ -7,9 +7,6 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// Versions of the protocol that this server speaks, best first.
-pub const VERSIONS: [u32; 1] = [1];
-
 /// A message of a headset.
 #[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 #[serde(tag = "type", rename_all = "snake_case")]

@@ -138,7 +138,7 @@ export class Feed {
       this.#line = open({
         opened: mine(() => {
           [this.#open, this.#heardAt] = [true, clock.now()];
-          this.#line?.send(JSON.stringify({ type: 'hello', versions: [1], frame }));
+          this.#line?.send(JSON.stringify({ type: 'hello', versions: [2, 1], frame }));
         }),
         message: mine((text: string) => this.#hear(text)),
         closed: mine((code: number, reason: string) => {
