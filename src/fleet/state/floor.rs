@@ -3,7 +3,6 @@
 //! Main type: [`Floor`]. Each room adds the questions that it answers. Refuses: to know of people, routes to come, or
 //! anything else that a room keeps to itself.
 
-use super::arms::Arms;
 use super::at_hand::AtHand;
 use super::job::Job;
 use super::kind::RobotKind;
@@ -45,8 +44,6 @@ pub(in crate::fleet) struct Floor<'a> {
     pub storage: &'a Storage,
     /// What is kept in mind about visits at work cells.
     pub visits: &'a Visits,
-    /// The robot arms at work cells.
-    pub arms: &'a Arms,
     /// The robot that is being dealt with.
     pub at_hand: &'a AtHand,
 }

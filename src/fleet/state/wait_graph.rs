@@ -269,7 +269,6 @@ impl WaitGraph {
         (why, edge): (Option<Why>, Edge),
         now: Time,
     ) {
-        debug_assert!(edge != Edge::On(Party::Robot(robot)), "{robot:?} waits for itself: {why:?}");
         while self.robots.get(robot).is_none() {
             self.robots.push(FRESH);
         }
@@ -287,7 +286,6 @@ impl WaitGraph {
 
     /// Notes what a worker waits for, likewise, and where: nowhere if the worker is not on the floor.
     pub fn note_worker(&mut self, worker: WorkerId, at: Option<Point>, edge: Edge, now: Time) {
-        debug_assert!(edge != Edge::On(Party::Worker(worker)), "{worker:?} waits for nobody else");
         while self.workers.get(worker).is_none() {
             self.workers.push(FRESH);
             self.spots.push(None);

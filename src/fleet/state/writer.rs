@@ -82,19 +82,9 @@ impl Writer {
     /// The floor as it is now, for questions.
     pub fn floor(&self) -> Floor<'_> {
         let Writer {
-            settings,
-            ledger,
-            scene,
-            restrictions,
-            waits,
-            regions,
-            storage,
-            visits,
-            arms,
-            at_hand,
-            ..
+            settings, ledger, scene, restrictions, waits, regions, storage, visits, at_hand, ..
         } = self;
-        Floor { ledger, scene, settings, restrictions, waits, regions, storage, visits, arms, at_hand }
+        Floor { ledger, scene, settings, restrictions, waits, regions, storage, visits, at_hand }
     }
 
     /// What was promised.

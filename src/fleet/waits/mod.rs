@@ -31,6 +31,7 @@ pub(in crate::fleet) fn note_waits(
     for robot in floor.ledger.robots.ids() {
         let why = waits.why(robot);
         let edge = waits.edge(robot, why);
+        debug_assert!(edge.robot() != Some(robot), "{robot:?} waits for itself: {why:?}");
         let progress = WorkProgress {
             visit: floor.ledger.chain(robot).first(),
             acted: floor.ledger.robots[robot].acted,
