@@ -262,7 +262,7 @@
 //! |---|---|
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` or `kinds` |
 //! | a kind of robots | `fleet/state/kind.rs`; in scenarios: `sim/scenario/kinds.rs`; over HTTP: `server/kinds.rs` |
-//! | a kind of job | `fleet/state/job.rs`, `fact.rs`, `fleet/traffic/progress.rs`, `plan.rs`; `api/http/jobs.rs` |
+//! | a kind of job | `fleet/state/job_kind.rs`, `life.rs`; `fleet/dispatch/jobs.rs`, `fleet/traffic/progress.rs` |
 //! | which robot gets which job (dispatch) | `fleet/dispatch/jobs.rs`; with the rack that it has: `chains.rs` |
 //! | the order of waiting jobs: priority, age, deadline | `fleet/state/index/queue.rs` (`urgency_ms`) |
 //! | cost of an assignment, Hungarian method | `fleet/dispatch/jobs.rs` (`way_ms`), `fleet/dispatch/assignment.rs` |

@@ -110,9 +110,9 @@ impl<'de> Deserialize<'de> for JobKindDto {
 impl PartialSchema for JobKindDto {
     fn schema() -> RefOr<Schema> {
         let words = ObjectBuilder::new().schema_type(Type::String).enum_values(Some(JobWord::WORDS.to_vec()));
-        let kinds = "What is wanted. `deliver`: bring a rack to a station, and put it back; `return`: put a rack onto the \
-                     best free storage node; `relocate`: put a rack onto this storage node; `charge`: send a robot to a \
-                     free charger; `park`: to a free parking place; `go`: to a node.";
+        let kinds = "What is wanted. `deliver`: bring a rack to a station, and put it back; `return`: put a \
+                     rack onto the best free storage node; `relocate`: put a rack onto this storage node; \
+                     `charge`: send a robot to a free charger; `park`: to a free parking place; `go`: to a node.";
         words.description(Some(kinds)).build().into()
     }
 }

@@ -5,10 +5,10 @@
 //! [`plot`] (charts), [`safe_space`] (published safe distances), [`table`] (robots and people by four ways of giving
 //! way), [`price`] (what people cost robots, and robots people), [`robot_time`] (what robots wait for), [`stations`]
 //! (what picking stations gain by lines and hands), [`picks`] (where recorded hands go), [`objects`] (which object
-//! a person fetches), [`arm`] (a robot arm beside a picker), [`corridor`] (robots that leave the line to pass a worker),
-//! [`alarms`] (which alarms follow from faults), [`steps`] (what a step costs), [`joint`] (what planning a few robots
-//! together costs), [`month`] (what it keeps), [`statistics`]. Refuses: to read files or clocks; the caller passes texts
-//! in and takes figures out.
+//! a person fetches), [`arm`] (a robot arm beside a picker), [`corridor`] (robots that leave the line to pass a
+//! worker), [`alarms`] (which alarms follow from faults), [`steps`] (what a step costs), [`joint`] (what planning a
+//! few robots together costs), [`month`] (what it keeps), [`statistics`]. Refuses: to read files or clocks; the caller
+//! passes texts in and takes figures out.
 
 pub mod alarms;
 pub mod arm;

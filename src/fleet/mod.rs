@@ -81,7 +81,7 @@ use crate::warehouse::Warehouse;
 use people::state::HumanState;
 use state::floor::Floor;
 use state::heard::WorkerInput;
-use state::restrictions::Found;
+use state::restrictions::FoundRestrictions;
 use state::writer::Writer;
 use std::sync::Arc;
 use traffic::state::{Effort, Traffic};
@@ -196,7 +196,7 @@ impl Fleet {
         let report = people.evaluate(writer, heard, &yielding.state, now);
         writer.guide(report.guidance);
         let floor = writer.floor();
-        let found = Found {
+        let found = FoundRestrictions {
             stood_on: closures::stood_on(floor, people.conditions(), now),
             displaced: displaced::closed_by_displaced(floor, now),
             obstructed: traffic.note_obstructions(floor, now),
@@ -281,9 +281,9 @@ impl Fleet {
         std::mem::take(&mut self.traffic.plan_times)
     }
 
-    /// Plans a robot anew together with the few robots in its way, with the whole budget of a step. Whether that worked;
-    /// the facts leave with those of the next step. A step does this for a robot that finds no route. This is for
-    /// measuring how long it takes.
+    /// Plans a robot anew together with the few robots in its way, with the whole budget of a step. Whether that
+    /// worked; the facts leave with those of the next step. A step does this for a robot that finds no route. This is
+    /// for measuring how long it takes.
     pub fn plan_jointly(&mut self, robot: RobotId, now: Time) -> bool {
         self.traffic.effort = Effort::of_a_step(self.writer.floor());
         self.traffic.insert(&mut self.writer, robot, now)

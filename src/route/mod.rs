@@ -165,7 +165,8 @@ impl Planner {
     }
 
     /// The route that reaches the first goal earliest and, among those, the last one earliest, given what others
-    /// hold in `timeline`. The asking robot itself must hold nothing there (see [`crate::timeline::Timeline::without`]).
+    /// hold in `timeline`. The asking robot itself must hold nothing there (see
+    /// [`crate::timeline::Timeline::without`]).
     ///
     /// # Errors
     /// Why there is none, or none within the budget.

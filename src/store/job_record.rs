@@ -13,8 +13,8 @@ use crate::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What is wanted: an object with one field, whose name is the word for the kind, and whose value has the parts by their
-/// words.
+/// What is wanted: an object with one field, whose name is the word for the kind, and whose value has the parts by
+/// their words.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 #[serde(try_from = "PartsByWord", into = "PartsByWord")]
 pub(super) struct KindRecord(JobKind);

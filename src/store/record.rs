@@ -70,11 +70,11 @@ pub(super) fn check_version(version: i64) -> Result<(), RecordError> {
     }
 }
 
-/// Makes the written form of facts from the list of all kinds: for each the tag, the fact, and the fields, which have the
-/// same names in both. A kind that the list lacks does not compile, in either direction.
+/// Makes the written form of facts from the list of all kinds: for each the tag, the fact, and the fields, which have
+/// the same names in both. A kind that the list lacks does not compile, in either direction.
 ///
-/// Facts in `rows` are an object whose field `fact` is the tag. Those in `of_job` have the tag `of_job`, and their own as
-/// `what`. The two that hold one record each have its fields beside the tag, and stand in the macro itself.
+/// Facts in `rows` are an object whose field `fact` is the tag. Those in `of_job` have the tag `of_job`, and their own
+/// as `what`. The two that hold one record each have its fields beside the tag, and stand in the macro itself.
 macro_rules! records {
     (
         of_job { $($of_job:ident = $job_kind:ident { $($job_field:ident: $job_type:ty),* })* }
@@ -87,7 +87,7 @@ macro_rules! records {
         #[serde(tag = "fact", rename_all = "snake_case")]
         enum Record {
             $($tag { $($(#[$attr])* $field: <$type as Written>::Form),* },)*
-            OfJob(JobRecord),
+            OfJob(JobFactRecord),
             Encountered(<Encounter as Written>::Form),
             FloorNoted(<FloorNote as Written>::Form),
         }
@@ -95,7 +95,7 @@ macro_rules! records {
         /// What happened to a job besides coming to another state, as it is written down.
         #[derive(Serialize, Deserialize)]
         #[serde(tag = "what", rename_all = "snake_case")]
-        enum JobRecord {
+        enum JobFactRecord {
             $($of_job { $($job_field: <$job_type as Written>::Form),* },)*
         }
 
@@ -104,7 +104,7 @@ macro_rules! records {
                 match fact {
                     $(Fact::$about($of::$kind { $($field),* }) => Record::$tag { $($field: $field.write()),* },)*
                     $(Fact::Job(JobFact::$job_kind { $($job_field),* }) => {
-                        Record::OfJob(JobRecord::$of_job { $($job_field: $job_field.write()),* })
+                        Record::OfJob(JobFactRecord::$of_job { $($job_field: $job_field.write()),* })
                     })*
                     Fact::Encounter(EncounterFact::Met(encounter)) => Record::Encountered(encounter.write()),
                     Fact::Noted(note) => Record::FloorNoted(note.write()),
@@ -118,7 +118,7 @@ macro_rules! records {
                     $(Record::$tag { $($field),* } => {
                         Fact::$about($of::$kind { $($field: <$type>::read($field)),* })
                     })*
-                    $(Record::OfJob(JobRecord::$of_job { $($job_field),* }) => {
+                    $(Record::OfJob(JobFactRecord::$of_job { $($job_field),* }) => {
                         Fact::Job(JobFact::$job_kind { $($job_field: <$job_type>::read($job_field)),* })
                     })*
                     Record::Encountered(encounter) => {

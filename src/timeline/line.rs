@@ -141,8 +141,8 @@ impl Line {
         Gaps { line: self, withdrawn, next: from, free }
     }
 
-    /// The latest end of the first `count` holds but for those that are passed over. It looks back only until no earlier
-    /// hold can end later, which is a step or two where few holds overlap.
+    /// The latest end of the first `count` holds but for those that are passed over. It looks back only until no
+    /// earlier hold can end later, which is a step or two where few holds overlap.
     fn reach(&self, count: usize, withdrawn: &Withdrawn) -> Time {
         let mut reach = BEGINNING;
         for i in (0..count).rev() {

@@ -1,9 +1,9 @@
 //! Which robot holds which resource when, and what is free in between.
 //!
 //! Main types: [`Timeline`] (all holds of all holders), [`Overlay`] (a timeline as a search looks at it), [`Visit`] (a
-//! stay on one node as a holder plans it), [`FreeWindow`] (when a resource is free), [`Reserved`] (the proof that visits
-//! are held; only this module makes one). Refuses: to hold anything twice, to forget which holder was promised a
-//! resource first, and to know why a holder wants to be anywhere.
+//! stay on one node as a holder plans it), [`FreeWindow`] (when a resource is free), [`Reserved`] (the proof that
+//! visits are held; only this module makes one). Refuses: to hold anything twice, to forget which holder was promised
+//! a resource first, and to know why a holder wants to be anywhere.
 //!
 //! Each resource has a list of holds sorted by start. Where robots differ in footprint, it has one list for each
 //! footprint ([`crate::id::LineId`]), and a robot looks at the list of its own. A hold on a resource also stands,

@@ -1,8 +1,8 @@
 //! What the versions of the headset protocol differ in.
 //!
-//! Main function: [`encoded`]. Version 2 has sentences for people as objects with a code; in version 1 they are bare text,
-//! and a headset that was written for it goes on being served. Refuses: a version that the server does not speak; the
-//! greeting does.
+//! Main function: [`encoded`]. Version 2 has sentences for people as objects with a code; in version 1 they are bare
+//! text, and a headset that was written for it goes on being served. Refuses: a version that the server does not
+//! speak; the greeting does.
 
 use super::message::FeedMessage;
 use serde_json::Value;

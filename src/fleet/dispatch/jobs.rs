@@ -14,7 +14,7 @@ use crate::fleet::state::fact::{Purpose, Task};
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::index::RackGoal;
 use crate::fleet::state::job::{JobFailure, JobState};
-use crate::fleet::state::job_kind::{Errand, JobKind};
+use crate::fleet::state::job_kind::{JobKind, RobotErrand};
 use crate::fleet::state::ledger::RackAt;
 use crate::fleet::state::needs::Needs;
 use crate::fleet::state::planners::Planners;
@@ -72,9 +72,9 @@ fn begin_named(writer: &mut Writer, planners: &mut Planners, robot: RobotId, job
     let floor = writer.floor();
     let errand = floor.ledger.jobs[&job].request.kind.errand();
     let (goal, stay, purpose) = match errand.expect("a job that names a robot sends it somewhere") {
-        Errand::Charge => (None, floor.free_place(robot, NodeKind::Charger), Purpose::Charge),
-        Errand::Park => (None, floor.free_place(robot, NodeKind::Parking), Purpose::Park),
-        Errand::Go(node) => (Some(node), floor.stay_for(robot, node), Purpose::Go),
+        RobotErrand::Charge => (None, floor.free_place(robot, NodeKind::Charger), Purpose::Charge),
+        RobotErrand::Park => (None, floor.free_place(robot, NodeKind::Parking), Purpose::Park),
+        RobotErrand::Go(node) => (Some(node), floor.stay_for(robot, node), Purpose::Go),
     };
     let Some(stay) = stay else { return };
     let goal = goal.unwrap_or(stay);

@@ -1,8 +1,8 @@
 //! What customers may want of the fleet: the one list of kinds of jobs.
 //!
 //! Main types: [`JobKind`], [`JobWord`] (a kind without what the job is about), [`JobParts`] (what it is about, without
-//! the kind). Whatever reads or writes jobs (records, recordings, columns, the API) goes by the parts, so that it does not
-//! have to know the kinds. Refuses: to know how a job is carried out.
+//! the kind). Whatever reads or writes jobs (records, recordings, columns, the API) goes by the parts, so that it does
+//! not have to know the kinds. Refuses: to know how a job is carried out.
 
 use crate::id::{BodyId, Dense, NodeId, RackId, RobotId, StationId};
 use crate::time::Span;
@@ -222,7 +222,7 @@ impl JobWord {
 
 /// Where a robot is sent without a rack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Errand {
+pub enum RobotErrand {
     /// To a free charger.
     Charge,
     /// To a free parking place.
@@ -253,11 +253,11 @@ impl JobKind {
     }
 
     /// Where the robot that the job names is sent; nothing where a rack has to be moved.
-    pub fn errand(&self) -> Option<Errand> {
+    pub fn errand(&self) -> Option<RobotErrand> {
         match *self {
-            JobKind::Charge { .. } => Some(Errand::Charge),
-            JobKind::Park { .. } => Some(Errand::Park),
-            JobKind::Go { node, .. } => Some(Errand::Go(node)),
+            JobKind::Charge { .. } => Some(RobotErrand::Charge),
+            JobKind::Park { .. } => Some(RobotErrand::Park),
+            JobKind::Go { node, .. } => Some(RobotErrand::Go(node)),
             JobKind::Deliver { .. } | JobKind::Return { .. } | JobKind::Relocate { .. } => None,
         }
     }
@@ -265,9 +265,9 @@ impl JobKind {
     /// What kind of place a robot is to find by itself.
     pub fn place(&self) -> Option<NodeKind> {
         match self.errand()? {
-            Errand::Charge => Some(NodeKind::Charger),
-            Errand::Park => Some(NodeKind::Parking),
-            Errand::Go(_) => None,
+            RobotErrand::Charge => Some(NodeKind::Charger),
+            RobotErrand::Park => Some(NodeKind::Parking),
+            RobotErrand::Go(_) => None,
         }
     }
 

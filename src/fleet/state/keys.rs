@@ -2,7 +2,8 @@
 //!
 //! Main types: [`Keys`], [`ClientKey`]. A key belongs to the customer who gave it: two customers who choose the same
 //! text have two keys. A key lives as long as its job is open, and at least [`KEY_LIFE`] after the job was accepted.
-//! Refuses: to forget anything by itself; a step records which keys are forgotten ([`super::fact::FloorFact::KeysExpired`]).
+//! Refuses: to forget anything by itself; a step records which keys are forgotten
+//! ([`super::fact::FloorFact::KeysExpired`]).
 
 use crate::id::CustomerId;
 use crate::time::{Span, Time};

@@ -41,7 +41,7 @@ pub(in crate::fleet) struct Restrictions {
 
 /// Nodes that one part of a step closes for robots of every kind.
 #[derive(Debug, Default)]
-pub(in crate::fleet) struct Closing {
+pub(in crate::fleet) struct ClosedNodes {
     /// What binds robots there.
     pub conditions: Vec<(NodeId, Condition)>,
     /// Nodes that are as good as closed, with when that began.
@@ -50,9 +50,9 @@ pub(in crate::fleet) struct Closing {
 
 /// The ways out of the building while it is evacuated.
 #[derive(Debug, Default)]
-pub(in crate::fleet) struct WaysOut {
+pub(in crate::fleet) struct ClearedWays {
     /// Closes the nodes on them.
-    pub closing: Closing,
+    pub closing: ClosedNodes,
     /// The nodes on them.
     pub nodes: BTreeSet<NodeId>,
     /// Robots that may move meanwhile.
@@ -60,7 +60,7 @@ pub(in crate::fleet) struct WaysOut {
 }
 
 /// What the parts of a step find that restricts robots, each by itself.
-pub(in crate::fleet) struct Found<'a> {
+pub(in crate::fleet) struct FoundRestrictions<'a> {
     /// What workers mean for robots, node by node.
     pub conditions: &'a KindConditions,
     /// Where each worker is, if on the floor.
@@ -70,24 +70,24 @@ pub(in crate::fleet) struct Found<'a> {
     /// Workers who stand to let a robot pass.
     pub let_pass: BTreeSet<WorkerId>,
     /// Where people have been standing for long.
-    pub stood_on: Closing,
+    pub stood_on: ClosedNodes,
     /// Where displaced robots stand.
-    pub displaced: Closing,
+    pub displaced: ClosedNodes,
     /// Where robots could not pass.
-    pub obstructed: Closing,
+    pub obstructed: ClosedNodes,
     /// The ways out.
-    pub ways_out: WaysOut,
+    pub ways_out: ClearedWays,
     /// What robots that cannot drive cut off, where that has changed.
     pub cut_off: Option<CutOff>,
 }
 
 impl Restrictions {
-    /// Takes in what the parts of a step found, in place of what they found in the step before. Announced closures, which
-    /// last, are in the conditions already.
-    pub fn merge(&mut self, found: Found<'_>) {
+    /// Takes in what the parts of a step found, in place of what they found in the step before. Announced closures,
+    /// which last, are in the conditions already.
+    pub fn merge(&mut self, found: FoundRestrictions<'_>) {
         self.conditions.include(found.conditions);
         (self.workers, self.others, self.let_pass) = (found.workers, found.others, found.let_pass);
-        let WaysOut { closing, nodes, clears } = found.ways_out;
+        let ClearedWays { closing, nodes, clears } = found.ways_out;
         (self.ways_out, self.clears_ways_out) = (nodes, clears);
         self.closing.clear();
         for part in [found.stood_on, found.displaced, found.obstructed, closing] {
@@ -103,7 +103,7 @@ impl Restrictions {
     }
 
     /// Closes nodes for the rest of the step.
-    pub fn close(&mut self, part: Closing) {
+    pub fn close(&mut self, part: ClosedNodes) {
         let ends = |condition: &Condition| condition.window.start() < condition.window.end();
         debug_assert!(part.conditions.iter().all(|(_, c)| ends(c)), "what is closed is closed for some time");
         part.conditions.into_iter().for_each(|(node, condition)| self.conditions.add(node, condition));

@@ -1,8 +1,8 @@
 //! What the rooms of a fleet share, for those parts of a step that change it: what was promised, what is seen, what
 //! restricts robots now, and what the step gives out.
 //!
-//! Main type: [`Writer`]. What was promised changes by facts alone, and what leaves is only ever added to. Questions take
-//! a [`Floor`], through which nothing can be changed. Refuses: to keep anything that belongs to one room.
+//! Main type: [`Writer`]. What was promised changes by facts alone, and what leaves is only ever added to. Questions
+//! take a [`Floor`], through which nothing can be changed. Refuses: to keep anything that belongs to one room.
 
 use crate::cell::arm::ArmOrder;
 use crate::fleet::state::activity::Activities;

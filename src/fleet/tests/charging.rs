@@ -31,7 +31,10 @@ fn with_one_charger_for_eight_robots_the_floor_delivers_for_hours() {
         before = delivered;
     }
     let c7 = floor.node("C1-15");
-    let came = |f: &&Fact| matches!(f, Fact::Robot(RobotFact::Tasked { task: Task::Move { stay, .. }, .. }) if *stay == c7);
+    let came = |f: &&Fact| {
+        let Fact::Robot(RobotFact::Tasked { task: Task::Move { stay, .. }, .. }) = f else { return false };
+        *stay == c7
+    };
     assert!(floor.facts.iter().filter(came).count() > 5, "robots take turns at the charger");
 }
 

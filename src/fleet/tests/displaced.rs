@@ -57,7 +57,8 @@ impl TestFloor {
     }
 
     fn is_taken_up_on(&self, robot: RobotId, node: NodeId) -> bool {
-        let placed = |f: &Fact| matches!(f, Fact::Route(RouteFact::Placed { robot: r, node: n, .. }) if (*r, *n) == (robot, node));
+        let there = |r: RobotId, n: NodeId| (r, n) == (robot, node);
+        let placed = |f: &Fact| matches!(f, Fact::Route(RouteFact::Placed { robot, node, .. }) if there(*robot, *node));
         self.facts.iter().any(placed)
     }
 

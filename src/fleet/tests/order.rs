@@ -89,7 +89,8 @@ proptest! {
         let mut ledger = Ledger::new(Arc::new(lab()), Span::from_millis(500), false);
         let mut now = Time::ZERO;
         let (robot, node) = (RobotId(0), ledger.warehouse().nodes_where(|k| k == NodeKind::Parking)[0]);
-        ledger.evolve(&Fact::Robot(RobotFact::Registered { robot, name: "one".into(), kind: "robot".into(), node, at: now }));
+        let (name, kind) = ("one".into(), "robot".into());
+        ledger.evolve(&RobotFact::Registered { robot, name, kind, node, at: now }.into());
         for (event, pause_s) in &events {
             take_in(&mut ledger, event, now);
             now += Span::from_secs(*pause_s);

@@ -12,7 +12,7 @@ use crate::fleet::state::floor::Floor;
 use crate::fleet::state::job::JobState;
 use crate::fleet::state::recurring::ANNOUNCED;
 use crate::fleet::state::regions::KindConditions;
-use crate::fleet::state::restrictions::Closing;
+use crate::fleet::state::restrictions::ClosedNodes;
 use crate::fleet::state::worker::Closure;
 use crate::fleet::state::writer::Writer;
 use crate::fleet::state::yielding::STANDS;
@@ -73,9 +73,9 @@ fn announce_next(writer: &mut Writer, series: SeriesId, now: Time) {
 }
 
 /// Nodes that are as good as closed because a person has been standing there for long, by what people mean for robots.
-pub(in crate::fleet) fn stood_on(floor: Floor<'_>, people: &KindConditions, now: Time) -> Closing {
+pub(in crate::fleet) fn stood_on(floor: Floor<'_>, people: &KindConditions, now: Time) -> ClosedNodes {
     if floor.settings.policy != HumanAwarePolicy::Giveway {
-        return Closing::default();
+        return ClosedNodes::default();
     }
     let areas = &floor.restrictions.areas;
     let shuts = |c: &&Condition| c.effect == Effect::NoEntryOrExit && c.window.end() > now + STANDS;
@@ -87,7 +87,7 @@ pub(in crate::fleet) fn stood_on(floor: Floor<'_>, people: &KindConditions, now:
     let either = |n: NodeId| closing.get(&n).copied().or_else(|| areas.begins_here(n));
     let cut_off = closing.keys().flat_map(|n| storage_behind(floor.warehouse(), *n, either));
     let since = closing.iter().map(|(n, t)| (*n, *t)).chain(cut_off).collect();
-    Closing { conditions: Vec::new(), since }
+    ClosedNodes { conditions: Vec::new(), since }
 }
 
 impl Traffic {

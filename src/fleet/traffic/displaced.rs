@@ -13,7 +13,7 @@ use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
 use crate::fleet::state::io::Telemetry;
 use crate::fleet::state::job::JobState;
-use crate::fleet::state::restrictions::Closing;
+use crate::fleet::state::restrictions::ClosedNodes;
 use crate::fleet::state::scene::{SILENCE, Scene};
 use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::failure::fail;
@@ -193,8 +193,8 @@ fn displace(writer: &mut Writer, seen: &Telemetry, why: Displacement, now: Time)
 }
 
 /// The floor around robots that are off everything they hold.
-pub(in crate::fleet) fn closed_by_displaced(floor: Floor<'_>, now: Time) -> Closing {
-    let mut all = Closing::default();
+pub(in crate::fleet) fn closed_by_displaced(floor: Floor<'_>, now: Time) -> ClosedNodes {
+    let mut all = ClosedNodes::default();
     for (robot, displaced) in floor.scene.all_displaced() {
         let one = closed_around(floor, robot, displaced, now);
         all.conditions.extend(one.conditions);
@@ -203,12 +203,12 @@ pub(in crate::fleet) fn closed_by_displaced(floor: Floor<'_>, now: Time) -> Clos
     all
 }
 
-fn closed_around(floor: Floor<'_>, robot: RobotId, displaced: &Displaced, now: Time) -> Closing {
+fn closed_around(floor: Floor<'_>, robot: RobotId, displaced: &Displaced, now: Time) -> ClosedNodes {
     let (cause, window) = (Cause::Robot(robot), Window::new(now, Time::MAX));
     let closed = Condition { window, effect: Effect::Closed, cause };
     let shut = |n: NodeId| displaced.nodes.contains(&n).then_some(now);
     let cut_off = displaced.nodes.iter().flat_map(|n| storage_behind(floor.warehouse(), *n, shut));
-    Closing {
+    ClosedNodes {
         conditions: displaced.nodes.iter().map(|node| (*node, closed)).collect(),
         since: displaced.nodes.iter().map(|node| (*node, now)).chain(cut_off).collect(),
     }

@@ -6,7 +6,7 @@
 
 use crate::fleet::state::binding::WAY_M;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::restrictions::{Closing, WaysOut};
+use crate::fleet::state::restrictions::{ClearedWays, ClosedNodes};
 use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::{Traffic, Withheld};
 use crate::geometry::{Point, Segment};
@@ -21,19 +21,24 @@ const AGAIN: Span = Span::from_secs(2);
 impl Traffic {
     /// The ways out, which are closed for robots, and the robots that may move to clear them. None where nobody has to
     /// leave.
-    pub(in crate::fleet) fn ways_out(&mut self, floor: Floor<'_>, ways: &[Vec<Point>], now: Time) -> WaysOut {
+    pub(in crate::fleet) fn ways_out(
+        &mut self,
+        floor: Floor<'_>,
+        ways: &[Vec<Point>],
+        now: Time,
+    ) -> ClearedWays {
         if floor.ledger.evacuation.is_none() {
             self.cleared.clear();
-            return WaysOut::default();
+            return ClearedWays::default();
         }
         let nodes = floor.nodes_on(ways);
         let (window, cause) = (Window::new(now, Time::MAX), Cause::Evacuation);
         let closed = Condition { window, effect: Effect::Closed, cause };
-        let closing = Closing {
+        let closing = ClosedNodes {
             conditions: nodes.iter().map(|node| (*node, closed)).collect(),
             since: nodes.iter().map(|node| (*node, now)).collect(),
         };
-        WaysOut { closing, clears: floor.clear(&nodes), nodes }
+        ClearedWays { closing, clears: floor.clear(&nodes), nodes }
     }
 
     /// Robots on the ways out leave for the nearest place where they may stay, and so do those for which they wait and

@@ -39,7 +39,8 @@ pub(in crate::fleet) fn give_up(writer: &mut Writer, robot: RobotId, now: Time) 
     truncate_behind(writer, robot);
 }
 
-/// Which stations and storage nodes robots that cannot drive, and closed areas, cut off; nothing where that is as before.
+/// Which stations and storage nodes robots that cannot drive, and closed areas, cut off; nothing where that is as
+/// before.
 pub(in crate::fleet) fn cut_off_anew(floor: Floor<'_>, now: Time) -> Option<CutOff> {
     let closed = floor.restrictions.areas.closed_by();
     floor.restrictions.cut_off.anew(floor.ledger, floor.scene, closed, now)

@@ -7,7 +7,7 @@
 
 use crate::fleet::state::fault::Fault;
 use crate::fleet::state::floor::Floor;
-use crate::fleet::state::restrictions::Closing;
+use crate::fleet::state::restrictions::ClosedNodes;
 use crate::fleet::state::writer::Writer;
 use crate::fleet::traffic::state::{Obstruction, Traffic};
 use crate::id::{NodeId, RobotId};
@@ -25,7 +25,7 @@ const OUT_OF_ORDER: Span = Span::from_secs(600);
 
 impl Traffic {
     /// Notes where robots are obstructed, or get no current. Those places are closed while they are noted.
-    pub(in crate::fleet) fn note_obstructions(&mut self, floor: Floor<'_>, now: Time) -> Closing {
+    pub(in crate::fleet) fn note_obstructions(&mut self, floor: Floor<'_>, now: Time) -> ClosedNodes {
         for robot in floor.scene.kept_from_driving(now) {
             // What the robot does not call an obstruction may be a person, who goes on.
             let said = floor.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Obstructed));
@@ -51,7 +51,7 @@ impl Traffic {
             (node, Condition { window, effect: Effect::Closed, cause })
         };
         let barred = self.obstructions.iter().filter(|(node, _)| bars(**node));
-        Closing {
+        ClosedNodes {
             conditions: barred.map(|(node, found)| closed(*node, found.until)).collect(),
             since: self.obstructions.keys().map(|node| (*node, now)).collect(),
         }

@@ -35,8 +35,8 @@ pub struct JobLine {
     lines: Vec<Vec<OrderRow>>,
 }
 
-/// What is wanted: an object with one field, whose name is the word for the kind, and whose value has the numbers of the
-/// parts in the order of the kind's fields.
+/// What is wanted: an object with one field, whose name is the word for the kind, and whose value has the numbers of
+/// the parts in the order of the kind's fields.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 #[serde(try_from = "BTreeMap<String, PartNumbers>", into = "BTreeMap<String, PartNumbers>")]
 struct LineKind(JobKind);
