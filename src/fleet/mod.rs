@@ -263,7 +263,7 @@ impl Fleet {
 
     /// What was promised.
     pub fn ledger(&self) -> &Ledger {
-        &self.writer.ledger()
+        self.writer.ledger()
     }
 
     /// The newest telemetry of a robot.

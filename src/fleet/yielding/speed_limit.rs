@@ -122,7 +122,7 @@ impl Yielding {
         people: &'a HumanState,
         traffic: &'a Traffic,
     ) -> SpeedLimits<'a> {
-        SpeedLimits { floor: floor, people, traffic, yielding: &self.state, direction: None }
+        SpeedLimits { floor, people, traffic, yielding: &self.state, direction: None }
     }
 }
 
