@@ -1,6 +1,6 @@
 //! One connection of a headset: poses in, guidance out.
 //!
-//! Main function: [`feed`]. Guidance leaves at once when it changed, else four times a second; what could not leave
+//! Main function: [`fn@feed`]. Guidance leaves at once when it changed, else four times a second; what could not leave
 //! in time was replaced by newer. Refuses: to wait for a client, and to talk a version that it does not know.
 
 use super::clock::{Exchange, PingOutcome};

@@ -2,8 +2,8 @@
 //! hand.
 //!
 //! Main function: `note_place`. A robot that stands on a free node and has forgotten its route is taken up there
-//! ([`Fact::Placed`]). Any other one is treated as failed, and the floor where it truly stands is closed, until its
-//! reports fit again. Refuses: to look at robots that drive, except at the first report after a start, and to guess
+//! ([`RouteFact::Placed`]). Any other one is treated as failed, and the floor where it truly stands is closed, until
+//! its reports fit again. Refuses: to look at robots that drive, except at the first report after a start, and to guess
 //! what became of a rack.
 
 use crate::fleet::state::closed_areas::storage_behind;
