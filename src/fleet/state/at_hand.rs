@@ -7,7 +7,7 @@ use crate::id::RobotId;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Stands for no robot: no fleet has so many.
-const NOBODY: u32 = u32::MAX;
+const NO_ROBOT: u32 = u32::MAX;
 
 /// The robot that is being dealt with, if it is one. One thread runs a step; the number is atomic so that others may
 /// look at the fleet between steps.
@@ -16,7 +16,7 @@ pub(in crate::fleet) struct AtHand(AtomicU32);
 
 impl Default for AtHand {
     fn default() -> AtHand {
-        AtHand(AtomicU32::new(NOBODY))
+        AtHand(AtomicU32::new(NO_ROBOT))
     }
 }
 
@@ -34,12 +34,12 @@ impl AtHand {
 
     /// No robot is being dealt with any more.
     pub fn clear(&self) {
-        self.0.store(NOBODY, Ordering::Relaxed);
+        self.0.store(NO_ROBOT, Ordering::Relaxed);
     }
 
     /// The robot that is being dealt with, if it is one.
     pub fn robot(&self) -> Option<RobotId> {
         let number = self.0.load(Ordering::Relaxed);
-        (number != NOBODY).then_some(RobotId(number))
+        (number != NO_ROBOT).then_some(RobotId(number))
     }
 }
