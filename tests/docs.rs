@@ -1,7 +1,5 @@
 //! What the pages in `docs/` show is true: their examples are read, run and complete, and their links lead somewhere.
 
-use giveway::experiment::stories::Tale;
-use giveway::human::Method;
 use giveway::sim::{Scenario, Simulation};
 use giveway::warehouse::{formats, room_for, to_svg};
 use std::path::{Path, PathBuf};
@@ -34,22 +32,6 @@ fn the_small_map_is_shown_whole_and_written_as_this_build_writes_it() {
     assert_eq!(formats::json::write(&map), file);
     let made = "giveway map show docs/small.json --output docs/small.svg";
     assert!(read("docs/small.svg") == to_svg(&map), "docs/small.svg is old: {made}");
-}
-
-#[test]
-fn the_stories_are_drawn_as_this_build_tells_them() {
-    let page = read("docs/intention.md");
-    for (tale, method, arguments, file) in [
-        (Tale::Grid, Method::Chapter3, "grid", "story-grid"),
-        (Tale::Lab, Method::Chapter3, "lab", "story-lab"),
-        (Tale::Lab, Method::Detour, "lab --method detour", "story-lab-detour"),
-        (Tale::Hall, Method::Chapter3, "hall --seed 6", "story-hall"),
-        (Tale::Hall, Method::Detour, "hall --method detour --seed 6", "story-hall-detour"),
-    ] {
-        let made = format!("giveway experiment story {arguments} --svg docs/{file}.svg");
-        assert!(page.contains(&made), "docs/intention.md does not say {made}");
-        assert!(read(format!("docs/{file}.svg")) == tale.tell(method, 6).chart().to_svg(), "old: {made}");
-    }
 }
 
 #[test]

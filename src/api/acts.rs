@@ -6,7 +6,7 @@
 
 use super::caller::{Caller, Role};
 use super::roles::{Access, RULES};
-use crate::alarm::AlarmKind;
+use giveway_fleet::alarm::AlarmKind;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -169,7 +169,7 @@ impl AuditAct {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::roles::is_audited;
+    use crate::roles::is_audited;
     use std::collections::BTreeSet;
 
     #[test]

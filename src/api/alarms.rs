@@ -6,14 +6,15 @@
 use super::acts::AuditAct;
 use super::text::{alarm_name, round3, time_text};
 use super::words::{AlarmKindDto, AlarmSeverityDto, AlarmStateDto, SubjectKindDto};
-use crate::alarm::{
+use crate::sentence::{SentenceArgsSchema, SentenceSchema};
+use giveway_fleet::View;
+use giveway_fleet::alarm::{
     Acknowledgement, Alarm, AlarmCondition, AlarmKind, AlarmMember, AlarmNote, AlarmRegister, AlarmScope,
     AlarmSeverity, AlarmSubject, CareRefusal, Shelving, SubjectKind, operator_conditions,
 };
-use crate::fleet::View;
-use crate::geometry::{Point, Spot};
-use crate::text::{Sentence, SentenceArgs};
-use crate::time::Time;
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::text::{Sentence, SentenceArgs};
+use giveway_floor::time::Time;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::sync::{Mutex, MutexGuard};
@@ -211,6 +212,7 @@ pub struct AlarmMemberDto {
     #[schema(value_type = Option<String>, example = "robot_silent")]
     pub code: Option<&'static str>,
     /// What stands in its places.
+    #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
     /// Where on the map, metres; null if it is in no one place.
     pub x: Option<f64>,
@@ -267,8 +269,10 @@ pub struct AlarmDto {
     #[schema(value_type = Option<String>, example = "robot_silent")]
     pub code: Option<&'static str>,
     /// What stands in its places.
+    #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
     /// What to do.
+    #[schema(value_type = SentenceSchema)]
     pub remedy: Sentence,
     /// Where on the map, metres; null if it is in no one place.
     pub x: Option<f64>,
@@ -367,8 +371,10 @@ pub struct AlarmRowDto {
     #[schema(value_type = Option<String>, example = "robot_silent")]
     pub code: Option<&'static str>,
     /// What stands in its places.
+    #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
     /// What to do.
+    #[schema(value_type = SentenceSchema)]
     pub remedy: Sentence,
     /// Where on the map, metres; null if it is in no one place.
     pub x: Option<f64>,

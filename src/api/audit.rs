@@ -4,7 +4,7 @@
 //! observations, and too many.
 
 use super::caller::{Caller, Role};
-use crate::time::Time;
+use giveway_floor::time::Time;
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use tokio::sync::mpsc;
 use tokio::sync::mpsc::error::TrySendError;

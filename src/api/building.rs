@@ -3,10 +3,10 @@
 //! Main type: [`MapDto`]; main function [`map_text`]. Refuses: anything that moves.
 
 use super::text::round3;
-use crate::geometry::Point;
-use crate::id::Dense;
-use crate::warehouse::formats::json;
-use crate::warehouse::{NodeKind, Users, Warehouse};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::Dense;
+use giveway_floor::warehouse::formats::json;
+use giveway_floor::warehouse::{NodeKind, Users, Warehouse};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 use utoipa::ToSchema;

@@ -2,9 +2,9 @@
 //!
 //! Main types: [`Caller`], [`Role`], [`NamedToken`], [`WebSession`]. Refuses: to decide what a role may do.
 
-use crate::fleet::ClientKey;
-use crate::id::CustomerId;
-use crate::time::Time;
+use giveway_fleet::ClientKey;
+use giveway_floor::id::CustomerId;
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use utoipa::ToSchema;

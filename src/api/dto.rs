@@ -7,11 +7,14 @@ use super::cell::{LineDto, lines_dto};
 use super::replans::ReplannedDto;
 use super::text::{job_name, round3, time_text, worker_name};
 use super::words::{ActivityDto, DoingDto, FaultDto, JobKindDto, JobStateDto, RobotStateDto};
-use crate::fleet::{Counts, Job, JobParts, JobRow, JobState, RackAt, RobotChoice, RobotView, View, Visiting};
-use crate::id::{Dense, NodeId, RobotId, StationId};
-use crate::text::Sentence;
-use crate::time::Time;
-use crate::warehouse::Warehouse;
+use crate::sentence::SentenceSchema;
+use giveway_fleet::{
+    Counts, Job, JobParts, JobRow, JobState, RackAt, RobotChoice, RobotView, View, Visiting,
+};
+use giveway_floor::id::{Dense, NodeId, RobotId, StationId};
+use giveway_floor::text::Sentence;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -77,6 +80,7 @@ pub struct RobotDto<N = String> {
     #[schema(value_type = Vec<String>)]
     pub held: Vec<N>,
     /// Why it does not go on; null if nothing holds it up.
+    #[schema(value_type = Option<SentenceSchema>)]
     pub why: Option<Sentence>,
     /// The worker whom it passes beside the line, within the corridor of the lane; null if it keeps to the line.
     pub passes: Option<String>,
@@ -200,6 +204,7 @@ pub struct JobDto {
     /// How far it has come.
     pub state: JobStateDto,
     /// Why it failed, or what it waits for.
+    #[schema(value_type = Option<SentenceSchema>)]
     pub why: Option<Sentence>,
     /// The customer's own text.
     #[schema(example = "order 4711")]
@@ -320,7 +325,7 @@ impl Names<'_> {
             Some(RackAt::Stored(node)) => (Some(name(*node)), None),
             None => (Some(name(home)), None),
         };
-        let rack = |(i, rack): (usize, &crate::warehouse::Rack)| {
+        let rack = |(i, rack): (usize, &giveway_floor::warehouse::Rack)| {
             let (node, robot) = at(i, rack.home);
             RackDto { id: rack.name.clone(), node, robot }
         };
@@ -334,7 +339,7 @@ impl Names<'_> {
 
     /// One station.
     pub fn station(&self, id: StationId) -> StationDto {
-        let nobody = crate::fleet::StationView::default();
+        let nobody = giveway_fleet::StationView::default();
         let seen = self.view.stations.get(id.ix()).unwrap_or(&nobody);
         StationDto {
             id: self.map.stations[id].name.clone(),

@@ -4,10 +4,11 @@
 //! `text/sentence`. Server faults are logged where they are made, and nowhere else. Refuses: to show internals.
 
 use super::secrets::SecretDoor;
-use crate::text::sentence::requests;
-use crate::text::{Sentence, SentenceArg, SentenceArgs};
+use crate::sentence::SentenceArgsSchema;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use giveway_floor::text::sentence::requests;
+use giveway_floor::text::{Sentence, SentenceArg, SentenceArgs};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -30,6 +31,7 @@ pub struct Problem {
     #[schema(value_type = String, example = "no_such_thing")]
     pub code: Option<&'static str>,
     /// What stands in its places.
+    #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
     /// The path of the request.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -58,6 +60,7 @@ pub struct FieldError {
     #[schema(value_type = String, example = "priority_out_of_range")]
     pub code: Option<&'static str>,
     /// What stands in its places.
+    #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
 }
 

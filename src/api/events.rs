@@ -7,10 +7,11 @@ use super::dto::Names;
 use super::replans::{ReplanCauseDto, ReplannedDto};
 use super::sentence::kept_parts;
 use super::text::{alarm_name, assignment_name, closure_name, job_name, time_text, worker_name};
-use crate::fleet::{EventDetails, EventKind, EventRow, ReplanCause, RobotView};
-use crate::geometry::{Point, Spot};
-use crate::id::{AssignmentId, ClosureId, Dense, JobId, RobotId, StationId};
-use crate::text::SentenceArgs;
+use crate::sentence::SentenceArgsSchema;
+use giveway_fleet::{EventDetails, EventKind, EventRow, ReplanCause, RobotView};
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::id::{AssignmentId, ClosureId, Dense, JobId, RobotId, StationId};
+use giveway_floor::text::SentenceArgs;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -62,6 +63,7 @@ pub struct EventDto {
     /// What stands in its places; absent where `code` is.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
+    #[schema(value_type = Option<SentenceArgsSchema>)]
     pub args: Option<SentenceArgs>,
     /// Of a robot that was replanned and of a worker's goal, what they are about.
     #[serde(flatten)]

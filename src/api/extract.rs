@@ -5,13 +5,13 @@
 
 use super::error::{FieldError, Problem};
 use super::text::{LATEST, is_never, parse_time};
-use crate::text::Sentence;
-use crate::text::sentence::requests;
-use crate::time::Time;
 use axum::body::Bytes;
 use axum::extract::rejection::{PathRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
 use axum::http::{StatusCode, header, request::Parts};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::Time;
 use serde::de::DeserializeOwned;
 use std::time::Duration;
 

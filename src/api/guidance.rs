@@ -6,11 +6,12 @@
 use super::dto::Names;
 use super::text::{assignment_name, round3};
 use super::words::{GuidanceReasonDto, GuidanceStateDto};
-use crate::fleet::{Guidance, GuidanceReason, GuidanceState, NearRobot};
-use crate::geometry::{Point, wrap_angle};
-use crate::text::Sentence;
-use crate::text::sentence::guidance as say;
-use crate::time::Time;
+use crate::sentence::SentenceSchema;
+use giveway_fleet::{Guidance, GuidanceReason, GuidanceState, NearRobot};
+use giveway_floor::geometry::{Point, wrap_angle};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::guidance as say;
+use giveway_floor::time::Time;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -47,6 +48,7 @@ pub struct GuidanceDto {
     /// What the worker is told.
     pub state: GuidanceStateDto,
     /// Why, in words.
+    #[schema(value_type = Option<SentenceSchema>)]
     pub reason: Option<Sentence>,
     /// The same, for programs that have words of their own for it.
     pub cause: Option<GuidanceCauseDto>,
@@ -200,13 +202,14 @@ pub(super) fn line(points: &[Point]) -> Vec<[f64; 2]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{RobotView, View};
-    use crate::id::RobotId;
-    use crate::time::Span;
+    use giveway_fleet::{RobotView, View};
+    use giveway_floor::id::RobotId;
+    use giveway_floor::time::Span;
 
     #[test]
     fn a_robot_on_the_left_has_a_positive_bearing() {
-        let map = crate::warehouse::formats::json::parse(include_str!("../../maps/lab.json")).unwrap();
+        let map =
+            giveway_floor::warehouse::formats::json::parse(include_str!("../../maps/lab.json")).unwrap();
         let view = View { robots: Vec::<RobotView>::new(), ..View::default() };
         let near = NearRobot {
             robot: RobotId(0),

@@ -7,9 +7,9 @@
 
 use super::feed::align::Alignment;
 use super::text::parse_time;
-use crate::geometry::{FARTHEST_M, Point, Vector, wrap_angle};
-use crate::human::{Quality, Sighting, SourceId};
-use crate::id::WorkerId;
+use giveway_floor::geometry::{FARTHEST_M, Point, Vector, wrap_angle};
+use giveway_floor::id::WorkerId;
+use giveway_people::human::{Quality, Sighting, SourceId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;

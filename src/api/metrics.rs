@@ -6,8 +6,8 @@
 use super::dto::JobCountsDto;
 use super::port::Moment;
 use super::words::RobotStateDto;
-use crate::alarm::Alarm;
-use crate::fleet::{Activity, FeedCounts, InsertionCounts, Presence, View};
+use giveway_fleet::alarm::Alarm;
+use giveway_fleet::{Activity, FeedCounts, InsertionCounts, Presence, View};
 use prometheus_client::encoding::EncodeLabelSet;
 use prometheus_client::encoding::text::encode;
 use prometheus_client::metrics::counter::Counter;

@@ -10,12 +10,12 @@ use super::caller::Caller;
 use super::error::Problem;
 use super::extract::{BODY_LIMIT, IdempotencyKey};
 use super::port::{AnswerDesk, KeptAnswer, KeyedRequest, KnownRequest};
-use crate::text::sentence::requests;
 use axum::body::{Body, to_bytes};
 use axum::extract::{FromRequestParts, Request};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
+use giveway_floor::text::sentence::requests;
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
 

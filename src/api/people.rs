@@ -12,14 +12,15 @@ use super::words::{
     AssignmentStateDto, BindsDto, ClosureStateDto, GuidanceStateDto, IntentStateDto, PresenceDto,
     ReactionDto, WeekdayDto,
 };
-use crate::aware::{Covered, covered, nodes_in};
-use crate::fleet::{
+use crate::sentence::SentenceSchema;
+use giveway_fleet::{
     AssignmentRow, AssignmentState, Closure, EncounterRow, RecurringClosure, WorkerEpisode, WorkerView,
 };
-use crate::geometry::Point;
-use crate::id::{ClosureId, Dense, NodeId, SeriesId, WorkerId};
-use crate::text::Sentence;
-use crate::time::Time;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{ClosureId, Dense, NodeId, SeriesId, WorkerId};
+use giveway_floor::text::Sentence;
+use giveway_floor::time::Time;
+use giveway_people::aware::{Covered, covered, nodes_in};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -54,6 +55,7 @@ pub struct WorkerDto {
     /// What the worker is told.
     pub state: GuidanceStateDto,
     /// Why, in words.
+    #[schema(value_type = Option<SentenceSchema>)]
     pub reason: Option<Sentence>,
     /// Counts up with every new path.
     pub version: u64,

@@ -6,15 +6,15 @@
 
 use super::audit::{AuditEntry, AuditQuery};
 use super::caller::{NamedToken, TokenHash, WebSession};
-use crate::alarm::{Alarm, AlarmQuery};
-use crate::fleet::{
+use giveway_fleet::alarm::{Alarm, AlarmQuery};
+use giveway_fleet::history::{History, LoopTimes};
+use giveway_fleet::{
     Answered, Area, AssignmentQuery, AssignmentRow, Backlog, ClosingEffect, Closure, EncounterQuery,
     EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobQuery, JobRow, Listed, NodeOccupancy,
     Request, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, ShiftRows, View, Waiting,
 };
-use crate::history::{History, LoopTimes};
-use crate::id::{AssignmentId, JobId, RobotId};
-use crate::time::{Span, Time};
+use giveway_floor::id::{AssignmentId, JobId, RobotId};
+use giveway_floor::time::{Span, Time};
 use std::pin::Pin;
 use std::sync::{Arc, Mutex};
 use tokio::sync::{oneshot, watch};

@@ -7,8 +7,8 @@
 use super::caller::{Caller, Role};
 use super::port::Later;
 use super::text::worker_name;
-use crate::id::WorkerId;
-use crate::time::Time;
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::Time;
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use uuid::Uuid;

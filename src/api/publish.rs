@@ -5,10 +5,10 @@
 
 use super::audit::AuditEntry;
 use super::error::Problem;
-use crate::fleet::carry::Report;
-use crate::text::sentence::requests;
-use crate::time::Time;
-use crate::warehouse::{Difference, Draft, Review};
+use giveway_fleet::carry::Report;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::{Difference, Draft, Review};
 use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot};
 

@@ -5,14 +5,14 @@
 use super::cell::new_lines::{describe, field_of};
 use super::error::{FieldError, Problem};
 use super::text::{assignment_name, closure_name, job_name, series_name, worker_name};
-use crate::cell::LineRefusal;
-use crate::fleet::{
+use giveway_cell::LineRefusal;
+use giveway_fleet::{
     AreaRefusal, Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal, WorkerRefusal,
 };
-use crate::id::{NodeId, RackId};
-use crate::text::Sentence;
-use crate::text::sentence::refusals as say;
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::id::{NodeId, RackId};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::refusals as say;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 
 /// A refusal as a problem.
 pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn who_meets_a_limit_is_told_which_one_and_what_to_do() {
-        let map = crate::warehouse::lab();
+        let map = giveway_floor::warehouse::lab();
         for (kind, what) in [
             (Bounded::Jobs, "7 jobs are open"),
             (Bounded::Assignments, "7 assignments are open"),

@@ -5,8 +5,8 @@
 
 use super::caller::{Caller, Role};
 use super::error::Problem;
-use crate::text::sentence::requests;
 use axum::http::StatusCode;
+use giveway_floor::text::sentence::requests;
 
 /// Who may use a route.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

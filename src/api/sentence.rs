@@ -1,9 +1,10 @@
 //! How the API's description shows sentences ([`Sentence`]), which `text/sentence` lists.
 //!
-//! Adds the schemas `Sentence` and `SentenceArgs`; [`kept_parts`] takes apart what a database keeps. Refuses: to make
-//! sentences.
+//! Main types: [`SentenceSchema`] and [`SentenceArgsSchema`], which fields name as their `value_type`. Main function:
+//! [`kept_parts`], which takes apart what a database keeps. Refuses: to make sentences.
 
-use crate::text::{Sentence, SentenceArgs};
+use giveway_floor::text::{Sentence, SentenceArgs};
+use std::borrow::Cow;
 use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
 use utoipa::openapi::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Ref, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
@@ -19,7 +20,13 @@ pub fn kept_parts(kept: Option<String>) -> SentenceParts {
     (code, args, Some(text))
 }
 
-impl PartialSchema for SentenceArgs {
+/// The schema `SentenceArgs`.
+pub struct SentenceArgsSchema;
+
+/// The schema `Sentence`.
+pub struct SentenceSchema;
+
+impl PartialSchema for SentenceArgsSchema {
     fn schema() -> RefOr<Schema> {
         let item = || {
             OneOfBuilder::new()
@@ -39,13 +46,17 @@ impl PartialSchema for SentenceArgs {
     }
 }
 
-impl ToSchema for SentenceArgs {
+impl ToSchema for SentenceArgsSchema {
+    fn name() -> Cow<'static, str> {
+        "SentenceArgs".into()
+    }
+
     fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
-        schemas.push(("Sentence".into(), Sentence::schema()));
+        schemas.push(("Sentence".into(), SentenceSchema::schema()));
     }
 }
 
-impl PartialSchema for Sentence {
+impl PartialSchema for SentenceSchema {
     fn schema() -> RefOr<Schema> {
         let text = ObjectBuilder::new().schema_type(Type::String).description(Some("The same in English."));
         let code = ObjectBuilder::new()
@@ -69,8 +80,12 @@ impl PartialSchema for Sentence {
     }
 }
 
-impl ToSchema for Sentence {
+impl ToSchema for SentenceSchema {
+    fn name() -> Cow<'static, str> {
+        "Sentence".into()
+    }
+
     fn schemas(schemas: &mut Vec<(String, RefOr<Schema>)>) {
-        schemas.push(("SentenceArgs".into(), SentenceArgs::schema()));
+        schemas.push(("SentenceArgs".into(), SentenceArgsSchema::schema()));
     }
 }

@@ -3,8 +3,8 @@
 //! Main functions: [`job_name`], [`worker_name`], [`time_text`], [`round3`] and their reverse. Jobs are "j17", workers
 //! "w1", assignments "a1", closures "c1". Refuses: to look anything up.
 
-use crate::id::{AssignmentId, ClosureId, JobId, SeriesId, WorkerId};
-use crate::time::{Span, Time};
+use giveway_floor::id::{AssignmentId, ClosureId, JobId, SeriesId, WorkerId};
+use giveway_floor::time::{Span, Time};
 
 /// A job's name on the wire.
 pub fn job_name(id: JobId) -> String {

@@ -3,9 +3,9 @@
 //! Main types: [`TrialOrder`], [`TrialFigures`], [`Trials`]. What simulates is handed in by the program that runs the
 //! API. Refuses: two at once, since the fleet of the server has the same processors.
 
-use crate::id::NodeId;
-use crate::time::Span;
-use crate::warehouse::Warehouse;
+use giveway_floor::id::NodeId;
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::Warehouse;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{Semaphore, oneshot};
@@ -108,7 +108,7 @@ mod tests {
     use std::sync::Mutex;
 
     fn order() -> TrialOrder {
-        let map = Arc::new(crate::warehouse::lab());
+        let map = Arc::new(giveway_floor::warehouse::lab());
         let span = Span::from_secs(60);
         TrialOrder { map, robots: 1, jobs_per_hour: None, span, seed: 1, patience: Duration::from_secs(1) }
     }

@@ -6,11 +6,12 @@ use super::dto::Names;
 use super::port::WaitChain;
 use super::text::{closure_name, job_name, round3, time_text, worker_name};
 use super::words::{WaitCauseDto as About, WaitedKindDto as By, WaiterKindDto};
-use crate::fleet::{Act, Because, JobWhy, Waiting, Who, Why};
-use crate::id::Dense;
-use crate::text::Sentence;
-use crate::text::sentence::reasons;
-use crate::time::Time;
+use crate::sentence::SentenceSchema;
+use giveway_fleet::{Act, Because, JobWhy, Waiting, Who, Why};
+use giveway_floor::id::Dense;
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::reasons;
+use giveway_floor::time::Time;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -42,6 +43,7 @@ pub struct LinkDto {
     /// What the link is about.
     pub cause: About,
     /// In words, without the name of the robot or job.
+    #[schema(value_type = SentenceSchema)]
     pub text: Sentence,
     /// Node or lane that is waited for.
     #[schema(example = "R33")]

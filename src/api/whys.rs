@@ -5,12 +5,12 @@
 
 use super::dto::Names;
 use super::text::{closure_name, job_name, worker_name};
-use crate::alarm::displacement_words;
-use crate::fleet::{JobFailure, JobWhy, JobsAhead, RobotView, Why};
-use crate::id::{Dense, RackId, RobotId, StationId};
-use crate::text::sentence::reasons;
-use crate::text::{Sentence, SentenceArg};
-use crate::warehouse::NodeKind;
+use giveway_fleet::alarm::displacement_words;
+use giveway_fleet::{JobFailure, JobWhy, JobsAhead, RobotView, Why};
+use giveway_floor::id::{Dense, RackId, RobotId, StationId};
+use giveway_floor::text::sentence::reasons;
+use giveway_floor::text::{Sentence, SentenceArg};
+use giveway_floor::warehouse::NodeKind;
 
 impl Names<'_> {
     /// Why a job does not go on.

@@ -4,14 +4,14 @@
 //! Main macro: `words`. An enum that stands for a type of the core is made from it variant by variant, so the compiler
 //! finds words that are missing. Refuses: words that stand for nothing.
 
-use crate::alarm::{AlarmKind, AlarmSeverity, SubjectKind};
-use crate::aware::HumanAwarePolicy;
-use crate::cell::{LineState, PickedBy};
-use crate::fleet::{
+use giveway_cell::{LineState, PickedBy};
+use giveway_fleet::alarm::{AlarmKind, AlarmSeverity, SubjectKind};
+use giveway_fleet::{
     Activity, AssignmentState, Binds, ClosureState, Doing, Fault, GuidanceReason, GuidanceState, JobKind,
     JobState, JobWord, Presence, Reaction, RobotState,
 };
-use crate::human::IntentState;
+use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::human::IntentState;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::openapi::{ObjectBuilder, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
@@ -303,7 +303,7 @@ impl ToSchema for AlarmKindDto {}
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::RobotId;
+    use giveway_floor::id::RobotId;
 
     #[test]
     fn words_of_the_wire_are_those_that_the_core_writes_down_and_filters_by() {
@@ -316,7 +316,7 @@ mod tests {
         for severity in AlarmSeverity::ALL {
             assert_eq!(AlarmSeverityDto::from(severity).word(), severity.word());
         }
-        for state in crate::api::people::ASSIGNMENT_STATES {
+        for state in crate::people::ASSIGNMENT_STATES {
             assert_eq!(AssignmentStateDto::from(state).word(), state.word());
         }
         for policy in [HumanAwarePolicy::Nhir, HumanAwarePolicy::Giveway] {

@@ -5,7 +5,7 @@
 use super::eyes::LookedAt;
 use super::face::{FacePlace, PickFace};
 use super::share::LitShare;
-use crate::warehouse::SlotName;
+use giveway_floor::warehouse::SlotName;
 
 /// What a warning for nothing costs, relative to one that does not come: warned is where the odds of a wrong slot
 /// against the lit one are above it.

@@ -6,10 +6,10 @@
 use super::eyes::LookedAt;
 use super::face::{FacePlace, PickFace};
 use super::hands::{HandPoints, HandsSeen};
-use crate::reach::posture::{BodyLengths, SeenArm, SeenHead};
-use crate::reach::sample::angles;
-use crate::reach::{ArmPoint, PickModel, ReachTarget, SlotTracker};
-use crate::warehouse::SlotName;
+use giveway_floor::warehouse::SlotName;
+use giveway_people::reach::posture::{BodyLengths, SeenArm, SeenHead};
+use giveway_people::reach::sample::angles;
+use giveway_people::reach::{ArmPoint, PickModel, ReachTarget, SlotTracker};
 use smallvec::SmallVec;
 use std::sync::Arc;
 

@@ -3,8 +3,8 @@
 //! Main type: [`LineProblem`], main function: [`problem`]. Refuses: to know whether a slot has goods.
 
 use super::{OrderLine, PickedBy};
-use crate::id::{RackId, StationId};
-use crate::warehouse::Warehouse;
+use giveway_floor::id::{RackId, StationId};
+use giveway_floor::warehouse::Warehouse;
 
 /// Most lines of one visit.
 pub const MOST_LINES: usize = 200;

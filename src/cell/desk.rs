@@ -11,9 +11,9 @@ use super::hands::{HandPoints, HandsSeen};
 use super::phase::{PickPhase, PiecePhases, SpentPhase};
 use super::share::LitShare;
 use super::soon::{STAYS, inside_soon};
-use crate::reach::PickModel;
-use crate::time::{Span, Time};
-use crate::warehouse::SlotName;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::SlotName;
+use giveway_people::reach::PickModel;
 use smallvec::SmallVec;
 use std::sync::Arc;
 

@@ -3,8 +3,8 @@
 //! Main type: [`PickFace`]. In its frame the first coordinate is to the picker's right of the rack's middle, the second
 //! from there towards the picker, the third above the floor; metres. Refuses: to know who picks.
 
-use crate::geometry::{Point, Vector};
-use crate::warehouse::{Cell, Place, RackType, SlotName};
+use giveway_floor::geometry::{Point, Vector};
+use giveway_floor::warehouse::{Cell, Place, RackType, SlotName};
 
 /// A place in the frame of the face.
 pub type FacePlace = nalgebra::Vector3<f64>;
@@ -174,12 +174,12 @@ impl PickFace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::warehouse::stations;
+    use giveway_floor::warehouse::stations;
 
     fn faces() -> Vec<PickFace> {
         let w = stations();
         let rack = w.rack_types.iter().next().expect("racks have a type");
-        let of = |s: &crate::warehouse::Station| {
+        let of = |s: &giveway_floor::warehouse::Station| {
             PickFace::new(s.cell.as_ref().expect("it has a cell"), w.nodes[s.node].at, rack)
         };
         w.stations.iter().map(of).collect()

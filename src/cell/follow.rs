@@ -5,8 +5,8 @@
 //! for a while. Refuses: to be sure of what happened while the hand was not seen.
 
 use super::face::{FacePlace, PickFace};
-use crate::time::{Span, Time};
-use crate::warehouse::SlotName;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::SlotName;
 
 /// No hand is faster than this, metres per second; and measurement errs by so much, metres.
 const FASTEST_MPS: f64 = 3.5;

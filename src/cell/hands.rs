@@ -3,9 +3,9 @@
 //! Main types: [`HandsSeen`], [`HandPoints`]. Places are in the map's frame, metres. Refuses: frames of devices and
 //! their clocks; the program that receives hands aligns them first.
 
-use crate::id::StationId;
-use crate::time::Time;
-use crate::warehouse::Place;
+use giveway_floor::id::StationId;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Place;
 
 /// What is known of one hand.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -230,7 +230,7 @@ mod tests {
 
     fn lines(quantities: &[u32]) -> Lines {
         let line = |(i, quantity): (usize, &u32)| OrderLine {
-            slot: crate::warehouse::SlotName::new(i as u8, 0),
+            slot: giveway_floor::warehouse::SlotName::new(i as u8, 0),
             quantity: *quantity,
             tote: "A".into(),
             item: None,

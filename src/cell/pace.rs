@@ -7,7 +7,7 @@
 
 use super::phase::{PhasePace, PickPhase, SpentPhase};
 use super::{LineProgress, LineState, Lines};
-use crate::id::StationId;
+use giveway_floor::id::StationId;
 use std::collections::BTreeMap;
 
 /// What a line takes before anything is learned: its first piece and each further one, seconds.
@@ -272,7 +272,7 @@ mod tests {
     const S: StationId = StationId(0);
 
     fn lines(quantities: &[u32]) -> Lines {
-        let slot = |i: usize| crate::warehouse::SlotName::new(i as u8, 0);
+        let slot = |i: usize| giveway_floor::warehouse::SlotName::new(i as u8, 0);
         let line = |(i, quantity): (usize, &u32)| OrderLine {
             slot: slot(i),
             quantity: *quantity,

@@ -5,8 +5,8 @@
 //! only, and of stations, not of people. Refuses: to learn from phases that were not seen from beginning to end.
 
 use super::pace::{PickSums, rest_of};
-use crate::id::StationId;
-use crate::time::{Span, Time};
+use giveway_floor::id::StationId;
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// What a hand does with a piece, in this order.

@@ -31,8 +31,8 @@ pub(super) fn inside_soon(face: &PickFace, at: FacePlace, velocity: FacePlace) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::StationId;
-    use crate::warehouse::stations;
+    use giveway_floor::id::StationId;
+    use giveway_floor::warehouse::stations;
 
     fn face() -> PickFace {
         let w = stations();

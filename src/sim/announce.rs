@@ -5,9 +5,9 @@
 
 use super::askers::SUPERVISORS;
 use super::scenario::Scenario;
-use crate::fleet::{Fleet, FloorAction, Input, Token};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_fleet::{Fleet, FloorAction, Input, Token};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 
 /// What is still to be said, and when.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 //! Main types: [`SimulatedArm`], [`StopRule`]. The stop knows nothing of the planner: it sees true distances a little
 //! late and brakes along the way. Refuses: trajectories that do not begin where the arm is.
 
-use crate::cell::arm::{ArmKind, Capsule, Joints, between, joint_distance, least_distance_m};
+use giveway_cell::arm::{ArmKind, Capsule, Joints, between, joint_distance, least_distance_m};
 use nalgebra::Isometry3;
 
 /// When the arm's own stop acts.
@@ -208,7 +208,7 @@ impl SimulatedArm {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::arm::CYCLE_S;
+    use giveway_cell::arm::CYCLE_S;
     use nalgebra::Point3;
 
     const HOME: Joints = [1.57, -1.3, 1.7, -1.97, -1.57, 0.0];

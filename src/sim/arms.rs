@@ -7,14 +7,14 @@ use super::arm::{ArmStep, SimulatedArm, StopRule};
 use super::picker::ArmSeen;
 use super::random::Stream;
 use super::scenario::WorkCells;
-use crate::cell::PickFace;
-use crate::cell::arm::{
+use giveway_cell::PickFace;
+use giveway_cell::arm::{
     ArmGrip, ArmKind, ArmOrder, ArmReport, ArmSaid, Capsule, GripAct, Gripped, base_of, rest,
 };
-use crate::fleet::{Fleet, Input};
-use crate::id::{JobId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_fleet::{Fleet, Input};
+use giveway_floor::id::{JobId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
 /// Purpose of its stream of random numbers.
@@ -286,10 +286,10 @@ impl SimArmPost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::LineChange;
-    use crate::fleet::{Fact, JobFact};
-    use crate::sim::{ArmModeWord, Scenario, Simulation};
-    use crate::warehouse::stations;
+    use crate::{ArmModeWord, Scenario, Simulation};
+    use giveway_cell::LineChange;
+    use giveway_fleet::{Fact, JobFact};
+    use giveway_floor::warehouse::stations;
     use std::sync::Arc;
 
     /// Long visits: with the usual short ones an arm puts down a piece in ten minutes or so.

@@ -2,7 +2,7 @@
 //!
 //! Refuses: to be a client of a server, which has the number 0.
 
-use crate::fleet::Asker;
+use giveway_fleet::Asker;
 
 /// Customers, who hand jobs in and change their minds, and people at stations without a cell.
 pub const CUSTOMERS: Asker = Asker(1);

@@ -2,9 +2,9 @@
 //!
 //! Main type: [`BesideLine`]. Refuses: to steer; `robot/passing.rs` does.
 
-use crate::fleet::ForeseenPerson;
-use crate::local::{DriveLimits, LocalMethod, Twist};
-use crate::time::Time;
+use giveway_fleet::ForeseenPerson;
+use giveway_floor::time::Time;
+use giveway_people::local::{DriveLimits, LocalMethod, Twist};
 
 /// What a robot may do beside the line, and what it does there.
 #[derive(Debug)]

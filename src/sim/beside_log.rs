@@ -3,10 +3,10 @@
 //! Main type: [`BesideLog`]. Refuses: to judge; the laws do.
 
 use super::robot::RobotBody;
-use crate::geometry::{Point, Pose};
-use crate::id::RobotId;
-use crate::local::LocalMethod;
-use crate::time::Time;
+use giveway_floor::geometry::{Point, Pose};
+use giveway_floor::id::RobotId;
+use giveway_floor::time::Time;
+use giveway_people::local::LocalMethod;
 
 /// How robots find their way beside the line, and what was noted of it.
 #[derive(Debug)]

@@ -5,10 +5,10 @@
 //! to tell the fleet anything.
 
 use super::world::World;
-use crate::fleet::Fleet;
-use crate::geometry::{Point, Vector};
-use crate::id::WorkerId;
-use crate::time::{Span, Time};
+use giveway_fleet::Fleet;
+use giveway_floor::geometry::{Point, Vector};
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, VecDeque};
 
 /// Errors of one moment and of the next are much the same: they are taken this far apart.

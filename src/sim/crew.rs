@@ -14,15 +14,15 @@ use super::sensor::Device;
 use super::shared_tasks::{SharedTasks, unassigned};
 use super::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings};
 use super::walker::{WorkKnowledge, ease};
-use crate::fleet::{
+use giveway_fleet::{
     Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceReason, GuidanceState, Input,
     Token, WorkerAction,
 };
-use crate::geometry::{Point, Pose};
-use crate::id::{AssignmentId, NodeId, WorkerId};
-use crate::time::{Span, Time};
-use crate::warehouse::walkway::Walkways;
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::geometry::{Point, Pose};
+use giveway_floor::id::{AssignmentId, NodeId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::walkway::Walkways;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -505,11 +505,11 @@ fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways)
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{Request, Settings};
-    use crate::geometry::Vector;
-    use crate::human::Presence;
-    use crate::sim::scenario::Sensor;
-    use crate::warehouse::thesis;
+    use crate::scenario::Sensor;
+    use giveway_fleet::{Request, Settings};
+    use giveway_floor::geometry::Vector;
+    use giveway_floor::warehouse::thesis;
+    use giveway_people::human::Presence;
 
     #[test]
     fn nobody_steps_through_a_door_in_front_of_a_robot_that_could_not_stop() {

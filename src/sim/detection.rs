@@ -3,10 +3,10 @@
 //! Main types: [`Watch`] (collects what the fleet says), [`Score`]. Refuses: to tell the fleet anything.
 
 use super::walker::{CauseStretch, Log, WalkCause};
-use crate::fleet::{EncounterFact, Fact, Fleet, Guidance, GuidanceReason, GuidanceState};
-use crate::geometry::Point;
-use crate::id::WorkerId;
-use crate::time::{Span, Time};
+use giveway_fleet::{EncounterFact, Fact, Fleet, Guidance, GuidanceReason, GuidanceState};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// Deviations shorter than this are not asked for.

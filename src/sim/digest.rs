@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Digest`] (FNV-1a, 64 bits). Refuses: to protect against attackers; it finds differences, not forgeries.
 
-use crate::fleet::Fact;
+use giveway_fleet::Fact;
 use std::hash::{Hash, Hasher};
 
 /// The digest of all facts of a run.
@@ -47,9 +47,9 @@ impl Hasher for Fnv {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{JobKind, JobRequest, RobotFact, Visiting};
-    use crate::id::{JobId, NodeId, RackId, RobotId};
-    use crate::time::Time;
+    use giveway_fleet::{JobKind, JobRequest, RobotFact, Visiting};
+    use giveway_floor::id::{JobId, NodeId, RackId, RobotId};
+    use giveway_floor::time::Time;
     use std::collections::BTreeMap;
 
     fn digest(of: &impl Hash) -> u64 {

@@ -5,10 +5,10 @@
 //! Refuses: what the fleet believes.
 
 use super::walker::RobotNear;
-use crate::aware::{self, Near};
-use crate::geometry::Point;
-use crate::id::{Dense, RobotId, WorkerId};
-use crate::time::{Span, Time};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{Dense, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::{self, Near};
 use std::collections::BTreeSet;
 
 /// Pairs farther apart than the radius by this are of no interest, metres.
@@ -178,7 +178,7 @@ impl Ring {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Vector;
+    use giveway_floor::geometry::Vector;
 
     #[test]
     fn wider_rings_have_more_entries_longer_approaches_and_the_same_closest_distance() {

@@ -3,8 +3,8 @@
 //! Main function: [`entrance`]. Refuses: to let anybody step out in front of a robot that could not stop.
 
 use super::walker::{APART_M, PersonNear, RobotNear};
-use crate::geometry::Point;
-use crate::warehouse::walkway::Walkways;
+use giveway_floor::geometry::Point;
+use giveway_floor::warehouse::walkway::Walkways;
 
 /// A robot nearer to a door than this keeps a worker from coming in, metres.
 const DOOR_M: f64 = 1.5;
@@ -35,9 +35,9 @@ pub(super) fn entrance<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Vector;
-    use crate::id::WalkNodeId;
-    use crate::warehouse::thesis;
+    use giveway_floor::geometry::Vector;
+    use giveway_floor::id::WalkNodeId;
+    use giveway_floor::warehouse::thesis;
 
     #[test]
     fn who_finds_somebody_in_the_door_comes_in_beside_it_unless_a_robot_is_near_there() {

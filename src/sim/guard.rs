@@ -6,8 +6,8 @@
 //! also looks sideways. Refuses: to slow down for comfort, and to look back: driving away from people is allowed.
 
 use super::walker::BODY_M;
-use crate::geometry::{Point, Vector};
-use crate::time::{Span, Time};
+use giveway_floor::geometry::{Point, Vector};
+use giveway_floor::time::{Span, Time};
 
 /// From a person in the field to brakes that hold, seconds.
 const REACTION_S: f64 = 0.1;

@@ -5,10 +5,10 @@
 
 use super::askers::ROBOTS;
 use super::random::Stream;
-use crate::fleet::{Fleet, Input, RobotAction, Service, Task, Token};
-use crate::id::{NodeId, RobotId};
-use crate::time::{Span, Time};
-use crate::warehouse::NodeKind;
+use giveway_fleet::{Fleet, Input, RobotAction, Service, Task, Token};
+use giveway_floor::id::{NodeId, RobotId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::NodeKind;
 
 /// The token of requests about robots that leave and come back.
 const TOKEN: Token = Token { asker: ROBOTS, number: 0 };

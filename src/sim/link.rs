@@ -4,7 +4,7 @@
 
 use super::random::Stream;
 use super::scenario::Faults;
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 use std::collections::VecDeque;
 use std::ops::AddAssign;
 

@@ -6,10 +6,10 @@
 use super::askers::OUTAGES;
 use super::random::Stream;
 use super::scenario::Faults;
-use crate::fleet::{Input, Request, StationOrder, Token};
-use crate::id::{NodeId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_fleet::{Input, Request, StationOrder, Token};
+use giveway_floor::id::{NodeId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 
 /// The token of requests about stations that stop.
 const TOKEN: Token = Token { asker: OUTAGES, number: 0 };

@@ -4,7 +4,7 @@
 //! common; each has assignments and a headset of its own. Refuses: to draw from the streams of workers who walk alone.
 
 use super::random::Stream;
-use crate::geometry::Point;
+use giveway_floor::geometry::Point;
 
 /// Purpose of the stream, see [`Stream::new`].
 const PURPOSE: u64 = 35;

@@ -4,11 +4,11 @@
 //! fleet hears of it only after a report and an order.
 
 use super::random::Stream;
-use crate::fleet::{OFF_ROUTE_M, RackAt};
-use crate::geometry::{Point, Segment, Vector, axis_distance};
-use crate::id::{IdVec, NodeId, RackId};
-use crate::route::Kinematics;
-use crate::warehouse::Warehouse;
+use giveway_fleet::{OFF_ROUTE_M, RackAt};
+use giveway_floor::geometry::{Point, Segment, Vector, axis_distance};
+use giveway_floor::id::{IdVec, NodeId, RackId};
+use giveway_floor::route::Kinematics;
+use giveway_floor::warehouse::Warehouse;
 
 /// Nobody pushes a robot farther than this, metres, if there is a place.
 pub(super) const NEARBY_M: f64 = 4.0;

@@ -5,11 +5,11 @@
 use super::Digest;
 use super::recording::{Broken, Playback, Played};
 use super::scenario::Scenario;
-use crate::fleet::{Fleet, Settings, Step};
-use crate::human::Model;
-use crate::reach::PickModel;
-use crate::time::Time;
-use crate::warehouse::formats;
+use giveway_fleet::{Fleet, Settings, Step};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::formats;
+use giveway_people::human::Model;
+use giveway_people::reach::PickModel;
 use std::sync::Arc;
 
 /// The lines of a recording, or why one could not be read.

@@ -8,12 +8,12 @@ mod passing;
 use super::beside::BesideLine;
 use super::guard::Guard;
 use super::walker::BODY_M;
-use crate::fleet::{Act, Command, Fault, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
-use crate::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
-use crate::id::{NodeId, RackId, RobotId};
-use crate::route::Kinematics;
-use crate::time::{Span, Time};
-use crate::warehouse::{Corridor, Footprint, Warehouse};
+use giveway_fleet::{Act, Command, Fault, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
+use giveway_floor::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
+use giveway_floor::id::{NodeId, RackId, RobotId};
+use giveway_floor::route::Kinematics;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{Corridor, Footprint, Warehouse};
 use std::collections::VecDeque;
 
 /// Longest step of integration, seconds.

@@ -13,9 +13,9 @@ use super::scenario::Scenario;
 pub use super::tally::JobTally;
 use super::tally::Tallies;
 use super::world::World;
-use crate::fleet::{Counts, Fleet, Input, Settings, Step};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_fleet::{Counts, Fleet, Input, Settings, Step};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 

@@ -5,10 +5,10 @@
 
 use super::random::Stream;
 use super::scenario::{Sensor, Source};
-use crate::geometry::{Point, Pose, Vector, wrap_angle};
-use crate::human::{Quality, Sighting, SourceId};
-use crate::id::WorkerId;
-use crate::time::{Span, Time};
+use giveway_floor::geometry::{Point, Pose, Vector, wrap_angle};
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::{Span, Time};
+use giveway_people::human::{Quality, Sighting, SourceId};
 use nalgebra::Rotation2;
 
 /// Purposes of the second device's streams are these of the first and so many more.

@@ -4,9 +4,9 @@
 
 use super::random::Stream;
 use super::scenario::Assignments;
-use crate::fleet::{AssignmentRequest, Fleet};
-use crate::id::{AssignmentId, NodeId};
-use crate::time::Span;
+use giveway_fleet::{AssignmentRequest, Fleet};
+use giveway_floor::id::{AssignmentId, NodeId};
+use giveway_floor::time::Span;
 
 /// Purpose of the stream, see [`Stream::new`].
 const PURPOSE: u64 = 36;

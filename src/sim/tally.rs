@@ -2,8 +2,8 @@
 //!
 //! Main types: [`JobTally`], [`Tallies`]. Refuses: to look at anything but facts.
 
-use crate::fleet::{Fact, Fleet, JobFact, JobState};
-use crate::id::JobId;
+use giveway_fleet::{Fact, Fleet, JobFact, JobState};
+use giveway_floor::id::JobId;
 use std::collections::BTreeMap;
 
 /// What became of jobs of one kind.

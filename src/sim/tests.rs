@@ -1,14 +1,15 @@
 //! Faults of scenarios: wrong clocks, late messages, stations and chargers out of order, and their end.
 
 mod people;
+mod posture;
 
 use super::*;
-use crate::fleet::{Charging, Fact, Fault, FloorFact, Input, JobAction, JobKind, JobRequest};
-use crate::geometry::Point;
-use crate::id::RobotId;
-use crate::route::Kinematics;
-use crate::time::{Span, Time};
-use crate::warehouse::{NodeKind, thesis};
+use giveway_fleet::{Charging, Fact, Fault, FloorFact, Input, JobAction, JobKind, JobRequest};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::RobotId;
+use giveway_floor::route::Kinematics;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{NodeKind, thesis};
 use std::sync::Arc;
 
 fn scenario(robots: usize, faults: Faults) -> Scenario {

@@ -6,10 +6,10 @@
 use super::customers::OrderFileLine;
 use super::scenario::Scenario;
 use super::world::World;
-use crate::fleet::{Fact, Fleet};
-use crate::history::{History, LoopTimes};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_fleet::history::{History, LoopTimes};
+use giveway_fleet::{Fact, Fleet};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use std::sync::Arc;
 
 /// Figures are taken as often as this.
@@ -62,8 +62,8 @@ pub fn warm_up(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::Ledger;
-    use crate::warehouse::thesis;
+    use giveway_fleet::Ledger;
+    use giveway_floor::warehouse::thesis;
 
     #[test]
     fn a_floor_that_has_worked_has_people_deliveries_and_figures_and_its_facts_are_all_that_is_needed() {

@@ -25,15 +25,15 @@ use super::random::Stream;
 use super::robot::RobotBody;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
-use crate::fleet::{
+use giveway_fleet::{
     Command, Fault, Fleet, Guidance, Input, RackAt, Reply, RobotAction, Service, Telemetry, Token,
     most_dangerous,
 };
-use crate::geometry::Point;
-use crate::id::{Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::route::Kinematics;
-use crate::time::{Span, Time};
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::route::Kinematics;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use motion_before::MotionBefore;
 pub use starting::starting_places;
 use std::collections::BTreeMap;

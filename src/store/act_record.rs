@@ -2,9 +2,9 @@
 //!
 //! Main type: [`ActRecord`]. Refuses: to stand alone; versions are `record`'s business.
 
-use crate::fleet::Act;
-use crate::id::RackId;
-use crate::time::Span;
+use giveway_fleet::Act;
+use giveway_floor::id::RackId;
+use giveway_floor::time::Span;
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]

@@ -4,13 +4,13 @@
 //! depends on: rows of kinds that this Giveway does not know are left out.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError, events};
-use crate::alarm::{
+use giveway_fleet::alarm::{
     Acknowledgement, Alarm, AlarmKind, AlarmNote, AlarmQuery, AlarmSeverity, AlarmSubject, Shelving,
     SubjectKind,
 };
-use crate::geometry::Spot;
-use crate::text::Sentence;
-use crate::time::Time;
+use giveway_floor::geometry::Spot;
+use giveway_floor::text::Sentence;
+use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 

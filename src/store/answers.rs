@@ -4,8 +4,8 @@
 //! their keys.
 
 use super::{Store, StoreError};
-use crate::fleet::KEY_LIFE;
-use crate::time::Time;
+use giveway_fleet::KEY_LIFE;
+use giveway_floor::time::Time;
 use sqlx::Row;
 
 const BEGIN_ONE: &str = "INSERT INTO answers (caller, route, key, digest, at) VALUES ($1, $2, $3, $4, $5) \

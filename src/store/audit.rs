@@ -5,8 +5,8 @@
 //! written, but for the outcome of a request whose answer came later.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
-use crate::time::Time;
 use futures_util::TryStreamExt;
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};

@@ -3,8 +3,8 @@
 //! Main functions: `write`, `read`, `outlines`. Refuses: to know of a kind what holds do not depend on; the scenario
 //! has that.
 
-use crate::geometry::Point;
-use crate::warehouse::{Body, Footprint, Warehouse};
+use giveway_floor::geometry::Point;
+use giveway_floor::warehouse::{Body, Footprint, Warehouse};
 use serde::{Deserialize, Serialize};
 
 /// A kind: name, outlines without and with a rack where they are not the map's square, types of loads, payload.

@@ -1,9 +1,9 @@
 //! A database under a changed map: compared, backed up, and carried over in one transaction, or refused in words.
 //!
-//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The ledger is carried over by
-//! the core ([`crate::fleet::carry`]); the lists get the new map's ids, and what they name that is gone keeps its name.
-//! A kill at any instant leaves the old database or the new one. Refuses: obstacles always, losses unless they were
-//! accepted, and to begin without a backup.
+//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The core carries the ledger over
+//! ([`giveway_fleet::carry`]); the lists get the new map's ids, and what they name that is gone keeps its name. A kill
+//! at any instant leaves the old database or the new one. Refuses: obstacles always, losses unless they were accepted,
+//! and to begin without a backup.
 
 use super::check::{back_up, sync_folder};
 use super::events::NOTE_JOBS;
@@ -13,11 +13,11 @@ use super::opening::free_name;
 use super::{
     MapNote, Opening, Store, StoreError, floor, job_record, last_step, ledger_record, published, seal, steps,
 };
-use crate::fleet::carry::{Carried, Report, carry};
-use crate::fleet::{AssignmentState, JobFailure, JobState, Ledger};
-use crate::id::{Dense, IdVec};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_fleet::carry::{Carried, Report, carry};
+use giveway_fleet::{AssignmentState, JobFailure, JobState, Ledger};
+use giveway_floor::id::{Dense, IdVec};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use sqlx::sqlite::{SqliteConnection, SqlitePool};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@
 
 use super::ledger_record::SnapshotError;
 use super::record::RecordError;
-use crate::fleet::carry::Report;
+use giveway_fleet::carry::Report;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 

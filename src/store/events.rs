@@ -5,13 +5,13 @@
 
 use super::gone::Gone;
 use super::{Store, StoreError};
-use crate::alarm::Alarm;
-use crate::fleet::{
+use giveway_fleet::alarm::Alarm;
+use giveway_fleet::{
     EventDetails, EventKind, EventQuery, EventRow, EventSpan, Fact, ReplanCause, floor_event,
 };
-use crate::geometry::Spot;
-use crate::id::{RobotId, StationId, WorkerId};
-use crate::time::{Span, Time};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{RobotId, StationId, WorkerId};
+use giveway_floor::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{QueryBuilder, Row, Sqlite};

@@ -4,8 +4,8 @@
 //! of earlier releases get it then. Refuses: a text that does not say what the seal says.
 
 use super::{ABOUT, Store, StoreError, body_record, seal};
-use crate::warehouse::Warehouse;
-use crate::warehouse::formats::{MapError, json};
+use giveway_floor::warehouse::Warehouse;
+use giveway_floor::warehouse::formats::{MapError, json};
 use sqlx::sqlite::{SqliteConnection, SqlitePool};
 
 const PUT: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ($1, $2)";

@@ -4,8 +4,8 @@
 //! that they never come to mean something else. Refuses: to name what the map has.
 
 use super::StoreError;
-use crate::fleet::{GoneNames, Job, JobFailure, JobState};
-use crate::id::{NodeId, StationId};
+use giveway_fleet::{GoneNames, Job, JobFailure, JobState};
+use giveway_floor::id::{NodeId, StationId};
 use sqlx::Row;
 use sqlx::sqlite::{SqliteExecutor, SqlitePool};
 use std::collections::BTreeMap;

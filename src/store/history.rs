@@ -4,9 +4,9 @@
 //! cannot be read are left out.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
-use crate::history::{Bucket, DAY, HEAT_STEP, HeatBucket, History, Lengths, RobotTimes};
-use crate::id::NodeId;
-use crate::time::{Span, Time};
+use giveway_fleet::history::{Bucket, DAY, HEAT_STEP, HeatBucket, History, Lengths, RobotTimes};
+use giveway_floor::id::NodeId;
+use giveway_floor::time::{Span, Time};
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use std::collections::BTreeMap;

@@ -3,13 +3,13 @@
 //! Main types: [`RequestRecord`], [`StateRecord`], [`TaskRecord`]. Refuses: to know of steps.
 
 use super::line_record::OrderRecord;
-use crate::cell::OrderLine;
-use crate::fleet::{
+use giveway_cell::OrderLine;
+use giveway_fleet::{
     ClientKey, JobFailure, JobField, JobKind, JobParts, JobRequest, JobState, JobWord, Purpose, RobotChoice,
     Task, Visiting,
 };
-use crate::id::{CustomerId, JobId, NodeId, RackId, RobotId, StationId};
-use crate::time::{Span, Time};
+use giveway_floor::id::{CustomerId, JobId, NodeId, RackId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -325,8 +325,8 @@ impl From<TaskRecord> for Task {
 mod tests {
     use super::super::record;
     use super::*;
-    use crate::cell::{LineChange, PickedBy};
-    use crate::fleet::{Fact, JobFact};
+    use giveway_cell::{LineChange, PickedBy};
+    use giveway_fleet::{Fact, JobFact};
 
     #[test]
     fn facts_of_jobs_and_order_lines_come_back_from_their_records() {

@@ -7,13 +7,13 @@ use super::job_record::{ChoiceRecord, StationRecord, visiting};
 use super::line_record::LinesRecord;
 use super::listing::{Arm, Given, Listing, Reach, RowCondition, TimeStatements};
 use super::{Store, StoreError, job_record};
-use crate::cell::{LineChange, LineOutcome, Lines};
-use crate::fleet::{
+use giveway_cell::{LineChange, LineOutcome, Lines};
+use giveway_fleet::{
     ClientKey, Fact, JOB_STATES, Job, JobFact, JobKind, JobParts, JobQuery, JobRequest, JobRow, JobState,
     JobTimes, JobWord, Listed, RobotChoice,
 };
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
-use crate::time::{Span, Time};
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{QueryBuilder, Row, Sqlite};

@@ -13,14 +13,16 @@ use super::people_record::{
 };
 use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
-use crate::fleet::{
+use giveway_fleet::{
     Assignment, ClientKey, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot,
     RobotChoice, Service, Stop, Sums, Unconfirmed, Wishes,
 };
-use crate::id::{AssignmentId, ClosureId, CustomerId, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId};
-use crate::time::{Span, Time};
-use crate::timeline::{ChainParts, Visit};
-use crate::warehouse::Warehouse;
+use giveway_floor::id::{
+    AssignmentId, ClosureId, CustomerId, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId,
+};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::{ChainParts, Visit};
+use giveway_floor::warehouse::Warehouse;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;

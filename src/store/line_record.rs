@@ -2,8 +2,8 @@
 //!
 //! Main types: [`OrderRecord`], [`LineChangeRecord`], [`LinesRecord`]. Refuses: to know of jobs.
 
-use crate::cell::{LineChange, LineProgress, LineState, Lines, OrderLine, PickedBy};
-use crate::warehouse::{SlotName, SlotNameError};
+use giveway_cell::{LineChange, LineProgress, LineState, Lines, OrderLine, PickedBy};
+use giveway_floor::warehouse::{SlotName, SlotNameError};
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Serialize, Deserialize)]

@@ -6,7 +6,7 @@
 //! and to choose an index by itself: each arm names one, and SQLite refuses a statement whose index is not there.
 
 use super::{Store, StoreError};
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 use sqlx::sqlite::SqlitePool;
 use sqlx::{QueryBuilder, Sqlite};
 

@@ -4,8 +4,8 @@
 //! still has the pages of before. Refuses: to forget encounters; who it was is taken out of them.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError};
-use crate::id::WorkerId;
-use crate::time::Time;
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 

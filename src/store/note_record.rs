@@ -2,10 +2,10 @@
 //!
 //! Main type: [`NoteRecord`]. Refuses: other facts.
 
-use crate::fleet::{FloorNote, ReplanCause};
-use crate::geometry::Spot;
-use crate::id::{RobotId, WorkerId};
-use crate::time::Time;
+use giveway_fleet::{FloorNote, ReplanCause};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 
 /// A [`FloorNote`] as it is written.

@@ -7,7 +7,7 @@ use super::carry::CarryOver;
 use super::identity::beside;
 use super::lock::{Lock, LockRecord};
 use super::{MapNote, Store, StoreError};
-use crate::warehouse::Warehouse;
+use giveway_floor::warehouse::Warehouse;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -5,13 +5,13 @@
 use super::gone::Gone;
 use super::listing::{Arm, Given, LOOKED_AT, Listing, Reach, RowCondition, TimeStatements, count, first};
 use super::{Store, StoreError};
-use crate::fleet::{
+use giveway_fleet::{
     Assignment, AssignmentFact, AssignmentQuery, AssignmentRequest, AssignmentRow, AssignmentState,
     ClientKey, Encounter, EncounterFact, EncounterQuery, EncounterRow, Fact, GoneNames, Listed, Reaction,
 };
-use crate::geometry::Spot;
-use crate::id::{AssignmentId, NodeId, RobotId, WorkerId};
-use crate::time::{Span, Time};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{AssignmentId, NodeId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 use sqlx::{QueryBuilder, Row, Sqlite};
 

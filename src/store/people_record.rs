@@ -2,13 +2,13 @@
 //!
 //! Main types: the records named by `record`. Refuses: to stand alone; versions are `record`'s business.
 
-use crate::fleet::{
+use giveway_fleet::{
     AssignmentRequest, AssignmentState, Binds, ClientKey, Closure, Encounter, LastPlace, LocalClock,
     Reaction, Recurrence, RecurringClosure, Weekdays,
 };
-use crate::geometry::Spot;
-use crate::id::{CustomerId, NodeId, RobotId, SeriesId, WorkerId};
-use crate::time::{Span, Time, Window};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{CustomerId, NodeId, RobotId, SeriesId, WorkerId};
+use giveway_floor::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 
 #[derive(Serialize, Deserialize)]

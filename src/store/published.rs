@@ -5,9 +5,9 @@
 //! start takes; the server does.
 
 use super::{ABOUT, AuditRow, Store, StoreError, audit};
-use crate::time::Time;
-use crate::warehouse::Warehouse;
-use crate::warehouse::formats::json;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
+use giveway_floor::warehouse::formats::json;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use sqlx::sqlite::SqliteConnection;

@@ -4,14 +4,16 @@
 //! with another meaning: a journal outlives the program that wrote it. Refuses: to guess what a newer version means.
 
 use super::written::Written;
-use crate::cell::LineChange;
-use crate::fleet::{
+use giveway_cell::LineChange;
+use giveway_fleet::{
     AreaFact, AssignmentFact, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, EncounterFact,
     Fact, FloorFact, FloorNote, JobFact, JobKind, JobRequest, JobState, KeptRoute, LastPlace, Moved,
     Reaction, RecurringClosure, RobotChoice, RobotFact, RouteFact, Task, USUAL_KIND, WorkerFact,
 };
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
-use crate::time::Time;
+use giveway_floor::id::{
+    AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 
 /// The version that this program writes. It reads this one and all later ones up to its own.

@@ -5,7 +5,7 @@
 //! may need.
 
 use super::events::EVENTS_KEPT;
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 use sqlx::sqlite::SqliteConnection;
 
 /// So many steps are deleted at once, and so many events.

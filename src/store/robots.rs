@@ -4,9 +4,9 @@
 
 use super::events::read_details;
 use super::{Store, StoreError};
-use crate::fleet::{Fact, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, robot_change};
-use crate::id::RobotId;
-use crate::time::Time;
+use giveway_fleet::{Fact, RobotEventQuery, RobotEventRow, RobotEventSource, RobotJobCounts, robot_change};
+use giveway_floor::id::RobotId;
+use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqliteRow};
 

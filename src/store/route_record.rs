@@ -5,10 +5,10 @@
 //! alone; versions are `record`'s business.
 
 use super::act_record::ActRecord;
-use crate::fleet::{Booking, KeptRoute, Moved, Stop};
-use crate::id::{NodeId, ResourceId, RobotId};
-use crate::time::{Span, Time};
-use crate::timeline::{Shift, Visit};
+use giveway_fleet::{Booking, KeptRoute, Moved, Stop};
+use giveway_floor::id::{NodeId, ResourceId, RobotId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::{Shift, Visit};
 use serde::{Deserialize, Serialize};
 
 /// Enter; from there to arrive; from arrive to depart and to leave, nothing where that is for ever.

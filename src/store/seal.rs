@@ -5,8 +5,8 @@
 //! meaning, such as a speed limit.
 
 use super::body_record::outlines;
-use crate::id::Dense;
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::id::Dense;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use sha2::{Digest, Sha256};
 
 /// A digest over everything that facts refer to by position, and where it is: nodes, lanes, stations and racks.

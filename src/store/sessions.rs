@@ -4,7 +4,7 @@
 //! one token or person; that one's oldest end first, and nobody else's.
 
 use super::{Store, StoreError};
-use crate::time::Time;
+use giveway_floor::time::Time;
 use sqlx::Row;
 
 /// How many there may be of one token, or of one person.

@@ -7,10 +7,10 @@ use super::check::back_up;
 use super::events::NOTE_JOBS;
 use super::opening::free_name;
 use super::{SET_BACK, Store, StoreError, ledger_record, steps};
-use crate::fleet::carry::set_back;
-use crate::fleet::{JobState, Ledger};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_fleet::carry::set_back;
+use giveway_fleet::{JobState, Ledger};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use std::path::PathBuf;
 use std::sync::Arc;
 

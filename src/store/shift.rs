@@ -4,10 +4,10 @@
 
 use super::people::encounter;
 use super::{Store, StoreError};
-use crate::fleet::{EndedJob, ShiftRows};
-use crate::id::StationId;
-use crate::time::{Span, Time};
 use futures_util::TryStreamExt;
+use giveway_fleet::{EndedJob, ShiftRows};
+use giveway_floor::id::StationId;
+use giveway_floor::time::{Span, Time};
 use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 

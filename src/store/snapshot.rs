@@ -4,8 +4,8 @@
 //! by bit with the appends that follow (`retention`). Refuses: a snapshot of anything but the last step.
 
 use super::{BEGIN, COMMIT, ROLLBACK, Store, StoreError, ledger_record};
-use crate::fleet::{Ledger, Parts};
-use crate::time::Time;
+use giveway_fleet::{Ledger, Parts};
+use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqlitePool};
 

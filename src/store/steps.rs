@@ -7,9 +7,9 @@ use super::{
     ABOUT, BEGIN, COMMIT, ROLLBACK, StepCause, Store, StoreError, audit, events, jobs, people, record,
     retention, robots, snapshot,
 };
-use crate::fleet::{Fact, Ledger};
-use crate::time::Time;
 use futures_util::TryStreamExt;
+use giveway_fleet::{Fact, Ledger};
+use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnection, SqlitePool, SqliteRow};
 

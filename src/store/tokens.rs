@@ -5,7 +5,7 @@
 //! Refuses: two tokens of one name that both hold.
 
 use super::{AuditRow, BUSY, Store, StoreError, audit};
-use crate::time::Time;
+use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePool, SqlitePoolOptions, SqliteRow};
 use std::path::Path;

@@ -3,8 +3,8 @@
 //! Main types: [`HookRow`], [`FailedRow`]. Refuses: to send anything.
 
 use super::{Store, StoreError};
-use crate::fleet::EventKind;
-use crate::time::Time;
+use giveway_fleet::EventKind;
+use giveway_floor::time::Time;
 use sqlx::Row;
 use sqlx::sqlite::SqliteRow;
 

@@ -10,13 +10,15 @@ use super::people_record::{
     RecurringRecord,
 };
 use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
-use crate::cell::LineChange;
-use crate::fleet::{
+use giveway_cell::LineChange;
+use giveway_fleet::{
     AssignmentRequest, AssignmentState, Booking, Closure, Encounter, FloorNote, JobKind, JobRequest,
     JobState, KeptRoute, LastPlace, Moved, Reaction, RecurringClosure, RobotChoice, Task,
 };
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
-use crate::time::Time;
+use giveway_floor::id::{
+    AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
+use giveway_floor::time::Time;
 
 /// A value that has a form in the journal.
 pub(super) trait Written: Sized {

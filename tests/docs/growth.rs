@@ -45,22 +45,22 @@ const ALL: [Grows; 31] = [
         "what_is_over_leaves_the_lists_after_the_days_of_the_settings_in_slices"),
     ("events", None, &["events"], &[],
         "events_are_forgotten_after_a_week_from_the_first_on"),
-    ("alarms that are active", Some(("src/alarm/register/mod.rs", "MOST_ACTIVE", "500")), &[], &[],
+    ("alarms that are active", Some(("src/fleet/alarm/register/mod.rs", "MOST_ACTIVE", "500")), &[], &[],
         "there_are_never_more_than_so_many_and_the_worst_have_room"),
     ("alarms that are over", Some(("src/store/alarms.rs", "MOST_PAST", "20_000")), &["alarms"], &[],
         "of_alarms_that_are_over_the_newest_are_kept"),
     ("steps of the journal", Some(("src/store/snapshot.rs", "SNAPSHOT_AFTER", "100_000")), &["steps", "snapshots"], &[],
         "steps_behind_the_older_of_two_snapshots_go_and_a_damaged_snapshot_is_not_needed"),
-    ("facts that wait for the database", Some(("src/server/journal.rs", "MOST_PENDING", "20_000")), &[],
-        &["src/server/journal.rs"],
+    ("facts that wait for the database", Some(("src/giveway/server/journal.rs", "MOST_PENDING", "20_000")), &[],
+        &["src/giveway/server/journal.rs"],
         "while_the_journal_is_full_all_robots_are_told_to_stand_and_go_on_when_it_is_back"),
     ("entries of the audit that wait for the database", Some(("src/api/audit.rs", "MOST_WAITING", "10_000")), &[],
         &["src/api/audit.rs"],
         "more_entries_than_may_wait_are_counted_and_said_when_there_is_room_again"),
-    ("figures over time", None, &["history", "heat"], &["src/server/historian.rs"],
+    ("figures over time", None, &["history", "heat"], &["src/giveway/server/historian.rs"],
         "memory_is_bounded_and_old_hours_are_in_minutes"),
-    ("requests that wait for the loop", Some(("src/server/inbox.rs", "MOST_REQUESTS", "10_000")), &[],
-        &["src/server/running.rs"],
+    ("requests that wait for the loop", Some(("src/giveway/server/inbox.rs", "MOST_REQUESTS", "10_000")), &[],
+        &["src/giveway/server/running.rs"],
         "requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk"),
     ("poses that wait for the loop", Some(("src/api/feed/hub.rs", "WAITING", "12_000")), &[], &["src/api/feed/hub.rs"],
         "poses_beyond_those_that_may_wait_are_dropped_until_the_loop_has_taken_some"),
@@ -71,12 +71,12 @@ const ALL: [Grows; 31] = [
     ("people who are signing in with an identity provider", Some(("src/api/oidc/pending.rs", "MOST", "1000")), &[], &[],
         "there_are_never_more_than_a_thousand_and_the_oldest_end"),
     ("webhooks", Some(("src/api/http/webhooks.rs", "MOST_HOOKS", "32")), &["webhooks"],
-        &["src/server/webhooks.rs"],
+        &["src/giveway/server/webhooks.rs"],
         "of_webhooks_there_are_thirty_two_until_one_is_removed"),
     ("messages of a webhook that were given up", Some(("src/store/webhooks.rs", "MOST_FAILED", "1000")),
         &["webhook_failures"], &[],
         "of_messages_that_were_given_up_the_newest_are_kept"),
-    ("kinds of robots that were added", Some(("src/warehouse/body.rs", "MOST_BODIES", "32")), &["kinds"], &[],
+    ("kinds of robots that were added", Some(("src/floor/warehouse/body.rs", "MOST_BODIES", "32")), &["kinds"], &[],
         "of_kinds_of_robots_there_are_thirty_two_until_one_is_removed"),
     ("names that the map no longer has", None, &["gone", "about"], &[],
         "names_that_no_row_has_any_more_go_with_the_next_change_of_the_map"),
@@ -84,8 +84,8 @@ const ALL: [Grows; 31] = [
         "files_follow_one_another_without_a_seam_and_old_ones_go"),
     ("bookmarks of an hour", Some(("src/api/recording/folder.rs", "MOST_MARKS", "5000")), &[], &[],
         "of_the_bookmarks_of_an_hour_the_first_are_kept_and_the_next_file_has_room_again"),
-    ("connections of strangers", Some(("src/server/budget.rs", "MOST_STRANGERS", "256")), &[],
-        &["src/server/tls.rs"],
+    ("connections of strangers", Some(("src/giveway/server/budget.rs", "MOST_STRANGERS", "256")), &[],
+        &["src/giveway/server/tls.rs"],
         "the_oldest_stranger_of_the_address_with_most_leaves_for_a_new_one_and_known_ones_stay"),
     ("connections", None, &[], &[],
         "if_all_descriptors_are_used_strangers_leave_first_and_then_the_one_that_is_idle_for_longest"),
@@ -105,7 +105,12 @@ const OTHERS: [(&str, &[&str], &[&str]); 2] = [
     ),
     (
         "questions, changes of the map and changes of kinds that wait",
-        &["src/server/kinds.rs", "src/server/publish.rs", "src/server/show.rs", "src/server/drive.rs"],
+        &[
+            "src/giveway/server/kinds.rs",
+            "src/giveway/server/publish.rs",
+            "src/giveway/server/show.rs",
+            "src/giveway/server/drive.rs",
+        ],
         &[
             "a_question_beyond_those_that_may_wait_is_refused_until_one_is_answered",
             "a_map_beyond_those_that_may_wait_is_refused_until_one_is_answered",
@@ -187,7 +192,7 @@ fn each_table_of_the_database_and_each_queue_of_the_server_belongs_to_a_row() {
             .iter()
             .any(|made| source.contains(made))
     };
-    let sources = [files("src/server"), files("src/api")].concat();
+    let sources = [files("src/giveway/server"), files("src/api")].concat();
     let made: BTreeSet<String> =
         sources.into_iter().filter(|file| !file.contains("tests")).filter(makes_queue).collect();
     let queues = ALL.iter().map(|row| row.3).chain(OTHERS.iter().map(|row| row.1)).flatten();

@@ -226,3 +226,36 @@ fn what_the_server_writes_is_for_its_user_alone() {
     assert!(found > 2, "only {found} files");
     drop(server);
 }
+
+#[test]
+fn a_model_of_another_version_starts_nothing_and_its_refusal_names_the_command_that_makes_one() {
+    let folder = Folder::new();
+    let model = folder.path().join("picks.json");
+    std::fs::write(&model, r#"{"model": {"version": 1}}"#).unwrap();
+    let (model, database) = (model.to_str().unwrap(), folder.database());
+    let scenario = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/stations.json");
+    let database = database.to_str().unwrap();
+    for arguments in [
+        vec!["serve", "--scenario", scenario, "--database", database, "--pick-model", model],
+        vec!["sim", scenario, "--pick-model", model],
+    ] {
+        let ran = giveway(&arguments);
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert!(!ran.status.success(), "{arguments:?} started");
+        assert!(said.contains(model) && said.contains("giveway learn picks"), "{said}");
+    }
+}
+
+#[test]
+fn a_command_of_the_laboratory_that_is_not_built_says_how_to_build_it() {
+    // A copy of the program in a folder of its own has nothing beside it.
+    let folder = Folder::new();
+    let alone = folder.path().join("giveway");
+    std::fs::copy(env!("CARGO_BIN_EXE_giveway"), &alone).unwrap();
+    for command in ["experiment", "learn", "bench"] {
+        let ran = Command::new(&alone).args([command, "--help"]).output().unwrap();
+        let said = String::from_utf8_lossy(&ran.stderr);
+        assert_eq!(ran.status.code(), Some(1), "{said}");
+        assert!(said.contains(command) && said.contains("cargo build -p giveway-lab"), "{said}");
+    }
+}

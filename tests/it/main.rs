@@ -2,8 +2,6 @@
 //!
 //! One file per subject; [`helper`] starts servers and speaks HTTP. Refuses: to reach into the parts.
 
-#![cfg(feature = "edge")]
-
 mod alarms;
 mod api;
 mod attacks;
@@ -45,7 +43,6 @@ mod people;
 mod privacy;
 mod publish;
 mod recovery;
-mod reports;
 mod robots;
 mod roles;
 mod room;

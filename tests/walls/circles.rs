@@ -2,6 +2,7 @@
 //! Inside the fleet calls of methods count as well, where their names say which file declares them.
 
 use crate::all_sources;
+use crate::members::{absolute, place};
 use crate::rooms::{calls, declared_once};
 use crate::tokens::{Token, paths, tokens, without_tests};
 use petgraph::algo::tarjan_scc;
@@ -10,12 +11,6 @@ use std::collections::BTreeMap;
 
 /// Modules inside which imports go one way. In the others a folder's file and those inside it still share types.
 const ONE_WAY: [&str; 5] = ["aware", "fleet", "history", "sim", "api"];
-
-/// The module of a file, by its path below `src`.
-fn module_of(path: &str) -> Vec<&str> {
-    let inner = path.strip_prefix("src/").expect("a file below src/").trim_end_matches(".rs");
-    inner.split('/').filter(|part| *part != "mod").collect()
-}
 
 /// Leaves out what a folder shows of its inside.
 fn without_exports<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
@@ -38,39 +33,34 @@ fn without_exports<'a>(tokens: &[Token<'a>]) -> Vec<Token<'a>> {
 /// The circles of imports among files of one top module: those of each circle, sorted.
 fn circles(top: &str, files: &[(String, String)]) -> Vec<Vec<String>> {
     let once = if top == "fleet" { declared_once(files) } else { BTreeMap::new() };
-    let inside = |path: &str| module_of(path)[0] == top && !path.contains("/tests");
+    let inside = |path: &str| place(path).first() == Some(&top) && !path.contains("/tests");
     let files: Vec<&(String, String)> = files.iter().filter(|(path, _)| inside(path)).collect();
     let modules: BTreeMap<Vec<&str>, usize> =
-        files.iter().enumerate().map(|(i, (path, _))| (module_of(path), i)).collect();
+        files.iter().enumerate().map(|(i, (path, _))| (place(path), i)).collect();
     let mut graph = DiGraph::<usize, ()>::new();
     (0..files.len()).for_each(|i| _ = graph.add_node(i));
     for (i, (path, text)) in files.iter().enumerate() {
         let tokens = tokens(text);
         let code = without_exports(&without_tests(&tokens));
-        // `pub(in crate::api)` names a module and takes nothing from it.
-        let takes = |segments: &[&str]| segments.len() > 1 && *segments != ["crate", top];
-        for (_, segments) in paths(&code).into_iter().filter(|(_, segments)| takes(segments)) {
-            let ups = segments.iter().take_while(|s| **s == "super").count();
-            let mut at = module_of(path);
-            let rest = match segments[0] {
-                "crate" | "giveway" => {
-                    at.clear();
-                    &segments[1..]
-                }
-                "self" => &segments[1..],
-                _ => {
-                    at.truncate(at.len().saturating_sub(ups));
-                    &segments[ups..]
-                }
+        // `pub(in crate::feed)` names a module and takes nothing from it.
+        for (_, segments) in paths(&code).into_iter().filter(|(_, segments)| segments.len() > 1) {
+            let at = place(path);
+            // A path that begins where the file stands leads below it, one through `super` also to what is above.
+            let (to, least) = match segments[0] {
+                "self" => ([&at, &segments[1..]].concat(), at.len() + 1),
+                "super" => (absolute(path, &segments).expect("it begins in the tree"), 0),
+                _ => match absolute(path, &segments) {
+                    Some(to) => (to, 1),
+                    None => ([&at, &segments[..]].concat(), at.len() + 1),
+                },
             };
             // The deepest module that has a file; the rest of the path is what is taken from it.
-            let ends = (0..=rest.len()).rev().map(|n| [&at, &rest[..n]].concat());
-            let named = ends.filter(|m| m.len() > at.len() || ups > 0).find_map(|m| modules.get(&m));
+            let named = (least..=to.len()).rev().find_map(|n| modules.get(&to[..n]));
             let edge = |other: &usize| graph.update_edge(NodeIndex::new(i), NodeIndex::new(*other), ());
             named.filter(|other| **other != i).map(edge);
         }
         for (_, name) in calls(&code) {
-            let other = once.get(name).and_then(|path| modules.get(&module_of(path)));
+            let other = once.get(name).and_then(|path| modules.get(&place(path)));
             if let Some(other) = other.filter(|other| **other != i) {
                 graph.update_edge(NodeIndex::new(i), NodeIndex::new(*other), ());
             }
@@ -95,25 +85,25 @@ fn no_files_of_a_module_import_one_another_in_a_circle() {
 fn a_circle_of_imports_is_found_wherever_it_is_closed() {
     let file = |path: &str, body: &str| (format!("src/api/{path}.rs"), body.to_owned());
     let circle = [
-        file("mod", "pub use a::A;\npub(crate) use c::C;\nmod a;\n"),
+        file("lib", "pub use a::A;\npub(crate) use c::C;\nmod a;\n"),
         file("a", "use super::b::{self, B};\n"),
-        file("b/mod", "mod inner;\nfn f() { crate::api::c::C.g() }\n"),
+        file("b/mod", "mod inner;\nfn f() { crate::c::C.g() }\n"),
         file("b/inner", "use super::super::c::C;\n"),
-        file("c", "use crate::{api::a::A, id::NodeId};\n"),
+        file("c", "use crate::{a::A, x::Y};\n"),
     ];
     assert_eq!(circles("api", &circle), [["src/api/a.rs", "src/api/b/mod.rs", "src/api/c.rs"]]);
     let open =
         [&circle[..4], &[file("c", "#[cfg(test)]\nmod tests {\n    use super::super::a::A;\n}\n")]].concat();
     assert_eq!(circles("api", &open), [[""; 0]; 0]);
-    let through_the_top = [file("mod", "use a::A;\npub struct Api(A);\n"), file("a", "use super::Api;\n")];
-    assert_eq!(circles("api", &through_the_top), [["src/api/a.rs", "src/api/mod.rs"]]);
+    let through_the_top = [file("lib", "use a::A;\npub struct Api(A);\n"), file("a", "use super::Api;\n")];
+    assert_eq!(circles("api", &through_the_top), [["src/api/a.rs", "src/api/lib.rs"]]);
 }
 
 #[test]
 fn a_circle_that_methods_close_is_found_inside_the_fleet() {
     let file = |path: &str, body: &str| (format!("src/fleet/{path}.rs"), body.to_owned());
     let files = [
-        file("a/one", "use crate::fleet::a::two::Two;\nimpl One {\n    fn of_one(self) {}\n}\n"),
+        file("a/one", "use crate::a::two::Two;\nimpl One {\n    fn of_one(self) {}\n}\n"),
         file("a/two", "impl Two {\n    fn f(self, x: X) {\n        x.of_one()\n    }\n}\n"),
     ];
     assert_eq!(circles("fleet", &files), [["src/fleet/a/one.rs", "src/fleet/a/two.rs"]]);

@@ -1,13 +1,16 @@
-//! The walls between modules: layers, purity, headers, sizes. `src/lib.rs` says why they stand.
+//! The walls that Cargo does not keep: the order of modules inside members of the workspace, purity, headers, sizes.
+//! `src/giveway/lib.rs` says why they stand.
 //!
-//! [`check`] looks at one file, [`check_overview`] at `src/lib.rs`. Both take text, so that violations can be planted
+//! [`check`] looks at one file, [`forgotten`] at `src/giveway/lib.rs`. Both take text, so that violations can be planted
 //! here, one of each kind, and must be found with file and line.
 
 mod circles;
+mod members;
 mod names;
 mod rooms;
 mod tokens;
 
+use members::{absolute, is_folder, place};
 use std::collections::BTreeSet;
 use std::fmt;
 use std::path::Path;
@@ -32,12 +35,19 @@ const CORE: [&str; 15] = [
     "alarm",
 ];
 /// Pure too, and driving the core.
-const AROUND: [&str; 2] = ["sim", "experiment"];
-/// The outside world: behind the cargo feature `edge`.
+const AROUND: [&str; 2] = ["sim", "lab"];
+/// The outside world.
 const EDGE: [&str; 5] = ["store", "api", "vda5050", "server", "cli"];
+/// The laboratory's commands, which are no more pure than the product's.
+const LAB_COMMANDS: &str = "src/lab/commands/";
 
 /// Files of `src/api/feed` that are numbers in, numbers out, though they stand at the edge.
 const PURE_FEED: [&str; 8] = ["align", "clock", "intake", "joints", "pose", "swap", "thin", "warn"];
+
+/// The architecture text.
+const OVERVIEW: &str = "src/giveway/lib.rs";
+/// The module of the fleet that shows its parts to tests, and its functions.
+const INTERNALS: [&str; 2] = ["internals", "internals_mut"];
 
 const FILE_LINES: usize = 600;
 const FUNCTION_LINES: usize = 70;
@@ -95,43 +105,45 @@ fn may_name(top: &str) -> Vec<&'static str> {
         "cell" => [core(5), vec!["reach"]].concat(),
         // People and the floor, neither routes nor timelines.
         "local" => [core(5), vec!["human", "aware"]].concat(),
-        "experiment" => [core(CORE.len()), vec!["sim"]].concat(),
+        "lab" => [core(CORE.len()), vec!["sim", "cli"]].concat(),
         "sim" | "store" | "api" | "vda5050" => core(CORE.len()),
         "server" => [core(CORE.len()), AROUND.to_vec(), EDGE[..3].to_vec()].concat(),
         "cli" => [core(CORE.len()), AROUND.to_vec(), EDGE[..4].to_vec()].concat(),
-        "main" => vec!["cli"],
+        "main" => vec!["cli", "lab"],
         _ => core(CORE.iter().position(|m| *m == top).unwrap_or(0)),
     }
 }
 
-fn is_pure(top: &str) -> bool {
-    CORE.contains(&top) || AROUND.contains(&top)
+fn is_pure(path: &str) -> bool {
+    let place = place(path);
+    let feed = matches!(place[..], ["api", "feed", file] if PURE_FEED.contains(&file));
+    let layer = CORE.contains(&place[0]) || AROUND.contains(&place[0]);
+    feed || layer && !path.starts_with(LAB_COMMANDS) && !path.ends_with("/main.rs")
 }
 
 /// Everything that is wrong with one file; `path` begins with `src/`.
 fn check(path: &str, text: &str) -> Vec<Violation> {
-    let inner = path.strip_prefix("src/").expect("a file below src/").trim_end_matches(".rs");
-    let parts: Vec<&str> = inner.split('/').collect();
-    let top = parts[0];
+    let place = place(path);
+    let top = *place.first().unwrap_or(&"lib");
     let mut found = Vec::new();
     let mut add = |line: usize, what: String| found.push(Violation { path: path.into(), line, what });
-    check_shape(&parts, text, &mut add);
+    check_shape(path, text, &mut add);
     let tokens = tokens(text);
     for (line, name, lines) in functions(&tokens) {
         if lines > FUNCTION_LINES {
             add(line, format!("function {name} has {lines} lines, more than {FUNCTION_LINES}"));
         }
     }
-    let is_test = parts.contains(&"tests");
-    if top == "lib" || is_test {
+    let is_test = path.contains("/tests/") || path.ends_with("/tests.rs");
+    if place.is_empty() || is_test || path.ends_with("/build.rs") {
         return found;
     }
     let code = without_tests(&tokens);
-    check_layers(&parts, &code, &mut add);
-    if !["cli", "main"].contains(&top) {
+    check_layers(path, &code, &mut add);
+    if !["cli", "main"].contains(&top) && !path.starts_with(LAB_COMMANDS) {
         check_prints(&code, &mut add);
     }
-    if is_pure(top) || matches!(parts[..], ["api", "feed", file] if PURE_FEED.contains(&file)) {
+    if is_pure(path) {
         check_purity(path, &code, &mut add);
     }
     found.sort_by_key(|v| v.line);
@@ -139,13 +151,13 @@ fn check(path: &str, text: &str) -> Vec<Violation> {
 }
 
 /// Header, length, width.
-fn check_shape(parts: &[&str], text: &str, add: &mut impl FnMut(usize, String)) {
+fn check_shape(path: &str, text: &str, add: &mut impl FnMut(usize, String)) {
     let header: Vec<&str> = text.lines().take_while(|l| l.starts_with("//!")).collect();
     if header.is_empty() {
         add(1, "the file does not open with `//!`".into());
     }
-    let is_module =
-        parts.last() == Some(&"mod") || (parts.len() == 1 && !["lib", "main"].contains(&parts[0]));
+    let place = place(path);
+    let is_module = !place.is_empty() && (is_folder(path) || place.len() == 1 && !path.ends_with("/main.rs"));
     if is_module && header.len() < HEADER_LINES {
         add(1, format!("the module's header has {} lines, fewer than {HEADER_LINES}", header.len()));
     }
@@ -165,22 +177,20 @@ fn check_shape(parts: &[&str], text: &str, add: &mut impl FnMut(usize, String)) 
 }
 
 /// Which module names which.
-fn check_layers(parts: &[&str], code: &[Token<'_>], add: &mut impl FnMut(usize, String)) {
-    let top = parts[0];
-    if !is_pure(top) && !EDGE.contains(&top) && top != "main" {
+fn check_layers(path: &str, code: &[Token<'_>], add: &mut impl FnMut(usize, String)) {
+    let top = place(path)[0];
+    if !CORE.contains(&top) && !AROUND.contains(&top) && !EDGE.contains(&top) && top != "main" {
         add(1, format!("module {top} has no place in the layers of tests/walls/main.rs"));
     }
-    let depth = if parts.last() == Some(&"mod") { parts.len() - 1 } else { parts.len() };
+    let shows = ["src/fleet/lib.rs", "src/fleet/internals.rs"].contains(&path);
+    for token in code.iter().filter(|t| INTERNALS.contains(&t.text) && !shows) {
+        add(token.line, format!("{top} names {} of the fleet, which is for tests alone", token.text));
+    }
     let allowed = may_name(top);
-    for (line, path) in paths(code) {
-        let supers = path.iter().take_while(|s| **s == "super").count();
-        let root = ["crate", "giveway"].contains(&path[0]);
-        let named = match (root, supers > 0 && supers >= depth) {
-            (true, _) => path.get(1),
-            (_, true) => path.get(supers),
-            _ => None,
-        };
-        let Some(named) = named else { continue };
+    for (line, segments) in paths(code) {
+        let Some(to) = absolute(path, &segments) else { continue };
+        // What the root of a member declares may be named by all of that member: Cargo keeps the order of members.
+        let Some(named) = to.first().filter(|_| segments.len() > 1) else { continue };
         if *named != top && !allowed.contains(named) {
             add(line, format!("{top} names {named}, which it may not know"));
         }
@@ -206,32 +216,23 @@ fn check_purity(file: &str, code: &[Token<'_>], add: &mut impl FnMut(usize, Stri
     }
 }
 
-/// Nothing prints but commands, whose `println!` and `eprintln!` (`src/cli/out.rs`) outlive a closed pipe.
+/// Nothing prints but commands, whose `println!` and `eprintln!` (`src/giveway/cli/out.rs`) outlive a closed pipe.
 fn check_prints(code: &[Token<'_>], add: &mut impl FnMut(usize, String)) {
     for pair in code.windows(2).filter(|pair| MACROS.contains(&pair[0].text) && pair[1].text == "!") {
-        add(pair[0].line, format!("code outside of src/cli uses {}!", pair[0].text));
+        add(pair[0].line, format!("code outside of commands uses {}!", pair[0].text));
     }
 }
 
-/// `src/lib.rs` names every top module in its text and keeps the edge behind its feature.
-fn check_overview(text: &str) -> Vec<Violation> {
-    let header: String = text.lines().take_while(|l| l.starts_with("//!")).collect();
-    let mut found = Vec::new();
-    let mut before = "";
-    for (i, line) in text.lines().enumerate() {
-        if let Some(name) = line.strip_prefix("pub mod ").and_then(|l| l.strip_suffix(';')) {
-            let mut add =
-                |what: String| found.push(Violation { path: "src/lib.rs".into(), line: i + 1, what });
-            if !header.contains(&format!("`{name}`")) && !header.contains(&format!("{name}/")) {
-                add(format!("the text above does not name module {name}"));
-            }
-            if EDGE.contains(&name) != before.contains("feature = \"edge\"") {
-                add(format!("module {name} is on the wrong side of the feature `edge`"));
-            }
-        }
-        before = line;
-    }
-    found
+/// The text before the code of the overview.
+fn overview(text: &str) -> String {
+    text.lines().take_while(|l| l.starts_with("//!")).map(|l| format!("{l}\n")).collect()
+}
+
+/// Modules of the tree that the overview does not name.
+fn forgotten<'a>(overview: &str, paths: impl Iterator<Item = &'a str>) -> BTreeSet<&'a str> {
+    let tops = paths.filter_map(|path| place(path).first().copied()).filter(|top| *top != "main");
+    tops.filter(|top| !overview.contains(&format!("`{top}`")) && !overview.contains(&format!("{top}/")))
+        .collect()
 }
 
 fn sources(folder: &Path, found: &mut Vec<(String, String)>) {
@@ -268,16 +269,13 @@ fn the_sources_keep_their_walls() {
 }
 
 #[test]
-fn the_overview_names_every_module_and_keeps_the_edge_behind_its_feature() {
+fn the_overview_names_every_module() {
     let files = all_sources();
-    let lib = &files.iter().find(|(path, _)| path == "src/lib.rs").expect("the library").1;
-    assert_none(&check_overview(lib));
-    let tops: BTreeSet<&str> = (files.iter())
-        .map(|(path, _)| path["src/".len()..].split('/').next().expect("a name").trim_end_matches(".rs"))
-        .filter(|top| !["lib", "main"].contains(top))
-        .collect();
-    let forgotten: Vec<_> = tops.iter().filter(|top| !lib.contains(&format!("pub mod {top};"))).collect();
-    assert!(forgotten.is_empty(), "src/lib.rs does not declare {forgotten:?}");
+    let text = &files.iter().find(|(path, _)| path == OVERVIEW).expect("the overview").1;
+    let paths = || files.iter().map(|(path, _)| path.as_str());
+    assert_eq!(forgotten(&overview(text), paths()), BTreeSet::new());
+    let planted = ["src/floor/attic/mod.rs", "src/floor/time.rs"].into_iter();
+    assert_eq!(forgotten("//! [`time`]", planted), BTreeSet::from(["attic"]));
 }
 
 /// Files and folders that the overview names and that are not there: in each line, a name without a folder is in the
@@ -301,9 +299,9 @@ fn not_there(text: &str, is_there: impl Fn(&str) -> bool) -> Vec<String> {
 #[test]
 fn the_overview_names_files_that_are_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(root.join("src/lib.rs")).expect("the library");
+    let text = std::fs::read_to_string(root.join(OVERVIEW)).expect("the library");
     let known = |path: &str| {
-        let folders = ["src", "src/fleet", "."];
+        let folders = ["src", "src/fleet", "src/floor", "src/people", "src/giveway", "."];
         path.starts_with("vda5050") || folders.iter().any(|f| root.join(f).join(path).exists())
     };
     assert_eq!(not_there(&text, known), [""; 0]);
@@ -322,51 +320,59 @@ fn planted(path: &str, body: &str) -> Vec<String> {
 
 #[test]
 fn a_module_that_names_one_below_it_is_found() {
-    let body = "use crate::time::Time;\nuse crate::fleet::Fleet;\n";
+    let body = "use giveway_floor::time::Time;\nuse giveway_fleet::Fleet;\n";
     assert_eq!(
-        planted("src/route/x.rs", body),
-        ["src/route/x.rs:6: route names fleet, which it may not know"]
+        planted("src/floor/route/x.rs", body),
+        ["src/floor/route/x.rs:6: route names fleet, which it may not know"]
     );
     assert_eq!(planted("src/fleet/x.rs", body), [""; 0]);
 }
 
 #[test]
 fn a_path_in_a_group_in_an_expression_or_through_super_is_found_too() {
-    let body = "use crate::{\n    id::NodeId,\n    sim::{World, laws::Laws},\n};\n";
-    let found = planted("src/fleet/x.rs", body);
+    let body = "use giveway_floor::{\n    id::NodeId,\n    route::{Route, search::Search},\n};\n";
+    let found = planted("src/people/human/x.rs", body);
     assert_eq!(found.len(), 2, "{found:?}");
-    assert_eq!(found[0], "src/fleet/x.rs:7: fleet names sim, which it may not know");
-    let found = planted("src/time.rs", "fn f() -> u8 {\n    crate::id::number()\n}\n");
-    assert_eq!(found, ["src/time.rs:6: time names id, which it may not know"]);
-    let found = planted("src/fleet/x.rs", "use super::super::sim::World;\nuse super::ledger::Ledger;\n");
-    assert_eq!(found, ["src/fleet/x.rs:5: fleet names sim, which it may not know"]);
-    let found = planted("src/fleet/mod.rs", "use super::*;\n");
-    assert_eq!(found, ["src/fleet/mod.rs:5: fleet names *, which it may not know"]);
+    assert_eq!(found[0], "src/people/human/x.rs:7: human names route, which it may not know");
+    let found = planted("src/floor/time.rs", "fn f() -> u8 {\n    crate::id::number()\n}\n");
+    assert_eq!(found, ["src/floor/time.rs:6: time names id, which it may not know"]);
+    let found =
+        planted("src/people/human/x.rs", "use super::super::aware::Effects;\nuse super::track::Track;\n");
+    assert_eq!(found, ["src/people/human/x.rs:5: human names aware, which it may not know"]);
 }
 
 #[test]
 fn parts_of_the_edge_that_name_each_other_are_found() {
     for (path, other) in
-        [("store", "api"), ("api", "store"), ("api", "sim"), ("vda5050", "api"), ("sim", "server")]
+        [("store", "api"), ("api", "store"), ("api", "sim"), ("vda5050", "api"), ("sim", "store")]
     {
-        let found = planted(&format!("src/{path}/x.rs"), &format!("use crate::{other}::Thing;\n"));
+        let found = planted(&format!("src/{path}/x.rs"), &format!("use giveway_{other}::Thing;\n"));
         assert_eq!(found, [format!("src/{path}/x.rs:5: {path} names {other}, which it may not know")]);
     }
-    assert_eq!(planted("src/server/x.rs", "use crate::{store, api, sim};\n"), [""; 0]);
+    assert_eq!(
+        planted("src/giveway/server/x.rs", "use giveway_api::Api;\nuse giveway_sim::World;\n"),
+        [""; 0]
+    );
 }
 
 #[test]
 fn people_and_routes_meet_nowhere_but_in_aware() {
-    let found = planted("src/human/x.rs", "use crate::route::Route;\n");
-    assert_eq!(found, ["src/human/x.rs:5: human names route, which it may not know"]);
-    assert_eq!(planted("src/route/x.rs", "use crate::human::Belief;\n").len(), 1);
-    assert_eq!(planted("src/aware/x.rs", "use crate::{human::Belief, route::Route};\n"), [""; 0]);
+    let found = planted("src/people/human/x.rs", "use giveway_floor::route::Route;\n");
+    assert_eq!(found, ["src/people/human/x.rs:5: human names route, which it may not know"]);
+    assert_eq!(planted("src/floor/route/x.rs", "use giveway_people::human::Belief;\n").len(), 1);
+    assert_eq!(
+        planted("src/people/aware/x.rs", "use crate::human::Belief;\nuse giveway_floor::route::Route;\n"),
+        [""; 0]
+    );
 }
 
 #[test]
 fn a_module_without_a_place_in_the_layers_is_found() {
-    let found = planted("src/utils/mod.rs", "fn f() {}\n");
-    assert_eq!(found, ["src/utils/mod.rs:1: module utils has no place in the layers of tests/walls/main.rs"]);
+    let found = planted("src/floor/utils/mod.rs", "fn f() {}\n");
+    assert_eq!(
+        found,
+        ["src/floor/utils/mod.rs:1: module utils has no place in the layers of tests/walls/main.rs"]
+    );
 }
 
 #[test]
@@ -390,11 +396,11 @@ fn every_kind_of_impurity_is_found_at_its_line() {
         ("use rand_pcg::Pcg64Mcg;", "rand_pcg::Pcg64Mcg"),
         ("async fn f() {}", "async"),
     ] {
-        for path in ["src/fleet/x.rs", "src/sim/x.rs", "src/experiment/x.rs"] {
+        for path in ["src/fleet/x.rs", "src/sim/x.rs", "src/lab/x.rs"] {
             let found = planted(path, &format!("const A: u8 = 1;\n{line}\n"));
             assert_eq!(found, [format!("{path}:6: pure code uses {name}")], "{line}");
         }
-        assert_eq!(planted("src/server/x.rs", line), [""; 0], "{line}");
+        assert_eq!(planted("src/giveway/server/x.rs", line), [""; 0], "{line}");
     }
     assert_eq!(planted(CHANCE, "use rand_pcg::Pcg64Mcg;\n"), [""; 0]);
 }
@@ -403,10 +409,10 @@ fn every_kind_of_impurity_is_found_at_its_line() {
 fn prints_that_do_not_outlive_a_closed_pipe_are_found() {
     for name in ["println!", "eprintln!", "print!", "dbg!"] {
         let line = format!("fn f() {{ {name}(\"x\") }}\n");
-        for path in ["src/fleet/x.rs", "src/experiment/x.rs", "src/server/x.rs", "src/api/x.rs"] {
-            assert_eq!(planted(path, &line), [format!("{path}:5: code outside of src/cli uses {name}")]);
+        for path in ["src/fleet/x.rs", "src/lab/x.rs", "src/giveway/server/x.rs", "src/api/x.rs"] {
+            assert_eq!(planted(path, &line), [format!("{path}:5: code outside of commands uses {name}")]);
         }
-        assert_eq!(planted("src/cli/x.rs", &line), [""; 0]);
+        assert_eq!(planted("src/giveway/cli/x.rs", &line), [""; 0]);
     }
 }
 
@@ -422,14 +428,14 @@ fn f<'a>(x: &'a str) -> (&'a str, char, char, u8) { (x, '"', '\'', b'"') }
 #[cfg(test)]
 mod tests {
     use std::collections::HashMap;
-    use crate::sim::World;
+    use giveway_sim::World;
     fn g() { println!("{{") }
 }
 "##;
     assert_eq!(planted("src/fleet/x.rs", body), [""; 0]);
     let after = format!("{body}use std::fs;\n");
     assert_eq!(planted("src/fleet/x.rs", &after), ["src/fleet/x.rs:18: pure code uses std::fs"]);
-    assert_eq!(planted("src/fleet/tests.rs", "use crate::sim::World;\nuse std::fs;\n"), [""; 0]);
+    assert_eq!(planted("src/fleet/tests/x.rs", "use giveway_sim::World;\nuse std::fs;\n"), [""; 0]);
 }
 
 #[test]
@@ -439,9 +445,9 @@ fn a_file_without_a_header_and_a_module_with_a_poor_one_are_found() {
         texts("src/fleet/x.rs", "use std::fmt;\n"),
         ["src/fleet/x.rs:1: the file does not open with `//!`"]
     );
-    let found = texts("src/fleet/mod.rs", "//! The core.\n//! Main types: none.\n");
+    let found = texts("src/fleet/lib.rs", "//! The core.\n//! Main types: none.\n");
     assert_eq!(found.len(), 2, "{found:?}");
-    assert_eq!(found[0], "src/fleet/mod.rs:1: the module's header has 2 lines, fewer than 3");
+    assert_eq!(found[0], "src/fleet/lib.rs:1: the module's header has 2 lines, fewer than 3");
     assert!(found[1].contains("does not say what it refuses"), "{found:?}");
     assert_eq!(texts("src/fleet/x.rs", "//! Short is enough inside.\n"), [""; 0]);
 }
@@ -453,23 +459,15 @@ fn long_files_long_functions_and_wide_lines_are_found() {
     let body = format!("fn short() {{}}\nfn long(x: [u8; 2]) {{\n{}}}\n", "    f();\n".repeat(69));
     let found = planted("src/fleet/x.rs", &body);
     assert_eq!(found, ["src/fleet/x.rs:6: function long has 71 lines, more than 70"]);
-    let found = planted("src/cli/x.rs", &format!("fn f() {{}}\n// {}\n", "ö".repeat(118)));
-    assert_eq!(found, ["src/cli/x.rs:6: the line is 121 characters wide, more than 120"]);
+    let found = planted("src/giveway/cli/x.rs", &format!("fn f() {{}}\n// {}\n", "ö".repeat(118)));
+    assert_eq!(found, ["src/giveway/cli/x.rs:6: the line is 121 characters wide, more than 120"]);
 }
 
 #[test]
-fn a_module_that_the_overview_forgets_or_leaves_in_front_of_the_feature_is_found() {
-    let text = "//! The parts: [`time`], [`store`].\n\npub mod time;\npub mod id;\npub mod store;\n";
-    let found: Vec<String> = check_overview(text).iter().map(Violation::to_string).collect();
-    assert_eq!(
-        found,
-        [
-            "src/lib.rs:4: the text above does not name module id",
-            "src/lib.rs:5: module store is on the wrong side of the feature `edge`",
-        ]
-    );
-    let good = text
-        .replace("pub mod id;\n", "")
-        .replace("pub mod store", "#[cfg(feature = \"edge\")]\npub mod store");
-    assert_none(&check_overview(&good));
+fn the_internals_of_the_fleet_are_shown_to_tests_alone() {
+    let found = planted("src/sim/x.rs", "use giveway_fleet::internals::Internals;\n");
+    assert_eq!(found, ["src/sim/x.rs:5: sim names internals of the fleet, which is for tests alone"]);
+    let found = planted("src/sim/x.rs", "fn f(fleet: &Fleet) {\n    fleet.internals().floor()\n}\n");
+    assert_eq!(found, ["src/sim/x.rs:6: sim names internals of the fleet, which is for tests alone"]);
+    assert_eq!(planted("src/fleet/tests/x.rs", "use giveway_fleet::internals::Internals;\n"), [""; 0]);
 }

@@ -1,4 +1,4 @@
-// One format, two readers: the cases are those of the program's reader (src/text/table.rs).
+// One format, two readers: the cases are those of the program's reader (src/floor/text/table.rs).
 import { expect, test } from 'vitest';
 import cases from '../fixtures/tables.json';
 import { readTable } from '../src/jobs/table';

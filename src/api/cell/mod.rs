@@ -9,7 +9,7 @@ pub mod socket;
 pub mod station;
 
 use super::words::{LineStateDto, PickedByDto};
-use crate::cell::{LineProgress, LineState, Lines, OrderLine};
+use giveway_cell::{LineProgress, LineState, Lines, OrderLine};
 use serde::Serialize;
 use utoipa::ToSchema;
 

@@ -2,13 +2,13 @@
 //!
 //! Main type: [`NewLine`], main function: [`read_lines`]. Refuses: lines that nobody can pick, by name.
 
-use crate::api::error::FieldError;
-use crate::api::words::PickedByDto;
-use crate::cell::{LineProblem, MOST_LINES, MOST_PIECES, OrderLine, PickedBy, problem};
-use crate::id::{RackId, StationId};
-use crate::text::sentence::{refusals, requests};
-use crate::text::{Sentence, SentenceArg};
-use crate::warehouse::Warehouse;
+use crate::error::FieldError;
+use crate::words::PickedByDto;
+use giveway_cell::{LineProblem, MOST_LINES, MOST_PIECES, OrderLine, PickedBy, problem};
+use giveway_floor::id::{RackId, StationId};
+use giveway_floor::text::sentence::{refusals, requests};
+use giveway_floor::text::{Sentence, SentenceArg};
+use giveway_floor::warehouse::Warehouse;
 use serde::Deserialize;
 use utoipa::ToSchema;
 

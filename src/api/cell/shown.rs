@@ -4,10 +4,10 @@
 
 use super::station::{ArmDto, CellWarningDto, EndsHeldDto};
 use super::{LineDto, lines_dto};
-use crate::api::dto::Names;
-use crate::fleet::StationView;
-use crate::id::StationId;
-use crate::time::Time;
+use crate::dto::Names;
+use giveway_fleet::StationView;
+use giveway_floor::id::StationId;
+use giveway_floor::time::Time;
 use serde::Serialize;
 
 /// A work cell at a moment.

@@ -2,17 +2,17 @@
 //!
 //! Main function: [`live_station`]. Refuses: to keep anything for a reader; each message is the whole state.
 
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::dto::Names;
-use crate::api::error::Problem;
-use crate::api::extract::PathPart;
-use crate::api::http::stations::parse_station;
-use crate::api::ws::{ReadOnly, reader_upgrade};
-use crate::id::StationId;
+use crate::Api;
+use crate::called::Called;
+use crate::dto::Names;
+use crate::error::Problem;
+use crate::extract::PathPart;
+use crate::http::stations::parse_station;
+use crate::ws::{ReadOnly, reader_upgrade};
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::response::Response;
+use giveway_floor::id::StationId;
 use std::time::Duration;
 use tokio::time::Instant;
 

@@ -3,16 +3,17 @@
 //! Main type: [`StationDetailDto`]. Refuses: to keep anything from one moment to the next.
 
 use super::{LineDto, lines_dto};
-use crate::api::dto::{Names, StationDto};
-use crate::api::text::{job_name, round3, time_text};
-use crate::cell::arm::{ArmActivity, ArmTrouble};
-use crate::cell::{Lines, ReachPlace, Remaining, SeenReach};
-use crate::fleet::{ArmView, EndsHeld, StationView, WrongReach};
-use crate::id::{Dense, JobId, RackId, RobotId, StationId};
-use crate::text::Sentence;
-use crate::text::sentence::reasons;
-use crate::time::Span;
-use crate::warehouse::{ArmMount, Cell, Tote};
+use crate::dto::{Names, StationDto};
+use crate::sentence::SentenceSchema;
+use crate::text::{job_name, round3, time_text};
+use giveway_cell::arm::{ArmActivity, ArmTrouble};
+use giveway_cell::{Lines, ReachPlace, Remaining, SeenReach};
+use giveway_fleet::{ArmView, EndsHeld, StationView, WrongReach};
+use giveway_floor::id::{Dense, JobId, RackId, RobotId, StationId};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::reasons;
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::{ArmMount, Cell, Tote};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -127,6 +128,7 @@ pub struct ArmDto {
     /// What it does.
     pub state: ArmStateDto,
     /// Why it gets no trajectory, in words; null where nothing is wrong.
+    #[schema(value_type = Option<SentenceSchema>)]
     pub reason: Option<Sentence>,
     /// The line that it picks; null if it picks none.
     pub line: Option<ArmLineDto>,
@@ -277,7 +279,7 @@ fn trouble(why: ArmTrouble) -> Sentence {
     }
 }
 
-pub(in crate::api) fn warning_dto(wrong: WrongReach, cell: Option<&Cell>) -> CellWarningDto {
+pub(crate) fn warning_dto(wrong: WrongReach, cell: Option<&Cell>) -> CellWarningDto {
     let tote_name = |tote: usize| Some(cell?.totes.get(tote)?.name.clone());
     match wrong {
         WrongReach::Slot(slot) => {

@@ -7,9 +7,9 @@
 //! ([`Alignment::mirrored`]). Pure. Refuses: pairs that no rigid movement brings together, marks of one floor at
 //! different heights, and to guess which of two stories is true.
 
-use crate::geometry::{FARTHEST_M, Point, Vector, wrap_angle};
-use crate::text::sentence::{feed, remedies};
-use crate::text::{Sentence, SentenceArg};
+use giveway_floor::geometry::{FARTHEST_M, Point, Vector, wrap_angle};
+use giveway_floor::text::sentence::{feed, remedies};
+use giveway_floor::text::{Sentence, SentenceArg};
 use nalgebra::Rotation2;
 
 /// One standard deviation of touching a mark, metres. Fits that look better than that are not believed.

@@ -4,7 +4,7 @@
 //! the least delay are those of NTP (RFC 5905, sections 8 and 10). Pure. Refuses: to turn the time of poses back and
 //! forth; corrections are spread out, unless the device's clock itself has jumped.
 
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 use std::collections::VecDeque;
 
 /// So many samples are kept.

@@ -8,10 +8,10 @@ use super::clock::Exchange;
 use super::intake::{PoseFault, PoseIntake};
 use super::pose::plan;
 use super::wire::{PoseFrame, PoseSaid, QualitySaid};
-use crate::geometry::{Point, Vector, wrap_angle};
-use crate::human::Track;
-use crate::id::WorkerId;
-use crate::time::{Span, Time};
+use giveway_floor::geometry::{Point, Vector, wrap_angle};
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::{Span, Time};
+use giveway_people::human::Track;
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 const NOW: Time = Time(1_800_000_000_000_000);

@@ -4,7 +4,7 @@
 //! Agreement proves nothing, since a frame with left and right exchanged in both agrees with itself. Pure. Refuses: to
 //! draw a conclusion from a few steps backwards.
 
-use crate::geometry::{Vector, wrap_angle};
+use giveway_floor::geometry::{Vector, wrap_angle};
 use std::collections::VecDeque;
 
 /// The way that is looked back on, metres.

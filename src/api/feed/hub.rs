@@ -12,15 +12,15 @@ use super::lights::CellTold;
 use super::pose::hand_points;
 use super::thin::RateLimiter;
 use super::wire::GazeKind;
-use crate::api::error::Problem;
-use crate::api::text::parse_worker_name;
-use crate::cell::HandPoints;
-use crate::fleet::{CellWarning, FeedCounts, Guidance, View};
-use crate::human::{Presence, Sighting, SourceId};
-use crate::id::{Dense, IdVec, WorkerId};
-use crate::text::sentence::requests;
-use crate::time::{Span, Time};
-use crate::warehouse::{Place, Warehouse};
+use crate::error::Problem;
+use crate::text::parse_worker_name;
+use giveway_cell::HandPoints;
+use giveway_fleet::{CellWarning, FeedCounts, Guidance, View};
+use giveway_floor::id::{Dense, IdVec, WorkerId};
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{Place, Warehouse};
+use giveway_people::human::{Presence, Sighting, SourceId};
 use nalgebra::Vector3;
 use std::sync::{Mutex, MutexGuard};
 use tokio::sync::{mpsc, watch};
@@ -391,8 +391,8 @@ impl Feeds {
 mod tests {
     use super::super::pose::Gaze;
     use super::*;
-    use crate::geometry::Point;
-    use crate::human::Quality;
+    use giveway_floor::geometry::Point;
+    use giveway_people::human::Quality;
 
     const ANNA: WorkerId = WorkerId(0);
 
@@ -517,7 +517,7 @@ mod tests {
     fn marks_that_a_client_remembers_are_no_new_marks() {
         let (feeds, _heard) = feeds();
         let mark = |x: f64| PointPair {
-            device: crate::geometry::Vector::new(x, 0.0),
+            device: giveway_floor::geometry::Vector::new(x, 0.0),
             map: Point::origin(),
             weight: 1.0,
             turn: Some(0.0),

@@ -8,9 +8,9 @@ use super::intake::Senses;
 use super::pose::{Hand, hand_points};
 use super::swap::SwapWatch;
 use super::wire::HandsSaid;
-use crate::cell::HandPoints;
-use crate::time::{Span, Time};
-use crate::warehouse::Place;
+use giveway_cell::HandPoints;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Place;
 
 /// A hand that is farther than this from the head belongs to no arm of its owner, metres.
 const ARM_M: f64 = 1.4;

@@ -3,12 +3,12 @@
 //! Main types: [`CellTold`] (what is to be shown), [`CellLightsDto`] (as it is sent). Refuses: to judge hands, which
 //! the core does.
 
-use crate::api::cell::station::{CellWarningDto, warning_dto};
-use crate::fleet::{StationView, View, WrongReach};
-use crate::geometry::{Point, inside};
-use crate::id::{Dense, RackTypeId, StationId};
-use crate::time::Time;
-use crate::warehouse::{Cell, SlotName, Warehouse};
+use crate::cell::station::{CellWarningDto, warning_dto};
+use giveway_fleet::{StationView, View, WrongReach};
+use giveway_floor::geometry::{Point, inside};
+use giveway_floor::id::{Dense, RackTypeId, StationId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::{Cell, SlotName, Warehouse};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -111,11 +111,11 @@ impl CellLightsDto {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Vector;
+    use giveway_floor::geometry::Vector;
 
     #[test]
     fn hands_are_asked_for_in_a_workplace_that_hears_them_and_nowhere_else() {
-        let map = crate::warehouse::stations();
+        let map = giveway_floor::warehouse::stations();
         let outline = &map.stations[StationId(0)].cell.as_ref().unwrap().workplace;
         let middle = Point::from(outline.iter().map(|p| p.coords).sum::<Vector>() / outline.len() as f64);
         let asked = |hears_hands: bool, at: Point| {

@@ -4,8 +4,9 @@
 
 use super::lights::CellLightsDto;
 use super::wire::PoseFrame;
-use crate::api::guidance::GuidanceDto;
-use crate::text::Sentence;
+use crate::guidance::GuidanceDto;
+use crate::sentence::SentenceSchema;
+use giveway_floor::text::Sentence;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -66,8 +67,10 @@ pub enum FeedMessage {
         /// What is refused: `anchors`.
         what: &'static str,
         /// Why.
+        #[schema(value_type = SentenceSchema)]
         reason: Sentence,
         /// What to do.
+        #[schema(value_type = SentenceSchema)]
         remedy: Sentence,
         /// The alignment that stays.
         epoch: u32,
@@ -92,6 +95,7 @@ pub enum FeedMessage {
         #[schema(example = "a3")]
         assignment: String,
         /// Why it is not done; null if it is.
+        #[schema(value_type = Option<SentenceSchema>)]
         refused: Option<Sentence>,
     },
     /// Something is wrong with what the headset sends.
@@ -102,11 +106,13 @@ pub enum FeedMessage {
         /// How often since the last one.
         count: u64,
         /// What, and what to do.
+        #[schema(value_type = SentenceSchema)]
         text: Sentence,
     },
     /// The last message before the server closes the connection.
     Error {
         /// Why.
+        #[schema(value_type = SentenceSchema)]
         text: Sentence,
     },
 }

@@ -5,9 +5,9 @@
 
 use super::align::Alignment;
 use super::wire::GazeKind;
-use crate::cell::HandPoints;
-use crate::geometry::{Point, Vector};
-use crate::warehouse::Place;
+use giveway_cell::HandPoints;
+use giveway_floor::geometry::{Point, Vector};
+use giveway_floor::warehouse::Place;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 /// Beyond this pitch the forward vector says little about where a head faces: 75 degrees.

@@ -4,8 +4,8 @@
 //! Main type: [`SwapWatch`]. Pure. Refuses: to say which hand is which; hands that cross are where arms can have
 //! brought them, and are no swap.
 
-use crate::time::{Span, Time};
-use crate::warehouse::Place;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Place;
 
 /// No hand is faster, metres per second …
 const FASTEST_MPS: f64 = 3.5;

@@ -1,22 +1,22 @@
 //! A connection over a real socket, with the fleet played by the test.
 
 use super::hub::{Feeds, HeardSighting};
-use crate::alarm::{Alarm, AlarmQuery};
-use crate::api::alarms::Alarms;
-use crate::api::port::{Later, Moment, Question, Records, SharedHistory};
-use crate::api::{
+use crate::alarms::Alarms;
+use crate::port::{Later, Moment, Question, Records, SharedHistory};
+use crate::{
     Api, Kinds, audit::AuditDesk, auth::Gate, caller::Caller, live::Live, massrobotics::Interop,
     metrics::Metrics, router,
 };
-use crate::fleet::{
+use futures_util::{SinkExt, StreamExt};
+use giveway_fleet::alarm::{Alarm, AlarmQuery};
+use giveway_fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, Guidance, GuidanceReason, GuidanceState,
     JobQuery, JobRow, Listed, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows, View,
 };
-use crate::geometry::Point;
-use crate::human::{SightingOutcome, Track};
-use crate::id::{AssignmentId, IdVec, JobId, RobotId, WorkerId};
-use crate::time::{Span, Time};
-use futures_util::{SinkExt, StreamExt};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{AssignmentId, IdVec, JobId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::human::{SightingOutcome, Track};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::sync::Arc;
@@ -79,7 +79,8 @@ struct TestServer {
 
 impl TestServer {
     async fn new() -> TestServer {
-        let map = crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
+        let map =
+            giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
         let map = Arc::new(map);
         let (feeds, heard) = Feeds::new();
         feeds.know(&IdVec::from(vec!["anna".to_owned()]));
@@ -106,8 +107,8 @@ impl TestServer {
             interop: Arc::new(Interop::default()),
             now: Arc::new(move || Time(ticks.fetch_add(1, Ordering::Relaxed))),
             metrics: metrics.clone(),
-            trials: crate::api::trial::Trials::default(),
-            maps: crate::api::publish::MapDesk::default(),
+            trials: crate::trial::Trials::default(),
+            maps: crate::publish::MapDesk::default(),
             gate: Arc::new(Gate::default()),
             oidc: None,
             tokens: None,
@@ -213,7 +214,7 @@ async fn guidance_that_does_not_change_leaves_four_times_a_second_and_only_the_n
     stage.feeds.tell(stage.now(), vec![(ANNA, told(GuidanceState::Deviating, 100))]);
     assert_eq!(anna.next("guidance").await["state"], "deviating", "the one that is the same was left out");
     stage.clock.fetch_add(Span::from_millis(300).0, Ordering::Relaxed);
-    let lab = crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
+    let lab = giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
     stage.feeds.refresh(&View { now: stage.now(), ..View::default() }, &lab);
     assert_eq!(anna.next("guidance").await["state"], "idle");
 }

@@ -3,7 +3,7 @@
 //! Main type: [`RateLimiter`]. A bucket of permits with room for a few, since radios deliver in bunches; beyond it only
 //! the newest pose waits, for the next permit. Pure. Refuses: to keep more than one.
 
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 
 /// A little more than sixty a second, so that a clock that runs fast is not punished.
 const PERMIT: Span = Span(1_000_000 / 66);

@@ -44,7 +44,7 @@ fn say_bare(value: &mut Value) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::sentence::feed;
+    use giveway_floor::text::sentence::feed;
     use serde_json::json;
 
     #[test]

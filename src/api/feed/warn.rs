@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Warnings`]. Pure. Refuses: to answer a flood with a flood.
 
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// How often a client is told of one kind of fault.

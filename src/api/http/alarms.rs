@@ -4,19 +4,19 @@
 //! is over, or without a name.
 
 use super::lists::checked_limit;
-use crate::alarm::{
+use crate::Api;
+use crate::alarms::AlarmDto;
+use crate::called::Called;
+use crate::dto::Page;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, Params, PathPart, read_end, read_time, signed};
+use crate::text::parse_alarm;
+use axum::Json;
+use giveway_fleet::alarm::{
     Alarm, AlarmNote, AlarmQuery, CareRefusal, LONGEST_SHELVING, MOST_NOTES, MOST_SHELVED, Shelving,
 };
-use crate::api::Api;
-use crate::api::alarms::AlarmDto;
-use crate::api::called::Called;
-use crate::api::dto::Page;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart, read_end, read_time, signed};
-use crate::api::text::parse_alarm;
-use crate::text::sentence::requests;
-use crate::time::Span;
-use axum::Json;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::Span;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 

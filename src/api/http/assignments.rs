@@ -6,21 +6,21 @@
 
 use super::lists::{checked_limit, read_words, refuse_wrong};
 use super::new_job::unknown;
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::caller::Role;
-use crate::api::dto::{Names, Page};
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_end, read_time};
-use crate::api::people::{ASSIGNMENT_STATES, AssignmentDto};
-use crate::api::text::{assignment_name, parse_assignment, worker_name};
-use crate::api::words::AssignmentStateDto;
-use crate::fleet::{Ask, AssignmentQuery, AssignmentRequest, AssignmentRow, Made};
-use crate::id::{AssignmentId, WorkerId};
-use crate::text::sentence::requests;
-use crate::time::Span;
+use crate::Api;
+use crate::called::Called;
+use crate::caller::Role;
+use crate::dto::{Names, Page};
+use crate::error::{FieldError, Problem};
+use crate::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_end, read_time};
+use crate::people::{ASSIGNMENT_STATES, AssignmentDto};
+use crate::text::{assignment_name, parse_assignment, worker_name};
+use crate::words::AssignmentStateDto;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
+use giveway_fleet::{Ask, AssignmentQuery, AssignmentRequest, AssignmentRow, Made};
+use giveway_floor::id::{AssignmentId, WorkerId};
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::Span;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 

@@ -4,14 +4,14 @@
 //! live feed are derived from the rows that they change. Refuses: to describe a row twice.
 
 use super::openapi::require_nullable;
-use crate::api::alarms::AlarmRowDto;
-use crate::api::dto::{CountersDto, JobCountsDto, RackDto, RobotDto, StationDto};
-use crate::api::error::Problem;
-use crate::api::feed::message::FeedMessage;
-use crate::api::feed::wire::HeadsetMessage;
-use crate::api::live::ForecastDto;
-use crate::api::massrobotics::InteropReport;
-use crate::api::people::{ClosureDto, SensesDto, WorkerDto};
+use crate::alarms::AlarmRowDto;
+use crate::dto::{CountersDto, JobCountsDto, RackDto, RobotDto, StationDto};
+use crate::error::Problem;
+use crate::feed::message::FeedMessage;
+use crate::feed::wire::HeadsetMessage;
+use crate::live::ForecastDto;
+use crate::massrobotics::InteropReport;
+use crate::people::{ClosureDto, SensesDto, WorkerDto};
 use serde_json::{Map, Value, json};
 use utoipa::ToSchema;
 use utoipa::openapi::{RefOr, Schema};

@@ -3,17 +3,17 @@
 //! Main types: [`AuditDto`], [`AuditParams`]. Refuses: pages of more than 500.
 
 use super::lists::checked_limit;
-use crate::api::acts::AuditAct;
-use crate::api::audit::{AuditEntry, AuditQuery};
-use crate::api::called::Called;
-use crate::api::caller::Role;
-use crate::api::dto::Page;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, read_end, read_time};
-use crate::api::text::time_text;
-use crate::text::sentence::requests;
-use crate::time::Time;
+use crate::acts::AuditAct;
+use crate::audit::{AuditEntry, AuditQuery};
+use crate::called::Called;
+use crate::caller::Role;
+use crate::dto::Page;
+use crate::error::{FieldError, Problem};
+use crate::extract::{Params, read_end, read_time};
+use crate::text::time_text;
 use axum::Json;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 

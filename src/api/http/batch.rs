@@ -5,17 +5,17 @@
 
 use super::jobs::{check_same, read};
 use super::new_job::NewJob;
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{IdempotencyKey, JsonBody};
-use crate::api::refusal::refused;
-use crate::api::text::job_name;
-use crate::fleet::{Ask, JobRequest, JobTaken, Made};
-use crate::id::JobId;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::{IdempotencyKey, JsonBody};
+use crate::refusal::refused;
+use crate::text::job_name;
 use axum::Json;
 use axum::http::StatusCode;
+use giveway_fleet::{Ask, JobRequest, JobTaken, Made};
+use giveway_floor::id::JobId;
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;

@@ -2,12 +2,12 @@
 //!
 //! Main type: [`ClosingEffectDto`]. Refuses: to close anything.
 
-use crate::api::Api;
-use crate::api::dto::Names;
-use crate::api::error::Problem;
-use crate::api::port::Question;
-use crate::api::text::{job_name, time_text};
-use crate::fleet::{Affected, ClosingEffect, Closure};
+use crate::Api;
+use crate::dto::Names;
+use crate::error::Problem;
+use crate::port::Question;
+use crate::text::{job_name, time_text};
+use giveway_fleet::{Affected, ClosingEffect, Closure};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -51,7 +51,7 @@ pub(super) async fn effect_of(api: &Api, area: &Closure) -> Result<ClosingEffect
 
 impl ClosingEffectDto {
     fn new(effect: ClosingEffect, names: Names) -> ClosingEffectDto {
-        let station = |s: &crate::id::StationId| names.map.stations[*s].name.clone();
+        let station = |s: &giveway_floor::id::StationId| names.map.stations[*s].name.clone();
         ClosingEffectDto {
             nodes: effect.nodes,
             stations: effect.stations.iter().map(station).collect(),

@@ -7,23 +7,23 @@ use super::halt::done;
 use super::lists::{Paging, is_wanted, page, read_words, refuse_wrong};
 use super::new_job::unknown;
 use super::recurring::NewRecurrence;
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::dto::{Names, Page};
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart, read_end, read_time};
-use crate::api::people::{ClosureDto, CoveredDto, RecurringClosureDto};
-use crate::api::refusal::refused;
-use crate::api::text::{closure_name, parse_closure, parse_series, series_name};
-use crate::api::words::{BindsDto, ClosureStateDto};
-use crate::aware::check_area;
-use crate::fleet::{AreaRefusal, Ask, Binds, Closure, Recurrence, RecurringClosure, Refusal};
-use crate::geometry::{Point, Spot};
-use crate::id::{ClosureId, NodeId, SeriesId};
-use crate::text::sentence::{refusals, requests};
-use crate::time::{Time, Window};
+use crate::Api;
+use crate::called::Called;
+use crate::dto::{Names, Page};
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, Params, PathPart, read_end, read_time};
+use crate::people::{ClosureDto, CoveredDto, RecurringClosureDto};
+use crate::refusal::refused;
+use crate::text::{closure_name, parse_closure, parse_series, series_name};
+use crate::words::{BindsDto, ClosureStateDto};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
+use giveway_fleet::{AreaRefusal, Ask, Binds, Closure, Recurrence, RecurringClosure, Refusal};
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::id::{ClosureId, NodeId, SeriesId};
+use giveway_floor::text::sentence::{refusals, requests};
+use giveway_floor::time::{Time, Window};
+use giveway_people::aware::check_area;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -394,6 +394,6 @@ mod tests {
         let points = [(0.0, 0.0), (2.0, 0.0), (1.0, 0.5), (2.0, 2.0), (1.0, 0.0), (0.0, 2.0)];
         let around = hull(points.iter().map(|p| Point::new(p.0, p.1)).collect());
         assert_eq!(around.len(), 4, "{around:?}");
-        assert_eq!(crate::geometry::outline_area_m2(&around), Ok(4.0));
+        assert_eq!(giveway_floor::geometry::outline_area_m2(&around), Ok(4.0));
     }
 }

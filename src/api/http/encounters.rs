@@ -4,18 +4,18 @@
 
 use super::lists::{checked_limit, named, read_words, refuse_wrong};
 use super::new_job::robot_named;
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::dto::{Names, Page};
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, read_end, read_time};
-use crate::api::people::EncounterDto;
-use crate::api::words::ReactionDto;
-use crate::fleet::{EncounterQuery, Listed};
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::called::Called;
+use crate::dto::{Names, Page};
+use crate::error::{FieldError, Problem};
+use crate::extract::{Params, read_end, read_time};
+use crate::people::EncounterDto;
+use crate::words::ReactionDto;
 use axum::Json;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
+use giveway_fleet::{EncounterQuery, Listed};
+use giveway_floor::text::sentence::requests;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
@@ -172,7 +172,7 @@ mod tests {
             closest: 0.9,
             robot_speed: 0.5,
             worker_speed: 1.2,
-            reaction: crate::api::words::ReactionDto::Stopped,
+            reaction: crate::words::ReactionDto::Stopped,
             delay_s: 2.0,
         };
         let text = csv(&[e]);

@@ -3,14 +3,14 @@
 //! Main type: [`EvacuationDto`]. Refuses: to be an alarm system, or part of one.
 
 use super::halt::done;
-use crate::api::called::Called;
-use crate::api::error::Problem;
-use crate::api::text::time_text;
-use crate::fleet::Ask;
-use crate::fleet::{GuidanceReason, Presence, WorkerView};
-use crate::id::{Dense, WorkerId};
+use crate::called::Called;
+use crate::error::Problem;
+use crate::text::time_text;
 use axum::Json;
 use axum::http::StatusCode;
+use giveway_fleet::Ask;
+use giveway_fleet::{GuidanceReason, Presence, WorkerView};
+use giveway_floor::id::{Dense, WorkerId};
 use serde::Serialize;
 use utoipa::ToSchema;
 

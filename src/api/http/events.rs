@@ -4,20 +4,20 @@
 //! events). Refuses: to leave out events silently: a reader that is too far behind gets 410.
 
 use super::lists::checked_limit;
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::dto::Names;
-use crate::api::error::{FieldError, Problem};
-use crate::api::events::{EventDto, event};
-use crate::api::extract::Params;
-use crate::fleet::{EventKind, EventQuery, EventRow};
-use crate::id::Dense;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::called::Called;
+use crate::dto::Names;
+use crate::error::{FieldError, Problem};
+use crate::events::{EventDto, event};
+use crate::extract::Params;
 use axum::Json;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream::{Stream, unfold};
+use giveway_fleet::{EventKind, EventQuery, EventRow};
+use giveway_floor::id::Dense;
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::convert::Infallible;

@@ -3,16 +3,16 @@
 //! Main type: [`FleetDto`]. Refuses: to be an emergency stop, which is the robots' own.
 
 use super::why::parse_robot;
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::dto::Names;
-use crate::api::error::Problem;
-use crate::api::extract::PathPart;
-use crate::api::text::time_text;
-use crate::fleet::{Ask, Why};
-use crate::id::{Dense, RobotId};
+use crate::Api;
+use crate::called::Called;
+use crate::dto::Names;
+use crate::error::Problem;
+use crate::extract::PathPart;
+use crate::text::time_text;
 use axum::Json;
 use axum::http::StatusCode;
+use giveway_fleet::{Ask, Why};
+use giveway_floor::id::{Dense, RobotId};
 use serde::Serialize;
 use utoipa::ToSchema;
 

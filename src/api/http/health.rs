@@ -3,16 +3,16 @@
 //! Main types: [`Health`], [`Alive`], [`Ready`]. Refuses: to say ok while a critical alarm is active, and to fail for
 //! what an operator asked for.
 
-use crate::alarm::{Alarm, AlarmKind, AlarmScope, AlarmSeverity};
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::fleet::RobotState;
-use crate::text::sentence::requests;
-use crate::time::Span;
+use crate::Api;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
 use axum::Json;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
+use giveway_fleet::RobotState;
+use giveway_fleet::alarm::{Alarm, AlarmKind, AlarmScope, AlarmSeverity};
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::Span;
 use serde::Serialize;
 use utoipa::ToSchema;
 

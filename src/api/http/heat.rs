@@ -3,17 +3,17 @@
 //! Main types: [`HeatDto`], [`CellDto`]. Refuses: to name robots and workers, which lists and reports do.
 
 use super::history::stretch;
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::dto::Names;
-use crate::api::error::Problem;
-use crate::api::extract::Params;
-use crate::api::text::{round3, time_text};
-use crate::api::words::HeatUnitDto;
-use crate::fleet::EncounterQuery;
-use crate::history::{DAY, HEAT_STEP, floor};
-use crate::time::Time;
+use crate::Api;
+use crate::called::Called;
+use crate::dto::Names;
+use crate::error::Problem;
+use crate::extract::Params;
+use crate::text::{round3, time_text};
+use crate::words::HeatUnitDto;
 use axum::Json;
+use giveway_fleet::EncounterQuery;
+use giveway_fleet::history::{DAY, HEAT_STEP, floor};
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::{IntoParams, ToSchema};
@@ -108,7 +108,7 @@ fn waiting(api: &Api, from: Time, to: Time) -> Vec<CellDto> {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };
     let waited = api.figures.with(|h| h.heat().read(from, to));
-    let cell = |(node, span): (_, crate::time::Span)| {
+    let cell = |(node, span): (_, giveway_floor::time::Span)| {
         let at = api.map.nodes.get(node)?.at;
         let (x, y, amount) = (round3(at.x), round3(at.y), round3(span.as_secs_f64()));
         Some(CellDto { x, y, node: Some(names.node(node)), amount })

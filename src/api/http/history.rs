@@ -3,16 +3,16 @@
 //! Main types: [`HistoryDto`], [`BucketDto`]. Refuses: more than 2000 buckets at once, and buckets for times of which
 //! nothing is known.
 
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, read_end, read_time};
-use crate::api::text::{round3, time_text};
-use crate::api::words::PolicyDto;
-use crate::history::{Bucket, TIERS, floor};
-use crate::text::sentence::requests;
-use crate::time::{Span, Time};
+use crate::Api;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::{Params, read_end, read_time};
+use crate::text::{round3, time_text};
+use crate::words::PolicyDto;
 use axum::Json;
+use giveway_fleet::history::{Bucket, TIERS, floor};
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 

@@ -5,18 +5,18 @@
 
 use super::lists::{checked_limit, named, read_words};
 use super::new_job::{NewJob, robot_named, unknown};
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::dto::{JobDto, Names, Page};
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_end, read_time};
-use crate::api::text::{job_name, parse_job_name};
-use crate::api::words::JobStateDto;
-use crate::fleet::{Ask, JOB_STATES, JobChange, JobQuery, JobRequest, JobRow, Listed, Made};
-use crate::id::JobId;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::called::Called;
+use crate::dto::{JobDto, Names, Page};
+use crate::error::{FieldError, Problem};
+use crate::extract::{IdempotencyKey, JsonBody, Params, PathPart, read_end, read_time};
+use crate::text::{job_name, parse_job_name};
+use crate::words::JobStateDto;
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
+use giveway_fleet::{Ask, JOB_STATES, JobChange, JobQuery, JobRequest, JobRow, Listed, Made};
+use giveway_floor::id::JobId;
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Deserializer};
 use utoipa::{IntoParams, ToSchema};
 

@@ -5,16 +5,16 @@
 //! one another follows from the kinds, and the database is carried over to them. Refuses: to change kinds of the
 //! scenario, and kinds that robots are of.
 
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, PathPart};
-use crate::api::port::{KindRefusal, KindRequest};
-use crate::api::{Api, Kinds};
-use crate::fleet::RobotKind;
-use crate::text::sentence::requests;
-use crate::warehouse::Footprint;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, PathPart};
+use crate::port::{KindRefusal, KindRequest};
+use crate::{Api, Kinds};
 use axum::Json;
 use axum::http::StatusCode;
+use giveway_fleet::RobotKind;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::warehouse::Footprint;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::sync::{MutexGuard, PoisonError};

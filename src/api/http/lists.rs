@@ -3,14 +3,14 @@
 //! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: pages of more than 500.
 
 use super::new_job::{robot_named, unknown};
-use crate::api::called::Called;
-use crate::api::dto::{Names, Page, RackDto, RobotDto, StationDto};
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, read_time};
-use crate::api::words::{ActivityDto, RobotStateDto};
-use crate::fleet::{Activity, RobotView};
-use crate::text::sentence::requests;
+use crate::called::Called;
+use crate::dto::{Names, Page, RackDto, RobotDto, StationDto};
+use crate::error::{FieldError, Problem};
+use crate::extract::{Params, read_time};
+use crate::words::{ActivityDto, RobotStateDto};
 use axum::Json;
+use giveway_fleet::{Activity, RobotView};
+use giveway_floor::text::sentence::requests;
 use serde::Deserialize;
 use utoipa::IntoParams;
 

@@ -3,15 +3,15 @@
 //! Main types: [`VouchBody`], [`NarrowBody`]. Refuses: to take anybody's word without a name.
 
 use super::halt::done;
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, PathPart, signed};
-use crate::fleet::Ask;
-use crate::geometry::{Spot, to_mm};
-use crate::text::SentenceArg;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, PathPart, signed};
 use axum::http::StatusCode;
+use giveway_fleet::Ask;
+use giveway_floor::geometry::{Spot, to_mm};
+use giveway_floor::text::SentenceArg;
+use giveway_floor::text::sentence::requests;
 use serde::Deserialize;
 use utoipa::ToSchema;
 

@@ -3,11 +3,11 @@
 //! Main function: [`map`]; main type [`MapAnswer`], made once. Refuses: to send it again to a page that has it.
 
 use super::shared_text::SharedText;
-use crate::api::building::{MapDto, map_text, map_version};
-use crate::warehouse::Warehouse;
+use crate::building::{MapDto, map_text, map_version};
 use axum::Extension;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use giveway_floor::warehouse::Warehouse;
 use std::sync::Arc;
 
 /// The building as it is sent.

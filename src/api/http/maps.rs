@@ -4,20 +4,20 @@
 //! Main types: [`MapFile`], [`MapReviewDto`], [`TrialDto`]. Refuses: to change the map of the server.
 
 use super::map::MapAnswer;
-use crate::api::Api;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, json_text, not_as_wanted};
-use crate::api::text::round3;
-use crate::api::trial::{NoTrial, TrialFigures, TrialOrder};
-use crate::geometry::Point;
-use crate::text::SentenceArg;
-use crate::text::sentence::requests;
-use crate::time::Span;
-use crate::warehouse::{Draft, Remark, Review, Severity, Warehouse, formats, review, room_for};
+use crate::Api;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, json_text, not_as_wanted};
+use crate::text::round3;
+use crate::trial::{NoTrial, TrialFigures, TrialOrder};
 use axum::extract::{FromRequest, Request, State};
 use axum::http::{HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
+use giveway_floor::geometry::Point;
+use giveway_floor::text::SentenceArg;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::{Draft, Remark, Review, Severity, Warehouse, formats, review, room_for};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::time::Duration;

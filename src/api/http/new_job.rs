@@ -3,19 +3,19 @@
 //! Main type: [`NewJob`]. Refuses: fields that the kind of job does not have, names that the map does not have, and all
 //! of them at once rather than one by one.
 
-use crate::api::cell::new_lines::{NewLine, check_lines, read_lines};
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::read_end;
-use crate::api::port::Moment;
-use crate::api::text::parse_job_name;
-use crate::api::words::JobKindDto;
-use crate::cell::OrderLine;
-use crate::fleet::{JobField, JobKind, JobParts, JobRequest, JobWord, Visiting};
-use crate::id::{Dense, NodeId, RackId, RobotId, StationId};
-use crate::text::sentence::{refusals, requests};
-use crate::text::{NameFault, Sentence, name_fault};
-use crate::time::Span;
-use crate::warehouse::Warehouse;
+use crate::cell::new_lines::{NewLine, check_lines, read_lines};
+use crate::error::{FieldError, Problem};
+use crate::extract::read_end;
+use crate::port::Moment;
+use crate::text::parse_job_name;
+use crate::words::JobKindDto;
+use giveway_cell::OrderLine;
+use giveway_fleet::{JobField, JobKind, JobParts, JobRequest, JobWord, Visiting};
+use giveway_floor::id::{Dense, NodeId, RackId, RobotId, StationId};
+use giveway_floor::text::sentence::{refusals, requests};
+use giveway_floor::text::{NameFault, Sentence, name_fault};
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::Warehouse;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;

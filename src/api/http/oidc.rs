@@ -5,19 +5,19 @@
 //! afterwards.
 
 use super::session::{desk, note};
-use crate::api::Api;
-use crate::api::auth::{fresh_token, hash_of};
-use crate::api::called::Called;
-use crate::api::caller::{Caller, SessionHolder, WebSession};
-use crate::api::cookie::{attempt_cookie, attempt_secret, is_plain, session_cookie};
-use crate::api::error::Problem;
-use crate::api::extract::{JsonBody, Params};
-use crate::api::oidc::{AuthorizationResponse, Oidc, OidcRefusal, SIGN_ON_LIFE, SignedOn};
-use crate::api::roles::OIDC_CALLBACK;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::auth::{fresh_token, hash_of};
+use crate::called::Called;
+use crate::caller::{Caller, SessionHolder, WebSession};
+use crate::cookie::{attempt_cookie, attempt_secret, is_plain, session_cookie};
+use crate::error::Problem;
+use crate::extract::{JsonBody, Params};
+use crate::oidc::{AuthorizationResponse, Oidc, OidcRefusal, SIGN_ON_LIFE, SignedOn};
+use crate::roles::OIDC_CALLBACK;
 use axum::Json;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
 use axum::response::{AppendHeaders, IntoResponse, Response};
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use utoipa::{IntoParams, ToSchema};

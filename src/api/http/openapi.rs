@@ -4,9 +4,9 @@
 //! panic), and every such answer is put here, once, into each operation that it concerns. Refuses: to describe routes
 //! that are not there; the routes and their descriptions are registered together.
 
-use crate::api::error::Problem;
-use crate::api::extract::BODY_LIMIT;
-use crate::api::roles::{Access, access_of};
+use crate::error::Problem;
+use crate::extract::BODY_LIMIT;
+use crate::roles::{Access, access_of};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use utoipa::OpenApi;

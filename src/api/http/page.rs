@@ -3,13 +3,13 @@
 //! Main function: [`page`]. Files with a hash in their name never change; the pages themselves
 //! are asked for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
 
-use crate::api::assets::{encoded, file};
-use crate::api::error::Problem;
-use crate::api::peer::SharedBody;
-use crate::text::sentence::requests;
+use crate::assets::{encoded, file};
+use crate::error::Problem;
+use crate::peer::SharedBody;
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use bytes::Bytes;
+use giveway_floor::text::sentence::requests;
 use rust_embed::EmbeddedFile;
 use std::borrow::Cow;
 

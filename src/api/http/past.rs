@@ -2,20 +2,20 @@
 //!
 //! Main types: [`PastDto`], [`FiguresDto`], [`SpanParams`]. Refuses: frames of more than an hour in one answer.
 
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{Params, no_time};
-use crate::api::recording::{Cut, Folder, Mark, Sum, thinned};
-use crate::api::text::{parse_time, round3, time_text};
-use crate::text::sentence::requests;
-use crate::time::{Span, Time};
+use crate::Api;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::{Params, no_time};
+use crate::recording::{Cut, Folder, Mark, Sum, thinned};
+use crate::text::{parse_time, round3, time_text};
 use axum::Json;
 use axum::body::{Body, Bytes};
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::sync::Arc;

@@ -4,17 +4,17 @@
 
 use super::halt::done;
 use super::lists::{Paging, page};
-use crate::api::called::Called;
-use crate::api::dto::Page;
-use crate::api::error::Problem;
-use crate::api::extract::{Params, PathPart};
-use crate::api::text::{assignment_name, time_text, worker_name};
-use crate::fleet::Ask;
-use crate::fleet::{AssignmentQuery, AssignmentState, Presence};
-use crate::id::{Dense, WorkerId};
-use crate::text::sentence::requests;
+use crate::called::Called;
+use crate::dto::Page;
+use crate::error::Problem;
+use crate::extract::{Params, PathPart};
+use crate::text::{assignment_name, time_text, worker_name};
 use axum::Json;
 use axum::http::StatusCode;
+use giveway_fleet::Ask;
+use giveway_fleet::{AssignmentQuery, AssignmentState, Presence};
+use giveway_floor::id::{Dense, WorkerId};
+use giveway_floor::text::sentence::requests;
 use serde::Serialize;
 use utoipa::ToSchema;
 

@@ -3,21 +3,21 @@
 //! Main types: [`NewPosition`], [`NewPositions`]. A position is an observation: it is taken in or not, and nothing is
 //! written down. Refuses: times that cannot be.
 
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, PathPart, no_time};
-use crate::api::feed::hub::Untaken;
-use crate::api::massrobotics::USUAL_ACCURACY_M;
-use crate::api::text::{parse_time, worker_name};
-use crate::geometry::{FARTHEST_M, Point};
-use crate::human::{Quality, Sighting, SourceId};
-use crate::id::WorkerId;
-use crate::text::sentence::requests;
-use crate::text::{Sentence, SentenceArg};
-use crate::time::{Span, Time};
+use crate::Api;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, PathPart, no_time};
+use crate::feed::hub::Untaken;
+use crate::massrobotics::USUAL_ACCURACY_M;
+use crate::text::{parse_time, worker_name};
 use axum::Json;
 use axum::http::StatusCode;
+use giveway_floor::geometry::{FARTHEST_M, Point};
+use giveway_floor::id::WorkerId;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::text::{Sentence, SentenceArg};
+use giveway_floor::time::{Span, Time};
+use giveway_people::human::{Quality, Sighting, SourceId};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 

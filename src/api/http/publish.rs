@@ -6,18 +6,18 @@
 
 use super::map::MapAnswer;
 use super::maps::{LIMIT, MOST, MapBody, MapFile, MapReviewDto};
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params};
-use crate::api::publish::{MapOrder, MapOrigin, MapOutlook, MapRefusal, MapRequest};
-use crate::api::text::{round3, time_text};
-use crate::fleet::carry::{Report, ReportEntry};
-use crate::geometry::Point;
-use crate::text::sentence::requests;
-use crate::warehouse::{Difference, Severity};
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, Params};
+use crate::publish::{MapOrder, MapOrigin, MapOutlook, MapRefusal, MapRequest};
+use crate::text::{round3, time_text};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
+use giveway_fleet::carry::{Report, ReportEntry};
+use giveway_floor::geometry::Point;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::warehouse::{Difference, Severity};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use utoipa::{IntoParams, ToSchema};

@@ -4,17 +4,17 @@
 //! brings with it, and stored with the closure. Refuses: calendars beyond days of the week.
 
 use super::lists::{Paging, page};
-use crate::api::called::Called;
-use crate::api::dto::{Names, Page};
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::Params;
-use crate::api::people::{RecurringClosureDto, WEEKDAYS};
-use crate::api::text::{parse_offset, parse_time_of_day};
-use crate::api::words::WeekdayDto;
-use crate::fleet::{LocalClock, Recurrence, Weekdays};
-use crate::text::sentence::requests;
-use crate::time::{Span, Time, Window};
+use crate::called::Called;
+use crate::dto::{Names, Page};
+use crate::error::{FieldError, Problem};
+use crate::extract::Params;
+use crate::people::{RecurringClosureDto, WEEKDAYS};
+use crate::text::{parse_offset, parse_time_of_day};
+use crate::words::WeekdayDto;
 use axum::Json;
+use giveway_fleet::{LocalClock, Recurrence, Weekdays};
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::{Span, Time, Window};
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -142,8 +142,8 @@ fn usual_day(clock: &LocalClock, at: Time, (begins, lasts): (Span, Span)) -> Win
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::api::text::{parse_time, time_text};
-    use crate::fleet::{Binds, Closure, RecurringClosure};
+    use crate::text::{parse_time, time_text};
+    use giveway_fleet::{Binds, Closure, RecurringClosure};
 
     fn first(recurs: serde_json::Value, from: Option<&str>, now: &str) -> Result<String, String> {
         let new: NewRecurrence = serde_json::from_value(recurs).unwrap();

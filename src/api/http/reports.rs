@@ -4,18 +4,18 @@
 //! Main functions: [`post`], [`stream`]. Refuses: to answer reports that are well, since the standard has no answers.
 
 use super::positions::{checked_time, report};
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::JsonBody;
-use crate::api::feed::warn::Warnings;
-use crate::api::massrobotics::{InteropReport, Unfit};
-use crate::text::Sentence;
-use crate::text::sentence::{feed, requests};
+use crate::Api;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::JsonBody;
+use crate::feed::warn::Warnings;
+use crate::massrobotics::{InteropReport, Unfit};
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
 use axum::response::Response;
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::{feed, requests};
 use std::pin::pin;
 use std::time::Duration;
 use tokio::time::timeout;

@@ -5,21 +5,22 @@
 
 use super::lists::checked_limit;
 use super::why::parse_robot;
-use crate::alarm::{AlarmSubject, SubjectKind};
-use crate::api::alarms::AlarmDto;
-use crate::api::called::Called;
-use crate::api::dto::{Names, Page, RobotDto};
-use crate::api::error::{FieldError, Problem};
-use crate::api::events::EventDetailsDto;
-use crate::api::extract::{Params, PathPart, read_end, read_time};
-use crate::api::sentence::kept_parts;
-use crate::api::text::{alarm_name, job_name, round3, time_text};
-use crate::fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
-use crate::id::{Dense, JobId};
-use crate::text::SentenceArgs;
-use crate::text::sentence::requests;
-use crate::time::Time;
+use crate::alarms::AlarmDto;
+use crate::called::Called;
+use crate::dto::{Names, Page, RobotDto};
+use crate::error::{FieldError, Problem};
+use crate::events::EventDetailsDto;
+use crate::extract::{Params, PathPart, read_end, read_time};
+use crate::sentence::SentenceArgsSchema;
+use crate::sentence::kept_parts;
+use crate::text::{alarm_name, job_name, round3, time_text};
 use axum::Json;
+use giveway_fleet::alarm::{AlarmSubject, SubjectKind};
+use giveway_fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
+use giveway_floor::id::{Dense, JobId};
+use giveway_floor::text::SentenceArgs;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -70,6 +71,7 @@ pub struct RobotEventDto {
     /// What stands in its places; absent where `code` is.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
+    #[schema(value_type = Option<SentenceArgsSchema>)]
     pub args: Option<SentenceArgs>,
     /// When the alarm ended, RFC 3339.
     pub ended: Option<String>,

@@ -8,13 +8,13 @@
 use super::halt::done;
 use super::new_job::unknown;
 use super::why::parse_robot;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, PathPart};
-use crate::fleet::{Ask, Made, USUAL_KIND};
-use crate::text::sentence::requests;
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, PathPart};
 use axum::Json;
 use axum::http::StatusCode;
+use giveway_fleet::{Ask, Made, USUAL_KIND};
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 

@@ -2,21 +2,21 @@
 //!
 //! Main types: [`SignIn`], [`SessionDto`]. Refuses: to tell scripts of the page what the cookie says.
 
-use crate::api::Api;
-use crate::api::acts::AuditAct;
-use crate::api::audit::AuditEntry;
-use crate::api::auth::{SESSION_LIFE, fresh_token, hash_of};
-use crate::api::called::Called;
-use crate::api::caller::{Caller, Role, SessionHolder, WebSession};
-use crate::api::cookie::{is_plain, no_session_cookie, session_cookie};
-use crate::api::error::Problem;
-use crate::api::extract::JsonBody;
-use crate::api::port::TokenDesk;
-use crate::api::secrets::SecretDoor;
-use crate::api::text::time_text;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::acts::AuditAct;
+use crate::audit::AuditEntry;
+use crate::auth::{SESSION_LIFE, fresh_token, hash_of};
+use crate::called::Called;
+use crate::caller::{Caller, Role, SessionHolder, WebSession};
+use crate::cookie::{is_plain, no_session_cookie, session_cookie};
+use crate::error::Problem;
+use crate::extract::JsonBody;
+use crate::port::TokenDesk;
+use crate::secrets::SecretDoor;
+use crate::text::time_text;
 use axum::Json;
 use axum::http::{HeaderMap, HeaderName, StatusCode, header};
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 

@@ -4,7 +4,7 @@
 //! change; those are made anew.
 
 use super::page::accepts;
-use crate::api::peer::SharedBody;
+use crate::peer::SharedBody;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Response};
 use brotli::CompressorWriter;

@@ -4,17 +4,17 @@
 
 use super::encounters::{quoted, wants_table};
 use super::history::stretch;
-use crate::alarm::AlarmQuery;
-use crate::api::called::Called;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::Params;
-use crate::api::shift::{ShiftReportDto, ShiftSources};
-use crate::history::TIERS;
-use crate::text::sentence::requests;
-use crate::time::{Span, Time};
+use crate::called::Called;
+use crate::error::{FieldError, Problem};
+use crate::extract::Params;
+use crate::shift::{ShiftReportDto, ShiftSources};
 use axum::Json;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
+use giveway_fleet::alarm::AlarmQuery;
+use giveway_fleet::history::TIERS;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::{Span, Time};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use utoipa::IntoParams;

@@ -4,20 +4,20 @@
 //! Main functions: [`one`], [`line()`], [`release`], [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick
 //! that has not begun, and to count a piece twice.
 
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::cell::LineChangedDto;
-use crate::api::cell::station::StationDetailDto;
-use crate::api::dto::Names;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, PathPair, PathPart};
-use crate::api::text::job_name;
-use crate::cell::{LineChange, LineOutcome};
-use crate::fleet::{Ask, LineNoted, StationOrder};
-use crate::id::StationId;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::called::Called;
+use crate::cell::LineChangedDto;
+use crate::cell::station::StationDetailDto;
+use crate::dto::Names;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, PathPair, PathPart};
+use crate::text::job_name;
 use axum::Json;
 use axum::http::StatusCode;
+use giveway_cell::{LineChange, LineOutcome};
+use giveway_fleet::{Ask, LineNoted, StationOrder};
+use giveway_floor::id::StationId;
+use giveway_floor::text::sentence::requests;
 use serde::Deserialize;
 use utoipa::ToSchema;
 
@@ -185,7 +185,7 @@ async fn say(api: &Api, name: &str, order: StationOrder) -> Result<StatusCode, P
 }
 
 /// The station of this name.
-pub(in crate::api) fn parse_station(api: &Api, name: &str) -> Result<StationId, Problem> {
+pub(crate) fn parse_station(api: &Api, name: &str) -> Result<StationId, Problem> {
     let found = api.map.stations.pairs().find(|(_, s)| s.name == name).map(|(id, _)| id);
     found.ok_or_else(|| Problem::unknown("station", requests::no_such_thing("station", name, "/v1/stations")))
 }

@@ -3,21 +3,21 @@
 //! Main types: [`TimelinesDto`], [`AreaParams`]. Refuses: areas of too many nodes, and looking far ahead, where
 //! everything is replanned before it comes.
 
-use crate::api::called::Called;
-use crate::api::dto::Names;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::Params;
-use crate::api::port::Question;
-use crate::api::text::{closure_name, round3, time_text, worker_name};
-use crate::api::words::{CauseKindDto, EffectDto, HolderKindDto};
-use crate::fleet::{Area, MOST_NODES, NodeOccupancy, Party, RegionStay, SafetyRegion};
-use crate::geometry::{FARTHEST_M, Point};
-use crate::route::{Cause, Condition, Effect};
-use crate::text::SentenceArg;
-use crate::text::sentence::requests;
-use crate::time::{Span, Time, Window};
-use crate::timeline::{Held, Layer};
+use crate::called::Called;
+use crate::dto::Names;
+use crate::error::{FieldError, Problem};
+use crate::extract::Params;
+use crate::port::Question;
+use crate::text::{closure_name, round3, time_text, worker_name};
+use crate::words::{CauseKindDto, EffectDto, HolderKindDto};
 use axum::Json;
+use giveway_fleet::{Area, MOST_NODES, NodeOccupancy, Party, RegionStay, SafetyRegion};
+use giveway_floor::geometry::{FARTHEST_M, Point};
+use giveway_floor::route::{Cause, Condition, Effect};
+use giveway_floor::text::SentenceArg;
+use giveway_floor::text::sentence::requests;
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::timeline::{Held, Layer};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 

@@ -4,19 +4,19 @@
 
 use super::lists::{Paging, page};
 use super::why::parse_robot;
-use crate::api::Api;
-use crate::api::auth::{fresh_token, hash_of};
-use crate::api::called::Called;
-use crate::api::caller::{Caller, MOST_TOKENS, NamedToken, Role};
-use crate::api::dto::Page;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart, read_end};
-use crate::api::port::TokenDesk;
-use crate::api::text::{parse_token_name, time_text, token_name};
-use crate::text::name_fault;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::auth::{fresh_token, hash_of};
+use crate::called::Called;
+use crate::caller::{Caller, MOST_TOKENS, NamedToken, Role};
+use crate::dto::Page;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, Params, PathPart, read_end};
+use crate::port::TokenDesk;
+use crate::text::{parse_token_name, time_text, token_name};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
+use giveway_floor::text::name_fault;
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 

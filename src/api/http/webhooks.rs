@@ -4,19 +4,17 @@
 //! that, and to tell secrets again.
 
 use super::lists::checked_limit;
-use crate::api::Api;
-use crate::api::dto::Page;
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart};
-use crate::api::text::time_text;
-use crate::api::webhooks::{
-    FailedMessage, HookDesk, HookReply, HookRequest, Webhook, new_secret, read_secret,
-};
-use crate::fleet::EventKind;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::dto::Page;
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, Params, PathPart};
+use crate::text::time_text;
+use crate::webhooks::{FailedMessage, HookDesk, HookReply, HookRequest, Webhook, new_secret, read_secret};
 use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, Uri};
+use giveway_fleet::EventKind;
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use tokio::sync::oneshot;
 use utoipa::{IntoParams, ToSchema};

@@ -2,17 +2,17 @@
 //!
 //! Main functions: [`robot`], [`job`]. Refuses: names that are none.
 
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::dto::Names;
-use crate::api::error::Problem;
-use crate::api::extract::PathPart;
-use crate::api::port::Question;
-use crate::api::text::{job_name, parse_job_name};
-use crate::api::waits::WhyDto;
-use crate::id::{Dense, RobotId};
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::called::Called;
+use crate::dto::Names;
+use crate::error::Problem;
+use crate::extract::PathPart;
+use crate::port::Question;
+use crate::text::{job_name, parse_job_name};
+use crate::waits::WhyDto;
 use axum::Json;
+use giveway_floor::id::{Dense, RobotId};
+use giveway_floor::text::sentence::requests;
 
 /// Why a robot waits: the resource, what holds it, until when, and what that holder waits for, down to the root cause.
 #[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor", operation_id = "explainRobot",

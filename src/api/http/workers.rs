@@ -3,23 +3,24 @@
 //! Main types: [`NewWorker`], [`ListedWorkerDto`]. Refuses: to list how fast people are and where they are going.
 
 use super::lists::{Paging, is_wanted, page, read_words, refuse_wrong};
-use crate::api::Api;
-use crate::api::called::Called;
-use crate::api::caller::Role;
-use crate::api::dto::{Names, Page};
-use crate::api::error::{FieldError, Problem};
-use crate::api::extract::{JsonBody, Params, PathPart, read_time};
-use crate::api::people::{EpisodeDto, SensesDto, WorkerDetailDto, WorkerDto};
-use crate::api::refusal::refused;
-use crate::api::text::{round3, worker_name};
-use crate::api::words::{GuidanceStateDto, PresenceDto};
-use crate::fleet::{Ask, Made};
-use crate::id::{Dense, WorkerId};
-use crate::text::Sentence;
-use crate::text::name_fault;
-use crate::text::sentence::requests;
+use crate::Api;
+use crate::called::Called;
+use crate::caller::Role;
+use crate::dto::{Names, Page};
+use crate::error::{FieldError, Problem};
+use crate::extract::{JsonBody, Params, PathPart, read_time};
+use crate::people::{EpisodeDto, SensesDto, WorkerDetailDto, WorkerDto};
+use crate::refusal::refused;
+use crate::sentence::SentenceSchema;
+use crate::text::{round3, worker_name};
+use crate::words::{GuidanceStateDto, PresenceDto};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
+use giveway_fleet::{Ask, Made};
+use giveway_floor::id::{Dense, WorkerId};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::name_fault;
+use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -61,6 +62,7 @@ pub struct ListedWorkerDto {
     /// What the worker is told.
     pub state: GuidanceStateDto,
     /// Why, in words.
+    #[schema(value_type = Option<SentenceSchema>)]
     pub reason: Option<Sentence>,
     /// What the path is for.
     #[schema(example = "a3")]

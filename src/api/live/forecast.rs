@@ -2,11 +2,11 @@
 //!
 //! Main types: [`ForecastDto`], [`PartDto`]; [`packed`] is the thin form, which says the same. Refuses: to forecast.
 
-use crate::api::text::{round3, worker_name};
-use crate::fleet::Expected;
-use crate::human::Part;
-use crate::id::Dense;
-use crate::time::Span;
+use crate::text::{round3, worker_name};
+use giveway_fleet::Expected;
+use giveway_floor::id::Dense;
+use giveway_floor::time::Span;
+use giveway_people::human::Part;
 use serde::Serialize;
 use serde_json::{Value, json};
 use utoipa::ToSchema;

@@ -3,17 +3,17 @@
 //! Main type: [`Frame`]. Refuses: to know versions or readers.
 
 use super::forecast::{ForecastDto, forecasts};
-use crate::alarm::Alarm;
-use crate::api::alarms;
-use crate::api::cell::shown::ShownCell;
-use crate::api::dto::{CountersDto, JobCountsDto, Names, RackDto, RobotDto, StationDto};
-use crate::api::people::WorkerDto;
-use crate::api::port::Moment;
-use crate::api::text::{round3, time_text};
-use crate::fleet::{Backlog, Presence};
-use crate::history::waits;
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use crate::alarms;
+use crate::cell::shown::ShownCell;
+use crate::dto::{CountersDto, JobCountsDto, Names, RackDto, RobotDto, StationDto};
+use crate::people::WorkerDto;
+use crate::port::Moment;
+use crate::text::{round3, time_text};
+use giveway_fleet::alarm::Alarm;
+use giveway_fleet::history::waits;
+use giveway_fleet::{Backlog, Presence};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
@@ -24,33 +24,33 @@ pub type FrameItem = Map<String, Value>;
 /// The view as it travels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
-    pub(in crate::api) robots: Vec<RobotDto<usize>>,
-    pub(in crate::api) racks: Vec<RackDto<usize>>,
-    pub(in crate::api) stations: Vec<StationDto>,
-    pub(in crate::api) workers: Vec<WorkerDto>,
-    pub(in crate::api) forecasts: Vec<ForecastDto>,
-    pub(in crate::api) closures: Value,
-    pub(in crate::api) jobs: Value,
-    pub(in crate::api) counters: Value,
-    pub(in crate::api) alarms: Value,
-    pub(in crate::api) time_s: f64,
+    pub(crate) robots: Vec<RobotDto<usize>>,
+    pub(crate) racks: Vec<RackDto<usize>>,
+    pub(crate) stations: Vec<StationDto>,
+    pub(crate) workers: Vec<WorkerDto>,
+    pub(crate) forecasts: Vec<ForecastDto>,
+    pub(crate) closures: Value,
+    pub(crate) jobs: Value,
+    pub(crate) counters: Value,
+    pub(crate) alarms: Value,
+    pub(crate) time_s: f64,
     /// For recordings; the live feed sends only `zero` of it.
-    pub(in crate::api) beside: Beside,
+    pub(crate) beside: Beside,
 }
 
 /// What a frame has beside what changes in the live feed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beside {
     /// The time from which the seconds of the frame count.
-    pub(in crate::api) zero: Time,
+    pub(crate) zero: Time,
     /// The first of the jobs that wait.
-    pub(in crate::api) backlog: Arc<Backlog>,
+    pub(crate) backlog: Arc<Backlog>,
     /// Robots that stand and would drive on, as the figures over time have them.
-    pub(in crate::api) waiting: usize,
+    pub(crate) waiting: usize,
     /// Workers on the floor.
-    pub(in crate::api) people: usize,
+    pub(crate) people: usize,
     /// What is picked at work cells.
-    pub(in crate::api) cells: Vec<ShownCell>,
+    pub(crate) cells: Vec<ShownCell>,
 }
 
 impl Beside {
@@ -99,7 +99,7 @@ impl Frame {
         }
     }
 
-    pub(in crate::api) fn snapshot(&self, version: u64) -> Value {
+    pub(crate) fn snapshot(&self, version: u64) -> Value {
         json!({
             "type": "snapshot", "version": version, "time_s": self.time_s, "simulated": true,
             "started": time_text(self.beside.zero),

@@ -15,12 +15,12 @@ pub use frame::Frame;
 
 use super::building::map_version;
 use super::port::Moment;
-use crate::alarm::Alarm;
-use crate::warehouse::Warehouse;
 use axum::extract::ws::{Message, Utf8Bytes};
 use bytes::Bytes;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use giveway_fleet::alarm::Alarm;
+use giveway_floor::warehouse::Warehouse;
 use std::collections::VecDeque;
 use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard};

@@ -1,14 +1,14 @@
 //! The feed as readers of both formats see it, against frames that change all the time.
 
 use super::*;
-use crate::fleet::{AHEAD_S, Activity, Doing, Expected, Presence, RobotState, RobotView, Task, WorkerView};
-use crate::geometry::{Point, Pose};
-use crate::human::{Mixture, Part};
-use crate::id::{Dense, NodeId, WorkerId};
-use crate::time::Span;
-use crate::time::Time;
 use axum::extract::ws::{Message, Utf8Bytes};
 use flate2::read::MultiGzDecoder;
+use giveway_fleet::{AHEAD_S, Activity, Doing, Expected, Presence, RobotState, RobotView, Task, WorkerView};
+use giveway_floor::geometry::{Point, Pose};
+use giveway_floor::id::{Dense, NodeId, WorkerId};
+use giveway_floor::time::Span;
+use giveway_floor::time::Time;
+use giveway_people::human::{Mixture, Part};
 use serde_json::{Value, json};
 use std::io::Read;
 
@@ -88,7 +88,7 @@ fn picture(t: usize) -> Moment {
     let robots = (0..=t / 10).map(robot).collect();
     let forecasts = if t % 13 > 2 { vec![expected(0, t, 2)] } else { vec![] };
     Moment {
-        view: crate::fleet::View { robots, workers: vec![worker], ..Default::default() },
+        view: giveway_fleet::View { robots, workers: vec![worker], ..Default::default() },
         forecasts: Arc::new(forecasts),
         ..Default::default()
     }
@@ -107,7 +107,7 @@ fn expected(worker: usize, t: usize, parts: usize) -> Expected {
 }
 
 fn moment(robots: Vec<RobotView>) -> Moment {
-    Moment { view: crate::fleet::View { robots, ..Default::default() }, ..Default::default() }
+    Moment { view: giveway_fleet::View { robots, ..Default::default() }, ..Default::default() }
 }
 
 /// A reader as the contract describes it, of either format.
@@ -202,7 +202,7 @@ fn apply_numbers(mirror: &mut Value, message: &Value) {
 }
 
 fn live() -> Live {
-    let map = crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
+    let map = giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap();
     Live::new(Arc::new(map), 1000)
 }
 
@@ -315,7 +315,7 @@ fn eight_hundred_moving_robots_and_twenty_people_are_150_kilobytes_a_second() {
         let workers = (0..20).map(|_| worker(t)).collect();
         // Twice a second, in as many parts as there can be.
         let forecasts = Arc::new((0..20).map(|w| expected(w, t, 4)).collect());
-        let view = crate::fleet::View { robots, workers, ..Default::default() };
+        let view = giveway_fleet::View { robots, workers, ..Default::default() };
         Moment { view, forecasts, ..Default::default() }
     };
     let live = live();

@@ -14,11 +14,11 @@ pub use settings::OidcSettings;
 use super::auth::{fresh_token, hash_of};
 use super::caller::Role;
 use super::outgoing::{Outgoing, failure};
-use crate::time::{Span, Time};
 use axum::http::Request;
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use chrono::{DateTime, Utc};
+use giveway_floor::time::{Span, Time};
 use openidconnect::core::{
     CoreAuthenticationFlow, CoreClient, CoreIdToken, CoreJwsSigningAlgorithm, CoreProviderMetadata,
 };

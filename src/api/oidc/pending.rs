@@ -3,8 +3,8 @@
 //! Main types: [`PendingSignOns`], [`PendingSignOn`]. Each is for one browser and for one return. They are kept in
 //! memory: after a restart of the server people begin again. Refuses: more than a thousand; the oldest end first.
 
-use crate::api::caller::TokenHash;
-use crate::time::{Span, Time};
+use crate::caller::TokenHash;
+use giveway_floor::time::{Span, Time};
 use openidconnect::{Nonce, PkceCodeVerifier, RedirectUrl};
 use std::collections::BTreeMap;
 

@@ -2,14 +2,14 @@
 
 use super::tests::{TestFolder, cut};
 use super::*;
-use crate::api::port::Moment;
-use crate::fleet::{
+use crate::port::Moment;
+use giveway_fleet::{
     Activity, Backlog, Counts, Doing, Encounter, EncounterFact, Fact, FloorNote, JobKind, Pending, Reaction,
     ReplanCause, RobotState, RobotView, Task, View, Why,
 };
-use crate::geometry::{Point, Pose, Spot};
-use crate::id::{ClosureId, Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::warehouse::lab;
+use giveway_floor::geometry::{Point, Pose, Spot};
+use giveway_floor::id::{ClosureId, Dense, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::warehouse::lab;
 use serde_json::{Value, json};
 
 /// A robot that stands and would drive on, and a job that waits behind another; a delivery a second.

@@ -2,8 +2,8 @@
 //!
 //! Main function: [`line()`]. Refuses: to keep where hands were.
 
-use crate::api::cell::shown::ShownCell;
-use crate::api::live::Frame;
+use crate::cell::shown::ShownCell;
+use crate::live::Frame;
 use serde_json::{Map, json};
 
 /// The line of a frame, with those of its cells that are not as they were in the `last` one; nothing if all are.

@@ -5,9 +5,9 @@
 //! missing. Refuses: to keep frames in memory.
 
 use super::{Limits, Mark, Out, RecordedFrame, RunningTotals, Sum, header, lines, split};
-use crate::api::text::round3;
-use crate::time::Time;
-use crate::warehouse::Warehouse;
+use crate::text::round3;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::{Path, PathBuf};

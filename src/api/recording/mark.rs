@@ -4,16 +4,17 @@
 //! workers from two frames that differ.
 //! Refuses: what happens all the time, such as robots that wait for one another.
 
-use crate::api::live::Frame;
-use crate::api::text::{closure_name, round3, worker_name};
-use crate::api::words::{PresenceDto, ReactionDto};
-use crate::fleet::{
+use crate::live::Frame;
+use crate::sentence::SentenceSchema;
+use crate::text::{closure_name, round3, worker_name};
+use crate::words::{PresenceDto, ReactionDto};
+use giveway_fleet::{
     AreaFact, Encounter, EncounterFact, Fact, FloorFact, FloorNote, Reaction, ReplanCause, RobotFact,
 };
-use crate::id::{Dense, RobotId, WorkerId};
-use crate::text::sentence::bookmarks;
-use crate::text::{Sentence, SentenceArg};
-use crate::time::Time;
+use giveway_floor::id::{Dense, RobotId, WorkerId};
+use giveway_floor::text::sentence::bookmarks;
+use giveway_floor::text::{Sentence, SentenceArg};
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -25,6 +26,7 @@ pub struct Mark {
     /// What kind of thing happened.
     pub kind: MarkKind,
     /// What happened, in words.
+    #[schema(value_type = SentenceSchema)]
     pub words: Sentence,
     /// Robots and workers that it happened to.
     pub who: Vec<String>,

@@ -3,7 +3,7 @@
 //! Main function: [`page`]. Its Content-Security-Policy lets it run its own script and ask for nothing. Refuses: to
 //! leave anything outside of the file.
 
-use crate::api::assets::single;
+use crate::assets::single;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};

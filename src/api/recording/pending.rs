@@ -2,12 +2,12 @@
 //!
 //! Main function: [`line()`]. Refuses: to say how many wait, which the frame does.
 
-use crate::api::live::Frame;
-use crate::api::text::{job_name, round3};
-use crate::fleet::{JobKind, JobParts, Pending};
-use crate::id::Dense;
-use crate::time::Time;
-use crate::warehouse::Warehouse;
+use crate::live::Frame;
+use crate::text::{job_name, round3};
+use giveway_fleet::{JobKind, JobParts, Pending};
+use giveway_floor::id::Dense;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
 use serde::Serialize;
 use serde_json::json;
 

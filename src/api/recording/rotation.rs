@@ -5,8 +5,8 @@
 
 use super::folder::Piece;
 use super::{Folder, Out, RecordedFrame, Recording};
-use crate::api::live::Frame;
-use crate::fleet::Fact;
+use crate::live::Frame;
+use giveway_fleet::Fact;
 use std::io;
 use std::sync::Arc;
 

@@ -4,8 +4,8 @@
 //! frame). Differences of sums make figures, and any of them may be left out ([`thinned`]). Counters are those of the
 //! fleet, which go on after a restart; seconds begin anew. Refuses: rates.
 
-use crate::api::live::Frame;
-use crate::api::text::round3;
+use crate::live::Frame;
+use crate::text::round3;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 

@@ -1,14 +1,14 @@
 //! Recordings as readers see them: what a folder has of which time, and what is left of a file that was cut off.
 
 use super::*;
-use crate::alarm::AlarmKind;
-use crate::api::alarms::Alarms;
-use crate::api::port::Moment;
-use crate::fleet::{EncounterFact, Fleet, Settings, View};
-use crate::id::WorkerId;
-use crate::text::Sentence;
-use crate::text::sentence::alarms as sentence;
-use crate::warehouse::lab;
+use crate::alarms::Alarms;
+use crate::port::Moment;
+use giveway_fleet::alarm::AlarmKind;
+use giveway_fleet::{EncounterFact, Fleet, Settings, View};
+use giveway_floor::id::WorkerId;
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::alarms as sentence;
+use giveway_floor::warehouse::lab;
 use serde_json::Value;
 use std::path::PathBuf;
 

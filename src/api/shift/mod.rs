@@ -5,12 +5,12 @@
 
 use super::acts::AuditAct;
 use super::text::{round3, time_text};
-use crate::alarm::Alarm;
-use crate::fleet::{Activity, Encounter, EndedJob, ShiftRows};
-use crate::history::{Bucket, RobotTimes, WaitCause};
-use crate::id::StationId;
-use crate::time::{Span, Time};
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_fleet::alarm::Alarm;
+use giveway_fleet::history::{Bucket, RobotTimes, WaitCause};
+use giveway_fleet::{Activity, Encounter, EndedJob, ShiftRows};
+use giveway_floor::id::StationId;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;

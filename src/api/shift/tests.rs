@@ -1,8 +1,8 @@
 //! Reports, from rows that are made up.
 
 use super::*;
-use crate::alarm::{AlarmKind, AlarmSeverity, AlarmSubject, SubjectKind};
-use crate::text::Sentence;
+use giveway_fleet::alarm::{AlarmKind, AlarmSeverity, AlarmSubject, SubjectKind};
+use giveway_floor::text::Sentence;
 
 const HOUR: Span = Span::from_secs(3600);
 const FROM: Time = Time(20_000 * 86_400 * 1_000_000);
@@ -24,7 +24,7 @@ fn job(station: u32, state: &str, times: [i64; 3], deadline: Option<i64>) -> End
 }
 
 fn lab() -> Warehouse {
-    crate::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap()
+    giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/lab.json")).unwrap()
 }
 
 fn report(rows: &ShiftRows, bucket: Bucket, alarms: &[Alarm]) -> ShiftReportDto {

@@ -4,8 +4,8 @@
 //! that lost messages do no harm: a grip has a number and is done once. Refuses: grips while the arm moves.
 
 use super::seam::{ArmReport, ArmTrajectory};
-use crate::id::StationId;
-use crate::warehouse::SlotName;
+use giveway_floor::id::StationId;
+use giveway_floor::warehouse::SlotName;
 
 /// What the gripper does where the arm stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

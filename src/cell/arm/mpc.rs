@@ -333,7 +333,7 @@ fn variable(step: usize, axis: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::arm::capsule::least_distance_m;
+    use crate::arm::capsule::least_distance_m;
 
     fn control() -> (ArmControl, Joints) {
         let base = Isometry3::translation(0.0, 0.6, 0.0);

@@ -209,7 +209,7 @@ impl GraphNet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::arm::ArmKind;
+    use crate::arm::ArmKind;
     use nalgebra::Isometry3;
 
     fn space(obstacles: Vec<Capsule>) -> ArmSpace {

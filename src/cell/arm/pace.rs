@@ -145,7 +145,7 @@ impl WayRun {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::arm::ArmSpace;
+    use crate::arm::ArmSpace;
     use nalgebra::Isometry3;
 
     const A: Joints = [0.0, -1.3, 1.7, -1.97, -1.57, 0.0];

@@ -6,7 +6,7 @@
 
 use super::kinematics::{ArmKind, Joints};
 use super::mpc::{ArmPlan, CYCLE_S, HORIZON};
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 
 /// An arm that said nothing for so long is silent.
 pub const SILENT_AFTER: Span = Span(300_000);

@@ -7,12 +7,12 @@
 use super::capsule::Capsule;
 use super::mpc::{CYCLE_S, HORIZON};
 use super::risk::{LimbBone, UncertainLimbs, UncertainPoint};
-use crate::cell::{FacePlace, HandsSeen, PickFace};
-use crate::reach::arm::{ARM_STEP_S, ARM_STEPS};
-use crate::reach::posture::{ArmEstimate, BodyLengths, SeenArm, SeenHead};
-use crate::reach::{ArmPoint, ArmSample, PickModel};
-use crate::time::{Span, Time};
-use crate::warehouse::Place;
+use crate::{FacePlace, HandsSeen, PickFace};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Place;
+use giveway_people::reach::arm::{ARM_STEP_S, ARM_STEPS};
+use giveway_people::reach::posture::{ArmEstimate, BodyLengths, SeenArm, SeenHead};
+use giveway_people::reach::{ArmPoint, ArmSample, PickModel};
 use nalgebra::Matrix3;
 use std::collections::VecDeque;
 
@@ -215,9 +215,9 @@ fn on_map(face: &PickFace, at: ArmPoint) -> Place {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::HandPoints;
-    use crate::id::StationId;
-    use crate::warehouse::stations;
+    use crate::HandPoints;
+    use giveway_floor::id::StationId;
+    use giveway_floor::warehouse::stations;
 
     fn face() -> PickFace {
         let w = stations();

@@ -7,8 +7,8 @@ use super::capsule::{Capsule, least_distance_m};
 use super::kinematics::{ArmKind, Joints};
 use super::mpc::ArmControl;
 use super::space::{ArmSpace, CHECK_MARGIN_M};
-use crate::cell::{FacePlace, PickFace};
-use crate::warehouse::{ArmMount, SlotName};
+use crate::{FacePlace, PickFace};
+use giveway_floor::warehouse::{ArmMount, SlotName};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -226,8 +226,8 @@ pub(super) fn numbers(seed: u64) -> impl FnMut() -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::StationId;
-    use crate::warehouse::stations;
+    use giveway_floor::id::StationId;
+    use giveway_floor::warehouse::stations;
 
     fn site(station: u32, kind: &ArmKind) -> ArmSite {
         let w = stations();

@@ -166,7 +166,7 @@ impl ArmWay {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::arm::{bfmt_star, rrt, rrt_connect, rrt_star};
+    use crate::arm::{bfmt_star, rrt, rrt_connect, rrt_star};
     use nalgebra::Point3;
 
     const START: Joints = [-0.8, -1.3, 1.7, -1.97, -1.57, 0.0];

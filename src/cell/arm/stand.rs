@@ -3,7 +3,7 @@
 //! Main type: [`ArmStand`]. Refuses: to ask why.
 
 use super::kinematics::{Joints, joint_distance};
-use crate::time::Time;
+use giveway_floor::time::Time;
 
 /// An arm that is within this of where it stood stands there still, radians.
 const MOVED_RAD: f64 = 0.02;

@@ -19,10 +19,10 @@ use super::site::{ArmSite, SlotAccess, numbers, rest};
 use super::space::ArmWay;
 use super::stand::ArmStand;
 use super::trees::rrt_connect;
-use crate::cell::PickFace;
-use crate::id::StationId;
-use crate::time::{Span, Time};
-use crate::warehouse::{ArmMount, SlotName};
+use crate::PickFace;
+use giveway_floor::id::StationId;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{ArmMount, SlotName};
 use std::sync::Arc;
 
 /// Ways keep so far from the picker, if there is room, metres; else less.

@@ -1,9 +1,9 @@
 //! Hands at a work cell, followed from slot to tote, on films of one hand.
 
 use super::*;
-use crate::cell::HandPoints;
-use crate::id::StationId;
-use crate::warehouse::stations;
+use crate::HandPoints;
+use giveway_floor::id::StationId;
+use giveway_floor::warehouse::stations;
 
 /// Observations of a right hand that goes from place to place, 60 a second; the left one rests.
 struct Film {

@@ -3,8 +3,8 @@
 //! Main function: [`notes`]. Refuses: to judge the differences.
 
 use super::matching::{Matching, added};
-use crate::id::{Dense, IdVec, NodeId};
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::id::{Dense, IdVec, NodeId};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeSet;
 
 /// So many names of a list are said.
@@ -80,7 +80,7 @@ fn purpose(w: &Warehouse, node: NodeId) -> String {
 
 /// All lanes by the names of their ends, each with its direction.
 fn lanes(w: &Warehouse) -> BTreeSet<String> {
-    let text = |l: &crate::warehouse::Lane| {
+    let text = |l: &giveway_floor::warehouse::Lane| {
         let (a, b) = (&w.nodes[l.a].name, &w.nodes[l.b].name);
         match l.both {
             true => format!("{}–{}", a.min(b), a.max(b)),

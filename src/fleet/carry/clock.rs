@@ -3,8 +3,8 @@
 //! Main function: [`set_back`]. Refuses: to change times that customers gave (deadlines, ends of closures).
 
 use super::{Carried, carry};
-use crate::fleet::{Ledger, Promises, Service};
-use crate::time::{Time, Window};
+use crate::{Ledger, Promises, Service};
+use giveway_floor::time::{Time, Window};
 
 /// Carries a ledger over to its own map at another time: from then on robots stand where they are, and the jobs that
 /// they had wait again. What is noted as later than `now` has happened by then. `last` is the time of the last step.

@@ -2,8 +2,8 @@
 //!
 //! Main type: [`Matching`]. Refuses: to take something for the same because it is at the same place.
 
-use crate::id::{Dense, IdVec, NodeId, RackId, StationId};
-use crate::warehouse::Warehouse;
+use giveway_floor::id::{Dense, IdVec, NodeId, RackId, StationId};
+use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
 /// For each thing of the old map the one of the same name on the new map, if there is one.

@@ -14,16 +14,15 @@ pub use clock::set_back;
 pub use matching::Matching;
 pub use report::{Report, ReportEntry};
 
-use crate::cell;
-use crate::fleet::state::worker::{Assignment, Closure};
-use crate::fleet::{
+use crate::state::worker::{Assignment, Closure};
+use crate::{
     Job, JobKind, JobParts, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Unconfirmed,
     Visiting, Wishes,
 };
-use crate::geometry::Spot;
-use crate::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, SeriesId, StationId};
-use crate::time::Time;
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, SeriesId, StationId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeMap;
 
 /// What becomes of a ledger under a changed map.
@@ -156,7 +155,7 @@ impl Move<'_> {
         let visits: Vec<StationId> = request.stations().map(|v| v.station).collect();
         let served = request.lines.len().saturating_sub(visits.len());
         for (station, lines) in visits.into_iter().zip(request.lines.iter().skip(served)) {
-            if let Some((line, _)) = cell::problem(self.new, rack, station, lines) {
+            if let Some((line, _)) = giveway_cell::problem(self.new, rack, station, lines) {
                 let (line, name) = (&lines[line.min(lines.len() - 1)], &self.new.stations[station].name);
                 return Err(format!(
                     "slot {} of rack {} and tote {} at station {name}, which are no longer there",

@@ -4,14 +4,14 @@
 
 use super::Move;
 use super::matching::added;
-use crate::fleet::state::fact::Task;
-use crate::fleet::state::ledger::{Robot, stand};
-use crate::fleet::state::storage::along_axes;
-use crate::fleet::{JobKind, RackAt};
-use crate::geometry::Spot;
-use crate::id::{IdVec, NodeId, RackId, RobotId};
-use crate::timeline::{ChainParts, Visit};
-use crate::warehouse::NodeKind;
+use crate::state::fact::Task;
+use crate::state::ledger::{Robot, stand};
+use crate::state::storage::along_axes;
+use crate::{JobKind, RackAt};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{IdVec, NodeId, RackId, RobotId};
+use giveway_floor::timeline::{ChainParts, Visit};
+use giveway_floor::warehouse::NodeKind;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Robots and racks on the new map.

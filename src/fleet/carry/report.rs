@@ -2,7 +2,7 @@
 //!
 //! Main types: [`Report`], [`ReportEntry`]. Refuses: to leave an entry out; texts for people are cut, and say how much.
 
-use crate::geometry::Spot;
+use giveway_floor::geometry::Spot;
 use std::fmt;
 
 /// So many entries of each kind are shown as text.

@@ -4,11 +4,11 @@
 //! Refuses: floats, so that ties and order never depend on rounding.
 
 /// A cost that means "never".
-pub(in crate::fleet) const NEVER: i64 = 1 << 50;
+pub(crate) const NEVER: i64 = 1 << 50;
 
 /// For each row the column assigned to it. `cost[r][c]`; there must be at least as many columns as rows. Pairs that
 /// cost [`NEVER`] are left out of the result.
-pub(in crate::fleet) fn least_cost(cost: &[Vec<i64>]) -> Vec<Option<usize>> {
+pub(crate) fn least_cost(cost: &[Vec<i64>]) -> Vec<Option<usize>> {
     let rows = cost.len();
     let columns = cost.first().map_or(0, Vec::len);
     assert!(rows <= columns, "pad with columns that cost NEVER");

@@ -3,14 +3,14 @@
 //! Main function: [`give_back_blocked`]. Refuses: to touch a robot that stands elsewhere with its rack; traffic brings
 //! it to storage first.
 
-use crate::fleet::state::fact::{Purpose, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::needs::Needs;
-use crate::fleet::state::writer::Writer;
-use crate::id::{JobId, RobotId};
-use crate::time::{Span, Time};
-use crate::warehouse::NodeKind;
+use crate::state::fact::{Purpose, Task};
+use crate::state::floor::Floor;
+use crate::state::job::JobState;
+use crate::state::needs::Needs;
+use crate::state::writer::Writer;
+use giveway_floor::id::{JobId, RobotId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::NodeKind;
 
 /// A robot that has not found a way past a broken robot for this long sets its rack down.
 const LONG: Span = Span::from_secs(60);
@@ -18,7 +18,7 @@ const LONG: Span = Span::from_secs(60);
 /// Robots that stand with their racks in storage, and cannot go on because of one that cannot drive, set them down
 /// there after a while. No robot goes on to fetch another rack past it. The jobs wait until the way is clear, or a
 /// robot on the right side does them.
-pub(in crate::fleet) fn give_back_blocked(writer: &mut Writer, needs: &Needs, now: Time) {
+pub(crate) fn give_back_blocked(writer: &mut Writer, needs: &Needs, now: Time) {
     if writer.restrictions.cut_off.is_empty() {
         return;
     }

@@ -4,16 +4,16 @@
 //! a more urgent one is not passed by. Refuses: to keep a robot at a station for a place at another one, and to let the
 //! robots behind it wait for jobs that are less urgent than theirs.
 
-use crate::fleet::dispatch::enough::with_enough_racks;
-use crate::fleet::state::fact::Task;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::index::{RackGoal, urgency_ms};
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::ledger::Service;
-use crate::fleet::state::needs::Needs;
-use crate::fleet::state::storage::along_axes;
-use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
-use crate::time::Time;
+use crate::dispatch::enough::with_enough_racks;
+use crate::state::fact::Task;
+use crate::state::floor::Floor;
+use crate::state::index::{RackGoal, urgency_ms};
+use crate::state::job_kind::JobKind;
+use crate::state::ledger::Service;
+use crate::state::needs::Needs;
+use crate::state::storage::along_axes;
+use giveway_floor::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
+use giveway_floor::time::Time;
 use std::cmp::Reverse;
 
 /// By so much may the jobs of robots behind it be more urgent, milliseconds: half of what a priority is worth, for

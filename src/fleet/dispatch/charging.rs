@@ -1,19 +1,19 @@
 //! When robots charge: which may take a job, which go to a charger, and which leave one for another robot.
 //!
-//! Settings: [`Charging`](crate::fleet::state::kind::Charging) of the robot's kind. A robot below `low` charges before
+//! Settings: [`Charging`](crate::state::kind::Charging) of the robot's kind. A robot below `low` charges before
 //! it works if a charger is free, and works on if none is; below `critical` it takes no job, gives back the one that it
 //! has not begun, and is next at a charger: the fullest robot that stands at one leaves it. A robot that rests at a
 //! parking place leaves it likewise for one that a customer sends there. Refuses: to trust a battery that says nothing
 //! is left; that robot has failed.
 
-use crate::fleet::state::fact::{Purpose, RobotFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::writer::Writer;
-use crate::id::{JobId, NodeId, RackId, RobotId};
-use crate::time::{Span, Time};
-use crate::warehouse::NodeKind;
+use crate::state::fact::{Purpose, RobotFact, Task};
+use crate::state::floor::Floor;
+use crate::state::job::JobState;
+use crate::state::job_kind::JobKind;
+use crate::state::writer::Writer;
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::NodeKind;
 
 /// A robot leaves its charger for a critical one only if it has this much more charge.
 const MARGIN: f64 = 0.1;
@@ -21,7 +21,7 @@ const MARGIN: f64 = 0.1;
 const LOOKS: Span = Span::from_secs(5);
 
 /// Robots with too little charge give back what they have not begun.
-pub(in crate::fleet) fn give_back_jobs(writer: &mut Writer, now: Time) {
+pub(crate) fn give_back_jobs(writer: &mut Writer, now: Time) {
     for robot in writer.ledger().present() {
         let Task::Fetch { job: Some(job), node, .. } = writer.ledger().robots[robot].task else { continue };
         let fit = writer.scene.fit(robot, now).is_some();
@@ -37,7 +37,7 @@ pub(in crate::fleet) fn give_back_jobs(writer: &mut Writer, now: Time) {
 /// What idle robots without a job do: charge if they should, lowest first, make room at chargers, and leave places
 /// where they are in the way.
 /// Gives the robots that have lost a place which they were promised.
-pub(in crate::fleet) fn rest(writer: &mut Writer, mut robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
+pub(crate) fn rest(writer: &mut Writer, mut robots: Vec<RobotId>, now: Time) -> Vec<RobotId> {
     robots.sort_by(|a, b| writer.floor().battery(*a).total_cmp(&writer.floor().battery(*b)).then(a.cmp(b)));
     let (mut without, mut to_park) = (Vec::new(), Vec::new());
     for robot in robots {
@@ -135,7 +135,7 @@ fn move_to(writer: &mut Writer, robot: RobotId, stay: NodeId, purpose: Purpose) 
 
 impl Floor<'_> {
     /// Whether some charger is free for a robot that is not at one.
-    pub(in crate::fleet) fn a_charger_is_free(&self) -> bool {
+    pub(crate) fn a_charger_is_free(&self) -> bool {
         let low = |r: &RobotId| self.battery(*r) < self.charging(*r).low && !self.at_charger(*r);
         self.ledger.present().find(low).is_some_and(|r| self.free_charger(r).is_some())
     }
@@ -145,7 +145,7 @@ impl Floor<'_> {
     }
 
     /// Whether a robot has the charge to take jobs. Below `low` it charges first, but works on if no charger is free.
-    pub(in crate::fleet) fn is_charged(&self, robot: RobotId, charger_is_free: bool) -> bool {
+    pub(crate) fn is_charged(&self, robot: RobotId, charger_is_free: bool) -> bool {
         let (battery, c) = (self.battery(robot), self.charging(robot));
         match self.at_charger(robot) {
             true => battery >= c.enough,
@@ -154,12 +154,12 @@ impl Floor<'_> {
     }
 
     /// The share of a full charge that so many metres take a robot.
-    pub(in crate::fleet) fn charge_for(&self, robot: RobotId, way_m: f64) -> f64 {
+    pub(crate) fn charge_for(&self, robot: RobotId, way_m: f64) -> f64 {
         way_m / self.kinematics(robot).speed_mps / (self.charging(robot).driving_h * 3600.0)
     }
 
     /// Whether a robot has the charge for this job by name.
-    pub(in crate::fleet) fn may_begin(&self, robot: RobotId, job: JobId) -> bool {
+    pub(crate) fn may_begin(&self, robot: RobotId, job: JobId) -> bool {
         let kind = &self.ledger.jobs[&job].request.kind;
         matches!(kind, JobKind::Charge { .. }) || !self.is_critical(robot)
     }

@@ -3,10 +3,10 @@
 //! Main function: [`with_enough_racks`]. Dispatch goes by it, and what is shown of waiting jobs. Refuses: to say which
 //! robot has its turn; traffic does.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::needs::Needs;
-use crate::id::{RobotId, StationId};
-use crate::time::{Span, Time};
+use crate::state::floor::Floor;
+use crate::state::needs::Needs;
+use giveway_floor::id::{RobotId, StationId};
+use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A rack that waits longer than this for a place at its station has waited for long.
@@ -14,22 +14,14 @@ const LONG: Span = Span::from_secs(60);
 
 /// Stations for which enough robots wait with their racks, or which are paused, or blocked for long by a robot that
 /// cannot drive: fetching another rack now would leave its robot waiting while others need it.
-pub(in crate::fleet) fn stations_with_enough(
-    floor: Floor<'_>,
-    needs: &Needs,
-    now: Time,
-) -> BTreeSet<StationId> {
+pub(crate) fn stations_with_enough(floor: Floor<'_>, needs: &Needs, now: Time) -> BTreeSet<StationId> {
     let paused = floor.ledger.paused_stations.keys().copied();
     let blocked = floor.restrictions.cut_off.blocked_for_long(now);
     with_enough_racks(floor, needs, now).into_keys().chain(paused).chain(blocked).collect()
 }
 
 /// Stations for which enough robots wait with their racks, each with the one that has waited for the longest.
-pub(in crate::fleet) fn with_enough_racks(
-    floor: Floor<'_>,
-    needs: &Needs,
-    now: Time,
-) -> BTreeMap<StationId, RobotId> {
+pub(crate) fn with_enough_racks(floor: Floor<'_>, needs: &Needs, now: Time) -> BTreeMap<StationId, RobotId> {
     let mut waiting: BTreeMap<StationId, (usize, Span, RobotId)> = BTreeMap::new();
     for robot in floor.ledger.present().filter(|r| floor.waits_for_room(*r)) {
         let (station, waited) =

@@ -2,16 +2,16 @@
 //!
 //! Refuses: to say which of them has the charge for a job.
 
-use crate::fleet::state::fact::Task;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::ledger::Service;
-use crate::id::{JobId, RobotId};
-use crate::time::Time;
+use crate::state::fact::Task;
+use crate::state::floor::Floor;
+use crate::state::ledger::Service;
+use giveway_floor::id::{JobId, RobotId};
+use giveway_floor::time::Time;
 use std::cmp::Reverse;
 
 impl Floor<'_> {
     /// Robots with nothing to do that could do something.
-    pub(in crate::fleet) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
+    pub(crate) fn idle_robots(&self, now: Time) -> Vec<RobotId> {
         let idle = |r: &RobotId| {
             let record = &self.ledger.robots[*r];
             let fit = !record.failed && !self.is_halted(*r) && self.scene.fit(*r, now).is_some();
@@ -21,7 +21,7 @@ impl Floor<'_> {
     }
 
     /// The job that a robot is to do next by name: the most urgent one. Nothing where none can start.
-    pub(in crate::fleet) fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
+    pub fn named_job_for(&self, robot: RobotId) -> Option<JobId> {
         let index = self.ledger.index();
         let mut ready = index.named_for(robot).filter(|id| !index.waits.is_blocked(*id)).peekable();
         ready.peek()?;

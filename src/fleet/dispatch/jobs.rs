@@ -3,27 +3,27 @@
 //!
 //! Refuses: first come, first served; and to give a job to a robot that should charge first.
 
-use crate::fleet::dispatch::assignment::{NEVER, least_cost};
-use crate::fleet::dispatch::blocked::give_back_blocked;
-use crate::fleet::dispatch::chains::{ChainedJob, chains};
-use crate::fleet::dispatch::charging::{give_back_jobs, rest};
-use crate::fleet::dispatch::enough::stations_with_enough;
-use crate::fleet::dispatch::leaving::let_leave;
-use crate::fleet::dispatch::maintenance::send_to_maintenance;
-use crate::fleet::state::fact::{Purpose, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::index::RackGoal;
-use crate::fleet::state::job::{JobFailure, JobState};
-use crate::fleet::state::job_kind::{JobKind, RobotErrand};
-use crate::fleet::state::ledger::RackAt;
-use crate::fleet::state::needs::Needs;
-use crate::fleet::state::planners::Planners;
-use crate::fleet::state::storage::along_axes;
-use crate::fleet::state::writer::Writer;
-use crate::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
-use crate::route::Stage;
-use crate::time::Time;
-use crate::warehouse::NodeKind;
+use crate::dispatch::assignment::{NEVER, least_cost};
+use crate::dispatch::blocked::give_back_blocked;
+use crate::dispatch::chains::{ChainedJob, chains};
+use crate::dispatch::charging::{give_back_jobs, rest};
+use crate::dispatch::enough::stations_with_enough;
+use crate::dispatch::leaving::let_leave;
+use crate::dispatch::maintenance::send_to_maintenance;
+use crate::state::fact::{Purpose, Task};
+use crate::state::floor::Floor;
+use crate::state::index::RackGoal;
+use crate::state::job::{JobFailure, JobState};
+use crate::state::job_kind::{JobKind, RobotErrand};
+use crate::state::ledger::RackAt;
+use crate::state::needs::Needs;
+use crate::state::planners::Planners;
+use crate::state::storage::along_axes;
+use crate::state::writer::Writer;
+use giveway_floor::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
+use giveway_floor::route::Stage;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::NodeKind;
 use std::collections::BTreeSet;
 
 /// How many waiting jobs and idle robots one step matches at most.
@@ -34,7 +34,7 @@ const CONGESTION_MS: i64 = 8_000;
 
 /// Gives jobs to robots, and sends those without a job where they are wanted or in no other robot's way. `picked` are
 /// those that have just been picked from. Gives the robots that have lost a place which they were promised.
-pub(in crate::fleet) fn assign(
+pub(crate) fn assign(
     writer: &mut Writer,
     needs: &Needs,
     planners: &mut Planners,
@@ -257,7 +257,7 @@ impl Floor<'_> {
     /// How long the robot's way from a node to a rack takes, milliseconds; nothing if another robot stands there for
     /// ever, or the robot is not of a kind for the job, or its charge does not last for it, or a broken robot stands
     /// between, or an operator wants another robot to do it.
-    pub(in crate::fleet) fn way_ms(
+    pub(crate) fn way_ms(
         &self,
         (robot, from): (RobotId, NodeId),
         job: JobId,

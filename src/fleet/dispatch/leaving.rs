@@ -2,13 +2,13 @@
 //!
 //! Refuses: to treat a robot as gone that can still be heard, carries a rack, or may be driving.
 
-use crate::fleet::state::fact::{RobotFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobFailure, JobState};
-use crate::fleet::state::ledger::Service;
-use crate::fleet::state::writer::Writer;
-use crate::id::{JobId, RobotId};
-use crate::time::{Span, Time};
+use crate::state::fact::{RobotFact, Task};
+use crate::state::floor::Floor;
+use crate::state::job::{JobFailure, JobState};
+use crate::state::ledger::Service;
+use crate::state::writer::Writer;
+use giveway_floor::id::{JobId, RobotId};
+use giveway_floor::time::{Span, Time};
 
 /// A robot that rests where it ends, or is broken, is gone when it has been silent for so long: switched off.
 const SWITCHED_OFF: Span = Span::from_secs(10);
@@ -16,7 +16,7 @@ const SWITCHED_OFF: Span = Span::from_secs(10);
 const TAKEN_AWAY: Span = Span::from_secs(60);
 
 /// Robots that were to leave, and are heard of no more, have left.
-pub(in crate::fleet) fn let_leave(writer: &mut Writer, now: Time) {
+pub(crate) fn let_leave(writer: &mut Writer, now: Time) {
     for robot in writer.ledger().present() {
         if !writer.floor().has_left(robot, now) {
             continue;

@@ -2,16 +2,16 @@
 //!
 //! Refuses: to say which robots those are; operators do.
 
-use crate::fleet::state::fact::{Purpose, RobotFact, Task};
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::ledger::Service;
-use crate::fleet::state::writer::Writer;
-use crate::time::Time;
-use crate::warehouse::NodeKind;
+use crate::state::fact::{Purpose, RobotFact, Task};
+use crate::state::job::JobState;
+use crate::state::ledger::Service;
+use crate::state::writer::Writer;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::NodeKind;
 
 /// Robots in maintenance give back jobs that they have not begun, and go to a parking place. Where none is free
 /// they rest where they are.
-pub(in crate::fleet) fn send_to_maintenance(writer: &mut Writer, now: Time) {
+pub(crate) fn send_to_maintenance(writer: &mut Writer, now: Time) {
     for robot in writer.ledger().present() {
         let record = &writer.ledger().robots[robot];
         if record.service == Service::Works || record.failed || writer.floor().is_halted(robot) {

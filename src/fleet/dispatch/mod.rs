@@ -3,13 +3,13 @@
 //! Main functions: [`jobs::assign`] (at the least sum of costs: `assignment.rs`), [`charging::rest`].
 //! Refuses: to plan routes, and to keep anything in mind from step to step.
 
-pub(in crate::fleet) mod assignment;
-pub(in crate::fleet) mod blocked;
-pub(in crate::fleet) mod chains;
-pub(in crate::fleet) mod charging;
-pub(in crate::fleet) mod enough;
-pub(in crate::fleet) mod idle;
-pub(in crate::fleet) mod jobs;
-pub(in crate::fleet) mod leaving;
-pub(in crate::fleet) mod maintenance;
+pub(crate) mod assignment;
+pub(crate) mod blocked;
+pub(crate) mod chains;
+pub(crate) mod charging;
+pub(crate) mod enough;
+pub(crate) mod idle;
+pub(crate) mod jobs;
+pub(crate) mod leaving;
+pub(crate) mod maintenance;
 mod work_ahead;

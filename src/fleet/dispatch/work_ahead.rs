@@ -3,12 +3,12 @@
 //! Main function: `lack_of_work`. A rack with one screw and one with five boxes are not the same to a station. Refuses:
 //! to count racks where lines say how long each takes.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::storage::along_axes;
-use crate::id::{IdVec, JobId, NodeId, StationId};
-use crate::time::{Span, Time};
+use crate::state::floor::Floor;
+use crate::state::job::JobState;
+use crate::state::job_kind::JobKind;
+use crate::state::storage::along_axes;
+use giveway_floor::id::{IdVec, JobId, NodeId, StationId};
+use giveway_floor::time::{Span, Time};
 
 /// From the end of a visit until the next rack stands there, seconds.
 const TURNOVER_S: f64 = 6.5;

@@ -3,12 +3,12 @@
 //! Main type: [`Barred`]. Looked at when a closure is announced or taken back, and not in steps in which none is.
 //! Refuses: closures that bind robots alone, and to lead anybody.
 
-use crate::fleet::state::worker::Closure;
-use crate::geometry::{Point, Segment, Spot, inside, runs_through};
-use crate::id::{ClosureId, NodeId};
-use crate::time::{Span, Time, Window};
-use crate::warehouse::Warehouse;
-use crate::warehouse::walkway::{EdgeSet, Walkways};
+use crate::state::worker::Closure;
+use giveway_floor::geometry::{Point, Segment, Spot, inside, runs_through};
+use giveway_floor::id::{ClosureId, NodeId};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::warehouse::Warehouse;
+use giveway_floor::warehouse::walkway::{EdgeSet, Walkways};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ const AROUND_NODE_M: f64 = 0.5;
 
 /// One area that is closed to people.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct BarredArea {
+pub struct BarredArea {
     pub id: ClosureId,
     window: Window,
     outlines: Vec<Arc<[Point]>>,
@@ -29,7 +29,7 @@ pub(in crate::fleet) struct BarredArea {
 
 /// All areas that are closed to people, now or later.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Barred {
+pub struct Barred {
     areas: Vec<BarredArea>,
     changes: u64,
 }

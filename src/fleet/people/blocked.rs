@@ -2,14 +2,14 @@
 //!
 //! Main type: [`WaysPast`]. Refuses: to cut what a robot leaves by itself.
 
-use crate::aware::BODY_M;
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::yielding::{STANDS, YieldingState};
-use crate::geometry::{Point, Segment};
-use crate::id::RobotId;
-use crate::time::{Span, Time};
-use crate::warehouse::walkway::{EdgeSet, Square, WalkPath, Walkways, WaysBetween};
+use crate::people::state::HumanState;
+use crate::state::floor::Floor;
+use crate::state::yielding::{STANDS, YieldingState};
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::id::RobotId;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::walkway::{EdgeSet, Square, WalkPath, Walkways, WaysBetween};
+use giveway_people::aware::BODY_M;
 use std::cell::OnceCell;
 
 /// Room between a person and a robot along whose side the person walks, metres.
@@ -29,7 +29,7 @@ const STEP_M: f64 = 1.8;
 
 /// Ways on from where a person is, who may stand face to face with a robot. What does not depend on the goal is
 /// searched once, and only if it is needed.
-pub(in crate::fleet) struct WaysPast<'a> {
+pub struct WaysPast<'a> {
     walkways: &'a Walkways,
     floor: Floor<'a>,
     at: Point,
@@ -78,6 +78,7 @@ impl HumanState {
 }
 
 impl<'a> WaysPast<'a> {
+    /// Ways from a place, with these edges of the walkways cut.
     pub fn new(people: &'a HumanState, floor: Floor<'a>, at: Point, cut: &'a EdgeSet) -> WaysPast<'a> {
         let (steps, between) = (OnceCell::new(), OnceCell::new());
         WaysPast { walkways: &people.walkways, floor, at, cut, first: None, steps, between }

@@ -2,17 +2,17 @@
 //!
 //! Refuses: to be an alarm system; it shows ways to people who wear a device, and keeps robots off them.
 
-use crate::aware::BODY_M;
-use crate::fleet::people::routing::REDIRECT;
-use crate::fleet::people::state::{HumanState, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::writer::Writer;
-use crate::geometry::Point;
-use crate::human::Whereabouts;
-use crate::id::WorkerId;
-use crate::time::{Span, Time};
-use crate::warehouse::NodeKind;
-use crate::warehouse::walkway::EdgeSet;
+use crate::people::routing::REDIRECT;
+use crate::people::state::{HumanState, WalkMode};
+use crate::state::floor::Floor;
+use crate::state::writer::Writer;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::NodeKind;
+use giveway_floor::warehouse::walkway::EdgeSet;
+use giveway_people::aware::BODY_M;
+use giveway_people::human::Whereabouts;
 
 /// Somebody so near to a door is out, metres.
 const OUT_M: f64 = 1.0;
@@ -92,13 +92,13 @@ impl HumanState {
     }
 
     /// Whether somebody is at a door.
-    pub(in crate::fleet) fn is_out(&self, floor: Floor<'_>, at: Point) -> bool {
+    pub(crate) fn is_out(&self, floor: Floor<'_>, at: Point) -> bool {
         self.exits(floor).into_iter().any(|exit| (exit - at).norm() <= OUT_M)
     }
 
     /// The ways of all workers to the doors while the building is evacuated: those that they are shown, and the
     /// shortest ones, which robots clear although somebody is led round them for the moment.
-    pub(in crate::fleet) fn ways_out(&self, floor: Floor<'_>, now: Time) -> Vec<Vec<Point>> {
+    pub(crate) fn ways_out(&self, floor: Floor<'_>, now: Time) -> Vec<Vec<Point>> {
         let present = self.present(now).into_iter().filter(|(_, place)| !self.is_out(floor, place.at));
         let shown = |(worker, place): (WorkerId, Whereabouts)| {
             let person = &self.people[worker];

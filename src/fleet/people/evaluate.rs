@@ -3,17 +3,17 @@
 //! Stops and slow-downs leave at once; everything else enters the search and the grants as conditions.
 //! Refuses: to plan for robots, and to trust a sighting that cannot be true.
 
-use crate::aware::{Effects, HumanAwarePolicy};
-use crate::fleet::people::routing::REDIRECT;
-use crate::fleet::people::state::{HumanState, Led, LetsPassStage, Person, STROLL_MPS, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::heard::WorkerInput;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::state::yielding::YieldingState;
-use crate::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
-use crate::id::WorkerId;
-use crate::route::Conditions;
-use crate::time::{Span, Time};
+use crate::people::routing::REDIRECT;
+use crate::people::state::{HumanState, Led, LetsPassStage, Person, STROLL_MPS, WalkMode};
+use crate::state::floor::Floor;
+use crate::state::heard::WorkerInput;
+use crate::state::writer::Writer;
+use crate::state::yielding::YieldingState;
+use giveway_floor::id::WorkerId;
+use giveway_floor::route::Conditions;
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::{Effects, HumanAwarePolicy};
+use giveway_people::human::{Band, Conduct, Hypothesis, Presence, Sighting, SightingOutcome, Whereabouts};
 
 /// A worker who follows a new path for this far is on the path again, metres.
 const BACK_M: f64 = 1.0;
@@ -182,7 +182,7 @@ impl HumanState {
     }
 
     /// Leads a worker as the published procedure has it, from the next step on.
-    pub(in crate::fleet) fn lead(&mut self, worker: WorkerId, led: Led, now: Time) {
+    pub(crate) fn lead(&mut self, worker: WorkerId, led: Led, now: Time) {
         let person = &mut self.people[worker];
         match led {
             Led::AsExpected(path) => {

@@ -4,16 +4,16 @@
 //! Main type: [`Expected`], for readers. Refuses: to let a robot drive because a forecast says that nobody will be
 //! there: forecasts only make robots brake.
 
-use crate::aware::{HumanAwarePolicy, NodeWindows, Regions, Stay, occupancies};
-use crate::fleet::people::state::{HumanState, NodesTaken};
-use crate::fleet::state::floor::Floor;
-use crate::human::motion::{Fix, Motion};
-use crate::human::{
+use crate::people::state::{HumanState, NodesTaken};
+use crate::state::floor::Floor;
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::{HumanAwarePolicy, NodeWindows, Regions, Stay, occupancies};
+use giveway_people::human::motion::{Fix, Motion};
+use giveway_people::human::{
     Band, Forecast, Hypothesis, Mixture, Model, Presence, Quality, Sighting, SightingOutcome, WATCHED_S,
     Whereabouts,
 };
-use crate::id::WorkerId;
-use crate::time::{Span, Time};
 
 /// How far ahead readers are told, seconds.
 pub const AHEAD_S: [f64; 3] = [1.0, 2.0, 4.0];
@@ -40,7 +40,7 @@ pub struct Expected {
 impl HumanState {
     /// Where workers who are seen may be in the coming seconds, for readers. Arms that do not decide by such forecasts
     /// have none.
-    pub(in crate::fleet) fn expectations(&self, floor: Floor<'_>, now: Time) -> Vec<Expected> {
+    pub(crate) fn expectations(&self, floor: Floor<'_>, now: Time) -> Vec<Expected> {
         if floor.settings.policy != HumanAwarePolicy::Giveway {
             return Vec::new();
         }
@@ -57,7 +57,7 @@ impl HumanState {
     }
 
     /// Takes a sighting that was believed into the filter of how the worker moves.
-    pub(in crate::fleet) fn follow_motion(&mut self, model: &Model, s: &Sighting, taken: SightingOutcome) {
+    pub(crate) fn follow_motion(&mut self, model: &Model, s: &Sighting, taken: SightingOutcome) {
         let (model, worker) = (model.motion, s.worker);
         let person = self.person(worker);
         if taken == SightingOutcome::Relocated || person.motion.is_none() {
@@ -74,7 +74,7 @@ impl HumanState {
 
     /// Notes where every worker may be going, and from time to time keeps a forecast of each to see whether it comes
     /// true.
-    pub(in crate::fleet) fn update_forecasts(&mut self, floor: Floor<'_>, now: Time) {
+    pub(crate) fn update_forecasts(&mut self, floor: Floor<'_>, now: Time) {
         if floor.settings.policy != HumanAwarePolicy::Giveway {
             return;
         }
@@ -130,7 +130,7 @@ impl HumanState {
     }
 
     /// Where a worker will be at a moment, with regions as wide as experience has made them.
-    pub(in crate::fleet) fn forecast(&self, floor: Floor<'_>, worker: WorkerId, t: Time) -> Option<Mixture> {
+    pub(crate) fn forecast(&self, floor: Floor<'_>, worker: WorkerId, t: Time) -> Option<Mixture> {
         let forecast = self.forecast_of(floor, worker)?;
         let ahead_s = (t - forecast.motion.seen()?).max(Span::ZERO).as_secs_f64();
         Some(forecast.at(t)?.scaled(self.coverage.scale(ahead_s)))

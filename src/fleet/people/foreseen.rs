@@ -2,13 +2,13 @@
 //!
 //! Main type: [`ForeseenPerson`]. Refuses: to guess where somebody walks who is not seen.
 
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::floor::Floor;
-use crate::geometry::{Point, Vector};
-use crate::human::{Mixture, Presence};
-use crate::id::WorkerId;
-use crate::local::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson};
-use crate::time::{Span, Time};
+use crate::people::state::HumanState;
+use crate::state::floor::Floor;
+use giveway_floor::geometry::{Point, Vector};
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::{Span, Time};
+use giveway_people::human::{Mixture, Presence};
+use giveway_people::local::{AHEAD_STEP_S, AHEAD_STEPS, NearPerson};
 
 /// One person near a place, as the fleet believes.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,14 +34,14 @@ impl ForeseenPerson {
 
 impl HumanState {
     /// When a worker who is at work is to be done, if that is known and not over.
-    pub(in crate::fleet) fn done_at(&self, worker: WorkerId, now: Time) -> Option<Time> {
+    pub(crate) fn done_at(&self, worker: WorkerId, now: Time) -> Option<Time> {
         let person = self.people.get(worker)?;
         let done = person.there_since? + person.plan.as_ref()?.stay;
         (done > now).then_some(done)
     }
 
     /// Those who may be within so many metres of a place; somebody whose sources do not agree in each place.
-    pub(in crate::fleet) fn foreseen(
+    pub(crate) fn foreseen(
         &self,
         floor: Floor<'_>,
         at: Point,
@@ -52,7 +52,7 @@ impl HumanState {
         let doubted: Vec<WorkerId> = self.others(now).into_iter().map(|(worker, _)| worker).collect();
         let mut near = self.places(now);
         near.retain(|(_, w)| (w.at - at).norm() - w.reach_m <= within_m);
-        let person = |(worker, w): (WorkerId, crate::human::Whereabouts)| {
+        let person = |(worker, w): (WorkerId, giveway_people::human::Whereabouts)| {
             let is_seen = w.presence == Presence::Tracked && !doubted.contains(&worker);
             let moments = if is_seen { AHEAD_STEPS } else { 0 };
             let forecast = |k: usize| self.forecast(floor, worker, now + step * k as i64);

@@ -2,12 +2,12 @@
 //!
 //! Refuses: to infer anything, and corners of the hall, which only stand for everything else.
 
-use crate::fleet::people::intents::DOORS;
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::fact::Fact;
-use crate::fleet::state::note::FloorNote;
-use crate::fleet::state::writer::Writer;
-use crate::time::{Span, Time};
+use crate::people::intents::DOORS;
+use crate::people::state::HumanState;
+use crate::state::fact::Fact;
+use crate::state::note::FloorNote;
+use crate::state::writer::Writer;
+use giveway_floor::time::{Span, Time};
 
 /// A goal less probable than this is none yet.
 const PROBABLE: f64 = 0.6;

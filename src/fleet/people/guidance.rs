@@ -3,15 +3,15 @@
 //!
 //! Refuses: to decide where a worker is to go.
 
-use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::message::{Message, Words};
-use crate::fleet::people::state::{HumanState, LetsPassStage, Person, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
-use crate::geometry::{Point, Vector};
-use crate::human::{Presence, Whereabouts};
-use crate::id::{RobotId, WorkerId};
-use crate::time::{Span, Time};
+use crate::people::message::{Message, Words};
+use crate::people::state::{HumanState, LetsPassStage, Person, WalkMode};
+use crate::state::floor::Floor;
+use crate::state::worker::{Guidance, GuidanceReason, GuidanceState, NearRobot};
+use giveway_floor::geometry::{Point, Vector};
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::human::{Presence, Whereabouts};
 
 /// Robots nearer than this are shown, metres.
 const NEAR_M: f64 = 8.0;
@@ -56,7 +56,7 @@ impl HumanState {
     }
 
     /// What a worker is to be told now.
-    pub(in crate::fleet) fn guidance(
+    pub(crate) fn guidance(
         &self,
         floor: Floor<'_>,
         worker: WorkerId,
@@ -153,7 +153,7 @@ impl HumanState {
     }
 
     /// Whether a robot within region 1 comes nearer: whatever the fleet does about it, the worker should stand.
-    pub(in crate::fleet) fn drives_up(&self, floor: Floor<'_>, robot: RobotId, place: &Whereabouts) -> bool {
+    pub(crate) fn drives_up(&self, floor: Floor<'_>, robot: RobotId, place: &Whereabouts) -> bool {
         let Some(seen) = floor.scene.robot(robot).filter(|t| t.speed_mps > DRIVES_MPS) else { return false };
         let loaded = floor.ledger.rack_on(robot).is_some();
         let radius_m = floor.regions(robot).stop_radius_at_m(seen.speed_mps, loaded, place.sigma_m);

@@ -1,20 +1,20 @@
 //! Where workers may be going: the goals that are known, the distances to them, and what is believed of each
 //! worker.
 //!
-//! What is kept of it: [`Intents`](crate::fleet::people::intents::Intents). Goals are the workers' tasks, the doors,
+//! What is kept of it: [`Intents`](crate::people::intents::Intents). Goals are the workers' tasks, the doors,
 //! and the corners of the hall, which stand for everything else (Petković 2021, section 4.3.2). Refuses: to follow
 //! workers whose place is only guessed.
 
-use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::intents::{DOORS, PLACES, goal_of};
-use crate::fleet::people::state::{HumanState, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::human::{
+use crate::people::intents::{DOORS, PLACES, goal_of};
+use crate::people::state::{HumanState, WalkMode};
+use crate::state::floor::Floor;
+use giveway_floor::id::{AssignmentId, GoalId, NodeId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::walkway::EdgeSet;
+use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::human::{
     Hypothesis, Intention, Method, Presence, Quality, Whereabouts, straight_on, towards_goal,
 };
-use crate::id::{AssignmentId, GoalId, NodeId, WorkerId};
-use crate::time::{Span, Time};
-use crate::warehouse::walkway::EdgeSet;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How much more probable the worker's own task is than any other goal, before anything is seen.
@@ -31,7 +31,7 @@ const ELSEWHERE_M: f64 = 5.0;
 const OTHERS: usize = 3;
 impl HumanState {
     /// Takes what was seen in this step into what is believed of every worker.
-    pub(in crate::fleet) fn infer(&mut self, floor: Floor<'_>, now: Time) {
+    pub(crate) fn infer(&mut self, floor: Floor<'_>, now: Time) {
         let method = match floor.settings.policy {
             HumanAwarePolicy::Nhir | HumanAwarePolicy::Shir => return,
             HumanAwarePolicy::Phir => Method::Chapter4,
@@ -131,7 +131,7 @@ impl HumanState {
     }
 
     /// Where a worker may be going, with paths from here.
-    pub(in crate::fleet) fn hypotheses(&self, worker: WorkerId, place: &Whereabouts) -> Vec<Hypothesis> {
+    pub(crate) fn hypotheses(&self, worker: WorkerId, place: &Whereabouts) -> Vec<Hypothesis> {
         let person = &self.people[worker];
         if !matches!(person.mode, WalkMode::Deviating { .. }) {
             let path = person.rest_of_path(place.at).unwrap_or_else(|| vec![place.at]);

@@ -3,13 +3,13 @@
 //! Main type: [`Intents`]. Goals are the workers' tasks, the doors, and the corners of the hall, which stand for
 //! everything else (Petković 2021, section 4.3.2). Refuses: to look at anything that is seen.
 
-use crate::geometry::Point;
-use crate::human::tiles::Tiles;
-use crate::human::{Belief, Distances, IntentEpisode, Intention, Method};
-use crate::id::{AssignmentId, Dense, GoalId, NodeId, WorkerId};
-use crate::time::Time;
-use crate::warehouse::walkway::Walkways;
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{AssignmentId, Dense, GoalId, NodeId, WorkerId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::walkway::Walkways;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
+use giveway_people::human::tiles::Tiles;
+use giveway_people::human::{Belief, Distances, IntentEpisode, Intention, Method};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub(super) const PLACES: u64 = 1000;
 
 /// Everything about intentions.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct Intents {
+pub struct Intents {
     pub distances: Distances,
     pub fixed: Vec<GoalId>,
     pub cut_at: Option<Time>,
@@ -72,11 +72,11 @@ impl Intents {
 }
 
 /// The node at which a goal is that is the place of a task.
-pub(in crate::fleet) fn task_place(goal: GoalId) -> Option<NodeId> {
+pub(crate) fn task_place(goal: GoalId) -> Option<NodeId> {
     goal.0.checked_sub(PLACES).map(|n| NodeId::at(n as usize))
 }
 
 /// The goal that is the place of a task.
-pub(in crate::fleet) fn goal_of(place: NodeId) -> GoalId {
+pub(crate) fn goal_of(place: NodeId) -> GoalId {
     GoalId(PLACES + place.ix() as u64)
 }

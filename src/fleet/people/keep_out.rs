@@ -2,20 +2,20 @@
 //!
 //! Refuses: to close areas, and to move a worker, who may walk in all the same and is an alarm then.
 
-use crate::fleet::people::routing::REDIRECT;
-use crate::fleet::people::state::{HumanState, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::worker::GuidanceReason;
-use crate::fleet::state::yielding::YieldingState;
-use crate::geometry::Point;
-use crate::id::{ClosureId, WorkerId};
-use crate::time::{Span, Time};
+use crate::people::routing::REDIRECT;
+use crate::people::state::{HumanState, WalkMode};
+use crate::state::floor::Floor;
+use crate::state::worker::GuidanceReason;
+use crate::state::yielding::YieldingState;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{ClosureId, WorkerId};
+use giveway_floor::time::{Span, Time};
 
 /// A place outside of a closed area is looked for so far away on foot at most, metres.
 const OUT_M: f64 = 80.0;
 /// Somebody who is still inside so long after an area was closed is an alarm: whoever was at work there needs a while
 /// to come out.
-pub(in crate::fleet) const COMES_OUT: Span = Span::from_secs(30);
+pub(crate) const COMES_OUT: Span = Span::from_secs(30);
 
 impl HumanState {
     /// What is closed to people now and later.

@@ -3,16 +3,16 @@
 //!
 //! Refuses: to take anybody off the floor whom nobody saw leave, or vouches for.
 
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::fact::WorkerFact;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::worker::LastPlace;
-use crate::fleet::state::writer::Writer;
-use crate::geometry::Point;
-use crate::human::{LastKnown, Presence};
-use crate::id::WorkerId;
-use crate::time::Time;
-use crate::warehouse::NodeKind;
+use crate::people::state::HumanState;
+use crate::state::fact::WorkerFact;
+use crate::state::floor::Floor;
+use crate::state::worker::LastPlace;
+use crate::state::writer::Writer;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::NodeKind;
+use giveway_people::human::{LastKnown, Presence};
 use std::collections::BTreeMap;
 
 /// A worker who is seen is noted again after so many metres, one who is lost after so few: after a restart the worker
@@ -30,12 +30,12 @@ impl From<&LastPlace> for LastKnown {
 
 impl HumanState {
     /// Takes over from the ledger who was on the floor. Nobody has been seen since.
-    pub(in crate::fleet) fn remember(&mut self, on_floor: &BTreeMap<WorkerId, LastPlace>) {
+    pub(crate) fn remember(&mut self, on_floor: &BTreeMap<WorkerId, LastPlace>) {
         on_floor.iter().for_each(|(worker, place)| self.person(*worker).track.remember(place.into()));
     }
 
     /// Workers on the floor of whom nobody knows where they are.
-    pub(in crate::fleet) fn lost(&self, now: Time) -> Vec<WorkerId> {
+    pub(crate) fn lost(&self, now: Time) -> Vec<WorkerId> {
         let present = self.present(now).into_iter();
         present.filter(|(_, place)| place.presence == Presence::Lost).map(|(worker, _)| worker).collect()
     }

@@ -9,17 +9,17 @@
 //! headset knows its place badly closes more floor than the person does, and is asked to touch marks first. Refuses: to
 //! keep a person for longer, and to ask the same person again within [`AGAIN`].
 
-use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::blocked::WaysPast;
-use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::wait_graph::{Edge, Party};
-use crate::fleet::state::yielding::YieldingState;
-use crate::geometry::Point;
-use crate::human::{Presence, SourceId, Whereabouts};
-use crate::id::{RobotId, WorkerId};
-use crate::route::{Cause, Effect};
-use crate::time::{Span, Time};
+use crate::people::blocked::WaysPast;
+use crate::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
+use crate::state::floor::Floor;
+use crate::state::wait_graph::{Edge, Party};
+use crate::state::yielding::YieldingState;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::route::{Cause, Effect};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::human::{Presence, SourceId, Whereabouts};
 use std::collections::BTreeSet;
 
 /// A robot that has come no farther for this long because of people is first.
@@ -232,7 +232,7 @@ impl HumanState {
     }
 
     /// Whether a person was told to let a robot pass, and stands.
-    pub(in crate::fleet) fn stands_aside(&self, worker: WorkerId, now: Time) -> bool {
+    pub(crate) fn stands_aside(&self, worker: WorkerId, now: Time) -> bool {
         let person = &self.people[worker];
         let stands = person.stands_since.is_some_and(|since| now - since >= STANDS_STILL);
         let told = person.lets_pass.map(|l| l.stage);

@@ -4,11 +4,11 @@
 //! Main type: [`Message`]. It says when another one replaces it ([`replaces`]). Refuses: to hold back anything more
 //! severe than what is said: stops leave at once.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::wait_graph::{Edge, Party};
-use crate::fleet::state::worker::{GuidanceReason, GuidanceState};
-use crate::id::{RobotId, WorkerId};
-use crate::time::{Span, Time};
+use crate::state::floor::Floor;
+use crate::state::wait_graph::{Edge, Party};
+use crate::state::worker::{GuidanceReason, GuidanceState};
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
 
 /// A message stands for so long, unless a more severe one replaces it: people do not read faster, and what flickers
 /// is not believed.
@@ -26,7 +26,7 @@ pub type Words = (GuidanceState, Option<GuidanceReason>);
 
 /// What a worker is told and since when.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct Message {
+pub struct Message {
     /// What.
     pub words: Words,
     /// Since when the state has been this one; the reason may have changed.
@@ -127,7 +127,7 @@ impl GuidanceReason {
 
 impl Floor<'_> {
     /// The robot for which a worker is told to stand, if it waits for that worker itself.
-    pub(in crate::fleet) fn stands_against(&self, worker: WorkerId, words: Words) -> Option<RobotId> {
+    pub(crate) fn stands_against(&self, worker: WorkerId, words: Words) -> Option<RobotId> {
         let robot = words.1.filter(|_| words.0 == GuidanceState::Stop)?.stands_for()?;
         (self.waits.robot(robot).edge == Edge::On(Party::Worker(worker))).then_some(robot)
     }

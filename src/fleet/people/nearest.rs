@@ -3,14 +3,14 @@
 //! Main function: [`HumanState::hand_out`]. Refuses: to give an assignment to somebody whose place is not known, and to
 //! take one back from a worker because another one has come nearer.
 
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::fact::AssignmentFact;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::writer::Writer;
-use crate::geometry::Point;
-use crate::human::Presence;
-use crate::id::WorkerId;
-use crate::time::Time;
+use crate::people::state::HumanState;
+use crate::state::fact::AssignmentFact;
+use crate::state::floor::Floor;
+use crate::state::writer::Writer;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::Time;
+use giveway_people::human::Presence;
 
 /// So many ways are measured in a step at most; the rest is looked at in the next one.
 const WAYS_MAX: usize = 64;

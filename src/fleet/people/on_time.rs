@@ -3,20 +3,20 @@
 //!
 //! What robots were granted they drive; what they were not, they leave to the worker, who has precedence. So only what
 //! is granted takes walkways here, besides what a robot needs to come clear that waits for the worker, if that costs
-//! the worker less than waiting costs robots ([`Settings::worker_price`](crate::fleet::state::settings::Settings)).
+//! the worker less than waiting costs robots ([`Settings::worker_price`](crate::state::settings::Settings)).
 //! The worker waits a few seconds for a robot to pass, or takes another aisle, whichever is there earlier. Refuses: to
 //! keep a worker waiting for longer than [`WAITS_AT_MOST`] in a row.
 
-use crate::aware::{BODY_M, HumanAwarePolicy, SLOW_MPS};
-use crate::fleet::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::wait_graph::{Edge, Party};
-use crate::fleet::state::yielding::YieldingState;
-use crate::geometry::{Point, Segment};
-use crate::human::{Presence, Whereabouts};
-use crate::id::{ClosureId, RobotId, WorkerId};
-use crate::time::{Span, Time, Window};
-use crate::warehouse::walkway::{EdgeSet, Occupied, TimedPath};
+use crate::people::state::{HumanState, LetsPass, LetsPassStage, WalkMode};
+use crate::state::floor::Floor;
+use crate::state::wait_graph::{Edge, Party};
+use crate::state::yielding::YieldingState;
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::id::{ClosureId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::warehouse::walkway::{EdgeSet, Occupied, TimedPath};
+use giveway_people::aware::{BODY_M, HumanAwarePolicy, SLOW_MPS};
+use giveway_people::human::{Presence, Whereabouts};
 
 /// How fast workers are taken to walk to their tasks, metres per second.
 const WALKS_MPS: f64 = 1.2;

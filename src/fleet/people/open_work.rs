@@ -3,14 +3,14 @@
 //!
 //! Refuses: to lead anybody.
 
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::fact::AssignmentFact;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::worker::{AssignmentState, GuidanceReason};
-use crate::fleet::state::writer::Writer;
-use crate::geometry::Point;
-use crate::id::{AssignmentId, ClosureId, WorkerId};
-use crate::time::{Span, Time};
+use crate::people::state::HumanState;
+use crate::state::fact::AssignmentFact;
+use crate::state::floor::Floor;
+use crate::state::worker::{AssignmentState, GuidanceReason};
+use crate::state::writer::Writer;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{AssignmentId, ClosureId, WorkerId};
+use giveway_floor::time::{Span, Time};
 
 impl HumanState {
     /// The assignment that a worker is at or is to begin, of those whose place is not closed before they would be done.

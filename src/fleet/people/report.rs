@@ -2,20 +2,20 @@
 //!
 //! Main type: [`PeopleReport`]. Refuses: to act on it.
 
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::heard::WorkerInput;
-use crate::fleet::state::regions::KindConditions;
-use crate::fleet::state::worker::Guidance;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::state::yielding::YieldingState;
-use crate::human::Whereabouts;
-use crate::id::{IdVec, WorkerId};
-use crate::time::Time;
+use crate::people::state::HumanState;
+use crate::state::heard::WorkerInput;
+use crate::state::regions::KindConditions;
+use crate::state::worker::Guidance;
+use crate::state::writer::Writer;
+use crate::state::yielding::YieldingState;
+use giveway_floor::id::{IdVec, WorkerId};
+use giveway_floor::time::Time;
+use giveway_people::human::Whereabouts;
 use std::collections::BTreeSet;
 
 /// People, as the rest of the step sees them.
 #[derive(Debug)]
-pub(in crate::fleet) struct PeopleReport {
+pub struct PeopleReport {
     /// Where each worker is, if on the floor and among robots.
     pub places: IdVec<WorkerId, Option<Whereabouts>>,
     /// Where else they may be.
@@ -28,7 +28,7 @@ pub(in crate::fleet) struct PeopleReport {
 
 impl HumanState {
     /// Takes in what was heard of workers, follows each, and reports.
-    pub(in crate::fleet) fn evaluate(
+    pub(crate) fn evaluate(
         &mut self,
         writer: &mut Writer,
         heard: &[WorkerInput],
@@ -45,7 +45,7 @@ impl HumanState {
     }
 
     /// What workers mean for the search and for grants, for each kind of robots, as of the last evaluation.
-    pub(in crate::fleet) fn conditions(&self) -> &KindConditions {
+    pub(crate) fn conditions(&self) -> &KindConditions {
         &self.conditions
     }
 }

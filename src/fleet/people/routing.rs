@@ -2,23 +2,23 @@
 //!
 //! Refuses: to move a worker, who is shown a path and may ignore it.
 
-use crate::aware::{BODY_M, HumanAwarePolicy};
-use crate::fleet::people::blocked::WaysPast;
-use crate::fleet::people::state::{HumanState, WalkMode};
-use crate::fleet::state::fact::{AssignmentFact, EncounterFact};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::worker::{AssignmentState, GuidanceReason};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::state::yielding::{STANDS, YieldingState};
-use crate::geometry::{Point, Segment};
-use crate::human::Whereabouts;
-use crate::id::{NodeId, RobotId, WorkerId};
-use crate::time::{Span, Time};
-use crate::warehouse::NodeKind;
-use crate::warehouse::walkway::EdgeSet;
+use crate::people::blocked::WaysPast;
+use crate::people::state::{HumanState, WalkMode};
+use crate::state::fact::{AssignmentFact, EncounterFact};
+use crate::state::floor::Floor;
+use crate::state::worker::{AssignmentState, GuidanceReason};
+use crate::state::writer::Writer;
+use crate::state::yielding::{STANDS, YieldingState};
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::id::{NodeId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::NodeKind;
+use giveway_floor::warehouse::walkway::EdgeSet;
+use giveway_people::aware::{BODY_M, HumanAwarePolicy};
+use giveway_people::human::Whereabouts;
 
 /// A worker off the path is shown a new one this often.
-pub(in crate::fleet) const REDIRECT: Span = Span::from_secs(1);
+pub(crate) const REDIRECT: Span = Span::from_secs(1);
 /// A robot that stands on a worker's path for this long is walked round.
 const BLOCKED: Span = Span::from_secs(3);
 /// A worker who seems to be off all walkways is led back from so far at most, metres.
@@ -46,7 +46,7 @@ const REFUGE_AHEAD: usize = 6;
 
 impl HumanState {
     /// Starts the next assignment, or drops the path of one that was cancelled.
-    pub(in crate::fleet) fn take_up_work(
+    pub(crate) fn take_up_work(
         &mut self,
         writer: &mut Writer,
         yielding: &YieldingState,
@@ -78,7 +78,7 @@ impl HumanState {
     }
 
     /// Gives a worker the way from `at` to the next assignment.
-    pub(in crate::fleet) fn route_on(
+    pub(crate) fn route_on(
         &mut self,
         floor: Floor<'_>,
         yielding: &YieldingState,
@@ -127,7 +127,7 @@ impl HumanState {
 
     /// A robot that stands on the path and does not go away in time: the worker is led round it, or told to
     /// wait.
-    pub(in crate::fleet) fn look_ahead(
+    pub(crate) fn look_ahead(
         &mut self,
         floor: Floor<'_>,
         yielding: &YieldingState,
@@ -186,7 +186,7 @@ impl HumanState {
 
     /// A worker who stands and has no way to go, and for whom a robot waits that has nowhere else to go, is led to a
     /// place aside.
-    pub(in crate::fleet) fn make_room(
+    pub(crate) fn make_room(
         &mut self,
         floor: Floor<'_>,
         yielding: &YieldingState,
@@ -206,12 +206,7 @@ impl HumanState {
     }
 
     /// Why a worker who stands and has no way to go is asked to make room, if so.
-    pub(in crate::fleet) fn is_asked(
-        &self,
-        floor: Floor<'_>,
-        worker: WorkerId,
-        now: Time,
-    ) -> Option<GuidanceReason> {
+    pub(crate) fn is_asked(&self, floor: Floor<'_>, worker: WorkerId, now: Time) -> Option<GuidanceReason> {
         let person = &self.people[worker];
         if person.plan.is_some() && !matches!(person.mode, WalkMode::Stopped { .. }) {
             return None;
@@ -294,7 +289,7 @@ impl HumanState {
         floor.ledger.present().find(stops)
     }
 
-    pub(in crate::fleet) fn leaves_path(
+    pub(crate) fn leaves_path(
         &mut self,
         writer: &mut Writer,
         yielding: &YieldingState,
@@ -310,7 +305,7 @@ impl HumanState {
     }
 
     /// Shows a worker who left the path a new one from where the worker is, now and then.
-    pub(in crate::fleet) fn show_the_way_back(
+    pub(crate) fn show_the_way_back(
         &mut self,
         floor: Floor<'_>,
         yielding: &YieldingState,
@@ -325,7 +320,7 @@ impl HumanState {
     }
 
     /// At the end of the path: at work, done, or on to the next.
-    pub(in crate::fleet) fn at_the_end(
+    pub(crate) fn at_the_end(
         &mut self,
         writer: &mut Writer,
         yielding: &YieldingState,

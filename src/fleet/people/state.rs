@@ -2,19 +2,19 @@
 //!
 //! Main types: [`HumanState`], [`Person`], [`WalkMode`]. Refuses: to decide.
 
-use crate::aware::{Afoot, Occupancy};
-use crate::fleet::people::barred::Barred;
-use crate::fleet::people::intents::Intents;
-use crate::fleet::people::message::Message;
-use crate::fleet::state::regions::{KindConditions, KindRegions};
-use crate::fleet::state::worker::{Guidance, GuidanceReason};
-use crate::geometry::{Point, inside};
-use crate::human::motion::Motion;
-use crate::human::{Coverage, Follower, Hypothesis, Method, Presence, Track, Whereabouts};
-use crate::id::{AssignmentId, GoalId, IdVec, RobotId, StationId, WorkerId};
-use crate::time::{Span, Time};
-use crate::warehouse::walkway::Walkways;
-use crate::warehouse::{Cell, Warehouse};
+use crate::people::barred::Barred;
+use crate::people::intents::Intents;
+use crate::people::message::Message;
+use crate::state::regions::{KindConditions, KindRegions};
+use crate::state::worker::{Guidance, GuidanceReason};
+use giveway_floor::geometry::{Point, inside};
+use giveway_floor::id::{AssignmentId, GoalId, IdVec, RobotId, StationId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::walkway::Walkways;
+use giveway_floor::warehouse::{Cell, Warehouse};
+use giveway_people::aware::{Afoot, Occupancy};
+use giveway_people::human::motion::Motion;
+use giveway_people::human::{Coverage, Follower, Hypothesis, Method, Presence, Track, Whereabouts};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -25,14 +25,14 @@ const THERE_M: f64 = 0.6;
 const LINGERS_M: f64 = 4.0;
 
 /// A person slower than this stands, more or less, metres per second.
-pub(in crate::fleet) const STROLL_MPS: f64 = 0.3;
+pub(crate) const STROLL_MPS: f64 = 0.3;
 
 /// Somebody who presses a button at a station is there for so long.
 const USED: Span = Span::from_secs(120);
 
 /// How a worker's walk stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub(in crate::fleet) enum WalkMode {
+pub enum WalkMode {
     /// Nothing to do.
     #[default]
     Idle,
@@ -54,7 +54,7 @@ pub(in crate::fleet) enum WalkMode {
 
 /// The path that a worker was given.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct Plan {
+pub struct Plan {
     /// How far along it the worker is.
     pub follower: Follower,
     /// What it is for; nothing for a path that only leads out of the way.
@@ -69,7 +69,7 @@ pub(in crate::fleet) struct Plan {
 
 /// Which nodes a worker will take.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct NodesTaken {
+pub struct NodesTaken {
     /// For each set of regions, in the order of [`KindRegions::all`].
     pub nodes: Vec<Vec<Occupancy>>,
     /// When that was worked out, and what for.
@@ -78,7 +78,8 @@ pub(in crate::fleet) struct NodesTaken {
 
 /// One worker.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Person {
+pub struct Person {
+    /// Where the worker was seen.
     pub track: Track,
     /// How the worker moves just now; nothing before the first sighting that was taken in.
     pub motion: Option<Motion>,
@@ -90,7 +91,9 @@ pub(in crate::fleet) struct Person {
     pub fresh: bool,
     /// Whether the worker was put somewhere else without a walk.
     pub relocated: bool,
+    /// The path that the worker is to take.
     pub plan: Option<Plan>,
+    /// What the worker does about that path.
     pub mode: WalkMode,
     /// Counts up with every new path.
     pub version: u64,
@@ -131,7 +134,7 @@ pub(in crate::fleet) struct Person {
 
 /// One person lets one robot pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct LetsPass {
+pub struct LetsPass {
     /// The robot.
     pub robot: RobotId,
     /// The visit at which the robot was.
@@ -146,7 +149,7 @@ pub(in crate::fleet) struct LetsPass {
 
 /// What a person does who lets a robot pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) enum LetsPassStage {
+pub enum LetsPassStage {
     /// Shows the headset where it is, since what it does not know closes more floor than the person.
     TouchesMarks,
     /// Walks to a place aside.
@@ -159,7 +162,7 @@ pub(in crate::fleet) enum LetsPassStage {
 
 /// Where the published procedure leads a worker.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) enum Led {
+pub enum Led {
     /// Where it is expected to walk anyway: robots leave it this path.
     AsExpected(Vec<Point>),
     /// Along another path, which it is told.
@@ -182,7 +185,7 @@ struct Workplace {
 
 /// All that is kept in mind about people.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct HumanState {
+pub struct HumanState {
     pub walkways: Arc<Walkways>,
     pub intents: Intents,
     pub afoot: Afoot,

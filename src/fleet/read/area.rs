@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Area`]. Refuses: to know what is in it.
 
-use crate::geometry::Point;
+use giveway_floor::geometry::Point;
 
 /// An upright rectangle, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,11 +3,11 @@
 //! Main types: [`Backlog`], [`Pending`]. Not part of [`super::view::View`]: that is made ten times a second, and a
 //! hundred thousand jobs may wait. Refuses: to list more than it is asked for, and to be an input of any decision.
 
-use crate::fleet::Fleet;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job_kind::JobKind;
-use crate::id::JobId;
-use crate::time::Time;
+use crate::Fleet;
+use crate::state::floor::Floor;
+use crate::state::job_kind::JobKind;
+use giveway_floor::id::JobId;
+use giveway_floor::time::Time;
 
 /// The first of the waiting jobs at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,7 +52,7 @@ impl Fleet {
 
 impl Floor<'_> {
     /// The first job that keeps this one from starting: it is not over, or it ended badly.
-    pub(in crate::fleet) fn first_before(&self, job: JobId) -> Option<JobId> {
+    pub(crate) fn first_before(&self, job: JobId) -> Option<JobId> {
         self.ledger.index().waits.first_before(job)
     }
 }

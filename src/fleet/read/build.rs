@@ -2,23 +2,23 @@
 //!
 //! Main function: [`Fleet::view`]. Refuses: to change anything.
 
-use crate::cell::Remaining;
-use crate::fleet::Fleet;
-use crate::fleet::dispatch::enough::with_enough_racks;
-use crate::fleet::people::intents::task_place;
-use crate::fleet::read::view::{Counts, LINE, RobotState, RobotView, StationView, View};
-use crate::fleet::state::activity::Activity;
-use crate::fleet::state::arms::ArmView;
-use crate::fleet::state::fact::{Act, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::index::RackGoal;
-use crate::fleet::state::job::Job;
-use crate::fleet::state::ledger::Service;
-use crate::fleet::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
-use crate::geometry::{Point, Pose};
-use crate::human::{Belief, IntentState, Whereabouts};
-use crate::id::{BodyId, JobId, NodeId, RobotId, StationId, WorkerId};
-use crate::time::Time;
+use crate::Fleet;
+use crate::dispatch::enough::with_enough_racks;
+use crate::people::intents::task_place;
+use crate::read::view::{Counts, LINE, RobotState, RobotView, StationView, View};
+use crate::state::activity::Activity;
+use crate::state::arms::ArmView;
+use crate::state::fact::{Act, Task};
+use crate::state::floor::Floor;
+use crate::state::index::RackGoal;
+use crate::state::job::Job;
+use crate::state::ledger::Service;
+use crate::state::worker::{ClosureView, Presence, WorkerEpisode, WorkerView};
+use giveway_cell::Remaining;
+use giveway_floor::geometry::{Point, Pose};
+use giveway_floor::id::{BodyId, JobId, NodeId, RobotId, StationId, WorkerId};
+use giveway_floor::time::Time;
+use giveway_people::human::{Belief, IntentState, Whereabouts};
 use std::collections::BTreeMap;
 
 /// Of so many waiting jobs those in line are looked for: a view is made ten times a second, however many wait.

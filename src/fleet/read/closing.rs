@@ -4,16 +4,16 @@
 //! Main types: [`ClosingEffect`], [`Affected`]. The same walks answer that decide later which jobs wait
 //! ([`CutOff`]), so the answer is what will happen. Refuses: to close anything.
 
-use crate::fleet::Fleet;
-use crate::fleet::state::closed_areas::nodes_of;
-use crate::fleet::state::cut_off::CutOff;
-use crate::fleet::state::fact::Task;
-use crate::fleet::state::job::Job;
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::ledger::RackAt;
-use crate::fleet::state::worker::Closure;
-use crate::id::{ClosureId, JobId, NodeId, RackId, RobotId, StationId};
-use crate::time::Time;
+use crate::Fleet;
+use crate::state::closed_areas::nodes_of;
+use crate::state::cut_off::CutOff;
+use crate::state::fact::Task;
+use crate::state::job::Job;
+use crate::state::job_kind::JobKind;
+use crate::state::ledger::RackAt;
+use crate::state::worker::Closure;
+use giveway_floor::id::{ClosureId, JobId, NodeId, RackId, RobotId, StationId};
+use giveway_floor::time::Time;
 use std::collections::BTreeSet;
 
 /// So many of each are named.

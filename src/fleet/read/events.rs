@@ -4,13 +4,11 @@
 //! which are nobody's business outside, and to know the state before, which whoever keeps events knows.
 
 use super::robot_events::robot_change;
-use crate::fleet::state::fact::{
-    AreaFact, AssignmentFact, EncounterFact, Fact, FloorFact, JobFact, WorkerFact,
-};
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::note::{EventDetails, FloorNote, ReplanCause};
-use crate::id::{RobotId, WorkerId};
-use crate::time::Time;
+use crate::state::fact::{AreaFact, AssignmentFact, EncounterFact, Fact, FloorFact, JobFact, WorkerFact};
+use crate::state::job::JobState;
+use crate::state::note::{EventDetails, FloorNote, ReplanCause};
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::time::Time;
 
 /// What an event is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

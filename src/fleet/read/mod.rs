@@ -4,17 +4,17 @@
 //! Main types: [`view::View`], `why::Waiting`, `occupancy::NodeOccupancy`, `backlog::Backlog`, `rows::JobRow`. Refuses:
 //! to be an input of any decision.
 
-pub(in crate::fleet) mod area;
-pub(in crate::fleet) mod backlog;
-pub(in crate::fleet) mod build;
-pub(in crate::fleet) mod closing;
-pub(in crate::fleet) mod events;
-pub(in crate::fleet) mod occupancy;
+pub(crate) mod area;
+pub(crate) mod backlog;
+pub(crate) mod build;
+pub(crate) mod closing;
+pub(crate) mod events;
+pub(crate) mod occupancy;
 mod questions;
-pub(in crate::fleet) mod robot_events;
+pub(crate) mod robot_events;
 pub mod rows;
-pub(in crate::fleet) mod safety_regions;
-pub(in crate::fleet) mod shift;
-pub(in crate::fleet) mod unsettled;
+pub(crate) mod safety_regions;
+pub(crate) mod shift;
+pub(crate) mod unsettled;
 pub mod view;
-pub(in crate::fleet) mod why;
+pub(crate) mod why;

@@ -3,13 +3,13 @@
 //! Main type: [`NodeOccupancy`]. Worked out on demand for an area. Refuses: areas of more than [`MOST_NODES`] nodes,
 //! since nobody could read them, and lanes, whose holds are those of the nodes at their ends.
 
-use crate::fleet::Fleet;
-use crate::fleet::read::area::Area;
-use crate::fleet::read::safety_regions::RegionStay;
-use crate::id::NodeId;
-use crate::route::Condition;
-use crate::time::{Span, Time, Window};
-use crate::timeline::Held;
+use crate::Fleet;
+use crate::read::area::Area;
+use crate::read::safety_regions::RegionStay;
+use giveway_floor::id::NodeId;
+use giveway_floor::route::Condition;
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::timeline::Held;
 
 /// The most nodes at once.
 pub const MOST_NODES: usize = 200;

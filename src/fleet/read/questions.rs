@@ -2,25 +2,25 @@
 //!
 //! Refuses: to change anything, and to decide: the step that follows does, with everything that it knows.
 
-use crate::cell::HandsSeen;
-use crate::fleet::Fleet;
-use crate::fleet::dispatch::enough::stations_with_enough;
-use crate::fleet::people::forecast::Expected;
-use crate::fleet::people::foreseen::ForeseenPerson;
-use crate::fleet::requests::hands::warning_of;
-use crate::fleet::state::displaced::Displacement;
-use crate::fleet::state::index::urgency_ms;
-use crate::fleet::state::io::{CellWarning, Telemetry};
-use crate::fleet::state::job::{Job, JobRequest};
-use crate::fleet::state::ledger::RackAt;
-use crate::fleet::state::passing::Passing;
-use crate::fleet::state::worker::{GuidanceReason, GuidanceState};
-use crate::geometry::Point;
-use crate::human::Sighting;
-use crate::human::motion::MotionEstimate;
-use crate::id::{JobId, RobotId, StationId, WorkerId};
-use crate::time::{Span, Time};
-use crate::warehouse::Hull;
+use crate::Fleet;
+use crate::dispatch::enough::stations_with_enough;
+use crate::people::forecast::Expected;
+use crate::people::foreseen::ForeseenPerson;
+use crate::requests::hands::warning_of;
+use crate::state::displaced::Displacement;
+use crate::state::index::urgency_ms;
+use crate::state::io::{CellWarning, Telemetry};
+use crate::state::job::{Job, JobRequest};
+use crate::state::ledger::RackAt;
+use crate::state::passing::Passing;
+use crate::state::worker::{GuidanceReason, GuidanceState};
+use giveway_cell::HandsSeen;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{JobId, RobotId, StationId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Hull;
+use giveway_people::human::Sighting;
+use giveway_people::human::motion::MotionEstimate;
 use std::collections::BTreeSet;
 
 impl Fleet {

@@ -2,10 +2,10 @@
 //!
 //! Main types: [`RobotChange`], [`RobotEventRow`], [`RobotEventQuery`]. Refuses: to know where they are kept.
 
-use crate::fleet::state::fact::{Fact, FloorFact, RobotFact};
-use crate::fleet::state::note::EventDetails;
-use crate::id::RobotId;
-use crate::time::Time;
+use crate::state::fact::{Fact, FloorFact, RobotFact};
+use crate::state::note::EventDetails;
+use giveway_floor::id::RobotId;
+use giveway_floor::time::Time;
 
 /// What a fact says of a robot alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

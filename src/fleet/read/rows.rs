@@ -3,11 +3,11 @@
 //! Main types: [`JobRow`], [`JobTimes`], [`AssignmentRow`], [`EncounterRow`], and a query for each. The store reads
 //! them, a recording makes them from facts, and the API gives their names. Refuses: to know where they are kept.
 
-use crate::cell::LineChange;
-use crate::fleet::state::job::{Job, JobState};
-use crate::fleet::state::worker::{Assignment, Encounter};
-use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::time::Time;
+use crate::state::job::{Job, JobState};
+use crate::state::worker::{Assignment, Encounter};
+use giveway_cell::LineChange;
+use giveway_floor::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::time::Time;
 use std::collections::BTreeMap;
 
 /// The words for the states of a job, in order of life.

@@ -6,14 +6,14 @@
 //! all windows of their reservations count; of people, what they may walk within the time shown. For readers only.
 //! Refuses: to bind anybody; conditions do that, from the same radii.
 
-use crate::fleet::Fleet;
-use crate::fleet::people::state::Person;
-use crate::fleet::read::area::Area;
-use crate::fleet::state::wait_graph::Party;
-use crate::geometry::Point;
-use crate::human::{Band, Hypothesis, Whereabouts, passages};
-use crate::id::{BodyId, NodeId, RobotId, WorkerId};
-use crate::time::{Span, Time, Window};
+use crate::Fleet;
+use crate::people::state::Person;
+use crate::read::area::Area;
+use crate::state::wait_graph::Party;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{BodyId, NodeId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_people::human::{Band, Hypothesis, Whereabouts, passages};
 use std::collections::BTreeMap;
 
 /// Ways that are less probable have no regions.

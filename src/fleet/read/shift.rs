@@ -3,9 +3,9 @@
 //! Main type: [`ShiftRows`]. Refuses: anything by person.
 
 use super::rows::JobRow;
-use crate::fleet::{Encounter, JobState};
-use crate::id::StationId;
-use crate::time::{Span, Time};
+use crate::{Encounter, JobState};
+use giveway_floor::id::StationId;
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// A job that ended.

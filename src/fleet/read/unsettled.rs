@@ -2,10 +2,10 @@
 //!
 //! Main type: [`Unsettled`]. Refuses: to say why one does not get there.
 
-use crate::fleet::Fleet;
-use crate::fleet::state::displaced::OFF_ROUTE_M;
-use crate::geometry::Point;
-use crate::id::RobotId;
+use crate::Fleet;
+use crate::state::displaced::OFF_ROUTE_M;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::RobotId;
 
 /// A robot that drives, or stands beside the node that it reached last.
 #[derive(Clone, Debug, PartialEq)]

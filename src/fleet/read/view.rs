@@ -1,30 +1,32 @@
 //! The read model: everything that outsiders see of the fleet, as one immutable value.
 //!
-//! Main types: [`View`], [`RobotView`], [`JobWhy`]. Made on demand by [`crate::fleet::Fleet::view`], since
+//! Main types: [`View`], [`RobotView`], [`JobWhy`]. Made on demand by [`crate::Fleet::view`], since
 //! a simulation of an hour needs none of the 36 000 it could have. Refuses: to be an input of any decision.
 
-use crate::aware::zone_answers::ZoneCounts;
-use crate::cell::{Lines, Remaining, SeenReach};
-use crate::fleet::state::activity::{Activity, Doing};
-use crate::fleet::state::arms::ArmView;
-use crate::fleet::state::cut_off::{Barrier, CutOff};
-use crate::fleet::state::fact::Task;
-use crate::fleet::state::fault::Fault;
-use crate::fleet::state::io::WrongReach;
-use crate::fleet::state::job::{Job, JobRequest, JobState, RobotChoice};
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::ledger::{RackAt, Unconfirmed};
-use crate::fleet::state::note::ReplanCause;
-use crate::fleet::state::recurring::RecurringClosure;
-use crate::fleet::state::visits::EndsHeld;
-use crate::fleet::state::why::Why;
-use crate::fleet::state::worker::{ClosureView, WorkerView};
-use crate::fleet::traffic::state::InsertionCounts;
-use crate::geometry::Pose;
-use crate::human::HorizonCoverage;
-use crate::id::{BodyId, ClosureId, Dense, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
-use crate::time::Time;
-use crate::warehouse::{NodeKind, Warehouse};
+use crate::state::activity::{Activity, Doing};
+use crate::state::arms::ArmView;
+use crate::state::cut_off::{Barrier, CutOff};
+use crate::state::fact::Task;
+use crate::state::fault::Fault;
+use crate::state::io::WrongReach;
+use crate::state::job::{Job, JobRequest, JobState, RobotChoice};
+use crate::state::job_kind::JobKind;
+use crate::state::ledger::{RackAt, Unconfirmed};
+use crate::state::note::ReplanCause;
+use crate::state::recurring::RecurringClosure;
+use crate::state::visits::EndsHeld;
+use crate::state::why::Why;
+use crate::state::worker::{ClosureView, WorkerView};
+use crate::traffic::state::InsertionCounts;
+use giveway_cell::{Lines, Remaining, SeenReach};
+use giveway_floor::geometry::Pose;
+use giveway_floor::id::{
+    BodyId, ClosureId, Dense, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
+use giveway_people::aware::zone_answers::ZoneCounts;
+use giveway_people::human::HorizonCoverage;
 use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

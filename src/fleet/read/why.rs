@@ -4,18 +4,18 @@
 //! notes; what is added on demand is until when, and how many pass before. Refuses: to find out reasons of its own, to
 //! change anything, and to promise: windows slide when a robot is late.
 
-use crate::fleet::Fleet;
-use crate::fleet::JobState;
-use crate::fleet::people::keep_out::COMES_OUT;
-use crate::fleet::read::view::{JobWhy, View};
-use crate::fleet::state::fact::{Act, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::wait_graph::{ChainEnd, Edge, Party, Wait};
-use crate::fleet::state::why::Why;
-use crate::fleet::traffic::state::Withheld;
-use crate::human::{Presence, Whereabouts};
-use crate::id::{ClosureId, Dense, JobId, NodeId, ResourceId, RobotId, WorkerId};
-use crate::time::{Span, Time};
+use crate::Fleet;
+use crate::JobState;
+use crate::people::keep_out::COMES_OUT;
+use crate::read::view::{JobWhy, View};
+use crate::state::fact::{Act, Task};
+use crate::state::floor::Floor;
+use crate::state::wait_graph::{ChainEnd, Edge, Party, Wait};
+use crate::state::why::Why;
+use crate::traffic::state::Withheld;
+use giveway_floor::id::{ClosureId, Dense, JobId, NodeId, ResourceId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::human::{Presence, Whereabouts};
 use std::collections::BTreeSet;
 
 /// So many links at most; a chain is seldom longer than the queue of a station.

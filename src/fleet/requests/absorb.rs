@@ -2,21 +2,21 @@
 //!
 //! Refuses: to decide anything about robots.
 
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::FloorFact;
-use crate::fleet::state::heard::{Heard, WorkerInput};
-use crate::fleet::state::io::Input;
-use crate::fleet::state::request::{
+use crate::requests::intake::Intake;
+use crate::state::fact::FloorFact;
+use crate::state::heard::{Heard, WorkerInput};
+use crate::state::io::Input;
+use crate::state::request::{
     Answer, Answered, FloorAction, JobAction, Request, RobotAction, Token, WorkerAction,
 };
-use crate::fleet::state::writer::Writer;
-use crate::id::{Dense, WorkerId};
-use crate::time::Time;
-use crate::warehouse::walkway::Walkways;
+use crate::state::writer::Writer;
+use giveway_floor::id::{Dense, WorkerId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::walkway::Walkways;
 
 /// Takes all inputs in: observations of robots go to the scene, requests become facts or refusals. `walkways` is where
 /// workers can walk, `lost` those of whom nobody knows where they are.
-pub(in crate::fleet) fn absorb(
+pub(crate) fn absorb(
     writer: &mut Writer,
     (walkways, lost): (&Walkways, &[WorkerId]),
     now: Time,

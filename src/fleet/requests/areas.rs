@@ -2,15 +2,15 @@
 //!
 //! Refuses: to plan; what is asked for becomes a fact or a refusal.
 
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{AreaFact, FloorFact};
-use crate::fleet::state::recurring::RecurringClosure;
-use crate::fleet::state::refusal::{AreaRefusal, Bounded, Refusal};
-use crate::fleet::state::request::{Answer, Answered};
-use crate::fleet::state::worker::Closure;
-use crate::id::{ClosureId, SeriesId};
-use crate::time::Time;
-use crate::warehouse::NodeKind;
+use crate::requests::intake::Intake;
+use crate::state::fact::{AreaFact, FloorFact};
+use crate::state::recurring::RecurringClosure;
+use crate::state::refusal::{AreaRefusal, Bounded, Refusal};
+use crate::state::request::{Answer, Answered};
+use crate::state::worker::Closure;
+use giveway_floor::id::{ClosureId, SeriesId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::NodeKind;
 
 impl Intake<'_> {
     /// Whether an area can be closed.

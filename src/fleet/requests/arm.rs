@@ -5,15 +5,15 @@
 //! it gets no trajectory and all its lines go to the hand, else the visit would never end. Refuses: to give the arm the
 //! line that is lit, and to count a piece that nobody has put down.
 
-use crate::cell::arm::{ArmDeed, ArmMode, ArmSaid, ArmTask, Surroundings};
-use crate::cell::{LineChange, LineProgress, LineState, PickedBy};
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::requests::visit::OnVisit;
-use crate::fleet::state::fact::JobFact;
-use crate::fleet::state::visits::ConfirmedBy;
-use crate::id::{JobId, StationId};
-use crate::reach::PickModel;
-use crate::time::{Span, Time};
+use crate::requests::intake::Intake;
+use crate::requests::visit::OnVisit;
+use crate::state::fact::JobFact;
+use crate::state::visits::ConfirmedBy;
+use giveway_cell::arm::{ArmDeed, ArmMode, ArmSaid, ArmTask, Surroundings};
+use giveway_cell::{LineChange, LineProgress, LineState, PickedBy};
+use giveway_floor::id::{JobId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::reach::PickModel;
 
 /// A line for either is the arm's if this share of what the hand takes for its other lines is enough for it …
 const ENOUGH: f64 = 0.6;
@@ -185,7 +185,7 @@ impl Intake<'_> {
     }
 
     /// Notes what was seen of a picker beside an arm.
-    pub(super) fn show_picker(&mut self, seen: &crate::cell::HandsSeen) {
+    pub(super) fn show_picker(&mut self, seen: &giveway_cell::HandsSeen) {
         if let Some(post) = self.writer.arms.post(seen.station) {
             post.sight.see(seen);
         }
@@ -222,7 +222,7 @@ fn is_sooner_by_hand(line: &LineProgress, takes: TakenBy, spent_s: f64) -> bool 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::{Lines, OrderLine};
+    use giveway_cell::{Lines, OrderLine};
 
     fn line(state: LineState, quantity: u32, by: PickedBy) -> LineProgress {
         let slot = "A1".parse().expect("a slot");

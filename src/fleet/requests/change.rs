@@ -2,18 +2,18 @@
 //!
 //! Refuses: to change what a robot works on; that would have to be cancelled and submitted anew.
 
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::JobFact;
-use crate::fleet::state::job::{JobChange, JobRequest, JobState};
-use crate::fleet::state::job_kind::{JobKind, JobParts};
-use crate::fleet::state::refusal::{JobRefusal, Refusal};
-use crate::fleet::state::request::{Answer, Answered};
-use crate::id::JobId;
-use crate::time::Time;
+use crate::requests::intake::Intake;
+use crate::state::fact::JobFact;
+use crate::state::job::{JobChange, JobRequest, JobState};
+use crate::state::job_kind::{JobKind, JobParts};
+use crate::state::refusal::{JobRefusal, Refusal};
+use crate::state::request::{Answer, Answered};
+use giveway_floor::id::JobId;
+use giveway_floor::time::Time;
 
 impl Intake<'_> {
     /// Changes a waiting job, whole or not at all.
-    pub(in crate::fleet) fn change(&mut self, job: JobId, change: JobChange, now: Time) -> Answered {
+    pub(crate) fn change(&mut self, job: JobId, change: JobChange, now: Time) -> Answered {
         if job.0 == 0 || job.0 >= self.writer.ledger().next_job {
             return Err(Refusal::Job(JobRefusal::Unknown(job)));
         }

@@ -6,22 +6,17 @@
 //! operator lets it work again: a restart forgets none of that. Refuses: robots on places that others hold, and of
 //! unknown kinds.
 
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{Fact, RobotFact};
-use crate::fleet::state::ledger::Service;
-use crate::fleet::state::refusal::{Bounded, Refusal, RobotRefusal};
-use crate::fleet::state::request::{Answer, Answered, Made};
-use crate::id::{Dense, NodeId, RobotId};
-use crate::time::{Time, Window};
+use crate::requests::intake::Intake;
+use crate::state::fact::{Fact, RobotFact};
+use crate::state::ledger::Service;
+use crate::state::refusal::{Bounded, Refusal, RobotRefusal};
+use crate::state::request::{Answer, Answered, Made};
+use giveway_floor::id::{Dense, NodeId, RobotId};
+use giveway_floor::time::{Time, Window};
 
 impl Intake<'_> {
     /// A robot joins; one of this name is the same robot, wherever it stands by now.
-    pub(in crate::fleet) fn register(
-        &mut self,
-        (name, kind): (String, String),
-        node: NodeId,
-        now: Time,
-    ) -> Answered {
+    pub(crate) fn register(&mut self, (name, kind): (String, String), node: NodeId, now: Time) -> Answered {
         let known = self.writer.ledger().robots.pairs().find(|(_, r)| r.name == name).map(|(robot, _)| robot);
         if let Some(robot) = known.filter(|r| !self.writer.ledger().robots[*r].is_gone()) {
             return Ok(Answer::Robot(Made { id: robot, new: false }));
@@ -58,7 +53,7 @@ impl Intake<'_> {
     }
 
     /// A robot goes to maintenance; one that leaves goes on leaving.
-    pub(in crate::fleet) fn begin_maintenance(&mut self, robot: RobotId, now: Time) -> Answered {
+    pub(crate) fn begin_maintenance(&mut self, robot: RobotId, now: Time) -> Answered {
         if self.service_of(robot)? == Service::Works {
             self.writer.record(RobotFact::Maintenance { robot, since: Some(now) });
         }
@@ -66,7 +61,7 @@ impl Intake<'_> {
     }
 
     /// A robot comes back from maintenance, or does not leave after all.
-    pub(in crate::fleet) fn end_maintenance(&mut self, robot: RobotId) -> Answered {
+    pub(crate) fn end_maintenance(&mut self, robot: RobotId) -> Answered {
         match self.service_of(robot)? {
             Service::Works | Service::Gone { .. } => {}
             Service::Maintenance { .. } | Service::Leaving { .. } => {
@@ -77,7 +72,7 @@ impl Intake<'_> {
     }
 
     /// A robot is to leave the floor.
-    pub(in crate::fleet) fn retire(&mut self, robot: RobotId, now: Time) -> Answered {
+    pub(crate) fn retire(&mut self, robot: RobotId, now: Time) -> Answered {
         if !matches!(self.service_of(robot)?, Service::Leaving { .. }) {
             self.writer.record(RobotFact::Retired { robot, at: now });
         }

@@ -4,17 +4,17 @@
 //! seen all the way; what was not seen so, a button decides. No rack leaves while a hand is seen inside. Refuses: to
 //! confirm by guessing.
 
-use crate::cell::{DeskEvent, DeskScene, HandsSeen, HeldPiece, LineChange, Lines, OrderLine, PickFace};
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::requests::visit::OnVisit;
-use crate::fleet::state::fact::JobFact;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::{CellWarning, WrongReach};
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::visits::ConfirmedBy;
-use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::SlotName;
+use crate::requests::intake::Intake;
+use crate::requests::visit::OnVisit;
+use crate::state::fact::JobFact;
+use crate::state::floor::Floor;
+use crate::state::io::{CellWarning, WrongReach};
+use crate::state::job::JobState;
+use crate::state::visits::ConfirmedBy;
+use giveway_cell::{DeskEvent, DeskScene, HandsSeen, HeldPiece, LineChange, Lines, OrderLine, PickFace};
+use giveway_floor::id::{Dense, JobId, NodeId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::SlotName;
 
 /// Clocks of headsets may be ahead by so much.
 const AHEAD: Span = Span::from_millis(200);
@@ -168,7 +168,7 @@ impl Intake<'_> {
 }
 
 /// What a step that took in these hands now would warn of.
-pub(in crate::fleet) fn warning_of(floor: Floor<'_>, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
+pub(crate) fn warning_of(floor: Floor<'_>, seen: &HandsSeen, now: Time) -> Option<CellWarning> {
     let station = seen.station;
     if station.ix() >= floor.warehouse().stations.len() || !floor.settings.flow.hears_hands() {
         return None;

@@ -2,10 +2,10 @@
 //!
 //! Main type: [`Intake`].
 
-use crate::fleet::state::heard::Heard;
-use crate::fleet::state::writer::Writer;
-use crate::id::WorkerId;
-use crate::warehouse::walkway::Walkways;
+use crate::state::heard::Heard;
+use crate::state::writer::Writer;
+use giveway_floor::id::WorkerId;
+use giveway_floor::warehouse::walkway::Walkways;
 
 /// Inputs as they are taken in.
 pub(super) struct Intake<'a> {

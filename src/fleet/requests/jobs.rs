@@ -2,18 +2,17 @@
 //!
 //! Refuses: to give a job to a robot.
 
-use crate::cell;
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{JobFact, Purpose, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobRequest, JobState};
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::ledger::RackAt;
-use crate::fleet::state::refusal::{Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal};
-use crate::fleet::state::request::{Answer, Answered, JobTaken, Made};
-use crate::id::{Dense, JobId, RobotId, StationId};
-use crate::time::Time;
-use crate::warehouse::NodeKind;
+use crate::requests::intake::Intake;
+use crate::state::fact::{JobFact, Purpose, Task};
+use crate::state::floor::Floor;
+use crate::state::job::{JobRequest, JobState};
+use crate::state::job_kind::JobKind;
+use crate::state::ledger::RackAt;
+use crate::state::refusal::{Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal};
+use crate::state::request::{Answer, Answered, JobTaken, Made};
+use giveway_floor::id::{Dense, JobId, RobotId, StationId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::NodeKind;
 
 impl Intake<'_> {
     /// A job is accepted, whole or not at all; the same client key makes no second one.
@@ -88,7 +87,7 @@ impl Floor<'_> {
         }
         let Some(rack) = request.kind.rack() else { return Ok(()) };
         for (visit, (station, lines)) in visits.into_iter().zip(&request.lines).enumerate() {
-            if let Some((line, problem)) = cell::problem(self.warehouse(), rack, station, lines) {
+            if let Some((line, problem)) = giveway_cell::problem(self.warehouse(), rack, station, lines) {
                 return Err(Refusal::Pick(PickRefusal::CannotPick(visit, line, problem)));
             }
         }

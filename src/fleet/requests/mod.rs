@@ -1,7 +1,7 @@
 //! What is asked for becomes a fact or a refusal: jobs, robots that join, workers and their assignments, closures, what
 //! operators, stations and people beside broken robots say.
 //!
-//! Main function: [`absorb()`]; it gives what others are to hear, [`Heard`](crate::fleet::state::heard::Heard).
+//! Main function: [`absorb()`]; it gives what others are to hear, [`Heard`](crate::state::heard::Heard).
 //! Refuses: to decide anything about robots.
 
 mod absorb;
@@ -9,7 +9,7 @@ mod areas;
 mod arm;
 mod change;
 mod enrolment;
-pub(in crate::fleet) mod hands;
+pub(crate) mod hands;
 mod intake;
 mod jobs;
 mod operator;
@@ -19,4 +19,4 @@ mod station;
 mod visit;
 mod workers;
 
-pub(in crate::fleet) use absorb::absorb;
+pub(crate) use absorb::absorb;

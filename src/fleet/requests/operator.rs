@@ -5,17 +5,17 @@
 //! Refuses: to be an emergency stop, which is the robot's own; and to take back what was promised: a robot that stands
 //! keeps its holds, and those behind wait.
 
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::FloorFact;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::refusal::Refusal;
-use crate::fleet::state::request::{Answer, Answered};
-use crate::id::{Dense, RobotId};
-use crate::time::Time;
+use crate::requests::intake::Intake;
+use crate::state::fact::FloorFact;
+use crate::state::floor::Floor;
+use crate::state::refusal::Refusal;
+use crate::state::request::{Answer, Answered};
+use giveway_floor::id::{Dense, RobotId};
+use giveway_floor::time::Time;
 
 impl Intake<'_> {
     /// One robot, or the whole fleet, is to stand.
-    pub(in crate::fleet) fn halt(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
+    pub(crate) fn halt(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
         if self.writer.floor().halted_since(robot)?.is_none() {
             self.writer.record(FloorFact::Halted { robot, at: now });
         }
@@ -23,7 +23,7 @@ impl Intake<'_> {
     }
 
     /// It may go on. A robot that was paused, or is fenced off, stays so when the fleet goes on.
-    pub(in crate::fleet) fn release(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
+    pub(crate) fn release(&mut self, robot: Option<RobotId>, now: Time) -> Answered {
         let fenced =
             robot.is_some_and(|r| self.writer.ledger().robots.get(r).is_some_and(|r| r.fenced.is_some()));
         if self.writer.floor().halted_since(robot)?.is_some() || fenced {

@@ -4,20 +4,20 @@
 //! waits for another robot, a rack that was to be stored there is. Refuses: to take a rack from a robot that can
 //! drive, and a node that is taken, or that a robot is to drive over.
 
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{RobotFact, Task};
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::ledger::RackAt;
-use crate::fleet::state::refusal::{RackRefusal, Refusal, RobotRefusal};
-use crate::fleet::state::request::{Answer, Answered};
-use crate::id::{Dense, NodeId, RackId, RobotId};
-use crate::time::{Time, Window};
-use crate::warehouse::NodeKind;
+use crate::requests::intake::Intake;
+use crate::state::fact::{RobotFact, Task};
+use crate::state::job::JobState;
+use crate::state::job_kind::JobKind;
+use crate::state::ledger::RackAt;
+use crate::state::refusal::{RackRefusal, Refusal, RobotRefusal};
+use crate::state::request::{Answer, Answered};
+use giveway_floor::id::{Dense, NodeId, RackId, RobotId};
+use giveway_floor::time::{Time, Window};
+use giveway_floor::warehouse::NodeKind;
 
 impl Intake<'_> {
     /// A rack stands on a storage node now, and not on the robot any more.
-    pub(in crate::fleet) fn take_rack_off(&mut self, rack: RackId, node: NodeId, now: Time) -> Answered {
+    pub(crate) fn take_rack_off(&mut self, rack: RackId, node: NodeId, now: Time) -> Answered {
         let robot = self.robot_to_unload(rack, node, now)?;
         self.writer.record(RobotFact::RackTaken { robot, rack, node, at: now });
         match self.writer.ledger().robots[robot].task.job() {

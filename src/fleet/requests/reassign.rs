@@ -4,26 +4,26 @@
 //! station at which it is served, or from the robot that carries it to where it is to stay; jobs that name their robot
 //! are changed instead.
 
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{JobFact, Purpose, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{Job, JobState, RobotChoice};
-use crate::fleet::state::ledger::{RackAt, Service};
-use crate::fleet::state::refusal::{JobRefusal, Refusal, RobotRefusal};
-use crate::fleet::state::request::{Answer, Answered};
-use crate::id::{Dense, JobId, RackId, RobotId};
-use crate::time::{Span, Time};
+use crate::requests::intake::Intake;
+use crate::state::fact::{JobFact, Purpose, Task};
+use crate::state::floor::Floor;
+use crate::state::job::{Job, JobState, RobotChoice};
+use crate::state::ledger::{RackAt, Service};
+use crate::state::refusal::{JobRefusal, Refusal, RobotRefusal};
+use crate::state::request::{Answer, Answered};
+use giveway_floor::id::{Dense, JobId, RackId, RobotId};
+use giveway_floor::time::{Span, Time};
 
 /// For how long a robot does not get a job that was taken from it. Another one has it by then, or none can.
-pub(in crate::fleet) const STAYS_AWAY: Span = Span::from_secs(120);
+pub(crate) const STAYS_AWAY: Span = Span::from_secs(120);
 
 /// For how long a job waits for the robot that was chosen for it. A choice that nobody can keep must not hold a job for
 /// ever.
-pub(in crate::fleet) const BINDS: Span = Span::from_secs(300);
+pub(crate) const BINDS: Span = Span::from_secs(300);
 
 impl Intake<'_> {
     /// Takes a job from its robot, and gives it to `chosen`, or to any other robot if none is named.
-    pub(in crate::fleet) fn reassign(&mut self, job: JobId, chosen: Option<RobotId>, now: Time) -> Answered {
+    pub(crate) fn reassign(&mut self, job: JobId, chosen: Option<RobotId>, now: Time) -> Answered {
         if job.0 == 0 || job.0 >= self.writer.ledger().next_job {
             return Err(Refusal::Job(JobRefusal::Unknown(job)));
         }
@@ -64,7 +64,7 @@ impl Intake<'_> {
 impl Floor<'_> {
     /// Whether a robot may do a job as far as operators are concerned. A choice of a robot that has left, is leaving or
     /// is out of service binds no more.
-    pub(in crate::fleet) fn is_allowed(&self, robot: RobotId, job: &Job, now: Time) -> bool {
+    pub(crate) fn is_allowed(&self, robot: RobotId, job: &Job, now: Time) -> bool {
         match job.choice {
             RobotChoice::Only(chosen, _) if self.ledger.robots[chosen].service != Service::Works => true,
             choice => choice.allows(robot, now),

@@ -5,24 +5,19 @@
 //! in its queue wait. A visit with order lines ends with the last of them. Refuses: to end a pick by the clock, and one
 //! that has not begun.
 
-use crate::cell::{LineChange, LineOutcome, LineProgress, LineState};
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{FloorFact, JobFact, RouteFact};
-use crate::fleet::state::job::{JobFailure, JobState};
-use crate::fleet::state::refusal::{PickRefusal, Refusal};
-use crate::fleet::state::request::{Answer, Answered, LineNoted, StationOrder};
-use crate::fleet::state::visits::ConfirmedBy;
-use crate::id::{Dense, RobotId, StationId};
-use crate::time::Time;
+use crate::requests::intake::Intake;
+use crate::state::fact::{FloorFact, JobFact, RouteFact};
+use crate::state::job::{JobFailure, JobState};
+use crate::state::refusal::{PickRefusal, Refusal};
+use crate::state::request::{Answer, Answered, LineNoted, StationOrder};
+use crate::state::visits::ConfirmedBy;
+use giveway_cell::{LineChange, LineOutcome, LineProgress, LineState};
+use giveway_floor::id::{Dense, RobotId, StationId};
+use giveway_floor::time::Time;
 
 impl Intake<'_> {
     /// Takes in what a station says.
-    pub(in crate::fleet) fn hear_station(
-        &mut self,
-        station: StationId,
-        order: StationOrder,
-        now: Time,
-    ) -> Answered {
+    pub(crate) fn hear_station(&mut self, station: StationId, order: StationOrder, now: Time) -> Answered {
         if station.ix() >= self.writer.warehouse().stations.len() {
             return Err(Refusal::UnknownPlace);
         }
@@ -156,7 +151,7 @@ impl Intake<'_> {
     }
 
     /// Nobody picks for a job that was cancelled: the robot need not wait.
-    pub(in crate::fleet) fn end_cancelled_pick(&mut self, robot: RobotId) {
+    pub(crate) fn end_cancelled_pick(&mut self, robot: RobotId) {
         if self.writer.floor().is_picked_from(robot) {
             self.writer.record(RouteFact::Acted { robot, serial: self.writer.ledger().chain(robot).first() });
             self.heard.left_early.push(robot);

@@ -2,16 +2,16 @@
 //!
 //! Main type: [`OnVisit`]. Refuses: to know who says so, a button or a hand.
 
-use crate::cell::{LineChange, LineOutcome, LineProgress, LineRefusal, Lines, PickFace};
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{Act, JobFact, RouteFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::refusal::{PickRefusal, Refusal};
-use crate::fleet::state::request::LineNoted;
-use crate::fleet::state::visits::ConfirmedBy;
-use crate::id::{JobId, RobotId, StationId};
-use crate::time::Time;
+use crate::requests::intake::Intake;
+use crate::state::fact::{Act, JobFact, RouteFact, Task};
+use crate::state::floor::Floor;
+use crate::state::job::JobState;
+use crate::state::refusal::{PickRefusal, Refusal};
+use crate::state::request::LineNoted;
+use crate::state::visits::ConfirmedBy;
+use giveway_cell::{LineChange, LineOutcome, LineProgress, LineRefusal, Lines, PickFace};
+use giveway_floor::id::{JobId, RobotId, StationId};
+use giveway_floor::time::Time;
 use std::sync::Arc;
 
 /// The visit that is on at a station.
@@ -134,7 +134,7 @@ impl Intake<'_> {
 
 impl Floor<'_> {
     /// The robot that stands at a station with a rack to pick from.
-    pub(in crate::fleet) fn picked_from(&self, station: StationId) -> Option<RobotId> {
+    pub(crate) fn picked_from(&self, station: StationId) -> Option<RobotId> {
         let node = self.warehouse().stations[station].node;
         let mut there = self.ledger.present().filter(|r| self.ledger.node_of(*r) == node);
         there.find(|r| self.is_picked_from(*r))

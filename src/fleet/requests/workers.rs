@@ -2,15 +2,15 @@
 //!
 //! Refuses: to plan; what is asked for becomes a fact or a refusal.
 
-use crate::fleet::requests::intake::Intake;
-use crate::fleet::state::fact::{AssignmentFact, WorkerFact};
-use crate::fleet::state::heard::WorkerInput;
-use crate::fleet::state::refusal::{Bounded, Refusal, WorkerRefusal};
-use crate::fleet::state::request::{Answer, Answered, Made};
-use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, LastPlace};
-use crate::geometry::Spot;
-use crate::id::{AssignmentId, Dense, NodeId, WorkerId};
-use crate::time::Time;
+use crate::requests::intake::Intake;
+use crate::state::fact::{AssignmentFact, WorkerFact};
+use crate::state::heard::WorkerInput;
+use crate::state::refusal::{Bounded, Refusal, WorkerRefusal};
+use crate::state::request::{Answer, Answered, Made};
+use crate::state::worker::{AssignmentRequest, AssignmentState, LastPlace};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{AssignmentId, Dense, NodeId, WorkerId};
+use giveway_floor::time::Time;
 use std::ops::RangeInclusive;
 
 /// How near to a place a supervisor may say that somebody is, millimetres: an unseen person is taken to get no farther.

@@ -4,12 +4,12 @@
 //! Main types: [`Activity`], `Activities`; [`Doing`] says what a robot does for its task, whether it gets on or not.
 //! Refuses: to be an input of any decision.
 
-use crate::fleet::state::fact::{Act, Purpose, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::why::Why;
-use crate::id::{IdVec, RobotId};
-use crate::time::Time;
-use crate::warehouse::NodeKind;
+use crate::state::fact::{Act, Purpose, Task};
+use crate::state::floor::Floor;
+use crate::state::why::Why;
+use giveway_floor::id::{IdVec, RobotId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::NodeKind;
 
 /// What a robot is at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -143,7 +143,7 @@ pub enum Doing {
 
 /// What each robot is at, and since when.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Activities {
+pub struct Activities {
     robots: IdVec<RobotId, Option<(Activity, Time)>>,
 }
 

@@ -3,15 +3,15 @@
 //! Main types: `Arms`, `ArmPost`, [`ArmView`]. Lost at a restart: lines that were an arm's are given to the hand or
 //! taken anew then. Refuses: to move anything; `requests` asks each arm what it does next.
 
-use crate::cell::arm::{ArmActivity, ArmKind, PickerSight, StationArm};
-use crate::id::{JobId, StationId};
-use crate::time::Time;
-use crate::warehouse::Warehouse;
+use giveway_cell::arm::{ArmActivity, ArmKind, PickerSight, StationArm};
+use giveway_floor::id::{JobId, StationId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
 /// An arm with the line that it picks.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct ArmPost {
+pub struct ArmPost {
     /// The arm.
     pub arm: StationArm,
     /// What was seen of the picker of late.
@@ -39,14 +39,14 @@ pub struct ArmView {
 
 /// All arms of a building, by their stations.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Arms {
+pub struct Arms {
     all: BTreeMap<StationId, ArmPost>,
 }
 
 impl Arms {
     /// The arms of a building whose kinds are known. Nothing was heard of them yet.
     pub fn new(warehouse: &Warehouse) -> Arms {
-        let post = |(id, station): (StationId, &crate::warehouse::Station)| {
+        let post = |(id, station): (StationId, &giveway_floor::warehouse::Station)| {
             let mount = station.cell.as_ref()?.arm.as_ref()?;
             let Some(arm) = StationArm::new(id, mount) else {
                 let (station, kind) = (&station.name, &mount.kind);

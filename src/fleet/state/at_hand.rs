@@ -3,7 +3,7 @@
 //! Main type: [`AtHand`]. It is a note about the step and no part of what the step decides, so questions may leave it,
 //! too. Refuses: to be read by anything that decides.
 
-use crate::id::RobotId;
+use giveway_floor::id::RobotId;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Stands for no robot: no fleet has so many.
@@ -12,7 +12,7 @@ const NO_ROBOT: u32 = u32::MAX;
 /// The robot that is being dealt with, if it is one. One thread runs a step; the number is atomic so that others may
 /// look at the fleet between steps.
 #[derive(Debug)]
-pub(in crate::fleet) struct AtHand(AtomicU32);
+pub struct AtHand(AtomicU32);
 
 impl Default for AtHand {
     fn default() -> AtHand {

@@ -3,13 +3,13 @@
 //!
 //! Refuses: to decide whether a robot waits or goes elsewhere.
 
-use crate::aware::Zone;
-use crate::fleet::state::floor::Floor;
-use crate::geometry::Point;
-use crate::id::{NodeId, RobotId};
-use crate::route::{Cause, Condition, Effect, Exemption};
-use crate::time::{Span, Time, Window};
-use crate::timeline::Visit;
+use crate::state::floor::Floor;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{NodeId, RobotId};
+use giveway_floor::route::{Cause, Condition, Effect, Exemption};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::timeline::Visit;
+use giveway_people::aware::Zone;
 use smallvec::SmallVec;
 use std::collections::BTreeSet;
 
@@ -18,16 +18,16 @@ const AHEAD: Span = Span::from_secs(12);
 /// A robot needs about this long to be on a node and off it again.
 const PASSING: Span = Span::from_millis(1500);
 /// Grants look no farther ahead: stops take as long as they take.
-pub(in crate::fleet) const STOPPING: Span = Span::from_secs(8);
+pub(crate) const STOPPING: Span = Span::from_secs(8);
 
 /// Half of a robot with a rack, and a person beside it, metres: a robot on a node nearer than this to somebody's way
 /// is on it.
-pub(in crate::fleet) const WAY_M: f64 = 0.9;
+pub(crate) const WAY_M: f64 = 0.9;
 
 impl Floor<'_> {
     /// What does not bind a robot. If it is too near to a worker already, it may go wherever it comes no nearer. If it
     /// is in a closed area already, it may go on, since it would help no one if it stood there.
-    pub(in crate::fleet) fn exemptions(&self, robot: RobotId, now: Time) -> SmallVec<[Exemption; 2]> {
+    pub(crate) fn exemptions(&self, robot: RobotId, now: Time) -> SmallVec<[Exemption; 2]> {
         let chain = self.ledger.chain(robot);
         let node = chain.get(chain.granted() - 1).expect("what is granted is held").node;
         let mut exemptions: SmallVec<[Exemption; 2]> = SmallVec::new();
@@ -44,7 +44,7 @@ impl Floor<'_> {
     }
 
     /// Whether a robot is on one of these nodes.
-    pub(in crate::fleet) fn is_on(&self, robot: RobotId, nodes: &BTreeSet<NodeId>) -> bool {
+    pub(crate) fn is_on(&self, robot: RobotId, nodes: &BTreeSet<NodeId>) -> bool {
         let chain = self.ledger.chain(robot);
         let at = self.place_of(robot);
         let held = (chain.first()..chain.granted()).filter_map(|s| chain.get(s)).map(|v| v.node);
@@ -53,7 +53,7 @@ impl Floor<'_> {
     }
 
     /// The exemption with which a robot on a node may go wherever it comes no nearer to what it is to leave.
-    pub(in crate::fleet) fn exemption_from(&self, node: NodeId, from: Cause) -> Option<Exemption> {
+    pub(crate) fn exemption_from(&self, node: NodeId, from: Cause) -> Option<Exemption> {
         let at = match from {
             Cause::Worker(worker) => self.restrictions.nearest_place(worker, self.at(node))?,
             Cause::Closure(_) | Cause::Evacuation => self.at(node),
@@ -64,12 +64,12 @@ impl Floor<'_> {
     }
 
     /// The condition that keeps a visit from being granted, if one does.
-    pub(in crate::fleet) fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
+    pub(crate) fn holds_back(&self, robot: RobotId, visit: &Visit, now: Time) -> Option<Condition> {
         self.holds_back_where(robot, visit, |_| true, now)
     }
 
     /// The same for a robot that passes people.
-    pub(in crate::fleet) fn holds_back_besides_people(
+    pub(crate) fn holds_back_besides_people(
         &self,
         robot: RobotId,
         visit: &Visit,
@@ -104,7 +104,7 @@ impl Floor<'_> {
 
     /// Where the holds ahead of a robot share places with people and closures: at each place the one that is there the
     /// longest of those that the robot would meet, or one that it would not.
-    pub(in crate::fleet) fn zones(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Zone); 4]> {
+    pub(crate) fn zones(&self, robot: RobotId, now: Time) -> SmallVec<[(Cause, Zone); 4]> {
         let chain = self.ledger.chain(robot);
         let exemptions = self.exemptions(robot, now);
         let ahead = (chain.granted()..chain.end()).filter_map(|s| chain.get(s));
@@ -122,16 +122,12 @@ impl Floor<'_> {
     }
 
     /// Where the holds ahead of a robot meet the windows of people and closures.
-    pub(in crate::fleet) fn meetings(
-        &self,
-        robot: RobotId,
-        now: Time,
-    ) -> impl Iterator<Item = (Cause, Zone)> {
+    pub(crate) fn meetings(&self, robot: RobotId, now: Time) -> impl Iterator<Item = (Cause, Zone)> {
         self.zones(robot, now).into_iter().filter(|(_, zone)| zone.meets())
     }
 
     /// Until when the robot would have to wait because of conditions, not of other robots' holds.
-    pub(in crate::fleet) fn waits_until(&self, robot: RobotId, now: Time) -> Option<Time> {
+    pub(crate) fn waits_until(&self, robot: RobotId, now: Time) -> Option<Time> {
         self.meetings(robot, now).map(|(_, zone)| zone.worker.end()).max()
     }
 

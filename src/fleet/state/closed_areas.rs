@@ -3,19 +3,19 @@
 //!
 //! Main type: [`Areas`]. Refuses: to know of people, whose conditions are made anew in every step.
 
-use crate::aware::nodes_in;
-use crate::fleet::state::recurring::LOOKS;
-use crate::fleet::state::regions::KindConditions;
-use crate::fleet::state::worker::Closure;
-use crate::geometry::Point;
-use crate::id::{ClosureId, NodeId};
-use crate::route::{Cause, Condition, Effect};
-use crate::time::{Span, Time, Window};
-use crate::warehouse::{NodeKind, Warehouse};
+use crate::state::recurring::LOOKS;
+use crate::state::regions::KindConditions;
+use crate::state::worker::Closure;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{ClosureId, NodeId};
+use giveway_floor::route::{Cause, Condition, Effect};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
+use giveway_people::aware::nodes_in;
 use std::collections::BTreeMap;
 
 /// What is closed within this is treated as closed by whatever chooses a job, a place for a rack, or one to rest.
-pub(in crate::fleet) const SOON: Span = Span::from_secs(180);
+pub(crate) const SOON: Span = Span::from_secs(180);
 
 /// A closure that is over stays in the list for so long.
 const KEPT: Span = Span::from_secs(24 * 3600);
@@ -36,7 +36,7 @@ struct ClosedArea {
 
 /// Closures that are in force or begin within a day.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Areas {
+pub struct Areas {
     open: BTreeMap<ClosureId, ClosedArea>,
     /// Nodes that are closed, or will be soon, with when that begins.
     closing: BTreeMap<NodeId, Time>,
@@ -157,7 +157,7 @@ fn next_change(window: Window, now: Time) -> Option<Time> {
 }
 
 /// Storage nodes beside a closed node whose racks have no other way out, with when the last way is closed.
-pub(in crate::fleet) fn storage_behind<'a>(
+pub(crate) fn storage_behind<'a>(
     warehouse: &'a Warehouse,
     closed: NodeId,
     begins: impl Fn(NodeId) -> Option<Time> + 'a,
@@ -175,7 +175,7 @@ pub(in crate::fleet) fn storage_behind<'a>(
 }
 
 /// The nodes of a closed area, each once.
-pub(in crate::fleet) fn nodes_of(area: &Closure, warehouse: &Warehouse) -> Vec<NodeId> {
+pub(crate) fn nodes_of(area: &Closure, warehouse: &Warehouse) -> Vec<NodeId> {
     let outline: Vec<Point> = area.outline.iter().map(|s| Point::from(*s)).collect();
     let mut nodes = if area.nodes.is_empty() { nodes_in(warehouse, &outline) } else { area.nodes.clone() };
     nodes.sort_unstable();

@@ -6,12 +6,12 @@
 //! robots are not told apart, and lanes that are in conflict with a hold count as open. Refuses: to plan: that a place
 //! is not cut off is no promise of a route.
 
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::ledger::Ledger;
-use crate::fleet::state::scene::Scene;
-use crate::id::{ArcId, ClosureId, IdVec, NodeId, RobotId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::{Arc, NodeKind, Warehouse};
+use crate::state::job_kind::JobKind;
+use crate::state::ledger::Ledger;
+use crate::state::scene::Scene;
+use giveway_floor::id::{ArcId, ClosureId, IdVec, NodeId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{Arc, NodeKind, Warehouse};
 use std::collections::{BTreeMap, VecDeque};
 
 /// A station that has been blocked for this long is blocked for long: racks for it wait in storage, not on robots.
@@ -68,7 +68,7 @@ struct Region {
 
 impl CutOff {
     /// Looks again; nothing if nothing has changed. `closed` are the nodes of closed areas.
-    pub(in crate::fleet) fn anew(
+    pub(crate) fn anew(
         &self,
         ledger: &Ledger,
         scene: &Scene,
@@ -84,7 +84,7 @@ impl CutOff {
     }
 
     /// What would be cut off if these nodes were closed as well.
-    pub(in crate::fleet) fn with_closed(
+    pub(crate) fn with_closed(
         &self,
         w: &Warehouse,
         nodes: &[NodeId],

@@ -3,8 +3,8 @@
 //! Main types: [`Displacement`] (why a robot cannot go on from where it stands), [`Displaced`] (where that is, and
 //! which nodes it blocks). Refuses: to find out; `traffic/displaced.rs` does.
 
-use crate::geometry::{Point, Spot};
-use crate::id::{NodeId, RackId, RobotId};
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::id::{NodeId, RackId, RobotId};
 
 /// A robot may stand so far off its route, metres. Robots that find their way by natural features know where they are
 /// to about 0.05 m (one standard deviation) and stop to a few centimetres: 0.2 m is more than three times that. It is

@@ -13,13 +13,13 @@ use super::scene::Scene;
 use super::storage::Storage;
 use super::visits::Visits;
 use super::wait_graph::WaitGraph;
-use crate::aware::Regions;
-use crate::fleet::state::settings::Settings;
-use crate::geometry::Point;
-use crate::id::{BodyId, NodeId, RobotId};
-use crate::route::{Conditions, Kinematics};
-use crate::timeline::Visit;
-use crate::warehouse::{Footprint, Warehouse};
+use crate::state::settings::Settings;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{BodyId, NodeId, RobotId};
+use giveway_floor::route::{Conditions, Kinematics};
+use giveway_floor::timeline::Visit;
+use giveway_floor::warehouse::{Footprint, Warehouse};
+use giveway_people::aware::Regions;
 use std::sync::Arc;
 
 /// Poses farther than this outside the map's nodes are absurd, metres.
@@ -27,7 +27,7 @@ const MARGIN_M: f64 = 3.0;
 
 /// The floor as it is now.
 #[derive(Clone, Copy)]
-pub(in crate::fleet) struct Floor<'a> {
+pub struct Floor<'a> {
     /// What was promised.
     pub ledger: &'a Ledger,
     /// What is seen.

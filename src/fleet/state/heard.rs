@@ -2,13 +2,13 @@
 //!
 //! Main type: [`Heard`]. Refuses: to be kept.
 
-use crate::fleet::state::worker::LastPlace;
-use crate::human::Sighting;
-use crate::id::{RobotId, WorkerId};
+use crate::state::worker::LastPlace;
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_people::human::Sighting;
 
 /// What was heard of one worker, in order.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::fleet) enum WorkerInput {
+pub enum WorkerInput {
     /// A worker was seen.
     Seen(Sighting),
     /// What was believed of a worker is wrong.
@@ -21,7 +21,7 @@ pub(in crate::fleet) enum WorkerInput {
 
 /// What inputs mean for other rooms.
 #[derive(Debug, Default)]
-pub(in crate::fleet) struct Heard {
+pub struct Heard {
     /// What was heard of workers.
     pub people: Vec<WorkerInput>,
     /// Robots from whose rack has been picked.

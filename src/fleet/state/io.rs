@@ -2,18 +2,18 @@
 //!
 //! Main types: [`Input`], [`Command`], [`Step`]. Refuses: to say how any of it travels.
 
-use crate::cell::HandsSeen;
-use crate::cell::arm::{ArmOrder, ArmSaid};
-use crate::fleet::state::fact::{Act, Fact};
-use crate::fleet::state::fault::Fault;
-use crate::fleet::state::request::{Reply, Request, Token};
-use crate::fleet::state::worker::Guidance;
-use crate::geometry::Pose;
-use crate::human::Sighting;
-use crate::id::{NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::time::Time;
-use crate::timeline::Reserved;
-use crate::warehouse::SlotName;
+use crate::state::fact::{Act, Fact};
+use crate::state::fault::Fault;
+use crate::state::request::{Reply, Request, Token};
+use crate::state::worker::Guidance;
+use giveway_cell::HandsSeen;
+use giveway_cell::arm::{ArmOrder, ArmSaid};
+use giveway_floor::geometry::Pose;
+use giveway_floor::id::{NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::time::Time;
+use giveway_floor::timeline::Reserved;
+use giveway_floor::warehouse::SlotName;
+use giveway_people::human::Sighting;
 use std::ops::Range;
 
 /// A robot slower than this stands, metres per second.
@@ -31,7 +31,7 @@ pub enum Input {
     /// A robot arm at a work cell says how it is.
     Arm(ArmSaid),
     /// The true end of the visit that is on at a station: when the hand will be out for the last time. Only
-    /// experiments know it ([`crate::cell::Flow::Known`]).
+    /// experiments know it ([`giveway_cell::Flow::Known`]).
     VisitEnds {
         /// Where.
         station: StationId,

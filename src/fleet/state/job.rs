@@ -5,10 +5,10 @@
 
 use super::job_kind::JobKind;
 use super::keys::ClientKey;
-use crate::cell::{Lines, OrderLine};
-use crate::id::{BodyId, JobId, NodeId, RackId, RobotId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_cell::{Lines, OrderLine};
+use giveway_floor::id::{BodyId, JobId, NodeId, RackId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 use std::hash::{Hash, Hasher};
 

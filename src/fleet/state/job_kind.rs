@@ -4,9 +4,9 @@
 //! the kind). Whatever reads or writes jobs (records, recordings, columns, the API) goes by the parts, so that it does
 //! not have to know the kinds. Refuses: to know how a job is carried out.
 
-use crate::id::{BodyId, Dense, NodeId, RackId, RobotId, StationId};
-use crate::time::Span;
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::id::{BodyId, Dense, NodeId, RackId, RobotId, StationId};
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 
 /// Makes the types from the list of kinds: for each its word, what a job of this kind is about, and, after a semicolon,
 /// what may be left out.

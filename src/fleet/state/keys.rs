@@ -5,8 +5,8 @@
 //! Refuses: to forget anything by itself; a step records which keys are forgotten
 //! ([`super::fact::FloorFact::KeysExpired`]).
 
-use crate::id::CustomerId;
-use crate::time::{Span, Time};
+use giveway_floor::id::CustomerId;
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 use std::hash::{Hash, Hasher};
 
@@ -112,7 +112,7 @@ impl<I: Copy + Ord> Keys<I> {
     }
 
     /// Forgets the key of something that is over.
-    pub(in crate::fleet) fn forget(&mut self, id: I) {
+    pub(crate) fn forget(&mut self, id: I) {
         let (_, key) = self.over.remove(&id).expect("only keys of what is over are forgotten");
         self.known.remove(&key);
     }

@@ -4,8 +4,8 @@
 //! ledger keeps: what a kind is may be changed between two starts, which kind a robot is of may not. Refuses: to know
 //! of a robot's state.
 
-use crate::route::Kinematics;
-use crate::warehouse::{Body, Findings, Footprint, Warehouse};
+use giveway_floor::route::Kinematics;
+use giveway_floor::warehouse::{Body, Findings, Footprint, Warehouse};
 use std::sync::Arc;
 
 /// The name of the kind where a scenario tells none apart, and of robots from before there were kinds.

@@ -4,9 +4,9 @@
 //! of a job in some stage does for it). `Ledger::evolve` asserts both for every fact in every build, so a job and the
 //! task of the robot that serves it can never disagree. Refuses: to decide that something happens.
 
-use crate::fleet::state::fact::Task;
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::job_kind::JobKind;
+use crate::state::fact::Task;
+use crate::state::job::JobState;
+use crate::state::job_kind::JobKind;
 
 /// How far a job has come, without the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,7 +179,7 @@ pub const EVENTS: [JobEvent; 11] = [
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::{NodeId, RackId, RobotId, StationId};
+    use giveway_floor::id::{NodeId, RackId, RobotId, StationId};
 
     const STAGES: [JobStage; 7] = [
         JobStage::Waiting,

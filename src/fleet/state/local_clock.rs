@@ -4,7 +4,7 @@
 //! follows is the same on every machine, after every restart and in every replay, whatever tables of time zones there
 //! are. Refuses: to read such a table.
 
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 
 /// How far local time is ahead of UTC: an offset, and later ones.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Default)]

@@ -5,13 +5,13 @@
 use super::cut_off::Barrier;
 use super::floor::Floor;
 use super::tickets::{LAPSE, Ticket, Tickets};
-use crate::id::{IdVec, RobotId, StationId};
-use crate::time::{Span, Time};
+use giveway_floor::id::{IdVec, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A robot without the route that its task asks for.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::fleet) struct Need {
+pub struct Need {
     pub since: Time,
     pub next_try: Time,
     pub tries: u32,
@@ -26,7 +26,7 @@ pub(in crate::fleet) struct Need {
 
 /// Robots that need a route, and when each looked for a better one last.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Needs {
+pub struct Needs {
     pub waiting: BTreeMap<RobotId, Need>,
     /// Whose turn it is at stations.
     pub tickets: Tickets,

@@ -3,9 +3,9 @@
 //! Main types: [`FloorNote`], [`ReplanCause`], [`EventDetails`]. Places are points of the floor, so that what was
 //! written stays true where the map is changed later. Refuses: to be an input to any decision.
 
-use crate::geometry::Spot;
-use crate::id::{ClosureId, RobotId, WorkerId};
-use crate::time::Time;
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{ClosureId, RobotId, WorkerId};
+use giveway_floor::time::Time;
 
 /// Something for the record.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

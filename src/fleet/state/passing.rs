@@ -5,14 +5,14 @@
 //! [`HeldChoice`]; main function: [`cheapest`]. Lost at a restart: a robot that is off the line then is within what it
 //! was granted, and goes back to the line by itself. Refuses: to look at people.
 
-use crate::aware::SLOW_MPS;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::kind::RobotKind;
-use crate::geometry::{Point, Segment, turn_between};
-use crate::id::{NodeId, RobotId, WorkerId};
-use crate::local::DriveLimits;
-use crate::time::{Span, Time};
-use crate::warehouse::{Corridor, Warehouse};
+use crate::state::floor::Floor;
+use crate::state::kind::RobotKind;
+use giveway_floor::geometry::{Point, Segment, turn_between};
+use giveway_floor::id::{NodeId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{Corridor, Warehouse};
+use giveway_people::aware::SLOW_MPS;
+use giveway_people::local::DriveLimits;
 
 /// Something else has to be better than waiting by so much.
 const WORTH: Span = Span::from_secs(1);
@@ -40,7 +40,7 @@ pub struct Passing {
 
 /// The same, with what changes meanwhile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct RobotPassing {
+pub struct RobotPassing {
     pub what: Passing,
     /// Since when there has been no room; the robot stands.
     pub stands_since: Option<Time>,
@@ -48,7 +48,7 @@ pub(in crate::fleet) struct RobotPassing {
 
 /// Lanes in a row that are one line with a corridor.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::fleet) struct PassingStretch {
+pub struct PassingStretch {
     pub line: Segment,
     /// As the robot drives; as narrow as the narrowest of them.
     pub corridor: Corridor,
@@ -56,7 +56,7 @@ pub(in crate::fleet) struct PassingStretch {
 
 /// What a robot does that people hold up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) enum HeldChoice {
+pub enum HeldChoice {
     /// It waits until they have left.
     Wait,
     /// It takes another route.
@@ -67,7 +67,7 @@ pub(in crate::fleet) enum HeldChoice {
 
 /// What is cheapest, by when the robot reaches its next stop: if it waits, by another route, and by passing, as far as
 /// these are possible.
-pub(in crate::fleet) fn cheapest(waits: Time, reroutes: Option<Time>, passes: Option<Time>) -> HeldChoice {
+pub(crate) fn cheapest(waits: Time, reroutes: Option<Time>, passes: Option<Time>) -> HeldChoice {
     let is_worth = |t: &Time| *t + WORTH < waits;
     match (reroutes.filter(is_worth), passes.filter(is_worth)) {
         (None, None) => HeldChoice::Wait,

@@ -2,14 +2,14 @@
 //!
 //! Main type: [`Planners`]. Estimates of one kind are never asked for another one. Refuses: to plan.
 
-use crate::fleet::state::kind::RobotKind;
-use crate::route::{Planner, Rules};
-use crate::warehouse::Warehouse;
+use crate::state::kind::RobotKind;
+use giveway_floor::route::{Planner, Rules};
+use giveway_floor::warehouse::Warehouse;
 use std::sync::Arc;
 
 /// The planners by the name of their kind.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct Planners(Vec<(String, Planner)>);
+pub struct Planners(Vec<(String, Planner)>);
 
 impl Planners {
     /// A planner for each kind in a building.

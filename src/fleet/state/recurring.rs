@@ -3,16 +3,16 @@
 //! Main types: [`RecurringClosure`], [`Recurrence`], [`Weekdays`]. Occurrences begin and end by the clock on the wall
 //! ([`LocalClock`]). Refuses: to read a clock, and to look up when clocks change.
 
-use crate::fleet::state::local_clock::LocalClock;
-use crate::fleet::state::worker::Closure;
-use crate::time::{Span, Time, Window};
+use crate::state::local_clock::LocalClock;
+use crate::state::worker::Closure;
+use giveway_floor::time::{Span, Time, Window};
 
 /// Occurrences begin no oftener than this.
 pub const MOST_OFTEN: Span = Span::from_secs(300);
 /// An occurrence is announced so long before it begins; the next one always is.
-pub(in crate::fleet) const ANNOUNCED: Span = Span::from_secs(3600);
+pub(crate) const ANNOUNCED: Span = Span::from_secs(3600);
 /// What recurs is looked at this often.
-pub(in crate::fleet) const LOOKS: Span = Span::from_secs(1);
+pub(crate) const LOOKS: Span = Span::from_secs(1);
 const DAY: i64 = 24 * 3600 * 1_000_000;
 /// The clock's zero was a Thursday; weekdays count from Monday.
 const THURSDAY: i64 = 3;
@@ -129,7 +129,7 @@ impl RecurringClosure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::state::worker::Binds;
+    use crate::state::worker::Binds;
 
     const HOUR: i64 = 3600 * 1_000_000;
 

@@ -2,9 +2,11 @@
 //!
 //! Main type: [`Refusal`], nested by what is refused. Refuses: words for it; the API has them.
 
-use crate::cell::{LineProblem, LineRefusal};
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
-use crate::warehouse::NodeKind;
+use giveway_cell::{LineProblem, LineRefusal};
+use giveway_floor::id::{
+    AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
+use giveway_floor::warehouse::NodeKind;
 
 /// What the fleet takes a limited number of at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -3,16 +3,16 @@
 //! Main types: [`KindRegions`], [`KindConditions`]. Kinds of the same speeds, brakes and footprints share theirs, so a
 //! fleet of one kind works each out once. Refuses: to look at people.
 
-use crate::aware::Regions;
-use crate::fleet::state::kind::{RobotKind, most_dangerous};
-use crate::fleet::state::settings::Settings;
-use crate::id::{BodyId, IdVec, NodeId};
-use crate::route::{Cause, Condition, Conditions};
-use crate::warehouse::Warehouse;
+use crate::state::kind::{RobotKind, most_dangerous};
+use crate::state::settings::Settings;
+use giveway_floor::id::{BodyId, IdVec, NodeId};
+use giveway_floor::route::{Cause, Condition, Conditions};
+use giveway_floor::warehouse::Warehouse;
+use giveway_people::aware::Regions;
 
 /// Radii and speeds near people, by kind.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct KindRegions {
+pub struct KindRegions {
     sets: Vec<Regions>,
     of: IdVec<BodyId, usize>,
 }
@@ -60,7 +60,7 @@ impl KindRegions {
 
 /// Conditions on nodes, for robots of each kind.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct KindConditions {
+pub struct KindConditions {
     sets: Vec<Conditions>,
     of: IdVec<BodyId, usize>,
 }

@@ -3,13 +3,15 @@
 //! Main types: [`Request`], nested by what it is about; [`Ask`], a request that knows what its answer looks like;
 //! [`Reply`], an [`Answer`] or a [`Refusal`] under the [`Token`] of the request. Refuses: to say how any of it travels.
 
-use crate::cell::{LineChange, LineOutcome, LineState};
-use crate::fleet::state::job::{JobChange, JobRequest};
-use crate::fleet::state::recurring::RecurringClosure;
-use crate::fleet::state::refusal::Refusal;
-use crate::fleet::state::worker::{AssignmentRequest, Closure};
-use crate::geometry::Spot;
-use crate::id::{AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId};
+use crate::state::job::{JobChange, JobRequest};
+use crate::state::recurring::RecurringClosure;
+use crate::state::refusal::Refusal;
+use crate::state::worker::{AssignmentRequest, Closure};
+use giveway_cell::{LineChange, LineOutcome, LineState};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{
+    AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+};
 
 /// A source of requests: the driver gives each of its sources a number of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

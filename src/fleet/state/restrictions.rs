@@ -3,21 +3,21 @@
 //!
 //! Main type: [`Restrictions`]. Refuses: to say what a robot does about it.
 
-use crate::fleet::state::closed_areas::Areas;
-use crate::fleet::state::cut_off::CutOff;
-use crate::fleet::state::regions::{KindConditions, KindRegions};
-use crate::geometry::Point;
-use crate::human::Whereabouts;
-use crate::id::{IdVec, NodeId, RobotId, WorkerId};
-use crate::route::Condition;
-use crate::time::Time;
-use crate::warehouse::Warehouse;
+use crate::state::closed_areas::Areas;
+use crate::state::cut_off::CutOff;
+use crate::state::regions::{KindConditions, KindRegions};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{IdVec, NodeId, RobotId, WorkerId};
+use giveway_floor::route::Condition;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
+use giveway_people::human::Whereabouts;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Where robots may not go, or only at a price, from now on.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct Restrictions {
+pub struct Restrictions {
     /// For each node, what binds robots of each kind there and when.
     pub conditions: KindConditions,
     /// Announced closures.
@@ -41,7 +41,7 @@ pub(in crate::fleet) struct Restrictions {
 
 /// Nodes that one part of a step closes for robots of every kind.
 #[derive(Debug, Default)]
-pub(in crate::fleet) struct ClosedNodes {
+pub struct ClosedNodes {
     /// What binds robots there.
     pub conditions: Vec<(NodeId, Condition)>,
     /// Nodes that are as good as closed, with when that began.
@@ -50,7 +50,7 @@ pub(in crate::fleet) struct ClosedNodes {
 
 /// The ways out of the building while it is evacuated.
 #[derive(Debug, Default)]
-pub(in crate::fleet) struct ClearedWays {
+pub struct ClearedWays {
     /// Closes the nodes on them.
     pub closing: ClosedNodes,
     /// The nodes on them.
@@ -60,7 +60,7 @@ pub(in crate::fleet) struct ClearedWays {
 }
 
 /// What the parts of a step find that restricts robots, each by itself.
-pub(in crate::fleet) struct FoundRestrictions<'a> {
+pub struct FoundRestrictions<'a> {
     /// What workers mean for robots, node by node.
     pub conditions: &'a KindConditions,
     /// Where each worker is, if on the floor.

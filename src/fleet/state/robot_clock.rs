@@ -4,7 +4,7 @@
 //! reports while its clock goes on evenly. One report dated ahead, or a clock that is set back, silences no robot.
 //! Refuses: reports that were overtaken.
 
-use crate::time::{Span, Time};
+use giveway_floor::time::{Span, Time};
 
 /// No message is under way for longer: one that is overtaken by less may only be late. A date that is ahead by more, or
 /// before the newest by more, is wrong, or the clock was set. So a wrong date silences a robot for this long at most.
@@ -59,7 +59,7 @@ impl RobotClock {
 
 /// In which order the reports of one robot were made.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::fleet) struct ReportOrder {
+pub struct ReportOrder {
     clock: Option<RobotClock>,
     /// The date of the newest report, and when it came in.
     newest: Option<(Time, Time)>,

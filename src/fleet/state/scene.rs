@@ -2,12 +2,12 @@
 //!
 //! Main types: [`Scene`], [`RobotSeen`]. Refuses: older observations than it has, and to trust any for ever.
 
-use crate::fleet::state::displaced::Displaced;
-use crate::fleet::state::fault::Fault;
-use crate::fleet::state::io::Telemetry;
-use crate::fleet::state::robot_clock::ReportOrder;
-use crate::id::{Dense, RobotId};
-use crate::time::{Span, Time};
+use crate::state::displaced::Displaced;
+use crate::state::fault::Fault;
+use crate::state::io::Telemetry;
+use crate::state::robot_clock::ReportOrder;
+use giveway_floor::id::{Dense, RobotId};
+use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// After this long without an observation a robot is silent: it gets no new grants.
@@ -206,7 +206,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, Pose};
+    use giveway_floor::geometry::{Point, Pose};
 
     const R0: RobotId = RobotId(0);
 

@@ -4,12 +4,12 @@
 
 use super::kind::{RobotKind, most_dangerous};
 use super::ledger::Ledger;
-use crate::aware::{HumanAwarePolicy, NodeWindows};
-use crate::cell::Flow;
-use crate::cell::arm::ArmMode;
-use crate::human::{Method, Model};
-use crate::reach::PickModel;
-use crate::time::Span;
+use giveway_cell::Flow;
+use giveway_cell::arm::ArmMode;
+use giveway_floor::time::Span;
+use giveway_people::aware::{HumanAwarePolicy, NodeWindows};
+use giveway_people::human::{Method, Model};
+use giveway_people::reach::PickModel;
 use std::sync::Arc;
 
 /// Settings of the core. They never change while it runs.

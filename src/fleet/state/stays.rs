@@ -3,10 +3,10 @@
 //! Main function: `best_storage`. Questions alone: dispatch asks, and so does traffic where no route leads to a place.
 //! Refuses: places that are taken or promised.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::storage::along_axes;
-use crate::id::{NodeId, RackId, RobotId};
-use crate::warehouse::NodeKind;
+use crate::state::floor::Floor;
+use crate::state::storage::along_axes;
+use giveway_floor::id::{NodeId, RackId, RobotId};
+use giveway_floor::warehouse::NodeKind;
 
 /// What it costs to put a rack where no robot can fetch it for a while, metres: more than any way.
 const CLOSED_M: f64 = 1e6;
@@ -16,13 +16,7 @@ impl Floor<'_> {
     /// as often as the rack is wanted, minus what the place is worth to other racks. `choice` counts down the list,
     /// for a robot that found no way to the first. The robot's own place is among the candidates; places that are
     /// closed by hand, or will be soon, and those that a broken robot cuts off come last.
-    pub(in crate::fleet) fn best_storage(
-        &self,
-        robot: RobotId,
-        rack: RackId,
-        from: NodeId,
-        choice: usize,
-    ) -> NodeId {
+    pub(crate) fn best_storage(&self, robot: RobotId, rack: RackId, from: NodeId, choice: usize) -> NodeId {
         let heat = self.ledger.wishes.heat(rack);
         let at = |n: NodeId| self.warehouse().nodes[n].at;
         let shut = |n: NodeId| self.is_closing(n) || self.is_cut_off_from(robot, n);
@@ -40,13 +34,13 @@ impl Floor<'_> {
     }
 
     /// A free charger or parking place near a robot, for it to go to.
-    pub(in crate::fleet) fn free_place(&self, robot: RobotId, kind: NodeKind) -> Option<NodeId> {
+    pub(crate) fn free_place(&self, robot: RobotId, kind: NodeKind) -> Option<NodeId> {
         self.nearest_free(robot, kind, |_| true)
     }
 
     /// The nearest places, so many at most, where a robot can stay with what it carries, and that fit: storage without
     /// a rack if it carries one, else parking, chargers and storage.
-    pub(in crate::fleet) fn stays_near(
+    pub(crate) fn stays_near(
         &self,
         robot: RobotId,
         most: usize,
@@ -77,20 +71,20 @@ impl Floor<'_> {
     }
 
     /// A place where an unloaded robot can stay: parking, else a charger, else beneath a rack that no robot is sent to.
-    pub(in crate::fleet) fn any_stay(&self, robot: RobotId) -> Option<NodeId> {
+    pub(crate) fn any_stay(&self, robot: RobotId) -> Option<NodeId> {
         self.free_place(robot, NodeKind::Parking)
             .or_else(|| self.free_place(robot, NodeKind::Charger))
             .or_else(|| self.free_place(robot, NodeKind::Storage))
     }
 
     /// A place where an unloaded robot can stay that is in the way of no rack: parking, else storage that has none.
-    pub(in crate::fleet) fn place_without_rack(&self, robot: RobotId) -> Option<NodeId> {
+    pub(crate) fn place_without_rack(&self, robot: RobotId) -> Option<NodeId> {
         let parking = self.free_place(robot, NodeKind::Parking);
         parking.or_else(|| self.storage_without_rack(robot))
     }
 
     /// A storage node without a rack where an unloaded robot can stay.
-    pub(in crate::fleet) fn storage_without_rack(&self, robot: RobotId) -> Option<NodeId> {
+    pub(crate) fn storage_without_rack(&self, robot: RobotId) -> Option<NodeId> {
         let places = &self.ledger.index().places;
         let empty = |n: NodeId| places.rack_on(n).is_none() && !places.is_wanted(n);
         self.nearest_free(robot, NodeKind::Storage, empty)

@@ -2,13 +2,13 @@
 //!
 //! Main type: [`Storage`]. Refuses: to know what stands where.
 
-use crate::geometry::Point;
-use crate::id::{IdVec, NodeId};
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{IdVec, NodeId};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 
 /// What the map says about storage.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct Storage {
+pub struct Storage {
     pub nodes: Vec<NodeId>,
     /// For each node, metres to the nearest station (along the axes).
     pub to_station_m: IdVec<NodeId, f64>,
@@ -28,6 +28,6 @@ impl Storage {
 }
 
 /// Distance along the map's axes, metres: a cheap stand-in for the way on a grid of aisles.
-pub(in crate::fleet) fn along_axes(a: Point, b: Point) -> f64 {
+pub(crate) fn along_axes(a: Point, b: Point) -> f64 {
     (a.x - b.x).abs() + (a.y - b.y).abs()
 }

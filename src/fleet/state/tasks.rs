@@ -7,8 +7,8 @@ use super::fault::Fault;
 use super::floor::Floor;
 use super::job_kind::JobKind;
 use super::kind::Charging;
-use crate::id::{AssignmentId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::warehouse::NodeKind;
+use giveway_floor::id::{AssignmentId, NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::warehouse::NodeKind;
 
 impl Floor<'_> {
     /// Whether a robot is to stand, by itself or with all others, or since it is fenced off.
@@ -126,17 +126,17 @@ impl Floor<'_> {
     }
 
     /// Charge of a robot, 0 to 1; 0 if it was never heard of.
-    pub(in crate::fleet) fn battery(&self, robot: RobotId) -> f64 {
+    pub(crate) fn battery(&self, robot: RobotId) -> f64 {
         self.scene.robot(robot).map_or(0.0, |t| t.battery)
     }
 
     /// Whether a robot has too little charge for any job.
-    pub(in crate::fleet) fn is_critical(&self, robot: RobotId) -> bool {
+    pub(crate) fn is_critical(&self, robot: RobotId) -> bool {
         self.battery(robot) < self.charging(robot).critical
     }
 
     /// When robots like this one charge.
-    pub(in crate::fleet) fn charging(&self, robot: RobotId) -> &Charging {
+    pub(crate) fn charging(&self, robot: RobotId) -> &Charging {
         &self.kind(robot).charging
     }
 }

@@ -6,18 +6,18 @@
 //! a place for which a robot has a route.
 
 use super::floor::Floor;
-use crate::id::{IdVec, RobotId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::NodeKind;
+use giveway_floor::id::{IdVec, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::NodeKind;
 use std::collections::BTreeMap;
 
 /// A robot that has stood for this long without a prospect, or has found no route for this long, lies still: the place
 /// that it was promised lapses, and others may overtake.
-pub(in crate::fleet) const LAPSE: Span = Span::from_secs(60);
+pub(crate) const LAPSE: Span = Span::from_secs(60);
 
 /// A robot's turn at a station.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct Ticket {
+pub struct Ticket {
     /// The station to which it carries its rack.
     pub station: StationId,
     /// When it lifted the rack.
@@ -35,7 +35,7 @@ impl Ticket {
 
 /// The tickets of all robots that carry racks to stations.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Tickets(BTreeMap<RobotId, Ticket>);
+pub struct Tickets(BTreeMap<RobotId, Ticket>);
 
 impl Tickets {
     /// Gives tickets to robots that have lifted racks, and forgets those of robots that do not go to their station any

@@ -4,19 +4,19 @@
 //! Main type: [`Visits`]. Lost at a restart: the lit line begins anew then, and the pace is learned again. Refuses: to
 //! promise anything.
 
-use crate::cell::{
+use crate::state::fact::{Fact, JobFact};
+use crate::state::io::WrongReach;
+use crate::state::job::{Job, JobState};
+use crate::state::job_kind::JobKind;
+use crate::state::ledger::Ledger;
+use giveway_cell::{
     Desk, DeskEvent, DeskScene, HandsSeen, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace,
     Remaining, SeenReach, VisitSeen,
 };
-use crate::fleet::state::fact::{Fact, JobFact};
-use crate::fleet::state::io::WrongReach;
-use crate::fleet::state::job::{Job, JobState};
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::ledger::Ledger;
-use crate::id::{JobId, RackId, RackTypeId, RobotId, StationId};
-use crate::reach::PickModel;
-use crate::time::{Span, Time};
-use crate::warehouse::{SlotName, Warehouse};
+use giveway_floor::id::{JobId, RackId, RackTypeId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{SlotName, Warehouse};
+use giveway_people::reach::PickModel;
 use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -62,7 +62,7 @@ pub struct EndsHeld {
 
 /// Who says that pieces are in their tote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) enum ConfirmedBy {
+pub enum ConfirmedBy {
     /// The hand, as it was seen.
     Hand,
     /// A button, a scanner or a scale.
@@ -103,7 +103,7 @@ impl VisitClock {
 
 /// What is kept in mind about visits.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Visits {
+pub struct Visits {
     pace: PickPace,
     /// Whether the pace of lines is learned at all.
     learns: bool,

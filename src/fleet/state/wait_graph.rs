@@ -6,10 +6,10 @@
 //! nor has a known time nor is an operator's to end is a *standstill*. Refuses: to find out what anything waits for,
 //! and to end a standstill.
 
-use crate::fleet::state::why::Why;
-use crate::geometry::Point;
-use crate::id::{Dense, IdVec, RobotId, WorkerId};
-use crate::time::{Span, Time};
+use crate::state::why::Why;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{Dense, IdVec, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
 
 /// A standstill that begins again within this has never ended: a robot tries another way in vain, a person shifts from
 /// one foot to the other.
@@ -115,7 +115,7 @@ struct OnItsWay {
 
 /// Where a robot is in its work.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::fleet) struct WorkProgress {
+pub struct WorkProgress {
     /// The visit at which it is.
     pub visit: u64,
     /// The visit at which it acted last, if it did.
@@ -158,7 +158,7 @@ const FRESH: Wait = Wait {
 
 /// What all parties wait for.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct WaitGraph {
+pub struct WaitGraph {
     robots: IdVec<RobotId, Wait>,
     workers: IdVec<WorkerId, Wait>,
     /// For each worker, who waits for that worker, if any robot does.

@@ -2,8 +2,8 @@
 //!
 //! Main type: [`Why`]. Refuses: to follow the chain of waiting; the wait-for graph does.
 
-use crate::fleet::state::displaced::Displacement;
-use crate::id::{ClosureId, NodeId, ResourceId, RobotId, StationId, WorkerId};
+use crate::state::displaced::Displacement;
+use giveway_floor::id::{ClosureId, NodeId, ResourceId, RobotId, StationId, WorkerId};
 
 /// Why a robot does not go on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

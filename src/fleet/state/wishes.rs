@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Wishes`]. Refuses: to know where racks are.
 
-use crate::id::{IdVec, RackId};
+use giveway_floor::id::{IdVec, RackId};
 
 /// When so many wishes were counted per rack, all counts are halved: old wishes fade.
 const HALVE_AT: u64 = 4;
@@ -32,7 +32,7 @@ impl Wishes {
     }
 
     /// Counts one wish.
-    pub(in crate::fleet) fn note(&mut self, rack: RackId) {
+    pub(crate) fn note(&mut self, rack: RackId) {
         self.racks[rack] += 1;
         self.total += 1;
         if self.total > HALVE_AT * self.racks.len() as u64 {
@@ -42,7 +42,7 @@ impl Wishes {
     }
 
     /// How wanted a rack is, relative to the mean: 0 never, 1 like any, up to 3.
-    pub(in crate::fleet) fn heat(&self, rack: RackId) -> f64 {
+    pub(crate) fn heat(&self, rack: RackId) -> f64 {
         if self.total == 0 {
             return 1.0;
         }

@@ -3,13 +3,13 @@
 //! Main types: [`Assignment`], [`Closure`], [`Guidance`], [`Encounter`], [`WorkerView`]. Refuses: beliefs
 //! about people (the `human` module) and decisions about robots (the step).
 
-pub use crate::human::{FeedCounts, Presence};
+pub use giveway_people::human::{FeedCounts, Presence};
 
 use super::keys::ClientKey;
-use crate::geometry::{Point, Pose, Spot};
-use crate::human::IntentState;
-use crate::id::{AssignmentId, ClosureId, NodeId, RobotId, SeriesId, WorkerId};
-use crate::time::{Span, Time, Window};
+use giveway_floor::geometry::{Point, Pose, Spot};
+use giveway_floor::id::{AssignmentId, ClosureId, NodeId, RobotId, SeriesId, WorkerId};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_people::human::IntentState;
 
 /// What a worker is to do, as it is handed in.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

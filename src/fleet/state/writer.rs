@@ -4,34 +4,34 @@
 //! Main type: [`Writer`]. What was promised changes by facts alone, and what leaves is only ever added to. Questions
 //! take a [`Floor`], through which nothing can be changed. Refuses: to keep anything that belongs to one room.
 
-use crate::cell::arm::ArmOrder;
-use crate::fleet::state::activity::Activities;
-use crate::fleet::state::arms::Arms;
-use crate::fleet::state::at_hand::AtHand;
-use crate::fleet::state::fact::{Fact, JobFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::{CausedFacts, CellWarning, Command, Step};
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::ledger::Ledger;
-use crate::fleet::state::regions::KindRegions;
-use crate::fleet::state::request::{Answered, Reply, Token};
-use crate::fleet::state::restrictions::Restrictions;
-use crate::fleet::state::scene::Scene;
-use crate::fleet::state::settings::Settings;
-use crate::fleet::state::storage::Storage;
-use crate::fleet::state::visits::Visits;
-use crate::fleet::state::wait_graph::WaitGraph;
-use crate::fleet::state::worker::Guidance;
-use crate::id::{ClosureId, JobId, RobotId, WorkerId};
-use crate::route::Conditions;
-use crate::time::Time;
-use crate::warehouse::Warehouse;
+use crate::state::activity::Activities;
+use crate::state::arms::Arms;
+use crate::state::at_hand::AtHand;
+use crate::state::fact::{Fact, JobFact, Task};
+use crate::state::floor::Floor;
+use crate::state::io::{CausedFacts, CellWarning, Command, Step};
+use crate::state::job::JobState;
+use crate::state::ledger::Ledger;
+use crate::state::regions::KindRegions;
+use crate::state::request::{Answered, Reply, Token};
+use crate::state::restrictions::Restrictions;
+use crate::state::scene::Scene;
+use crate::state::settings::Settings;
+use crate::state::storage::Storage;
+use crate::state::visits::Visits;
+use crate::state::wait_graph::WaitGraph;
+use crate::state::worker::Guidance;
+use giveway_cell::arm::ArmOrder;
+use giveway_floor::id::{ClosureId, JobId, RobotId, WorkerId};
+use giveway_floor::route::Conditions;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// What the rooms of a fleet share, with the right to change it.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct Writer {
+pub struct Writer {
     /// The settings.
     pub settings: Settings,
     /// What was promised.

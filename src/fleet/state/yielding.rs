@@ -3,16 +3,16 @@
 //! Main types: [`YieldingState`], [`RobotYielding`] (one robot). Refuses: to decide; it says what was noted, and what
 //! follows from that alone.
 
-use crate::aware::zone_answers::{self, OpenZone, ZoneAnswer, ZoneCounts};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::passing::RobotPassing;
-use crate::fleet::state::worker::Reaction;
-use crate::id::{IdVec, NodeId, RobotId, WorkerId};
-use crate::time::{Span, Time};
+use crate::state::floor::Floor;
+use crate::state::passing::RobotPassing;
+use crate::state::worker::Reaction;
+use giveway_floor::id::{IdVec, NodeId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::zone_answers::{self, OpenZone, ZoneAnswer, ZoneCounts};
 
 /// A person who has stood for longer than this is not about to set off: the place is as good as closed, and a robot
 /// that stood there for so long leaves, if it can.
-pub(in crate::fleet) const STANDS: Span = Span::from_secs(20);
+pub(crate) const STANDS: Span = Span::from_secs(20);
 /// A robot that has yielded for this long while a worker is near waits for that worker, who waits for it.
 const STUCK: Span = Span::from_secs(60);
 /// Places farther from a person than this do not matter, metres: as far as a place aside is from where robots go.
@@ -20,7 +20,7 @@ const FACES_M: f64 = 2.5;
 
 /// A robot that stands still to yield to a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct Standing {
+pub struct Standing {
     /// The worker; of several, the last.
     pub worker: WorkerId,
     /// Since when it has stood.
@@ -33,7 +33,7 @@ pub(in crate::fleet) struct Standing {
 
 /// A robot that stops or goes elsewhere because of a worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) struct GivesWay {
+pub struct GivesWay {
     pub worker: WorkerId,
     pub reaction: Reaction,
     pub since: Time,
@@ -41,7 +41,7 @@ pub(in crate::fleet) struct GivesWay {
 
 /// What is kept in mind of one robot.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in crate::fleet) struct RobotYielding {
+pub struct RobotYielding {
     /// The worker that it gives way to, until it is on its way again.
     pub to: Option<GivesWay>,
     /// The speed limit that it was told last, and when.
@@ -83,7 +83,7 @@ impl RobotYielding {
 
 /// What is kept in mind of all robots.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct YieldingState {
+pub struct YieldingState {
     robots: IdVec<RobotId, RobotYielding>,
     /// How robots answered zones that are over. It promises nothing, so it starts at zero with the process.
     pub answered: ZoneCounts,

@@ -1,7 +1,7 @@
 //! Jobs that come after others: what becomes of them when those end badly, over restarts too.
 
 use super::*;
-use crate::fleet::traffic::progress::ORPHANS_PER_STEP;
+use giveway_fleet::internals::ORPHANS_PER_STEP;
 
 fn after(jobs: &[JobId]) -> JobRequest {
     JobRequest { after: jobs.to_vec(), ..request(deliver(5)) }
@@ -62,7 +62,12 @@ fn dependants_of_a_job_that_fails_while_jobs_are_handed_out_fail_too() {
     let second = floor.submit(JobRequest { after: vec![first], ..request(deliver(3)) });
     // As the assigning phase does when no way leads to the goal of a robot that the customer named.
     let state = JobState::Failed(JobFailure::Unreachable);
-    floor.fleet.writer.record(JobFact::Progressed { job: first, state, tasked: None, at: floor.now });
+    floor.fleet.internals_mut().writer.record(JobFact::Progressed {
+        job: first,
+        state,
+        tasked: None,
+        at: floor.now,
+    });
     assert!(
         floor.fleet.ledger().index().queue.offers(floor.now, |_| true).next().is_none(),
         "it cannot start"

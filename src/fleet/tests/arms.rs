@@ -1,9 +1,9 @@
 //! A robot arm at a work cell: it picks its lines, the visit waits for them, and in trouble it gives them back.
 
 use super::*;
-use crate::cell::arm::{ArmActivity, ArmReport, ArmSaid, ArmTrouble, Gripped, Joints, rest};
-use crate::cell::{FacePlace, HandPoints, HandsSeen, LineChange, LineState, OrderLine, PickFace, PickedBy};
-use crate::warehouse::stations;
+use giveway_cell::arm::{ArmActivity, ArmReport, ArmSaid, ArmTrouble, Gripped, Joints, rest};
+use giveway_cell::{FacePlace, HandPoints, HandsSeen, LineChange, LineState, OrderLine, PickFace, PickedBy};
+use giveway_floor::warehouse::stations;
 
 const S1: StationId = StationId(0);
 
@@ -218,7 +218,7 @@ fn lines_for_an_arm_that_was_never_heard_of_or_cannot_reach_are_the_hands() {
 fn no_rack_leaves_while_an_arm_is_inside_until_it_comes_out_or_a_person_vouches_for_it() {
     for vouches in [false, true] {
         let mut cell = ArmFloor::new(&[("A1", 1, "A", Hand), ("D3", 1, "C", PickedBy::Arm)]);
-        cell.until("it is inside", 200, |c| c.floor.fleet.writer.arms.is_inside(S1));
+        cell.until("it is inside", 200, |c| c.floor.fleet.internals().writer.arms.is_inside(S1));
         let held = cell.joints;
         (0..8).for_each(|_| cell.say(None));
         cell.done(0);
@@ -240,7 +240,7 @@ fn no_rack_leaves_while_an_arm_is_inside_until_it_comes_out_or_a_person_vouches_
 #[test]
 fn an_arm_that_does_not_move_in_the_opening_for_a_minute_is_stuck_until_it_moves() {
     let mut cell = ArmFloor::new(&[("A1", 1, "A", Hand), ("D3", 1, "C", PickedBy::Arm)]);
-    cell.until("it is inside", 200, |c| c.floor.fleet.writer.arms.is_inside(S1));
+    cell.until("it is inside", 200, |c| c.floor.fleet.internals().writer.arms.is_inside(S1));
     let held = cell.joints;
     let stands = |cell: &mut ArmFloor, seconds: i64| {
         let until = cell.floor.now + Span::from_secs(seconds);

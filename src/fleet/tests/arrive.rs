@@ -1,11 +1,11 @@
 //! Robots that would only stand until a worker has gone by drive more slowly instead, and are not later for it.
 
 use super::*;
-use crate::aware::SLOW_MPS;
+use giveway_people::aware::SLOW_MPS;
 
 impl TestFloor {
     fn arrival_limit(&self) -> Option<f64> {
-        let Fleet { writer, people, yielding, traffic, .. } = &self.fleet;
+        let Internals { writer, people, yielding, traffic } = self.fleet.internals();
         yielding.limits(writer.floor(), people, traffic).arrival_limit(RobotId(0), self.now)
     }
 
@@ -17,7 +17,7 @@ impl TestFloor {
         let drives = |f: &TestFloor| f.world.truth().next().is_some_and(|(_, t)| t.speed_mps > 1.2);
         floor.until(60, "it drives", drives);
         let (from, ahead) = (floor.robot_at(), floor.ahead());
-        let side = crate::geometry::Vector::new(-ahead.y, ahead.x);
+        let side = giveway_floor::geometry::Vector::new(-ahead.y, ahead.x);
         let mut ana = floor.hire(from + ahead * ahead_m + side * 4.0);
         let end = from + ahead * ahead_m + side * if stays { 0.0 } else { -8.0 };
         (ana.own, ana.way) = (true, vec![end]);

@@ -1,10 +1,10 @@
 //! Requests whose answers have a form of their own.
 
 use super::*;
-use crate::fleet::Ask;
-use crate::geometry::{Point, Spot};
-use crate::id::WorkerId;
-use crate::time::Window;
+use giveway_fleet::Ask;
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::Window;
 
 /// The answer to what is asked, in the form that the request says.
 #[track_caller]

@@ -1,11 +1,11 @@
 //! A ledger under a changed map: what can be carried over is, the rest is listed, and the floor goes on.
 
 use super::*;
-use crate::fleet::carry::{Carried, carry};
-use crate::geometry::Spot;
-use crate::id::AssignmentId;
-use crate::time::Window;
-use crate::warehouse::{Draft, DraftRack, Footprint, formats::json, mixed};
+use giveway_fleet::carry::{Carried, carry};
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::AssignmentId;
+use giveway_floor::time::Window;
+use giveway_floor::warehouse::{Draft, DraftRack, Footprint, formats::json, mixed};
 use std::collections::BTreeSet;
 
 fn habits() -> Habits {
@@ -230,7 +230,7 @@ fn two_robots_that_have_no_room_beside_one_another_on_the_new_map_are_in_the_way
     let mut draft = json::parse_draft(&json::write(&lab())).unwrap();
     let at = draft.nodes.iter().find(|n| n.name == *a).unwrap().at;
     let node = draft.nodes.iter_mut().find(|n| n.name == *b).unwrap();
-    node.at = at + crate::geometry::Vector::new(0.3, 0.0);
+    node.at = at + giveway_floor::geometry::Vector::new(0.3, 0.0);
     let carried = floor.carried(&draft.build_unchecked());
     let said = carried.report.to_string();
     assert!(carried.parts.is_none() && said.contains("are too close to one another"), "{said}");
@@ -290,7 +290,7 @@ fn a_rack_that_is_gone_is_a_loss_and_on_a_robot_it_is_in_the_way() {
         f.fleet.warehouse().nodes[f.fleet.ledger().node_of(RobotId(0))].kind != NodeKind::Storage
     });
     let mut draft = json::parse_draft(&json::write(&lab())).unwrap();
-    draft.lanes.iter_mut().for_each(|lane| lane.users = crate::warehouse::Users::UNLOADED);
+    draft.lanes.iter_mut().for_each(|lane| lane.users = giveway_floor::warehouse::Users::UNLOADED);
     let carried = floor.carried(&draft.build_unchecked());
     let said = carried.report.to_string();
     assert!(carried.parts.is_none() && said.contains("no lane for loaded robots leads from"), "{said}");
@@ -349,7 +349,7 @@ fn closures_and_assignments_keep_what_is_left_of_them() {
             what: "count".into(),
             key: Some(key.into()),
         };
-        Input::ask(7, WorkerAction::Assign { worker: Some(crate::id::WorkerId(0)), request })
+        Input::ask(7, WorkerAction::Assign { worker: Some(giveway_floor::id::WorkerId(0)), request })
     };
     floor.step(vec![
         area(outline.clone(), vec![]),

@@ -1,7 +1,7 @@
 //! Charging: low robots come to a charger, full ones leave it, flat ones stand, and jobs go on meanwhile.
 
 use super::*;
-use crate::sim::Closing;
+use giveway_sim::Closing;
 
 fn charging_so(charging: Charging) -> Vec<KindShare> {
     KindShare::one(Kinematics::default(), charging)

@@ -1,8 +1,8 @@
 //! Areas closed for a time: known ahead, kept out of meanwhile, used before and after.
 
 use super::*;
-use crate::geometry::Point;
-use crate::time::Window;
+use giveway_floor::geometry::Point;
+use giveway_floor::time::Window;
 
 /// The lower middle aisle of the hall: six nodes, with racks on both sides that have no other way out.
 const AISLE: [(f64, f64); 4] = [(5.8, 0.8), (6.2, 0.8), (6.2, 6.2), (5.8, 6.2)];
@@ -29,7 +29,7 @@ fn is_in(p: Point) -> bool {
 }
 
 impl TestFloor {
-    fn close(&mut self, area: Closure) -> crate::id::ClosureId {
+    fn close(&mut self, area: Closure) -> giveway_floor::id::ClosureId {
         match self.step(vec![Input::ask(5, FloorAction::Close(area))]).replies.remove(0).answer {
             Ok(Answer::Closure(closure)) => closure,
             other => panic!("not closed: {other:?}"),
@@ -51,7 +51,7 @@ impl TestFloor {
                 self.submit(request(JobKind::Deliver { rack, station, pick: None }));
             }
             self.step(vec![]);
-            spent += self.inside().len();
+            spent += self.internals().len();
         }
         spent
     }
@@ -228,7 +228,7 @@ fn a_closure_that_is_announced_changes_routes_that_were_promised_before() {
         assert_eq!(changed, through.len(), "all of them were routed anew");
     }
     floor.run(60);
-    assert_eq!(floor.inside(), [], "nobody is there when it is closed");
+    assert_eq!(floor.internals(), [], "nobody is there when it is closed");
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! Robots that people pushed elsewhere: taken up where they stand, or displaced with words until they fit again.
 
 use super::*;
-use crate::geometry::{Point, Segment, axis_distance};
-use crate::sim::Simulation;
+use giveway_floor::geometry::{Point, Segment, axis_distance};
+use giveway_sim::Simulation;
 
 const FIRST: RobotId = RobotId(0);
 
@@ -266,7 +266,7 @@ fn nobody_is_told_to_drive_after_a_start_until_all_were_heard_of_or_a_while_is_o
         }
         floor.now += floor.fleet.settings().period;
     }
-    assert_eq!(first_order, Some(crate::fleet::state::scene::SILENCE), "the second one is silent");
+    assert_eq!(first_order, Some(giveway_fleet::state::scene::SILENCE), "the second one is silent");
 }
 
 fn with_customers_of_every_kind(seed: u64, rate: f64) -> Scenario {

@@ -2,7 +2,7 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::geometry::{Point, Segment};
+use giveway_floor::geometry::{Point, Segment};
 
 impl TestFloor {
     fn evacuate(&mut self, begins: bool) {

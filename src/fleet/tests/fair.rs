@@ -1,8 +1,8 @@
 //! Jobs begin in the order of urgency: a rack that is much in demand keeps its robot from no job that is more urgent.
 
 use super::*;
-use crate::fleet::state::index::urgency_ms;
-use crate::warehouse::formats;
+use giveway_fleet::state::index::urgency_ms;
+use giveway_floor::warehouse::formats;
 use std::collections::BTreeSet;
 
 /// The map of `docs/maps.md` with one robot: two racks, one station.
@@ -80,9 +80,13 @@ fn jobs_that_name_a_robot_age_too() {
     let old = floor.submit(request(JobKind::Park { robot }));
     floor.run(485);
     let young = floor.submit(JobRequest { priority: 1, ..request(JobKind::Park { robot }) });
-    assert_eq!(floor.fleet.floor().named_job_for(robot), Some(old), "{young:?} has a priority more");
+    assert_eq!(
+        floor.fleet.internals().writer.floor().named_job_for(robot),
+        Some(old),
+        "{young:?} has a priority more"
+    );
     let urgent = floor.submit(JobRequest { priority: 2, ..request(JobKind::Park { robot }) });
-    assert_eq!(floor.fleet.floor().named_job_for(robot), Some(urgent));
+    assert_eq!(floor.fleet.internals().writer.floor().named_job_for(robot), Some(urgent));
 }
 
 #[test]

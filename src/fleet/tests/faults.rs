@@ -1,8 +1,8 @@
 //! What robots say is wrong with them: each fault has one reaction and one reason, and ends.
 
 use super::*;
-use crate::route::Cause;
-use crate::sim::Simulation;
+use giveway_floor::route::Cause;
+use giveway_sim::Simulation;
 
 const R0: RobotId = RobotId(0);
 
@@ -58,7 +58,7 @@ fn a_robot_that_is_driven_by_hand_is_taken_up_where_that_ends() {
     floor.run(10);
     assert_eq!(floor.fleet.why(R0), Some(Why::Manual), "it is still driven by hand");
     assert_ne!(floor.fleet.ledger().node_of(R0), to, "and keeps what it held");
-    assert!(floor.fleet.floor().is_closing(to), "where it truly is, the floor is closed");
+    assert!(floor.fleet.internals().writer.floor().is_closing(to), "where it truly is, the floor is closed");
     floor.until(120, "it is taken up", |f| f.fleet.ledger().node_of(R0) == to);
     floor.until_over(600);
     assert_eq!(floor.story(job).last(), Some(&"done"));
@@ -71,9 +71,9 @@ fn an_obstructed_robot_is_called_back_and_goes_round() {
     floor.until(10, "it says so", |f| matches!(view(f), Some(Why::Obstructed(_))));
     let Some(Why::Obstructed(node)) = view(&floor) else { panic!("just seen") };
     floor.until(60, "it has come back", |f| !matches!(view(f), Some(Why::Obstructed(_))));
-    let step = floor.fleet.floor().is_closing(node);
+    let step = floor.fleet.internals().writer.floor().is_closing(node);
     assert!(step, "no robot goes there for a while");
-    let causes = floor.fleet.floor().conditions(R0).of(node).iter().map(|c| c.cause);
+    let causes = floor.fleet.internals().writer.floor().conditions(R0).of(node).iter().map(|c| c.cause);
     assert!(
         causes.clone().any(|c| c == Cause::Obstruction(node)),
         "what waits is told of the node: {causes:?}"
@@ -86,7 +86,8 @@ fn an_obstructed_robot_is_called_back_and_goes_round() {
 fn a_robot_without_current_leaves_its_charger_for_another_one() {
     let mut floor = TestFloor::thesis(3);
     floor.run(1);
-    let charges = |f: &TestFloor, r: RobotId| f.fleet.floor().at_charger(r) && f.is_idle(r);
+    let charges =
+        |f: &TestFloor, r: RobotId| f.fleet.internals().writer.floor().at_charger(r) && f.is_idle(r);
     let any = |f: &TestFloor| f.fleet.ledger().robots.ids().find(|r| charges(f, *r));
     floor.until(300, "some robot charges", |f| any(f).is_some());
     let robot = any(&floor).expect("just seen");

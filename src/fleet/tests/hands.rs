@@ -1,11 +1,11 @@
 //! Hands at work cells: they confirm lines, let the rack go at the last grasp, and keep it where they are inside.
 
 use super::*;
-use crate::cell::{
+use giveway_cell::{
     FacePlace, Flow, HandPoints, HandsSeen, LineChange, LineOutcome, LineState, OrderLine, PickFace, PickedBy,
 };
-use crate::fleet::state::visits::Visits;
-use crate::warehouse::{SlotName, stations};
+use giveway_fleet::internals::Visits;
+use giveway_floor::warehouse::{SlotName, stations};
 
 /// A floor with a rack at station S1 whose lines are picked by hand.
 struct CellFloor {
@@ -32,8 +32,8 @@ impl CellFloor {
             by: PickedBy::Either,
         };
         let mut floor = TestFloor::new(stations(), &scenario(2));
-        floor.fleet.writer.settings.flow = flow;
-        floor.fleet.writer.visits = Visits::new(flow.counts_lines());
+        floor.fleet.internals_mut().writer.settings.flow = flow;
+        floor.fleet.internals_mut().writer.visits = Visits::new(flow.counts_lines());
         let kind = JobKind::Deliver { rack: RackId(3), station: S1, pick: Some(Span::from_secs(900)) };
         let lines = vec![lines.iter().map(line).collect()];
         let job = floor.submit(JobRequest { lines, ..request(kind) });
@@ -227,7 +227,11 @@ fn a_rack_that_is_let_go_by_a_button_stands_while_a_hand_is_seen_inside() {
         let robot = robot.expect("it is picked from");
         cell.say(order).unwrap();
         assert!(cell.is_done(), "{order:?}");
-        assert_eq!(cell.floor.fleet.writer.visits.at_hands(robot), Some(S1), "in the same step: {order:?}");
+        assert_eq!(
+            cell.floor.fleet.internals().writer.visits.at_hands(robot),
+            Some(S1),
+            "in the same step: {order:?}"
+        );
     }
 }
 
@@ -267,13 +271,13 @@ fn a_piece_that_hand_and_button_confirm_counts_once_whoever_is_first() {
 fn in_the_usual_flow_no_pace_is_learned() {
     for (flow, learns) in [(Flow::Usual, false), (Flow::Counted, true)] {
         let mut cell = CellFloor::new(flow, &[("C3", 1, "B"), ("A1", 1, "A")]);
-        let before = cell.floor.fleet.writer.visits.line_s(S1, 2).0;
+        let before = cell.floor.fleet.internals().writer.visits.line_s(S1, 2).0;
         cell.floor.run(30);
         cell.say(StationOrder::Line(0, LineChange::Done(1))).unwrap();
         cell.floor.run(30);
         cell.say(StationOrder::Line(1, LineChange::Done(1))).unwrap();
         cell.floor.run(1);
-        let after = cell.floor.fleet.writer.visits.line_s(S1, 2).0;
+        let after = cell.floor.fleet.internals().writer.visits.line_s(S1, 2).0;
         assert_eq!(before != after, learns, "{flow:?}: {before} then {after}");
     }
 }

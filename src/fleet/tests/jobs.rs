@@ -243,8 +243,8 @@ fn what_cannot_be_done_is_refused_with_a_reason() {
 
 #[test]
 fn a_job_that_one_robot_alone_can_do_is_not_lost_behind_a_hundred_others() {
-    let kiva =
-        crate::warehouse::formats::json::parse(include_str!("../../../maps/kiva.json")).expect("is a map");
+    let kiva = giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/kiva.json"))
+        .expect("is a map");
     let mut floor = TestFloor::new(kiva, &scenario(200));
     // Robots that begin beneath racks, with more idle robots before them than a step matches.
     let beneath = |r: usize| {

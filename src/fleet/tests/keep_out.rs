@@ -2,9 +2,9 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::geometry::{Point, inside};
-use crate::id::ClosureId;
-use crate::time::Window;
+use giveway_floor::geometry::{Point, inside};
+use giveway_floor::id::ClosureId;
+use giveway_floor::time::Window;
 
 /// The lower middle aisle of the hall.
 const AISLE: [(f64, f64); 4] = [(5.4, 0.8), (6.6, 0.8), (6.6, 6.2), (5.4, 6.2)];

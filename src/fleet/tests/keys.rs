@@ -1,9 +1,8 @@
 //! Customers' keys: known for a week at least, and for as long as what they were given for is open; then forgotten.
 
 use super::*;
-use crate::fleet::state::keys::ClientKey;
-use crate::fleet::state::worker::AssignmentRequest;
-use crate::id::{AssignmentId, CustomerId, WorkerId};
+use giveway_fleet::state::worker::AssignmentRequest;
+use giveway_floor::id::{AssignmentId, CustomerId, WorkerId};
 
 const DAY: Span = Span::from_secs(24 * 3600);
 

@@ -1,9 +1,9 @@
 //! Robots of several kinds: each is planned, granted and charged as robots of its kind are.
 
 use super::*;
-use crate::geometry::Point;
-use crate::id::BodyId;
-use crate::warehouse::{Footprint, mixed};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::BodyId;
+use giveway_floor::warehouse::{Footprint, mixed};
 
 /// A kind that takes its time.
 fn slow() -> RobotKind {
@@ -201,7 +201,7 @@ fn the_laws_and_the_regions_near_people_are_those_of_the_robot_at_hand() {
         floor.world.put(i, Point::new(-20.0, 0.0));
         floor.world.put(j, Point::new(-25.0, 0.0));
     }
-    let regions = |body| *floor.fleet.writer.regions.of(BodyId(body));
+    let regions = |body| *floor.fleet.internals().writer.regions.of(BodyId(body));
     let keep_out = |body| regions(body).keep_out_radius_m(false, 0.0);
     assert!(
         (regions(0).bodies_m(false) - 0.45).abs() < 1e-9 && (regions(0).bodies_m(true) - 0.55).abs() < 1e-9

@@ -2,10 +2,10 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::aware::BODY_M;
-use crate::fleet::people::blocked::WaysPast;
-use crate::geometry::Point;
-use crate::warehouse::sketch;
+use giveway_fleet::internals::WaysPast;
+use giveway_floor::geometry::Point;
+use giveway_floor::warehouse::sketch;
+use giveway_people::aware::BODY_M;
 
 /// A floor with one delivery, and a person near its station with the two ends of a way before it.
 fn before_the_station() -> (TestFloor, Puppet, [Point; 2]) {
@@ -121,10 +121,10 @@ fn asked_for_another(kept_s: i64) -> bool {
     assert_eq!(waits(&floor), Edge::On(Party::Worker(ana.worker)), "the robot does not wait for her");
     for kept in [Span::ZERO, Span::from_secs(kept_s)] {
         let (edge, until) = (Edge::On(Party::Robot(robot)), floor.now + kept);
-        floor.fleet.writer.waits.note_worker(ben.worker, Some(ben.at), edge, until);
+        floor.fleet.internals_mut().writer.waits.note_worker(ben.worker, Some(ben.at), edge, until);
     }
     floor.walk(&mut ana);
-    floor.fleet.people.people[ana.worker].lets_pass.is_some_and(|l| l.robot == robot)
+    floor.fleet.internals().people.people[ana.worker].lets_pass.is_some_and(|l| l.robot == robot)
 }
 
 #[test]
@@ -147,9 +147,9 @@ fn a_person_who_is_measured_inside_a_robot_and_stays_there_is_led_out_at_one_sid
     let inside = robot + nalgebra::Vector2::new(0.1, 0.05);
     let nodes = fleet.warehouse().nodes.iter().map(|n| n.at);
     let goal = nodes.max_by(|a, b| (a - robot).norm().total_cmp(&(b - robot).norm())).expect("it has nodes");
-    let cut = fleet.people.walkways.no_edges();
+    let cut = fleet.internals().people.walkways.no_edges();
     let first = |kept_s: i64| {
-        let ways = WaysPast::new(&fleet.people, fleet_floor(&floor), inside, &cut);
+        let ways = WaysPast::new(&fleet.internals().people, fleet_floor(&floor), inside, &cut);
         let way = ways.by_sides(Span::from_secs(kept_s)).to(goal).expect("there is a way");
         assert_eq!(way[0], inside);
         way[1]
@@ -166,6 +166,6 @@ fn a_person_who_is_measured_inside_a_robot_and_stays_there_is_led_out_at_one_sid
     assert_eq!(first(19), first(0), "the nearest side comes first");
 }
 
-fn fleet_floor(floor: &TestFloor) -> crate::fleet::state::floor::Floor<'_> {
-    floor.fleet.writer.floor()
+fn fleet_floor(floor: &TestFloor) -> giveway_fleet::internals::Floor<'_> {
+    floor.fleet.internals().writer.floor()
 }

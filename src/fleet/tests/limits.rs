@@ -1,8 +1,8 @@
 //! What is handed in has limits, and who meets one is told.
 
 use super::*;
-use crate::geometry::{Point, Spot};
-use crate::time::Window;
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::time::Window;
 
 fn limited(settings: impl Fn(&mut Settings)) -> Fleet {
     let mut s = Settings::default();
@@ -56,12 +56,12 @@ fn one_worker_too_many_is_refused_and_a_known_one_is_not() {
 fn a_worker_who_is_forgotten_frees_a_place_and_numbers_are_given_again_only_when_there_are_no_others() {
     let mut fleet = limited(|s| s.workers_max = 3);
     let hire = |name: &str| Input::ask(1, WorkerAction::Register(name.into()));
-    let forget = |n: u32| Input::ask(1, WorkerAction::Forget(crate::id::WorkerId(n)));
+    let forget = |n: u32| Input::ask(1, WorkerAction::Forget(giveway_floor::id::WorkerId(n)));
     let names = |fleet: &Fleet| fleet.ledger().workers.iter().cloned().collect::<Vec<_>>();
     assert_eq!(refusals(&mut fleet, vec![hire("anna"), hire("ben"), forget(0), hire("carl")]), [None; 4]);
     assert_eq!(names(&fleet), ["", "ben", "carl"]);
     let why = refusals(&mut fleet, vec![forget(0), hire("dora"), hire("emil"), forget(1), hire("emil")]);
-    let unknown = Some(Refusal::Worker(WorkerRefusal::Unknown(crate::id::WorkerId(0))));
+    let unknown = Some(Refusal::Worker(WorkerRefusal::Unknown(giveway_floor::id::WorkerId(0))));
     let full = Some(Refusal::TooMany(Bounded::Workers, 3));
     assert_eq!(why, [unknown, None, full, None, None]);
     assert_eq!(names(&fleet), ["dora", "emil", "carl"]);
@@ -74,11 +74,11 @@ fn a_worker_who_has_something_to_do_or_is_on_the_floor_is_not_forgotten() {
     let mut fleet = limited(|_| ());
     let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];
     let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
-    let anna = crate::id::WorkerId(0);
+    let anna = giveway_floor::id::WorkerId(0);
     let hire = Input::ask(1, WorkerAction::Register("anna".into()));
     let assign = Input::ask(1, WorkerAction::Assign { worker: Some(anna), request });
     let forget = || Input::ask(1, WorkerAction::Forget(anna));
-    let take_back = Input::ask(1, WorkerAction::Unassign(crate::id::AssignmentId(1)));
+    let take_back = Input::ask(1, WorkerAction::Unassign(giveway_floor::id::AssignmentId(1)));
     let why = refusals(&mut fleet, vec![hire, assign, forget(), take_back, forget()]);
     assert_eq!(why, [None, None, Some(Refusal::Worker(WorkerRefusal::Busy(anna))), None, None]);
 }
@@ -89,9 +89,12 @@ fn one_assignment_too_many_is_refused_until_another_is_over() {
     let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];
     let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
     let assign = || {
-        Input::ask(1, WorkerAction::Assign { worker: Some(crate::id::WorkerId(0)), request: request.clone() })
+        Input::ask(
+            1,
+            WorkerAction::Assign { worker: Some(giveway_floor::id::WorkerId(0)), request: request.clone() },
+        )
     };
-    let take_back = Input::ask(1, WorkerAction::Unassign(crate::id::AssignmentId(1)));
+    let take_back = Input::ask(1, WorkerAction::Unassign(giveway_floor::id::AssignmentId(1)));
     let hire = Input::ask(1, WorkerAction::Register("anna".into()));
     let why = refusals(&mut fleet, vec![hire, assign(), assign(), take_back, assign()]);
     let full = Some(Refusal::TooMany(Bounded::Assignments, 1));
@@ -102,7 +105,7 @@ fn one_assignment_too_many_is_refused_until_another_is_over() {
 fn one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_many_corners() {
     let mut fleet = limited(|s| (s.closures_max, s.corners_max) = (1, 4));
     let close = |corners| Input::ask(1, FloorAction::Close(area(corners)));
-    let reopen = Input::ask(1, FloorAction::Reopen(crate::id::ClosureId(1)));
+    let reopen = Input::ask(1, FloorAction::Reopen(giveway_floor::id::ClosureId(1)));
     let why = refusals(&mut fleet, vec![close(5), close(4), close(4), reopen, close(4)]);
     let full = Some(Refusal::TooMany(Bounded::Closures, 1));
     assert_eq!(why, [Some(Refusal::Area(AreaRefusal::TooManyCorners(4))), None, full, None, None]);
@@ -123,7 +126,7 @@ fn searches_of_one_step_expand_no_more_than_a_step_may_and_the_last_search() {
     let mut met = 0;
     for _ in 0..6_000 {
         floor.step(vec![]);
-        let effort = floor.fleet.traffic.effort;
+        let effort = floor.fleet.internals().traffic.effort;
         met += u32::from(effort.is_spent());
         // A search counts the label that it may not expand.
         assert!(effort.spent <= 1_200 + 501, "{effort:?} at {}", floor.now);

@@ -1,8 +1,8 @@
 //! Order lines at a work cell: a visit ends with its last line, and nothing of it is lost or counted twice.
 
 use super::*;
-use crate::cell::{LineChange, LineOutcome, LineProblem, LineRefusal, LineState, OrderLine, PickedBy};
-use crate::warehouse::stations;
+use giveway_cell::{LineChange, LineOutcome, LineProblem, LineRefusal, LineState, OrderLine, PickedBy};
+use giveway_floor::warehouse::stations;
 
 fn line(slot: &str, quantity: u32, tote: &str) -> OrderLine {
     let slot = slot.parse().expect("a slot");
@@ -145,7 +145,7 @@ fn a_restart_in_mid_visit_loses_no_confirmed_line_and_confirms_none_twice() {
 fn a_job_whose_lines_cannot_be_picked_is_not_taken_and_each_reason_is_named() {
     let mut floor = TestFloor::new(stations(), &scenario(2));
     let (good, by_arm) = (line("C3", 1, "B"), |l: OrderLine| OrderLine { by: PickedBy::Arm, ..l });
-    let too_many = vec![good.clone(); crate::cell::MOST_LINES + 1];
+    let too_many = vec![good.clone(); giveway_cell::MOST_LINES + 1];
     let cases: [(&[OrderLine], usize, LineProblem); 6] = [
         (&[good.clone(), line("Z9", 1, "B")], 1, LineProblem::UnknownSlot),
         (&[line("C3", 1, "Q")], 0, LineProblem::UnknownTote),
@@ -217,7 +217,7 @@ fn lines_that_are_done_one_by_one_teach_the_pace_and_lines_confirmed_at_once_do_
         let (mut floor, _) = TestFloor::at_cell(picked(&[&lines]));
         let kind = JobKind::Deliver { rack: RackId(5), station: StationId(0), pick: None };
         let other = Job::new(JobRequest { lines: vec![lines.to_vec()], ..request(kind) }, floor.now);
-        let stay = |f: &TestFloor| f.fleet.writer.visits.stay(&other).expect("it has lines");
+        let stay = |f: &TestFloor| f.fleet.internals().writer.visits.stay(&other).expect("it has lines");
         let before = stay(&floor);
         match order {
             Some(order) => {

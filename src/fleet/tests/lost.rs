@@ -2,7 +2,7 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::human::Presence;
+use giveway_people::human::Presence;
 
 impl TestFloor {
     fn presence(&self, puppet: &Puppet) -> Presence {
@@ -17,7 +17,7 @@ impl TestFloor {
         self.now += Span::from_secs(seconds);
     }
 
-    fn node_at(&self, number: usize) -> crate::geometry::Point {
+    fn node_at(&self, number: usize) -> giveway_floor::geometry::Point {
         self.fleet.warehouse().nodes.iter().nth(number).expect("the hall has it").at
     }
 }
@@ -87,7 +87,7 @@ fn a_supervisor_narrows_where_a_lost_worker_may_be_until_she_is_seen_again() {
     let mut floor = TestFloor::thesis(6);
     let mut ana = floor.hire(floor.node_at(100));
     floor.walk(&mut ana);
-    let at: crate::geometry::Spot = ana.at.into();
+    let at: giveway_floor::geometry::Spot = ana.at.into();
     let narrow = |within_mm| {
         Input::ask(5, WorkerAction::Narrow { worker: ana.worker, by: "Ben".into(), at, within_mm })
     };
@@ -124,7 +124,8 @@ fn who_takes_the_headset_off_at_a_door_has_left_and_elsewhere_is_lost_at_once() 
     let map = floor.fleet.warehouse().clone();
     let doors = map.nodes_where(|kind| kind == NodeKind::Exit);
     let door = map.nodes[doors[0]].at;
-    let far = |n: &&crate::warehouse::Node| doors.iter().all(|d| (map.nodes[*d].at - n.at).norm() > 5.0);
+    let far =
+        |n: &&giveway_floor::warehouse::Node| doors.iter().all(|d| (map.nodes[*d].at - n.at).norm() > 5.0);
     let inside = map.nodes.iter().find(far).expect("the hall is larger").at;
     for (place, presence) in [(door, Presence::Absent), (inside, Presence::Lost)] {
         let mut ana = floor.hire_as(&format!("{presence:?}"), place);

@@ -2,9 +2,9 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::geometry::Point;
-use crate::id::{AssignmentId, WorkerId};
-use crate::sim::{Assignments, TaskSharing};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{AssignmentId, WorkerId};
+use giveway_sim::{Assignments, TaskSharing};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl TestFloor {

@@ -2,11 +2,11 @@
 //! same conditions as if they were looked at in every step.
 
 use super::*;
-use crate::fleet::state::index::urgency_ms;
-use crate::geometry::Spot;
-use crate::id::{BodyId, ClosureId};
-use crate::route::{Cause, Condition, Effect};
-use crate::time::Window;
+use giveway_fleet::state::index::urgency_ms;
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{BodyId, ClosureId};
+use giveway_floor::route::{Cause, Condition, Effect};
+use giveway_floor::time::Window;
 use proptest::prelude::*;
 
 /// What happens to jobs: one is accepted, one is taken out, one gets another priority.
@@ -120,7 +120,7 @@ proptest! {
 
 fn close(floor: &mut TestFloor, nodes: Vec<NodeId>, from_s: i64, until_s: i64) -> ClosureId {
     let at = |s: i64| floor.now + Span::from_secs(s);
-    let spot = |x: f64| Spot::from(crate::geometry::Point::new(x, x * x));
+    let spot = |x: f64| Spot::from(giveway_floor::geometry::Point::new(x, x * x));
     let (window, outline) = (Window::new(at(from_s), at(until_s)), vec![spot(0.0), spot(1.0), spot(2.0)]);
     let area = Closure { outline, nodes, window, reason: "test".into(), binds: Binds::Robots, series: None };
     match floor.step(vec![Input::ask(9, FloorAction::Close(area))]).replies.remove(0).answer {
@@ -153,15 +153,15 @@ fn closures_that_come_and_go_leave_the_conditions_that_the_list_says() {
             });
             let wanted: Vec<Condition> = wanted.collect();
             assert_eq!(
-                floor.fleet.writer.restrictions.conditions.of(BodyId(0)).of(node),
+                floor.fleet.internals().writer.restrictions.conditions.of(BodyId(0)).of(node),
                 wanted,
                 "{node:?} at {now}"
             );
             let soon = Window::new(now, now + Span::from_secs(180));
             let counts = wanted.iter().any(|k| k.window.overlaps(soon));
-            assert!(!counts || floor.fleet.floor().is_closing(node), "{node:?} at {now}");
+            assert!(!counts || floor.fleet.internals().writer.floor().is_closing(node), "{node:?} at {now}");
         }
-        let state = format!("{:?}", floor.fleet.writer.restrictions.areas);
+        let state = format!("{:?}", floor.fleet.internals().writer.restrictions.areas);
         changes += usize::from(state != before);
         before = state;
     }

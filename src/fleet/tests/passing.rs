@@ -2,8 +2,8 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::geometry::Point;
-use crate::warehouse::{Corridor, Draft, DraftLane, DraftNode, Footprint, Users};
+use giveway_floor::geometry::Point;
+use giveway_floor::warehouse::{Corridor, Draft, DraftLane, DraftNode, Footprint, Users};
 
 /// A straight way of 24 m from a charger to a parking place with this corridor, and a way round over so many metres.
 fn floor(side_m: Option<f64>, round_m: f64, free_navigation: bool) -> TestFloor {
@@ -162,7 +162,7 @@ fn a_robot_stands_when_the_person_turns_into_the_free_side_and_goes_on_when_ther
 }
 
 /// Shifts the robot aside while it drives, beside the line or on it, and says which laws that breaks.
-fn shifted(beside: bool, by_m: f64) -> Vec<crate::sim::Violation> {
+fn shifted(beside: bool, by_m: f64) -> Vec<giveway_sim::Violation> {
     let mut floor = floor(Some(3.5), 55.0, true);
     let mut ana = floor.hire(Point::new(12.0, 0.0));
     ana.own = true;
@@ -174,7 +174,9 @@ fn shifted(beside: bool, by_m: f64) -> Vec<crate::sim::Violation> {
         let seen = floor.world.truth().next().expect("there is one").1;
         let is_beside = seen.pose.at.y.abs() > 1.5;
         if seen.speed_mps > 0.3 && seen.pose.at.x > 5.0 && is_beside == beside {
-            floor.world.shift(RobotId(0), crate::geometry::Vector::new(0.0, by_m * seen.pose.at.y.signum()));
+            floor
+                .world
+                .shift(RobotId(0), giveway_floor::geometry::Vector::new(0.0, by_m * seen.pose.at.y.signum()));
             break;
         }
     }
@@ -186,7 +188,7 @@ fn shifted(beside: bool, by_m: f64) -> Vec<crate::sim::Violation> {
 
 #[test]
 fn a_robot_that_leaves_its_corridor_or_its_line_breaks_a_law() {
-    use crate::sim::Violation;
+    use giveway_sim::Violation;
     assert_eq!(shifted(true, 0.0), [], "a robot that passes somebody breaks none");
     assert_eq!(shifted(true, 3.0), [Violation::LeftCorridor(RobotId(0))], "out of its corridor");
     assert_eq!(shifted(false, 0.6), [Violation::LeftCorridor(RobotId(0))], "off its line");
@@ -209,7 +211,7 @@ fn a_robot_beside_the_line_is_where_it_may_be_and_a_restarted_fleet_finds_it_the
     again.step(floor.now, vec![Input::Telemetry(stands)]);
     assert!(again.is_in_place(&stands) && again.displacement(robot).is_none());
     let outside = Telemetry {
-        pose: crate::geometry::Pose { at: Point::new(seen.pose.at.x, 4.0), ..seen.pose },
+        pose: giveway_floor::geometry::Pose { at: Point::new(seen.pose.at.x, 4.0), ..seen.pose },
         ..stands
     };
     assert!(!again.is_in_place(&outside), "not outside of the corridor");

@@ -1,9 +1,9 @@
 //! People on the floor: a puppet that walks where it is told, or where it wants, and robots that give way.
 
 use super::*;
-use crate::geometry::Point;
-use crate::human::{Quality, Sighting, SourceId};
-use crate::id::{BodyId, WorkerId};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{BodyId, WorkerId};
+use giveway_people::human::{Quality, Sighting, SourceId};
 
 const STEP_S: f64 = 0.1;
 
@@ -56,7 +56,7 @@ impl Puppet {
             }
             let stride = to.norm().min(left);
             let there = self.at + to * (stride / to.norm());
-            let hits = |p: Point| crate::geometry::axis_distance(p, there) < 0.45 + 0.3;
+            let hits = |p: Point| giveway_floor::geometry::axis_distance(p, there) < 0.45 + 0.3;
             let nearer = |p: Point| (p - there).norm() < (p - self.at).norm();
             if floor.world.truth().any(|(_, t)| hits(t.pose.at) && nearer(t.pose.at)) {
                 self.waited_s += STEP_S;
@@ -83,7 +83,12 @@ impl TestFloor {
         Puppet { worker, at, way: vec![], own: false, epoch: 0, seq: 0, waited_s: 0.0, accuracy_m: 0.02 }
     }
 
-    pub(super) fn assign(&mut self, puppet: &Puppet, place: NodeId, stay_s: i64) -> crate::id::AssignmentId {
+    pub(super) fn assign(
+        &mut self,
+        puppet: &Puppet,
+        place: NodeId,
+        stay_s: i64,
+    ) -> giveway_floor::id::AssignmentId {
         let (stay, what) = (Span::from_secs(stay_s), "pick".to_owned());
         let request = AssignmentRequest { place, stay, what, key: None };
         let input = Input::ask(2, WorkerAction::Assign { worker: Some(puppet.worker), request });
@@ -104,7 +109,7 @@ impl TestFloor {
         puppet.walk_on(self);
         // Nobody is run over: a robot that touches somebody stands, or nearly.
         for (r, t) in self.world.truth() {
-            let touches = crate::geometry::axis_distance(t.pose.at, puppet.at) < 0.45 + 0.2;
+            let touches = giveway_floor::geometry::axis_distance(t.pose.at, puppet.at) < 0.45 + 0.2;
             assert!(!touches || t.speed_mps < 0.3, "{r:?} runs into somebody at {} m/s", t.speed_mps);
         }
         step
@@ -146,7 +151,7 @@ fn a_robot_beside_the_place_where_somebody_works_is_not_in_the_way() {
     }
     floor.step(vec![Input::ask(2, FloorAction::Halt(Some(RobotId(0))))]);
     // She cannot stand just where her path ends, which is too near to the robot.
-    let end = floor.fleet.people.walkways.on_floor(w.nodes[place].at).expect("people get there");
+    let end = floor.fleet.internals().people.walkways.on_floor(w.nodes[place].at).expect("people get there");
     let mut ana = floor.hire(end + (end - w.nodes[place].at).normalize() * 0.3);
     ana.own = true;
     floor.assign(&ana, place, 10);
@@ -235,7 +240,7 @@ fn a_pose_calls_for_a_stop_while_nobody_was_told_and_only_if_it_can_be_true() {
     ana.worker = WorkerId(9);
     assert!(!calls(&floor, &ana.sighting(floor.now)), "nobody hired her");
     let (_, t) = floor.world.truth().find(|(_, t)| t.speed_mps > 1.0).expect("somebody drives");
-    let ahead = crate::geometry::Vector::new(t.pose.heading.cos(), t.pose.heading.sin());
+    let ahead = giveway_floor::geometry::Vector::new(t.pose.heading.cos(), t.pose.heading.sin());
     (ana.worker, ana.at) = (WorkerId(0), t.pose.at + ahead * 1.4);
     let near = ana.appear(floor.now);
     assert!(calls(&floor, &near), "she is in front of a robot");
@@ -250,7 +255,7 @@ fn a_stop_leaves_in_the_step_in_which_the_pose_arrives() {
     floor.submit_batch(20);
     floor.run(40);
     let (robot, t) = floor.world.truth().find(|(_, t)| t.speed_mps > 1.0).expect("somebody drives");
-    let ahead = crate::geometry::Vector::new(t.pose.heading.cos(), t.pose.heading.sin());
+    let ahead = giveway_floor::geometry::Vector::new(t.pose.heading.cos(), t.pose.heading.sin());
     let mut ana = floor.hire(t.pose.at + ahead * 1.4);
     let seen = ana.sighting(floor.now);
     let step = floor.step(vec![seen]);
@@ -275,7 +280,7 @@ fn robots_keep_out_of_a_closed_area_until_it_is_open_again() {
         (low.x - 1.0, middle + 0.1),
     ];
     let outline = outline.map(|(x, y)| Point::new(x, y).into()).to_vec();
-    let window = crate::time::Window::new(Time::ZERO, Time(120_000_000));
+    let window = giveway_floor::time::Window::new(Time::ZERO, Time(120_000_000));
     let area = Closure {
         outline: outline.clone(),
         nodes: vec![],
@@ -308,16 +313,19 @@ fn a_worker_of_whom_nothing_is_heard_stops_robots_nearby_on_foot_until_cleared_a
     floor.walk(&mut ana);
     floor.run(25);
     let warehouse = floor.fleet.warehouse().clone();
-    let reached = floor.fleet.people.afoot.nodes_within(&warehouse, middle, 8.0);
+    let reached = floor.fleet.internals().people.afoot.nodes_within(&warehouse, middle, 8.0);
     let is_reached = |n: NodeId| reached.iter().any(|(m, _)| *m == n);
     let moves = |r: &RobotId| floor.world.truth().any(|(robot, t)| robot == *r && t.speed_mps > 0.0);
     let ledger = floor.fleet.ledger();
     let within: Vec<RobotId> = ledger.present().filter(|r| is_reached(ledger.node_of(*r))).collect();
     assert!(!within.is_empty() && !within.iter().any(moves), "after 25 s she may be there");
     let before = floor.fleet.ledger().counts.robot_deliveries;
-    assert!(floor.fleet.yielding.state.giving_way().next().is_some(), "robots wait because of her");
+    assert!(
+        floor.fleet.internals().yielding.state.giving_way().next().is_some(),
+        "robots wait because of her"
+    );
     floor.step(vec![Input::ask(4, WorkerAction::Clear { worker: ana.worker, by: "Ben".into() })]);
-    assert!(floor.fleet.yielding.state.giving_way().next().is_none(), "and nobody does any more");
+    assert!(floor.fleet.internals().yielding.state.giving_way().next().is_none(), "and nobody does any more");
     floor.run(120);
     assert!(floor.fleet.ledger().counts.robot_deliveries > before, "they go on");
 }
@@ -342,7 +350,7 @@ fn of_an_area_of_nodes_exactly_these_are_closed() {
     nodes.sort_unstable();
     // Whatever is drawn around them.
     let outline = [(-9.0, -9.0), (99.0, -9.0), (0.0, 99.0)].map(|(x, y)| Point::new(x, y).into()).to_vec();
-    let window = crate::time::Window::new(Time::ZERO, Time::MAX);
+    let window = giveway_floor::time::Window::new(Time::ZERO, Time::MAX);
     let area = Closure {
         outline,
         nodes: nodes.clone(),
@@ -352,7 +360,8 @@ fn of_an_area_of_nodes_exactly_these_are_closed() {
         series: None,
     };
     floor.step(vec![Input::ask(3, FloorAction::Close(area.clone()))]);
-    let mut closed: Vec<NodeId> = floor.fleet.writer.restrictions.conditions.of(BodyId(0)).nodes().collect();
+    let mut closed: Vec<NodeId> =
+        floor.fleet.internals().writer.restrictions.conditions.of(BodyId(0)).nodes().collect();
     closed.sort_unstable();
     assert_eq!(closed, nodes);
     let unknown = Closure { nodes: vec![NodeId(9999)], ..area };

@@ -2,10 +2,10 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::aware::HumanAwarePolicy;
-use crate::fleet::people::state::{Person, WalkMode};
-use crate::geometry::Point;
-use crate::warehouse::sketch;
+use giveway_fleet::internals::{Person, WalkMode};
+use giveway_floor::geometry::Point;
+use giveway_floor::warehouse::sketch;
+use giveway_people::aware::HumanAwarePolicy;
 
 const NEVER: Time = Time::MAX;
 
@@ -150,10 +150,10 @@ fn turn_back(floor: &mut TestFloor, meanwhile: impl FnOnce(&mut TestFloor)) -> P
         floor.walk(&mut ana);
     }
     meanwhile(floor);
-    let version = floor.fleet.people.people[ana.worker].version;
+    let version = floor.fleet.internals().people.people[ana.worker].version;
     let is_decided =
         |person: &Person| person.version > version || matches!(person.mode, WalkMode::Stopped { .. });
-    while !is_decided(&floor.fleet.people.people[ana.worker]) {
+    while !is_decided(&floor.fleet.internals().people.people[ana.worker]) {
         floor.walk(&mut ana);
     }
     ana.own = false;
@@ -194,7 +194,7 @@ fn where_the_robot_on_the_only_way_cannot_leave_it_the_worker_is_told_to_stop_an
 fn where_one_of_two_robots_cannot_leave_the_only_way_neither_moves() {
     let mut floor = corridor("##P#P##########P########", 2);
     let outline = [(3.9, 3.9), (4.1, 3.9), (4.1, 4.1)].map(|(x, y)| Point::new(x, y).into()).to_vec();
-    let window = crate::time::Window::new(Time::ZERO, NEVER);
+    let window = giveway_floor::time::Window::new(Time::ZERO, NEVER);
     let area = Closure {
         outline,
         nodes: vec![],
@@ -206,7 +206,7 @@ fn where_one_of_two_robots_cannot_leave_the_only_way_neither_moves() {
     floor.run(5);
     let ana = turn_back(&mut floor, |f| drop(f.step(vec![Input::ask(3, FloorAction::Close(area))])));
     assert!(place(&floor, 0).x < place(&floor, 1).x, "the one behind has a bay, the one in front has none");
-    let mode = floor.fleet.people.people[ana.worker].mode;
+    let mode = floor.fleet.internals().people.people[ana.worker].mode;
     assert!(matches!(mode, WalkMode::Stopped { .. }), "{mode:?}");
     let since =
         floor.facts.iter().skip_while(|f| !matches!(f, Fact::Encounter(EncounterFact::Deviated { .. })));

@@ -2,7 +2,7 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::geometry::{Point, Vector};
+use giveway_floor::geometry::{Point, Vector};
 
 /// A robot on its way, and a person who appears so far ahead of it and stands there.
 fn face_to_face(faults: Faults, ahead_m: f64) -> (TestFloor, Puppet) {
@@ -66,7 +66,7 @@ fn a_robot_between_two_nodes_goes_on_to_the_one_that_it_can_get_to() {
     {
         let (mut floor, mut ana) = face_to_face(Faults::default(), ahead_m);
         let (robot, ahead) = (RobotId(0), floor.ahead());
-        let halfway = |f: &TestFloor| f.fleet.floor().is_halfway(robot);
+        let halfway = |f: &TestFloor| f.fleet.internals().writer.floor().is_halfway(robot);
         for _ in 0..600 {
             if halfway(&floor) {
                 break;
@@ -156,16 +156,18 @@ fn who_waits_for_a_place_in_a_queue_does_not_overtake_by_stepping_aside() {
     for i in 0..12 {
         floor.submit(request(deliver(i * 5 % racks)));
     }
-    let waiting = |f: &TestFloor| f.fleet.ledger().robots.ids().find(|r| f.fleet.floor().waits_for_room(*r));
+    let waiting = |f: &TestFloor| {
+        f.fleet.ledger().robots.ids().find(|r| f.fleet.internals().writer.floor().waits_for_room(*r))
+    };
     floor.until(120, "the queue is full", |f| waiting(f).is_some());
     let robot = waiting(&floor).expect("just seen");
     let here = floor.fleet.ledger().node_of(robot);
     let (_, way) = floor.fleet.warehouse().ways(here).next().expect("it came somewhere");
-    let Fleet { writer, traffic, .. } = &mut floor.fleet;
+    let InternalsMut { writer, traffic } = floor.fleet.internals_mut();
     assert!(traffic.detour(writer, robot, way.to, floor.now), "there is room beside it");
     let chain = floor.fleet.ledger().chain(robot);
     assert!(chain.end() > chain.granted() && chain.last().map(|v| v.node) == Some(here), "it comes back");
-    assert!(floor.fleet.floor().lacks_route(robot), "and it stands in line as before");
+    assert!(floor.fleet.internals().writer.floor().lacks_route(robot), "and it stands in line as before");
     floor.until_over(1200);
 }
 
@@ -179,13 +181,16 @@ fn nobody_fetches_another_rack_for_a_station_for_which_enough_wait() {
     floor.run(90);
     let robots: Vec<RobotId> = floor.fleet.ledger().robots.ids().collect();
     let places = floor.fleet.warehouse().stations[StationId(0)].queue.len() + 1;
-    let wait = robots.iter().filter(|r| floor.fleet.floor().waits_for_room(**r)).count();
+    let wait = robots.iter().filter(|r| floor.fleet.internals().writer.floor().waits_for_room(**r)).count();
     assert!(wait >= places, "{wait} wait for {places} places");
     floor.run(5);
     let fetches = |r: &&RobotId| matches!(floor.fleet.ledger().robots[**r].task, Task::Fetch { .. });
     let jobs = floor.fleet.ledger().jobs.values().filter(|j| j.state == JobState::Waiting).count();
     assert!(robots.iter().filter(fetches).count() == 0 && jobs > 0, "somebody is still sent for a rack");
-    assert!(robots.iter().any(|r| !floor.fleet.floor().waits_for_room(*r)), "and some are free for others");
+    assert!(
+        robots.iter().any(|r| !floor.fleet.internals().writer.floor().waits_for_room(*r)),
+        "and some are free for others"
+    );
 }
 
 #[test]
@@ -193,7 +198,7 @@ fn a_robot_that_may_only_drive_slowly_is_granted_less() {
     let mut floor = TestFloor::thesis(1);
     floor.submit(request(deliver(40)));
     floor.run(2);
-    let needed = |limit_mps| floor.fleet.floor().needed_ahead_m(RobotId(0), limit_mps);
+    let needed = |limit_mps| floor.fleet.internals().writer.floor().needed_ahead_m(RobotId(0), limit_mps);
     let (free, slow, stop) = (needed(None), needed(Some(0.5)), needed(Some(0.0)));
     assert!(free > slow + 1.0, "{free} m at full speed, {slow} m at half a metre per second");
     assert_eq!(slow, stop, "who is to stand now may be let go slowly in a moment");
@@ -228,10 +233,10 @@ fn who_stands_for_long_after_the_work_should_be_done_is_not_about_to_set_off() {
         floor.walk(&mut ana);
     }
     let (robot, there) = ((RobotId(0), floor.robot_at()), ana.worker);
-    let seen = floor.fleet.people.whereabouts(there, floor.now).expect("she is seen");
+    let seen = floor.fleet.internals().people.whereabouts(there, floor.now).expect("she is seen");
     let speed = |later_s: i64| {
         let later = floor.now + Span::from_secs(later_s);
-        let Fleet { writer, people, traffic, yielding, .. } = &floor.fleet;
+        let Internals { writer, people, traffic, yielding } = floor.fleet.internals();
         yielding.limits(writer.floor(), people, traffic).walk_of(there, &seen, robot, later).speed_mps
     };
     assert!(speed(0) > 1.0 && speed(20) > 1.0, "she sets off when it is done, or a little later");

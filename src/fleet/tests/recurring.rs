@@ -1,9 +1,9 @@
 //! Closures that recur: announced ahead, one by one, over restarts; cancelled once or for good.
 
 use super::*;
-use crate::geometry::Spot;
-use crate::id::{ClosureId, SeriesId};
-use crate::time::Window;
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{ClosureId, SeriesId};
+use giveway_floor::time::Window;
 
 const HOUR: i64 = 3600;
 

@@ -1,9 +1,9 @@
 //! What is noted of robots that get another way, and of where people are going.
 
 use super::*;
-use crate::fleet::{FloorNote, ReplanCause};
-use crate::geometry::{Point, Spot};
-use crate::time::Window;
+use crate::{FloorNote, ReplanCause};
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::time::Window;
 use std::collections::BTreeMap;
 
 /// One replan: the robot, because of what, both ways and when.

@@ -14,7 +14,7 @@ impl TestFloor {
     pub(super) fn assert_fold(&self) {
         let (warehouse, settings) = (self.fleet.warehouse().clone(), self.fleet.settings().clone());
         let restored = Fleet::restore(warehouse, settings, self.facts.clone());
-        let fold = restored.writer.ledger();
+        let fold = restored.internals().writer.ledger();
         let live = self.fleet.ledger();
         assert!(fold == live, "the ledger is not the fold of its facts at {}", self.now);
     }

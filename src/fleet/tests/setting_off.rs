@@ -1,8 +1,8 @@
 //! Robots that stand and are to go on while a person walks up from behind.
 
 use super::*;
-use crate::aware::Meter;
-use crate::aware::Near;
+use giveway_people::aware::Meter;
+use giveway_people::aware::Near;
 
 /// A robot between the racks that an operator lets go on when a person behind it, on the way past it, is so near; what
 /// both do for ten seconds from then on.

@@ -2,7 +2,7 @@
 //! others say what they wait for, and every job goes on after the repair.
 
 use super::*;
-use crate::warehouse::sketch;
+use giveway_floor::warehouse::sketch;
 
 const NEVER: Time = Time::MAX;
 

@@ -1,10 +1,10 @@
 //! Never stuck, exhaustively: every interleaving of grants and moves of three robots on tiny floors, with delays.
 
-use crate::id::{Dense, NodeId, RobotId};
-use crate::route::{Kinematics, NO_PEOPLE, Planner, RouteQuery, Rules, Stage};
-use crate::time::{Span, Time};
-use crate::timeline::{Chain, Timeline, Visit};
-use crate::warehouse::{Warehouse, sketch};
+use giveway_floor::id::{Dense, NodeId, RobotId};
+use giveway_floor::route::{Kinematics, NO_PEOPLE, Planner, RouteQuery, Rules, Stage};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::{Chain, Timeline, Visit};
+use giveway_floor::warehouse::{Warehouse, sketch};
 use std::collections::HashSet;
 use std::sync::Arc;
 

@@ -2,8 +2,8 @@
 //! end in an idle robot; and a floor on which there is no place to make room.
 
 use super::*;
-use crate::warehouse::formats::json;
-use crate::warehouse::sketch;
+use giveway_floor::warehouse::formats::json;
+use giveway_floor::warehouse::sketch;
 
 /// Two robots begin at `c` and `p`; `s3` is a free place.
 const SMALL: &str = include_str!("../../../docs/small.json");

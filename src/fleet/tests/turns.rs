@@ -1,7 +1,7 @@
 //! Turns at stations and chargers: in the order of lifting, and promises to robots that cannot come lapse.
 
 use super::*;
-use crate::sim::Closing;
+use giveway_sim::Closing;
 
 fn crowd() -> TestFloor {
     let mut floor = TestFloor::new(thesis(), &scenario(14));
@@ -14,8 +14,8 @@ fn crowd() -> TestFloor {
 impl TestFloor {
     /// Robots that have lifted racks for a station, and have a route there.
     fn with_a_place(&self) -> Vec<RobotId> {
-        let floor = self.fleet.floor();
-        let tickets = self.fleet.traffic.needs.tickets.all();
+        let floor = self.fleet.internals().writer.floor();
+        let tickets = self.fleet.internals().traffic.needs.tickets.all();
         tickets.map(|(robot, _)| robot).filter(|r| !floor.lacks_route(*r)).collect()
     }
 }
@@ -25,8 +25,8 @@ fn places_at_a_station_are_given_in_the_order_of_lifting() {
     let mut floor = crowd();
     let (mut given, mut had_to_wait) = (0, 0);
     for _ in 0..3000 {
-        let waiting: Vec<(Time, RobotId)> = (floor.fleet.traffic.needs.tickets.all())
-            .filter(|(r, _)| floor.fleet.floor().lacks_route(*r))
+        let waiting: Vec<(Time, RobotId)> = (floor.fleet.internals().traffic.needs.tickets.all())
+            .filter(|(r, _)| floor.fleet.internals().writer.floor().lacks_route(*r))
             .map(|(r, ticket)| (ticket.since, r))
             .collect();
         had_to_wait = had_to_wait.max(waiting.len());

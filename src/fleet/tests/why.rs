@@ -1,8 +1,8 @@
 //! Whoever asks why a job or a robot does not go on gets the reason, to its root.
 
 use super::*;
-use crate::geometry::Point;
-use crate::time::Window;
+use giveway_floor::geometry::Point;
+use giveway_floor::time::Window;
 
 impl TestFloor {
     fn why(&self, job: JobId) -> Option<JobWhy> {

@@ -2,8 +2,8 @@
 
 use super::people::Puppet;
 use super::*;
-use crate::geometry::{Point, Vector};
-use crate::warehouse::stations;
+use giveway_floor::geometry::{Point, Vector};
+use giveway_floor::warehouse::stations;
 
 /// A floor with somebody in the workplace of the first station.
 fn at_work() -> (TestFloor, Puppet) {
@@ -17,7 +17,7 @@ fn at_work() -> (TestFloor, Puppet) {
 }
 
 fn restricts(floor: &TestFloor) -> bool {
-    !floor.fleet.writer.restrictions.conditions.is_empty()
+    !floor.fleet.internals().writer.restrictions.conditions.is_empty()
 }
 
 #[test]

@@ -5,22 +5,22 @@
 //! The search knows every announced closure as a condition, so new routes need nothing from here. Refuses: to stop
 //! robots (grants do), and to take back what was granted.
 
-use crate::aware::{HumanAwarePolicy, Zone};
-use crate::fleet::state::closed_areas::storage_behind;
-use crate::fleet::state::fact::{AreaFact, Purpose, RobotFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::recurring::ANNOUNCED;
-use crate::fleet::state::regions::KindConditions;
-use crate::fleet::state::restrictions::ClosedNodes;
-use crate::fleet::state::worker::Closure;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::state::yielding::STANDS;
-use crate::fleet::traffic::stages::commit;
-use crate::fleet::traffic::state::Traffic;
-use crate::id::{ClosureId, JobId, NodeId, RackId, RobotId, SeriesId};
-use crate::route::{COME_OUT, Cause, Condition, Conditions, Effect, Stage};
-use crate::time::{Span, Time, Window};
+use crate::state::closed_areas::storage_behind;
+use crate::state::fact::{AreaFact, Purpose, RobotFact, Task};
+use crate::state::floor::Floor;
+use crate::state::job::JobState;
+use crate::state::recurring::ANNOUNCED;
+use crate::state::regions::KindConditions;
+use crate::state::restrictions::ClosedNodes;
+use crate::state::worker::Closure;
+use crate::state::writer::Writer;
+use crate::state::yielding::STANDS;
+use crate::traffic::stages::commit;
+use crate::traffic::state::Traffic;
+use giveway_floor::id::{ClosureId, JobId, NodeId, RackId, RobotId, SeriesId};
+use giveway_floor::route::{COME_OUT, Cause, Condition, Conditions, Effect, Stage};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_people::aware::{HumanAwarePolicy, Zone};
 use std::collections::BTreeMap;
 
 /// A robot whose route leads into a closed area looks for another one this often at most.
@@ -28,7 +28,7 @@ const AGAIN: Span = Span::from_secs(5);
 
 /// Begins and ends announced closures, and forgets those that have been over for long. What else bound robots in the
 /// step before does not any more.
-pub(in crate::fleet) fn renew_areas(writer: &mut Writer, now: Time) {
+pub(crate) fn renew_areas(writer: &mut Writer, now: Time) {
     announce_recurring(writer, now);
     for closure in writer.renew_restrictions(now) {
         writer.record(AreaFact::Reopened { closure, at: now });
@@ -73,7 +73,7 @@ fn announce_next(writer: &mut Writer, series: SeriesId, now: Time) {
 }
 
 /// Nodes that are as good as closed because a person has been standing there for long, by what people mean for robots.
-pub(in crate::fleet) fn stood_on(floor: Floor<'_>, people: &KindConditions, now: Time) -> ClosedNodes {
+pub(crate) fn stood_on(floor: Floor<'_>, people: &KindConditions, now: Time) -> ClosedNodes {
     if floor.settings.policy != HumanAwarePolicy::Giveway {
         return ClosedNodes::default();
     }
@@ -92,7 +92,7 @@ pub(in crate::fleet) fn stood_on(floor: Floor<'_>, people: &KindConditions, now:
 
 impl Traffic {
     /// Robots whose promised way leads through a closed area, or ends in one, get another one.
-    pub(in crate::fleet) fn route_round_closures(&mut self, writer: &mut Writer, now: Time) {
+    pub(crate) fn route_round_closures(&mut self, writer: &mut Writer, now: Time) {
         if writer.restrictions.closing.is_empty() && writer.restrictions.areas.is_empty() {
             return;
         }

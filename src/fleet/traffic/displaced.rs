@@ -6,23 +6,23 @@
 //! its reports fit again. Refuses: to look at robots that drive, except at the first report after a start, and to guess
 //! what became of a rack.
 
-use crate::fleet::state::closed_areas::storage_behind;
-use crate::fleet::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
-use crate::fleet::state::fact::{Act, KeptRoute, RobotFact, RouteFact, Task};
-use crate::fleet::state::fault::Fault;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::Telemetry;
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::restrictions::ClosedNodes;
-use crate::fleet::state::scene::{SILENCE, Scene};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::failure::fail;
-use crate::fleet::traffic::state::Traffic;
-use crate::geometry::{Point, Segment, axis_distance, axis_distance_to_segment, to_mm};
-use crate::id::{NodeId, RobotId};
-use crate::route::{Cause, Condition, Effect, Stage};
-use crate::time::{Time, Window};
-use crate::warehouse::NodeKind;
+use crate::state::closed_areas::storage_behind;
+use crate::state::displaced::{Displaced, Displacement, OFF_ROUTE_M};
+use crate::state::fact::{Act, KeptRoute, RobotFact, RouteFact, Task};
+use crate::state::fault::Fault;
+use crate::state::floor::Floor;
+use crate::state::io::Telemetry;
+use crate::state::job::JobState;
+use crate::state::restrictions::ClosedNodes;
+use crate::state::scene::{SILENCE, Scene};
+use crate::state::writer::Writer;
+use crate::traffic::failure::fail;
+use crate::traffic::state::Traffic;
+use giveway_floor::geometry::{Point, Segment, axis_distance, axis_distance_to_segment, to_mm};
+use giveway_floor::id::{NodeId, RobotId};
+use giveway_floor::route::{Cause, Condition, Effect, Stage};
+use giveway_floor::time::{Time, Window};
+use giveway_floor::warehouse::NodeKind;
 
 /// Squares that overlap by less than this only touch, metres.
 const TOUCH_M: f64 = 1e-3;
@@ -111,7 +111,7 @@ impl Traffic {
 
     /// Revokes what robots were granted that were stopped before they drove into a displaced one, so that they can go
     /// round it and it can be taken up.
-    pub(in crate::fleet) fn revoke_grants_into_displaced(&mut self, writer: &mut Writer, now: Time) {
+    pub(crate) fn revoke_grants_into_displaced(&mut self, writer: &mut Writer, now: Time) {
         if writer.scene.all_displaced().next().is_none() {
             return;
         }
@@ -125,7 +125,7 @@ impl Traffic {
 
     /// Whether robots of which the ledger knows have not been heard of since a start, a short while ago: they may
     /// stand anywhere, so no robot is told to drive until then.
-    pub(in crate::fleet) fn waits_for_first_reports(&mut self, scene: &Scene, now: Time) -> bool {
+    pub(crate) fn waits_for_first_reports(&mut self, scene: &Scene, now: Time) -> bool {
         if self.unheard.is_empty() {
             return false;
         }
@@ -193,7 +193,7 @@ fn displace(writer: &mut Writer, seen: &Telemetry, why: Displacement, now: Time)
 }
 
 /// The floor around robots that are off everything they hold.
-pub(in crate::fleet) fn closed_by_displaced(floor: Floor<'_>, now: Time) -> ClosedNodes {
+pub(crate) fn closed_by_displaced(floor: Floor<'_>, now: Time) -> ClosedNodes {
     let mut all = ClosedNodes::default();
     for (robot, displaced) in floor.scene.all_displaced() {
         let one = closed_around(floor, robot, displaced, now);
@@ -226,7 +226,7 @@ impl Floor<'_> {
     }
 
     /// The displaced robot into which a robot would drive with what it was granted, or on its way back.
-    pub(in crate::fleet) fn drives_into(self, robot: RobotId, back: Option<Point>) -> Option<RobotId> {
+    pub(crate) fn drives_into(self, robot: RobotId, back: Option<Point>) -> Option<RobotId> {
         let others = || self.scene.all_displaced().filter(|(r, d)| *r != robot && d.is_off);
         others().next()?;
         let at = self.place_of(robot);

@@ -4,15 +4,15 @@
 //! Refuses: to send a robot onto a way out that does not stand on one, and to end anything that is promised: jobs and
 //! racks are kept, and robots go on with them when it is over.
 
-use crate::fleet::state::binding::WAY_M;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::restrictions::{ClearedWays, ClosedNodes};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::state::{Traffic, Withheld};
-use crate::geometry::{Point, Segment};
-use crate::id::{NodeId, RobotId};
-use crate::route::{Cause, Condition, Effect};
-use crate::time::{Span, Time, Window};
+use crate::state::binding::WAY_M;
+use crate::state::floor::Floor;
+use crate::state::restrictions::{ClearedWays, ClosedNodes};
+use crate::state::writer::Writer;
+use crate::traffic::state::{Traffic, Withheld};
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::id::{NodeId, RobotId};
+use giveway_floor::route::{Cause, Condition, Effect};
+use giveway_floor::time::{Span, Time, Window};
 use std::collections::BTreeSet;
 
 /// A robot that found no place to leave for tries again after this.
@@ -21,12 +21,7 @@ const AGAIN: Span = Span::from_secs(2);
 impl Traffic {
     /// The ways out, which are closed for robots, and the robots that may move to clear them. None where nobody has to
     /// leave.
-    pub(in crate::fleet) fn ways_out(
-        &mut self,
-        floor: Floor<'_>,
-        ways: &[Vec<Point>],
-        now: Time,
-    ) -> ClearedWays {
+    pub(crate) fn ways_out(&mut self, floor: Floor<'_>, ways: &[Vec<Point>], now: Time) -> ClearedWays {
         if floor.ledger.evacuation.is_none() {
             self.cleared.clear();
             return ClearedWays::default();
@@ -43,7 +38,7 @@ impl Traffic {
 
     /// Robots on the ways out leave for the nearest place where they may stay, and so do those for which they wait and
     /// whose routes lead onto one. One that finds none drives on along its route, which leads off them, too.
-    pub(in crate::fleet) fn clear_ways_out(&mut self, writer: &mut Writer, now: Time) {
+    pub(crate) fn clear_ways_out(&mut self, writer: &mut Writer, now: Time) {
         let kept_off =
             |r: &RobotId| matches!(self.withheld(*r), Some(Withheld::Condition(Cause::Evacuation, _)));
         let moving = writer.restrictions.clears_ways_out.iter().copied();
@@ -68,7 +63,7 @@ impl Traffic {
     }
 
     /// Robots that stand and were granted a way onto one of the ways out forget it.
-    pub(in crate::fleet) fn revoke_ways_out(&mut self, writer: &mut Writer, now: Time) {
+    pub(crate) fn revoke_ways_out(&mut self, writer: &mut Writer, now: Time) {
         if writer.ledger().evacuation.is_none() {
             return;
         }

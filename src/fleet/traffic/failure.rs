@@ -3,14 +3,14 @@
 //!
 //! Refuses: to say when a robot has failed.
 
-use crate::fleet::state::cut_off::CutOff;
-use crate::fleet::state::fact::{Purpose, RobotFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::truncate::truncate_behind;
-use crate::id::RobotId;
-use crate::time::Time;
+use crate::state::cut_off::CutOff;
+use crate::state::fact::{Purpose, RobotFact, Task};
+use crate::state::floor::Floor;
+use crate::state::job::JobState;
+use crate::state::writer::Writer;
+use crate::traffic::truncate::truncate_behind;
+use giveway_floor::id::RobotId;
+use giveway_floor::time::Time;
 
 /// A robot stops for good: its job goes to another if it cannot lift the rack any more, and all robots whose way
 /// leads over its place lose that way.
@@ -21,7 +21,7 @@ pub(super) fn fail(writer: &mut Writer, robot: RobotId, now: Time) {
 }
 
 /// What others take over from a robot that stands for good.
-pub(in crate::fleet) fn give_up(writer: &mut Writer, robot: RobotId, now: Time) {
+pub(crate) fn give_up(writer: &mut Writer, robot: RobotId, now: Time) {
     let task = writer.ledger().robots[robot].task;
     if !writer.floor().next_stop_is_granted(robot) {
         match task {
@@ -41,7 +41,7 @@ pub(in crate::fleet) fn give_up(writer: &mut Writer, robot: RobotId, now: Time) 
 
 /// Which stations and storage nodes robots that cannot drive, and closed areas, cut off; nothing where that is as
 /// before.
-pub(in crate::fleet) fn cut_off_anew(floor: Floor<'_>, now: Time) -> Option<CutOff> {
+pub(crate) fn cut_off_anew(floor: Floor<'_>, now: Time) -> Option<CutOff> {
     let closed = floor.restrictions.areas.closed_by();
     floor.restrictions.cut_off.anew(floor.ledger, floor.scene, closed, now)
 }

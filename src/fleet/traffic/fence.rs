@@ -4,14 +4,14 @@
 //! those behind it get other ways, its job goes to another. It stays so over a restart, until a person releases it.
 //! Refuses: to repair anything; what is wrong is for a person to see.
 
-use crate::fleet::state::fact::RobotFact;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::failure::give_up;
-use crate::id::{Dense, RobotId};
-use crate::time::Time;
+use crate::state::fact::RobotFact;
+use crate::state::writer::Writer;
+use crate::traffic::failure::give_up;
+use giveway_floor::id::{Dense, RobotId};
+use giveway_floor::time::Time;
 
 /// Fences a robot off.
-pub(in crate::fleet) fn fence(writer: &mut Writer, robot: RobotId, now: Time) {
+pub(crate) fn fence(writer: &mut Writer, robot: RobotId, now: Time) {
     let known = robot.ix() < writer.ledger().robots.len();
     if known && writer.ledger().robots[robot].fenced.is_none() {
         writer.record(RobotFact::Fenced { robot, at: now });

@@ -2,22 +2,17 @@
 //!
 //! Main function: `better_direction`. Refuses: to turn a robot, and to know whether a person keeps it from either.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::traffic::plan::{WORTH, reached};
-use crate::fleet::traffic::state::{Direction, Traffic};
-use crate::id::RobotId;
-use crate::time::{Span, Time};
-use crate::timeline::Visit;
+use crate::state::floor::Floor;
+use crate::traffic::plan::{WORTH, reached};
+use crate::traffic::state::{Direction, Traffic};
+use giveway_floor::id::RobotId;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::Visit;
 
 impl Traffic {
     /// The direction from which a robot that stands between two nodes gets to its next stop earlier; forward if it is
     /// about as good. Two searches.
-    pub(in crate::fleet) fn better_direction(
-        &mut self,
-        floor: Floor<'_>,
-        robot: RobotId,
-        now: Time,
-    ) -> Direction {
+    pub(crate) fn better_direction(&mut self, floor: Floor<'_>, robot: RobotId, now: Time) -> Direction {
         if floor.ledger.robots[robot].failed {
             // It can drive again, and the ledger learns that later in this step.
             return Direction::Forward;

@@ -10,16 +10,16 @@
 //! Refuses: to move robots if one of them cannot drive or is held by a person, who ends that; and to send a robot away
 //! from its charger that has no charge to drive on.
 
-use crate::fleet::state::fact::Task;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobFailure, JobState};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::stages::commit;
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::traffic::tentative::PLACES;
-use crate::id::{JobId, NodeId, RobotId};
-use crate::route::Stage;
-use crate::time::{Span, Time};
+use crate::state::fact::Task;
+use crate::state::floor::Floor;
+use crate::state::job::{JobFailure, JobState};
+use crate::state::writer::Writer;
+use crate::traffic::stages::commit;
+use crate::traffic::state::Traffic;
+use crate::traffic::tentative::PLACES;
+use giveway_floor::id::{JobId, NodeId, RobotId};
+use giveway_floor::route::Stage;
+use giveway_floor::time::{Span, Time};
 
 /// A chain that no robot can leave is given up after this: a place may become free meanwhile.
 const HOPE: Span = Span::from_secs(30);
@@ -97,7 +97,7 @@ impl Floor<'_> {
     }
 
     /// The robot that keeps the place where the rest of a robot's task leads for ever, as things stand.
-    pub(in crate::fleet) fn keeper_of_goal(&self, robot: RobotId) -> Option<RobotId> {
+    pub(crate) fn keeper_of_goal(&self, robot: RobotId) -> Option<RobotId> {
         let stages = self.stages(robot);
         let goals = stages.iter().map(|stage| (stage.goal, stage.loaded));
         let mut lasting = goals.filter(|(goal, _)| self.warehouse().kind(*goal).is_lasting());

@@ -4,17 +4,17 @@
 //! are silent or halted; and to grant more than a robot needs to keep its speed, since a grant can be revoked only
 //! from a robot that stands and confirms it.
 
-use crate::aware::SLOW_MPS;
-use crate::fleet::state::fact::{Moved, RouteFact};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::{Command, Telemetry, Waypoint};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::state::yielding::YieldingState;
-use crate::fleet::traffic::state::{Direction, Traffic, Withheld};
-use crate::id::{RobotId, WorkerId};
-use crate::route::{Cause, Condition, Effect};
-use crate::time::{Span, Time, Window};
-use crate::timeline::Visit;
+use crate::state::fact::{Moved, RouteFact};
+use crate::state::floor::Floor;
+use crate::state::io::{Command, Telemetry, Waypoint};
+use crate::state::writer::Writer;
+use crate::state::yielding::YieldingState;
+use crate::traffic::state::{Direction, Traffic, Withheld};
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::route::{Cause, Condition, Effect};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::timeline::Visit;
+use giveway_people::aware::SLOW_MPS;
 
 /// How long before its planned time a hold may be granted as it is; a robot that can go on earlier is retimed first.
 const EARLY: Span = Span::from_secs(4);
@@ -29,7 +29,7 @@ const REMIND: Span = Span::from_secs(3);
 
 impl Traffic {
     /// Grants to each robot what it needs to keep its speed. Robots that are `interrupted` get no more than they have.
-    pub(in crate::fleet) fn grant(
+    pub(crate) fn grant(
         &mut self,
         writer: &mut Writer,
         yielding: &YieldingState,
@@ -157,11 +157,7 @@ fn send(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, goes_back
 impl Traffic {
     /// The worker who alone keeps a robot from being granted more, and how far it can drive already, metres. Nothing if
     /// it is another reason, or if another robot waits for what this one leaves. Linear in robots.
-    pub(in crate::fleet) fn kept_by_a_worker(
-        &self,
-        floor: Floor<'_>,
-        robot: RobotId,
-    ) -> Option<(WorkerId, f64)> {
+    pub(crate) fn kept_by_a_worker(&self, floor: Floor<'_>, robot: RobotId) -> Option<(WorkerId, f64)> {
         let Some(Withheld::Condition(Cause::Worker(worker), _)) = self.withheld(robot) else { return None };
         let turn_after = |w: &Option<Withheld>| matches!(w, Some(Withheld::Turn(_, r)) if *r == robot);
         let is_waited_for = self.withheld.iter().any(turn_after);
@@ -216,7 +212,7 @@ impl Floor<'_> {
     }
 
     /// Because of what a visit cannot be granted now, and until when, where that is known.
-    pub(in crate::fleet) fn grant_waits_for(
+    pub(crate) fn grant_waits_for(
         &self,
         yielding: &YieldingState,
         robot: RobotId,
@@ -230,7 +226,7 @@ impl Floor<'_> {
     /// How far ahead a robot under this speed limit must be sure of its way to go on as fast as it may: its braking
     /// distance, what it drives until the next grant reaches it, and a node more. That is less near people, so that it
     /// can still decide otherwise there.
-    pub(in crate::fleet) fn needed_ahead_m(&self, robot: RobotId, limit_mps: Option<f64>) -> f64 {
+    pub fn needed_ahead_m(&self, robot: RobotId, limit_mps: Option<f64>) -> f64 {
         let k = *self.kinematics(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
         let speed = k.top_mps(loaded).min(limit_mps.unwrap_or(f64::INFINITY).max(SLOW_MPS));

@@ -3,14 +3,14 @@
 //!
 //! Refuses: to move robots that are broken or silent, and to take back what was granted.
 
-use crate::fleet::state::fact::RouteFact;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::state::{InsertionCounts, Traffic};
-use crate::id::RobotId;
-use crate::route::Route;
-use crate::time::{Span, Time};
-use crate::timeline::{Overlay, Visit};
+use crate::state::fact::RouteFact;
+use crate::state::floor::Floor;
+use crate::state::writer::Writer;
+use crate::traffic::state::{InsertionCounts, Traffic};
+use giveway_floor::id::RobotId;
+use giveway_floor::route::Route;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::{Overlay, Visit};
 use std::collections::BTreeMap;
 
 /// How many others are moved at most.
@@ -30,7 +30,7 @@ pub(super) type Found = (RobotId, Route);
 
 impl Traffic {
     /// Plans `robot` together with the few robots that stand most in its way. Whether that worked.
-    pub(in crate::fleet) fn insert(&mut self, writer: &mut Writer, robot: RobotId, now: Time) -> bool {
+    pub(crate) fn insert(&mut self, writer: &mut Writer, robot: RobotId, now: Time) -> bool {
         if writer.floor().next_stop_is_granted(robot) {
             return false;
         }
@@ -179,7 +179,7 @@ impl Floor<'_> {
 
 /// Routes for robots one after the other, each found on a timeline that has those of the robots before it, and nothing
 /// of the others beyond what they were granted. All get one, or none does.
-pub(in crate::fleet) fn in_turn(
+pub(crate) fn in_turn(
     floor: Floor<'_>,
     order: &[RobotId],
     mut find: impl FnMut(&Overlay<'_>, RobotId) -> Option<Route>,
@@ -199,7 +199,7 @@ pub(in crate::fleet) fn in_turn(
 }
 
 /// Books routes that were found together.
-pub(in crate::fleet) fn commit_all(writer: &mut Writer, routes: Vec<Found>) {
+pub(crate) fn commit_all(writer: &mut Writer, routes: Vec<Found>) {
     let bookings = routes.into_iter().map(|(r, route)| writer.floor().booking(r, route)).collect();
     writer.record(RouteFact::Routed { bookings });
 }

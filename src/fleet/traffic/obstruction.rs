@@ -5,15 +5,15 @@
 //! believes to be elsewhere.
 //! Refuses: to know what stands there, and to keep a place closed for good: operators close areas.
 
-use crate::fleet::state::fault::Fault;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::restrictions::ClosedNodes;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::state::{Obstruction, Traffic};
-use crate::id::{NodeId, RobotId};
-use crate::route::{Cause, Condition, Effect};
-use crate::time::{Span, Time, Window};
-use crate::warehouse::NodeKind;
+use crate::state::fault::Fault;
+use crate::state::floor::Floor;
+use crate::state::restrictions::ClosedNodes;
+use crate::state::writer::Writer;
+use crate::traffic::state::{Obstruction, Traffic};
+use giveway_floor::id::{NodeId, RobotId};
+use giveway_floor::route::{Cause, Condition, Effect};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::warehouse::NodeKind;
 use std::collections::BTreeMap;
 
 /// A place before which a robot was obstructed is tried again after this.
@@ -25,7 +25,7 @@ const OUT_OF_ORDER: Span = Span::from_secs(600);
 
 impl Traffic {
     /// Notes where robots are obstructed, or get no current. Those places are closed while they are noted.
-    pub(in crate::fleet) fn note_obstructions(&mut self, floor: Floor<'_>, now: Time) -> ClosedNodes {
+    pub(crate) fn note_obstructions(&mut self, floor: Floor<'_>, now: Time) -> ClosedNodes {
         for robot in floor.scene.kept_from_driving(now) {
             // What the robot does not call an obstruction may be a person, who goes on.
             let said = floor.scene.robot(robot).is_some_and(|t| t.fault == Some(Fault::Obstructed));
@@ -58,12 +58,12 @@ impl Traffic {
     }
 
     /// Whether any node is closed because a robot could not get there.
-    pub(in crate::fleet) fn has_obstructions(&self) -> bool {
+    pub(crate) fn has_obstructions(&self) -> bool {
         !self.obstructions.is_empty()
     }
 
     /// Until when an obstructed node is closed, if it is.
-    pub(in crate::fleet) fn obstructed_until(&self, node: NodeId) -> Option<Time> {
+    pub(crate) fn obstructed_until(&self, node: NodeId) -> Option<Time> {
         self.obstructions.get(&node).map(|found| found.until)
     }
 
@@ -74,7 +74,7 @@ impl Traffic {
 
     /// Places before which a robot reported an obstacle and from which it has turned away since; with the robot, and
     /// since when.
-    pub(in crate::fleet) fn left_obstacles<'a>(
+    pub(crate) fn left_obstacles<'a>(
         &'a self,
         floor: Floor<'a>,
     ) -> impl Iterator<Item = (NodeId, RobotId, Time)> + 'a {
@@ -87,7 +87,7 @@ impl Traffic {
     }
 
     /// Revokes what obstructed robots were granted.
-    pub(in crate::fleet) fn revoke_obstructed(&mut self, writer: &mut Writer, now: Time) {
+    pub(crate) fn revoke_obstructed(&mut self, writer: &mut Writer, now: Time) {
         for robot in writer.scene.kept_from_driving(now) {
             self.revoke_grant(writer, robot, now);
         }
@@ -102,7 +102,7 @@ fn note(known: &mut BTreeMap<NodeId, Obstruction>, node: NodeId, found: Obstruct
 
 impl Floor<'_> {
     /// The node to which an obstructed robot was on its way.
-    pub(in crate::fleet) fn obstructed_at(&self, robot: RobotId, now: Time) -> Option<NodeId> {
+    pub(crate) fn obstructed_at(&self, robot: RobotId, now: Time) -> Option<NodeId> {
         let kept = self.scene.is_kept_from_driving(robot, now);
         self.granted_ahead(robot).next().filter(|_| kept).map(|v| v.node)
     }

@@ -1,22 +1,22 @@
 //! Fifth phase: which robots need a route? One search each, within a budget of expansions per step.
 //!
-//! Robots in need are in [`Needs`](crate::fleet::state::needs::Needs). A new route replaces the old one only when it is
+//! Robots in need are in [`Needs`](crate::state::needs::Needs). A new route replaces the old one only when it is
 //! complete up to a place where the robot may stay for ever; else the old one stands (DESIGN §5, invariant
 //! a). Refuses: to let the time of day decide how much is planned.
 
-use crate::fleet::state::cut_off::Barrier;
-use crate::fleet::state::fact::{RobotFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::needs::Need;
-use crate::fleet::state::passing::{HeldChoice, cheapest};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::stages::commit;
-use crate::fleet::traffic::state::Traffic;
-use crate::id::{IdVec, NodeId, RobotId};
-use crate::route::{NoRoute, Route, RouteQuery, Stage};
-use crate::time::{Span, Time};
-use crate::timeline::Visit;
+use crate::state::cut_off::Barrier;
+use crate::state::fact::{RobotFact, Task};
+use crate::state::floor::Floor;
+use crate::state::job_kind::JobKind;
+use crate::state::needs::Need;
+use crate::state::passing::{HeldChoice, cheapest};
+use crate::state::writer::Writer;
+use crate::traffic::stages::commit;
+use crate::traffic::state::Traffic;
+use giveway_floor::id::{IdVec, NodeId, RobotId};
+use giveway_floor::route::{NoRoute, Route, RouteQuery, Stage};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::Visit;
 
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
@@ -39,7 +39,7 @@ fn is_ready(floor: Floor<'_>, robot: RobotId, now: Time) -> bool {
 
 impl Traffic {
     /// Routes for robots that need one, longest waiting first, and earlier ones for those that may go on earlier.
-    pub(in crate::fleet) fn plan_needed(&mut self, writer: &mut Writer, now: Time) {
+    pub(crate) fn plan_needed(&mut self, writer: &mut Writer, now: Time) {
         self.needs.tickets.note(writer.floor(), now);
         self.lapse_places(writer, now);
         let in_need = self.in_need(writer.floor(), now);
@@ -173,7 +173,7 @@ impl Traffic {
     }
 
     /// A route from where the robot's grants end.
-    pub(in crate::fleet) fn search(
+    pub(crate) fn search(
         &mut self,
         floor: Floor<'_>,
         robot: RobotId,
@@ -217,7 +217,7 @@ impl Traffic {
     /// Robots that wait for others look for a better way now and then: that is how the order on a resource is
     /// changed where keeping it would hand one robot's delay on to the fleet. The new windows fit between the
     /// holds of all robots, so the order of all stays free of cycles.
-    pub(in crate::fleet) fn improve(&mut self, writer: &mut Writer, now: Time) {
+    pub(crate) fn improve(&mut self, writer: &mut Writer, now: Time) {
         for robot in writer.ledger().present() {
             if self.effort.is_spent() {
                 return;
@@ -247,7 +247,7 @@ impl Traffic {
 
     /// Looks for a route that avoids people; takes it where it is earlier than what is left of the old one after the
     /// wait, and than passing them, if the robot can. What is best.
-    pub(in crate::fleet) fn reroute(
+    pub(crate) fn reroute(
         &mut self,
         writer: &mut Writer,
         robot: RobotId,
@@ -269,13 +269,7 @@ impl Traffic {
     }
 
     /// Plans an interrupted robot anew; the old route stands where the new one is no earlier.
-    pub(in crate::fleet) fn plan_again(
-        &mut self,
-        writer: &mut Writer,
-        robot: RobotId,
-        waited: Span,
-        now: Time,
-    ) {
+    pub(crate) fn plan_again(&mut self, writer: &mut Writer, robot: RobotId, waited: Span, now: Time) {
         let stop = writer.ledger().robots[robot].stops.first().copied();
         let Some(stop) = stop.filter(|s| s.serial >= writer.ledger().chain(robot).granted()) else { return };
         let planned = writer.floor().expected(robot, stop.serial, waited, now);
@@ -288,13 +282,7 @@ impl Traffic {
     }
 
     /// A way to a place aside first, then on with the task. Whether it was found and taken.
-    pub(in crate::fleet) fn detour(
-        &mut self,
-        writer: &mut Writer,
-        robot: RobotId,
-        place: NodeId,
-        now: Time,
-    ) -> bool {
+    pub fn detour(&mut self, writer: &mut Writer, robot: RobotId, place: NodeId, now: Time) -> bool {
         let Some(stages) = writer.floor().stages_aside(robot, place) else { return false };
         let Ok(route) = self.search(writer.floor(), robot, &stages, now) else { return false };
         let route = writer.floor().with_own_stops(robot, route);
@@ -312,7 +300,7 @@ impl Floor<'_> {
         cut_off.between(self.warehouse(), (here, next.goal), next.loaded, obstructed)
     }
 
-    fn is_relocation(&self, job: Option<crate::id::JobId>) -> bool {
+    fn is_relocation(&self, job: Option<giveway_floor::id::JobId>) -> bool {
         let kind = job.and_then(|j| self.ledger.jobs.get(&j)).map(|j| j.request.kind);
         matches!(kind, Some(JobKind::Relocate { .. }))
     }

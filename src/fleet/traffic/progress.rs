@@ -2,27 +2,27 @@
 //!
 //! Refuses: to plan; a robot whose task has no route yet is picked up by the planning phase.
 
-use crate::fleet::state::fact::{Act, Moved, Purpose, RobotFact, RouteFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job::{JobFailure, JobState};
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::failure::fail;
-use crate::fleet::traffic::revoke::note_revoked;
-use crate::fleet::traffic::state::Traffic;
-use crate::id::{JobId, NodeId, RackId, RobotId};
-use crate::time::{Span, Time};
+use crate::state::fact::{Act, Moved, Purpose, RobotFact, RouteFact, Task};
+use crate::state::floor::Floor;
+use crate::state::job::{JobFailure, JobState};
+use crate::state::job_kind::JobKind;
+use crate::state::writer::Writer;
+use crate::traffic::failure::fail;
+use crate::traffic::revoke::note_revoked;
+use crate::traffic::state::Traffic;
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId};
+use giveway_floor::time::{Span, Time};
 
 /// A robot this much behind its plan is late.
 const LATE: Span = Span::from_millis(1500);
 /// A late robot is expected to need this much longer than now.
 const GUESS: Span = Span::from_millis(1000);
 /// So many jobs that come after one that ended badly fail in one step.
-pub(in crate::fleet) const ORPHANS_PER_STEP: usize = 64;
+pub const ORPHANS_PER_STEP: usize = 64;
 
 impl Traffic {
     /// Takes what robots report into the ledger. Gives the robots that were taken up where they were not expected.
-    pub(in crate::fleet) fn note_progress(&mut self, writer: &mut Writer, now: Time) -> Vec<RobotId> {
+    pub(crate) fn note_progress(&mut self, writer: &mut Writer, now: Time) -> Vec<RobotId> {
         let mut taken_up = Vec::new();
         for robot in writer.ledger().present() {
             writer.at_hand.note(robot);

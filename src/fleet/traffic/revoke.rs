@@ -6,27 +6,27 @@
 //! What was granted stays granted until the robot says that it has forgotten it, whatever is lost or late on the way.
 //! Refuses: to revoke what a robot was granted that drives, or works.
 
-use crate::fleet::state::fact::RouteFact;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::{Command, Telemetry};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::state::yielding::STANDS;
-use crate::fleet::traffic::state::{Direction, Traffic};
-use crate::geometry::Point;
-use crate::id::RobotId;
-use crate::time::{Span, Time};
+use crate::state::fact::RouteFact;
+use crate::state::floor::Floor;
+use crate::state::io::{Command, Telemetry};
+use crate::state::writer::Writer;
+use crate::state::yielding::STANDS;
+use crate::traffic::state::{Direction, Traffic};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::RobotId;
+use giveway_floor::time::{Span, Time};
 
 /// A robot that does not say that it has forgotten its grant is told again after this.
 const AGAIN: Span = Span::from_secs(1);
 /// A robot between two nodes that has not got on for this long tries the other direction.
 const PATIENCE: Span = Span::from_secs(10);
-/// A robot nearer to a node than this is on it, metres. Less than [`crate::fleet::OFF_ROUTE_M`], since what it gives
+/// A robot nearer to a node than this is on it, metres. Less than [`crate::OFF_ROUTE_M`], since what it gives
 /// back is free for others at once.
 const ON_NODE_M: f64 = 0.02;
 
 impl Traffic {
     /// Revokes what a robot was granted beyond where it stands, if it can forget it and was not told just now.
-    pub(in crate::fleet) fn revoke_grant(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
+    pub(crate) fn revoke_grant(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         let told = self.revoked.get(&robot).is_some_and(|t| now - *t < AGAIN);
         if told || !writer.floor().can_be_revoked(robot, now) {
             return;
@@ -39,13 +39,13 @@ impl Traffic {
     }
 
     /// Forgets revocations that are so old that the robot has left, or will not.
-    pub(in crate::fleet) fn forget_revoked(&mut self, now: Time) {
+    pub(crate) fn forget_revoked(&mut self, now: Time) {
         self.revoked.retain(|_, told| now - *told < STANDS);
     }
 
     /// Robots between two nodes that have forgotten what they were granted, and those that have driven back from there
     /// and hold the second node still: they are told to give it up.
-    pub(in crate::fleet) fn halfway(&mut self, writer: &mut Writer, now: Time) -> Vec<RobotId> {
+    pub(crate) fn halfway(&mut self, writer: &mut Writer, now: Time) -> Vec<RobotId> {
         let back: Vec<RobotId> = self.directions.keys().copied().collect();
         for robot in back {
             let floor = writer.floor();
@@ -69,18 +69,13 @@ impl Traffic {
     }
 
     /// Where a robot goes on to from between two nodes, if that was chosen.
-    pub(in crate::fleet) fn direction(&self, robot: RobotId) -> Option<Direction> {
+    pub fn direction(&self, robot: RobotId) -> Option<Direction> {
         self.directions.get(&robot).map(|(direction, _)| *direction)
     }
 
     /// The directions in which a robot may go on that stands between two nodes, the better first: as it goes already,
     /// unless it has not got on like that for a while; else forward, unless something stood there.
-    pub(in crate::fleet) fn directions_for(
-        &self,
-        floor: Floor<'_>,
-        robot: RobotId,
-        now: Time,
-    ) -> [Direction; 2] {
+    pub fn directions_for(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> [Direction; 2] {
         match self.directions.get(&robot) {
             None if self.is_obstructed_ahead(floor, robot) => [Direction::Back, Direction::Forward],
             Some((Direction::Back, since)) if now - *since < PATIENCE => {
@@ -94,14 +89,14 @@ impl Traffic {
     }
 
     /// Whether something stood before the next node of a robot lately.
-    pub(in crate::fleet) fn is_obstructed_ahead(&self, floor: Floor<'_>, robot: RobotId) -> bool {
+    pub(crate) fn is_obstructed_ahead(&self, floor: Floor<'_>, robot: RobotId) -> bool {
         let chain = floor.ledger.chain(robot);
         let ahead = chain.get(chain.first() + 1);
         ahead.is_some_and(|v| self.obstructions.contains_key(&v.node))
     }
 
     /// Has a robot go on in a direction from between two nodes, or stay there.
-    pub(in crate::fleet) fn direct(&mut self, robot: RobotId, direction: Option<Direction>, now: Time) {
+    pub(crate) fn direct(&mut self, robot: RobotId, direction: Option<Direction>, now: Time) {
         match direction {
             None => drop(self.directions.remove(&robot)),
             Some(direction) if self.direction(robot) == Some(direction) => {}
@@ -110,7 +105,7 @@ impl Traffic {
     }
 
     /// Where a robot drives to that drives back, until it is there.
-    pub(in crate::fleet) fn drives_back_to(&self, floor: Floor<'_>, robot: RobotId) -> Option<Point> {
+    pub(crate) fn drives_back_to(&self, floor: Floor<'_>, robot: RobotId) -> Option<Point> {
         let back = self.direction(robot) == Some(Direction::Back) && floor.is_halfway(robot);
         back.then(|| floor.last_reached(robot))
     }
@@ -118,7 +113,7 @@ impl Traffic {
 
 /// The robot says how often it forgot what it was granted. It keeps the node that it reached last, and the one that it
 /// is on its way to if it stands between the two.
-pub(in crate::fleet) fn note_revoked(writer: &mut Writer, robot: RobotId, seen: &Telemetry, now: Time) {
+pub(crate) fn note_revoked(writer: &mut Writer, robot: RobotId, seen: &Telemetry, now: Time) {
     let chain = writer.ledger().chain(robot);
     let told = seen.recalls > writer.ledger().robots[robot].recalls;
     if !told || !(chain.first()..chain.granted()).contains(&seen.known) {
@@ -142,7 +137,7 @@ impl Floor<'_> {
     }
 
     /// Whether a robot is between two nodes, and has forgotten what it was granted: it may go on to either.
-    pub(in crate::fleet) fn is_halfway(&self, robot: RobotId) -> bool {
+    pub fn is_halfway(&self, robot: RobotId) -> bool {
         let (chain, record) = (self.ledger.chain(robot), &self.ledger.robots[robot]);
         chain.first() + 2 == chain.granted()
             && self.scene.robot(robot).is_some_and(|t| {
@@ -152,7 +147,7 @@ impl Floor<'_> {
     }
 
     /// Where a robot drives from `at` to the end of what it was granted, or `back`.
-    pub(in crate::fleet) fn granted_way(self, robot: RobotId, at: Point, back: Option<Point>) -> Vec<Point> {
+    pub(crate) fn granted_way(self, robot: RobotId, at: Point, back: Option<Point>) -> Vec<Point> {
         if let Some(back) = back {
             return vec![at, back];
         }
@@ -161,7 +156,7 @@ impl Floor<'_> {
     }
 
     /// The place of the node that a robot reached last.
-    pub(in crate::fleet) fn last_reached(&self, robot: RobotId) -> Point {
+    pub(crate) fn last_reached(&self, robot: RobotId) -> Point {
         self.warehouse().nodes[self.ledger.node_of(robot)].at
     }
 

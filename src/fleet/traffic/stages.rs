@@ -2,21 +2,21 @@
 //!
 //! Refuses: to search for routes.
 
-use crate::fleet::state::fact::{Act, Booking, RouteFact, Stop, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::writer::Writer;
-use crate::geometry::Segment;
-use crate::id::{JobId, NodeId, RobotId};
-use crate::route::{Route, Stage};
-use crate::time::Span;
-use crate::timeline::Visit;
-use crate::warehouse::NodeKind;
+use crate::state::fact::{Act, Booking, RouteFact, Stop, Task};
+use crate::state::floor::Floor;
+use crate::state::job_kind::JobKind;
+use crate::state::writer::Writer;
+use giveway_floor::geometry::Segment;
+use giveway_floor::id::{JobId, NodeId, RobotId};
+use giveway_floor::route::{Route, Stage};
+use giveway_floor::time::Span;
+use giveway_floor::timeline::Visit;
+use giveway_floor::warehouse::NodeKind;
 use smallvec::{SmallVec, smallvec};
 
 impl Floor<'_> {
     /// The legs that the rest of a robot's task asks for.
-    pub(in crate::fleet) fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+    pub(crate) fn stages(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
         let lift = self.kinematics(robot).lift;
         let leg = |goal, loaded, stay| Stage { goal, loaded, lifts: false, stay };
         match self.ledger.robots[robot].task {
@@ -60,7 +60,7 @@ impl Floor<'_> {
     }
 
     /// The last granted visit, and the heading with which the robot arrives there.
-    pub(in crate::fleet) fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
+    pub(crate) fn grant_end(&self, robot: RobotId) -> (Visit, f64) {
         let chain = self.ledger.chain(robot);
         let serial = chain.granted() - 1;
         let visit = chain.get(serial).expect("the last granted visit is still held").clone();
@@ -72,7 +72,7 @@ impl Floor<'_> {
     }
 
     /// A route as it is booked. A stop where the robot stands already becomes a visit of its own.
-    pub(in crate::fleet) fn booking(&self, robot: RobotId, route: Route) -> Booking {
+    pub(crate) fn booking(&self, robot: RobotId, route: Route) -> Booking {
         let keep = self.ledger.chain(robot).granted() - 1;
         let Route { mut kept, mut visits, stops, .. } = route;
         let here = stops.contains(&0);
@@ -99,7 +99,7 @@ impl Floor<'_> {
     }
 
     /// The legs of a robot's task that are still ahead, given the stops that it has done.
-    pub(in crate::fleet) fn stages_left(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
+    pub(crate) fn stages_left(&self, robot: RobotId) -> SmallVec<[Stage; 3]> {
         let mut stages = self.stages(robot);
         let left = self.ledger.robots[robot].stops.len();
         if !self.lacks_route(robot) && left < stages.len() {
@@ -110,11 +110,7 @@ impl Floor<'_> {
 
     /// The legs to a place aside, and of the rest of the task from there; a robot that waits for room comes back to
     /// where it stands. Nothing where that is no place to stay.
-    pub(in crate::fleet) fn stages_aside(
-        &self,
-        robot: RobotId,
-        place: NodeId,
-    ) -> Option<SmallVec<[Stage; 4]>> {
+    pub(crate) fn stages_aside(&self, robot: RobotId, place: NodeId) -> Option<SmallVec<[Stage; 4]>> {
         let rest = self.stages_after(robot);
         let loaded = self.ledger.rack_on(robot).is_some();
         let leg = |goal| Stage { loaded, ..Stage::to_stay(goal) };
@@ -136,7 +132,7 @@ impl Floor<'_> {
     }
 
     /// A route over `stages_aside` with the stops of the task alone: nothing is done at the place.
-    pub(in crate::fleet) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
+    pub(crate) fn with_own_stops(&self, robot: RobotId, mut route: Route) -> Route {
         route.stops.remove(0);
         if self.stages_after(robot).is_empty() {
             route.stops.clear();

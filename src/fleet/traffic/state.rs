@@ -2,17 +2,17 @@
 //!
 //! Main types: [`Traffic`], [`Withheld`]. Refuses: to decide.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::needs::Needs;
-use crate::fleet::state::planners::Planners;
-use crate::id::{IdVec, NodeId, ResourceId, RobotId};
-use crate::route::Cause;
-use crate::time::{Span, Time};
+use crate::state::floor::Floor;
+use crate::state::needs::Needs;
+use crate::state::planners::Planners;
+use giveway_floor::id::{IdVec, NodeId, ResourceId, RobotId};
+use giveway_floor::route::Cause;
+use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Why the visit after the last granted one was not granted. The grant itself finds it, and *why waiting* reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) enum Withheld {
+pub enum Withheld {
     /// Nothing is reserved beyond.
     End,
     /// What the robot is to do at a stop is not done.
@@ -27,7 +27,7 @@ pub(in crate::fleet) enum Withheld {
 
 /// Where a robot goes on to from between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) enum Direction {
+pub enum Direction {
     /// To the node that it was on its way to.
     Forward,
     /// To the node that it reached last.
@@ -36,7 +36,7 @@ pub(in crate::fleet) enum Direction {
 
 /// A place that is closed for a while because a robot could not get there.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::fleet) struct Obstruction {
+pub struct Obstruction {
     /// The robot that was kept from it last.
     pub by: RobotId,
     /// The node that this robot had come from.
@@ -52,7 +52,7 @@ pub(in crate::fleet) struct Obstruction {
 /// How often routes were searched for. It promises nothing to any robot, so it is no fact and starts at zero with the
 /// process.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::fleet) struct SearchCounts {
+pub struct SearchCounts {
     pub plans: u64,
     pub failures: u64,
     pub replans: u64,
@@ -76,7 +76,7 @@ pub struct InsertionCounts {
 /// Labels that the searches of one step have expanded, and how many they may together. A search that has begun may use
 /// all that one search may.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::fleet) struct Effort {
+pub struct Effort {
     pub spent: u32,
     pub whole: u32,
 }
@@ -103,7 +103,7 @@ impl Effort {
 
 /// What is kept in mind about routes and grants, from step to step. Lost at a restart, and found out again.
 #[derive(Clone, Debug)]
-pub(in crate::fleet) struct Traffic {
+pub struct Traffic {
     pub planners: Planners,
     pub needs: Needs,
     pub tally: SearchCounts,

@@ -6,15 +6,15 @@
 //! outermost robot wants to come in: then all on the way out leave together, the one farthest out first. Refuses: to
 //! send a robot off that stands where it may stay, unless it is in the way of another.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::joint::{commit_all, in_turn};
-use crate::fleet::traffic::stages::commit;
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::traffic::tentative::PLACES;
-use crate::id::{NodeId, RobotId, WorkerId};
-use crate::route::Stage;
-use crate::time::{Span, Time};
+use crate::state::floor::Floor;
+use crate::state::writer::Writer;
+use crate::traffic::joint::{commit_all, in_turn};
+use crate::traffic::stages::commit;
+use crate::traffic::state::Traffic;
+use crate::traffic::tentative::PLACES;
+use giveway_floor::id::{NodeId, RobotId, WorkerId};
+use giveway_floor::route::Stage;
+use giveway_floor::time::{Span, Time};
 
 /// A place to leave for is so much farther from a worker, metres: a node.
 const FARTHER_M: f64 = 1.0;
@@ -26,7 +26,7 @@ const SOON: Span = Span::from_secs(30);
 impl Traffic {
     /// Sends a robot out of the way to a place where it may stay, if there is a route to one. Whether it goes. If a
     /// worker waits for it, only to places that lie farther from that worker than it does.
-    pub(in crate::fleet) fn step_out(
+    pub(crate) fn step_out(
         &mut self,
         writer: &mut Writer,
         robot: RobotId,

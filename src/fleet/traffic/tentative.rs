@@ -2,12 +2,12 @@
 //!
 //! Refuses: to book anything.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::traffic::state::Traffic;
-use crate::id::{NodeId, RobotId};
-use crate::route::{Exemption, Route, RouteQuery, Stage};
-use crate::time::{Time, Window};
-use crate::timeline::Overlay;
+use crate::state::floor::Floor;
+use crate::traffic::state::Traffic;
+use giveway_floor::id::{NodeId, RobotId};
+use giveway_floor::route::{Exemption, Route, RouteQuery, Stage};
+use giveway_floor::time::{Time, Window};
+use giveway_floor::timeline::Overlay;
 
 /// So many places to stay are tried at a time, the nearest ones first.
 pub(super) const PLACES: usize = 4;
@@ -31,7 +31,7 @@ impl Traffic {
     }
 
     /// A way to a place aside first, then on with the task, on some other timeline likewise.
-    pub(in crate::fleet) fn way_aside(
+    pub(crate) fn way_aside(
         &mut self,
         floor: Floor<'_>,
         timeline: &Overlay<'_>,

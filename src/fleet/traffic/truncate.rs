@@ -2,16 +2,16 @@
 //!
 //! Refuses: to move anything; it takes promises back, the planning phase makes new ones.
 
-use crate::fleet::state::fact::{KeptRoute, RouteFact};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::writer::Writer;
-use crate::id::RobotId;
+use crate::state::fact::{KeptRoute, RouteFact};
+use crate::state::floor::Floor;
+use crate::state::writer::Writer;
+use giveway_floor::id::RobotId;
 use std::collections::{BTreeSet, VecDeque};
 
 /// Takes back what was promised, but not granted, to every robot that would have to pass one that stands still
 /// for an unknown time, and to every robot that would have to pass those in turn. They all keep what they were
 /// granted: robots that may be broken are not asked to come back.
-pub(in crate::fleet) fn truncate_behind(writer: &mut Writer, broken: RobotId) {
+pub(crate) fn truncate_behind(writer: &mut Writer, broken: RobotId) {
     let found = writer.floor().all_behind(BTreeSet::from([broken]), None);
     let robots = writer.floor().kept_by(found);
     debug_assert!(robots.iter().any(|kept| kept.robot == broken), "{broken:?} keeps what it was granted");
@@ -21,11 +21,7 @@ pub(in crate::fleet) fn truncate_behind(writer: &mut Writer, broken: RobotId) {
 impl Floor<'_> {
     /// These robots, those that would have to pass them, and those behind them in turn; without one that holds nothing
     /// here from now on.
-    pub(in crate::fleet) fn all_behind(
-        &self,
-        first: BTreeSet<RobotId>,
-        without: Option<RobotId>,
-    ) -> BTreeSet<RobotId> {
+    pub(crate) fn all_behind(&self, first: BTreeSet<RobotId>, without: Option<RobotId>) -> BTreeSet<RobotId> {
         let broken = if without.is_none() { first.first().copied() } else { None };
         let mut queue: VecDeque<RobotId> = first.iter().copied().collect();
         let mut found = first;

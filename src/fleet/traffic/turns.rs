@@ -5,13 +5,13 @@
 //! and gets a place again as soon as those that could go have gone. Refuses: to take a place from a robot that stands
 //! in the queue or drives.
 
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::traffic::truncate::truncate_behind;
-use crate::id::{RobotId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::NodeKind;
+use crate::state::floor::Floor;
+use crate::state::writer::Writer;
+use crate::traffic::state::Traffic;
+use crate::traffic::truncate::truncate_behind;
+use giveway_floor::id::{RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::NodeKind;
 use std::collections::BTreeSet;
 
 /// A robot that waits for its turn where it may not stay looks for a place to stay this often.
@@ -39,7 +39,7 @@ impl Traffic {
     }
 
     /// These robots have lost the places that they were promised at chargers, and with them the routes there.
-    pub(in crate::fleet) fn lose_places(&mut self, writer: &mut Writer, robots: &[RobotId]) {
+    pub(crate) fn lose_places(&mut self, writer: &mut Writer, robots: &[RobotId]) {
         robots.iter().for_each(|robot| truncate_behind(writer, *robot));
     }
 

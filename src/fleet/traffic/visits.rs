@@ -3,19 +3,19 @@
 //! Main function: `retime_visits`. An expectation that has moved a little moves nothing, so a long visit is a few
 //! changes and no stream of them. Refuses: to end a visit.
 
-use crate::cell::Remaining;
-use crate::fleet::state::fact::{Moved, RouteFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::writer::Writer;
-use crate::id::{JobId, RobotId};
-use crate::time::{Span, Time};
+use crate::state::fact::{Moved, RouteFact, Task};
+use crate::state::floor::Floor;
+use crate::state::writer::Writer;
+use giveway_cell::Remaining;
+use giveway_floor::id::{JobId, RobotId};
+use giveway_floor::time::{Span, Time};
 
 /// An expected end that is off by less than this, or by less than this share of what is left, stays as it is.
 const OFF: Span = Span::from_millis(1000);
 const OFF_SHARE: f64 = 0.25;
 
 /// Moves the planned end of each visit to where it is expected, later or earlier.
-pub(in crate::fleet) fn retime_visits(writer: &mut Writer, now: Time) {
+pub(crate) fn retime_visits(writer: &mut Writer, now: Time) {
     if !writer.settings.flow.counts_lines() {
         return;
     }

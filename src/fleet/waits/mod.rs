@@ -1,24 +1,24 @@
 //! What each robot and each worker waits for, noted once in every step: the wait-for graph; and what each robot is at.
 //!
 //! Main functions: [`note_waits`], [`note_activities`]. All that is shown or decided about waiting reads the graph
-//! ([`WaitGraph`](crate::fleet::state::wait_graph::WaitGraph)), and nothing else finds out why something waits.
+//! ([`WaitGraph`](crate::state::wait_graph::WaitGraph)), and nothing else finds out why something waits.
 //! Refuses: to decide what is done about it.
 
-pub(in crate::fleet) mod replans;
+pub(crate) mod replans;
 mod robots;
 mod workers;
 
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::wait_graph::WorkProgress;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::yielding::state::Yielding;
-use crate::time::Time;
+use crate::people::state::HumanState;
+use crate::state::wait_graph::WorkProgress;
+use crate::state::writer::Writer;
+use crate::traffic::state::Traffic;
+use crate::yielding::state::Yielding;
+use giveway_floor::time::Time;
 use robots::RobotWaits;
 
 /// Notes what all parties wait for, after the grants of a step, and how each chain of waiting ends. O(robots and
 /// workers).
-pub(in crate::fleet) fn note_waits(
+pub(crate) fn note_waits(
     writer: &mut Writer,
     people: &HumanState,
     yielding: &Yielding,
@@ -47,7 +47,7 @@ pub(in crate::fleet) fn note_waits(
 }
 
 /// Notes what each robot is at, after [`note_waits`]. O(robots).
-pub(in crate::fleet) fn note_activities(writer: &mut Writer, now: Time) {
+pub(crate) fn note_activities(writer: &mut Writer, now: Time) {
     let mut activities = std::mem::take(&mut writer.activities);
     for robot in writer.ledger().robots.ids() {
         let why = writer.waits.robot(robot).why;

@@ -4,16 +4,16 @@
 //! that finds a better way past other robots is not noted, since that happens all the time. Costs nothing in steps in
 //! which no route changes. Refuses: more than one note of a robot in five seconds for one cause.
 
-use crate::fleet::state::fact::{Booking, Fact, RobotFact, RouteFact, Task};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::note::{FloorNote, ReplanCause};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::yielding::state::Yielding;
-use crate::geometry::Spot;
-use crate::id::{JobId, NodeId, RackId, RobotId};
-use crate::route::Cause;
-use crate::time::{Span, Time};
+use crate::state::fact::{Booking, Fact, RobotFact, RouteFact, Task};
+use crate::state::floor::Floor;
+use crate::state::note::{FloorNote, ReplanCause};
+use crate::state::writer::Writer;
+use crate::traffic::state::Traffic;
+use crate::yielding::state::Yielding;
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId};
+use giveway_floor::route::Cause;
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// A robot is noted again for the same cause after this long.
@@ -67,7 +67,7 @@ impl PlannedWay {
 
 /// What is kept in mind about the ways of robots. Lost at a restart.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Replans {
+pub struct Replans {
     ways: BTreeMap<RobotId, PlannedWay>,
     /// Robots that lost their way and have no other yet.
     lost: BTreeMap<RobotId, ReplanCause>,

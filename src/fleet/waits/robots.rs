@@ -3,19 +3,19 @@
 //! Main type: [`RobotWaits`]. Reasons that a person has to end come first, since they hold whatever else is so.
 //! Refuses: to walk a chain: one robot, one reason.
 
-use crate::fleet::state::cut_off::Barrier;
-use crate::fleet::state::fact::{Act, Task};
-use crate::fleet::state::fault::Fault;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::ledger::Service;
-use crate::fleet::state::wait_graph::{Edge, Party};
-use crate::fleet::state::why::Why;
-use crate::fleet::traffic::state::{Traffic, Withheld};
-use crate::fleet::yielding::state::Yielding;
-use crate::id::{IdVec, RobotId, StationId};
-use crate::route::Cause;
-use crate::time::Time;
-use crate::warehouse::NodeKind;
+use crate::state::cut_off::Barrier;
+use crate::state::fact::{Act, Task};
+use crate::state::fault::Fault;
+use crate::state::floor::Floor;
+use crate::state::ledger::Service;
+use crate::state::wait_graph::{Edge, Party};
+use crate::state::why::Why;
+use crate::traffic::state::{Traffic, Withheld};
+use crate::yielding::state::Yielding;
+use giveway_floor::id::{IdVec, RobotId, StationId};
+use giveway_floor::route::Cause;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::NodeKind;
 
 /// What the reasons of robots follow from, in one step.
 pub(super) struct RobotWaits<'a> {

@@ -2,12 +2,12 @@
 //!
 //! Refuses: to say of a worker who stands for a moment that nothing will happen.
 
-use crate::fleet::people::state::{HumanState, LetsPassStage, WalkMode};
-use crate::fleet::state::wait_graph::{Edge, Party};
-use crate::fleet::state::yielding::STANDS;
-use crate::human::Presence;
-use crate::id::WorkerId;
-use crate::time::{Span, Time};
+use crate::people::state::{HumanState, LetsPassStage, WalkMode};
+use crate::state::wait_graph::{Edge, Party};
+use crate::state::yielding::STANDS;
+use giveway_floor::id::WorkerId;
+use giveway_floor::time::{Span, Time};
+use giveway_people::human::Presence;
 
 /// A worker who paces up and down in one place for so long does not walk on by and by.
 const PACES: Span = Span::from_secs(30);

@@ -4,11 +4,11 @@
 //! A slow robot brakes gently, and its separation distance is shorter, so it stops for fewer people. Main function:
 //! `arrival_limit`. Refuses: to make anybody later, the robot itself or one that waits for what it leaves.
 
-use crate::aware::{HumanAwarePolicy, SLOW_MPS, leaves_after, quantised};
-use crate::fleet::yielding::speed_limit::SpeedLimits;
-use crate::human::Presence;
-use crate::id::RobotId;
-use crate::time::Time;
+use crate::yielding::speed_limit::SpeedLimits;
+use giveway_floor::id::RobotId;
+use giveway_floor::time::Time;
+use giveway_people::aware::{HumanAwarePolicy, SLOW_MPS, leaves_after, quantised};
+use giveway_people::human::Presence;
 
 /// Robots arrive this much before the way is expected to be free, since people are sometimes faster, seconds.
 const BEFORE_S: f64 = 1.0;
@@ -20,7 +20,7 @@ impl SpeedLimits<'_> {
     /// worker who keeps it there is expected to have left; metres per second, in steps of 0.25, and never below the
     /// speed of robots near people. Nothing for a robot that is kept by nobody, whose worker stays or is not seen, for
     /// which another robot waits, or which has no more time than it needs.
-    pub(in crate::fleet) fn arrival_limit(&self, robot: RobotId, now: Time) -> Option<f64> {
+    pub fn arrival_limit(&self, robot: RobotId, now: Time) -> Option<f64> {
         if self.floor.settings.policy != HumanAwarePolicy::Giveway || self.direction.is_some() {
             return None;
         }

@@ -2,18 +2,18 @@
 //!
 //! Refuses: to react; it takes notes.
 
-use crate::aware::{Meeting, Near};
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::fact::EncounterFact;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::worker::{Encounter, Reaction};
-use crate::fleet::state::writer::Writer;
-use crate::fleet::state::yielding::GivesWay;
-use crate::fleet::yielding::state::{EncounterCost, Yielding};
-use crate::geometry::to_mm;
-use crate::human::Presence;
-use crate::id::{RobotId, WorkerId};
-use crate::time::{Span, Time};
+use crate::people::state::HumanState;
+use crate::state::fact::EncounterFact;
+use crate::state::floor::Floor;
+use crate::state::worker::{Encounter, Reaction};
+use crate::state::writer::Writer;
+use crate::state::yielding::GivesWay;
+use crate::yielding::state::{EncounterCost, Yielding};
+use giveway_floor::geometry::to_mm;
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::{Meeting, Near};
+use giveway_people::human::Presence;
 use std::collections::BTreeMap;
 
 /// A worker is looked at together with robots up to this far away, metres.
@@ -21,7 +21,7 @@ const NEAR_M: f64 = 4.0;
 
 impl Yielding {
     /// Notes that a robot gives way to a worker, once until it is on its way again.
-    pub(in crate::fleet) fn gives_way(
+    pub(crate) fn gives_way(
         &mut self,
         writer: &mut Writer,
         robot: RobotId,
@@ -40,7 +40,7 @@ impl Yielding {
     }
 
     /// Encounters, as far as they are seen.
-    pub(in crate::fleet) fn meet(&mut self, writer: &mut Writer, people: &HumanState, now: Time) {
+    pub(crate) fn meet(&mut self, writer: &mut Writer, people: &HumanState, now: Time) {
         let mut near = Vec::new();
         for (worker, w) in people.among_robots(now) {
             for robot in writer.ledger().present() {

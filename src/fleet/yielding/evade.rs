@@ -5,19 +5,19 @@
 //! a little, it waits; if it would have to wait for long, it looks for another route. Refuses: to look at
 //! robots whose holds no worker touches.
 
-use crate::aware::zone_answers::ZoneAnswer;
-use crate::aware::{Adaptation, HumanAwarePolicy, Zone};
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::binding::STOPPING;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::passing::HeldChoice;
-use crate::fleet::state::worker::Reaction;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::yielding::state::Yielding;
-use crate::id::{NodeId, RobotId, WorkerId};
-use crate::route::{Cause, Condition, Effect};
-use crate::time::{Span, Time, Window};
+use crate::people::state::HumanState;
+use crate::state::binding::STOPPING;
+use crate::state::floor::Floor;
+use crate::state::passing::HeldChoice;
+use crate::state::worker::Reaction;
+use crate::state::writer::Writer;
+use crate::traffic::state::Traffic;
+use crate::yielding::state::Yielding;
+use giveway_floor::id::{NodeId, RobotId, WorkerId};
+use giveway_floor::route::{Cause, Condition, Effect};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_people::aware::zone_answers::ZoneAnswer;
+use giveway_people::aware::{Adaptation, HumanAwarePolicy, Zone};
 
 /// Waiting up to this is better than going elsewhere.
 const PATIENCE: Span = Span::from_secs(3);
@@ -28,7 +28,7 @@ const AGAIN: Span = Span::from_secs(2);
 
 /// What a robot does about a worker whose windows meet its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::fleet) enum Decision {
+pub enum Decision {
     /// No worker is expected where it drives.
     Free,
     /// They use the same places, but do not meet.
@@ -55,7 +55,7 @@ impl Decision {
 
 impl Yielding {
     /// Looks at all robots whose holds a worker touches, and changes the routes of those that would wait for long.
-    pub(in crate::fleet) fn give_way(
+    pub(crate) fn give_way(
         &mut self,
         writer: &mut Writer,
         people: &HumanState,
@@ -122,7 +122,7 @@ impl Yielding {
     }
 
     /// The cases of a potential collision zone for the holds ahead.
-    pub(in crate::fleet) fn decide(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Decision {
+    pub(crate) fn decide(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> Decision {
         if floor.scene.fit(robot, now).is_none() {
             return Decision::Free;
         }
@@ -223,7 +223,7 @@ impl Yielding {
 /// Nodes to look at for a place out of the way.
 const PLACES: usize = 60;
 /// Searches for one.
-pub(in crate::fleet) const TRIES: usize = 3;
+pub(crate) const TRIES: usize = 3;
 
 impl Yielding {
     /// Drives out of a worker's way to the nearest place where nobody is expected, and on with the task from there.
@@ -303,7 +303,7 @@ impl Floor<'_> {
                 let open = way.users.allows(loaded)
                     && way.is_for(floor.body(robot))
                     && kind.reserved_for().is_none()
-                    && !(loaded && kind == crate::warehouse::NodeKind::Storage);
+                    && !(loaded && kind == giveway_floor::warehouse::NodeKind::Storage);
                 if open && (at(way.to) - w.at).norm() >= own - 0.15 && !seen.contains(&way.to) {
                     seen.push(way.to);
                 }

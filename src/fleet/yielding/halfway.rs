@@ -2,17 +2,17 @@
 //!
 //! Main function: `turn_halfway`. Refuses: to turn a robot that moves.
 
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::io::Telemetry;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::yielding::speed_limit::SpeedLimits;
-use crate::fleet::yielding::state::Yielding;
-use crate::time::Time;
+use crate::people::state::HumanState;
+use crate::state::io::Telemetry;
+use crate::state::writer::Writer;
+use crate::traffic::state::Traffic;
+use crate::yielding::speed_limit::SpeedLimits;
+use crate::yielding::state::Yielding;
+use giveway_floor::time::Time;
 
 impl Yielding {
     /// Has each robot go on to a node to which nothing keeps it from driving; it stays where that is true of neither.
-    pub(in crate::fleet) fn turn_halfway(
+    pub(crate) fn turn_halfway(
         &self,
         writer: &mut Writer,
         people: &HumanState,

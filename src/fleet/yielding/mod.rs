@@ -5,11 +5,11 @@
 //! function.
 
 mod arrive;
-pub(in crate::fleet) mod encounters;
-pub(in crate::fleet) mod evade;
-pub(in crate::fleet) mod halfway;
+pub(crate) mod encounters;
+pub(crate) mod evade;
+pub(crate) mod halfway;
 mod passing;
-pub(in crate::fleet) mod petkovic2021;
-pub(in crate::fleet) mod speed_limit;
-pub(in crate::fleet) mod state;
-pub(in crate::fleet) mod urgent;
+pub(crate) mod petkovic2021;
+pub(crate) mod speed_limit;
+pub(crate) mod state;
+pub(crate) mod urgent;

@@ -7,20 +7,20 @@
 //! robot stands where it is. Refuses: to steer the robot, and to be a safety function.
 
 use super::state::Yielding;
-use crate::aware::{HumanAwarePolicy, SLOW_MPS};
-use crate::fleet::people::foreseen::ForeseenPerson;
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::binding::STOPPING;
-use crate::fleet::state::displaced::OFF_ROUTE_M;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::passing::{HeldChoice, Passing, PassingStretch, RobotPassing, cheapest};
-use crate::fleet::state::writer::Writer;
-use crate::geometry::Point;
-use crate::human::Whereabouts;
-use crate::id::{RobotId, WorkerId};
-use crate::local::{LineSide, NearPerson, PassingRoom};
-use crate::route::{Cause, Effect};
-use crate::time::{Span, Time, Window};
+use crate::people::foreseen::ForeseenPerson;
+use crate::people::state::HumanState;
+use crate::state::binding::STOPPING;
+use crate::state::displaced::OFF_ROUTE_M;
+use crate::state::floor::Floor;
+use crate::state::passing::{HeldChoice, Passing, PassingStretch, RobotPassing, cheapest};
+use crate::state::writer::Writer;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::route::{Cause, Effect};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_people::aware::{HumanAwarePolicy, SLOW_MPS};
+use giveway_people::human::Whereabouts;
+use giveway_people::local::{LineSide, NearPerson, PassingRoom};
 
 /// A side is free where nobody is more probably in the way than this …
 const DOUBT: f64 = 0.25;
@@ -160,7 +160,7 @@ impl Yielding {
     }
 
     /// Whether there is still room for robots that pass somebody; those that are past everybody are on the line again.
-    pub(in crate::fleet) fn follow_passing(&mut self, writer: &mut Writer, people: &HumanState, now: Time) {
+    pub(crate) fn follow_passing(&mut self, writer: &mut Writer, people: &HumanState, now: Time) {
         let passing: Vec<(RobotId, RobotPassing)> = self.state.passing().collect();
         for (robot, mut passing) in passing {
             let chain = writer.ledger().chain(robot);

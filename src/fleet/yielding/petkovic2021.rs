@@ -7,24 +7,24 @@
 //! errata: the common segment is a prefix, and the most probable path stands in where paths share a single
 //! node. Refuses: to be used by our own method.
 
-use crate::aware::{BODY_M, Effects, HumanAwarePolicy};
-use crate::fleet::people::intents::goal_of;
-use crate::fleet::people::state::{HumanState, Led, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::regions::KindConditions;
-use crate::fleet::state::worker::Reaction;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::traffic::joint::{commit_all, in_turn};
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::yielding::evade::TRIES;
-use crate::fleet::yielding::state::Yielding;
-use crate::geometry::{Point, Segment};
-use crate::human::intention::reported_goals;
-use crate::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towards_goal};
-use crate::id::{NodeId, RobotId, WorkerId};
-use crate::route::{Cause, Effect, Route};
-use crate::time::{Span, Time};
-use crate::timeline::Visit;
+use crate::people::intents::goal_of;
+use crate::people::state::{HumanState, Led, WalkMode};
+use crate::state::floor::Floor;
+use crate::state::regions::KindConditions;
+use crate::state::worker::Reaction;
+use crate::state::writer::Writer;
+use crate::traffic::joint::{commit_all, in_turn};
+use crate::traffic::state::Traffic;
+use crate::yielding::evade::TRIES;
+use crate::yielding::state::Yielding;
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::id::{NodeId, RobotId, WorkerId};
+use giveway_floor::route::{Cause, Effect, Route};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::Visit;
+use giveway_people::aware::{BODY_M, Effects, HumanAwarePolicy};
+use giveway_people::human::intention::reported_goals;
+use giveway_people::human::{Band, Hypothesis, Presence, common_prefix, straight_on, towards_goal};
 
 /// A robot that has not come to rest after this long is taken as it is.
 const REST: Span = Span::from_secs(6);
@@ -42,7 +42,7 @@ const CLEAR_M: f64 = 5.0;
 impl Yielding {
     /// Starts, and carries on with, the published procedure. Where it ends, the worker for whom it ran and where that
     /// worker is to be led.
-    pub(in crate::fleet) fn follow_procedure(
+    pub(crate) fn follow_procedure(
         &mut self,
         writer: &mut Writer,
         people: &HumanState,
@@ -205,12 +205,7 @@ impl Yielding {
     }
 
     /// Plans interrupted robots anew, a few in each step; a robot that finds nothing better goes on as before.
-    pub(in crate::fleet) fn plan_interrupted(
-        &mut self,
-        writer: &mut Writer,
-        traffic: &mut Traffic,
-        now: Time,
-    ) {
+    pub(crate) fn plan_interrupted(&mut self, writer: &mut Writer, traffic: &mut Traffic, now: Time) {
         if self.procedure.ended == Some(now) {
             return;
         }
@@ -288,7 +283,7 @@ fn most_probable_segment(
     let mind = &people.intents;
     let belief = mind.belief(worker)?;
     let own = floor.next_assignment(worker).map(|id| floor.ledger.assignments[&id].request.place);
-    let end = own.map_or(crate::id::GoalId(u64::MAX), goal_of);
+    let end = own.map_or(giveway_floor::id::GoalId(u64::MAX), goal_of);
     let path = |goal| towards_goal(&mind.distances, goal, at, FAR_M);
     let paths: Vec<Vec<Point>> = reported_goals(&belief, end).into_iter().filter_map(path).collect();
     let prefix = common_prefix(&paths);

@@ -3,22 +3,22 @@
 //! Limits and stops leave at once, without waiting for the journal: they take no hold from any robot. Refuses:
 //! to be a safety function; robots' own scanners and brakes are.
 
-use crate::aware::{
+use crate::people::state::{HumanState, STROLL_MPS, WalkMode};
+use crate::state::floor::Floor;
+use crate::state::io::Command;
+use crate::state::worker::Reaction;
+use crate::state::writer::Writer;
+use crate::state::yielding::{RobotYielding, STANDS, Standing, YieldingState};
+use crate::traffic::state::{Direction, Traffic};
+use crate::yielding::state::Yielding;
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::id::{NodeId, RobotId, WorkerId};
+use giveway_floor::route::{Cause, Effect};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::{
     BEYOND, Drive, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within, quantised,
 };
-use crate::fleet::people::state::{HumanState, STROLL_MPS, WalkMode};
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::Command;
-use crate::fleet::state::worker::Reaction;
-use crate::fleet::state::writer::Writer;
-use crate::fleet::state::yielding::{RobotYielding, STANDS, Standing, YieldingState};
-use crate::fleet::traffic::state::{Direction, Traffic};
-use crate::fleet::yielding::state::Yielding;
-use crate::geometry::{Point, Segment};
-use crate::human::{Presence, WALK_MPS, Whereabouts};
-use crate::id::{NodeId, RobotId, WorkerId};
-use crate::route::{Cause, Effect};
-use crate::time::{Span, Time};
+use giveway_people::human::{Presence, WALK_MPS, Whereabouts};
 
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.05;
@@ -48,7 +48,7 @@ const MEETS_M: f64 = 12.0;
 
 /// What decides how fast robots may be near people, in this step.
 #[derive(Clone, Copy)]
-pub(in crate::fleet) struct SpeedLimits<'a> {
+pub struct SpeedLimits<'a> {
     pub floor: Floor<'a>,
     pub people: &'a HumanState,
     pub traffic: &'a Traffic,
@@ -59,7 +59,7 @@ pub(in crate::fleet) struct SpeedLimits<'a> {
 
 impl Yielding {
     /// Tells every robot how fast it may be near people, where it does not know yet. This leaves at once.
-    pub(in crate::fleet) fn limit_robots(
+    pub(crate) fn limit_robots(
         &mut self,
         writer: &mut Writer,
         people: &HumanState,
@@ -92,7 +92,7 @@ impl Yielding {
     }
 
     /// Revokes what robots were granted beyond where they stand that have yielded to a person for long.
-    pub(in crate::fleet) fn revoke_grants(
+    pub(crate) fn revoke_grants(
         &mut self,
         writer: &mut Writer,
         people: &HumanState,
@@ -116,7 +116,7 @@ impl Yielding {
     }
 
     /// What decides how fast robots may be.
-    pub(in crate::fleet) fn limits<'a>(
+    pub fn limits<'a>(
         &'a self,
         floor: Floor<'a>,
         people: &'a HumanState,
@@ -153,7 +153,7 @@ impl RobotYielding {
 
 impl SpeedLimits<'_> {
     /// How fast a robot may be at most, if not as fast as it can, and because of which worker.
-    pub(in crate::fleet) fn limit_for(
+    pub(crate) fn limit_for(
         &self,
         robot: RobotId,
         present: &[(WorkerId, Whereabouts)],
@@ -321,7 +321,7 @@ impl SpeedLimits<'_> {
 
     /// How a worker will walk on, as far as that is known: along the path, straight on without one, and from where
     /// there is work to do in any direction as soon as it is done, or a while later.
-    pub(in crate::fleet) fn walk_of(
+    pub fn walk_of(
         &self,
         worker: WorkerId,
         w: &Whereabouts,
@@ -365,13 +365,7 @@ impl SpeedLimits<'_> {
     /// to. A robot that drives back, or has yielded there for long, may also pass, if that is no nearer than it is
     /// already; so may any robot past a person who stands, since neither gets anywhere while the robot stands in the
     /// way.
-    pub(in crate::fleet) fn drives_away(
-        &self,
-        robot: RobotId,
-        at: Point,
-        w: &Whereabouts,
-        now: Time,
-    ) -> bool {
+    pub(crate) fn drives_away(&self, robot: RobotId, at: Point, w: &Whereabouts, now: Time) -> bool {
         let back = self.drives_back_to(robot);
         let lax = back.is_some() || self.yielding.stood_for(robot, now).is_some();
         self.next_place(robot).is_some_and(|there| {

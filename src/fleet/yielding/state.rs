@@ -2,17 +2,17 @@
 //!
 //! Main types: [`Yielding`], [`Procedure`]. Refuses: to decide.
 
-use crate::aware::Meter;
-use crate::fleet::state::fact::Task;
-use crate::fleet::state::yielding::YieldingState;
-use crate::geometry::Point;
-use crate::id::{RobotId, WorkerId};
-use crate::time::{Span, Time};
+use crate::state::fact::Task;
+use crate::state::yielding::YieldingState;
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::Meter;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What is kept in mind about giving way, from step to step. Lost at a restart, and found out again.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Yielding {
+pub struct Yielding {
     /// For each robot.
     pub state: YieldingState,
     /// The published reaction, where that is what the fleet is to use.
@@ -25,7 +25,7 @@ pub(in crate::fleet) struct Yielding {
 
 /// When the task that a robot had when an encounter began was planned to end: then, and when it was looked at last.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::fleet) struct EncounterCost {
+pub struct EncounterCost {
     /// The task.
     pub task: Task,
     /// When it was to end as the encounter began.
@@ -43,7 +43,7 @@ impl EncounterCost {
 
 /// The procedure in progress.
 #[derive(Clone, Debug, Default)]
-pub(in crate::fleet) struct Procedure {
+pub struct Procedure {
     /// The worker for whom robots stand, and since when.
     pub(super) running: Option<(WorkerId, Time)>,
     /// Workers who left their path meanwhile.

@@ -3,16 +3,16 @@
 //! Nothing is decided here and nothing changes; the step that follows decides, with everything that it knows.
 //! Costs one look at each robot and one close look at those nearby.
 
-use crate::fleet::people::state::HumanState;
-use crate::fleet::state::floor::Floor;
-use crate::fleet::state::io::Telemetry;
-use crate::fleet::state::worker::GuidanceState;
-use crate::fleet::traffic::state::Traffic;
-use crate::fleet::yielding::state::Yielding;
-use crate::geometry::Vector;
-use crate::human::{Sighting, SightingOutcome, Whereabouts};
-use crate::id::Dense;
-use crate::time::{Span, Time};
+use crate::people::state::HumanState;
+use crate::state::floor::Floor;
+use crate::state::io::Telemetry;
+use crate::state::worker::GuidanceState;
+use crate::traffic::state::Traffic;
+use crate::yielding::state::Yielding;
+use giveway_floor::geometry::Vector;
+use giveway_floor::id::Dense;
+use giveway_floor::time::{Span, Time};
+use giveway_people::human::{Sighting, SightingOutcome, Whereabouts};
 
 /// A robot slower than this need not be told to stop, metres per second.
 const STANDS_MPS: f64 = 0.05;
@@ -24,7 +24,7 @@ const OLD: Span = Span::from_millis(200);
 impl Yielding {
     /// Whether a step that took in this sighting now would, as things were seen last, stop a robot that drives, or tell
     /// the worker to stand, if the worker was not told yet.
-    pub(in crate::fleet) fn calls_for_stop(
+    pub(crate) fn calls_for_stop(
         &self,
         floor: Floor<'_>,
         people: &HumanState,

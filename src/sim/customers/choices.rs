@@ -5,13 +5,13 @@
 
 use super::super::random::Stream;
 use super::super::scenario::Habits;
-use crate::fleet::{
+use giveway_fleet::{
     Answer, Fleet, FloorAction, JobAction, JobKind, JobRequest, Made, Reply, Request, StationOrder, Token,
     Visiting,
 };
-use crate::id::{Dense, JobId, NodeId, RobotId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::id::{Dense, JobId, NodeId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::collections::{BTreeMap, VecDeque};
 
 /// The purpose of the stream of random numbers.
@@ -272,9 +272,9 @@ impl Undone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::Settings;
-    use crate::id::RackId;
-    use crate::warehouse::lab;
+    use giveway_fleet::Settings;
+    use giveway_floor::id::RackId;
+    use giveway_floor::warehouse::lab;
     use std::sync::Arc;
 
     fn plain(rack: u32) -> JobKind {

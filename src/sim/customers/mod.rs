@@ -8,12 +8,12 @@ use self::choices::Choices;
 use super::askers::CUSTOMERS;
 use super::random::Stream;
 use super::scenario::{Demand, LineDemand, Scenario};
-use crate::cell::{OrderLine, PickedBy};
-use crate::fleet::{Fleet, Input, JobAction, JobKind, JobState, Reply, Request, Token};
-use crate::id::{Dense, RackId, RobotId, StationId};
-use crate::text::{TextTable, TextTableRow};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_cell::{OrderLine, PickedBy};
+use giveway_fleet::{Fleet, Input, JobAction, JobKind, JobState, Reply, Request, Token};
+use giveway_floor::id::{Dense, RackId, RobotId, StationId};
+use giveway_floor::text::{TextTable, TextTableRow};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
 /// The purpose of the stream of random numbers for order lines.
@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn customers_with_a_file_of_no_lines_order_nothing_rather_than_at_random() {
-        let warehouse = crate::warehouse::lab();
+        let warehouse = giveway_floor::warehouse::lab();
         let text = r#"{"giveway_scenario": 1, "name": "x", "map": "m", "robots": 1,
             "jobs": {"file": {"path": "orders.csv", "backlog": 2}}}"#;
         let customers = Customers::new(&Scenario::parse(text).unwrap(), &[], &warehouse, 1);

@@ -5,10 +5,10 @@
 //! published ones do not promise that one goes. Refuses: to judge what is said.
 
 use super::violation::Violation;
-use crate::aware::HumanAwarePolicy;
-use crate::fleet::{Edge, Fleet, GuidanceReason, GuidanceState, MESSAGE, Party, STANDOFF, replaces};
-use crate::id::{RobotId, WorkerId};
-use crate::time::{Span, Time};
+use giveway_fleet::{Edge, Fleet, GuidanceReason, GuidanceState, MESSAGE, Party, STANDOFF, replaces};
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::HumanAwarePolicy;
 use std::collections::BTreeMap;
 
 /// How calm guidance was.

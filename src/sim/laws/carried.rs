@@ -7,10 +7,10 @@
 
 use super::super::world::World;
 use super::violation::{CARRIED, Violation};
-use crate::fleet::{Fleet, JobState, RackAt, Task};
-use crate::id::{NodeId, RobotId};
-use crate::time::Time;
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_fleet::{Fleet, JobState, RackAt, Task};
+use giveway_floor::id::{NodeId, RobotId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every how many steps robots are looked at.
@@ -130,10 +130,10 @@ fn reached(w: &Warehouse, held: &BTreeSet<NodeId>, here: NodeId, goal: NodeId) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::StationId;
-    use crate::sim::{Scenario, Simulation};
-    use crate::time::Span;
-    use crate::warehouse::formats;
+    use crate::{Scenario, Simulation};
+    use giveway_floor::id::StationId;
+    use giveway_floor::time::Span;
+    use giveway_floor::warehouse::formats;
     use std::sync::Arc;
 
     /// Robots are looked at so often.

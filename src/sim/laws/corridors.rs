@@ -5,10 +5,10 @@
 
 use super::super::world::World;
 use super::violation::Violation;
-use crate::fleet::{Fleet, OFF_ROUTE_M};
-use crate::geometry::{Point, Pose, Segment};
-use crate::id::RobotId;
-use crate::warehouse::Hull;
+use giveway_fleet::{Fleet, OFF_ROUTE_M};
+use giveway_floor::geometry::{Point, Pose, Segment};
+use giveway_floor::id::RobotId;
+use giveway_floor::warehouse::Hull;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Rounding allowed, metres.
@@ -61,7 +61,7 @@ fn is_off_line(fleet: &Fleet, robot: RobotId, at: Point) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::warehouse::{Corridor, Footprint};
+    use giveway_floor::warehouse::{Corridor, Footprint};
 
     #[test]
     fn a_robot_breaks_the_law_by_a_corner_outside_of_its_corridor_or_without_one() {

@@ -3,7 +3,7 @@
 //! Refuses: to judge what a robot was granted before; it may drive that to its end.
 
 use super::violation::Violation;
-use crate::fleet::{Fact, Fleet, RouteFact};
+use giveway_fleet::{Fact, Fleet, RouteFact};
 
 /// Robots that were granted a place on a way out while they were on none.
 pub(super) fn entered(fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {

@@ -9,12 +9,12 @@
 
 use super::super::world::World;
 use super::violation::{PASSED_BY, Violation};
-use crate::fleet::{
+use giveway_fleet::{
     CHAIN_BEHIND_MS, Fact, Fleet, Job, JobFact, JobState, RackAt, RobotChoice, Task, chain_saves_ms,
 };
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId};
-use crate::time::Time;
-use crate::warehouse::Warehouse;
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId, StationId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What a rack that is under way to a station makes others there cost at most, milliseconds.
@@ -217,9 +217,9 @@ fn extent_m(warehouse: &Warehouse) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{FloorAction, Input, JobAction, JobKind, JobRequest};
-    use crate::sim::{Scenario, Simulation};
-    use crate::warehouse::formats;
+    use crate::{Scenario, Simulation};
+    use giveway_fleet::{FloorAction, Input, JobAction, JobKind, JobRequest};
+    use giveway_floor::warehouse::formats;
     use std::sync::Arc;
 
     #[test]

@@ -5,9 +5,9 @@
 
 use super::super::world::World;
 use super::violation::Violation;
-use crate::fleet::Fleet;
-use crate::id::{RobotId, StationId};
-use crate::time::{Span, Time};
+use giveway_fleet::Fleet;
+use giveway_floor::id::{RobotId, StationId};
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// A robot is told within this that a hand is seen inside, whatever messages were lost.

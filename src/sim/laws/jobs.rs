@@ -6,11 +6,11 @@
 use super::super::world::World;
 
 use super::violation::{DELIVERS, OVERDUE, Violation};
-use crate::alarm::Deliveries;
-use crate::fleet::{Fact, Fleet, Job, JobFact, JobKind, JobState, JobWhy, RackAt, Task};
-use crate::id::{BodyId, JobId, RobotId};
-use crate::time::Time;
-use crate::warehouse::NodeKind;
+use giveway_fleet::alarm::Deliveries;
+use giveway_fleet::{Fact, Fleet, Job, JobFact, JobKind, JobState, JobWhy, RackAt, Task};
+use giveway_floor::id::{BodyId, JobId, RobotId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::NodeKind;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Every how many steps open jobs are looked at.
@@ -239,12 +239,12 @@ fn is_any_fit(mut kinds: impl Iterator<Item = BodyId>, job: &Job, fleet: &Fleet)
     kinds.any(|body| job.request.is_for(fleet.warehouse(), body, (rack, node)))
 }
 
-fn w_station(fleet: &Fleet, station: crate::id::StationId) -> crate::id::NodeId {
+fn w_station(fleet: &Fleet, station: giveway_floor::id::StationId) -> giveway_floor::id::NodeId {
     fleet.warehouse().stations[station].node
 }
 
 /// How many jobs are open and how many racks are not in storage.
-pub(in crate::sim) fn undrained(world: &World, fleet: &Fleet) -> (usize, usize) {
+pub(crate) fn undrained(world: &World, fleet: &Fleet) -> (usize, usize) {
     let w = fleet.warehouse();
     let stored = |at: &&RackAt| !matches!(at, RackAt::Stored(n) if w.kind(*n) == NodeKind::Storage);
     (fleet.ledger().jobs.len(), world.racks().iter().filter(stored).count())

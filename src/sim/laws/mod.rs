@@ -24,14 +24,14 @@ pub use waits::untrue;
 pub use calm::CalmFigures;
 
 use super::world::World;
-use crate::fleet::{Fact, Fleet, JobFact, JobState, Ledger};
-use crate::geometry::{Point, axis_distance};
-use crate::id::{JobId, RackId, RobotId};
-use crate::time::Time;
 use calm::CalmLaws;
 use carried::CarryLaws;
 use corridors::CorridorLaws;
 use fairness::FairLaws;
+use giveway_fleet::{Fact, Fleet, JobFact, JobState, Ledger};
+use giveway_floor::geometry::{Point, axis_distance};
+use giveway_floor::id::{JobId, RackId, RobotId};
+use giveway_floor::time::Time;
 use hands::HandLaws;
 use jobs::{JobLaws, why_undrained};
 use std::collections::BTreeSet;

@@ -4,9 +4,9 @@
 
 use super::super::world::World;
 use super::violation::Violation;
-use crate::fleet::Fleet;
-use crate::id::RobotId;
-use crate::time::{Span, Time};
+use giveway_fleet::Fleet;
+use giveway_floor::id::RobotId;
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// A robot that stands is seen where it is within this, whatever messages were lost.

@@ -6,9 +6,9 @@
 
 use super::super::world::World;
 use super::violation::{STUCK, Violation};
-use crate::fleet::{Edge, Fleet, Party, Task, Why};
-use crate::id::{NodeId, RobotId, StationId};
-use crate::time::{Span, Time};
+use giveway_fleet::{Edge, Fleet, Party, Task, Why};
+use giveway_floor::id::{NodeId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
 /// Every how many steps lines at stations are looked at.
@@ -104,8 +104,8 @@ fn waits_for_people(fleet: &Fleet, robot: RobotId, away: &[NodeId]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::{Scenario, Simulation};
-    use crate::warehouse::stations;
+    use crate::{Scenario, Simulation};
+    use giveway_floor::warehouse::stations;
     use std::sync::Arc;
 
     /// Robots of which the law says that they stood, in half an hour with these pickers.

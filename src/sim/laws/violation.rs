@@ -2,9 +2,9 @@
 //!
 //! Main type: [`Violation`]. Refuses: to judge.
 
-use crate::fleet::{Edge, JobKind, JobState, JobWhy, MESSAGE, Party, Task, Why};
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::time::Span;
+use giveway_fleet::{Edge, JobKind, JobState, JobWhy, MESSAGE, Party, Task, Why};
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::time::Span;
 use std::fmt;
 
 /// A robot with a task, but without any progress for this long, is stuck.
@@ -15,12 +15,12 @@ pub const OVERDUE: Span = Span::from_secs(600);
 pub const DELIVERS: Span = Span::from_secs(1200);
 
 /// No robots and workers wait for one another for longer than this.
-pub(in crate::sim) const CIRCLE: Span = Span::from_secs(60);
+pub(crate) const CIRCLE: Span = Span::from_secs(60);
 /// Nobody stands in one spot because of the fleet for longer than this.
 pub const KEPT: Span = Span::from_secs(60);
 
 /// No robot stands for longer than this with a rack for which there is no way, while it could set the rack down.
-pub(in crate::sim) const CARRIED: Span = Span::from_secs(180);
+pub(crate) const CARRIED: Span = Span::from_secs(180);
 
 /// So many jobs that are less urgent may begin while one waits: two robots are given jobs in one step, and each may be
 /// meant for what the other one then does.

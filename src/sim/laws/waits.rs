@@ -7,11 +7,11 @@
 
 use super::super::world::World;
 use super::violation::{CIRCLE, KEPT, Violation};
-use crate::aware::HumanAwarePolicy;
-use crate::fleet::{ChainEnd, Edge, Fault, Fleet, Party, Service, Task, Why};
-use crate::geometry::Point;
-use crate::id::{NodeId, RobotId, StationId, WorkerId};
-use crate::time::{Span, Time};
+use giveway_fleet::{ChainEnd, Edge, Fault, Fleet, Party, Service, Task, Why};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{NodeId, RobotId, StationId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_people::aware::HumanAwarePolicy;
 use std::collections::BTreeMap;
 
 /// A person within this is in the same spot, metres.

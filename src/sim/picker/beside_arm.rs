@@ -4,8 +4,8 @@
 //! whether it moves.
 
 use super::person::SimPicker;
-use crate::cell::arm::{Capsule, least_distance_m};
-use crate::time::{Span, Time};
+use giveway_cell::arm::{Capsule, least_distance_m};
+use giveway_floor::time::{Span, Time};
 
 /// People look so far ahead whether an arm is in the way of their hands, keep so far from it, metres, and wait for so
 /// long until they reach past an arm that stands.

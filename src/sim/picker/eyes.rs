@@ -4,8 +4,8 @@
 //! to know where hands are; whoever moves them says what they go for.
 
 use super::watch::angles_of;
-use crate::cell::FacePlace;
-use crate::time::{Span, Time};
+use giveway_cell::FacePlace;
+use giveway_floor::time::{Span, Time};
 
 /// The head turns by so much of the yaw and of the pitch of what is looked at, as that of recorded people does.
 const TURNS: [f64; 2] = [0.7, 0.4];

@@ -3,8 +3,8 @@
 //! Main function: [`limbs`]. Lengths are shares of the body height (Winter, Biomechanics and Motor Control of Human
 //! Movement). Refuses: to be what the fleet believes; elbows hang otherwise than it assumes.
 
-use crate::cell::arm::Capsule;
-use crate::cell::{FacePlace, PickFace};
+use giveway_cell::arm::Capsule;
+use giveway_cell::{FacePlace, PickFace};
 
 /// Half the width of the shoulders, and how far below the middle of the head they are, shares of the height.
 const HALF_WIDTH: f64 = 0.115;
@@ -58,8 +58,8 @@ pub fn limbs(face: &PickFace, height_m: f64, head: FacePlace, grips: [FacePlace;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::StationId;
-    use crate::warehouse::stations;
+    use giveway_floor::id::StationId;
+    use giveway_floor::warehouse::stations;
 
     #[test]
     fn bones_keep_their_lengths_and_hands_are_where_they_are() {

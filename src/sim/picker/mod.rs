@@ -23,13 +23,13 @@ pub use work::{PickFigures, TrueLine, WarnedLead};
 use super::askers::PICKERS;
 use super::random::Stream;
 use super::scenario::WorkCells;
-use crate::cell::arm::Capsule;
-use crate::cell::{Flow, LineChange, PickFace};
-use crate::fleet::{CellWarning, Fleet, Input, Request, StationOrder, Token};
-use crate::id::{JobId, RackId, RobotId, StationId};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
 use beside_arm::BesideArm;
+use giveway_cell::arm::Capsule;
+use giveway_cell::{Flow, LineChange, PickFace};
+use giveway_fleet::{CellWarning, Fleet, Input, Request, StationOrder, Token};
+use giveway_floor::id::{JobId, RackId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use screen::{screen, shown};
 use std::collections::BTreeMap;
 use watch::HandWatch;
@@ -263,9 +263,9 @@ pub(super) fn has_lines(fleet: &Fleet, robot: RobotId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::cell::arm::least_distance_m;
-    use crate::sim::Scenario;
-    use crate::warehouse::stations;
+    use crate::Scenario;
+    use giveway_cell::arm::least_distance_m;
+    use giveway_floor::warehouse::stations;
 
     const TICK: Span = Span::from_millis(50);
 
@@ -333,7 +333,7 @@ mod tests {
         let now = Time::from_secs_f64(0.5);
         let seen = stand.watch.come(now).last().expect("something has come").seen;
         let (station, came) = (stand.station, stand.watch.came_at(seen).expect("it has come"));
-        let wrong = crate::fleet::WrongReach::Tote(0);
+        let wrong = giveway_fleet::WrongReach::Tote(0);
         let mut pickers = Pickers { all: vec![stand], flow: Flow::Seen };
         pickers.warn(came, &CellWarning { station, person: 0, wrong, seen });
         let mut heard = |at: Time| {

@@ -5,9 +5,9 @@
 //! does. How long it takes follows Fitts (1954). Refuses: straight and symmetric movements.
 
 use super::motion::minimum_jerk;
-use crate::cell::FacePlace;
-use crate::sim::random::Stream;
-use crate::time::{Span, Time};
+use crate::random::Stream;
+use giveway_cell::FacePlace;
+use giveway_floor::time::{Span, Time};
 
 /// Time is warped by this power: with u = t^0.775 the speed of a minimum jerk in u is greatest at t = 0.37.
 const WARP: f64 = 0.775;

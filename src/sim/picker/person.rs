@@ -12,14 +12,14 @@ use super::path::HandPath;
 use super::screen::{ShownLine, StationScreen};
 use super::watch::TruePicker;
 use super::work::{LineWork, PickFigures};
-use crate::cell::arm::Capsule;
-use crate::cell::{FacePlace, LineChange, PickFace};
-use crate::fleet::{StationOrder, WrongReach};
-use crate::id::JobId;
-use crate::sim::random::Stream;
-use crate::sim::{HandSide, PickerHabits};
-use crate::time::{Span, Time};
-use crate::warehouse::SlotName;
+use crate::random::Stream;
+use crate::{HandSide, PickerHabits};
+use giveway_cell::arm::Capsule;
+use giveway_cell::{FacePlace, LineChange, PickFace};
+use giveway_fleet::{StationOrder, WrongReach};
+use giveway_floor::id::JobId;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::SlotName;
 
 /// Where the picker stands, metres from the rack's middle.
 const STANDS_M: f64 = 1.05;

@@ -2,10 +2,10 @@
 //!
 //! Main types: [`StationScreen`], [`ShownLine`]. Refuses: to show what a real screen would not.
 
-use crate::cell::Lines;
-use crate::fleet::Fleet;
-use crate::id::{JobId, RobotId, StationId};
-use crate::warehouse::SlotName;
+use giveway_cell::Lines;
+use giveway_fleet::Fleet;
+use giveway_floor::id::{JobId, RobotId, StationId};
+use giveway_floor::warehouse::SlotName;
 
 /// A line on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

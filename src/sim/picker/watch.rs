@@ -3,12 +3,12 @@
 //! Main type: [`HandWatch`]. What it gives is late, noisy, sometimes missing, swapped or elsewhere; the hands are where
 //! they are. Of gaze it gives what its kind knows of it. Refuses: to change what is true.
 
-use crate::cell::{FacePlace, HandPoints, HandsSeen, PickFace};
-use crate::id::StationId;
-use crate::sim::random::Stream;
-use crate::sim::{HandSensor, SeenGaze};
-use crate::time::{Span, Time};
-use crate::warehouse::Place;
+use crate::random::Stream;
+use crate::{HandSensor, SeenGaze};
+use giveway_cell::{FacePlace, HandPoints, HandsSeen, PickFace};
+use giveway_floor::id::StationId;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Place;
 
 /// How long hands are taken for one another, and how long one is seen elsewhere, seconds.
 const SWAP_S: f64 = 0.5;
@@ -175,7 +175,7 @@ pub fn angles_of(off: FacePlace) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::warehouse::stations;
+    use giveway_floor::warehouse::stations;
 
     const TRUTH: TruePicker = TruePicker {
         head: FacePlace::new(0.0, 1.05, 1.63),

@@ -4,10 +4,10 @@
 //! fleet.
 
 use super::screen::ShownLine;
-use crate::fleet::WrongReach;
-use crate::id::JobId;
-use crate::time::Time;
-use crate::warehouse::SlotName;
+use giveway_fleet::WrongReach;
+use giveway_floor::id::JobId;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::SlotName;
 use std::collections::BTreeMap;
 
 /// A line that is picked.

@@ -2,9 +2,9 @@
 //!
 //! Main type: [`ArmRow`]. Refuses: to round, since a recording must play again to the same digest.
 
-use crate::cell::arm::{ArmReport, ArmSaid, Gripped};
-use crate::id::StationId;
-use crate::time::Time;
+use giveway_cell::arm::{ArmReport, ArmSaid, Gripped};
+use giveway_floor::id::StationId;
+use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 
 /// Station, seen, joints (nothing where one is no number), whether its own stop holds it, the last grip that it has

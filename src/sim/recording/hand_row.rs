@@ -2,10 +2,10 @@
 //!
 //! Main type: [`HandsRow`]. Refuses: to round, since a recording must play again to the same digest.
 
-use crate::cell::{HandPoints, HandsSeen};
-use crate::id::StationId;
-use crate::time::Time;
-use crate::warehouse::Place;
+use giveway_cell::{HandPoints, HandsSeen};
+use giveway_floor::id::StationId;
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Place;
 use serde::{Deserialize, Serialize};
 
 /// Wrist, palm, two finger tips: three numbers each.

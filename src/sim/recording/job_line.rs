@@ -3,10 +3,10 @@
 //! Main types: [`JobLine`], [`ChangeLine`]. Fields that came later are left out where they say nothing, so that older
 //! recordings are read. Refuses: versions; [`super`] has them.
 
-use crate::cell::{OrderLine, PickedBy};
-use crate::fleet::{ClientKey, JobChange, JobKind, JobParts, JobRequest, JobWord, Visiting};
-use crate::id::{CustomerId, JobId, RobotId, StationId};
-use crate::time::{Span, Time};
+use giveway_cell::{OrderLine, PickedBy};
+use giveway_fleet::{ClientKey, JobChange, JobKind, JobParts, JobRequest, JobWord, Visiting};
+use giveway_floor::id::{CustomerId, JobId, RobotId, StationId};
+use giveway_floor::time::{Span, Time};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -168,7 +168,7 @@ impl From<ChangeLine> for JobChange {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::id::RackId;
+    use giveway_floor::id::RackId;
 
     #[test]
     fn jobs_and_changes_are_read_as_they_were_written_and_older_lines_too() {

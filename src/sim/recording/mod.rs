@@ -11,11 +11,11 @@ mod request_row;
 mod said_row;
 
 use self::request_row::RequestRow;
-use crate::fleet::{Fault, Input, Telemetry};
-use crate::geometry::{Point, Pose};
-use crate::human::{Quality, Sighting, SourceId};
-use crate::id::{RackId, RobotId, WorkerId};
-use crate::time::Time;
+use giveway_fleet::{Fault, Input, Telemetry};
+use giveway_floor::geometry::{Point, Pose};
+use giveway_floor::id::{RackId, RobotId, WorkerId};
+use giveway_floor::time::Time;
+use giveway_people::human::{Quality, Sighting, SourceId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -7,16 +7,16 @@ use super::arm_row::ArmRow;
 use super::hand_row::HandsRow;
 use super::job_line::{ChangeLine, JobLine};
 use super::said_row::Says;
-use crate::fleet::{
+use giveway_fleet::{
     Asker, AssignmentRequest, Binds, ClientKey, Closure, FloorAction, Input, JobAction, JobChange,
     JobRequest, LocalClock, Recurrence, RecurringClosure, Request, RobotAction, Token, USUAL_KIND, Weekdays,
     WorkerAction,
 };
-use crate::geometry::Spot;
-use crate::id::{
+use giveway_floor::geometry::Spot;
+use giveway_floor::id::{
     AssignmentId, ClosureId, CustomerId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
-use crate::time::{Span, Time, Window};
+use giveway_floor::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 
 /// So many bits of a token's number are behind those of the asker.

@@ -2,8 +2,8 @@
 //!
 //! Main type: [`Says`]. Refuses: to drop anything that was said.
 
-use crate::cell::LineChange;
-use crate::fleet::StationOrder;
+use giveway_cell::LineChange;
+use giveway_fleet::StationOrder;
 use serde::{Deserialize, Serialize};
 
 #[derive(Clone, Copy, Serialize, Deserialize)]

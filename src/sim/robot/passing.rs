@@ -5,13 +5,15 @@
 //! to see people where they truly are: it is told what the fleet believes.
 
 use super::{RobotBody, THERE_M, Target};
-use crate::aware::SLOW_MPS;
-use crate::fleet::{Fault, ForeseenPerson, Waypoint};
-use crate::geometry::{Point, Segment, Vector, wrap_angle};
-use crate::id::NodeId;
-use crate::local::{DriveLimits, DriveState, LocalPlanner, NearPerson, PassingRoom, RobotOutline, Twist};
-use crate::time::{Span, Time};
-use crate::warehouse::{Corridor, Warehouse};
+use giveway_fleet::{Fault, ForeseenPerson, Waypoint};
+use giveway_floor::geometry::{Point, Segment, Vector, wrap_angle};
+use giveway_floor::id::NodeId;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{Corridor, Warehouse};
+use giveway_people::aware::SLOW_MPS;
+use giveway_people::local::{
+    DriveLimits, DriveState, LocalPlanner, NearPerson, PassingRoom, RobotOutline, Twist,
+};
 
 /// It decides this often.
 const PERIOD: Span = Span::from_millis(100);

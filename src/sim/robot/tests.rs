@@ -1,14 +1,14 @@
 //! Simulated robots drive, turn, brake and act as they are told.
 
 use super::*;
-use crate::id::BodyId;
-use crate::timeline::{Reserved, Timeline};
-use crate::warehouse::lab;
+use giveway_floor::id::BodyId;
+use giveway_floor::timeline::{Reserved, Timeline};
+use giveway_floor::warehouse::lab;
 use std::sync::Arc;
 
 fn proof(warehouse: &Warehouse, node: NodeId) -> Reserved {
     let mut timeline = Timeline::new(Arc::new(warehouse.clone()), Span::from_millis(100));
-    let stands = crate::fleet::state::ledger::stand(node, Time::ZERO);
+    let stands = giveway_fleet::state::ledger::stand(node, Time::ZERO);
     timeline.reserve(RobotId(0), vec![stands]).expect("nobody else is there")
 }
 

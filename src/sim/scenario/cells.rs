@@ -3,9 +3,9 @@
 //! Main types: [`WorkCells`], [`PickerHabits`], [`HandSensor`]. Refuses: shares, rates and stations that cannot be.
 
 use super::check::{ScenarioError, check};
-use crate::cell::Flow;
-use crate::cell::arm::{ArmKind, ArmMode};
-use crate::warehouse::Warehouse;
+use giveway_cell::Flow;
+use giveway_cell::arm::{ArmKind, ArmMode};
+use giveway_floor::warehouse::Warehouse;
 use serde::Deserialize;
 
 /// Picking stations.
@@ -335,7 +335,7 @@ impl HandSensor {
 mod tests {
     use super::super::Scenario;
     use super::*;
-    use crate::warehouse::{lab, stations};
+    use giveway_floor::warehouse::{lab, stations};
 
     fn scenario(cells: &str) -> Result<Scenario, String> {
         let text = format!(

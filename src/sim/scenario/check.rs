@@ -42,7 +42,7 @@ impl ScenarioError {
     }
 }
 
-pub(in crate::sim) fn check(
+pub(crate) fn check(
     key: &str,
     found: f64,
     range: std::ops::RangeInclusive<f64>,

@@ -3,12 +3,12 @@
 //! Main type: [`Closing`]. Refuses: areas of nothing, times that cannot be, and nodes that the map does not have.
 
 use super::check::{ScenarioError, check};
-use crate::aware::check_area;
-use crate::fleet::{Binds, Closure, LocalClock, MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
-use crate::geometry::{Point, Spot};
-use crate::id::NodeId;
-use crate::time::{Span, Time, Window};
-use crate::warehouse::Warehouse;
+use giveway_fleet::{Binds, Closure, LocalClock, MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::id::NodeId;
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::warehouse::Warehouse;
+use giveway_people::aware::check_area;
 use serde::Deserialize;
 
 /// A closed node is shown as a square of twice this side, metres.
@@ -129,7 +129,7 @@ impl Closing {
 mod tests {
     use super::super::Scenario;
     use super::*;
-    use crate::warehouse::lab;
+    use giveway_floor::warehouse::lab;
 
     fn scenario(closure: &str) -> Result<Scenario, ScenarioError> {
         Scenario::parse(&format!(

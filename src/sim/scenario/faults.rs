@@ -89,12 +89,12 @@ impl Faults {
     }
 
     /// How long a message may be under way, seconds.
-    pub(in crate::sim) fn longest_delay_s(&self) -> f64 {
+    pub(crate) fn longest_delay_s(&self) -> f64 {
         (self.message_delay_ms + self.message_jitter_ms) as f64 / 1000.0
     }
 
     /// The same floor after its faults have ended.
-    pub(in crate::sim) fn ended(&self) -> Faults {
+    pub(crate) fn ended(&self) -> Faults {
         let clock_skew_ms = self.clock_skew_ms;
         let message_delay_ms = self.message_delay_ms.min(Faults::default().message_delay_ms);
         Faults { message_delay_ms, clock_skew_ms, repair_s: self.repair_s, ..Faults::default() }

@@ -4,13 +4,13 @@
 //! Main types: [`KindShare`], and the file's own [`KindFigures`] and [`KindFile`]. Refuses: kinds of one name.
 
 use super::check::{ScenarioError, check};
-use crate::fleet::{Charging, RobotKind, USUAL_KIND};
-use crate::geometry::Point;
-use crate::local::{ImprovedWeights, LocalMethod, TraditionalWeights};
-use crate::route::Kinematics;
-use crate::text::name_fault;
-use crate::time::Span;
-use crate::warehouse::Footprint;
+use giveway_fleet::{Charging, RobotKind, USUAL_KIND};
+use giveway_floor::geometry::Point;
+use giveway_floor::route::Kinematics;
+use giveway_floor::text::name_fault;
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::Footprint;
+use giveway_people::local::{ImprovedWeights, LocalMethod, TraditionalWeights};
 use serde::Deserialize;
 
 /// A kind of robots, and how many of each round of robots are of it.

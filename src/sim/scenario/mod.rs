@@ -24,14 +24,14 @@ pub use workforce::{
     TaskSharing, Workers,
 };
 
-use crate::aware::HumanAwarePolicy;
-use crate::fleet::{Closure, RecurringClosure, RobotKind, fitted};
-use crate::human::Model;
-use crate::human::tiles::Tiles;
-use crate::reach::PickModel;
-use crate::time::{Span, Time};
-use crate::warehouse::{Findings, Warehouse};
 use check::check;
+use giveway_fleet::{Closure, RecurringClosure, RobotKind, fitted};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::{Findings, Warehouse};
+use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::human::Model;
+use giveway_people::human::tiles::Tiles;
+use giveway_people::reach::PickModel;
 use kinds::{KindFigures, KindFile};
 use serde::Deserialize;
 use std::sync::Arc;
@@ -306,7 +306,7 @@ impl Scenario {
     }
 
     /// The settings of the core for this scenario.
-    pub fn settings(&self) -> crate::fleet::Settings {
+    pub fn settings(&self) -> giveway_fleet::Settings {
         let Scenario { period, policy, .. } = *self;
         let (method, node_windows) = (self.workers.method.into(), self.workers.node_windows.into());
         let worker_price = self.workers.price;
@@ -314,7 +314,7 @@ impl Scenario {
         let arm_mode = self.cells.as_ref().map(|cells| cells.arm_mode.into()).unwrap_or_default();
         let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
         let picks = self.picks.clone();
-        crate::fleet::Settings {
+        giveway_fleet::Settings {
             kinds,
             period,
             policy,

@@ -4,9 +4,9 @@
 //! that cannot be, and to simulate anybody.
 
 use super::check::{ScenarioError, check};
-use crate::aware::NodeWindows;
-use crate::fleet::Settings;
-use crate::human::Method;
+use giveway_fleet::Settings;
+use giveway_people::aware::NodeWindows;
+use giveway_people::human::Method;
 use serde::{Deserialize, Serialize};
 
 /// The people of a scenario.
@@ -304,7 +304,7 @@ impl Default for SecondTag {
 
 impl SecondTag {
     /// As what a worker carries.
-    pub(in crate::sim) fn sensor(self) -> Sensor {
+    pub(crate) fn sensor(self) -> Sensor {
         Sensor {
             source: Source::Tag,
             rate_hz: Some(1.0 / self.period_s),
@@ -408,7 +408,7 @@ impl Workers {
     }
 
     /// How worker number `i` is seen.
-    pub(in crate::sim) fn sensor_of(&self, i: usize) -> Sensor {
+    pub(crate) fn sensor_of(&self, i: usize) -> Sensor {
         self.liar_sensor.filter(|_| i < self.liars).unwrap_or(self.sensor)
     }
 }

@@ -3,7 +3,7 @@
 //! Main types: [`SwarmCase`], [`SwarmPart`], [`SwarmMap`]. A case is the flags of one command, so that a reader of
 //! a failure can repeat it. Refuses: to draw anything.
 
-use crate::warehouse::Warehouse;
+use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
@@ -220,7 +220,7 @@ mod tests {
             case.to_string(),
             "giveway swarm --seeds 17 --minutes 7 --robots 8 --workers 0 --without loss,pushes"
         );
-        case.map = SwarmMap::Given("my map.json".into(), Arc::new(crate::warehouse::lab()));
+        case.map = SwarmMap::Given("my map.json".into(), Arc::new(giveway_floor::warehouse::lab()));
         assert!(case.to_string().contains(" --map 'my map.json' "), "{case}");
     }
 

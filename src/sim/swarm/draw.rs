@@ -8,9 +8,9 @@ use super::super::random::Stream;
 use super::super::scenario::Scenario;
 use super::case::{SwarmCase, SwarmMap, SwarmPart};
 use super::maps::draw_map;
-use crate::id::{Dense, NodeId};
-use crate::time::Span;
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::id::{Dense, NodeId};
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
@@ -74,7 +74,7 @@ impl SwarmSetup {
     fn read(file: &Map<String, Value>, warehouse: &Arc<Warehouse>) -> Result<SwarmSetup, String> {
         let text = Value::Object(file.clone()).to_string();
         let scenario = Scenario::parse(&text).map_err(|e| e.to_string())?;
-        crate::warehouse::room_for(warehouse, scenario.robots).map_err(|e| e.to_string())?;
+        giveway_floor::warehouse::room_for(warehouse, scenario.robots).map_err(|e| e.to_string())?;
         scenario.fit(warehouse).map_err(|e| e.to_string())?;
         Ok(SwarmSetup { text, scenario, warehouse: warehouse.clone() })
     }
@@ -335,7 +335,7 @@ fn sensor(random: &mut Stream) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::Span;
+    use giveway_floor::time::Span;
 
     fn drawn(case: &SwarmCase) -> SwarmSetup {
         SwarmSetup::draw(case).unwrap_or_else(|e| panic!("{case}: {e}"))

@@ -5,8 +5,8 @@
 //! again. Refuses: to mend a map.
 
 use super::super::random::Stream;
-use crate::time::Span;
-use crate::warehouse::{Blocks, Draft, Users, Warehouse, kiva, lab, mixed, thesis};
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::{Blocks, Draft, Users, Warehouse, kiva, lab, mixed, thesis};
 
 /// How often a hall with drawn changes is tried before one without changes is taken.
 const TRIES: usize = 8;
@@ -87,7 +87,7 @@ fn change(draft: &mut Draft, random: &mut Stream) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::warehouse::{NodeKind, summary};
+    use giveway_floor::warehouse::{NodeKind, summary};
     use std::collections::BTreeSet;
 
     #[test]
@@ -107,8 +107,9 @@ mod tests {
 
     #[test]
     fn the_same_seed_draws_the_same_map() {
-        let draw =
-            |seed| crate::warehouse::formats::json::write(&draw_map(true, &mut Stream::new(seed, 100, 0)));
+        let draw = |seed| {
+            giveway_floor::warehouse::formats::json::write(&draw_map(true, &mut Stream::new(seed, 100, 0)))
+        };
         assert!((0..5).all(|seed| draw(seed) == draw(seed)));
         assert_ne!(draw(1), draw(2));
     }

@@ -8,8 +8,8 @@ use super::super::run::Simulation;
 use super::case::SwarmCase;
 use super::draw::SwarmSetup;
 use super::tally::SwarmTally;
-use crate::fleet::{FloorAction, Input, JobAction, Request, RobotAction, StationOrder};
-use crate::time::Time;
+use giveway_fleet::{FloorAction, Input, JobAction, Request, RobotAction, StationOrder};
+use giveway_floor::time::Time;
 
 /// How a run failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -142,8 +142,8 @@ fn word(input: &Input) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::{Task, Why};
-    use crate::id::{RobotId, WorkerId};
+    use giveway_fleet::{Task, Why};
+    use giveway_floor::id::{RobotId, WorkerId};
 
     #[test]
     fn a_failure_is_of_the_kind_of_its_law_and_of_the_reason_that_the_fleet_has() {

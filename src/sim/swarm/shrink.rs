@@ -5,7 +5,7 @@
 
 use super::case::{SwarmCase, SwarmPart};
 use super::run::SwarmFailure;
-use crate::time::Time;
+use giveway_floor::time::Time;
 
 /// The smallest case that was found.
 #[derive(Clone, Debug)]

@@ -3,7 +3,7 @@
 //! Main type: [`SwarmTally`]. Refuses: to judge.
 
 use super::super::tally::JobTally;
-use crate::time::Span;
+use giveway_floor::time::Span;
 use std::collections::BTreeMap;
 
 /// What happened in one run or in many.

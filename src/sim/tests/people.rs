@@ -1,10 +1,10 @@
 //! People in simulations: how their goals are recognised, and whether the filter of their motion knows how wrong it is.
 
 use super::*;
-use crate::fleet::GuidanceReason;
-use crate::human::IntentState;
-use crate::sim::consistency::NeesFigures;
-use crate::warehouse::kiva;
+use crate::consistency::NeesFigures;
+use giveway_fleet::GuidanceReason;
+use giveway_floor::warehouse::kiva;
+use giveway_people::human::IntentState;
 
 /// Robots and workers in the thesis' hall; `workers` is what else is said of the workers.
 fn hall(seconds: u32, robots: usize, workers: &str) -> Scenario {
@@ -70,7 +70,7 @@ fn a_method_is_refused_where_it_has_no_room_or_no_use() {
     let refused = |s: &Scenario, w| s.check_method(&w).expect_err("it cannot be").to_string();
     let large = refused(&method("chapter3_tiles"), kiva());
     assert!(large.contains("room for 400") && large.contains("take \"chapter3\""), "{large}");
-    let published = Scenario { policy: crate::aware::HumanAwarePolicy::Phir, ..method("chapter3") };
+    let published = Scenario { policy: giveway_people::aware::HumanAwarePolicy::Phir, ..method("chapter3") };
     let useless = refused(&published, thesis());
     assert!(useless.contains("phir") && useless.contains("leave the method out"), "{useless}");
     for word in ["chapter3", "chapter3_tiles", "detour"] {

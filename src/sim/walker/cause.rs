@@ -3,8 +3,8 @@
 //! Main types: [`WalkCause`], [`CauseStretch`], [`Log`]. Refuses: to be known to any module but the scorer.
 
 use super::persona::Persona;
-use crate::geometry::Point;
-use crate::time::Time;
+use giveway_floor::geometry::Point;
+use giveway_floor::time::Time;
 
 /// Why a walker moves, or stands, as it does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -7,8 +7,8 @@ use super::legs::{RobotNear, STANDS_MPS, WalkerSurroundings};
 use super::person::BODY_M;
 use super::persona::Persona;
 use super::{Walker, WalkerDoing};
-use crate::geometry::{Point, Vector};
-use crate::time::{Span, Time};
+use giveway_floor::geometry::{Point, Vector};
+use giveway_floor::time::{Span, Time};
 
 /// Room that a walker likes to have between its body and a robot that drives past, metres.
 const COMFORT_M: f64 = 0.3;

@@ -8,10 +8,10 @@ use super::legs::{RobotNear, WalkerSurroundings};
 use super::person::BODY_M;
 use super::persona::Persona;
 use super::{Aside, Errand, Shown, Walker, WalkerDoing, WorkKnowledge};
-use crate::geometry::{Point, Segment};
-use crate::id::{Dense, WalkNodeId};
-use crate::time::{Span, Time};
-use crate::warehouse::walkway::{EdgeSet, WalkPath, Walkways};
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::id::{Dense, WalkNodeId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::walkway::{EdgeSet, WalkPath, Walkways};
 
 /// So near to the place of a job the walker can work, metres.
 const AT_WORK_M: f64 = 0.6;
@@ -446,7 +446,7 @@ fn beside(at: Point, robot: &RobotNear, around: &WalkerSurroundings<'_>) -> Opti
 }
 
 /// A place on the walkways that is none of those that everybody knows.
-pub(in crate::sim) fn somewhere(walkways: &Walkways, known: &[Point], pick: f64) -> Option<Point> {
+pub(crate) fn somewhere(walkways: &Walkways, known: &[Point], pick: f64) -> Option<Point> {
     let count = walkways.nodes().len();
     let first = (pick * count as f64) as usize;
     let places = (0..count).map(|i| walkways.nodes()[WalkNodeId::at((first + i) % count)].at);

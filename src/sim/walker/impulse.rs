@@ -4,9 +4,9 @@
 //! draws, so what comes up when depends on the seed alone, whatever the fleet does. Refuses: to know whether
 //! the walker heeds it.
 
-use crate::sim::random::Stream;
-use crate::sim::scenario::Deviations;
-use crate::time::{Span, Time};
+use crate::random::Stream;
+use crate::scenario::Deviations;
+use giveway_floor::time::{Span, Time};
 
 /// Something that comes to a walker's mind. `pick` in `[0, 1)` chooses the place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,7 +74,7 @@ const PURPOSE: u64 = 40;
 
 impl Impulses {
     /// Those of worker number `who`, from the start of the run on.
-    pub(in crate::sim) fn new(deviations: &Deviations, seed: u64, who: u64, start: Time) -> Impulses {
+    pub(crate) fn new(deviations: &Deviations, seed: u64, who: u64, start: Time) -> Impulses {
         let rates = deviations.causes.rates();
         let kinds = [
             (ImpulseKind::Pause, rates.pause_per_hour),
@@ -118,7 +118,7 @@ fn impulse(kind: ImpulseKind, random: &mut Stream) -> Impulse {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sim::scenario::{Causes, Rates};
+    use crate::scenario::{Causes, Rates};
     use std::collections::BTreeMap;
 
     #[test]

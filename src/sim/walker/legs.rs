@@ -5,9 +5,9 @@
 //! Refuses: to know where the route comes from.
 
 use super::person::{BODY_M, PersonNear, SQUEEZE_M, SWAY_M};
-use crate::geometry::{Point, Vector, wrap_angle};
-use crate::time::Time;
-use crate::warehouse::walkway::Walkways;
+use giveway_floor::geometry::{Point, Vector, wrap_angle};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::walkway::Walkways;
 use nalgebra::Rotation2;
 use std::collections::VecDeque;
 

@@ -27,9 +27,9 @@ pub use persona::{Persona, Traits};
 
 use super::random::Stream;
 use super::scenario::Workers;
-use crate::geometry::{Point, Pose, Vector};
-use crate::id::AssignmentId;
-use crate::time::{Span, Time};
+use giveway_floor::geometry::{Point, Pose, Vector};
+use giveway_floor::id::AssignmentId;
+use giveway_floor::time::{Span, Time};
 use impulse::Impulses;
 use legs::Legs;
 use std::collections::VecDeque;

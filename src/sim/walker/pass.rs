@@ -6,9 +6,9 @@
 use super::legs::WalkerSurroundings;
 use super::person::{APART_M, PersonNear};
 use super::{Aside, KEPT, Walker, WalkerDoing};
-use crate::geometry::{Point, Segment};
-use crate::time::{Span, Time};
-use crate::warehouse::walkway::EdgeSet;
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::walkway::EdgeSet;
 
 /// One that has moved this far is not kept any more, metres.
 const GOT_ON_M: f64 = 0.5;

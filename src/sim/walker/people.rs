@@ -7,7 +7,7 @@
 
 use super::legs::{ACCEL_MPS2, InTheWay, Legs, WALL_M, WalkerSurroundings};
 use super::person::{APART_M, PASSING_M, PersonNear, SQUEEZE_M};
-use crate::geometry::{Point, Vector};
+use giveway_floor::geometry::{Point, Vector};
 use nalgebra::Rotation2;
 
 /// It looks so far ahead in time, seconds.

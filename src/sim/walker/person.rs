@@ -2,7 +2,7 @@
 //!
 //! Main type: [`PersonNear`]. Refuses: to move anybody, and to know where others are going beyond where they turn next.
 
-use crate::geometry::{Point, Vector};
+use giveway_floor::geometry::{Point, Vector};
 
 /// Radius of a body, metres.
 pub const BODY_M: f64 = 0.25;

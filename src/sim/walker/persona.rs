@@ -3,9 +3,9 @@
 //! Main types: [`Traits`], [`Persona`] (after the personas of HuNavSim, Pérez-Higueras et al. 2023). Refuses:
 //! to change after it was drawn.
 
-use crate::sim::random::Stream;
-use crate::sim::scenario::Personas;
-use crate::time::Span;
+use crate::random::Stream;
+use crate::scenario::Personas;
+use giveway_floor::time::Span;
 
 /// How a walker takes a robot that comes nearer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -42,7 +42,7 @@ pub const SPEEDS: (f64, f64) = (0.8, 1.6);
 
 impl Traits {
     /// Draws them.
-    pub(in crate::sim) fn draw(mix: &Personas, mut random: Stream) -> Traits {
+    pub(crate) fn draw(mix: &Personas, mut random: Stream) -> Traits {
         let share = random.unit();
         let persona = match share {
             s if s < mix.yields => Persona::Yields,

@@ -2,11 +2,11 @@
 
 use super::persona::SPEEDS;
 use super::*;
-use crate::geometry::{Vector, axis_distance};
-use crate::id::NodeId;
-use crate::sim::scenario::{Causes, Deviations, Personas, Rates};
-use crate::warehouse::walkway::Walkways;
-use crate::warehouse::{NodeKind, Warehouse, thesis};
+use crate::scenario::{Causes, Deviations, Personas, Rates};
+use giveway_floor::geometry::{Vector, axis_distance};
+use giveway_floor::id::NodeId;
+use giveway_floor::warehouse::walkway::Walkways;
+use giveway_floor::warehouse::{NodeKind, Warehouse, thesis};
 
 const DT: f64 = 0.02;
 

@@ -1,10 +1,10 @@
 //! Walkers among walkers and robots that drive, in the hall of the thesis, without a fleet.
 
 use super::*;
-use crate::geometry::Vector;
-use crate::sim::scenario::Personas;
-use crate::warehouse::walkway::Walkways;
-use crate::warehouse::{Warehouse, thesis};
+use crate::scenario::Personas;
+use giveway_floor::geometry::Vector;
+use giveway_floor::warehouse::walkway::Walkways;
+use giveway_floor::warehouse::{Warehouse, thesis};
 
 const DT: f64 = 0.02;
 

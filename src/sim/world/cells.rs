@@ -4,13 +4,13 @@
 
 use super::World;
 use super::motion_before::MotionBefore;
-use crate::cell::arm::ArmOrder;
-use crate::fleet::{CellWarning, Fleet, Input};
-use crate::id::{RobotId, StationId};
-use crate::sim::arms::SimArms;
-use crate::sim::picker::{Pickers, StandingRack};
-use crate::time::{Span, Time};
-use crate::warehouse::NodeKind;
+use crate::arms::SimArms;
+use crate::picker::{Pickers, StandingRack};
+use giveway_cell::arm::ArmOrder;
+use giveway_fleet::{CellWarning, Fleet, Input};
+use giveway_floor::id::{RobotId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::NodeKind;
 use std::collections::BTreeMap;
 
 /// A robot this near to where racks stand at a station is in the way of hands there, metres.

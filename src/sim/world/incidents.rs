@@ -4,20 +4,13 @@
 //! Refuses: to choose.
 
 use super::World;
-use crate::fleet::Fault;
-use crate::id::{Dense, RobotId, WorkerId};
-use crate::time::Time;
-#[cfg(test)]
-use crate::{
-    fleet::RackAt,
-    geometry::Point,
-    id::{NodeId, RackId},
-    time::Span,
-};
+use giveway_fleet::{Fault, RackAt};
+use giveway_floor::geometry::Point;
+use giveway_floor::id::{Dense, NodeId, RackId, RobotId, WorkerId};
+use giveway_floor::time::{Span, Time};
 
 impl World {
     /// Breaks a robot, for tests of what happens then.
-    #[cfg(test)]
     pub fn fail(&mut self, robot: RobotId, until: Time) {
         self.afflict(robot, Fault::Broken, until);
     }
@@ -32,7 +25,6 @@ impl World {
     }
 
     /// Empties the battery of a robot, for tests of what happens then.
-    #[cfg(test)]
     pub fn drain(&mut self, robot: RobotId) {
         self.set_battery(robot, 0.0);
     }
@@ -65,7 +57,9 @@ impl World {
     }
 
     /// Puts a robot somewhere, for tests of what happens then.
-    #[cfg(test)]
+    ///
+    /// # Panics
+    /// On a map without nodes, which no validated one is.
     pub fn put(&mut self, robot: RobotId, at: Point) {
         let off = |n: &NodeId| (self.warehouse.nodes[*n].at - at).norm();
         let nearest = self.warehouse.nodes.ids().min_by(|a, b| off(a).total_cmp(&off(b))).expect("some node");
@@ -76,14 +70,12 @@ impl World {
     }
 
     /// The rack on a robot is another one, or gone, for tests of what happens then.
-    #[cfg(test)]
     pub fn load(&mut self, robot: RobotId, rack: Option<RackId>) {
         let robot = &mut self.robots[robot.ix()];
         (robot.body.rack, robot.had) = (rack, rack);
     }
 
     /// People take the rack off a robot and set it down, for tests of what happens then.
-    #[cfg(test)]
     pub fn take_rack(&mut self, (rack, robot): (RackId, RobotId), node: NodeId) {
         self.racks[rack] = RackAt::Stored(node);
         self.load(robot, None);

@@ -2,8 +2,8 @@
 //!
 //! Main type: [`MotionBefore`]. Refuses: to say why it moved.
 
-use crate::geometry::Pose;
-use crate::sim::robot::RobotBody;
+use crate::robot::RobotBody;
+use giveway_floor::geometry::Pose;
 
 /// A robot that moved or turned by less than this stood still, metres or radians.
 const STANDS: f64 = 1e-6;
@@ -32,9 +32,9 @@ impl MotionBefore {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fleet::RobotKind;
-    use crate::id::{BodyId, RobotId};
-    use crate::warehouse::lab;
+    use giveway_fleet::RobotKind;
+    use giveway_floor::id::{BodyId, RobotId};
+    use giveway_floor::warehouse::lab;
 
     #[test]
     fn a_robot_that_drives_or_turns_has_moved_and_one_that_stands_or_brakes_has_not() {

@@ -3,11 +3,11 @@
 //! Adds to [`World`]. Refuses: to tell them where people truly are.
 
 use super::World;
-use crate::fleet::Fleet;
-use crate::geometry::Pose;
-use crate::id::{Dense, RobotId};
-use crate::time::Time;
-use crate::warehouse::Hull;
+use giveway_fleet::Fleet;
+use giveway_floor::geometry::Pose;
+use giveway_floor::id::{Dense, RobotId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Hull;
 
 /// A robot is told of people this near, metres.
 const TOLD_M: f64 = 12.0;
@@ -35,8 +35,7 @@ impl World {
     }
 
     /// Puts a robot so far aside, for tests of the laws.
-    #[cfg(test)]
-    pub fn shift(&mut self, robot: RobotId, by: crate::geometry::Vector) {
+    pub fn shift(&mut self, robot: RobotId, by: giveway_floor::geometry::Vector) {
         self.robots[robot.ix()].body.pose.at += by;
     }
 

@@ -2,8 +2,8 @@
 //!
 //! Refuses: to let two of them share a place.
 
-use crate::id::{BodyId, NodeId};
-use crate::warehouse::{NodeKind, Warehouse};
+use giveway_floor::id::{BodyId, NodeId};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 
 /// Where robots stand at first: chargers, parking places, then beneath racks, spread over the floor.
 pub fn starting_places(warehouse: &Warehouse, robots: usize, body: impl Fn(usize) -> BodyId) -> Vec<NodeId> {

@@ -3,15 +3,15 @@
 //! Work is steps of SQLite's virtual machine, the same on every machine. Times are for docs/robustness.md only.
 
 use super::year::{self, CLEARANCE, LAST, NOW};
-use crate::alarm::AlarmQuery;
-use crate::fleet::{
+use crate::listing::LOOKED_AT;
+use crate::{AuditFilter, StepEntry, Store};
+use giveway_fleet::alarm::AlarmQuery;
+use giveway_fleet::{
     AssignmentQuery, EncounterQuery, EventKind, EventQuery, Fact, JobFact, JobKind, JobQuery, JobRequest,
     JobState, Ledger, RobotEventQuery,
 };
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::store::listing::LOOKED_AT;
-use crate::store::{AuditFilter, StepEntry, Store};
-use crate::time::{Span, Time};
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::time::{Span, Time};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

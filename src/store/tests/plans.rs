@@ -7,16 +7,16 @@
 //! that it needs, so that another index, or other data, cannot change its way.
 
 use super::year;
-use crate::fleet::{AssignmentQuery, EncounterQuery, EventKind, EventQuery, JobQuery};
-use crate::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::store::listing::{LOOKED_AT, Reach};
-use crate::store::people::EncounterReach;
-use crate::store::{events, jobs, people};
-use crate::time::Time;
+use crate::listing::{LOOKED_AT, Reach};
+use crate::people::EncounterReach;
+use crate::{events, jobs, people};
+use giveway_fleet::{AssignmentQuery, EncounterQuery, EventKind, EventQuery, JobQuery};
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::time::Time;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, Connection, Row};
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Tables that do not grow with time, and why. All others do.
 const SMALL: [(&str, &str); 14] = [
@@ -101,10 +101,10 @@ fn text(rest: &mut std::iter::Peekable<std::str::Chars<'_>>) -> String {
     text
 }
 
-/// The files of the crate that are not tests.
+/// The files of this crate, which alone talks SQL, that are not tests.
 fn sources() -> Vec<PathBuf> {
     let mut found = Vec::new();
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src")];
+    let mut folders = vec![PathBuf::from(env!("CARGO_MANIFEST_DIR"))];
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap().flatten() {
             let path = entry.path();
@@ -337,15 +337,14 @@ fn sql_is_made_by_the_builders_that_are_called_here_and_by_no_other() {
         if count("QueryBuilder::new") > 0 || count("AssertSqlSafe(") > 0 {
             builders.push((file.clone(), count("QueryBuilder::new"), count("AssertSqlSafe(")));
         }
-        assert!(file.starts_with("src/store/") || !source.contains("sqlx::"), "{file} talks SQL");
     }
     let known = [
-        ("src/store/events.rs", 1, 0),
-        ("src/store/jobs.rs", 1, 0),
-        ("src/store/listing.rs", 2, 0),
+        ("events.rs", 1, 0),
+        ("jobs.rs", 1, 0),
         // A pragma with a number.
-        ("src/store/mod.rs", 0, 1),
-        ("src/store/people.rs", 1, 0),
+        ("lib.rs", 0, 1),
+        ("listing.rs", 2, 0),
+        ("people.rs", 1, 0),
     ];
     let known: Vec<_> = known.iter().map(|(file, q, a)| ((*file).to_owned(), *q, *a)).collect();
     assert_eq!(builders, known, "a new builder is to be called in `pages`");

@@ -4,12 +4,12 @@
 //! that
 //! `--scenario scenarios/kiva-100.json` opens what was filled. Refuses: to be slow: indexes are made behind the rows.
 
-use crate::fleet::{Job, JobKind, JobRequest, Ledger};
-use crate::id::{Dense, JobId, RackId, StationId};
-use crate::store::{Store, ledger_record};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
-use crate::warehouse::formats::json;
+use crate::{Store, ledger_record};
+use giveway_fleet::{Job, JobKind, JobRequest, Ledger};
+use giveway_floor::id::{Dense, JobId, RackId, StationId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
+use giveway_floor::warehouse::formats::json;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use sqlx::{AssertSqlSafe, Connection, Row};
 use std::path::Path;
@@ -50,7 +50,7 @@ const HOURLY: Hourly = Hourly {
 
 /// The floor that all of this is about.
 pub fn map() -> Arc<Warehouse> {
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/maps/kiva.json");
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../../maps/kiva.json");
     Arc::new(json::parse(&std::fs::read_to_string(file).unwrap()).unwrap())
 }
 
@@ -157,8 +157,8 @@ async fn rows_of(db: &mut SqliteConnection, map: &Warehouse, hours: i64) {
     // As many as are kept.
     let alarms = hours.min(20_000 / HOURLY.alarms);
     run(db, ALARMS, &of(alarms, HOURLY.alarms, &[])).await;
-    run(db, STEPS, &[JOURNAL, LAST - JOURNAL, NOW.0, crate::store::record::VERSION]).await;
-    for (step, most) in crate::history::TIERS {
+    run(db, STEPS, &[JOURNAL, LAST - JOURNAL, NOW.0, crate::record::VERSION]).await;
+    for (step, most) in giveway_fleet::history::TIERS {
         let rows = (hours * HOUR / step.0).min(most as i64);
         run(db, HISTORY, &[rows, step.0, NOW.0 / step.0 * step.0]).await;
     }

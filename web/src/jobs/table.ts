@@ -1,5 +1,5 @@
 // Delimited text (CSV) as spreadsheets and other programs write it. The program reads its files by the same rules
-// (src/text/table.rs); fixtures/tables.json has the cases on which both agree.
+// (src/floor/text/table.rs); fixtures/tables.json has the cases on which both agree.
 
 export interface TableRow {
   /** Where it begins in the text, from 1 on. */

@@ -9,13 +9,13 @@ use super::clock::ClockSync;
 use super::course::Course;
 use super::pose::{self, Gaze, Hand, facing, plan, rotation};
 use super::wire::{AnchorSaid, HandSaid, PoseFrame, PoseSaid, QualitySaid};
-use crate::geometry::{FARTHEST_M, Point, Vector};
-use crate::human::{Quality, Sighting, SourceId};
-use crate::id::WorkerId;
-use crate::text::Sentence;
-use crate::text::sentence::feed;
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_floor::geometry::{FARTHEST_M, Point, Vector};
+use giveway_floor::id::WorkerId;
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::feed;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
+use giveway_people::human::{Quality, Sighting, SourceId};
 
 /// Headsets predict poses for the moment at which they show them; this far ahead, beyond the error of the clock.
 const AHEAD: Span = Span::from_millis(100);

@@ -2,7 +2,7 @@
 
 use super::super::clock::Exchange;
 use super::*;
-use crate::api::feed::wire::HandsSaid;
+use crate::feed::wire::HandsSaid;
 
 const NOW: Time = Time(1_800_000_000_000_000);
 
@@ -251,7 +251,8 @@ fn the_uncertainty_grows_with_the_way_and_not_with_sway() {
 
 #[test]
 fn marks_are_named_or_measured() {
-    let map = crate::warehouse::formats::json::parse(include_str!("../../../../maps/lab.json")).unwrap();
+    let map =
+        giveway_floor::warehouse::formats::json::parse(include_str!("../../../../maps/lab.json")).unwrap();
     let (id, node) = map.nodes.pairs().next().unwrap();
     let anchor = AnchorSaid {
         device: [1.0, 0.0, -2.0],

@@ -2,10 +2,10 @@
 //!
 //! Main types: [`AreaFact`], [`FloorFact`]. Refuses: single robots, jobs and workers.
 
-use crate::fleet::state::recurring::RecurringClosure;
-use crate::fleet::state::worker::Closure;
-use crate::id::{AssignmentId, ClosureId, JobId, RobotId, SeriesId, StationId};
-use crate::time::Time;
+use crate::state::recurring::RecurringClosure;
+use crate::state::worker::Closure;
+use giveway_floor::id::{AssignmentId, ClosureId, JobId, RobotId, SeriesId, StationId};
+use giveway_floor::time::Time;
 
 /// Something that happened to an area from which robots keep out.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

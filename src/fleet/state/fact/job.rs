@@ -3,11 +3,11 @@
 //! Main type: [`JobFact`]. Refuses: which change of a job's state may follow which; `life` knows that.
 
 use super::robot::Task;
-use crate::cell::LineChange;
-use crate::fleet::state::job::{JobRequest, JobState, RobotChoice};
-use crate::fleet::state::job_kind::JobKind;
-use crate::id::{JobId, RobotId};
-use crate::time::Time;
+use crate::state::job::{JobRequest, JobState, RobotChoice};
+use crate::state::job_kind::JobKind;
+use giveway_cell::LineChange;
+use giveway_floor::id::{JobId, RobotId};
+use giveway_floor::time::Time;
 
 /// Something that happened to a job.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

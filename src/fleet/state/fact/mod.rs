@@ -18,8 +18,8 @@ pub use people::{AssignmentFact, EncounterFact, WorkerFact};
 pub use robot::{Purpose, RobotFact, Task};
 pub use route::{Act, Booking, KeptRoute, Moved, RouteFact, Stop};
 
-use crate::fleet::state::note::FloorNote;
-use crate::id::RobotId;
+use crate::state::note::FloorNote;
+use giveway_floor::id::RobotId;
 use std::hash::{Hash, Hasher};
 
 /// Something that happened.
@@ -87,7 +87,7 @@ impl Hash for Fact {
 
 impl Fact {
     /// The one robot that the fact is about.
-    pub(in crate::fleet) fn robot(&self) -> Option<RobotId> {
+    pub(crate) fn robot(&self) -> Option<RobotId> {
         match self {
             Fact::Robot(of) => Some(of.robot()),
             Fact::Route(of) => of.robot(),

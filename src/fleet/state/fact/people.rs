@@ -3,9 +3,9 @@
 //! Main types: [`WorkerFact`], [`AssignmentFact`], [`EncounterFact`]. Refuses: poses, which are seen again after a
 //! restart.
 
-use crate::fleet::state::worker::{AssignmentRequest, AssignmentState, Encounter, LastPlace, Reaction};
-use crate::id::{AssignmentId, RobotId, WorkerId};
-use crate::time::Time;
+use crate::state::worker::{AssignmentRequest, AssignmentState, Encounter, LastPlace, Reaction};
+use giveway_floor::id::{AssignmentId, RobotId, WorkerId};
+use giveway_floor::time::Time;
 
 /// Something that happened to a worker.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

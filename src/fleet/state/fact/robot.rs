@@ -3,8 +3,8 @@
 //! Main types: [`RobotFact`], [`Task`]. Refuses: routes, which are in [`super::route`].
 
 use super::route::Act;
-use crate::id::{JobId, NodeId, RackId, RobotId};
-use crate::time::Time;
+use giveway_floor::id::{JobId, NodeId, RackId, RobotId};
+use giveway_floor::time::Time;
 
 /// Something that happened to a robot.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -205,7 +205,7 @@ impl Task {
 
 impl RobotFact {
     /// The robot to which it happened.
-    pub(in crate::fleet) fn robot(&self) -> RobotId {
+    pub(crate) fn robot(&self) -> RobotId {
         match self {
             RobotFact::Registered { robot, .. }
             | RobotFact::Tasked { robot, .. }

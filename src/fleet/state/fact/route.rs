@@ -3,9 +3,9 @@
 //! Main type: [`RouteFact`], with [`Booking`], [`KeptRoute`] and [`Moved`], of which it is made. Refuses: why a route
 //! changes.
 
-use crate::id::{NodeId, RackId, RobotId};
-use crate::time::{Span, Time};
-use crate::timeline::{Shift, Visit};
+use giveway_floor::id::{NodeId, RackId, RobotId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::{Shift, Visit};
 
 /// Something that happened to routes.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -136,7 +136,7 @@ pub struct Stop {
 
 impl RouteFact {
     /// The one robot whose route it is about; nothing where it may be about several.
-    pub(in crate::fleet) fn robot(&self) -> Option<RobotId> {
+    pub(crate) fn robot(&self) -> Option<RobotId> {
         match self {
             RouteFact::Granted { robot, .. }
             | RouteFact::Passed { robot, .. }

@@ -11,11 +11,11 @@ pub use places::Places;
 pub use queue::{DeadlineStage, Queue, QueueLine, RackGoal, Rank, urgency_ms};
 pub use waits::SuccessorIndex;
 
-use crate::fleet::state::job::JobState;
-use crate::fleet::state::job_kind::JobKind;
-use crate::id::{AssignmentId, JobId, RobotId, WorkerId};
-use crate::time::Span;
-use crate::warehouse::Warehouse;
+use crate::state::job::JobState;
+use crate::state::job_kind::JobKind;
+use giveway_floor::id::{AssignmentId, JobId, RobotId, WorkerId};
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -75,7 +75,7 @@ impl Index {
     }
 
     /// These robots are on the floor.
-    pub(in crate::fleet::state) fn note_present(&mut self, robots: impl Iterator<Item = RobotId>) {
+    pub(in crate::state) fn note_present(&mut self, robots: impl Iterator<Item = RobotId>) {
         self.present = robots.collect();
     }
 
@@ -95,12 +95,12 @@ impl Index {
     }
 
     /// A closure was announced or taken back.
-    pub(in crate::fleet::state) fn note_closure_change(&mut self) {
+    pub(in crate::state) fn note_closure_change(&mut self) {
         self.closure_changes += 1;
     }
 
     /// Closures are counted on from another index.
-    pub(in crate::fleet::state) fn count_closures_from(&mut self, other: &Index) {
+    pub(in crate::state) fn count_closures_from(&mut self, other: &Index) {
         self.closure_changes = other.closure_changes + 1;
     }
 
@@ -110,7 +110,7 @@ impl Index {
     }
 
     /// Keeps the list of jobs that wait for a robot that the customer named.
-    pub(in crate::fleet::state) fn note_named(&mut self, id: JobId, kind: &JobKind, state: JobState) {
+    pub(in crate::state) fn note_named(&mut self, id: JobId, kind: &JobKind, state: JobState) {
         let Some(robot) = kind.robot() else { return };
         let waiting = self.named.entry(robot).or_default();
         match state {
@@ -127,14 +127,14 @@ impl Index {
         self.unassigned.iter().copied()
     }
 
-    pub(in crate::fleet::state) fn assign(&mut self, worker: Option<WorkerId>, id: AssignmentId) {
+    pub(in crate::state) fn assign(&mut self, worker: Option<WorkerId>, id: AssignmentId) {
         match worker {
             Some(worker) => self.assignments.entry(worker).or_default().insert(id),
             None => self.unassigned.insert(id),
         };
     }
 
-    pub(in crate::fleet::state) fn unassign(&mut self, id: AssignmentId) {
+    pub(in crate::state) fn unassign(&mut self, id: AssignmentId) {
         if self.unassigned.remove(&id) {
             return;
         }
@@ -148,7 +148,7 @@ impl Index {
     }
 
     /// Whether two indexes say the same.
-    pub(in crate::fleet::state) fn says_the_same(&self, other: &Index) -> bool {
+    pub(in crate::state) fn says_the_same(&self, other: &Index) -> bool {
         self.present == other.present
             && self.places == other.places
             && self.queue == other.queue

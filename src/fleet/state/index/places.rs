@@ -2,10 +2,10 @@
 //!
 //! Main type: [`Places`]. Refuses: to know why a robot goes anywhere.
 
-use crate::fleet::state::job::Job;
-use crate::fleet::state::job_kind::JobKind;
-use crate::id::{Dense, IdVec, JobId, NodeId, RackId, RobotId};
-use crate::warehouse::{NodeKind, Warehouse};
+use crate::state::job::Job;
+use crate::state::job_kind::JobKind;
+use giveway_floor::id::{Dense, IdVec, JobId, NodeId, RackId, RobotId};
+use giveway_floor::warehouse::{NodeKind, Warehouse};
 use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -53,7 +53,7 @@ fn place(kind: NodeKind) -> Option<u8> {
 }
 
 impl Places {
-    pub(in crate::fleet) fn new(warehouse: &Warehouse) -> Places {
+    pub(crate) fn new(warehouse: &Warehouse) -> Places {
         let kinds: IdVec<NodeId, Option<u8>> = warehouse.nodes.iter().map(|n| place(n.kind)).collect();
         let of = |i: u8| kinds.pairs().filter(|(_, k)| **k == Some(i)).map(|(n, _)| n).collect();
         Places {
@@ -113,12 +113,12 @@ impl Places {
     }
 
     /// Whether a robot is on its way to lift a rack.
-    pub(in crate::fleet) fn is_fetched(&self, rack: RackId) -> bool {
+    pub(crate) fn is_fetched(&self, rack: RackId) -> bool {
         self.fetchers[rack] > 0
     }
 
     /// Where a robot's route and its task end.
-    pub(in crate::fleet) fn claim(&mut self, robot: RobotId, end: Option<NodeId>, bound: Option<NodeId>) {
+    pub(crate) fn claim(&mut self, robot: RobotId, end: Option<NodeId>, bound: Option<NodeId>) {
         let before = self.robots.entry(robot).or_default();
         let old = *before;
         (before.end, before.bound) = (end, bound);
@@ -140,7 +140,7 @@ impl Places {
     }
 
     /// Which rack a robot is on its way to. Gives the one before, if it is another.
-    pub(in crate::fleet) fn fetches(&mut self, robot: RobotId, rack: Option<RackId>) -> Option<RackId> {
+    pub(crate) fn fetches(&mut self, robot: RobotId, rack: Option<RackId>) -> Option<RackId> {
         let claim = self.robots.entry(robot).or_default();
         let before = std::mem::replace(&mut claim.fetches, rack);
         if before == rack {
@@ -152,7 +152,7 @@ impl Places {
     }
 
     /// Where a rack stands; nothing while it is on a robot.
-    pub(in crate::fleet) fn store(&mut self, rack: RackId, node: Option<NodeId>) {
+    pub(crate) fn store(&mut self, rack: RackId, node: Option<NodeId>) {
         let before = std::mem::replace(&mut self.racks[rack], node);
         if let Some(n) = before.filter(|n| self.stored[*n] == Some(rack)) {
             self.stored[n] = None;
@@ -163,7 +163,7 @@ impl Places {
     }
 
     /// Notes where a job wants its rack; nothing once it is over.
-    pub(in crate::fleet) fn relocates(&mut self, id: JobId, job: Option<&Job>) {
+    pub(crate) fn relocates(&mut self, id: JobId, job: Option<&Job>) {
         if let Some(key) = self.relocating.remove(&id) {
             let count = self.relocations.get_mut(&key).expect("it was counted");
             *count -= 1;

@@ -4,10 +4,10 @@
 //! such [`QueueLine`] is a sorted set, and the few lines are merged by urgency when they are read. For each free rack
 //! only the first job of each line is offered. Refuses: to say whether a station has room; the caller leaves lines out.
 
-use crate::fleet::state::job::{Job, JobState};
-use crate::fleet::state::job_kind::JobKind;
-use crate::id::{IdVec, JobId, RackId, StationId};
-use crate::time::{Span, Time};
+use crate::state::job::{Job, JobState};
+use crate::state::job_kind::JobKind;
+use giveway_floor::id::{IdVec, JobId, RackId, StationId};
+use giveway_floor::time::{Span, Time};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
@@ -83,7 +83,7 @@ pub struct Queue {
 }
 
 impl Queue {
-    pub(in crate::fleet) fn new(racks: usize) -> Queue {
+    pub(crate) fn new(racks: usize) -> Queue {
         Queue {
             entries: BTreeMap::new(),
             lines: BTreeMap::new(),
@@ -201,7 +201,7 @@ impl Queue {
         }
     }
 
-    pub(in crate::fleet) fn insert(&mut self, id: JobId, job: &Job, is_blocked: bool) {
+    pub(crate) fn insert(&mut self, id: JobId, job: &Job, is_blocked: bool) {
         debug_assert_eq!(job.state, JobState::Waiting, "{id:?} has a robot and stands in the queue");
         let kind = &job.request.kind;
         let goal = match *kind {
@@ -216,20 +216,20 @@ impl Queue {
         self.put(id, entry);
     }
 
-    pub(in crate::fleet) fn remove(&mut self, id: JobId) {
+    pub(crate) fn remove(&mut self, id: JobId) {
         let Some(entry) = self.take(id) else { return };
         if let Some((_, Some(change))) = entry.deadline.map(|d| stage(d, self.as_of)) {
             self.changes.remove(&(change, id));
         }
     }
 
-    pub(in crate::fleet) fn unblock(&mut self, id: JobId) {
+    pub(crate) fn unblock(&mut self, id: JobId) {
         let mut entry = self.take(id).expect("only waiting jobs are blocked");
         entry.is_blocked = false;
         self.put(id, entry);
     }
 
-    pub(in crate::fleet) fn set_free(&mut self, rack: RackId, is_free: bool) {
+    pub(crate) fn set_free(&mut self, rack: RackId, is_free: bool) {
         if std::mem::replace(&mut self.free[rack], is_free) == is_free {
             return;
         }

@@ -3,8 +3,8 @@
 //! Main type: [`SuccessorIndex`]. Refuses: to know anything else about jobs.
 
 use super::{BAD_END_KNOWN, BAD_ENDS_MAX};
-use crate::id::JobId;
-use crate::time::Time;
+use giveway_floor::id::JobId;
+use giveway_floor::time::Time;
 use smallvec::SmallVec;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -47,7 +47,7 @@ impl SuccessorIndex {
     }
 
     /// Takes in a waiting job and those that keep it from starting. Whether there are any.
-    pub(in crate::fleet) fn add(
+    pub(crate) fn add(
         &mut self,
         id: JobId,
         before: impl Iterator<Item = JobId>,
@@ -72,7 +72,7 @@ impl SuccessorIndex {
     }
 
     /// Forgets a job as one that comes after others.
-    pub(in crate::fleet) fn remove(&mut self, id: JobId) {
+    pub(crate) fn remove(&mut self, id: JobId) {
         for before in self.pending.remove(&id).into_iter().flatten() {
             let Some(dependants) = self.dependants.get_mut(&before) else { continue };
             dependants.remove(&id);
@@ -84,7 +84,7 @@ impl SuccessorIndex {
     }
 
     /// A job is done. Gives the jobs that nothing keeps from starting any more.
-    pub(in crate::fleet) fn ends_well(&mut self, id: JobId) -> Vec<JobId> {
+    pub(crate) fn ends_well(&mut self, id: JobId) -> Vec<JobId> {
         let dependants = self.dependants.remove(&id).unwrap_or_default();
         let free = dependants.into_iter().filter(|d| {
             let pending = self.pending.get_mut(d).expect("it waits");
@@ -97,7 +97,7 @@ impl SuccessorIndex {
     }
 
     /// A job was cancelled, or failed: those that come after it will never start.
-    pub(in crate::fleet) fn note_bad_end(&mut self, id: JobId, at: Time) {
+    pub(crate) fn note_bad_end(&mut self, id: JobId, at: Time) {
         self.bad_ends.insert((at, id));
         if self.dependants.contains_key(&id) {
             self.doomed.insert(id);
@@ -105,7 +105,7 @@ impl SuccessorIndex {
     }
 
     /// Forgets a bad end that is too old, or one too many, and that keeps nothing from starting. Gives which.
-    pub(in crate::fleet) fn forget_bad_end(&mut self, now: Time) -> Option<JobId> {
+    pub(crate) fn forget_bad_end(&mut self, now: Time) -> Option<JobId> {
         let too_many = self.bad_ends.len() > BAD_ENDS_MAX;
         let oldest = self.bad_ends.iter().take(LOOKED_AT);
         let mut oldest = oldest.take_while(|(at, _)| too_many || now - *at >= BAD_END_KNOWN);

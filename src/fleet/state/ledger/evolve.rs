@@ -4,18 +4,18 @@
 //! does not load. Refuses: to decide anything.
 
 use super::{Ledger, RackAt, Robot, Service, Unconfirmed, stand};
-use crate::cell::{LineChange, LineOutcome};
-use crate::fleet::state::fact::{
+use crate::state::fact::{
     Act, AreaFact, AssignmentFact, Booking, EncounterFact, Fact, FloorFact, JobFact, KeptRoute, RobotFact,
     RouteFact, Task, WorkerFact,
 };
-use crate::fleet::state::job::{Job, JobRequest, JobState, RobotChoice};
-use crate::fleet::state::job_kind::JobKind;
-use crate::fleet::state::life::{self, JobStage, Work};
-use crate::fleet::state::worker::{Assignment, AssignmentRequest, AssignmentState};
-use crate::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
-use crate::time::Time;
-use crate::timeline::{self, Visit};
+use crate::state::job::{Job, JobRequest, JobState, RobotChoice};
+use crate::state::job_kind::JobKind;
+use crate::state::life::{self, JobStage, Work};
+use crate::state::worker::{Assignment, AssignmentRequest, AssignmentState};
+use giveway_cell::{LineChange, LineOutcome};
+use giveway_floor::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
+use giveway_floor::time::Time;
+use giveway_floor::timeline::{self, Visit};
 
 impl Ledger {
     /// Takes one fact in.

@@ -9,20 +9,20 @@ mod upkeep;
 
 pub use parts::{Contradiction, Parts};
 
-use crate::cell::Lines;
-use crate::fleet::state::fact::{Stop, Task};
-use crate::fleet::state::index::Index;
-use crate::fleet::state::job::Job;
-use crate::fleet::state::keys::Keys;
-use crate::fleet::state::recurring::RecurringClosure;
-use crate::fleet::state::wishes::Wishes;
-use crate::fleet::state::worker::{Assignment, Closure, LastPlace};
-use crate::id::{
+use crate::state::fact::{Stop, Task};
+use crate::state::index::Index;
+use crate::state::job::Job;
+use crate::state::keys::Keys;
+use crate::state::recurring::RecurringClosure;
+use crate::state::wishes::Wishes;
+use crate::state::worker::{Assignment, Closure, LastPlace};
+use giveway_cell::Lines;
+use giveway_floor::id::{
     AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
-use crate::time::{Span, Time};
-use crate::timeline::{Chain, Timeline, Visit};
-use crate::warehouse::Warehouse;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::timeline::{Chain, Timeline, Visit};
+use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 use std::ops::Deref;
 use std::sync::Arc;

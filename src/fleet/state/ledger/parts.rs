@@ -4,15 +4,15 @@
 //! or one another, in words; a ledger that this program wrote down never does.
 
 use super::{Ledger, Promises, RackAt, Sums};
-use crate::fleet::state::fact::{Act, Task};
-use crate::fleet::state::index::Index;
-use crate::fleet::state::job::RobotChoice;
-use crate::fleet::state::keys::Keys;
-use crate::fleet::state::wishes::Wishes;
-use crate::id::{Dense, IdVec, NodeId, RackId, RobotId};
-use crate::time::Span;
-use crate::timeline::{ChainParts, Flaw, Timeline};
-use crate::warehouse::Warehouse;
+use crate::state::fact::{Act, Task};
+use crate::state::index::Index;
+use crate::state::job::RobotChoice;
+use crate::state::keys::Keys;
+use crate::state::wishes::Wishes;
+use giveway_floor::id::{Dense, IdVec, NodeId, RackId, RobotId};
+use giveway_floor::time::Span;
+use giveway_floor::timeline::{ChainParts, Flaw, Timeline};
+use giveway_floor::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Deref;
 use std::sync::Arc;

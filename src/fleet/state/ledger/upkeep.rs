@@ -3,11 +3,11 @@
 //! Refuses: to hold anything that the ledger does not say.
 
 use super::{Ledger, RackAt};
-use crate::fleet::state::fact::{Act, AssignmentFact, Fact, JobFact, RobotFact, RouteFact, Task};
-use crate::fleet::state::index::{BAD_END_KNOWN, Index};
-use crate::fleet::state::job::{Job, JobState, RobotChoice};
-use crate::id::{JobId, RackId, RobotId};
-use crate::time::Time;
+use crate::state::fact::{Act, AssignmentFact, Fact, JobFact, RobotFact, RouteFact, Task};
+use crate::state::index::{BAD_END_KNOWN, Index};
+use crate::state::job::{Job, JobState, RobotChoice};
+use giveway_floor::id::{JobId, RackId, RobotId};
+use giveway_floor::time::Time;
 use std::collections::BTreeMap;
 
 impl Ledger {

@@ -3,12 +3,12 @@
 //! Main types: [`StepRobot`], [`FootWorker`]. A robot obeys orders as `sim/robot.rs` does, but is always on a node, or
 //! a number of eighths of a lane from it. It is never pushed and never breaks down.
 
-use crate::fleet::{Act, Command, Guidance, GuidanceState, Telemetry, Waypoint};
-use crate::geometry::{Point, Pose, axis_distance};
-use crate::human::{Quality, Sighting, SourceId};
-use crate::id::{NodeId, RackId, RobotId, WorkerId};
-use crate::time::Time;
-use crate::warehouse::Warehouse;
+use crate::{Act, Command, Guidance, GuidanceState, Telemetry, Waypoint};
+use giveway_floor::geometry::{Point, Pose, axis_distance};
+use giveway_floor::id::{NodeId, RackId, RobotId, WorkerId};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::Warehouse;
+use giveway_people::human::{Quality, Sighting, SourceId};
 use std::collections::VecDeque;
 
 /// Half the side of a robot, metres.

@@ -5,9 +5,9 @@
 use super::actors::FootMove;
 use super::floors::{Manner, TinyFloor};
 use super::world::{QUANTUM_S, TinyMove, TinyWorld};
-use crate::fleet::{GuidanceReason, GuidanceState, Who};
-use crate::id::RobotId;
-use crate::time::{Span, Time};
+use crate::{GuidanceReason, GuidanceState, Who};
+use giveway_floor::id::RobotId;
+use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -305,7 +305,7 @@ fn parsed(word: &str) -> TinyMove {
         _ => {
             let (x, y) = rest[1..].split_once(',').expect("a place has two numbers");
             let number = |s: &str| s.parse::<f64>().expect("a number");
-            FootMove::Towards(crate::geometry::Point::new(number(x), number(y)))
+            FootMove::Towards(giveway_floor::geometry::Point::new(number(x), number(y)))
         }
     };
     TinyMove { moves: robots, worker }

@@ -2,9 +2,9 @@
 //!
 //! Main types: [`TinyFloor`], [`Manner`]. Nodes are three metres apart and named `x,y` from the lower left corner.
 
-use crate::fleet::JobKind;
-use crate::id::{NodeId, RackId, RobotId, StationId};
-use crate::warehouse::{Warehouse, sketch};
+use giveway_fleet::JobKind;
+use giveway_floor::id::{NodeId, RackId, RobotId, StationId};
+use giveway_floor::warehouse::{Warehouse, sketch};
 
 /// Distance of neighbours, metres.
 pub(super) const LANE_M: f64 = 3.0;

@@ -4,15 +4,16 @@
 
 use super::actors::{FootMove, FootWorker, HALF_M, StepRobot};
 use super::floors::{LANE_M, Manner, TinyFloor, node_of};
-use crate::fleet::tests::{request, scenario};
-use crate::fleet::{
+use crate::{request, scenario};
+use giveway_fleet::internals::Internals;
+use giveway_fleet::{
     Fact, Fleet, Input, JobAction, JobFact, Reply, Request, RobotAction, RouteFact, StationOrder, Task,
     WorkerAction,
 };
-use crate::geometry::{Point, axis_distance};
-use crate::id::{RobotId, StationId, WorkerId};
-use crate::time::{Span, Time};
-use crate::warehouse::Warehouse;
+use giveway_floor::geometry::{Point, axis_distance};
+use giveway_floor::id::{RobotId, StationId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
 use std::fmt::Write;
 use std::sync::Arc;
 
@@ -67,7 +68,7 @@ impl TinyWorld {
         if let Some(to) = floor.worker.and_then(|h| h.assignment) {
             let (place, what) = (node_of(&w, to), "look".to_owned());
             let request =
-                crate::fleet::AssignmentRequest { place, stay: Span::from_secs(4), what, key: None };
+                giveway_fleet::AssignmentRequest { place, stay: Span::from_secs(4), what, key: None };
             inputs.push(Input::ask(3, WorkerAction::Assign { worker: Some(WorkerId(0)), request }));
         }
         let jobs = floor.kinds(&w).into_iter();
@@ -183,7 +184,7 @@ impl TinyWorld {
             Manner::Stands => {}
             Manner::Obeys => all.push(FootMove::Follows),
             Manner::Wanders => {
-                let walkways = &self.fleet.people.walkways;
+                let walkways = &self.fleet.internals().people.walkways;
                 let near = |p: &Point| (0.1..LANE_M + 0.1).contains(&(p - at).norm());
                 let free = |p: &Point| walkways.is_free(*p) && walkways.sees(at, *p);
                 let places = self.fleet.warehouse().nodes.iter().map(|n| n.at);
@@ -209,7 +210,8 @@ impl TinyWorld {
                 let theirs = granted(b);
                 for node in granted(a) {
                     let near = w.conflicts(w.node_resource(node));
-                    let clash = |m: &crate::id::NodeId| *m == node || near.contains(&w.node_resource(*m));
+                    let clash =
+                        |m: &giveway_floor::id::NodeId| *m == node || near.contains(&w.node_resource(*m));
                     assert!(!theirs.iter().any(clash), "{:?} and {:?} were granted {node:?}", a.id, b.id);
                 }
             }
@@ -244,7 +246,7 @@ impl TinyWorld {
     }
 
     fn robot_key(&self, r: &StepRobot, key: &mut String) {
-        let Fleet { writer, traffic, yielding, .. } = &self.fleet;
+        let Internals { writer, traffic, yielding, .. } = self.fleet.internals();
         let (chain, record) = (writer.ledger().chain(r.id), &writer.ledger().robots[r.id]);
         _ = write!(key, "{:?}{:?}{:?}", r.node, r.lane, r.path.iter().map(|p| p.node).collect::<Vec<_>>());
         _ = write!(key, "{:?}{:?}{:?}{}", r.acting.map(|a| a.1), r.rack, r.limit_mps, r.has_forgotten);
@@ -278,7 +280,7 @@ impl TinyWorld {
 
     fn worker_key(&self, key: &mut String) {
         let Some(seen) = &self.worker else { return };
-        let Some(person) = self.fleet.people.people.get(seen.worker) else { return };
+        let Some(person) = self.fleet.internals().people.people.get(seen.worker) else { return };
         let half_m = |p: Point| ((p.x * 2.0).round() as i64, (p.y * 2.0).round() as i64);
         let mode = format!("{:?}", person.mode);
         let mode = mode.split(' ').next().unwrap_or_default();

@@ -3,8 +3,8 @@
 //! Main types: [`ArmBuild`], [`ArmRest`]. People differ in all of it, and more widely than eight recorded ones do:
 //! size, pace, where the hand rests, how paths bend, where hands end. Refuses: a person of an impossible size.
 
-use crate::reach::{ArmPoint, ArmVector};
-use crate::sim::random::Stream;
+use crate::random::Stream;
+use giveway_people::reach::{ArmPoint, ArmVector};
 
 /// Which arm reaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

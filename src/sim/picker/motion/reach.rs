@@ -4,9 +4,9 @@
 //! function of time. Refuses: to reach farther than the arm is long; the person leans instead.
 
 use super::build::{ArmBuild, ArmRest, ArmSide};
-use crate::reach::sample::angles;
-use crate::reach::{ArmPoint, ArmSample, ArmVector, ReachTarget};
-use crate::sim::random::Stream;
+use crate::random::Stream;
+use giveway_people::reach::sample::angles;
+use giveway_people::reach::{ArmPoint, ArmSample, ArmVector, ReachTarget};
 
 /// A person at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]

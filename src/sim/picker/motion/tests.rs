@@ -1,9 +1,9 @@
 //! Simulated people beside recorded ones: quantiles of what they do.
 
 use super::*;
-use crate::reach::sample::angles;
-use crate::reach::{ArmPoint, ReachTarget};
-use crate::sim::random::Stream;
+use crate::random::Stream;
+use giveway_people::reach::sample::angles;
+use giveway_people::reach::{ArmPoint, ReachTarget};
 
 /// Places as those that recorded people pointed at: three columns, three rows, 1.5 m ahead; hands end within reach.
 fn places(build: &ArmBuild) -> Vec<ReachTarget> {

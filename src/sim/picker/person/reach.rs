@@ -3,11 +3,11 @@
 //! Eyes go first: they are where a hand goes when it sets out, and leave with it. Refuses: to know what comes of it.
 
 use super::{Next, PickButton, SimPicker, rests_at};
-use crate::cell::FacePlace;
-use crate::fleet::WrongReach;
-use crate::sim::picker::path::HandPath;
-use crate::time::{Span, Time};
-use crate::warehouse::SlotName;
+use crate::picker::path::HandPath;
+use giveway_cell::FacePlace;
+use giveway_fleet::WrongReach;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::SlotName;
 
 /// How deep behind the face pieces lie, metres; and in front of it a hand is straight ahead of its slot.
 const PIECE_M: f64 = 0.12;

@@ -4,10 +4,10 @@
 //! place is a wrong one. Refuses: to act on a warning before it has come, and on one that is not right.
 
 use super::{Next, SimPicker};
-use crate::fleet::WrongReach;
-use crate::sim::picker::work::LineWork;
-use crate::time::{Span, Time};
-use crate::warehouse::SlotName;
+use crate::picker::work::LineWork;
+use giveway_fleet::WrongReach;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::SlotName;
 
 /// A person who was warned acts so much later, seconds; and so many do.
 const REACTS_S: f64 = 0.25;

@@ -1,0 +1,81 @@
+//! The picking station as a work cell: what is to be picked from the rack that stands there, and how far that has
+//! come.
+//!
+//! Main module: [`arm`] (a robot arm beside the picker). Main types: [`OrderLine`], [`Lines`], [`LineState`],
+//! [`PickPace`], [`PickPhase`], [`Desk`] (hands, from slot to tote). Refuses: to know where robots drive, and to
+//! confirm by guessing.
+
+mod aim;
+pub mod arm;
+mod belief;
+mod check;
+mod desk;
+mod eyes;
+mod face;
+mod flow;
+mod follow;
+mod hands;
+mod lines;
+mod pace;
+mod phase;
+mod share;
+mod soon;
+
+pub use belief::ReachPlace;
+pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};
+pub use desk::{Desk, DeskEvent, DeskScene, SeenReach};
+pub use face::{FacePlace, PickFace};
+pub use flow::Flow;
+pub use follow::HeldPiece;
+pub use hands::{HandPoints, HandsSeen};
+pub use lines::{LineChange, LineOutcome, LineProgress, LineRefusal, LineState, Lines};
+pub use pace::{PickPace, Remaining, VisitSeen};
+pub use phase::PickPhase;
+
+use giveway_floor::warehouse::SlotName;
+
+/// Who may pick a line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum PickedBy {
+    /// A person.
+    Hand,
+    /// The robot arm.
+    Arm,
+    /// Either.
+    #[default]
+    Either,
+}
+
+impl PickedBy {
+    /// All of them.
+    pub const ALL: [PickedBy; 3] = [PickedBy::Hand, PickedBy::Arm, PickedBy::Either];
+
+    /// The word for it on the wire.
+    pub fn word(self) -> &'static str {
+        match self {
+            PickedBy::Hand => "hand",
+            PickedBy::Arm => "arm",
+            PickedBy::Either => "either",
+        }
+    }
+
+    /// The one of this word.
+    pub fn named(word: &str) -> Option<PickedBy> {
+        PickedBy::ALL.into_iter().find(|by| by.word() == word)
+    }
+}
+
+/// So many pieces from a slot into a tote.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct OrderLine {
+    /// From where in the rack.
+    pub slot: SlotName,
+    /// How many pieces, at least one.
+    pub quantity: u32,
+    /// The name of the tote.
+    pub tote: String,
+    /// What it is, in the customer's words.
+    pub item: Option<String>,
+    /// Who may pick it.
+    pub by: PickedBy,
+}

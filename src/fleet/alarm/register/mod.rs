@@ -1,0 +1,433 @@
+//! The life of an alarm: raised when its cause has lasted, acknowledged by somebody, cleared when the cause is gone.
+//!
+//! Main types: [`AlarmRegister`], [`Alarm`]. Refuses: to forget an alarm silently (what changes is handed out to be
+//! written down), and to keep more than [`MOST_ACTIVE`].
+
+use super::care::{Acknowledgement, AlarmNote, CareRefusal, MOST_NOTES, MOST_SHELVED, Shelving};
+use super::condition::{AlarmCondition, AlarmKey, AlarmSubject};
+use super::groups::AlarmMember;
+use super::kind::{AlarmKind, AlarmScope, AlarmSeverity};
+use giveway_floor::geometry::Spot;
+use giveway_floor::text::Sentence;
+use giveway_floor::time::Time;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// So many alarms are active at most; what is found beyond is left out, the least severe first.
+pub const MOST_ACTIVE: usize = 500;
+
+/// Something that a person must know, active or past.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Alarm {
+    /// Its number, in the order in which alarms were raised.
+    pub id: u64,
+    /// What it is about.
+    pub kind: AlarmKind,
+    /// How bad it is, or was at last.
+    pub severity: AlarmSeverity,
+    /// With what something is wrong.
+    pub subject: AlarmSubject,
+    /// In words.
+    pub text: Sentence,
+    /// What to do.
+    pub remedy: Sentence,
+    /// Where.
+    pub at: Option<Spot>,
+    /// How many robots wait because of it.
+    pub waiting: usize,
+    /// Since when its cause has been there.
+    pub since: Time,
+    /// Who has taken note.
+    pub acknowledged: Option<Acknowledgement>,
+    /// Whether somebody has put it aside.
+    pub shelved: Option<Shelving>,
+    /// What people wrote down about it, in order.
+    pub notes: Vec<AlarmNote>,
+    /// The number of the group of which it is a member, or was when it ended.
+    pub group: Option<u64>,
+    /// Of a group: its members, in order of their numbers. Handed out with active alarms, and kept nowhere.
+    pub members: Vec<AlarmMember>,
+    /// When it ended.
+    pub cleared: Option<Time>,
+}
+
+/// Which alarms to list, newest first.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct AlarmQuery {
+    /// Only those that were still active at this time.
+    pub from: Option<Time>,
+    /// Only those that began before.
+    pub to: Option<Time>,
+    /// Only members of this group.
+    pub group: Option<u64>,
+    /// Only those with a lower number.
+    pub before: Option<u64>,
+    /// How many at most.
+    pub limit: u32,
+}
+
+/// An active alarm.
+#[derive(Clone, Debug)]
+struct ActiveAlarm {
+    alarm: Alarm,
+    /// When its cause was found last.
+    found: Time,
+    /// It was restored, and may not be found again before this.
+    settles: Time,
+    /// Of a group: how many members it had when somebody took note of it.
+    noted: usize,
+}
+
+/// A cause that has not lasted for long enough.
+#[derive(Clone, Copy, Debug)]
+struct PendingCause {
+    since: Time,
+    found: Time,
+}
+
+/// All alarms that are active.
+#[derive(Clone, Debug, Default)]
+pub struct AlarmRegister {
+    last: u64,
+    active: BTreeMap<AlarmKey, ActiveAlarm>,
+    pending: BTreeMap<AlarmKey, PendingCause>,
+    shelves: BTreeMap<AlarmKey, Shelving>,
+    changed: BTreeMap<u64, Alarm>,
+}
+
+impl AlarmRegister {
+    /// Goes on with what was active when an earlier run ended. Alarms of the server's parts ended with it. Of alarms
+    /// that are over it is known only whether they were put aside.
+    pub fn restore(&mut self, last: u64, known: Vec<Alarm>, now: Time) {
+        self.last = self.last.max(last);
+        for alarm in known {
+            self.last = self.last.max(alarm.id);
+            let key = AlarmKey::of(&alarm);
+            if let Some(shelving) = alarm.shelved.clone().filter(|s| s.until > now) {
+                self.shelves.insert(key.clone(), shelving);
+            }
+            if alarm.cleared.is_some() {
+                continue;
+            }
+            if alarm.kind.scope() == AlarmScope::Server || self.active.contains_key(&key) {
+                self.change(Alarm { cleared: Some(now), ..alarm });
+                continue;
+            }
+            let settles = now + alarm.kind.settles_after();
+            self.active.insert(key, ActiveAlarm { alarm, found: now, settles, noted: 0 });
+        }
+        for kind in self.groups() {
+            let members = self.members(kind).len();
+            self.active.values_mut().filter(|a| a.is_group_of(kind)).for_each(|a| a.noted = members);
+        }
+        self.join();
+    }
+
+    /// Takes in everything of a scope that is wrong now. Gives the alarms that are new, of a group the group alone.
+    pub fn observe(&mut self, scope: AlarmScope, found: Vec<AlarmCondition>, now: Time) -> Vec<Alarm> {
+        self.end_shelving(now);
+        let mut found = found;
+        // Where there are too many, the worst have room.
+        found.sort_by_key(|c| std::cmp::Reverse(c.severity));
+        let keys: BTreeSet<AlarmKey> = found.iter().map(AlarmCondition::key).collect();
+        let mut new = BTreeSet::new();
+        for condition in found {
+            debug_assert_eq!(condition.kind.scope(), scope, "{condition:?}");
+            let key = condition.key();
+            if self.active.contains_key(&key) {
+                self.find_again(&key, condition, now);
+                continue;
+            }
+            let pending = self.pending.entry(key.clone()).or_insert(PendingCause { since: now, found: now });
+            pending.found = now;
+            if now - pending.since >= condition.kind.raised_after() && self.active.len() < MOST_ACTIVE {
+                let since = condition.since.unwrap_or(pending.since);
+                self.pending.remove(&key);
+                new.insert(self.begin(key, condition, since, now).id);
+            }
+        }
+        self.pending.retain(|key, p| {
+            key.kind.scope() != scope || keys.contains(key) || now - p.found <= key.kind.cleared_after()
+        });
+        let is_over = |(key, a): (&AlarmKey, &ActiveAlarm)| {
+            let absent = key.kind.scope() == scope && !keys.contains(key);
+            absent && now >= a.settles && now - a.found >= key.kind.cleared_after()
+        };
+        let over: Vec<AlarmKey> =
+            self.active.iter().filter(|(k, a)| is_over((k, a))).map(|(k, _)| k.clone()).collect();
+        over.iter().for_each(|key| self.end(key, now));
+        self.join();
+        let is_told = |a: &&ActiveAlarm| new.contains(&a.alarm.id) && a.alarm.group.is_none();
+        self.active.values().filter(is_told).map(|a| a.alarm.clone()).collect()
+    }
+
+    /// Raises an alarm of a part of the server at once, or gives an active one its new text. The alarm, if it is new.
+    pub fn raise(&mut self, condition: AlarmCondition, now: Time) -> Option<Alarm> {
+        let key = condition.key();
+        if self.active.contains_key(&key) {
+            self.find_again(&key, condition, now);
+            return None;
+        }
+        let since = condition.since.unwrap_or(now);
+        Some(self.begin(key, condition, since, now))
+    }
+
+    /// Ends all alarms of a kind. Whether there was one.
+    pub fn clear(&mut self, kind: AlarmKind, now: Time) -> bool {
+        let of_kind: Vec<AlarmKey> = self.active.keys().filter(|k| k.kind == kind).cloned().collect();
+        of_kind.iter().for_each(|key| self.end(key, now));
+        !of_kind.is_empty()
+    }
+
+    /// Somebody takes note of an active alarm; who did first, did. Of a group, that is of all its members; and of all
+    /// members, of their group. Nothing where none of this number is active.
+    pub fn acknowledge(&mut self, id: u64, by: &str, now: Time) -> Option<Alarm> {
+        let noted = Acknowledgement { by: by.to_owned(), at: now };
+        let key = self.key_of(id)?;
+        self.note(&key, &noted);
+        if key.is_group() {
+            let members = self.members(key.kind);
+            members.iter().for_each(|member| self.note(member, &noted));
+            self.active.get_mut(&key)?.noted = members.len();
+        } else {
+            self.join();
+        }
+        self.find(id)
+    }
+
+    /// Puts an active alarm aside.
+    ///
+    /// # Errors
+    /// Where it is not active, must always call, or too many are put aside.
+    pub fn shelve(&mut self, id: u64, shelving: Shelving) -> Result<Alarm, CareRefusal> {
+        let key = self.key_of(id).ok_or(CareRefusal::NotActive)?;
+        if key.kind.ends_readiness() || key.kind == AlarmKind::Evacuation {
+            return Err(CareRefusal::AlwaysCalls);
+        }
+        if self.shelves.len() >= MOST_SHELVED && !self.shelves.contains_key(&key) {
+            return Err(CareRefusal::TooManyShelved);
+        }
+        self.shelves.insert(key.clone(), shelving.clone());
+        self.alter(&key, |alarm| alarm.shelved = Some(shelving));
+        self.find(id).ok_or(CareRefusal::NotActive)
+    }
+
+    /// Takes an active alarm back up. Nothing where none of this number is active.
+    pub fn unshelve(&mut self, id: u64) -> Option<Alarm> {
+        let key = self.key_of(id)?;
+        self.unshelve_key(&key);
+        self.find(id)
+    }
+
+    /// Writes a note down about an active alarm.
+    ///
+    /// # Errors
+    /// Where it is not active, or has too many.
+    pub fn write_note(&mut self, id: u64, note: AlarmNote) -> Result<Alarm, CareRefusal> {
+        let key = self.key_of(id).ok_or(CareRefusal::NotActive)?;
+        if self.active[&key].alarm.notes.len() >= MOST_NOTES {
+            return Err(CareRefusal::TooManyNotes);
+        }
+        self.alter(&key, |alarm| alarm.notes.push(note));
+        self.find(id).ok_or(CareRefusal::NotActive)
+    }
+
+    /// All that are active: the worst first, of these the newest. Members are in their groups.
+    pub fn active(&self) -> Vec<Alarm> {
+        let top = self.active.iter().filter(|(_, a)| a.alarm.group.is_none());
+        let mut all: Vec<Alarm> = top.map(|(key, _)| self.whole(key)).collect();
+        all.sort_by_key(|a| std::cmp::Reverse((a.severity, a.id)));
+        all
+    }
+
+    /// The active alarm of this number, also where it is a member of a group.
+    pub fn find(&self, id: u64) -> Option<Alarm> {
+        self.key_of(id).map(|key| self.whole(&key))
+    }
+
+    /// Active alarms about this, also where they are members of a group.
+    pub fn about(&self, subject: &AlarmSubject) -> Vec<Alarm> {
+        self.active.values().map(|a| &a.alarm).filter(|alarm| alarm.subject == *subject).cloned().collect()
+    }
+
+    /// What has changed since this was asked last, to be written down.
+    pub fn take_changes(&mut self) -> Vec<Alarm> {
+        std::mem::take(&mut self.changed).into_values().collect()
+    }
+
+    /// What could not be written down is handed out again, unless it has changed since.
+    pub fn put_back(&mut self, alarms: Vec<Alarm>) {
+        for alarm in alarms {
+            self.changed.entry(alarm.id).or_insert(alarm);
+        }
+        // While the database refuses for long, the oldest are given up.
+        while self.changed.len() > 2 * MOST_ACTIVE {
+            self.changed.pop_first();
+        }
+    }
+
+    fn find_again(&mut self, key: &AlarmKey, condition: AlarmCondition, now: Time) {
+        let one = self.active.get_mut(key).expect("the caller looked");
+        (one.found, one.settles) = (now, Time(one.settles.0.min(now.0)));
+        let worse = condition.severity > one.alarm.severity;
+        let AlarmCondition { severity, subject, text, remedy, at, waiting, .. } = condition;
+        // The worst that it was stays: an alarm that goes up and down would call people again and again.
+        let severity = severity.max(one.alarm.severity);
+        one.alarm = Alarm { severity, subject, text, remedy, at, waiting, ..one.alarm.clone() };
+        if worse {
+            // What somebody took note of, or put aside, was less.
+            self.unshelve_key(key);
+            self.alter(key, |alarm| alarm.acknowledged = None);
+        }
+    }
+
+    fn begin(&mut self, key: AlarmKey, condition: AlarmCondition, since: Time, now: Time) -> Alarm {
+        self.last += 1;
+        let AlarmCondition { kind, subject, severity, text, remedy, at, waiting, .. } = condition;
+        let alarm = Alarm {
+            id: self.last,
+            kind,
+            severity,
+            subject,
+            text,
+            remedy,
+            at,
+            waiting,
+            since,
+            acknowledged: None,
+            shelved: self.shelves.get(&key).filter(|s| s.until > now).cloned(),
+            notes: Vec::new(),
+            group: None,
+            members: Vec::new(),
+            cleared: None,
+        };
+        let one = ActiveAlarm { alarm: alarm.clone(), found: now, settles: now, noted: 0 };
+        self.active.insert(key, one);
+        self.change(alarm.clone());
+        alarm
+    }
+
+    fn end(&mut self, key: &AlarmKey, now: Time) {
+        let Some(one) = self.active.remove(key) else { return };
+        self.change(Alarm { cleared: Some(now), ..one.alarm });
+    }
+
+    /// Alarms of robots join the group of their kind, or are single again where it is over.
+    fn join(&mut self) {
+        let groups = self.groups();
+        let loose =
+            self.active.iter().filter(|(key, a)| a.alarm.group.is_some() && !groups.contains(&key.kind));
+        let loose: Vec<AlarmKey> = loose.map(|(key, _)| key.clone()).collect();
+        loose.iter().for_each(|key| self.alter(key, |alarm| alarm.group = None));
+        for kind in groups {
+            self.join_group(kind);
+        }
+    }
+
+    /// Members that come to a group of which somebody has taken note are taken note of with it, until it has more than
+    /// twice as many as then. A group of whose members somebody has taken note is taken note of with them.
+    fn join_group(&mut self, kind: AlarmKind) {
+        let Some((key, group)) = self.active.iter().find(|(_, a)| a.is_group_of(kind)) else { return };
+        let (key, id, noted, then) =
+            (key.clone(), group.alarm.id, group.alarm.acknowledged.clone(), group.noted);
+        let members = self.members(kind);
+        let fresh: Vec<&AlarmKey> =
+            members.iter().filter(|member| self.active[*member].alarm.group != Some(id)).collect();
+        for member in fresh {
+            self.alter(member, |alarm| alarm.group = Some(id));
+        }
+        match noted {
+            Some(_) if members.len() > 2 * then.max(1) => {
+                self.alter(&key, |alarm| alarm.acknowledged = None);
+            }
+            Some(noted) => members.iter().for_each(|member| self.note(member, &noted)),
+            None => {
+                let of_member = |key: &AlarmKey| self.active[key].alarm.acknowledged.clone();
+                let all: Option<Vec<Acknowledgement>> = members.iter().map(of_member).collect();
+                let Some(last) = all.and_then(|all| all.into_iter().max_by_key(|noted| noted.at)) else {
+                    return;
+                };
+                self.note(&key, &last);
+                self.active.get_mut(&key).expect("it is there").noted = members.len();
+            }
+        }
+    }
+
+    /// Kinds of which there is a group.
+    fn groups(&self) -> Vec<AlarmKind> {
+        self.active.keys().filter(|key| key.is_group()).map(|key| key.kind).collect()
+    }
+
+    /// The alarms of single robots of a kind, in order of their numbers.
+    fn members(&self, kind: AlarmKind) -> Vec<AlarmKey> {
+        let mut all: Vec<(u64, &AlarmKey)> = (self.active.iter())
+            .filter(|(key, _)| key.kind == kind && !key.is_group())
+            .map(|(key, a)| (a.alarm.id, key))
+            .collect();
+        all.sort_unstable();
+        all.into_iter().map(|(_, key)| key.clone()).collect()
+    }
+
+    /// An active alarm with its members.
+    fn whole(&self, key: &AlarmKey) -> Alarm {
+        let keys = if key.is_group() { self.members(key.kind) } else { Vec::new() };
+        let members = keys.iter().map(|key| self.active[key].member()).collect();
+        Alarm { members, ..self.active[key].alarm.clone() }
+    }
+
+    fn key_of(&self, id: u64) -> Option<AlarmKey> {
+        self.active.iter().find(|(_, a)| a.alarm.id == id).map(|(key, _)| key.clone())
+    }
+
+    /// Takes note of an alarm of which nobody has.
+    fn note(&mut self, key: &AlarmKey, noted: &Acknowledgement) {
+        if self.active[key].alarm.acknowledged.is_none() {
+            self.alter(key, |alarm| alarm.acknowledged = Some(noted.clone()));
+        }
+    }
+
+    fn unshelve_key(&mut self, key: &AlarmKey) {
+        self.shelves.remove(key);
+        if self.active.get(key).is_some_and(|a| a.alarm.shelved.is_some()) {
+            self.alter(key, |alarm| alarm.shelved = None);
+        }
+    }
+
+    fn end_shelving(&mut self, now: Time) {
+        let over: Vec<AlarmKey> =
+            self.shelves.iter().filter(|(_, s)| s.until <= now).map(|(key, _)| key.clone()).collect();
+        over.iter().for_each(|key| self.unshelve_key(key));
+    }
+
+    /// Changes an active alarm.
+    fn alter(&mut self, key: &AlarmKey, how: impl FnOnce(&mut Alarm)) {
+        let Some(one) = self.active.get_mut(key) else { return };
+        how(&mut one.alarm);
+        let alarm = one.alarm.clone();
+        self.change(alarm);
+    }
+
+    fn change(&mut self, alarm: Alarm) {
+        self.changed.insert(alarm.id, alarm);
+    }
+}
+
+impl ActiveAlarm {
+    fn is_group_of(&self, kind: AlarmKind) -> bool {
+        self.alarm.kind == kind && AlarmKey::of(&self.alarm).is_group()
+    }
+
+    fn member(&self) -> AlarmMember {
+        let Alarm { id, subject, text, at, since, acknowledged, .. } = self.alarm.clone();
+        AlarmMember { id, subject, text, at, since, acknowledged_by: acknowledged.map(|noted| noted.by) }
+    }
+}
+
+impl AlarmKey {
+    fn of(alarm: &Alarm) -> AlarmKey {
+        let subject = (!alarm.kind.is_collective()).then(|| alarm.subject.clone());
+        AlarmKey { kind: alarm.kind, subject }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,157 @@
+//! What a server is started with, and which map it takes: that of the file, or the one that was published to it.
+//!
+//! Main types: [`FloorBasis`]; main function [`FloorBasis::choose`]. Refuses: to choose where both the file was changed
+//! and a map was published.
+
+use super::{SimulatedFloor, kinds};
+use anyhow::{Context, bail};
+use giveway_floor::time::Time;
+use giveway_floor::warehouse::{Warehouse, room_for};
+use giveway_sim::{OrderFileLine, Scenario};
+use giveway_store::{KindText, PublishedMap, Store, map_digest};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What stays the same from one map to the next.
+#[derive(Clone)]
+pub struct FloorBasis {
+    /// The scenario as its file has it, without kinds that were added.
+    pub scenario: Scenario,
+    /// What the customers order, where the scenario names a file.
+    pub lines: Vec<OrderFileLine>,
+    /// The digest of the map with which the server was started.
+    pub file: String,
+    /// Where the map in operation comes from, if it was published.
+    pub published: Option<PublishedMap>,
+}
+
+impl FloorBasis {
+    /// The basis of a floor whose map comes from a file.
+    pub fn of(floor: &SimulatedFloor) -> FloorBasis {
+        FloorBasis {
+            scenario: floor.scenario.clone(),
+            lines: floor.lines.clone(),
+            file: map_digest(&floor.map),
+            published: None,
+        }
+    }
+
+    /// Takes the map of the database in place of that of the file, where it was published since the server was started
+    /// with this file, or is the same one.
+    ///
+    /// # Errors
+    /// Where the file was changed, too, or the published map is not for this fleet.
+    pub async fn choose(
+        floor: SimulatedFloor,
+        database: &Path,
+    ) -> anyhow::Result<(SimulatedFloor, FloorBasis)> {
+        let mut basis = FloorBasis::of(&floor);
+        let Some((published, map)) = published_in(database).await? else { return Ok((floor, basis)) };
+        if basis.file != published.file && basis.file != map_digest(&map) {
+            bail!("{}", conflict(&floor.map, &map, &published));
+        }
+        let map = basis.fit(&Arc::new(map)).map_err(|why| {
+            anyhow::anyhow!(
+                "the map {:?} was published to this server, but is not for this fleet: {}. Start with the scenario \
+                 with which it was published, or take the map of the file: `giveway database carry`",
+                floor.map.name,
+                why.join("; ")
+            )
+        })?;
+        basis.published = Some(published);
+        Ok((SimulatedFloor { map, ..floor }, basis))
+    }
+
+    /// The map for the fleet of the scenario.
+    ///
+    /// # Errors
+    /// Why it is not.
+    pub fn fit(&self, map: &Arc<Warehouse>) -> Result<Arc<Warehouse>, Vec<String>> {
+        let scenario = &self.scenario;
+        let mut why = Vec::new();
+        if let Err(findings) = room_for(map, scenario.robots) {
+            why.extend(findings.0.iter().map(ToString::to_string));
+        }
+        let fitted =
+            scenario.fit(map).map_err(|findings| findings.0.iter().map(ToString::to_string).collect());
+        let fitted = match fitted {
+            Ok(fitted) => fitted,
+            Err(found) => return Err([why, found].concat()),
+        };
+        let checks = [
+            scenario.check_method(&fitted),
+            scenario.areas(&fitted, Time::ZERO).map(drop),
+            scenario.recurring(&fitted, Time::ZERO).map(drop),
+        ];
+        why.extend(checks.into_iter().filter_map(Result::err).map(|e| e.to_string()));
+        if why.is_empty() { Ok(fitted) } else { Err(why) }
+    }
+
+    /// The map for the fleet of the scenario and the kinds that were added. A kind that the map in operation is for
+    /// must not get lost.
+    ///
+    /// # Errors
+    /// Why it is not.
+    pub fn fit_all(
+        &self,
+        map: &Arc<Warehouse>,
+        in_operation: &Arc<Warehouse>,
+        added: &[KindText],
+    ) -> Result<Arc<Warehouse>, Vec<String>> {
+        let fitted = self.fit(map)?;
+        let (mut now, mut then) = (self.scenario.clone(), self.scenario.clone());
+        kinds::join_kinds(&mut now, in_operation.clone(), added);
+        let fitted = kinds::join_kinds(&mut then, fitted, added);
+        let lost = now.kinds.iter().map(|k| &k.kind.name);
+        let lost = lost.filter(|name| !then.kinds.iter().any(|k| k.kind.name == **name));
+        let lost: Vec<String> = lost
+            .map(|name| format!("the map is not for robots of the kind {name:?}, which was added"))
+            .collect();
+        if lost.is_empty() { Ok(fitted) } else { Err(lost) }
+    }
+
+    /// The floor with a map.
+    pub fn with(&self, map: Arc<Warehouse>) -> SimulatedFloor {
+        SimulatedFloor { scenario: self.scenario.clone(), map, lines: self.lines.clone() }
+    }
+}
+
+/// The map that was published to a server with this database, if one was.
+async fn published_in(database: &Path) -> anyhow::Result<Option<(PublishedMap, Warehouse)>> {
+    if !std::fs::metadata(database).is_ok_and(|m| m.is_file() && m.len() > 0) {
+        return Ok(None);
+    }
+    // One that cannot be read is refused when it is opened.
+    let store = match Store::inspect(database).await {
+        Ok(store) => store,
+        Err(e) if e.is_no_room() => return Err(e.into()),
+        Err(_) => return Ok(None),
+    };
+    let found = read_published(&store).await;
+    store.close().await;
+    found
+}
+
+/// Whether a database has gone over to this published map.
+pub async fn has_gone_over(database: &Path, note: &PublishedMap) -> bool {
+    matches!(published_in(database).await, Ok(Some((published, _))) if published == *note)
+}
+
+async fn read_published(store: &Store) -> anyhow::Result<Option<(PublishedMap, Warehouse)>> {
+    // A database that was never used has no tables.
+    let Ok(Some(published)) = store.published().await else { return Ok(None) };
+    let damaged =
+        "the database says that its map was published, but the map in it cannot be read: restore a backup";
+    Ok(Some((published, store.map().await?.context(damaged)?)))
+}
+
+fn conflict(file: &Warehouse, map: &Warehouse, published: &PublishedMap) -> String {
+    let at = jiff::Timestamp::from_microsecond(published.at.0).map_or_else(|_| "?".into(), |t| t.to_string());
+    format!(
+        "two maps claim this server: {:?} was published to it by {} at {at}, and the map file, {:?}, is another one \
+         than the one with which it was started then. Nothing was changed. To keep the published map, write it into \
+         the file: `giveway database map --output FILE`. To take the map of the file: `giveway database carry --map \
+         FILE`. Then start again",
+        map.name, published.by, file.name
+    )
+}

@@ -1,0 +1,330 @@
+//! Requests and sightings on their way into a step, and where the answers go.
+//!
+//! Main type: [`Inbox`]. Refuses: requests while the journal takes no facts; but stops and releases by hand are kept in
+//! their order, however many simulated orders wait.
+
+use super::audit_keeper::row_of;
+use giveway_api::audit::AuditEntry;
+use giveway_api::feed::hub::{HeardHands, HeardSighting};
+use giveway_api::port::QueuedRequest;
+use giveway_cell::HandsSeen;
+use giveway_fleet::{Answered, Asker, CausedFacts, Input, JobAction, Reply, Request, Token};
+use giveway_floor::geometry::{Point, inside};
+use giveway_floor::id::StationId;
+use giveway_floor::warehouse::Warehouse;
+use giveway_store::StepCause;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use tokio::sync::{mpsc, oneshot};
+
+/// How many requests may wait on the queue.
+pub const QUEUE: usize = 1024;
+
+/// How many simulated orders may wait while the fleet stands.
+const MOST_ORDERS: usize = 10_000;
+
+/// How many requests from outside may be kept while the fleet stands. Beyond, they wait in the queue, which refuses
+/// more than it holds.
+const MOST_REQUESTS: usize = 10_000;
+
+/// A request that was not answered yet.
+#[derive(Debug)]
+struct WaitingRequest {
+    by: Arc<AuditEntry>,
+    reply: oneshot::Sender<Answered>,
+}
+
+/// Requests, and where their answers go.
+#[derive(Debug)]
+pub struct Inbox {
+    queue: mpsc::Receiver<QueuedRequest>,
+    heard: mpsc::Receiver<HeardSighting>,
+    waiting: BTreeMap<Token, WaitingRequest>,
+    kept: Vec<Input>,
+    /// Sightings that were taken out of the channel to look at them.
+    early: Vec<HeardSighting>,
+    /// The workplaces of stations: hands of people there are of interest.
+    workplaces: Vec<(StationId, Vec<Point>)>,
+    next: u64,
+}
+
+impl Inbox {
+    /// An inbox that is filled from a queue and from feeds.
+    pub fn new(queue: mpsc::Receiver<QueuedRequest>, heard: mpsc::Receiver<HeardSighting>) -> Inbox {
+        let (waiting, kept, early, workplaces) = (BTreeMap::new(), Vec::new(), Vec::new(), Vec::new());
+        Inbox { queue, heard, waiting, kept, early, workplaces, next: 0 }
+    }
+
+    /// The same, which hands on hands of people in the workplaces of a building.
+    pub fn of(
+        warehouse: &Warehouse,
+        queue: mpsc::Receiver<QueuedRequest>,
+        heard: mpsc::Receiver<HeardSighting>,
+    ) -> Inbox {
+        let cells = warehouse.stations.pairs();
+        let workplaces = cells.filter_map(|(id, s)| Some((id, s.cell.as_ref()?.workplace.clone()))).collect();
+        Inbox { workplaces, ..Inbox::new(queue, heard) }
+    }
+
+    /// Everything that waits. While `refusing`, new requests are refused instead, but for stops and releases by hand.
+    pub fn drain(&mut self, refusing: bool) -> Vec<Input> {
+        let mut inputs = std::mem::take(&mut self.kept);
+        let mut room =
+            MOST_REQUESTS.saturating_sub(inputs.iter().filter(|i| token_of_client(i).is_some()).count());
+        while room > 0
+            && let Ok(ask) = self.queue.try_recv()
+        {
+            // What is done by hand is neither refused nor overtaken: a release that was refused while the stop before
+            // it waits would leave the floor standing.
+            let by_hand = ask.request.is_by_hand();
+            // Dropping the reply tells the handler. A request that no handler waits for any more is not carried out.
+            if !by_hand && (refusing || ask.reply.is_closed()) {
+                continue;
+            }
+            room -= 1;
+            let token = self.token();
+            self.waiting.insert(token, WaitingRequest { by: ask.by, reply: ask.reply });
+            inputs.push(Input::ask(token, ask.request));
+        }
+        inputs
+    }
+
+    fn token(&mut self) -> Token {
+        self.next += 1;
+        Token::from(self.next)
+    }
+
+    /// The next sighting, as soon as it is there. It waits for the next step, too.
+    pub async fn hear(&mut self) -> HeardSighting {
+        let Some(heard) = self.heard.recv().await else { return std::future::pending().await };
+        self.early.push(heard);
+        heard
+    }
+
+    /// Takes all sightings that wait, whatever the journal does: stopping waits for nothing.
+    pub fn look(&mut self, inputs: &mut Vec<Input>) {
+        for heard in std::mem::take(&mut self.early) {
+            self.see(&heard, inputs);
+        }
+        while let Ok(heard) = self.heard.try_recv() {
+            self.see(&heard, inputs);
+        }
+    }
+
+    /// Hands of people in a workplace are seen beside their pose.
+    fn see(&self, heard: &HeardSighting, inputs: &mut Vec<Input>) {
+        inputs.push(Input::Sighted(heard.sighting));
+        inputs.extend(self.hands_of(heard).map(Input::Hands));
+    }
+
+    /// The hands of a person in a workplace, if they were seen.
+    pub fn hands_of(&self, heard: &HeardSighting) -> Option<HandsSeen> {
+        let HeardSighting { sighting, hands, .. } = heard;
+        let HeardHands { head, facing, eyes, hands } = (*hands)?;
+        let (station, _) = self.workplaces.iter().find(|(_, outline)| inside(outline, sighting.at))?;
+        let (person, seen) = (sighting.worker.0, sighting.seen);
+        Some(HandsSeen { station: *station, person, seen, head, facing, eyes, hands })
+    }
+
+    /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Nor are
+    /// simulated orders beyond a limit: their customers order again. Requests from outside all are.
+    pub fn keep(&mut self, inputs: Vec<Input>) {
+        let mut orders = self.kept.iter().filter(|i| is_order(i)).count();
+        let before = orders;
+        let mut dropped = 0;
+        for input in inputs {
+            let Input::Ask { request, .. } = &input else { continue };
+            let is_clients = token_of_client(&input).is_some();
+            // Simulated pickers say it until their screen shows that it was heard.
+            if matches!(request, Request::Station(..)) && !is_clients {
+                continue;
+            }
+            let is_order = is_order(&input);
+            if is_order && orders >= MOST_ORDERS {
+                dropped += 1;
+                continue;
+            }
+            orders += usize::from(is_order);
+            self.kept.push(input);
+        }
+        if dropped > 0 && before < MOST_ORDERS {
+            tracing::warn!(dropped, "simulated orders are dropped: the journal is full");
+        }
+    }
+
+    /// Tells the handlers of these requests that nothing came of them.
+    pub fn forget(&mut self, tokens: &[Token]) {
+        for token in tokens {
+            self.waiting.remove(token);
+        }
+    }
+
+    /// Which requests from outside caused which facts of a step.
+    pub fn causes(&self, caused: &[CausedFacts]) -> Vec<StepCause> {
+        let of = |c: &CausedFacts| {
+            let request = row_of(&self.waiting.get(&c.token)?.by);
+            Some(StepCause { facts: c.facts.clone(), request })
+        };
+        caused.iter().filter_map(of).collect()
+    }
+
+    /// Answers a request; simulated customers want no answer.
+    pub fn answer(&mut self, reply: Reply) {
+        if let Some(waiting) = self.waiting.remove(&reply.token) {
+            // A client that has left meanwhile finds the job in the list.
+            let _ = waiting.reply.send(reply.answer);
+        }
+    }
+}
+
+/// The token of a client's request.
+pub(super) fn token_of_client(input: &Input) -> Option<Token> {
+    match input {
+        Input::Ask { token, .. } => Some(*token).filter(|token| token.asker == Asker::CLIENTS),
+        Input::Telemetry(_)
+        | Input::Sighted(_)
+        | Input::Hands(_)
+        | Input::Arm(_)
+        | Input::VisitEnds { .. } => None,
+    }
+}
+
+/// Whether it is a simulated customer's order, or the end of one: those come again, since customers look at what waits.
+fn is_order(input: &Input) -> bool {
+    let asks = |r: &Request| matches!(r, Request::Job(JobAction::Submit(_) | JobAction::Cancel(_)));
+    matches!(input, Input::Ask { request, .. } if asks(request)) && token_of_client(input).is_none()
+}
+
+/// The audit entry of a request in tests.
+#[cfg(test)]
+pub fn local_request() -> Arc<AuditEntry> {
+    let caller = giveway_api::caller::Caller::this_machine();
+    let desk = giveway_api::audit::AuditDesk::new(0).0;
+    Arc::new(desk.begin(&caller, "POST /v1/fleet/stop".into(), None, giveway_floor::time::Time(7)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use giveway_fleet::{Answer, Fleet, FloorAction};
+    use giveway_floor::id::JobId;
+    use giveway_floor::time::Time;
+    use giveway_floor::warehouse::lab;
+    use giveway_sim::{Scenario, World};
+
+    const SCENARIO: &str =
+        r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "jobs": {"backlog": 3}}"#;
+
+    /// An inbox with the ends that feed it.
+    fn inbox() -> (Inbox, mpsc::Sender<QueuedRequest>, mpsc::Sender<HeardSighting>) {
+        let ((queue, asks), (feed, heard)) = (mpsc::channel(QUEUE), mpsc::channel(1));
+        (Inbox::new(asks, heard), queue, feed)
+    }
+
+    fn ask(queue: &mpsc::Sender<QueuedRequest>, request: impl Into<Request>) -> oneshot::Receiver<Answered> {
+        let (reply, answer) = oneshot::channel();
+        queue.try_send(QueuedRequest { request: request.into(), by: local_request(), reply }).unwrap();
+        answer
+    }
+
+    /// Whether it hands in a job.
+    fn submits(input: &Input) -> bool {
+        matches!(input, Input::Ask { request: Request::Job(JobAction::Submit(_)), .. })
+    }
+
+    /// What the simulated customers order at first.
+    fn orders() -> Vec<Input> {
+        let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
+        let fleet = Fleet::new(map.clone(), scenario.settings());
+        World::new(map, &scenario, &[], 1, &fleet, Time(1)).advance(Time(2), &fleet)
+    }
+
+    #[test]
+    fn a_reply_to_a_simulated_customer_answers_no_request_from_outside() {
+        let (mut inbox, queue, _feed) = inbox();
+        let mut answers: Vec<_> = (1..5).map(|job| ask(&queue, JobAction::Cancel(JobId(job)))).collect();
+        assert_eq!(inbox.drain(false).len(), 4);
+        let tokens = orders().into_iter().filter_map(|i| match i {
+            Input::Ask { token, .. } if submits(&i) => Some(token),
+            _ => None,
+        });
+        let tokens: Vec<Token> = tokens.collect();
+        assert_eq!(tokens.len(), 3, "the customers order");
+        for token in tokens {
+            inbox.answer(Reply { token, answer: Ok(Answer::Done) });
+        }
+        for answer in &mut answers {
+            assert_eq!(answer.try_recv(), Err(oneshot::error::TryRecvError::Empty));
+        }
+    }
+
+    /// Stops and releases among inputs, in order.
+    fn by_hand(inputs: &[Input]) -> Vec<&'static str> {
+        let word = |i: &Input| match i {
+            Input::Ask { request: Request::Floor(FloorAction::Halt(_)), .. } => Some("halt"),
+            Input::Ask { request: Request::Floor(FloorAction::Release(_)), .. } => Some("release"),
+            _ => None,
+        };
+        inputs.iter().filter_map(word).collect()
+    }
+
+    #[test]
+    fn stops_and_releases_by_hand_outlast_any_load_of_simulated_orders_in_their_order() {
+        let (mut inbox, queue, _feed) = inbox();
+        let order = orders().into_iter().find(submits).unwrap();
+        let flood = |n: usize| vec![order.clone(); n];
+        let mut answers = Vec::new();
+        for action in [FloorAction::Halt(None), FloorAction::Release(None), FloorAction::Halt(None)] {
+            inbox.keep(flood(MOST_ORDERS));
+            answers.push(ask(&queue, action));
+            let inputs = inbox.drain(true);
+            inbox.keep(inputs);
+            inbox.keep(flood(3));
+        }
+        let inputs = inbox.drain(true);
+        assert_eq!(by_hand(&inputs), ["halt", "release", "halt"]);
+        assert_eq!(inputs.len(), MOST_ORDERS + 3, "orders have a limit, what is done by hand is beside it");
+        for (token, answer) in inputs.iter().filter_map(token_of_client).zip(&mut answers) {
+            inbox.answer(Reply { token, answer: Ok(Answer::Done) });
+            assert!(answer.try_recv().is_ok(), "it is answered");
+        }
+    }
+
+    #[test]
+    fn requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk() {
+        let (mut inbox, queue, _feed) = inbox();
+        let mut refused = ask(&queue, JobAction::Cancel(JobId(1)));
+        assert_eq!(inbox.drain(true), vec![]);
+        assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));
+        for token in 0..MOST_REQUESTS as u64 {
+            inbox.kept.push(Input::ask(token, FloorAction::Halt(None)));
+        }
+        let _answer = ask(&queue, FloorAction::Halt(None));
+        let inputs = inbox.drain(true);
+        assert_eq!(inputs.len(), MOST_REQUESTS);
+        assert_eq!(inbox.drain(true).len(), 1, "it is taken as soon as there is room");
+    }
+
+    #[test]
+    fn facts_of_a_step_are_those_of_who_asked_for_them_and_of_nobody_where_the_floor_is_simulated() {
+        let (mut inbox, queue, _feed) = inbox();
+        let _answers = [ask(&queue, FloorAction::Halt(None)), ask(&queue, JobAction::Cancel(JobId(9)))];
+        let mut inputs = inbox.drain(false);
+        inputs.extend(orders());
+        let scenario = Scenario::parse(SCENARIO).unwrap();
+        let mut fleet = Fleet::new(Arc::new(lab()), scenario.settings());
+        let step = fleet.step(Time(3), inputs);
+        let causes = inbox.causes(&step.caused);
+        assert_eq!(causes.len(), 1, "what was refused caused nothing: {causes:?}");
+        assert_eq!(causes[0].request.actor, "this machine");
+        let facts = &step.facts[causes[0].facts.clone()];
+        assert!(
+            matches!(
+                facts,
+                [giveway_fleet::Fact::Floor(giveway_fleet::FloorFact::Halted { robot: None, .. })]
+            ),
+            "{facts:?}"
+        );
+        assert_eq!(step.caused.len(), 5, "the fleet says it of three orders and a robot that joins, too");
+    }
+}

@@ -1,0 +1,255 @@
+//! The journal's task: everything that waits becomes one transaction, tried until the database takes it.
+//!
+//! Main types: [`Journal`] (the loop's end: records, knows what is durable), [`JournalSender`] (the task). While the
+//! database refuses, steps wait in order and an alarm stands; nothing is dropped, and what is not durable is
+//! not acknowledged. The task folds what is durable into a ledger of its own and writes that down now and then, so that
+//! the loop pays nothing for it. Refuses: to try again what contradicts the journal; that ends the process.
+
+use super::clock::Clock;
+use super::watchdog::Auditor;
+use giveway_api::alarms::Alarms;
+use giveway_api::metrics::Metrics;
+use giveway_fleet::alarm::AlarmKind;
+use giveway_fleet::{Fact, Ledger};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::alarms as sentence;
+use giveway_floor::time::Time;
+use giveway_store::{SNAPSHOT_AFTER, StepCause, StepEntry, Store, StoreError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+use tokio::sync::{mpsc, watch};
+
+/// So many facts may wait; then the fleet stands until the database is back.
+const MOST_PENDING: u64 = 20_000;
+
+/// So many steps go into one transaction.
+const MOST_AT_ONCE: usize = 200;
+
+/// If the ledger could not be written down, it is tried again after so many facts.
+const SNAPSHOT_AGAIN: usize = 1_000;
+
+/// A transaction that takes longer raises the alarm.
+const SLOW: Duration = Duration::from_secs(1);
+
+/// The first pause after a failure; each one is twice as long as the one before, up to the last.
+const PAUSES: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(2));
+
+/// The loop's end of the journal.
+#[derive(Debug)]
+pub struct Journal {
+    steps: mpsc::UnboundedSender<StepEntry>,
+    recorded: u64,
+    durable: watch::Receiver<u64>,
+    failing: watch::Receiver<bool>,
+    pending: Arc<AtomicU64>,
+}
+
+/// The task's end.
+pub struct JournalSender {
+    steps: mpsc::UnboundedReceiver<StepEntry>,
+    durable: watch::Sender<u64>,
+    failing: watch::Sender<bool>,
+    /// Facts that are not durable.
+    pending: Arc<AtomicU64>,
+    next: i64,
+    shadow: Shadow,
+    auditor: Auditor,
+    store: Arc<Store>,
+    clock: Arc<Clock>,
+    alarms: Arc<Alarms>,
+    metrics: Arc<Metrics>,
+}
+
+/// Where the journal goes on.
+pub struct Start {
+    /// The number of the first step.
+    pub next: i64,
+    /// The ledger before it.
+    pub ledger: Ledger,
+    /// How many facts are behind the last snapshot.
+    pub behind: usize,
+}
+
+/// The fold of everything durable, and how many facts it is ahead of the last snapshot.
+struct Shadow {
+    ledger: Ledger,
+    behind: usize,
+}
+
+/// Both ends.
+pub fn journal(
+    store: Arc<Store>,
+    start: Start,
+    clock: Arc<Clock>,
+    alarms: Arc<Alarms>,
+    metrics: Arc<Metrics>,
+) -> (Journal, JournalSender) {
+    let (send, receive) = mpsc::unbounded_channel();
+    let (durable, confirmed) = watch::channel(0);
+    let (failing, fails) = watch::channel(false);
+    let pending = Arc::new(AtomicU64::new(0));
+    let journal =
+        Journal { steps: send, recorded: 0, durable: confirmed, failing: fails, pending: pending.clone() };
+    let Start { next, ledger, behind } = start;
+    let shadow = Shadow { ledger, behind };
+    let steps = receive;
+    let auditor = Auditor::default();
+    (
+        journal,
+        JournalSender {
+            steps,
+            durable,
+            failing,
+            pending,
+            next,
+            shadow,
+            auditor,
+            store,
+            clock,
+            alarms,
+            metrics,
+        },
+    )
+}
+
+impl Journal {
+    /// Records the facts of a step, and which requests caused which. What depends on them may leave when so many steps
+    /// are durable as this says.
+    pub fn record(&mut self, at: Time, facts: Vec<Fact>, causes: Vec<StepCause>) -> u64 {
+        if !facts.is_empty() {
+            self.pending.fetch_add(facts.len() as u64, Ordering::Relaxed);
+            // Fails only where the task has ended; the server ends then, too.
+            let _ = self.steps.send(StepEntry { at, facts, causes });
+            self.recorded += 1;
+        }
+        self.recorded
+    }
+
+    /// How many steps are durable.
+    pub fn durable(&self) -> u64 {
+        *self.durable.borrow()
+    }
+
+    /// Waits until more are durable.
+    pub async fn confirmed(&mut self) {
+        if self.durable.changed().await.is_err() {
+            std::future::pending::<()>().await;
+        }
+    }
+
+    /// Whether facts do not become durable at present.
+    pub fn is_failing(&self) -> bool {
+        *self.failing.borrow()
+    }
+
+    /// Whether everything that was recorded is durable.
+    pub fn is_settled(&self) -> bool {
+        self.recorded == self.durable()
+    }
+
+    /// Whether so many facts wait that there may be no more.
+    pub fn is_full(&self) -> bool {
+        self.pending.load(Ordering::Relaxed) >= MOST_PENDING
+    }
+}
+
+impl JournalSender {
+    /// Writes until the loop's end is dropped and everything is durable.
+    ///
+    /// # Errors
+    /// Where the database contradicts what is to be written.
+    pub async fn run(mut self) -> Result<(), StoreError> {
+        let mut batch = Vec::new();
+        while self.steps.recv_many(&mut batch, MOST_AT_ONCE).await > 0 {
+            self.metrics.journal_pending.set(self.pending().cast_signed());
+            self.write(&batch).await?;
+            let facts: usize = batch.iter().map(|step| step.facts.len()).sum();
+            self.metrics.journal_batch.observe(facts as f64);
+            let oldest = batch.first().map_or(self.clock.now(), |e| e.at);
+            self.metrics.journal_lag.observe((self.clock.now() - oldest).as_secs_f64());
+            self.pending.fetch_sub(facts as u64, Ordering::Relaxed);
+            self.metrics.journal_pending.set(self.pending().cast_signed());
+            self.next += batch.len() as i64;
+            self.durable.send_modify(|n| *n += batch.len() as u64);
+            self.shadow.fold(&batch);
+            self.auditor.note(facts, &self.shadow.ledger, self.clock.now(), &self.alarms);
+            if self.shadow.behind >= SNAPSHOT_AFTER {
+                self.snapshot(batch.last().map_or(oldest, |e| e.at)).await?;
+            }
+            batch.clear();
+        }
+        Ok(())
+    }
+
+    /// Facts that are not durable.
+    fn pending(&self) -> u64 {
+        self.pending.load(Ordering::Relaxed)
+    }
+
+    /// Writes the ledger down. Where that fails, nothing is lost: the steps are durable, and a start reads more of
+    /// them.
+    async fn snapshot(&mut self, at: Time) -> Result<(), StoreError> {
+        match self.store.snapshot(self.next - 1, at, self.shadow.ledger.to_parts()).await {
+            Ok(()) => self.shadow.behind = 0,
+            Err(e) if e.is_fatal() => return Err(e),
+            Err(e) => {
+                self.metrics.journal_errors.inc();
+                tracing::warn!("the snapshot could not be saved, so the next start takes longer: {e}");
+                self.shadow.behind = SNAPSHOT_AFTER - SNAPSHOT_AGAIN;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes one batch, however long it takes.
+    async fn write(&self, batch: &[StepEntry]) -> Result<(), StoreError> {
+        let (mut pause, longest) = PAUSES;
+        loop {
+            match self.attempt(batch).await {
+                Ok(()) => {
+                    if self.failing.send_if_modified(std::mem::take) {
+                        self.alarms.clear(AlarmKind::Journal, self.clock.now());
+                        tracing::info!("the journal is back: every fact is durable");
+                    }
+                    return Ok(());
+                }
+                Err(e) if e.is_fatal() => return Err(e),
+                Err(e) => {
+                    self.metrics.journal_errors.inc();
+                    self.fail(sentence::journal_not_written(e.to_string()));
+                }
+            }
+            tokio::time::sleep(pause).await;
+            pause = longest.min(pause * 2);
+        }
+    }
+
+    /// One try; raises the alarm where it takes long.
+    async fn attempt(&self, batch: &[StepEntry]) -> Result<(), StoreError> {
+        // Never dropped half-way: a statement already sent would be carried out all the same.
+        let append = self.store.append(self.next, batch);
+        tokio::pin!(append);
+        if let Ok(result) = tokio::time::timeout(SLOW, &mut append).await {
+            return result;
+        }
+        let waiting = self.pending();
+        let file = self.store.path().display().to_string();
+        self.fail(sentence::journal_slow(waiting, file));
+        append.await
+    }
+
+    fn fail(&self, text: Sentence) {
+        self.alarms.raise(AlarmKind::Journal, text, self.clock.now());
+        self.failing.send_replace(true);
+    }
+}
+
+impl Shadow {
+    fn fold(&mut self, batch: &[StepEntry]) {
+        for fact in batch.iter().flat_map(|step| &step.facts) {
+            self.ledger.evolve(fact);
+            self.behind += 1;
+        }
+    }
+}

@@ -1,0 +1,402 @@
+//! The running server: reads settings, restores the fleet, wires the parts, and takes them down in order.
+//!
+//! Main types: [`Server`] (started, with its address), [`Config`]. `running` is what runs behind the port, `drive` its
+//! loop. The port answers first, and says "starting" until the journal is loaded. Going down: no new requests, those
+//! on their way are answered, one last step, the journal flushed, sockets and files closed. Refuses: to start where
+//! anything is wrong with map, database, address or tokens.
+
+mod ahead;
+mod alarm_keeper;
+mod answers;
+mod audit_keeper;
+mod basis;
+mod budget;
+mod certificate;
+mod clock;
+mod config;
+mod connections;
+mod custody;
+mod drive;
+mod entrance;
+mod historian;
+mod inbox;
+mod journal;
+mod kinds;
+mod measure;
+mod metered;
+mod outbox;
+mod past;
+mod people;
+mod publish;
+mod queue;
+mod recorder;
+mod recordings;
+mod records;
+mod rescue;
+mod running;
+mod settle;
+mod show;
+mod start;
+mod tls;
+mod tokens;
+mod trial;
+mod watchdog;
+mod webhooks;
+
+pub use certificate::Identity;
+pub use clock::Clock;
+pub use config::{Config, Flags};
+pub use recorder::FrameRecorder;
+pub use show::Show;
+
+use anyhow::{Context, anyhow, ensure};
+use axum::Router;
+use basis::FloorBasis;
+use entrance::Entrance;
+use giveway_api::auth::Gate;
+use giveway_api::oidc::Oidc;
+use giveway_api::outgoing::Outgoing;
+use giveway_api::targets::{Network, Targets};
+use giveway_floor::warehouse::Warehouse;
+use giveway_sim::{OrderFileLine, Scenario};
+use giveway_store::{MapNote, PublishedMap, Store};
+use publish::GoOver;
+use running::{CoreEnd, RunningCore};
+use start::Built;
+use std::net::SocketAddr;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::sync::{oneshot, watch};
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+
+/// How long requests on their way may take when the server goes down.
+const DRAIN: Duration = Duration::from_secs(12);
+
+/// What the server runs: a simulated floor, until real robots come.
+#[derive(Clone)]
+pub struct SimulatedFloor {
+    /// Fleet, customers, faults.
+    pub scenario: Scenario,
+    /// The building.
+    pub map: Arc<Warehouse>,
+    /// What the customers order, where the scenario names a file.
+    pub lines: Vec<OrderFileLine>,
+}
+
+impl SimulatedFloor {
+    /// The same with the map that a database has, where it was published in place of this one.
+    ///
+    /// # Errors
+    /// Where both were changed since.
+    pub async fn with_map_of(self, database: &Path) -> anyhow::Result<SimulatedFloor> {
+        FloorBasis::choose(self, database).await.map(|(floor, _)| floor)
+    }
+
+    /// The same with the kinds of robots that were added to a database.
+    pub async fn with_kinds_of(mut self, database: &Path) -> SimulatedFloor {
+        let added = kinds::kinds_of(database).await;
+        self.map = kinds::join_kinds(&mut self.scenario, self.map, &added);
+        self
+    }
+}
+
+/// A server at work.
+pub struct Server {
+    address: SocketAddr,
+    summary: StartSummary,
+    identity: Option<Identity>,
+    store: watch::Receiver<Arc<Store>>,
+    stop: watch::Sender<bool>,
+    work: JoinHandle<anyhow::Result<()>>,
+}
+
+/// What was found at the start.
+#[derive(Clone, Debug, Default)]
+pub struct StartSummary {
+    /// Name of the map.
+    pub map: String,
+    /// Where it comes from, if it was published to this server.
+    pub published: Option<PublishedMap>,
+    /// Robots that the scenario has.
+    pub robots: usize,
+    /// Facts restored, behind the last snapshot.
+    pub facts: usize,
+    /// Jobs accepted so far.
+    pub jobs: u64,
+    /// Of them, jobs that are not over.
+    pub open_jobs: u64,
+    /// Why simulated customers order nothing, though the scenario has some.
+    pub idle: Option<&'static str>,
+    /// Why the server does nothing but say so.
+    pub trouble: Option<String>,
+}
+
+impl Server {
+    /// Starts a server.
+    ///
+    /// # Errors
+    /// Where anything is wrong; the text says what to do.
+    pub async fn start(config: &Config, floor: SimulatedFloor) -> anyhow::Result<Server> {
+        let gate = Arc::new(config.gate()?);
+        if !config.new {
+            gate.learn(tokens::tokens_of(&config.database).await, Clock::start(None).started());
+        }
+        let address = config.address(&gate).await?;
+        let listener = TcpListener::bind(address).await.with_context(|| {
+            let remedy = "stop the program that does, or choose another with --listen HOST:PORT";
+            format!("cannot listen on {address}: {remedy}")
+        })?;
+        let address = listener.local_addr()?;
+        let kept =
+            "keep_days must be at least 8: keys of jobs are kept for 7 days, and the jobs must outlive them";
+        ensure!(config.keep_days >= 8, "{kept}");
+        ensure!(config.people_keep_days >= 1, "people_keep_days must be at least 1");
+        let identity = identity(config, address)?;
+        let outbound = Outbound::of(config)?;
+        let door = (listener, identity.as_ref().map(|i| i.config.clone()));
+        let (ready, is_ready) = oneshot::channel();
+        let front = Front::open(door, gate, outbound, ready);
+        tracing::info!("listening on {address}; the journal is being loaded");
+        let entrance = front.entrance.clone();
+        let restored = start::restore(config, &floor, |why| entrance.wait_for_room(why)).await;
+        // Each clone of the door counts.
+        drop(entrance);
+        let (store, built, summary) = match restored {
+            Ok(restored) => restored,
+            Err(e) => return Err(front.shut(e).await),
+        };
+        let ((stop, stopping), (stores, opened)) = (watch::channel(false), watch::channel(store));
+        let config = Config { new: false, ..config.clone() };
+        let work = tokio::spawn(ServerRun { config, front, stores, stopping }.run(built));
+        // It says nothing: being dropped is enough, and happens also where the work ends at once.
+        let _ = is_ready.await;
+        Ok(Server { address, summary, identity, store: opened, stop, work })
+    }
+
+    /// Where it listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// What it shows itself with, where it speaks HTTPS.
+    pub fn identity(&self) -> Option<&Identity> {
+        self.identity.as_ref()
+    }
+
+    /// What was found at the start.
+    pub fn summary(&self) -> &StartSummary {
+        &self.summary
+    }
+
+    /// The database, as it was opened last.
+    pub fn store(&self) -> Arc<Store> {
+        self.store.borrow().clone()
+    }
+
+    /// Waits until the server ends by itself, which it does only where it cannot go on.
+    ///
+    /// # Errors
+    /// Why it ended.
+    pub async fn ended(&mut self) -> anyhow::Result<()> {
+        (&mut self.work).await.context("the server ended unexpectedly")?
+    }
+
+    /// Takes the server down in order.
+    ///
+    /// # Errors
+    /// Where facts could not be written any more. None of them was acknowledged.
+    pub async fn stop(self) -> anyhow::Result<()> {
+        self.stop.send_replace(true);
+        self.work.await.context("the server ended unexpectedly")?
+    }
+}
+
+/// Where connections come in, and whether by TLS.
+type Door = (TcpListener, Option<Arc<rustls::ServerConfig>>);
+
+/// The side of the server that faces the network: it is there from the beginning to the end.
+struct Front {
+    entrance: Entrance,
+    http: JoinHandle<std::io::Result<()>>,
+    gate: Arc<Gate>,
+    outbound: Outbound,
+    /// Dropped when it no longer says "starting".
+    ready: Option<oneshot::Sender<()>>,
+    closing: watch::Sender<bool>,
+}
+
+impl Front {
+    fn open(door: Door, gate: Arc<Gate>, outbound: Outbound, ready: oneshot::Sender<()>) -> Front {
+        let (entrance, (closing, closes)) = (Entrance::default(), watch::channel(false));
+        let http = tokio::spawn(listen(door, entrance.router(), closes));
+        Front { entrance, http, gate, outbound, ready: Some(ready), closing }
+    }
+
+    /// Closes the port, since the server cannot start.
+    async fn shut(self, why: anyhow::Error) -> anyhow::Error {
+        self.http.abort();
+        let _ = self.http.await;
+        why
+    }
+}
+
+/// What the server needs for its own requests.
+struct Outbound {
+    outgoing: Outgoing,
+    /// Where webhooks may be.
+    targets: Targets,
+    /// How long a webhook may take nothing before that is an alarm.
+    tolerance: Duration,
+    oidc: Option<Arc<Oidc>>,
+}
+
+impl Outbound {
+    fn of(config: &Config) -> anyhow::Result<Outbound> {
+        let outgoing = Outgoing::trusting(config.ca_file.as_deref()).map_err(anyhow::Error::msg)?;
+        let oidc = config.oidc.clone().map(|settings| Oidc::new(settings, &outgoing)).transpose();
+        let tolerance = Duration::from_secs(config.webhook_alarm_s.into());
+        let inside = config.webhook_inside.iter().map(|network| network.parse());
+        let inside: Vec<Network> =
+            inside.collect::<Result<_, String>>().map_err(|why| anyhow!("webhook_inside: {why}"))?;
+        let targets = Targets::allowing(inside);
+        Ok(Outbound { targets, tolerance, oidc: oidc.map_err(anyhow::Error::msg)?.map(Arc::new), outgoing })
+    }
+}
+
+/// What it shows itself with, where it speaks HTTPS.
+fn identity(config: &Config, address: SocketAddr) -> anyhow::Result<Option<Identity>> {
+    let Some(place) = config.tls(address)? else { return Ok(None) };
+    let now = jiff::Timestamp::from_microsecond(Clock::start(None).started().0)?;
+    Ok(Some(Identity::open(&place, now.to_zoned(jiff::tz::TimeZone::UTC).date())?))
+}
+
+/// A server at work: one core after another, behind one port.
+struct ServerRun {
+    config: Config,
+    front: Front,
+    /// Gets each store that is opened.
+    stores: watch::Sender<Arc<Store>>,
+    stopping: watch::Receiver<bool>,
+}
+
+/// The answer to a request to change the map, when the server works again.
+type LateAnswer = Box<dyn FnOnce() + Send>;
+
+impl ServerRun {
+    async fn run(mut self, mut built: Built) -> anyhow::Result<()> {
+        let mut answer: Option<LateAnswer> = None;
+        loop {
+            let parts = match built {
+                Built::Whole(parts) => *parts,
+                Built::Broken(why) => return self.explain(why).await,
+            };
+            let (map, basis) = (parts.fleet.warehouse().clone(), parts.basis.clone());
+            let (mut core, inside) =
+                RunningCore::begin(parts, self.store(), self.front.gate.clone(), &self.front.outbound)
+                    .await?;
+            self.front.entrance.open(inside);
+            drop(self.front.ready.take());
+            answer.take().into_iter().for_each(|answer| answer());
+            let ended = match core.run(&mut self.front.http, &mut self.stopping).await {
+                CoreEnd::GoOver(order) => {
+                    // The request itself is inside until it is answered.
+                    core.close();
+                    self.front.entrance.empty(1).await;
+                    let world = core.end(true).await?;
+                    (built, answer) = self.go_over(*order, (map, basis)).await?;
+                    if let (Built::Whole(parts), Some(world)) = (&mut built, &world) {
+                        parts.world.keep_robots_of(world);
+                    }
+                    continue;
+                }
+                CoreEnd::Told => Ok(()),
+                CoreEnd::Failed(why) => Err(why),
+            };
+            core.close();
+            drain(self.front.http, &self.front.closing).await;
+            let flushed = core.end(ended.is_ok()).await;
+            return ended.and(flushed.map(drop));
+        }
+    }
+
+    fn store(&self) -> Arc<Store> {
+        self.stores.borrow().clone()
+    }
+
+    /// Opens the database with another map, or, where that is refused in the last moment, with the one before.
+    async fn go_over(
+        &self,
+        order: GoOver,
+        (old, basis): (Arc<Warehouse>, FloorBasis),
+    ) -> anyhow::Result<(Built, Option<LateAnswer>)> {
+        let GoOver { map, accept_losses, note, request, reply } = order;
+        let noted = MapNote::Publish(note.clone(), request.clone());
+        let (store, floor, basis, answer) = match self.open(&basis, &map, (accept_losses, noted)).await {
+            Ok((store, floor)) => {
+                tracing::info!("the map {:?} is in operation: it was published by {}", map.name, note.by);
+                let report = store.carried().map(|carried| carried.report.clone()).unwrap_or_default();
+                let done = GoOver::done(Some(&note), &floor.map, report);
+                (store, floor, FloorBasis { published: Some(note), ..basis }, Ok(done))
+            }
+            Err(why) => {
+                if basis::has_gone_over(&self.config.database, &note).await {
+                    return Err(
+                        why.context("the database has gone over to the published map, but cannot be used")
+                    );
+                }
+                tracing::warn!("the map {:?} is not published: {why:#}", map.name);
+                let (store, floor) = self.open(&basis, &old, (false, MapNote::Keep)).await?;
+                if let Err(e) = store.keep_audit(&[GoOver::refused_request(request)]).await {
+                    tracing::warn!("an entry of the audit was not written down: {e}");
+                }
+                (store, floor, basis, Err(GoOver::refused(&why)))
+            }
+        };
+        self.stores.send_replace(store.clone());
+        let (built, _) = start::build(&self.config, floor, basis, &store).await?;
+        Ok((built, Some(Box::new(move || _ = reply.send(answer)))))
+    }
+
+    /// Opens the database with a map, for the kinds of robots that it has.
+    async fn open(
+        &self,
+        basis: &FloorBasis,
+        map: &Arc<Warehouse>,
+        note: (bool, MapNote),
+    ) -> anyhow::Result<(Arc<Store>, SimulatedFloor)> {
+        let unfit = |why: Vec<String>| anyhow::anyhow!("the map is not for this fleet: {}", why.join("; "));
+        let floor = basis.with(basis.fit(map).map_err(unfit)?).with_kinds_of(&self.config.database).await;
+        Ok((start::open(&self.config, &floor, note).await?, floor))
+    }
+
+    /// Says why the server does not work until it is told to stop: a process that ended would be started again, and
+    /// again, and could tell no one.
+    async fn explain(mut self, why: String) -> anyhow::Result<()> {
+        tracing::error!("{why}");
+        self.front.entrance.shut(why);
+        drop(self.front.ready.take());
+        let _ = self.stopping.wait_for(|stop| *stop).await;
+        drain(self.front.http, &self.front.closing).await;
+        let store = self.stores.borrow().clone();
+        store.close().await;
+        Ok(())
+    }
+}
+
+/// Takes no more requests, and lets those that are being answered end, for a while.
+async fn drain(mut http: JoinHandle<std::io::Result<()>>, closing: &watch::Sender<bool>) {
+    closing.send_replace(true);
+    if !http.is_finished() && timeout(DRAIN, &mut http).await.is_err() {
+        tracing::warn!("some requests did not end in time");
+        http.abort();
+    }
+}
+
+async fn listen(door: Door, router: Router, closes: watch::Receiver<bool>) -> std::io::Result<()> {
+    let (listener, tls) = door;
+    connections::serve(listener, tls, router, closes).await;
+    Ok(())
+}

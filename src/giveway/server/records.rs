@@ -1,0 +1,98 @@
+//! The store as the API sees it.
+//!
+//! Main type: [`Shelf`]. Refuses: to write.
+
+use giveway_api::audit::{AuditEntry, AuditQuery};
+use giveway_api::caller::Role;
+use giveway_api::port::{Later, Records};
+use giveway_fleet::alarm::{Alarm, AlarmQuery};
+use giveway_fleet::{
+    AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, JobQuery,
+    JobRow, Listed, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows,
+};
+use giveway_floor::id::{AssignmentId, JobId, RobotId};
+use giveway_floor::time::Time;
+use giveway_store::{AuditFilter, AuditRow, Store, StoreError};
+use std::sync::Arc;
+use tokio::sync::watch;
+
+/// Durable lists, to be read.
+pub struct Shelf(pub Arc<Store>);
+
+impl Records for Shelf {
+    fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRow>, String>> {
+        Box::pin(async move { self.0.job(id).await.map_err(told) })
+    }
+
+    fn jobs(&self, query: JobQuery) -> Later<'_, Result<Listed<JobRow, JobId>, String>> {
+        Box::pin(async move { self.0.jobs(&query).await.map_err(told) })
+    }
+
+    fn assignment(&self, id: AssignmentId) -> Later<'_, Result<Option<AssignmentRow>, String>> {
+        Box::pin(async move { self.0.assignment(id).await.map_err(told) })
+    }
+
+    fn assignments(
+        &self,
+        query: AssignmentQuery,
+    ) -> Later<'_, Result<Listed<AssignmentRow, AssignmentId>, String>> {
+        Box::pin(async move { self.0.assignments(&query).await.map_err(told) })
+    }
+
+    fn alarms(&self, query: AlarmQuery) -> Later<'_, Result<Vec<Alarm>, String>> {
+        Box::pin(async move { self.0.alarms(&query).await.map_err(told) })
+    }
+
+    fn encounters(&self, query: EncounterQuery) -> Later<'_, Result<Listed<EncounterRow, i64>, String>> {
+        Box::pin(async move { self.0.encounters(&query).await.map_err(told) })
+    }
+
+    fn shift(&self, between: (Time, Time), now: Time) -> Later<'_, Result<ShiftRows, String>> {
+        Box::pin(async move { self.0.shift(between, now).await.map_err(told) })
+    }
+
+    fn robot_events(&self, query: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>> {
+        Box::pin(async move { self.0.robot_events(&query).await.map_err(told) })
+    }
+
+    fn audit(&self, q: AuditQuery) -> Later<'_, Result<Vec<AuditEntry>, String>> {
+        let AuditQuery { from, to, actor, before, limit } = q;
+        let filter = AuditFilter { from, to, actor, before, limit };
+        Box::pin(async move {
+            let rows = self.0.audit(&filter).await.map_err(told)?;
+            Ok(rows.into_iter().filter_map(entry).collect())
+        })
+    }
+
+    fn acts(&self, between: (Time, Time)) -> Later<'_, Result<Vec<(String, u64)>, String>> {
+        Box::pin(async move { self.0.acts(between).await.map_err(told) })
+    }
+
+    fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>> {
+        Box::pin(async move { self.0.robot_jobs(robot).await.map_err(told) })
+    }
+
+    fn events(&self, query: EventQuery) -> Later<'_, Result<Vec<EventRow>, String>> {
+        Box::pin(async move { self.0.events(&query).await.map_err(told) })
+    }
+
+    fn event_span(&self) -> Later<'_, Result<EventSpan, String>> {
+        Box::pin(async move { self.0.event_span().await.map_err(told) })
+    }
+
+    fn events_changed(&self) -> watch::Receiver<()> {
+        self.0.events_changed()
+    }
+}
+
+/// A row as the API has it; nothing where its role is from another Giveway.
+fn entry(row: AuditRow) -> Option<AuditEntry> {
+    let AuditRow { id, actor, role, what, subject, outcome } = row;
+    Some(AuditEntry { id, actor, role: Role::of_word(&role)?, what, subject, status: outcome })
+}
+
+/// Logs the failure, once; the client only learns that it is the database.
+fn told(e: StoreError) -> String {
+    tracing::error!("a list cannot be read: {e}");
+    "the database does not answer; the server's log says why".into()
+}

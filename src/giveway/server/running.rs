@@ -1,0 +1,323 @@
+//! The running core: fleet, floor, journal and everything beside them, from when they are wired to when they are down.
+//!
+//! Main types: [`RunningCore`], [`CoreEnd`]. A server has one core after another where its map is changed; the port
+//! and who may enter outlive it. Refuses: to leave a task behind that still knows the database.
+
+use super::inbox::Inbox;
+use super::publish::{GoOver, MapKeeper};
+use super::settle::Settling;
+use super::start::ServerParts;
+use super::{
+    Clock, Outbound, ahead, alarm_keeper, answers, audit_keeper, custody, drive, historian, inbox, journal,
+    kinds, measure, outbox, people, recordings, records, rescue, tokens, trial, watchdog, webhooks,
+};
+use anyhow::{Context, anyhow};
+use axum::Router;
+use giveway_api::alarms::Alarms;
+use giveway_api::audit::AuditDesk;
+use giveway_api::auth::Gate;
+use giveway_api::caller::Caller;
+use giveway_api::feed::hub::Feeds;
+use giveway_api::live::Live;
+use giveway_api::metrics::Metrics;
+use giveway_api::port::{Moment, Now, QUESTIONS, Question};
+use giveway_api::webhooks::HookDesk;
+use giveway_api::{Api, router};
+use giveway_fleet::Fleet;
+use giveway_fleet::alarm::AlarmKind;
+use giveway_floor::text::sentence::alarms as sentence;
+use giveway_floor::time::Span;
+use giveway_sim::World;
+use giveway_store::{Store, StoreError};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::{mpsc, oneshot, watch};
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+
+/// How long the journal may take for the last facts.
+const FLUSH: Duration = Duration::from_secs(10);
+
+/// How long the last frames of the past may take.
+const LAST_FRAMES: Duration = Duration::from_secs(3);
+
+/// The loop is stuck when its view is older.
+const STUCK: Span = Span::from_secs(2);
+
+/// What the loop shares with other parts.
+#[derive(Clone)]
+struct LoopShares {
+    store: Arc<Store>,
+    clock: Arc<Clock>,
+    metrics: Arc<Metrics>,
+    alarms: Arc<Alarms>,
+    feeds: Arc<Feeds>,
+}
+
+/// The loop's ends of channels.
+struct LoopEnds {
+    inbox: Inbox,
+    questions: mpsc::Receiver<Question>,
+    journal: journal::Journal,
+    notes: historian::HistorianSender,
+    tap: recordings::Tap,
+    displaced: watch::Receiver<bool>,
+    moments: watch::Sender<Arc<Moment>>,
+    settling: Settling,
+}
+
+/// The loop, before its first turn.
+fn drive_loop(
+    (fleet, world, period): (Fleet, World, Span),
+    ends: LoopEnds,
+    shared: LoopShares,
+) -> drive::DriveLoop {
+    let LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settling } = ends;
+    let LoopShares { store, clock, metrics, alarms, feeds } = shared;
+    drive::DriveLoop {
+        fleet,
+        world,
+        clock,
+        period,
+        inbox,
+        questions,
+        outbox: outbox::Outbox::default(),
+        journal,
+        measure: measure::Measure::default(),
+        notes,
+        metrics,
+        ahead: ahead::LastForecasts::default(),
+        feeds,
+        tap,
+        alarms,
+        pace: drive::LoopPace::default(),
+        displaced,
+        rescue: rescue::Rescue::default(),
+        watchdog: watchdog::Watchdog::default(),
+        store,
+        moments,
+        settling,
+    }
+}
+
+/// What runs side by side.
+struct Tasks {
+    writer: JoinHandle<Result<(), StoreError>>,
+    thread: oneshot::Receiver<World>,
+    feed: JoinHandle<()>,
+    historian: JoinHandle<()>,
+    /// Of alarms and of the audit.
+    keepers: [JoinHandle<()>; 2],
+    /// Those that end where they are.
+    others: Vec<JoinHandle<()>>,
+    /// Ends with the thread that keeps the past.
+    past: Option<oneshot::Receiver<()>>,
+}
+
+/// Why a core ended.
+pub enum CoreEnd {
+    /// It was told to.
+    Told,
+    /// Something cannot go on.
+    Failed(anyhow::Error),
+    /// The server is to go over to another map.
+    GoOver(Box<GoOver>),
+}
+
+/// The running core.
+pub struct RunningCore {
+    store: Arc<Store>,
+    tasks: Tasks,
+    go_over: mpsc::Receiver<GoOver>,
+    /// Ends sockets and streams.
+    closing: watch::Sender<bool>,
+    halt: watch::Sender<bool>,
+    displaced: watch::Receiver<bool>,
+}
+
+impl RunningCore {
+    /// Wires the parts and lets them run. Gives the routes that lead to them, too.
+    pub async fn begin(
+        parts: ServerParts,
+        store: Arc<Store>,
+        gate: Arc<Gate>,
+        outbound: &Outbound,
+    ) -> anyhow::Result<(RunningCore, Router)> {
+        let ServerParts { fleet, world, clock, period, start, feeds, heard, live, past, charts, .. } = parts;
+        let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
+        let (journal, writer) =
+            journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
+        let ((queue, requests), (ask, questions)) = (mpsc::channel(inbox::QUEUE), mpsc::channel(QUESTIONS));
+        let ((asks, settle), (over, go_over)) = (mpsc::channel(1), mpsc::channel(1));
+        let ((displaced, gone), (closing, closes)) = (watch::channel(false), watch::channel(false));
+        let custody =
+            tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
+        let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
+        let (maps, map_keeper) = MapKeeper::new(&store, &parts.basis, map.clone(), (asks, over));
+        let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.basis.scenario, &fleet);
+        let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
+        let shares = LoopShares { store, clock, metrics, alarms, feeds };
+        let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);
+        let (settling, displaced) = (Settling::new(settle), gone.clone());
+        let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settling };
+        let drive = drive_loop((fleet, world, period), ends, shares.clone());
+        let LoopShares { store, clock, metrics, alarms, feeds } = shares;
+        let (halt, halted) = watch::channel(false);
+        let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
+        let alarm_keeper = alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone());
+        let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
+        let (audit, answered) = AuditDesk::new(parts.last_audit);
+        let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
+        let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
+        let now: Now = Arc::new(move || clock.now());
+        let (tokens, learner) = tokens::TokenKeeper::start((&store, &alarms), &gate, now.clone()).await;
+        let (hooks, asked) = webhooks::hook_queue();
+        let api = Api {
+            map,
+            kinds,
+            moments: picture,
+            records: Arc::new(records::Shelf(store.clone())),
+            figures: charts.figures,
+            queue: Some(queue),
+            hooks: Some(HookDesk { queue: hooks, targets: outbound.targets.clone() }),
+            questions: ask,
+            alarms,
+            past: past.folder,
+            live,
+            feeds,
+            pseudonyms: Arc::new(people::pseudonyms(&store, &now, parts.names_for).await?),
+            interop: Arc::new(parts.interop),
+            now,
+            metrics,
+            trials: trial::trials(),
+            maps,
+            gate,
+            oidc: outbound.oidc.clone(),
+            tokens: Some(Arc::new(tokens)),
+            answers: Some(Arc::new(answers::AnswerKeeper::new(store.clone()))),
+            audit: Arc::new(audit),
+            caller: Arc::new(Caller::anonymous()),
+            entry: None,
+            closing: closes,
+        };
+        let hooks = webhooks::HookKeeper::new(store.clone(), api.clone(), outbound, asked).run();
+        let (keeper, hooks) = (tokio::spawn(keeper.run()), tokio::spawn(hooks));
+        let others = vec![custody, keeper, learner, hooks, tokio::spawn(map_keeper.run())];
+        let (historian, past) = (charts.historian, past.ended);
+        let tasks = Tasks { writer, thread, feed, historian, keepers, others, past };
+        Ok((RunningCore { store, tasks, go_over, closing, halt, displaced: gone }, router(api).0))
+    }
+
+    /// Lets it run until told to stop, until the map is to be changed, or until something cannot go on.
+    pub async fn run(
+        &mut self,
+        http: &mut JoinHandle<std::io::Result<()>>,
+        stopping: &mut watch::Receiver<bool>,
+    ) -> CoreEnd {
+        let Tasks { writer, thread, feed, .. } = &mut self.tasks;
+        tokio::select! {
+            _ = stopping.wait_for(|stop| *stop) => CoreEnd::Told,
+            Some(order) = self.go_over.recv() => CoreEnd::GoOver(Box::new(order)),
+            _ = thread => CoreEnd::Failed(anyhow!("the control loop failed, as logged above; nothing is lost")),
+            out = writer => CoreEnd::Failed(written(out)),
+            out = http => CoreEnd::Failed(anyhow!("the HTTP server stopped: {out:?}")),
+            out = feed => CoreEnd::Failed(anyhow!("the live feed failed: {out:?}")),
+        }
+    }
+
+    /// Ends sockets and streams: from here on nothing new comes.
+    pub fn close(&self) {
+        self.closing.send_replace(true);
+    }
+
+    /// Takes it down, with the last step, its facts and the database; gives the floor as it is then. If it is not
+    /// `whole`, since something of it failed, nothing is waited for.
+    pub async fn end(self, whole: bool) -> anyhow::Result<Option<World>> {
+        let Tasks { writer, thread, feed, historian, keepers, others, past } = self.tasks;
+        self.halt.send_replace(true);
+        let (abort, displaced) = (writer.abort_handle(), *self.displaced.borrow());
+        let flushed = match whole {
+            true => flush(thread, writer, historian, displaced).await,
+            false => Ok(None),
+        };
+        for keeper in keepers {
+            let _ = keeper.await;
+        }
+        if let Some(past) = past.filter(|_| whole)
+            && timeout(LAST_FRAMES, past).await.is_err()
+        {
+            tracing::warn!("the last frames of the past are still being written");
+        }
+        // The files are given back whatever happened: nothing that still knows the store can use it from here on.
+        let others = others.iter().chain([&feed]).map(JoinHandle::abort_handle);
+        for task in others.chain([abort]) {
+            task.abort();
+        }
+        self.store.close().await;
+        flushed
+    }
+}
+
+/// Lets the last step, its facts and the figures over time be written; gives the floor.
+async fn flush(
+    thread: oneshot::Receiver<World>,
+    writer: JoinHandle<Result<(), StoreError>>,
+    historian: JoinHandle<()>,
+    displaced: bool,
+) -> anyhow::Result<Option<World>> {
+    let world = thread.await.ok();
+    // A database that was taken away is hardly brought back now.
+    let patience = if displaced { FLUSH / 10 } else { FLUSH };
+    let lost = "the journal did not take the last facts. None of them was acknowledged";
+    timeout(patience, writer).await.context(lost)?.context(lost)?.context(lost)?;
+    if timeout(patience, historian).await.is_err() {
+        tracing::warn!("the last figures over time were not saved");
+    }
+    Ok(world)
+}
+
+/// Runs the loop on a thread of its own: steps are work, and nothing else may wait for them.
+fn spawn_loop(
+    drive: drive::DriveLoop,
+    halted: watch::Receiver<bool>,
+) -> anyhow::Result<oneshot::Receiver<World>> {
+    let (ended, end) = oneshot::channel();
+    let runtime = tokio::runtime::Handle::current();
+    let body = move || {
+        let world = runtime.block_on(drive.run(halted));
+        let _ = ended.send(world);
+    };
+    std::thread::Builder::new().name("fleet".into()).spawn(body).context("cannot start the control loop")?;
+    Ok(end)
+}
+
+/// Publishes every new view in the live feed; if none comes, raises an alarm.
+async fn feed(
+    live: Arc<Live>,
+    mut picture: watch::Receiver<Arc<Moment>>,
+    alarms: Arc<Alarms>,
+    clock: Arc<Clock>,
+) {
+    let started_s = clock.started().as_secs_f64();
+    loop {
+        let moment = picture.borrow_and_update().clone();
+        let age = clock.now() - moment.view.now;
+        if age <= STUCK {
+            alarms.clear(AlarmKind::LoopStuck, clock.now());
+        } else {
+            alarms.raise(AlarmKind::LoopStuck, sentence::loop_stuck(), clock.now());
+        }
+        live.publish(&moment, &alarms.list(), started_s);
+        if let Ok(Err(_)) = timeout(Duration::from_secs(1), picture.changed()).await {
+            return std::future::pending().await;
+        }
+    }
+}
+
+fn written(out: Result<Result<(), StoreError>, tokio::task::JoinError>) -> anyhow::Error {
+    match out {
+        Ok(Err(e)) => anyhow::Error::new(e).context("the journal contradicts the fleet"),
+        Ok(Ok(())) => anyhow!("the journal ended because the control loop failed; see its error above"),
+        Err(e) => anyhow::Error::new(e).context("the journal's task failed"),
+    }
+}

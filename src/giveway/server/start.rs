@@ -1,0 +1,271 @@
+//! From files to parts: opens the database, folds the journal, makes what the server consists of.
+//!
+//! Main types: [`ServerParts`], [`Built`]. The fold is work for a thread of its own, so that the port answers
+//! meanwhile. Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
+
+use super::basis::FloorBasis;
+use super::clock::{self, Clock};
+use super::recordings::KeptPast;
+use super::{Config, SimulatedFloor, StartSummary, historian, journal};
+use anyhow::Context;
+use giveway_api::alarms::Alarms;
+use giveway_api::caller::Role;
+use giveway_api::feed::hub::{Feeds, HeardSighting};
+use giveway_api::live::Live;
+use giveway_api::massrobotics::Interop;
+use giveway_api::port::SharedHistory;
+use giveway_fleet::history::History;
+use giveway_fleet::{Fleet, Ledger, Settings};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
+use giveway_sim::{OrderFileLine, Scenario, World, nothing_to_order, warm_up};
+use giveway_store::{CarryOver, Loaded, MapNote, Opening, StepEntry, Store, StoreError};
+use std::any::Any;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::mpsc;
+use tokio::task::JoinHandle;
+
+/// How often it is looked whether there is room on the disk.
+const LOOK: Duration = Duration::from_secs(2);
+
+/// What the parts of the server are made of.
+pub struct ServerParts {
+    pub fleet: Fleet,
+    pub world: World,
+    pub clock: Arc<Clock>,
+    pub period: Span,
+    pub start: journal::Start,
+    pub interop: Interop,
+    pub names_for: Vec<Role>,
+    pub feeds: Arc<Feeds>,
+    pub heard: mpsc::Receiver<HeardSighting>,
+    pub live: Arc<Live>,
+    pub alarms: Arc<Alarms>,
+    pub past: KeptPast,
+    pub charts: Charts,
+    /// What stays the same from one map to the next.
+    pub basis: FloorBasis,
+    /// The number of the last request that was written down.
+    pub last_audit: i64,
+}
+
+/// Figures over time, and what keeps them.
+pub struct Charts {
+    pub figures: Arc<SharedHistory>,
+    pub notes: historian::HistorianSender,
+    pub historian: JoinHandle<()>,
+}
+
+/// What became of the files.
+pub enum Built {
+    /// All parts.
+    Whole(Box<ServerParts>),
+    /// No fleet: the journal contradicts itself, as this says.
+    Broken(String),
+}
+
+/// Opens the database; `note` is noted about its map, and losses are accepted where that is so.
+pub async fn open(
+    config: &Config,
+    floor: &SimulatedFloor,
+    (accept_losses, note): (bool, MapNote),
+) -> anyhow::Result<Arc<Store>> {
+    let stamp = || {
+        let now = jiff::Timestamp::from_microsecond(Clock::start(None).started().0)?;
+        anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
+    };
+    let new = config.new.then(stamp).transpose()?;
+    let clearance = floor.scenario.settings().clearance();
+    let carry = Some(CarryOver { clearance, accept_losses, stamp: stamp()? });
+    let opening = Opening { new, traces: vec![config.past_folder()], carry, note };
+    let store = Store::open_as(&config.database, &floor.map, &opening).await?;
+    Ok(Arc::new(store.keep_days(config.keep_days).keep_people_days(config.people_keep_days)))
+}
+
+/// Everything that a start makes of the files: the map that is in operation, the database, the parts. Where there is no
+/// room on the disk, it says so through `waits`, and tries again until there is: nothing can be promised meanwhile, and
+/// a process that ended would only be started again.
+pub async fn restore(
+    config: &Config,
+    floor: &SimulatedFloor,
+    waits: impl Fn(String),
+) -> anyhow::Result<(Arc<Store>, Built, StartSummary)> {
+    let mut has_waited = false;
+    loop {
+        match try_restore(config, floor.clone()).await {
+            Err(e) if e.downcast_ref::<StoreError>().is_some_and(StoreError::is_no_room) => {
+                let why = format!(
+                    "{e:#}. Nothing is accepted until there is room: robots drive to the end of their grants and \
+                     stand. Make room; the server looks every {} s and goes on by itself",
+                    LOOK.as_secs()
+                );
+                if !std::mem::replace(&mut has_waited, true) {
+                    tracing::error!("{why}");
+                }
+                waits(why);
+                tokio::time::sleep(LOOK).await;
+            }
+            Ok(restored) => {
+                if has_waited {
+                    tracing::info!("there is room again: the server starts");
+                }
+                return Ok(restored);
+            }
+            Err(e) => return Err(e),
+        }
+    }
+}
+
+async fn try_restore(
+    config: &Config,
+    floor: SimulatedFloor,
+) -> anyhow::Result<(Arc<Store>, Built, StartSummary)> {
+    let (floor, basis) = match config.new {
+        true => {
+            let basis = FloorBasis::of(&floor);
+            (floor, basis)
+        }
+        false => FloorBasis::choose(floor, &config.database).await?,
+    };
+    let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
+    let store = open(config, &floor, (false, MapNote::Keep)).await?;
+    match build(config, floor, basis, &store).await {
+        Ok((built, summary)) => Ok((store, built, summary)),
+        Err(e) => {
+            store.close().await;
+            Err(e)
+        }
+    }
+}
+
+/// Refuses robots of a kind that the scenario does not have.
+fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
+    let unknown = fleet.settings().unknown_kinds(fleet.ledger());
+    let Some((robot, kind)) = unknown.first() else { return Ok(()) };
+    let kinds: Vec<&str> = fleet.settings().kinds.iter().map(|k| k.name.as_str()).collect();
+    anyhow::bail!(
+        "{robot} is of kind {kind:?} in this database ({} robots are of missing kinds), but the scenario has {}. \
+         Add that kind to the scenario, or use another database",
+        unknown.len(),
+        kinds.join(", ")
+    )
+}
+
+/// Steps are written down so many at once.
+const AT_ONCE: usize = 500;
+
+/// Writes down what the floor did before this moment, for a scenario that begins in the middle of a shift.
+async fn begin_in_the_middle(
+    store: &Store,
+    (map, scenario, lines): (&Arc<Warehouse>, &Scenario, &[OrderFileLine]),
+    next: i64,
+) -> anyhow::Result<()> {
+    let now = || Clock::start(None).started();
+    let (map, scenario, lines) = (map.clone(), scenario.clone(), lines.to_vec());
+    let past = tokio::task::spawn_blocking(move || warm_up(&map, &scenario, &lines, now)).await?;
+    let entry = |(at, facts)| StepEntry { at, facts, causes: Vec::new() };
+    let steps: Vec<StepEntry> = past.steps.into_iter().map(entry).collect();
+    let mut next = next;
+    for some in steps.chunks(AT_ONCE) {
+        store.append(next, some).await?;
+        next += some.len() as i64;
+    }
+    let (buckets, heat) = (past.history.since(Time(0)), past.history.heat().since(Time(0)));
+    store.keep_history(now(), &buckets, &heat).await?;
+    Ok(())
+}
+
+/// What the database has; what the floor did before this moment, where it has nothing and that is wanted.
+async fn load(
+    store: &Store,
+    map: &Arc<Warehouse>,
+    scenario: &Scenario,
+    lines: &[OrderFileLine],
+) -> anyhow::Result<Loaded> {
+    let empty = || Ledger::new(map.clone(), scenario.settings().clearance(), false);
+    let loaded = store.load(empty()).await?;
+    if loaded.last.is_some() || scenario.warm_up == Span::ZERO {
+        return Ok(loaded);
+    }
+    begin_in_the_middle(store, (map, scenario, lines), loaded.next).await?;
+    Ok(store.load(empty()).await?)
+}
+
+/// Makes the parts from what the database has.
+pub async fn build(
+    config: &Config,
+    floor: SimulatedFloor,
+    basis: FloorBasis,
+    store: &Arc<Store>,
+) -> anyhow::Result<(Built, StartSummary)> {
+    let SimulatedFloor { scenario, map, lines } = floor;
+    let loaded = load(store, &map, &scenario, &lines).await?;
+    let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
+    let (published, map_name) = (basis.published.clone(), map.name.clone());
+    let idle = nothing_to_order(&scenario, &map);
+    let summary = StartSummary { map: map_name, published, robots, facts, idle, ..StartSummary::default() };
+    let clock = Arc::new(Clock::start(loaded.last));
+    let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
+    let (buckets, heat) = store.load_history().await?;
+    let history = History::restore(buckets, heat);
+    let figures = Arc::new(SharedHistory::new(clock.started(), settings.policy.word(), history));
+    let (now, floor, period) = (clock.now(), map.clone(), scenario.period);
+    let fold = move || {
+        let (ledger, facts) = loaded.into_parts();
+        let fleet = Fleet::resume(ledger, settings, facts);
+        check_kinds(&fleet)?;
+        let world = World::new(floor, &scenario, &lines, scenario.seed, &fleet, now);
+        anyhow::Ok((fleet, world))
+    };
+    let (fleet, world) = match tokio::task::spawn_blocking(fold).await {
+        Ok(folded) => folded?,
+        Err(e) => {
+            let said = e.try_into_panic().map(|p| panic_text(&*p)).context("the fold was given up")?;
+            let why = format!(
+                "the journal of {} contradicts itself: {said}. Nothing was changed. Robots drive to the end of \
+                 their grants and stop. Keep a copy of the file, then run `giveway database restore BACKUP`",
+                store.path().display()
+            );
+            return Ok((Built::Broken(why.clone()), StartSummary { trouble: Some(why), ..summary }));
+        }
+    };
+    let ledger = fleet.ledger();
+    let (jobs, open_jobs) = (ledger.next_job - 1, ledger.jobs.len() as u64);
+    let summary = StartSummary { jobs, open_jobs, ..summary };
+    let start = journal::Start { next, ledger: ledger.clone(), behind: facts };
+    let (feeds, heard) = Feeds::new();
+    feeds.know(&fleet.ledger().workers);
+    let (interop, feeds) = (config.massrobotics.clone(), Arc::new(feeds));
+    let live = Arc::new(Live::new(map, clock.started().0.unsigned_abs()));
+    let alarms = Arc::new(Alarms::default());
+    let (last, active) = store.active_alarms(clock.now()).await?;
+    alarms.restore(last, active, clock.now());
+    let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
+    let (notes, historian) = historian::historian(figures.clone(), store.clone());
+    let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
+    let parts = ServerParts {
+        fleet,
+        world,
+        clock,
+        period,
+        start,
+        interop,
+        names_for: config.people_names_for.clone(),
+        feeds,
+        heard,
+        live,
+        alarms,
+        past,
+        charts,
+        basis,
+        last_audit: store.last_audit().await?,
+    };
+    Ok((Built::Whole(Box::new(parts)), summary))
+}
+
+/// What a panic said.
+pub fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it does not say why").to_owned()
+}

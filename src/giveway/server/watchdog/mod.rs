@@ -1,0 +1,59 @@
+//! Looks at the fleet, the loop and the clock about once a second, and hands what is wrong to the alarms; the laws of
+//! the simulation that make sense live, cheap and sampled, among it.
+//!
+//! Main types: [`Watchdog`] (robots, people, jobs, steps), [`Auditor`] (reservations, and jobs against the robots that
+//! serve them). Refuses: to mend anything, and to look at everything in one turn of the loop.
+
+mod auditor;
+
+pub use auditor::Auditor;
+
+use giveway_api::alarms::Alarms;
+use giveway_fleet::alarm::{AlarmCondition, AlarmKind, AlarmSubject, FloorWatch, LoopHealth};
+use giveway_fleet::{Fleet, View};
+use giveway_floor::text::sentence::alarms;
+use giveway_floor::time::{Span, Time};
+use giveway_sim::laws::untrue;
+
+/// The fleet is looked at this often.
+const LOOKS: Span = Span::from_secs(1);
+
+/// Looks at the fleet now and then.
+#[derive(Debug, Default)]
+pub struct Watchdog {
+    looked: Option<Time>,
+    floor: FloorWatch,
+    health: LoopHealth,
+}
+
+impl Watchdog {
+    /// Notes how long a step took.
+    pub fn note_step(&mut self, now: Time, length: Span, period: Span) {
+        self.health.period = period;
+        self.health.steps.note(now, length > period);
+    }
+
+    /// Raises and ends alarms; every second, however often it is called. `clock_ahead` says how far the system's clock
+    /// is ahead.
+    pub fn look(&mut self, fleet: &Fleet, view: &View, clock_ahead: Span, alarms: &Alarms) {
+        let now = view.now;
+        if self.looked.is_some_and(|at| now - at < LOOKS) {
+            return;
+        }
+        self.looked = Some(now);
+        self.health.clock_ahead = clock_ahead;
+        let mut found = self.floor.look(fleet, view, &self.health);
+        found.extend(waits_in_vain(fleet, now));
+        alarms.observe(found, now);
+    }
+}
+
+/// Robots that wait for what does not keep them. What ends in this very step has not lasted.
+fn waits_in_vain(fleet: &Fleet, now: Time) -> Option<AlarmCondition> {
+    let in_vain = fleet.ledger().present().filter(|r| untrue(fleet, *r, now).is_some());
+    let names: Vec<&str> = in_vain.map(|r| fleet.ledger().robots[r].name.as_str()).collect();
+    (!names.is_empty()).then(|| {
+        let said = alarms::robots_wait_in_vain(names);
+        AlarmCondition::new(AlarmKind::WaitsInVain, AlarmSubject::floor(), said)
+    })
+}

@@ -1,0 +1,274 @@
+//! Robots and people together, by four ways of giving way: Table 4.1 of Petković 2021 with our own arm beside it.
+//!
+//! Main types: [`TableSetup`], [`RunRow`], [`Column`]. Every arm meets the same seeds, and what comes to people's minds
+//! does not depend on the arm. Refuses: threads and files; the caller runs [`TableSetup::run`] as often, and on as
+//! many cores, as it likes.
+
+use super::robot_time::RobotTime;
+use super::statistics::{Interval, Summary};
+use giveway_fleet::Charging;
+use giveway_floor::route::Kinematics;
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::Warehouse;
+use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::reach::PickModel;
+use giveway_sim::detection::Score;
+use giveway_sim::encounter::EncounterFigures;
+use giveway_sim::{
+    CalmFigures, Causes, Demand, Deviations, Faults, Habits, KindShare, NodeWindowsWord, Outcome, Scenario,
+    Sensor, Simulation, Workers,
+};
+use std::sync::Arc;
+
+/// When workers come in, seconds (Petković 2021, figure 4.8).
+pub const ENTER_S: f64 = 250.0;
+/// When they deviate, seconds (the same).
+const DEVIATE_S: [f64; 6] = [300.0, 320.0, 420.0, 450.0, 500.0, 625.0];
+/// So often the robots' time is looked at.
+const LOOK_EVERY: Span = Span::from_secs(1);
+
+/// One experiment, to be run with many seeds.
+#[derive(Clone, Debug)]
+pub struct TableSetup {
+    /// The hall.
+    pub warehouse: Arc<Warehouse>,
+    /// Robots in it.
+    pub robots: usize,
+    /// People in it.
+    pub workers: usize,
+    /// How long, seconds.
+    pub seconds: f64,
+    /// How people are seen.
+    pub sensor: Sensor,
+    /// Why people leave their paths besides the six departures of the published experiment.
+    pub causes: Causes,
+    /// How the fleet finds out when people take a node.
+    pub node_windows: NodeWindowsWord,
+}
+
+/// What one run came to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunRow {
+    /// Racks served at stations.
+    pub robot_deliveries: f64,
+    /// What robots spent their time on after the workers came in.
+    pub robot_time: RobotTime,
+    /// Those of them that were served after the workers came in.
+    pub deliveries_beside_workers: f64,
+    /// Assignments that workers truly completed.
+    pub human_deliveries: f64,
+    /// Meetings of moving robots with workers, per minute of workers on the floor.
+    pub encounters_per_worker_minute: f64,
+    /// Robots that had to stop or to go elsewhere because of a worker, per true deviation.
+    pub interruptions_per_deviation: f64,
+    /// Routes planned anew because of workers.
+    pub replans: f64,
+    /// Share of the workers' time in which one was kept in one spot, of those times that lasted a minute.
+    pub standstill_share: f64,
+    /// Meetings with robots, as a curve.
+    pub met: EncounterFigures,
+    /// For how many minutes workers were kept in one spot, of those times that lasted a minute.
+    pub standstills: u64,
+    /// How calm guidance was, and for how many minutes workers were on the floor.
+    pub calm: (CalmFigures, f64),
+    /// How well deviations were noticed.
+    pub score: Score,
+    /// Broken laws, in words.
+    pub broken: Vec<String>,
+    /// How many there were.
+    pub law_violations: u64,
+}
+
+/// What is read off a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Racks served.
+    RobotDeliveries,
+    /// Assignments completed.
+    HumanDeliveries,
+    /// Both.
+    TotalDeliveries,
+    /// Meetings per minute of workers on the floor.
+    EncountersPerWorkerMinute,
+    /// Interrupted robots per deviation.
+    InterruptionsPerDeviation,
+    /// Routes planned anew because of workers.
+    Replans,
+    /// Share of the workers' time in which robots kept them in one spot for a minute.
+    StandstillShare,
+}
+
+impl Column {
+    /// All of them, in the order of the table.
+    pub const ALL: [Column; 7] = [
+        Column::RobotDeliveries,
+        Column::HumanDeliveries,
+        Column::TotalDeliveries,
+        Column::EncountersPerWorkerMinute,
+        Column::InterruptionsPerDeviation,
+        Column::Replans,
+        Column::StandstillShare,
+    ];
+
+    /// The word for it in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Column::RobotDeliveries => "robot_deliveries",
+            Column::HumanDeliveries => "human_deliveries",
+            Column::TotalDeliveries => "total_deliveries",
+            Column::EncountersPerWorkerMinute => "encounters_per_worker_minute",
+            Column::InterruptionsPerDeviation => "interruptions_per_deviation",
+            Column::Replans => "replans",
+            Column::StandstillShare => "standstill_share",
+        }
+    }
+
+    /// This column of a run.
+    pub fn of(self, row: &RunRow) -> f64 {
+        match self {
+            Column::RobotDeliveries => row.robot_deliveries,
+            Column::HumanDeliveries => row.human_deliveries,
+            Column::TotalDeliveries => row.robot_deliveries + row.human_deliveries,
+            Column::EncountersPerWorkerMinute => row.encounters_per_worker_minute,
+            Column::InterruptionsPerDeviation => row.interruptions_per_deviation,
+            Column::Replans => row.replans,
+            Column::StandstillShare => row.standstill_share,
+        }
+    }
+
+    /// This column of many runs.
+    pub fn summary(self, rows: &[RunRow]) -> Summary {
+        Summary::of(&rows.iter().map(|r| self.of(r)).collect::<Vec<_>>())
+    }
+
+    /// Differences of this column between two arms, seed by seed.
+    pub fn paired(self, ours: &[RunRow], theirs: &[RunRow]) -> Interval {
+        let all = |rows: &[RunRow]| rows.iter().map(|r| self.of(r)).collect::<Vec<_>>();
+        Interval::of_pairs(&all(ours), &all(theirs))
+    }
+}
+
+impl TableSetup {
+    /// The scenario of one run.
+    pub fn scenario(&self, arm: HumanAwarePolicy, seed: u64) -> Scenario {
+        let deviations = Deviations { at_s: DEVIATE_S.to_vec(), causes: self.causes };
+        let workers = Workers {
+            count: self.workers,
+            enter_s: ENTER_S,
+            deviations,
+            sensor: self.sensor,
+            node_windows: self.node_windows,
+            ..Workers::default()
+        };
+        Scenario {
+            cells: None,
+            name: format!("table-4-1 {} {}", arm.word(), self.workers),
+            map: String::new(),
+            robots: self.robots,
+            duration: Span::from_secs_f64(self.seconds),
+            period: Span::from_millis(100),
+            seed,
+            demand: Demand::Backlog(self.robots),
+            customers: Habits::default(),
+            drain: Span::ZERO,
+            warm_up: Span::ZERO,
+            faults: Faults::default(),
+            kinds: KindShare::one(Kinematics::default(), Charging::default()),
+            workers,
+            closures: Vec::new(),
+            evacuations: Vec::new(),
+            local_planner: Default::default(),
+            model: None,
+            learned: giveway_people::human::Model::builtin(),
+            picks: PickModel::builtin(),
+            policy: arm,
+        }
+    }
+
+    /// One run.
+    pub fn run(&self, arm: HumanAwarePolicy, seed: u64) -> RunRow {
+        let scenario = self.scenario(arm, seed);
+        let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
+        let enter = Time::from_secs_f64(ENTER_S);
+        let (mut before, mut robot_time, mut next_look) = (0, RobotTime::default(), enter);
+        while !sim.is_over() {
+            if sim.now() <= enter {
+                before = sim.robot_deliveries();
+            }
+            sim.step();
+            if sim.now() > next_look {
+                robot_time.look(&sim.fleet, sim.now());
+                next_look = sim.now() + LOOK_EVERY;
+            }
+        }
+        RunRow::of(&sim.outcome(), before, robot_time)
+    }
+}
+
+impl RunRow {
+    /// Of a run in which so many racks had been served when the workers came in, and robots spent their time so.
+    fn of(outcome: &Outcome, before: u64, robot_time: RobotTime) -> RunRow {
+        let Outcome { counts, people, .. } = outcome;
+        let minutes = people.figures.worker_time.as_secs_f64() / 60.0;
+        let per = |n: u64, of: f64| if of > 0.0 { n as f64 / of } else { 0.0 };
+        RunRow {
+            robot_deliveries: counts.robot_deliveries as f64,
+            robot_time,
+            deliveries_beside_workers: (counts.robot_deliveries - before) as f64,
+            human_deliveries: people.completed as f64,
+            encounters_per_worker_minute: per(people.figures.encounters, minutes),
+            interruptions_per_deviation: per(counts.interruptions, people.score.deviations() as f64),
+            replans: counts.replans as f64,
+            standstill_share: per(people.standstills, minutes),
+            met: people.figures.clone(),
+            standstills: people.standstills,
+            calm: (people.calm, minutes),
+            score: people.score.clone(),
+            broken: outcome.broken.clone(),
+            law_violations: outcome.law_violations,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use giveway_floor::warehouse::thesis;
+
+    fn setup() -> TableSetup {
+        let warehouse = Arc::new(thesis());
+        TableSetup {
+            warehouse,
+            robots: 8,
+            workers: 1,
+            seconds: 340.0,
+            sensor: Sensor::default(),
+            causes: Causes::All,
+            node_windows: NodeWindowsWord::default(),
+        }
+    }
+
+    #[test]
+    fn a_run_of_one_seed_is_the_same_twice_and_has_people_in_it() {
+        let row = setup().run(HumanAwarePolicy::Giveway, 3);
+        assert_eq!(row, setup().run(HumanAwarePolicy::Giveway, 3));
+        assert!(row.score.hours > 85.0 / 3600.0 && row.score.deviations() > 0, "{:?}", row.score);
+        assert_eq!(row.law_violations, 0, "{:?}", row.broken);
+    }
+
+    #[test]
+    fn what_workers_set_out_for_does_not_depend_on_the_arm() {
+        let deviations = |arm| {
+            let scenario = setup().scenario(arm, 5);
+            let mut sim = Simulation::new(setup().warehouse, &scenario, &[], 5, false, || 0);
+            while !sim.is_over() {
+                sim.step();
+            }
+            let logs = sim.world.walkers().map(|(_, w)| w.log().segments().to_vec());
+            let scripted = logs.flatten().filter(|s| s.cause == giveway_sim::walker::WalkCause::Scripted);
+            scripted.map(|s| s.from).collect::<Vec<_>>()
+        };
+        assert_eq!(deviations(HumanAwarePolicy::Nhir), deviations(HumanAwarePolicy::Giveway));
+        assert_eq!(deviations(HumanAwarePolicy::Nhir).len(), 2);
+    }
+}

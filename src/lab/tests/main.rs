@@ -1,0 +1,4 @@
+//! The laboratory from outside: what its program prints, and what pages show of it.
+
+mod reports;
+mod stories;

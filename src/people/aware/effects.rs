@@ -1,0 +1,317 @@
+//! From beliefs about people to conditions for the search.
+//!
+//! Main type: [`Effects`]. Where a person is, nothing comes or goes, and around that everything is slower;
+//! where a person will almost surely walk within seconds, no robot may be; where a person may walk, being there
+//! costs, in proportion to the probability. Refuses: to look at robots.
+
+use super::afoot::Afoot;
+use super::occupancy::Occupancy;
+use super::regions::Regions;
+use crate::human::{Band, Hypothesis, WALK_MPS, Whereabouts, passages};
+use giveway_floor::geometry::{Point, Segment};
+use giveway_floor::id::{NodeId, WorkerId};
+use giveway_floor::route::{Cause, Condition, Conditions, Effect};
+use giveway_floor::time::{Span, Time, Window};
+use giveway_floor::warehouse::Warehouse;
+use std::collections::BTreeMap;
+
+/// Probability from which a place is closed instead of having a soft cost.
+const SURE: f64 = 0.5;
+/// Probability below which a place is neither.
+const NEGLIGIBLE: f64 = 0.05;
+/// What being surely in a person's way costs, seconds.
+const IN_THE_WAY_S: f64 = 8.0;
+/// How far ahead a place is closed, and how far it has a soft cost.
+const HARD: Span = Span::from_secs(6);
+const SOFT: Span = Span::from_secs(15);
+/// Without forecasts: what a walker reaches within the first is closed, within the second has a soft cost; seconds.
+const HARD_REACH_S: f64 = 2.0;
+const SOFT_REACH_S: f64 = 5.0;
+/// Conditions around a worker who walks hold this long …
+const NOW: Span = Span::from_millis(900);
+/// … and around one who stands this long at most.
+const STOOD: Span = Span::from_secs(120);
+/// Room between region 1 and a robot that passes a person who stands to let it, metres.
+const ASIDE_M: f64 = 0.3;
+
+/// How the fleet finds out when a worker takes a node. The first delivers more, and people wait less, in the halls that
+/// were measured (docs/experiments.md).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum NodeWindows {
+    /// From when a fast walker comes until a slow one has gone, for each way; a worker who keeps to the path keeps to
+    /// it.
+    #[default]
+    Speeds,
+    /// By the calibrated forecast by which robots brake, node by node.
+    Mixture,
+}
+
+/// What conditions are made with.
+#[derive(Debug)]
+pub struct Effects<'a> {
+    /// The building.
+    pub warehouse: &'a Warehouse,
+    /// Radii and speeds.
+    pub regions: &'a Regions,
+    /// How far nodes are on foot.
+    pub afoot: &'a Afoot,
+    /// The time now.
+    pub now: Time,
+}
+
+impl Effects<'_> {
+    /// Regions 2 and 3 around a worker where the worker is. A person who has stood for long is expected to stand as
+    /// long again, so that robots look for other ways; conditions are made anew every step.
+    pub fn presence(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts, stood: Span) {
+        let window = Window::new(self.now, self.now + stood.clamp(NOW, STOOD));
+        let keep_out = self.regions.keep_out_radius_m(true, w.sigma_m) + w.reach_m;
+        self.around(conditions, worker, w, (window, keep_out));
+    }
+
+    /// Regions around a worker who stands to let a robot pass: a slow robot comes as near as it can still stop.
+    pub fn stands_aside(&self, conditions: &mut Conditions, worker: WorkerId, w: &Whereabouts) {
+        let keep_out = self.regions.stop_radius_m(true, w.sigma_m) + ASIDE_M + w.reach_m;
+        self.around(conditions, worker, w, (Window::new(self.now, self.now + NOW), keep_out));
+    }
+
+    fn around(
+        &self,
+        conditions: &mut Conditions,
+        worker: WorkerId,
+        w: &Whereabouts,
+        (window, keep_out): (Window, f64),
+    ) {
+        let cause = Cause::Worker(worker);
+        let slow = self.regions.slow_radius_m(true, w.sigma_m) + w.reach_m;
+        for (node, distance) in self.afoot.nodes_within(self.warehouse, w.at, slow) {
+            let effect = if distance <= keep_out {
+                Effect::NoEntryOrExit
+            } else {
+                Effect::Slow(self.regions.limits_mps(distance - w.reach_m, w.sigma_m))
+            };
+            conditions.add(node, Condition { window, effect, cause });
+        }
+    }
+
+    /// Nodes on the ways that a worker may take, each from when a fast walker comes until a slow one has gone, by the
+    /// probability of the way: ours ([`NodeWindows::Speeds`]).
+    pub fn forecast(&self, conditions: &mut Conditions, worker: WorkerId, paths: &[Hypothesis], band: Band) {
+        let mut found: BTreeMap<NodeId, (f64, usize, Window)> = BTreeMap::new();
+        for (i, h) in paths.iter().enumerate().filter(|(_, h)| h.probability >= NEGLIGIBLE / 4.0) {
+            passages(i, h, band, self.now, SOFT, |p| {
+                for node in self.warehouse.nodes_within(p.at, self.regions.beside_m()) {
+                    let entry = found.entry(node).or_insert((0.0, usize::MAX, p.window));
+                    if entry.1 != i {
+                        (entry.0, entry.1) = (entry.0 + h.probability, i);
+                    }
+                    entry.2 = hull(entry.2, p.window);
+                }
+            });
+        }
+        let cause = Cause::Worker(worker);
+        for (node, (probability, _, window)) in found {
+            let effect = match probability {
+                p if p >= SURE && window.start() <= self.now + HARD => Effect::Closed,
+                p if p >= NEGLIGIBLE => Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S * p.min(1.0))),
+                _ => continue,
+            };
+            conditions.add(node, Condition { window, effect, cause });
+        }
+    }
+
+    /// Nodes that a worker will take by the calibrated forecast ([`NodeWindows::Mixture`]).
+    pub fn occupied(&self, conditions: &mut Conditions, worker: WorkerId, occupied: &[Occupancy]) {
+        let cause = Cause::Worker(worker);
+        for o in occupied.iter().filter(|o| o.window.end() > self.now) {
+            let sure = o.likely.filter(|_| o.probability >= SURE);
+            let closed = sure.filter(|w| w.start() <= self.now + HARD && w.end() > self.now);
+            let (window, effect) = match closed {
+                Some(window) => (window, Effect::Closed),
+                None => (o.window, Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S * o.probability))),
+            };
+            conditions.add(o.node, Condition { window, effect, cause });
+        }
+    }
+
+    /// All that a worker can reach: where forecasts have proved wrong.
+    pub fn reachable(&self, conditions: &mut Conditions, worker: WorkerId, at: Point) {
+        let cause = Cause::Worker(worker);
+        for (node, distance) in self.afoot.nodes_within(self.warehouse, at, WALK_MPS * SOFT_REACH_S) {
+            let window = Window::new(self.now, self.now + Span::from_secs_f64(SOFT_REACH_S));
+            let effect = if distance <= WALK_MPS * HARD_REACH_S {
+                Effect::Closed
+            } else {
+                Effect::SoftCost(Span::from_secs_f64(IN_THE_WAY_S))
+            };
+            conditions.add(node, Condition { window, effect, cause });
+        }
+    }
+
+    /// A worker's whole plan with regions 2 and 3 around it: as published (Petković 2021, sections 4.2.3 and
+    /// 4.3.3).
+    pub fn plan(&self, conditions: &mut Conditions, worker: WorkerId, path: &Hypothesis, band: Band) {
+        let cause = Cause::Worker(worker);
+        let keep_out = self.regions.keep_out_radius_m(true, 0.0);
+        let slow = self.regions.slow_radius_m(true, 0.0);
+        passages(0, path, band, self.now, Span::from_secs(120), |p| {
+            for (node, distance) in self.afoot.nodes_within(self.warehouse, p.at, slow) {
+                let effect = match distance {
+                    d if d <= self.regions.beside_m() => Effect::Closed,
+                    d if d <= keep_out => Effect::NoEntryOrExit,
+                    d => Effect::Slow(self.regions.limits_mps(d, 0.0)),
+                };
+                conditions.add(node, Condition { window: p.window, effect, cause });
+            }
+        });
+    }
+}
+
+fn hull(a: Window, b: Window) -> Window {
+    Window::new(a.start().min(b.start()), a.end().max(b.end()))
+}
+
+/// Nodes on which a robot would reach into an outline.
+pub fn nodes_in(warehouse: &Warehouse, outline: &[Point]) -> Vec<NodeId> {
+    let half = warehouse.footprint_m / 2.0;
+    let range = |of: fn(&Point) -> f64| {
+        let ends = outline.iter().map(of);
+        (ends.clone().fold(f64::INFINITY, f64::min) - half, ends.fold(f64::NEG_INFINITY, f64::max) + half)
+    };
+    let ((left, right), (low, high)) = (range(|p| p.x), range(|p| p.y));
+    let near = |at: Point| left <= at.x && at.x <= right && low <= at.y && at.y <= high;
+    let inside = |at: Point| near(at) && (is_inside(outline, at) || distance_to(outline, at) < half);
+    warehouse.nodes.pairs().filter(|(_, n)| inside(n.at)).map(|(id, _)| id).collect()
+}
+
+/// Even-odd rule.
+fn is_inside(outline: &[Point], p: Point) -> bool {
+    let edges = outline.iter().zip(outline.iter().cycle().skip(1));
+    let crossings = edges
+        .filter(|(a, b)| (a.y > p.y) != (b.y > p.y) && p.x < (b.x - a.x) * (p.y - a.y) / (b.y - a.y) + a.x);
+    crossings.count() % 2 == 1
+}
+
+fn distance_to(outline: &[Point], p: Point) -> f64 {
+    let edges = outline.iter().zip(outline.iter().cycle().skip(1));
+    let distances = edges.map(|(a, b)| Segment { a: *a, b: *b }.distance_to(p));
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::Presence;
+    use giveway_floor::geometry::Vector;
+    use giveway_floor::route::Kinematics;
+    use giveway_floor::warehouse::thesis;
+    use giveway_floor::warehouse::walkway::Walkways;
+    use std::sync::Arc;
+
+    fn hall() -> (Warehouse, Regions, Afoot) {
+        let w = thesis();
+        let r = Regions::new(Kinematics::default(), w.footprint_m, 0.1);
+        let afoot = Afoot::new(&w, Arc::new(Walkways::of(&w)));
+        (w, r, afoot)
+    }
+
+    fn standing(at: Point) -> Whereabouts {
+        let presence = Presence::Tracked;
+        Whereabouts { at, sigma_m: 0.02, reach_m: 0.0, velocity: Vector::zeros(), heading: None, presence }
+    }
+
+    #[test]
+    fn around_a_worker_nothing_comes_or_goes_and_beyond_it_is_slow() {
+        let (warehouse, regions, afoot) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
+        let mut conditions = Conditions::none(&warehouse);
+        let node = warehouse.nodes.ids().next().unwrap();
+        let at = warehouse.nodes[node].at;
+        effects.presence(&mut conditions, WorkerId(0), &standing(at), Span::ZERO);
+        assert!(matches!(conditions.of(node)[0].effect, Effect::NoEntryOrExit));
+        let keep_out = regions.keep_out_radius_m(true, 0.02);
+        let near: Vec<_> = afoot.nodes_within(&warehouse, at, keep_out);
+        assert!(near.len() > 4);
+        for n in warehouse.nodes.ids() {
+            let no_entry = conditions.of(n).iter().any(|c| c.effect == Effect::NoEntryOrExit);
+            assert_eq!(no_entry, near.iter().any(|(m, _)| *m == n), "{n:?}");
+        }
+    }
+
+    #[test]
+    fn the_surer_a_way_the_harder_its_conditions() {
+        let (warehouse, regions, afoot) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
+        let at = |i: usize| warehouse.nodes.iter().nth(i).unwrap().at;
+        for (p, closed) in [(0.9, true), (0.3, false)] {
+            let mut conditions = Conditions::none(&warehouse);
+            let path = Hypothesis { probability: p, path: vec![at(0), at(1)], stay: None };
+            effects.forecast(&mut conditions, WorkerId(0), &[path], Band::ANY);
+            let first = warehouse.nodes.ids().next().unwrap();
+            assert_eq!(matches!(conditions.of(first)[0].effect, Effect::Closed), closed);
+        }
+    }
+
+    #[test]
+    fn hypotheses_that_share_a_place_add_up() {
+        let (warehouse, regions, afoot) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
+        let at = |i: usize| warehouse.nodes.iter().nth(i).unwrap().at;
+        let h = |to: usize| Hypothesis { probability: 0.4, path: vec![at(0), at(to)], stay: None };
+        let mut conditions = Conditions::none(&warehouse);
+        effects.forecast(&mut conditions, WorkerId(0), &[h(1), h(1)], Band::ANY);
+        let first = warehouse.nodes.ids().next().unwrap();
+        assert!(matches!(conditions.of(first)[0].effect, Effect::Closed), "0.4 and 0.4 make sure");
+    }
+
+    #[test]
+    fn the_surer_a_node_is_taken_and_the_sooner_the_harder_its_condition() {
+        let (warehouse, regions, afoot) = hall();
+        let now = Time(20_000_000);
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now };
+        let node = warehouse.nodes.ids().next().unwrap();
+        let window =
+            |from_s: i64, to_s: i64| Window::new(now + Span::from_secs(from_s), now + Span::from_secs(to_s));
+        let effect = |probability: f64, from_s: i64| {
+            let likely = Some(window(from_s + 1, from_s + 2));
+            let taken = Occupancy { node, probability, window: window(from_s, from_s + 4), likely };
+            let mut conditions = Conditions::none(&warehouse);
+            effects.occupied(&mut conditions, WorkerId(0), &[taken]);
+            conditions.of(node).first().map(|c| (c.effect, c.window))
+        };
+        assert_eq!(effect(0.9, 0), Some((Effect::Closed, window(1, 2))));
+        let soft = |s: f64| Effect::SoftCost(Span::from_secs_f64(s));
+        assert_eq!(effect(0.25, 0), Some((soft(2.0), window(0, 4))));
+        assert_eq!(effect(0.75, 8), Some((soft(6.0), window(8, 12))), "there is time to see");
+        assert_eq!(effect(0.9, -4), None, "over");
+    }
+
+    #[test]
+    fn without_forecasts_all_that_can_be_reached_is_closed_or_has_a_soft_cost() {
+        let (warehouse, regions, afoot) = hall();
+        let effects = Effects { warehouse: &warehouse, regions: &regions, afoot: &afoot, now: Time::ZERO };
+        let node = warehouse.nodes.ids().next().unwrap();
+        let at = warehouse.nodes[node].at;
+        let mut conditions = Conditions::none(&warehouse);
+        effects.reachable(&mut conditions, WorkerId(0), at);
+        for (n, distance) in afoot.nodes_within(&warehouse, at, 20.0) {
+            let found = conditions.of(n).first().map(|c| c.effect);
+            match distance {
+                d if d <= 3.2 => assert_eq!(found, Some(Effect::Closed), "{n:?}"),
+                d if d <= 8.0 => assert!(matches!(found, Some(Effect::SoftCost(_))), "{n:?}"),
+                _ => assert_eq!(found, None, "{n:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn an_area_takes_all_nodes_whose_robots_would_reach_into_it() {
+        let (warehouse, ..) = hall();
+        let node = warehouse.nodes.ids().next().unwrap();
+        let p = warehouse.nodes[node].at;
+        let corner = |x: f64, y: f64| Point::new(p.x + x, p.y + y);
+        let small = [corner(0.3, 0.3), corner(0.4, 0.3), corner(0.4, 0.4)];
+        assert_eq!(nodes_in(&warehouse, &small), vec![node]);
+        let far = [corner(-9.0, -9.0), corner(-8.0, -9.0), corner(-8.0, -8.0)];
+        assert!(nodes_in(&warehouse, &far).is_empty());
+    }
+}

@@ -1,0 +1,231 @@
+//! How near a robot may come to a person, and how fast.
+//!
+//! Main type: [`Regions`]. The separation distance is that of ISO/TS 15066, 5.5.4: what the person walks
+//! while the robot reacts and brakes, what the robot drives meanwhile, and the uncertainty of both places.
+//! Region 1 is where a slow robot must stand, region 2 where the slow speed would be too fast, region 3 where
+//! full speed would. A person is always taken to walk at 1.6 m/s (ISO 13855): predictions add caution and
+//! never take any away. Refuses: to be a safety function; robots' own scanners and brakes are.
+
+use super::safe_space::StoppingTimes;
+use crate::human::WALK_MPS;
+use giveway_floor::route::Kinematics;
+
+/// Radius of a standing person, metres.
+pub const BODY_M: f64 = 0.25;
+/// Room between a person on a path and a robot, metres.
+const GAP_M: f64 = 0.1;
+/// Uncertainty of a robot's place, metres.
+const ROBOT_M: f64 = 0.1;
+/// Speed of robots near people, metres per second.
+pub const SLOW_MPS: f64 = 0.5;
+/// Speed of robots that come towards people who are near, metres per second.
+pub const CREEP_MPS: f64 = 0.25;
+/// Robots come towards people within this distance so slowly that twice the separation is left, metres.
+pub const APPROACH_M: f64 = 3.0;
+
+/// Radii and speeds for one kind of robot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Regions {
+    kinematics: Kinematics,
+    /// Half of its width, without and with a rack.
+    half_m: [f64; 2],
+    /// From a pose being so to the robot's brakes: age, control period, radio, controller; seconds.
+    reaction_s: f64,
+}
+
+impl Regions {
+    /// For robots of this kind, `footprint_m` wide, in a fleet that decides every `period_s`.
+    pub fn new(kinematics: Kinematics, footprint_m: f64, period_s: f64) -> Regions {
+        Regions::for_outlines(kinematics, [footprint_m / 2.0; 2], period_s)
+    }
+
+    /// For robots of this kind that reach so far from their middle, without and with a rack.
+    pub fn for_outlines(kinematics: Kinematics, half_m: [f64; 2], period_s: f64) -> Regions {
+        let reaction_s = 0.1 + 2.0 * period_s + kinematics.reaction.as_secs_f64();
+        Regions { kinematics, half_m, reaction_s }
+    }
+
+    /// How long a robot takes to stand.
+    pub fn times(&self, v: f64, loaded: bool) -> StoppingTimes {
+        StoppingTimes { react_s: self.reaction_s, stop_s: v / self.kinematics.accel_mps2(loaded) }
+    }
+
+    /// Way from deciding to standing, metres.
+    fn stop_m(&self, v: f64, loaded: bool) -> f64 {
+        let times = self.times(v, loaded);
+        times.reacting_m(v) + times.stopping_m(v)
+    }
+
+    /// Half of a person and half of a robot: what distances between centres have more than separations, metres.
+    pub fn bodies_m(&self, loaded: bool) -> f64 {
+        BODY_M + self.half_m[usize::from(loaded)]
+    }
+
+    /// What a person on a path and a robot beside it need between their centres, metres.
+    pub fn beside_m(&self) -> f64 {
+        self.bodies_m(true) + GAP_M
+    }
+
+    /// The separation distance at speed `v`, from surface to surface, metres. `sigma_m` is one standard
+    /// deviation of the person's place.
+    pub fn separation_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
+        self.times(v, loaded).walked_m() + self.stop_m(v, loaded) + 2.0 * sigma_m + ROBOT_M
+    }
+
+    /// Region 1: a robot stops. Between the centres, metres, for robots that are slow as they should be near
+    /// people.
+    pub fn stop_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
+        self.stop_radius_at_m(SLOW_MPS, loaded, sigma_m)
+    }
+
+    /// Region 1 of a robot that drives at `v`: if it is faster than it should be, it must brake earlier.
+    pub fn stop_radius_at_m(&self, v: f64, loaded: bool, sigma_m: f64) -> f64 {
+        self.bodies_m(loaded) + self.stop_m(v.max(SLOW_MPS), loaded) + 2.0 * sigma_m
+    }
+
+    /// Region 2: no robot comes or goes.
+    pub fn keep_out_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
+        self.bodies_m(loaded) + self.separation_m(SLOW_MPS, loaded, sigma_m)
+    }
+
+    /// Region 3: robots are slower than they could be.
+    pub fn slow_radius_m(&self, loaded: bool, sigma_m: f64) -> f64 {
+        self.bodies_m(loaded) + self.separation_m(self.kinematics.top_mps(loaded), loaded, sigma_m)
+    }
+
+    /// The speed at which the separation distance is just kept, never below [`SLOW_MPS`], metres per second.
+    /// Nothing where any speed is slow enough.
+    pub fn limit_mps(&self, distance_m: f64, loaded: bool, sigma_m: f64) -> Option<f64> {
+        let (top, a) = (self.kinematics.top_mps(loaded), self.kinematics.accel_mps2(loaded));
+        // v²/2a + v·(T + walk/a) + walk·T + doubt = distance
+        let b = self.reaction_s + WALK_MPS / a;
+        let left = distance_m - self.bodies_m(loaded) - WALK_MPS * self.reaction_s - 2.0 * sigma_m - ROBOT_M;
+        let v = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
+        (v < top).then(|| quantised(v).clamp(SLOW_MPS.min(top), top))
+    }
+
+    /// How fast a robot may come towards a person at most, metres per second: so that within three metres twice
+    /// the separation distance is left to a person who walks at `walks_mps`, and so that a robot farther away is as
+    /// slow when it comes there. Never below 0.25 m/s. Nothing where any speed is slow enough.
+    pub fn approach_limit_mps(
+        &self,
+        distance_m: f64,
+        walks_mps: f64,
+        loaded: bool,
+        sigma_m: f64,
+    ) -> Option<f64> {
+        let (top, a) = (self.kinematics.top_mps(loaded), self.kinematics.accel_mps2(loaded));
+        // 2·(v²/2a + v·(T + walks/a) + walks·T + doubt) = distance
+        let b = self.reaction_s + walks_mps / a;
+        let doubt_m = 2.0 * sigma_m + ROBOT_M;
+        let half_m = 0.5 * (distance_m.min(APPROACH_M) - self.bodies_m(loaded));
+        let left = half_m - walks_mps * self.reaction_s - doubt_m;
+        let there = if left <= 0.0 { 0.0 } else { a * ((b * b + 2.0 * left / a).sqrt() - b) };
+        let there = quantised(there).max(CREEP_MPS);
+        // v·T + (v² - there²)/2a = what is left to drive until there
+        let (t, until_m) = (self.reaction_s * a, (distance_m - APPROACH_M).max(0.0));
+        let v = ((t * t + there * there + 2.0 * a * until_m).sqrt() - t).max(there);
+        (v < top).then(|| quantised(v))
+    }
+
+    /// [`Regions::limit_mps`] without and with a rack, infinite where there is none.
+    pub fn limits_mps(&self, distance_m: f64, sigma_m: f64) -> [f64; 2] {
+        [false, true].map(|l| self.limit_mps(distance_m, l, sigma_m).unwrap_or(f64::INFINITY))
+    }
+}
+
+/// A limit in steps of 0.25 m/s, so that it does not change with every centimetre.
+pub fn quantised(v: f64) -> f64 {
+    (v * 4.0).floor() / 4.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn regions(accel: f64) -> Regions {
+        let k = Kinematics {
+            accel_unloaded_mps2: accel,
+            accel_loaded_mps2: accel,
+            reaction: giveway_floor::time::Span::from_millis(100),
+            ..Kinematics::default()
+        };
+        Regions::new(k, 0.9, 0.1)
+    }
+
+    #[test]
+    fn separation_distances_are_those_of_the_published_table() {
+        // T = 0.4 s; the table has 0.15 m of uncertainty, of which 0.1 m are the robot's.
+        let sigma = 0.025;
+        for (v, a, d) in
+            [(0.3, 0.5, 1.96), (0.5, 1.0, 1.92), (1.0, 0.5, 5.39), (1.5, 1.0, 4.92), (2.0, 2.0, 4.19)]
+        {
+            let found = regions(a).separation_m(v, false, sigma);
+            assert!((found - d).abs() < 0.006, "{v} m/s, {a} m/s²: {found}, not {d}");
+        }
+    }
+
+    #[test]
+    fn regions_lie_within_one_another() {
+        for loaded in [false, true] {
+            let r = Regions::new(Kinematics::default(), 0.9, 0.1);
+            let (one, two, three) = (
+                r.stop_radius_m(loaded, 0.02),
+                r.keep_out_radius_m(loaded, 0.02),
+                r.slow_radius_m(loaded, 0.02),
+            );
+            assert!(one < two && two < three, "{one} {two} {three}");
+        }
+    }
+
+    #[test]
+    fn the_limit_keeps_the_separation_distance() {
+        let r = regions(0.5);
+        for d in [3.0, 4.0, 5.0, 6.0, 8.0] {
+            let v = r.limit_mps(d, true, 0.02).unwrap();
+            let apart = d - r.bodies_m(true);
+            assert!(v == SLOW_MPS || r.separation_m(v, true, 0.02) <= apart, "{v} at {d}");
+        }
+        assert_eq!(r.limit_mps(20.0, true, 0.02), None);
+    }
+
+    #[test]
+    fn who_comes_towards_a_person_leaves_twice_the_separation_within_three_metres_and_brakes_before() {
+        let r = Regions::new(Kinematics::default(), 0.9, 0.1);
+        for (loaded, walks) in [(false, 0.2), (true, 0.2), (false, 1.4), (true, 1.4)] {
+            for d in [1.0, 1.5, 2.0, 2.5, 3.0] {
+                let v = r.approach_limit_mps(d, walks, loaded, 0.02).expect("no robot is that slow");
+                let times = r.times(v, loaded);
+                let separation_m =
+                    walks * (times.react_s + times.stop_s) + r.stop_m(v, loaded) + 0.04 + ROBOT_M;
+                let left_m = d - r.bodies_m(loaded);
+                assert!(v == CREEP_MPS || 2.0 * separation_m <= left_m, "{v} m/s at {d} m, {walks} m/s");
+            }
+            // Braking from the limit farther away ends in the limit there.
+            let there = r.approach_limit_mps(3.0, walks, loaded, 0.02).expect("a limit");
+            for d in [3.5, 4.0, 5.0] {
+                let Some(v) = r.approach_limit_mps(d, walks, loaded, 0.02) else { continue };
+                let a = r.kinematics.accel_mps2(loaded);
+                let braking_m = r.reaction_s * v + (v * v - there * there) / (2.0 * a);
+                assert!(
+                    v >= there && braking_m <= d - 3.0 + 0.3,
+                    "{v} m/s at {d} m brakes to {there} in {braking_m} m"
+                );
+            }
+        }
+        assert_eq!(r.approach_limit_mps(12.0, 1.4, false, 0.02), None);
+        // The figures of docs/people.md: somebody who stands, and somebody who walks at 1.2 m/s.
+        let at_3_m = |walks, loaded| r.approach_limit_mps(3.0, walks, loaded, 0.02);
+        assert_eq!(
+            [at_3_m(0.2, false), at_3_m(0.2, true), at_3_m(1.4, false)],
+            [Some(0.75), Some(0.5), Some(0.25)]
+        );
+    }
+
+    #[test]
+    fn a_worse_pose_widens_every_region() {
+        let r = Regions::new(Kinematics::default(), 0.9, 0.1);
+        assert!(r.stop_radius_m(false, 0.3) > r.stop_radius_m(false, 0.02) + 0.5);
+        assert!(r.slow_radius_m(false, 0.3) > r.slow_radius_m(false, 0.02) + 0.5);
+    }
+}

@@ -1,0 +1,405 @@
+//! The journal of steps, snapshots of what they led to, the lists of jobs, assignments, encounters and alarms,
+//! what happened to robots, figures over time, tokens and who asked for what, in SQLite.
+//!
+//! Main types: [`Store`] (open, load, append, snapshot, rows of lists), [`StepEntry`], [`Loaded`], [`StoreError`];
+//! [`record`] is the wire form of facts, [`ledger_record`]
+//! that of snapshots. This module is the seam behind which PostgreSQL follows: statements are constants with `$1`,
+//! and no other module sees a row. What is guaranteed: an [`Store::append`] that returned `Ok` survives loss of
+//! power; a step is there whole or not at all; the journal and the lists never differ; a batch that is appended
+//! again after an unclear failure is written once. Refuses: observations, a second process on the same file, a map
+//! other than the one that the facts speak of unless they can be carried over to it, to acknowledge what goes into a
+//! file that was taken away.
+
+mod act_record;
+mod alarms;
+mod answers;
+mod audit;
+mod body_record;
+mod carry;
+mod check;
+mod error;
+mod events;
+mod floor;
+mod gone;
+mod history;
+mod identity;
+mod job_record;
+mod jobs;
+mod kinds;
+pub mod ledger_record;
+mod line_record;
+mod listing;
+mod lock;
+mod names;
+mod note_record;
+mod opening;
+mod people;
+mod people_record;
+mod published;
+pub mod record;
+mod retention;
+mod robots;
+mod route_record;
+mod seal;
+mod sessions;
+mod set_clock;
+mod shift;
+mod snapshot;
+mod steps;
+mod tokens;
+mod webhooks;
+mod written;
+
+#[cfg(test)]
+mod tests;
+
+pub use alarms::MOST_PAST;
+pub use answers::{AnswerKey, AnswerRow};
+pub use audit::{AuditFilter, AuditRow, StepCause};
+pub use carry::{CarriedOver, CarryOver};
+pub use check::Belongs;
+pub use error::StoreError;
+pub use events::EVENTS_KEPT;
+pub use kinds::KindText;
+pub use names::PersonRow;
+pub use opening::Opening;
+pub use published::{MapNote, PublishedMap, map_digest};
+pub use seal::seal;
+pub use sessions::SessionRow;
+pub use snapshot::SNAPSHOT_AFTER;
+pub use steps::{Loaded, StepEntry};
+pub use tokens::{MOST_OVER, TokenDraft, TokenRow, TokenTable};
+pub use webhooks::{FailedRow, HookRow};
+
+use giveway_floor::time::Span;
+use giveway_floor::warehouse::Warehouse;
+use gone::Gone;
+use identity::OpenFiles;
+use lock::{Lock, LockRecord};
+use sqlx::migrate::{Migration, MigrationType, Migrator};
+use sqlx::sqlite::{
+    SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous,
+};
+use sqlx::{AssertSqlSafe, SqlSafeStr};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::watch;
+
+/// How long a statement waits for another program's lock.
+const BUSY: Duration = Duration::from_secs(5);
+
+/// Connections that read.
+const READERS: u32 = 4;
+
+const ABOUT: &str = "SELECT value FROM about WHERE key = $1";
+/// Under this key it says that the clock was set back once.
+const SET_BACK: &str = "set_back";
+const TAKE: &str = "INSERT OR REPLACE INTO about (key, value) VALUES ('run', $1), ('open', $1)";
+const SHUT: &str = "DELETE FROM about WHERE key = 'open' AND ($1 IS NULL OR value = $1)";
+const INTO_MAIN: &str = "PRAGMA wal_checkpoint(PASSIVE)";
+const EARLIER: &str = "SELECT count(*) FROM sqlite_schema WHERE name = 'journal'";
+const EARLIER_ROWS: &str = "SELECT count(*) FROM (SELECT 1 FROM journal LIMIT 1)";
+const JOURNALS: &str = "SELECT count(*) FROM sqlite_schema WHERE type = 'table' AND name = 'steps'";
+const BEGIN: &str = "BEGIN IMMEDIATE";
+const COMMIT: &str = "COMMIT";
+const ROLLBACK: &str = "ROLLBACK";
+
+/// After truncating, the write-ahead log keeps at most so many bytes of the disk.
+const LOG_BYTES: &str = "67108864";
+
+/// What is over stays in the lists for so many days unless the settings say otherwise.
+pub const KEEP_DAYS: u32 = 400;
+
+/// For so many days lists say who it was, unless the settings say otherwise.
+pub const PEOPLE_KEEP_DAYS: u32 = 7;
+
+/// The database: one connection that writes, some that read.
+#[derive(Debug)]
+pub struct Store {
+    writer: SqlitePool,
+    readers: SqlitePool,
+    place: OpenFiles,
+    /// The number of the last step when it was opened.
+    last: i64,
+    /// Names this opening of the database: what others wrote since is noticed.
+    run: String,
+    keep: Span,
+    /// For how long lists say who it was.
+    keep_people: Span,
+    /// Whether what was accepted later always has a higher number: the clock was never set back.
+    is_orderly: bool,
+    lock: Arc<Lock>,
+    /// Names of what the lists speak of and the map no longer has.
+    gone: Gone,
+    carried: Option<CarriedOver>,
+    /// Tells those who follow events that there may be new ones.
+    news: watch::Sender<()>,
+}
+
+impl Store {
+    /// Opens the database, makes it where there is none, and brings its tables up to date.
+    ///
+    /// # Errors
+    /// Where the file cannot be used, another process uses it, or it belongs to another map.
+    pub async fn open(path: &Path, map: &Warehouse) -> Result<Store, StoreError> {
+        Store::open_as(path, map, &Opening::default()).await
+    }
+
+    /// Opens the database whose lock is held. It must have the facts that the lock file knows of.
+    async fn connect(
+        lock: &Arc<Lock>,
+        known: Option<&LockRecord>,
+        map: &Warehouse,
+        opening: &Opening,
+    ) -> Result<Store, StoreError> {
+        let path = lock.path();
+        let open = |why| StoreError::Open { path: path.into(), why };
+        let options = SqliteConnectOptions::new()
+            .filename(path)
+            .journal_mode(SqliteJournalMode::Wal)
+            .synchronous(SqliteSynchronous::Full)
+            .busy_timeout(BUSY)
+            .pragma("journal_size_limit", LOG_BYTES)
+            .foreign_keys(true);
+        let writer = SqlitePoolOptions::new()
+            .max_connections(1)
+            .max_lifetime(None)
+            .idle_timeout(None)
+            .connect_with(options.clone())
+            .await
+            .map_err(open)?;
+        let prepared = prepare(&writer, lock, known, (map, opening)).await;
+        let (last, carried) = match prepared {
+            Ok(prepared) => prepared,
+            Err(e) => {
+                writer.close().await;
+                return Err(e);
+            }
+        };
+        // One of them is always open: with its last connection SQLite would remove the write-ahead log.
+        let readers = SqlitePoolOptions::new()
+            .max_connections(READERS)
+            .min_connections(1)
+            .max_lifetime(None)
+            .idle_timeout(None)
+            .acquire_timeout(BUSY)
+            .connect_with(options.read_only(true))
+            .await
+            .map_err(open)?;
+        let place = OpenFiles::of(path).map_err(|why| StoreError::Lock { path: path.into(), why })?;
+        let gone = Gone::read(&readers).await?;
+        let set_back: Option<String> =
+            sqlx::query_scalar(ABOUT).bind(SET_BACK).fetch_optional(&readers).await?;
+        let (is_orderly, run) = (set_back.is_none(), lock.run().to_string());
+        lock.note(last);
+        let (keep, keep_people, lock) = (days(KEEP_DAYS), days(PEOPLE_KEEP_DAYS), lock.clone());
+        let news = watch::Sender::new(());
+        Ok(Store {
+            writer,
+            readers,
+            place,
+            last,
+            run,
+            keep,
+            keep_people,
+            is_orderly,
+            lock,
+            gone,
+            carried,
+            news,
+        })
+    }
+
+    /// Whether the files that it writes to are still the database. What is appended is acknowledged only then.
+    ///
+    /// # Errors
+    /// Where they were deleted, moved or replaced.
+    pub fn check_place(&self) -> Result<(), StoreError> {
+        self.place.check()
+    }
+
+    /// Makes what the lock file knows outlast a loss of power.
+    ///
+    /// # Errors
+    /// Where the disk refuses.
+    pub fn sync_lock(&self) -> std::io::Result<()> {
+        self.lock.sync()
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        self.lock.path()
+    }
+
+    /// What was done to bring it to the map, where it was opened with another one than it belonged to.
+    pub fn carried(&self) -> Option<&CarriedOver> {
+        self.carried.as_ref()
+    }
+
+    /// The same, but what is over stays in the lists for so many days.
+    pub fn keep_days(self, keep: u32) -> Store {
+        Store { keep: days(keep), ..self }
+    }
+
+    /// The same, but lists say for so many days who it was.
+    pub fn keep_people_days(self, keep: u32) -> Store {
+        Store { keep_people: days(keep), ..self }
+    }
+
+    /// Names this opening of the database; each step says by which run it was written.
+    pub fn run(&self) -> &str {
+        &self.run
+    }
+
+    /// Lets the file grow to so many pages of 4 KiB and no further: beyond, it behaves like a full disk.
+    ///
+    /// # Errors
+    /// Where the database does not answer.
+    pub async fn cap(&self, pages: u32) -> Result<(), StoreError> {
+        let statement = AssertSqlSafe(format!("PRAGMA max_page_count = {pages}"));
+        sqlx::query(statement).execute(&self.writer).await?;
+        Ok(())
+    }
+
+    /// Writes everything into the main file, closes it and lets go of it, whatever else still knows this store.
+    pub async fn close(&self) {
+        self.readers.close().await;
+        // One that is only looked at has no run. Where the disk is full, it was not closed in order.
+        if !self.run.is_empty()
+            && let Err(e) = sqlx::query(SHUT).bind(&self.run).execute(&self.writer).await
+        {
+            tracing::debug!("that the database is closed is not written down: {e}");
+        }
+        self.writer.close().await;
+        self.lock.release();
+    }
+}
+
+fn days(n: u32) -> Span {
+    Span::from_secs(24 * 3600) * i64::from(n)
+}
+
+/// Looks at what is there, brings it up to date and takes it. Gives the number of the last step.
+async fn prepare(
+    writer: &SqlitePool,
+    lock: &Lock,
+    known: Option<&LockRecord>,
+    (map, opening): (&Warehouse, &Opening),
+) -> Result<(i64, Option<CarriedOver>), StoreError> {
+    let path = lock.path();
+    refuse_earlier(writer, path).await?;
+    let (last, known) = (last_step(writer).await?, known.map_or(0, |r| r.last));
+    if last < known {
+        return Err(StoreError::Lost { path: path.into(), found: last, known });
+    }
+    if lock.is_bare() && is_open(writer).await? {
+        lock.leave_bare();
+        return Err(StoreError::Alone(path.into()));
+    }
+    migrator().run(writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
+    let carried = seal_or_carry(writer, path, map, opening).await?;
+    sqlx::query(TAKE).bind(lock.run().to_string()).execute(writer).await?;
+    // The main file by itself is to say that it is not all.
+    if let Err(e) = sqlx::query(INTO_MAIN).execute(writer).await {
+        tracing::debug!("the log is not yet written into the main file: {e}");
+    }
+    Ok((last, carried))
+}
+
+/// Whether the run that had the database last did not close it. An earlier Giveway says nothing about that.
+async fn is_open(db: &SqlitePool) -> Result<bool, StoreError> {
+    let tables: i64 = sqlx::query_scalar(JOURNALS).fetch_one(db).await?;
+    if tables == 0 {
+        return Ok(false);
+    }
+    let about = async |key| -> Result<Option<String>, StoreError> {
+        Ok(sqlx::query_scalar(ABOUT).bind(key).fetch_optional(db).await?)
+    };
+    let open = about("open").await?;
+    Ok(open.is_some() && open == about("run").await?)
+}
+
+/// Refuses a database from before the first release: its journal may end inside a step.
+async fn refuse_earlier(writer: &SqlitePool, path: &Path) -> Result<(), StoreError> {
+    let tables: i64 = sqlx::query_scalar(EARLIER).fetch_one(writer).await?;
+    let rows: i64 = if tables == 0 { 0 } else { sqlx::query_scalar(EARLIER_ROWS).fetch_one(writer).await? };
+    if rows == 0 { Ok(()) } else { Err(StoreError::Earlier(path.into())) }
+}
+
+/// The number of the last step; 0 in a database that has no tables yet.
+async fn last_step(pool: &SqlitePool) -> Result<i64, StoreError> {
+    let tables: i64 = sqlx::query_scalar(JOURNALS).fetch_one(pool).await?;
+    if tables == 0 {
+        return Ok(0);
+    }
+    Ok(sqlx::query_scalar(steps::LAST).fetch_one(pool).await?)
+}
+
+fn migrator() -> Migrator {
+    let first = include_str!("../../migrations/sqlite/0001_journal.sql").into_sql_str();
+    let second = include_str!("../../migrations/sqlite/0002_people.sql").into_sql_str();
+    let third = include_str!("../../migrations/sqlite/0003_history.sql").into_sql_str();
+    let fourth = include_str!("../../migrations/sqlite/0004_steps.sql").into_sql_str();
+    let fifth = include_str!("../../migrations/sqlite/0005_maps.sql").into_sql_str();
+    let sixth = include_str!("../../migrations/sqlite/0006_kinds.sql").into_sql_str();
+    let seventh = include_str!("../../migrations/sqlite/0007_nearest.sql").into_sql_str();
+    let eighth = include_str!("../../migrations/sqlite/0008_alarms.sql").into_sql_str();
+    let ninth = include_str!("../../migrations/sqlite/0009_job_labels.sql").into_sql_str();
+    let tenth = include_str!("../../migrations/sqlite/0010_robots.sql").into_sql_str();
+    let eleventh = include_str!("../../migrations/sqlite/0011_tokens.sql").into_sql_str();
+    let twelfth = include_str!("../../migrations/sqlite/0012_events.sql").into_sql_str();
+    let thirteenth = include_str!("../../migrations/sqlite/0013_sessions_people.sql").into_sql_str();
+    let fifteenth = include_str!("../../migrations/sqlite/0015_shift.sql").into_sql_str();
+    let sixteenth = include_str!("../../migrations/sqlite/0016_answers.sql").into_sql_str();
+    let seventeenth = include_str!("../../migrations/sqlite/0017_stops.sql").into_sql_str();
+    let nineteenth = include_str!("../../migrations/sqlite/0019_sign_on.sql").into_sql_str();
+    let twentieth = include_str!("../../migrations/sqlite/0020_lines.sql").into_sql_str();
+    let twenty_first = include_str!("../../migrations/sqlite/0021_cells.sql").into_sql_str();
+    let twenty_second = include_str!("../../migrations/sqlite/0022_pages.sql").into_sql_str();
+    let thirty_third = include_str!("../../migrations/sqlite/0033_alarm_care.sql").into_sql_str();
+    let thirty_fourth = include_str!("../../migrations/sqlite/0034_job_references.sql").into_sql_str();
+    Migrator::with_migrations(vec![
+        Migration::new(1, "journal".into(), MigrationType::Simple, first, false),
+        Migration::new(2, "people".into(), MigrationType::Simple, second, false),
+        Migration::new(3, "history".into(), MigrationType::Simple, third, false),
+        Migration::new(4, "steps".into(), MigrationType::Simple, fourth, false),
+        Migration::new(5, "maps".into(), MigrationType::Simple, fifth, false),
+        Migration::new(6, "kinds".into(), MigrationType::Simple, sixth, false),
+        Migration::new(7, "nearest".into(), MigrationType::Simple, seventh, false),
+        Migration::new(8, "alarms".into(), MigrationType::Simple, eighth, false),
+        Migration::new(9, "job_labels".into(), MigrationType::Simple, ninth, false),
+        Migration::new(10, "robots".into(), MigrationType::Simple, tenth, false),
+        Migration::new(11, "tokens".into(), MigrationType::Simple, eleventh, false),
+        Migration::new(12, "events".into(), MigrationType::Simple, twelfth, false),
+        Migration::new(13, "sessions_people".into(), MigrationType::Simple, thirteenth, false),
+        Migration::new(15, "shift".into(), MigrationType::Simple, fifteenth, false),
+        Migration::new(16, "answers".into(), MigrationType::Simple, sixteenth, false),
+        Migration::new(17, "stops".into(), MigrationType::Simple, seventeenth, false),
+        Migration::new(19, "sign_on".into(), MigrationType::Simple, nineteenth, false),
+        Migration::new(20, "lines".into(), MigrationType::Simple, twentieth, false),
+        Migration::new(21, "cells".into(), MigrationType::Simple, twenty_first, false),
+        Migration::new(22, "pages".into(), MigrationType::Simple, twenty_second, false),
+        Migration::new(33, "alarm_care".into(), MigrationType::Simple, thirty_third, false),
+        Migration::new(34, "job_references".into(), MigrationType::Simple, thirty_fourth, false),
+    ])
+}
+
+/// Seals a new database with the map, and carries one that belongs to another map over to this one.
+async fn seal_or_carry(
+    writer: &SqlitePool,
+    path: &Path,
+    map: &Warehouse,
+    opening: &Opening,
+) -> Result<Option<CarriedOver>, StoreError> {
+    let theirs: Option<String> = sqlx::query_scalar(ABOUT).bind("seal").fetch_optional(writer).await?;
+    if theirs.is_some_and(|theirs| theirs != seal(map)) {
+        let name: Option<String> = sqlx::query_scalar(ABOUT).bind("map").fetch_optional(writer).await?;
+        return carry::carry_over(writer, path, map, name.unwrap_or_default(), opening).await.map(Some);
+    }
+    let mut tx = writer.begin_with("BEGIN IMMEDIATE").await?;
+    floor::keep(&mut tx, map).await?;
+    published::note(&mut tx, &opening.note).await?;
+    tx.commit().await?;
+    Ok(None)
+}
