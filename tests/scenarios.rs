@@ -298,7 +298,7 @@ fn with_two_chargers_for_twenty_robots_something_is_delivered_in_every_quarter_o
     while sim.now() < Time::ZERO + scenario.duration {
         sim.step();
         if sim.now() >= next {
-            let delivered = sim.fleet.ledger().counts.robot_deliveries;
+            let delivered = sim.fleet().ledger().counts.robot_deliveries;
             assert!(delivered > before, "nothing from {before} on until {next}");
             (next, before) = (next + Span::from_secs(900), delivered);
         }
@@ -316,14 +316,14 @@ fn routes_change_when_the_aisle_is_closed_and_again_when_it_opens() {
     assert_eq!(aisle.len(), 6);
     let mut entered = [0; 4];
     while !sim.is_over() {
-        let (_, step) = sim.step();
+        let turn = sim.step();
         let part = match sim.now() {
             t if t < area.window.start() => 0,
             t if t < area.window.start() + Span::from_secs(15) => 1,
             t if t < area.window.end() => 2,
             _ => 3,
         };
-        entered[part] += (step.commands.iter())
+        entered[part] += (turn.released.orders.iter())
             .filter_map(|(_, c)| match c {
                 Command::Drive { waypoints, .. } => waypoints.last(),
                 Command::Limit(_) | Command::Revoke { .. } => None,

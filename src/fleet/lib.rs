@@ -104,9 +104,6 @@ pub struct Fleet {
     replans: Replans,
     /// How long the last step took to note why robots and people wait, nanoseconds by the stopwatch of the settings.
     waits_ns: u64,
-    /// A robot over which the next step panics: for tests of what happens then.
-    #[doc(hidden)]
-    pub trap: Option<RobotId>,
 }
 
 impl Fleet {
@@ -143,7 +140,6 @@ impl Fleet {
             writer,
             replans: Replans::default(),
             waits_ns: 0,
-            trap: None,
         };
         fleet.people.remember(&fleet.writer.ledger().on_floor);
         // Who asks before the first step is told what the facts alone say: who is paused, that nobody was heard of yet.
@@ -164,7 +160,6 @@ impl Fleet {
         self.note_workplaces(now);
         let lost = self.people.lost(now);
         let heard = requests::absorb(&mut self.writer, (&self.people.walkways, &lost), now, inputs);
-        self.spring();
         self.restrict(&heard.people, now);
         self.react(now);
         self.traffic.needs.left_early(heard.left_early);
@@ -306,7 +301,13 @@ impl Fleet {
         self.floor().is_on(robot, &self.writer.restrictions.ways_out)
     }
 
-    /// The robot that was being dealt with when a step ended in a panic, if it was one.
+    /// A call begins in which this robot is being dealt with, or none yet.
+    pub fn note_at_hand(&self, robot: Option<RobotId>) {
+        self.writer.at_hand.clear();
+        robot.into_iter().for_each(|robot| self.writer.at_hand.note(robot));
+    }
+
+    /// The robot that was being dealt with when a call ended in a panic, if it was one.
     pub fn at_hand(&self) -> Option<RobotId> {
         self.writer.at_hand.robot()
     }
@@ -328,13 +329,5 @@ impl Fleet {
     /// Robots get grants again.
     pub fn go_on(&mut self) {
         self.traffic.settling = false;
-    }
-
-    /// Panics over the robot of the trap.
-    fn spring(&mut self) {
-        if let Some(robot) = self.trap {
-            self.writer.at_hand.note(robot);
-            panic!("a test asked for it");
-        }
     }
 }

@@ -172,8 +172,8 @@ impl AlarmLog {
             return;
         }
         self.looked = Some(now);
-        let view = sim.fleet.view(now);
-        let found = self.watch.look(&sim.fleet, &view, &self.health);
+        let view = sim.fleet().view(now);
+        let found = self.watch.look(sim.fleet(), &view, &self.health);
         let new = self.register.observe(AlarmScope::Watch, found, now);
         self.raised.extend(new.into_iter().map(|alarm| (now, alarm)));
     }
@@ -221,7 +221,7 @@ impl AlarmTrial {
 
     /// Brings the fault about with somebody to whom it can happen. To whom it did.
     fn bring_about(&self, sim: &mut Simulation, dice: &mut Dice) -> Option<FaultSubject> {
-        let view = sim.fleet.view(sim.now());
+        let view = sim.fleet().view(sim.now());
         let until = sim.now() + LASTS;
         let fits = |(_, r): &(usize, &RobotView)| self.fault.can_happen_to(r);
         let all: Vec<RobotId> =

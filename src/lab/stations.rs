@@ -143,12 +143,12 @@ impl StationsSetup {
         let (mut seen, mut waits) = (Ledgered::default(), Span::ZERO);
         while !sim.is_over() {
             let now = sim.now();
-            let (_, step) = sim.step();
-            for fact in &step.facts {
-                seen.note(&sim.fleet, fact, now);
+            let turn = sim.step();
+            for fact in turn.facts() {
+                seen.note(sim.fleet(), fact, now);
             }
-            seen.expect(&sim.fleet, now);
-            waits += waiting(&sim.fleet, now, scenario.period);
+            seen.expect(sim.fleet(), now);
+            waits += waiting(sim.fleet(), now, scenario.period);
         }
         let flow = scenario.cells.as_ref().map_or(Flow::default(), |cells| cells.flow.into());
         seen.row(sim, flow, waits)

@@ -197,7 +197,7 @@ impl TableSetup {
             }
             sim.step();
             if sim.now() > next_look {
-                robot_time.look(&sim.fleet, sim.now());
+                robot_time.look(sim.fleet(), sim.now());
                 next_look = sim.now() + LOOK_EVERY;
             }
         }

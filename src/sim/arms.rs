@@ -310,7 +310,7 @@ mod tests {
     fn run(sim: &mut Simulation) -> [usize; 2] {
         let mut given = [0; 2];
         while !sim.is_over() {
-            for fact in sim.step().1.facts {
+            for fact in sim.step().facts() {
                 match fact {
                     Fact::Job(JobFact::LineChanged { change: LineChange::ToArm, .. }) => given[0] += 1,
                     Fact::Job(JobFact::LineChanged { change: LineChange::ToHand, .. }) => given[1] += 1,

@@ -19,6 +19,7 @@ mod digest;
 pub mod encounter;
 mod entrance;
 mod guard;
+mod host;
 pub mod laws;
 mod leavers;
 mod link;
@@ -47,7 +48,7 @@ pub use consistency::{Consistency, NeesFigures};
 pub use customers::{OrderFileLine, nothing_to_order};
 pub use digest::Digest;
 pub use laws::{CalmFigures, Violation};
-pub use run::{JobTally, Outcome, People, Simulation};
+pub use run::{JobTally, Outcome, People, SimTurn, Simulation};
 pub use scenario::{
     ArmModeWord, Assignments, Causes, Closing, Demand, Deviations, Faults, FlowWord, Habits, HandSensor,
     HandSide, KindShare, LineDemand, LocalPlannerWord, MethodWord, NodeWindowsWord, Personas, PickerHabits,

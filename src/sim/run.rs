@@ -1,19 +1,21 @@
-//! The driver without a server: world, step, laws, and the figures at the end.
+//! A floor in memory around the same driver that the server turns: world, turn, laws, and the figures at the end.
 //!
-//! Main types: [`Simulation`], [`Outcome`]. Refuses: clocks; step times are measured with a stopwatch that
-//! the caller passes in, and decide nothing.
+//! Main types: [`Simulation`], [`SimTurn`], [`Outcome`]. Refuses: clocks; turns are measured with a stopwatch that the
+//! caller passes in, which decides nothing.
 
 use super::consistency::Consistency;
 use super::customers::OrderFileLine;
 use super::detection::{Score, Watch};
 use super::digest::Digest;
 use super::encounter::EncounterFigures;
+use super::host::Host;
 use super::laws::{CalmFigures, Laws, Violation, undrained};
 use super::scenario::Scenario;
 pub use super::tally::JobTally;
 use super::tally::Tallies;
 use super::world::World;
-use giveway_fleet::{Counts, Fleet, Input, Settings, Step};
+use giveway_drive::{Drive, Released, Sent};
+use giveway_fleet::{Counts, Fact, Fleet, Input, Settings};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
@@ -21,8 +23,7 @@ use std::sync::Arc;
 
 /// A run in progress.
 pub struct Simulation {
-    /// The fleet under test.
-    pub fleet: Fleet,
+    host: Host,
     /// The floor.
     pub world: World,
     laws: Laws,
@@ -39,6 +40,24 @@ pub struct Simulation {
     trace: Digest,
     watch: Watch,
     consistency: Consistency,
+}
+
+/// What one turn of a simulation did.
+#[derive(Clone, Debug, Default)]
+pub struct SimTurn {
+    /// What was seen and asked for.
+    pub inputs: Vec<Input>,
+    /// What left at once, and what was written down.
+    pub sent: Sent,
+    /// What left since the facts behind it are durable.
+    pub released: Released,
+}
+
+impl SimTurn {
+    /// What happened, in order.
+    pub fn facts(&self) -> &[Fact] {
+        self.sent.written.as_ref().map_or(&[], |written| &written.facts)
+    }
 }
 
 /// What came out.
@@ -102,7 +121,7 @@ impl Simulation {
         let world = World::new(warehouse, scenario, lines, seed, &fleet, Time::ZERO);
         Simulation {
             laws: Laws::new(&fleet),
-            fleet,
+            host: Host::new(Drive::new(fleet)),
             world,
             now: Time::ZERO,
             period: scenario.period,
@@ -125,9 +144,19 @@ impl Simulation {
         self.now
     }
 
+    /// The fleet under test.
+    pub fn fleet(&self) -> &Fleet {
+        self.host.drive.fleet()
+    }
+
+    /// The driver, for tests that plant faults in it.
+    pub fn drive_mut(&mut self) -> &mut Drive {
+        &mut self.host.drive
+    }
+
     /// Whether the time is up.
     pub fn is_over(&self) -> bool {
-        let drained = || undrained(&self.world, &self.fleet) == (0, 0);
+        let drained = || undrained(&self.world, self.fleet()) == (0, 0);
         self.now >= self.end && (self.now >= self.end + self.drain || drained())
     }
 
@@ -136,34 +165,42 @@ impl Simulation {
         self.now >= self.end
     }
 
-    /// One control period. Gives the inputs and what the step made of them, for recordings.
-    pub fn step(&mut self) -> (Vec<Input>, Step) {
-        if self.now >= self.end && self.measured.is_none() {
+    /// One control period.
+    pub fn step(&mut self) -> SimTurn {
+        let now = self.now;
+        if now >= self.end && self.measured.is_none() {
             // What is counted is counted until here; then everything has to end.
-            self.measured = Some((self.fleet.view(self.now).counts, self.trace.value()));
+            self.measured = Some((self.fleet().view(now).counts, self.trace.value()));
             self.world.stop_customers();
         }
-        let inputs = self.world.advance(self.now, &self.fleet);
+        let inputs = self.world.advance(now, self.host.drive.fleet());
         let start = (self.stopwatch)();
-        let step = self.fleet.step(self.now, inputs.clone());
+        let (sent, released) = self.host.turn(now, inputs.clone());
         self.step_ns.push((self.stopwatch)() - start);
-        self.plan_ns.append(&mut self.fleet.take_plan_times());
-        if !self.without_conflicts {
-            self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
-        }
-        self.trace.add(&step.facts);
-        self.tallies.note(&step.facts);
-        self.world.answer(self.now, &step.replies);
-        self.watch.note(self.now, &step.facts, &step.guidance);
-        self.watch.look(self.now, &self.fleet);
-        self.consistency.note(self.now, &self.world, &self.fleet);
-        self.world.command(self.now, step.urgent.clone());
-        self.world.command(self.now, step.commands.clone());
-        self.world.tell(self.now, step.guidance.clone());
-        self.world.warn(self.now, &step.warnings);
-        self.world.move_arms(&step.arms);
+        self.plan_ns.append(&mut self.host.drive.take_plan_times());
+        let turn = SimTurn { inputs, sent, released };
+        self.look(&turn);
+        self.world.answer(now, &turn.released.replies);
+        self.world.command(now, turn.sent.limits.clone());
+        self.world.command(now, turn.released.orders.clone());
+        self.world.tell(now, turn.sent.guidance.clone());
+        self.world.warn(now, &turn.sent.warnings);
+        self.world.move_arms(&turn.sent.arms);
         self.now += self.period;
-        (inputs, step)
+        turn
+    }
+
+    /// Looks at laws and figures.
+    fn look(&mut self, turn: &SimTurn) {
+        let (now, fleet, facts) = (self.now, self.host.drive.fleet(), turn.facts());
+        if !self.without_conflicts {
+            self.laws.check(now, &self.world, fleet, facts);
+        }
+        self.trace.add(facts);
+        self.tallies.note(facts);
+        self.watch.note(now, facts, &turn.sent.guidance);
+        self.watch.look(now, fleet);
+        self.consistency.note(now, &self.world, fleet);
     }
 
     /// The laws that were broken so far, and when; the first hundred.
@@ -173,7 +210,7 @@ impl Simulation {
 
     /// Racks that were served so far.
     pub fn robot_deliveries(&self) -> u64 {
-        self.fleet.ledger().counts.robot_deliveries
+        self.fleet().ledger().counts.robot_deliveries
     }
 
     /// The digest of all facts so far.
@@ -187,14 +224,15 @@ impl Simulation {
         self.step_ns.sort_unstable();
         let people = self.people();
         let drains = self.drain > Span::ZERO;
-        let drained = drains.then(|| self.laws.check_drained(self.now, &self.world, &self.fleet));
-        let (counts, trace_hash) =
-            self.measured.unwrap_or_else(|| (self.fleet.view(self.now).counts, self.trace.value()));
+        let drained = drains.then(|| self.laws.check_drained(self.now, &self.world, self.host.drive.fleet()));
+        let (counts, trace_hash) = self
+            .measured
+            .unwrap_or_else(|| (self.host.drive.fleet().view(self.now).counts, self.trace.value()));
         Outcome {
             simulated: self.now.min(self.end) - Time::ZERO,
             drained,
             drain: (self.now - self.end).max(Span::ZERO),
-            jobs: self.tallies.all(&self.fleet),
+            jobs: self.tallies.all(self.host.drive.fleet()),
             counts,
             plan_ns: self.plan_ns,
             step_ns: self.step_ns,

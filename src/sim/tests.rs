@@ -33,7 +33,7 @@ fn drains(
     let mut sim = simulation(scenario, seed);
     let mut facts = Vec::new();
     while !sim.is_over() {
-        facts.extend(sim.step().1.facts);
+        facts.extend_from_slice(sim.step().facts());
     }
     let injected = sim.world.injected();
     let outcome = sim.outcome();
@@ -83,20 +83,20 @@ fn a_robot_gets_no_current_from_a_charger_that_is_out_of_order_and_says_so_while
     let quiet = Scenario { demand: Demand::None, ..scenario(2, faults) };
     let mut sim = simulation(&quiet, 1);
     let robot = RobotId(0);
-    let seen = |sim: &Simulation| *sim.fleet.telemetry(robot).expect("it reports");
+    let seen = |sim: &Simulation| *sim.fleet().telemetry(robot).expect("it reports");
     let charger = loop {
         sim.step();
-        if sim.fleet.telemetry(robot).is_some_and(|t| t.fault.is_some()) {
+        if sim.fleet().telemetry(robot).is_some_and(|t| t.fault.is_some()) {
             break sim.world.node_of(robot).expect("it is there");
         }
     };
-    assert_eq!(sim.fleet.warehouse().kind(charger), NodeKind::Charger);
+    assert_eq!(sim.fleet().warehouse().kind(charger), NodeKind::Charger);
     assert_eq!(seen(&sim).fault, Some(Fault::Unplugged));
     let before = seen(&sim).battery;
-    let away = sim.fleet.warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
+    let away = sim.fleet().warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
     let request = JobRequest::new(JobKind::Go { robot, node: away });
     let go = Input::ask(1, JobAction::Submit(request));
-    sim.fleet.step(sim.now(), vec![go]);
+    sim.drive_mut().fleet_mut().step(sim.now(), vec![go]);
     while sim.world.node_of(robot) == Some(charger) {
         sim.step();
         assert!(seen(&sim).battery <= before, "it is charged");
@@ -146,8 +146,8 @@ fn after_the_faults_have_ended_nothing_is_broken_lost_or_late() {
     while sim.now() < end + Span::from_secs(60) {
         sim.step();
     }
-    assert!(sim.fleet.ledger().paused_stations.is_empty());
-    let robots = sim.fleet.ledger().robots.ids().map(|r| sim.fleet.telemetry(r).expect("all report"));
+    assert!(sim.fleet().ledger().paused_stations.is_empty());
+    let robots = sim.fleet().ledger().robots.ids().map(|r| sim.fleet().telemetry(r).expect("all report"));
     assert!(robots.into_iter().all(|t| t.fault.is_none() && sim.now() - t.seen < Span::from_secs(1)));
     while !sim.is_over() {
         sim.step();
@@ -166,7 +166,7 @@ fn an_evacuation_in_a_scenario_keeps_robots_off_the_ways_out_and_the_work_is_don
             "every_s": 300}]}"#;
     let mut sim = simulation(&Scenario::parse(text).unwrap(), 3);
     let doors: Vec<Point> =
-        sim.fleet.warehouse().nodes.iter().filter(|n| n.kind == NodeKind::Exit).map(|n| n.at).collect();
+        sim.fleet().warehouse().nodes.iter().filter(|n| n.kind == NodeKind::Exit).map(|n| n.at).collect();
     let is_out = |p: Point| doors.iter().any(|d| (d - p).norm() <= 1.5);
     let (mut inside, mut served) = (usize::MAX, 0);
     while !sim.is_over() {
@@ -174,13 +174,13 @@ fn an_evacuation_in_a_scenario_keeps_robots_off_the_ways_out_and_the_work_is_don
         if sim.now() == Time::from_secs_f64(390.0) {
             let walkers = sim.world.walkers();
             inside = walkers.filter(|(_, w)| !w.is_gone() && !is_out(w.pose(sim.now()).at)).count();
-            served = sim.fleet.ledger().counts.robot_deliveries;
+            served = sim.fleet().ledger().counts.robot_deliveries;
         }
     }
     // One is shut in between loaded robots in a road that is one robot wide: what docs/people.md says is not solved.
     assert!(inside <= 1, "{inside} of 3 are still inside after more than three minutes");
-    assert!(sim.fleet.ledger().counts.robot_deliveries > served, "work goes on afterwards");
-    assert!(sim.fleet.ledger().next_closure > 3, "the closure recurs");
+    assert!(sim.fleet().ledger().counts.robot_deliveries > served, "work goes on afterwards");
+    assert!(sim.fleet().ledger().next_closure > 3, "the closure recurs");
     let outcome = sim.outcome();
     assert_eq!((outcome.broken, outcome.drained), (vec![], Some(true)));
 }

@@ -172,8 +172,8 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
         let (mut ledgers, mut pause, mut count) = (Vec::new(), 1, 0);
         let mut seen = [false; 4];
         while !sim.is_over() {
-            let (_, step) = sim.step();
-            for fact in &step.facts {
+            let turn = sim.step();
+            for fact in turn.facts() {
                 ledgers.iter_mut().for_each(|l: &mut giveway::fleet::Ledger| l.evolve(fact));
                 seen[0] |= matches!(fact, Fact::Route(RouteFact::Truncated { .. }));
                 seen[1] |= matches!(fact, Fact::Assignment(AssignmentFact::Assigned { .. }));
@@ -183,7 +183,7 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
             count += 1;
             if count == pause {
                 (pause, count) = (pause * 29 % 211, 0);
-                let text = ledger_record::encode(&sim.fleet.ledger().to_parts());
+                let text = ledger_record::encode(&sim.fleet().ledger().to_parts());
                 let clearance = scenario.settings().clearance();
                 let read = ledger_record::decode(ledger_record::VERSION, &text, &map, clearance).unwrap();
                 read.timeline().assert_sound();
@@ -192,7 +192,7 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
         }
         assert_eq!(seen, [true; 4], "robots failed and were late, people worked, an area was closed");
         assert!(ledgers.len() > 10);
-        let apart = ledgers.iter().position(|l| l != sim.fleet.ledger());
+        let apart = ledgers.iter().position(|l| l != sim.fleet().ledger());
         assert_eq!(apart, None, "the snapshot that leads elsewhere, seed {seed}");
         assert_eq!(sim.outcome().law_violations, 0);
     }

@@ -51,7 +51,7 @@ impl TestFloor {
                 self.submit(request(JobKind::Deliver { rack, station, pick: None }));
             }
             self.step(vec![]);
-            spent += self.internals().len();
+            spent += self.inside().len();
         }
         spent
     }
@@ -228,7 +228,7 @@ fn a_closure_that_is_announced_changes_routes_that_were_promised_before() {
         assert_eq!(changed, through.len(), "all of them were routed anew");
     }
     floor.run(60);
-    assert_eq!(floor.internals(), [], "nobody is there when it is closed");
+    assert_eq!(floor.inside(), [], "nobody is there when it is closed");
 }
 
 #[test]

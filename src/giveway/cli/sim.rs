@@ -189,7 +189,7 @@ fn simulate(
         let header = Header { giveway_recording: 1, scenario: text.clone(), map, seed, model, picks };
         file.write(&Recorder::header(&header))?;
     }
-    let mut reeler = FrameWriter::create(reel, None, &sim.fleet, scenario.name.clone())?;
+    let mut reeler = FrameWriter::create(reel, None, sim.fleet(), scenario.name.clone())?;
     let what = if without_conflicts { "bound" } else { "simulating" };
     let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);
     while !sim.is_over() {
@@ -197,12 +197,12 @@ fn simulate(
         if let Some(file) = file.take_if(|_| sim.drains()) {
             end_recording(file, &sim)?;
         }
-        let (inputs, step) = sim.step();
+        let turn = sim.step();
         if let Some(reeler) = &mut reeler {
-            reeler.step(&sim.fleet, now, &step.facts)?;
+            reeler.step(sim.fleet(), now, turn.facts())?;
         }
         if let Some(file) = &mut file {
-            file.write(&recorder.step(now, &inputs))?;
+            file.write(&recorder.step(now, &turn.inputs))?;
         }
         bar.set_position(now.0 as u64 / 1_000_000);
     }

@@ -35,11 +35,10 @@ pub fn simulate(order: TrialOrder) -> Result<TrialFigures, String> {
     let mut look = Time::ZERO;
     while !sim.is_over() && begun.elapsed() < order.patience {
         let now = sim.now();
-        let (_, step) = sim.step();
-        times.note(&step.facts);
+        times.note(sim.step().facts());
         if now >= look {
             look = now + LOOK;
-            let robots = sim.fleet.view(now).robots;
+            let robots = sim.fleet().view(now).robots;
             for node in robots.iter().filter(|r| waits(r)).filter_map(|r| r.granted.first()) {
                 *waited.entry(*node).or_default() += LOOK;
             }

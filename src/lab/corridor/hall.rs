@@ -147,9 +147,9 @@ pub fn hall(setup: HallSetup, arm: HallArm, seed: u64) -> HallRun {
     let (mut time, mut passing, mut passes) = (RobotTime::default(), BTreeSet::new(), 0);
     while !sim.is_over() {
         sim.step();
-        time.look(&sim.fleet, sim.now());
-        let robots = sim.fleet.ledger().present();
-        let now: BTreeSet<RobotId> = robots.filter(|r| sim.fleet.passing(*r).is_some()).collect();
+        time.look(sim.fleet(), sim.now());
+        let robots = sim.fleet().ledger().present();
+        let now: BTreeSet<RobotId> = robots.filter(|r| sim.fleet().passing(*r).is_some()).collect();
         passes += now.difference(&passing).count() as u64;
         passing = now;
     }

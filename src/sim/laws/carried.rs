@@ -148,19 +148,19 @@ mod tests {
         let scenario = Scenario::parse(text).expect("a scenario");
         let mut sim = Simulation::new(Arc::new(map), &scenario, &[], 1, false, || 0);
         let lifted = |sim: &Simulation| {
-            sim.fleet.ledger().jobs.values().any(|j| matches!(j.state, JobState::Carrying { .. }))
+            sim.fleet().ledger().jobs.values().any(|j| matches!(j.state, JobState::Carrying { .. }))
         };
         while !lifted(&sim) {
             assert!(!sim.is_over(), "no rack was lifted");
             sim.step();
         }
-        let station = &sim.fleet.warehouse().stations[StationId(0)];
+        let station = sim.fleet().warehouse().stations[StationId(0)];
         let places = station.queue.iter().copied().chain([station.node]);
         let held: BTreeSet<NodeId> = places.filter(|_| closes).collect();
         let mut laws = CarryLaws::default();
         let now = sim.now();
         let looks = within.0 / LOOK.0;
-        (0..=looks).map(|n| laws.look(now + LOOK * n, &sim.world, &sim.fleet, &held).len()).sum()
+        (0..=looks).map(|n| laws.look(now + LOOK * n, &sim.world, sim.fleet(), &held).len()).sum()
     }
 
     #[test]

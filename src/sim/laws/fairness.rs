@@ -231,7 +231,7 @@ mod tests {
         for _ in 0..20 {
             sim.step();
         }
-        let now = sim.fleet.view(Time::ZERO).robots[0].seen.expect("it reports");
+        let now = sim.fleet().view(Time::ZERO).robots[0].seen.expect("it reports");
         let robot = RobotId(0);
         let submit = |rack, priority| {
             let kind = JobKind::Deliver { rack: RackId(rack), station: StationId(0), pick: None };
@@ -240,12 +240,12 @@ mod tests {
         };
         let mut inputs = vec![Input::ask(2, FloorAction::Halt(Some(robot))), submit(0, 8), submit(1, 9)];
         inputs.extend((0..4).map(|_| submit(1, 0)));
-        sim.fleet.step(now, inputs);
-        let mut laws = FairLaws::new(&sim.fleet);
+        sim.drive_mut().fleet_mut().step(now, inputs);
+        let mut laws = FairLaws::new(sim.fleet());
         let mut begins = |job| {
             let state = JobState::Assigned { robot };
             let fact = Fact::Job(JobFact::Progressed { job: JobId(job), state, tasked: None, at: now });
-            laws.check(now, &sim.world, &sim.fleet, &[fact])
+            laws.check(now, &sim.world, sim.fleet(), &[fact])
         };
         assert_eq!(begins(2), [], "it is more urgent");
         assert_eq!([3, 4, 5].map(&mut begins), [vec![], vec![], vec![]]);

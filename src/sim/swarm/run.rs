@@ -57,8 +57,8 @@ impl SwarmRun {
 
     /// One step. Whether there is another one.
     pub fn step(&mut self) -> bool {
-        let (inputs, _) = self.sim.step();
-        for input in &inputs {
+        let turn = self.sim.step();
+        for input in &turn.inputs {
             if let Some(word) = word(input) {
                 *self.tally.injected.entry(word).or_default() += 1;
             }
@@ -87,8 +87,8 @@ impl SwarmRun {
             failure = Some(SwarmFailure { kind, at, words });
         } else {
             let is_over = sim.is_over();
-            tally.deliveries = sim.fleet.ledger().counts.robot_deliveries;
-            tally.human_deliveries = sim.fleet.ledger().counts.human_deliveries;
+            tally.deliveries = sim.fleet().ledger().counts.robot_deliveries;
+            tally.human_deliveries = sim.fleet().ledger().counts.human_deliveries;
             let outcome = sim.outcome();
             tally.jobs = outcome.jobs;
             if failure.is_none() && is_over && outcome.drained == Some(false) {

@@ -29,7 +29,7 @@ fn run(scenario: &Scenario) -> (Outcome, bool, std::collections::BTreeSet<&'stat
         sim.step();
         steps += 1;
         if steps % 20 == 0 {
-            for worker in sim.fleet.view(sim.now()).workers {
+            for worker in sim.fleet().view(sim.now()).workers {
                 let sum = worker.goals.iter().map(|g| g.1).sum::<f64>() + worker.undecided + worker.elsewhere;
                 assert!(worker.goals.is_empty() || (sum - 1.0).abs() < 1e-6, "{worker:?}");
                 undecided |= !worker.goals.is_empty() && worker.undecided > 0.0;
@@ -122,7 +122,7 @@ fn waits(price: f64) -> (u64, f64) {
     while !sim.is_over() {
         sim.step();
         let now = sim.now();
-        for (worker, lasts) in sim.fleet.view(now).workers.iter().zip(&mut lasts) {
+        for (worker, lasts) in sim.fleet().view(now).workers.iter().zip(&mut lasts) {
             let waits = matches!(worker.guidance.reason, Some(GuidanceReason::RobotCrosses(_)));
             let until = worker.guidance.wait.map(|t| (t - now).as_secs_f64());
             assert!(!waits || until.is_some_and(|s| s <= 12.0), "{:?}", worker.guidance);

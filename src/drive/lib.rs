@@ -1,0 +1,246 @@
+//! The driver around the core: what is heard, stepped, written down and sent, as one pure machine.
+//!
+//! Main types: [`Drive`], [`Heard`], [`Sent`], [`Released`]. The server is sockets, a clock and a database around it; a
+//! simulation is a loop around the same machine, with a journal that may be late, refuse or lose its last writes, and a
+//! process that may die at any point. Stops and guidance leave in the turn that decided them ([`Sent`]); orders and
+//! answers leave when the journal has the facts behind them ([`Released`]). Every call of the fleet is guarded: one that
+//! panics fences off the robot at hand, and the others go on (`rescue.rs`). Refuses: clocks, sockets, files; decisions
+//! about robots; to keep more than the stated limits.
+
+mod gate;
+mod intake;
+mod outbox;
+mod rescue;
+mod settle;
+
+pub use gate::{JournalReport, JournalState, MOST_PENDING};
+pub use intake::{MOST_REQUESTS, MOST_SIMULATED};
+pub use rescue::{GuardedCall, PLANTED, Trap, panic_text};
+pub use settle::NotStanding;
+
+use gate::Gate;
+use giveway_cell::arm::ArmOrder;
+use giveway_fleet::alarm::AlarmKind;
+use giveway_fleet::{CausedFacts, CellWarning, Command, Fact, Fleet, Guidance, Input, Reply, Request, Token};
+use giveway_floor::id::{RobotId, WorkerId};
+use giveway_floor::text::Sentence;
+use giveway_floor::text::sentence::alarms as sentence;
+use giveway_floor::time::Time;
+use intake::{Asked, Intake};
+use outbox::Outbox;
+use rescue::{Mode, Rescue};
+use settle::Settling;
+
+/// What a turn takes in.
+#[derive(Clone, Debug, Default)]
+pub struct Heard {
+    /// How the journal is.
+    pub journal: JournalReport,
+    /// Requests of clients, in their order.
+    pub requests: Vec<(Token, Request)>,
+    /// Reports of robots, observations of people, and what simulated customers ask for.
+    pub inputs: Vec<Input>,
+}
+
+/// What a turn sends. All but the facts leave at once; orders and answers come later, as [`Released`].
+#[derive(Clone, Debug, Default)]
+pub struct Sent {
+    /// To be written down, as the next step.
+    pub written: Option<WrittenStep>,
+    /// Stops, slow-downs and their ends.
+    pub limits: Vec<(RobotId, Command)>,
+    /// What workers are told.
+    pub guidance: Vec<(WorkerId, Guidance)>,
+    /// Warnings for people at work cells.
+    pub warnings: Vec<CellWarning>,
+    /// Trajectories for robot arms.
+    pub arms: Vec<ArmOrder>,
+    /// Requests that come to nothing: the journal takes no facts, or the step of which they were part panicked.
+    pub refused: Vec<Token>,
+    /// Alarms that are raised and cleared.
+    pub alarms: Vec<DriveAlarm>,
+    /// What became of a request that all robots stand.
+    pub settled: Option<Result<(), NotStanding>>,
+    /// Whether a step was made.
+    pub stepped: bool,
+}
+
+/// The facts of a step, to be written down.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenStep {
+    /// When it was.
+    pub at: Time,
+    /// What happened, in order; at least one.
+    pub facts: Vec<Fact>,
+    /// Which of them requests caused themselves.
+    pub caused: Vec<CausedFacts>,
+}
+
+/// What leaves since the facts behind it are durable.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Released {
+    /// Orders to robots.
+    pub orders: Vec<(RobotId, Command)>,
+    /// Answers.
+    pub replies: Vec<Reply>,
+}
+
+/// An alarm about the loop itself.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DriveAlarm {
+    /// It is raised, with these words.
+    Raise(AlarmKind, Sentence),
+    /// It is cleared.
+    Clear(AlarmKind),
+}
+
+/// Fleet and journal gate, turned by whoever has a clock.
+pub struct Drive {
+    fleet: Fleet,
+    gate: Gate,
+    intake: Intake,
+    outbox: Outbox,
+    settling: Settling,
+    rescue: Rescue,
+    /// Whether all robots were told to stand, since no fact may be added.
+    halted: bool,
+    alarms: Vec<DriveAlarm>,
+}
+
+impl Drive {
+    /// A driver of this fleet, everything of which is durable.
+    pub fn new(fleet: Fleet) -> Drive {
+        Drive {
+            fleet,
+            gate: Gate::default(),
+            intake: Intake::default(),
+            outbox: Outbox::default(),
+            settling: Settling::default(),
+            rescue: Rescue::default(),
+            halted: false,
+            alarms: Vec::new(),
+        }
+    }
+
+    /// One control period: takes everything in, decides once, and says what is to be written and sent.
+    pub fn turn(&mut self, now: Time, heard: Heard) -> Sent {
+        let mut sent = Sent::default();
+        self.gate.note(heard.journal);
+        sent.refused = self.intake.take(heard.requests, self.refuses());
+        self.fence_off(now);
+        match self.rescue.mode() {
+            Mode::Runs if self.gate.is_full() => self.halt(heard.inputs, &mut sent),
+            Mode::Runs => {
+                self.resume();
+                self.decide(now, heard.inputs, &mut sent);
+            }
+            Mode::Mends => {
+                sent.limits = stops(drivers(&heard.inputs));
+                self.intake.keep(heard.inputs);
+            }
+            Mode::Broken => {
+                sent.limits = stops(drivers(&heard.inputs));
+                sent.refused.extend(self.intake.give_up());
+            }
+        }
+        self.settle(now, &mut sent);
+        sent.alarms = std::mem::take(&mut self.alarms);
+        sent
+    }
+
+    /// What may leave now that the journal has come so far.
+    pub fn release(&mut self, journal: JournalReport) -> Released {
+        self.gate.note(journal);
+        match self.gate.releases() {
+            Some(durable) => self.outbox.take(durable),
+            None => Released::default(),
+        }
+    }
+
+    /// Whether new requests are refused at present; stops and releases by hand never are.
+    pub fn refuses(&self) -> bool {
+        self.gate.refuses()
+    }
+
+    /// How many requests of clients may be handed to the next turn. The others wait where they are.
+    pub fn room(&self) -> usize {
+        self.intake.room()
+    }
+
+    /// Whether everything that was decided is durable.
+    pub fn is_settled(&self) -> bool {
+        self.gate.is_settled()
+    }
+
+    /// The fleet as it is.
+    pub fn fleet(&self) -> &Fleet {
+        &self.fleet
+    }
+
+    /// Durations of searches since the last call, nanoseconds.
+    pub fn take_plan_times(&mut self) -> Vec<u64> {
+        self.fleet.take_plan_times()
+    }
+
+    /// The fleet, for tests that plant faults in it.
+    #[doc(hidden)]
+    pub fn fleet_mut(&mut self) -> &mut Fleet {
+        &mut self.fleet
+    }
+
+    /// One step of the fleet, unless it panics.
+    fn decide(&mut self, now: Time, inputs: Vec<Input>, sent: &mut Sent) {
+        let inputs = self.intake.with(inputs);
+        let asked = Asked::of(&inputs);
+        let Some(step) = self.step(now, inputs) else {
+            sent.refused.extend(asked.tokens);
+            self.intake.keep(asked.by_hand);
+            return;
+        };
+        sent.stepped = true;
+        (sent.limits, sent.guidance) = (step.urgent, step.guidance);
+        (sent.warnings, sent.arms) = (step.warnings, step.arms);
+        let after = self.gate.record(step.facts.len());
+        self.outbox.put(after, step.commands, step.replies);
+        let written = WrittenStep { at: now, facts: step.facts, caused: step.caused };
+        sent.written = (!written.facts.is_empty()).then_some(written);
+    }
+
+    /// Tells all robots to stand, until they say that they do. A decision changes what is promised and must be written
+    /// down, so there is none, while robots would finish what was granted and people walk on.
+    fn halt(&mut self, inputs: Vec<Input>, sent: &mut Sent) {
+        if self.halted {
+            sent.limits = stops(drivers(&inputs));
+        } else {
+            self.halted = true;
+            self.alarms.push(DriveAlarm::Raise(AlarmKind::Halt, sentence::journal_full()));
+            sent.limits = stops(self.fleet.ledger().robots.ids());
+        }
+        self.intake.keep(inputs);
+    }
+
+    /// The journal takes facts: the step that follows lifts the limits, which it did not set.
+    fn resume(&mut self) {
+        if std::mem::take(&mut self.halted) {
+            self.alarms.push(DriveAlarm::Clear(AlarmKind::Halt));
+            tracing::info!("the journal has room again: robots drive on");
+        }
+    }
+}
+
+/// Orders to stand.
+fn stops(robots: impl IntoIterator<Item = RobotId>) -> Vec<(RobotId, Command)> {
+    robots.into_iter().map(|robot| (robot, Command::Limit(Some(0.0)))).collect()
+}
+
+/// Robots that do not say that they were told to stand.
+fn drivers(inputs: &[Input]) -> Vec<RobotId> {
+    let driver = |input: &Input| match input {
+        Input::Telemetry(t) if t.limit_mps != Some(0.0) => Some(t.robot),
+        _ => None,
+    };
+    inputs.iter().filter_map(driver).collect()
+}
+
+#[cfg(test)]
+mod tests;

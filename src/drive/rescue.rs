@@ -1,0 +1,237 @@
+//! What happens where a call of the fleet panics: the robot that was being dealt with is fenced off, the others go on.
+//!
+//! A step that panicked leaves the fleet half-way, so it is made anew from what is durable; a question leaves it as it
+//! was. Main types: [`Rescue`] (what is remembered of panics), [`Mode`], [`Trap`]. Where no robot can be named, where it
+//! happens too often, or where the journal cannot be folded, all robots are told to stand, and the driver goes on to say
+//! so. Refuses: to go on with a fleet that a panic left half-way, and to lose a stop given by hand in that step.
+
+use super::{Drive, DriveAlarm};
+use giveway_fleet::alarm::AlarmKind;
+use giveway_fleet::{Fact, Fleet, Input, Ledger, Settings, Step};
+use giveway_floor::id::RobotId;
+use giveway_floor::text::sentence::alarms as sentence;
+use giveway_floor::time::{Span, Time};
+use std::any::Any;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// So many panics within [`WHILE`] are survived.
+const MOST: usize = 3;
+
+/// For so long a panic counts.
+const WHILE: Span = Span::from_secs(60);
+
+/// Where the driver calls the fleet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuardedCall {
+    /// A step.
+    Step,
+    /// The view for screens.
+    View,
+    /// Another question, as of the API.
+    Query,
+    /// What a pose or a hand calls for before the next step.
+    Pose,
+    /// The watchdog, which looks whether laws hold.
+    Watch,
+}
+
+/// A panic that is planted, to see what becomes of it: by tests, by the swarm, and by scenarios.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Trap {
+    /// In which call.
+    pub call: GuardedCall,
+    /// The robot that is being dealt with then, if it is one.
+    pub robot: Option<RobotId>,
+    /// How many times.
+    pub times: u32,
+}
+
+/// What a planted panic says.
+pub const PLANTED: &str = "this panic was planted";
+
+/// How the driver turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Steps are made.
+    Runs,
+    /// A step panicked: there is none until [`Drive::restore`].
+    Mends,
+    /// There are none any more.
+    Broken,
+}
+
+/// What is remembered of panics.
+#[derive(Debug, Default)]
+pub struct Rescue {
+    /// The step that panicked, until the fleet is made anew: what was at hand, and what the panic said.
+    open: Option<(RobotId, String)>,
+    /// A robot to be fenced off before the next step.
+    fence: Option<RobotId>,
+    recent: VecDeque<Time>,
+    broken: bool,
+    /// What the last panic said.
+    said: Option<String>,
+    trap: Option<Trap>,
+}
+
+impl Rescue {
+    /// How the driver turns.
+    pub fn mode(&self) -> Mode {
+        match (self.broken, &self.open) {
+            (true, _) => Mode::Broken,
+            (false, Some(_)) => Mode::Mends,
+            (false, None) => Mode::Runs,
+        }
+    }
+
+    /// One more panic; whether it is one too many.
+    fn count(&mut self, now: Time) -> bool {
+        self.recent.retain(|at| now - *at < WHILE);
+        self.recent.push_back(now);
+        self.recent.len() > MOST
+    }
+}
+
+/// Calls the fleet, unless the trap is planted there.
+fn call<T>(fleet: &mut Fleet, sprung: Option<Trap>, call: impl FnOnce(&mut Fleet) -> T) -> Result<T, String> {
+    let guarded = AssertUnwindSafe(|| {
+        fleet.note_at_hand(sprung.and_then(|trap| trap.robot));
+        assert!(sprung.is_none(), "{PLANTED}");
+        call(fleet)
+    });
+    catch_unwind(guarded).map_err(|panic| panic_text(&*panic))
+}
+
+impl Drive {
+    /// Asks the fleet. Nothing where it is being made anew, and where the question panics; then the robot that was being
+    /// dealt with is fenced off before the next step.
+    pub fn ask<T>(&mut self, what: GuardedCall, now: Time, question: impl FnOnce(&Fleet) -> T) -> Option<T> {
+        if self.rescue.mode() == Mode::Mends {
+            return None;
+        }
+        let sprung = self.sprung(what);
+        match call(&mut self.fleet, sprung, |fleet| question(fleet)) {
+            Ok(answer) => Some(answer),
+            Err(said) => {
+                let robot = self.fleet.at_hand();
+                tracing::error!(?robot, ?what, "a question panicked: {said}");
+                self.rescue.said = Some(said.clone());
+                if self.rescue.count(now) {
+                    self.give_up(&said, "it happens again and again");
+                } else {
+                    self.rescue.fence = robot;
+                }
+                None
+            }
+        }
+    }
+
+    /// One step, unless it panics: then none follows until [`Drive::restore`].
+    pub(super) fn step(&mut self, now: Time, inputs: Vec<Input>) -> Option<Step> {
+        let sprung = self.sprung(GuardedCall::Step);
+        let said = match call(&mut self.fleet, sprung, |fleet| fleet.step(now, inputs)) {
+            Ok(step) => return Some(step),
+            Err(said) => said,
+        };
+        let robot = self.fleet.at_hand();
+        tracing::error!(?robot, "a step panicked and was discarded: {said}");
+        self.rescue.said = Some(said.clone());
+        match robot {
+            None => self.give_up(&said, "no robot can be named"),
+            Some(_) if self.rescue.count(now) => self.give_up(&said, "it happens again and again"),
+            Some(robot) => self.rescue.open = Some((robot, said)),
+        }
+        None
+    }
+
+    /// Fences off the robot over which a question panicked.
+    pub(super) fn fence_off(&mut self, now: Time) {
+        let Some(robot) = self.rescue.fence.take().filter(|_| self.rescue.mode() == Mode::Runs) else {
+            return;
+        };
+        if let Err(said) = call(&mut self.fleet, None, |fleet| fleet.fence(robot, now)) {
+            self.rescue.open = Some((robot, said));
+        }
+    }
+
+    /// Whether the fleet is to be made anew from the journal, with [`Drive::restore`]: everything that was decided
+    /// before the panic is durable now.
+    pub fn wants_fold(&self) -> bool {
+        self.rescue.mode() == Mode::Mends && self.is_settled()
+    }
+
+    /// What a fold of the journal begins with.
+    pub fn empty_ledger(&self) -> Ledger {
+        Ledger::new(self.fleet.warehouse().clone(), self.fleet.settings().clearance(), false)
+    }
+
+    /// Makes the fleet anew, from a ledger and facts behind it or else why there are none, without the robot that was
+    /// being dealt with.
+    pub fn restore(&mut self, now: Time, folded: Result<(Ledger, Vec<Fact>), String>) {
+        let Some((robot, said)) = self.rescue.open.take() else { return };
+        let (ledger, facts) = match folded {
+            Ok(folded) => folded,
+            Err(why) => return self.give_up(&said, &format!("the journal cannot be read: {why}")),
+        };
+        let settings: Settings = self.fleet.settings().clone();
+        let anew = AssertUnwindSafe(|| {
+            let mut fleet = Fleet::resume(ledger, settings, facts);
+            fleet.fence(robot, now);
+            fleet
+        });
+        match catch_unwind(anew) {
+            Ok(fleet) => {
+                tracing::error!(
+                    ?robot,
+                    "the fleet was made anew from the journal, and the robot is fenced off"
+                );
+                self.fleet = fleet;
+                self.outbox.forget_orders(robot);
+            }
+            Err(panic) => self.give_up(&panic_text(&*panic), "the journal contradicts itself"),
+        }
+    }
+
+    /// No step follows, whatever comes: the last turn of a process that ends while the fleet is half-way.
+    pub fn stop_deciding(&mut self) {
+        self.rescue.broken |= self.rescue.mode() == Mode::Mends;
+    }
+
+    /// Whether no step is made any more.
+    pub fn is_broken(&self) -> bool {
+        self.rescue.mode() == Mode::Broken
+    }
+
+    /// What the last panic said that was not asked for yet.
+    pub fn take_panic(&mut self) -> Option<String> {
+        self.rescue.said.take()
+    }
+
+    /// Plants a panic.
+    pub fn plant(&mut self, trap: Trap) {
+        self.rescue.trap = Some(trap);
+    }
+
+    /// The trap, if it is planted here.
+    fn sprung(&mut self, call: GuardedCall) -> Option<Trap> {
+        let trap = self.rescue.trap.as_mut().filter(|trap| trap.call == call && trap.times > 0)?;
+        trap.times -= 1;
+        Some(*trap)
+    }
+
+    /// Nothing is decided any more; what is left is to tell the robots to stand, and to say so.
+    fn give_up(&mut self, said: &str, why: &str) {
+        let text = sentence::fleet_contradicts_itself(said, why);
+        self.alarms.push(DriveAlarm::Raise(AlarmKind::Broken, text));
+        // Nothing may look at what a panic left half-way.
+        self.fleet = Fleet::new(self.fleet.warehouse().clone(), self.fleet.settings().clone());
+        self.rescue.broken = true;
+    }
+}
+
+/// What a panic said.
+pub fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it does not say why").to_owned()
+}
