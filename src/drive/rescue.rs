@@ -198,6 +198,11 @@ impl Drive {
         self.rescue.broken |= self.rescue.mode() == Mode::Mends;
     }
 
+    /// Whether the next turn makes a step, if the journal has room for its facts.
+    pub fn decides(&self) -> bool {
+        self.rescue.mode() == Mode::Runs
+    }
+
     /// Whether no step is made any more.
     pub fn is_broken(&self) -> bool {
         self.rescue.mode() == Mode::Broken

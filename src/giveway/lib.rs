@@ -15,6 +15,8 @@
 //!     ↓
 //!   fleet   the state machine    alarm    history
 //!     ↓     pure above: no clock, no I/O, no chance, no hash order
+//!   drive   the loop around the core: what is heard, written down, sent; pure, too
+//!     ↓
 //!   sim     a floor in memory; pure, too
 //!     ↓
 //!   store (journal)    api (HTTP, live feeds)    vda5050 (to come)
@@ -99,8 +101,10 @@
 //!
 //! # The life of a step
 //!
-//! Everything happens in [`fleet::Fleet::step`]`(now, inputs)`. The server, the simulator and the tests are three short
-//! drivers of it, which differ only in where `now` and the inputs come from and where the results go.
+//! One loop turns the fleet: [`drive::Drive::turn`]`(now, heard)` takes in what was heard, steps the fleet, and says what
+//! is to be written down and sent (`drive/lib.rs` shows it on one screen). The server is sockets, a clock and a database
+//! around it (`server/control.rs`), a simulation a floor in memory and a journal that may fail (`sim/host.rs`). All that
+//! is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
 //!
 //! Inside `fleet`, each folder is a room. The rooms share `fleet/state/`: the ledger, which only facts change; the
 //! scene; the restrictions on robots in this step; and the read-only `Floor` for questions about all of these. What a
@@ -146,11 +150,12 @@
 //! in, and the scene is empty. To the step that is a floor of silent robots, and nothing special.
 //!
 //! A map that is published to the running server is a restart within the process: robots stand on nodes
-//! (`server/settle.rs`), the core is taken down, the database is carried over in one transaction, and another core is
+//! (`drive/settle.rs`), the core is taken down, the database is carried over in one transaction, and another core is
 //! made from it behind the same port. So a kill at any instant is a kill before or after it.
 //!
 //! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
-//! (`fleet/traffic/fence.rs`): it is treated as failed, whatever it reports, until a person releases it.
+//! (`fleet/traffic/fence.rs`): it is treated as failed, whatever it reports, until a person releases it. After a question
+//! that panics (a view, a query, what a pose calls for), the robot at hand is fenced off, too (`drive/rescue.rs`).
 //!
 //! # What is not there
 //!
@@ -365,7 +370,7 @@
 //! | how the server asks others (authorities, redirects) | `api/outgoing.rs`; where webhooks may be: `api/targets.rs` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
-//! | what happens where a step panics | `server/rescue.rs`, `fleet/traffic/fence.rs` |
+//! | what happens where a call of the fleet panics | `drive/rescue.rs`, `fleet/traffic/fence.rs` |
 //! | what becomes of a database whose map was changed | `fleet/carry/`, `store/carry.rs` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls/`, and the picture above |
@@ -401,6 +406,7 @@
 
 pub use giveway_api as api;
 pub use giveway_cell as cell;
+pub use giveway_drive as drive;
 pub use giveway_fleet as fleet;
 pub use giveway_fleet::{alarm, history};
 pub use giveway_floor::{geometry, id, route, text, time, timeline, warehouse};

@@ -20,6 +20,7 @@ pub mod encounter;
 mod entrance;
 mod guard;
 mod host;
+mod journal;
 pub mod laws;
 mod leavers;
 mod link;

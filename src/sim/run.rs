@@ -8,7 +8,7 @@ use super::customers::OrderFileLine;
 use super::detection::{Score, Watch};
 use super::digest::Digest;
 use super::encounter::EncounterFigures;
-use super::host::Host;
+use super::host::{Host, HostTurn};
 use super::laws::{CalmFigures, Laws, Violation, undrained};
 use super::scenario::Scenario;
 pub use super::tally::JobTally;
@@ -121,7 +121,7 @@ impl Simulation {
         let world = World::new(warehouse, scenario, lines, seed, &fleet, Time::ZERO);
         Simulation {
             laws: Laws::new(&fleet),
-            host: Host::new(Drive::new(fleet)),
+            host: Host::new(fleet, &scenario.faults, seed),
             world,
             now: Time::ZERO,
             period: scenario.period,
@@ -147,6 +147,13 @@ impl Simulation {
     /// The fleet under test.
     pub fn fleet(&self) -> &Fleet {
         self.host.drive.fleet()
+    }
+
+    /// How often each kind of fault has happened, on the floor and to Giveway itself.
+    pub fn injected(&self) -> BTreeMap<&'static str, u64> {
+        let mut all = self.world.injected();
+        all.extend(self.host.injected());
+        all
     }
 
     /// The driver, for tests that plant faults in it.
@@ -175,30 +182,42 @@ impl Simulation {
         }
         let inputs = self.world.advance(now, self.host.drive.fleet());
         let start = (self.stopwatch)();
-        let (sent, released) = self.host.turn(now, inputs.clone());
+        let host = self.host.turn(now - self.period, now, inputs.clone());
         self.step_ns.push((self.stopwatch)() - start);
         self.plan_ns.append(&mut self.host.drive.take_plan_times());
-        let turn = SimTurn { inputs, sent, released };
-        self.look(&turn);
-        self.world.answer(now, &turn.released.replies);
-        self.world.command(now, turn.sent.limits.clone());
-        self.world.command(now, turn.released.orders.clone());
-        self.world.tell(now, turn.sent.guidance.clone());
-        self.world.warn(now, &turn.sent.warnings);
-        self.world.move_arms(&turn.sent.arms);
+        self.look(&host);
+        let HostTurn { sent, released, .. } = host;
+        self.world.answer(now, &released.replies);
+        self.world.command(now, sent.limits.clone());
+        self.world.command(now, released.orders.clone());
+        self.world.tell(now, sent.guidance.clone());
+        self.world.warn(now, &sent.warnings);
+        self.world.move_arms(&sent.arms);
         self.now += self.period;
-        turn
+        SimTurn { inputs, sent, released }
     }
 
     /// Looks at laws and figures.
-    fn look(&mut self, turn: &SimTurn) {
-        let (now, fleet, facts) = (self.now, self.host.drive.fleet(), turn.facts());
-        if !self.without_conflicts {
-            self.laws.check(now, &self.world, fleet, facts);
+    fn look(&mut self, turn: &HostTurn) {
+        let (now, fleet) = (self.now, self.host.drive.fleet());
+        let written = turn.sent.written.as_ref().map_or(&[][..], |written| &written.facts);
+        for violation in &turn.broken {
+            self.laws.break_law(now, violation.clone());
         }
-        self.trace.add(facts);
-        self.tallies.note(facts);
-        self.watch.note(now, facts, &turn.sent.guidance);
+        let durable = turn.durable.as_deref().unwrap_or(written);
+        self.trace.add(durable);
+        self.tallies.note(durable);
+        if turn.is_anew {
+            self.laws.begin_again(fleet);
+            self.world.forget_unknown(fleet);
+        }
+        if turn.is_anew || !self.host.is_up() {
+            return self.laws.check_floor(now, &self.world);
+        }
+        if !self.without_conflicts {
+            self.laws.check(now, &self.world, fleet, written);
+        }
+        self.watch.note(now, written, &turn.sent.guidance);
         self.watch.look(now, fleet);
         self.consistency.note(now, &self.world, fleet);
     }

@@ -96,7 +96,8 @@ fn a_robot_gets_no_current_from_a_charger_that_is_out_of_order_and_says_so_while
     let away = sim.fleet().warehouse().nodes_where(|k| k == NodeKind::Parking)[0];
     let request = JobRequest::new(JobKind::Go { robot, node: away });
     let go = Input::ask(1, JobAction::Submit(request));
-    sim.drive_mut().fleet_mut().step(sim.now(), vec![go]);
+    let now = sim.now();
+    sim.drive_mut().fleet_mut().step(now, vec![go]);
     while sim.world.node_of(robot) == Some(charger) {
         sim.step();
         assert!(seen(&sim).battery <= before, "it is charged");

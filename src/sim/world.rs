@@ -44,6 +44,9 @@ const JOINS: Token = Token { asker: ROBOTS, number: 0 };
 /// Robots and people live side by side in steps of this length at most.
 const TICK: Span = Span::from_millis(20);
 
+/// By how much the clock of a robot is set at most, either way, seconds.
+const CLOCK_S: f64 = 3600.0;
+
 /// A robot with its radio.
 #[derive(Debug)]
 struct SimRobot {
@@ -65,6 +68,9 @@ struct SimRobot {
     before: MotionBefore,
     /// How far its clock is ahead.
     clock: Span,
+    /// Whether somebody sets it, and how often that has happened.
+    setting: Stream,
+    clock_steps: u64,
     /// Whether it says that it gets no current because its charger gives none to any robot.
     charger_is_out: bool,
     /// Its radio is dead until then.
@@ -324,6 +330,7 @@ impl World {
             ("messages_late", messages.late),
             ("messages_overtaking", messages.overtaking),
             ("wrong_clocks", wrong as u64),
+            ("clock_steps", self.robots.iter().map(|r| r.clock_steps).sum()),
             ("charger_outages", chargers),
             ("station_stops", stations),
             ("pushes", self.pushed),
@@ -485,6 +492,11 @@ impl World {
         }
     }
 
+    /// A process that died may have forgotten robots that had just joined: they stand where they will join again.
+    pub fn forget_unknown(&mut self, fleet: &Fleet) {
+        self.robots.truncate(fleet.ledger().robots.len());
+    }
+
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, fleet: &Fleet) {
         for i in self.robots.len()..fleet.ledger().robots.len() {
@@ -519,6 +531,8 @@ impl World {
             luck: stream(5),
             pushes: stream(6),
             clock: Span::from_secs_f64(clock),
+            setting: stream(13),
+            clock_steps: 0,
             charger_is_out: false,
             mute_until: None,
             push_on: None,
@@ -556,6 +570,14 @@ impl SimRobot {
         }
     }
 
+    /// Its clock is set with this probability.
+    fn set_clock(&mut self, probability: f64) {
+        if probability > 0.0 && self.setting.happens(probability) {
+            self.clock = Span::from_secs_f64(self.setting.between(-CLOCK_S, CLOCK_S));
+            self.clock_steps += 1;
+        }
+    }
+
     /// What goes wrong with it, and what is over. `charging` says whether it stands on a charger.
     fn meet_faults(&mut self, faults: &Faults, charging: bool, from: Time, to: Time) {
         if let Some((_, until)) = self.body.fault {
@@ -563,6 +585,7 @@ impl SimRobot {
             return;
         }
         let hours = (to - from).as_secs_f64() / 3600.0;
+        self.set_clock(faults.clock_steps_per_hour * hours);
         let until = to + Span::from_secs_f64(faults.repair_s);
         let (moving, on_its_way) = (self.body.speed_mps > 0.0, self.body.is_on_its_way());
         if moving && self.luck.happens(faults.failures_per_hour * hours) {

@@ -35,7 +35,7 @@ const CORE: [&str; 15] = [
     "alarm",
 ];
 /// Pure too, and driving the core.
-const AROUND: [&str; 2] = ["sim", "lab"];
+const AROUND: [&str; 3] = ["drive", "sim", "lab"];
 /// The outside world.
 const EDGE: [&str; 5] = ["store", "api", "vda5050", "server", "cli"];
 /// The laboratory's commands, which are no more pure than the product's.
@@ -105,8 +105,9 @@ fn may_name(top: &str) -> Vec<&'static str> {
         "cell" => [core(5), vec!["reach"]].concat(),
         // People and the floor, neither routes nor timelines.
         "local" => [core(5), vec!["human", "aware"]].concat(),
-        "lab" => [core(CORE.len()), vec!["sim", "cli"]].concat(),
-        "sim" | "store" | "api" | "vda5050" => core(CORE.len()),
+        "sim" => [core(CORE.len()), vec!["drive"]].concat(),
+        "lab" => [core(CORE.len()), vec!["drive", "sim", "cli"]].concat(),
+        "drive" | "store" | "api" | "vda5050" => core(CORE.len()),
         "server" => [core(CORE.len()), AROUND.to_vec(), EDGE[..3].to_vec()].concat(),
         "cli" => [core(CORE.len()), AROUND.to_vec(), EDGE[..4].to_vec()].concat(),
         "main" => vec!["cli", "lab"],

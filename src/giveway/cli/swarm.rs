@@ -45,7 +45,7 @@ pub struct SwarmArgs {
     /// Number of people; drawn if absent.
     #[arg(long)]
     workers: Option<usize>,
-    /// What to switch off: loss, delay, jitter, skew, failures, estops, obstacles, manual, unplugged, chargers,
+    /// What to switch off: restart, panic, journal_refuses, journal_slow, journal_torn, clock_steps, loss, delay, jitter, skew, failures, estops, obstacles, manual, unplugged, chargers,
     /// stations, pushes, closures, returns, relocations, charges, parks, goes, wishes, cancels, picks, stops,
     /// reassigned, holds, departures, sensors, causes, fleet.
     #[arg(long, value_delimiter = ',', value_parser = part)]
@@ -73,7 +73,7 @@ fn seeds(text: &str) -> Result<(u64, u64), String> {
 }
 
 fn part(word: &str) -> Result<SwarmPart, String> {
-    let words = || SwarmPart::ALL.map(SwarmPart::word).join(", ");
+    let words = || SwarmPart::ALL.iter().map(|p| p.word()).collect::<Vec<_>>().join(", ");
     SwarmPart::of_word(word).ok_or_else(|| format!("must be one of {}", words()))
 }
 

@@ -1,14 +1,14 @@
 //! Requests and sightings on their way into a step, and where the answers go.
 //!
-//! Main type: [`Inbox`]. Refuses: requests while the journal takes no facts; but stops and releases by hand are kept in
-//! their order, however many simulated orders wait.
+//! Main type: [`Inbox`]. Refuses: requests that no handler waits for any more. Which others are refused is the driver's
+//! to say.
 
 use super::audit_keeper::row_of;
 use giveway_api::audit::AuditEntry;
 use giveway_api::feed::hub::{HeardHands, HeardSighting};
 use giveway_api::port::QueuedRequest;
 use giveway_cell::HandsSeen;
-use giveway_fleet::{Answered, Asker, CausedFacts, Input, JobAction, Reply, Request, Token};
+use giveway_fleet::{Answered, CausedFacts, Input, Reply, Request, Token};
 use giveway_floor::geometry::{Point, inside};
 use giveway_floor::id::StationId;
 use giveway_floor::warehouse::Warehouse;
@@ -19,13 +19,6 @@ use tokio::sync::{mpsc, oneshot};
 
 /// How many requests may wait on the queue.
 pub const QUEUE: usize = 1024;
-
-/// How many simulated orders may wait while the fleet stands.
-const MOST_ORDERS: usize = 10_000;
-
-/// How many requests from outside may be kept while the fleet stands. Beyond, they wait in the queue, which refuses
-/// more than it holds.
-const MOST_REQUESTS: usize = 10_000;
 
 /// A request that was not answered yet.
 #[derive(Debug)]
@@ -40,7 +33,6 @@ pub struct Inbox {
     queue: mpsc::Receiver<QueuedRequest>,
     heard: mpsc::Receiver<HeardSighting>,
     waiting: BTreeMap<Token, WaitingRequest>,
-    kept: Vec<Input>,
     /// Sightings that were taken out of the channel to look at them.
     early: Vec<HeardSighting>,
     /// The workplaces of stations: hands of people there are of interest.
@@ -51,8 +43,8 @@ pub struct Inbox {
 impl Inbox {
     /// An inbox that is filled from a queue and from feeds.
     pub fn new(queue: mpsc::Receiver<QueuedRequest>, heard: mpsc::Receiver<HeardSighting>) -> Inbox {
-        let (waiting, kept, early, workplaces) = (BTreeMap::new(), Vec::new(), Vec::new(), Vec::new());
-        Inbox { queue, heard, waiting, kept, early, workplaces, next: 0 }
+        let (waiting, early, workplaces) = (BTreeMap::new(), Vec::new(), Vec::new());
+        Inbox { queue, heard, waiting, early, workplaces, next: 0 }
     }
 
     /// The same, which hands on hands of people in the workplaces of a building.
@@ -66,27 +58,21 @@ impl Inbox {
         Inbox { workplaces, ..Inbox::new(queue, heard) }
     }
 
-    /// Everything that waits. While `refusing`, new requests are refused instead, but for stops and releases by hand.
-    pub fn drain(&mut self, refusing: bool) -> Vec<Input> {
-        let mut inputs = std::mem::take(&mut self.kept);
-        let mut room =
-            MOST_REQUESTS.saturating_sub(inputs.iter().filter(|i| token_of_client(i).is_some()).count());
-        while room > 0
+    /// Requests that wait, `room` of them at most; the others wait in the queue, which refuses more than it holds.
+    pub fn requests(&mut self, room: usize) -> Vec<(Token, Request)> {
+        let mut requests = Vec::new();
+        while requests.len() < room
             && let Ok(ask) = self.queue.try_recv()
         {
-            // What is done by hand is neither refused nor overtaken: a release that was refused while the stop before
-            // it waits would leave the floor standing.
-            let by_hand = ask.request.is_by_hand();
-            // Dropping the reply tells the handler. A request that no handler waits for any more is not carried out.
-            if !by_hand && (refusing || ask.reply.is_closed()) {
+            // A request that no handler waits for any more is not carried out; but what is done by hand is.
+            if ask.reply.is_closed() && !ask.request.is_by_hand() {
                 continue;
             }
-            room -= 1;
             let token = self.token();
             self.waiting.insert(token, WaitingRequest { by: ask.by, reply: ask.reply });
-            inputs.push(Input::ask(token, ask.request));
+            requests.push((token, ask.request));
         }
-        inputs
+        requests
     }
 
     fn token(&mut self) -> Token {
@@ -126,32 +112,6 @@ impl Inbox {
         Some(HandsSeen { station: *station, person, seen, head, facing, eyes, hands })
     }
 
-    /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Nor are
-    /// simulated orders beyond a limit: their customers order again. Requests from outside all are.
-    pub fn keep(&mut self, inputs: Vec<Input>) {
-        let mut orders = self.kept.iter().filter(|i| is_order(i)).count();
-        let before = orders;
-        let mut dropped = 0;
-        for input in inputs {
-            let Input::Ask { request, .. } = &input else { continue };
-            let is_clients = token_of_client(&input).is_some();
-            // Simulated pickers say it until their screen shows that it was heard.
-            if matches!(request, Request::Station(..)) && !is_clients {
-                continue;
-            }
-            let is_order = is_order(&input);
-            if is_order && orders >= MOST_ORDERS {
-                dropped += 1;
-                continue;
-            }
-            orders += usize::from(is_order);
-            self.kept.push(input);
-        }
-        if dropped > 0 && before < MOST_ORDERS {
-            tracing::warn!(dropped, "simulated orders are dropped: the journal is full");
-        }
-    }
-
     /// Tells the handlers of these requests that nothing came of them.
     pub fn forget(&mut self, tokens: &[Token]) {
         for token in tokens {
@@ -177,24 +137,6 @@ impl Inbox {
     }
 }
 
-/// The token of a client's request.
-pub(super) fn token_of_client(input: &Input) -> Option<Token> {
-    match input {
-        Input::Ask { token, .. } => Some(*token).filter(|token| token.asker == Asker::CLIENTS),
-        Input::Telemetry(_)
-        | Input::Sighted(_)
-        | Input::Hands(_)
-        | Input::Arm(_)
-        | Input::VisitEnds { .. } => None,
-    }
-}
-
-/// Whether it is a simulated customer's order, or the end of one: those come again, since customers look at what waits.
-fn is_order(input: &Input) -> bool {
-    let asks = |r: &Request| matches!(r, Request::Job(JobAction::Submit(_) | JobAction::Cancel(_)));
-    matches!(input, Input::Ask { request, .. } if asks(request)) && token_of_client(input).is_none()
-}
-
 /// The audit entry of a request in tests.
 #[cfg(test)]
 pub fn local_request() -> Arc<AuditEntry> {
@@ -206,7 +148,7 @@ pub fn local_request() -> Arc<AuditEntry> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use giveway_fleet::{Answer, Fleet, FloorAction};
+    use giveway_fleet::{Answer, Fleet, FloorAction, JobAction};
     use giveway_floor::id::JobId;
     use giveway_floor::time::Time;
     use giveway_floor::warehouse::lab;
@@ -243,7 +185,7 @@ mod tests {
     fn a_reply_to_a_simulated_customer_answers_no_request_from_outside() {
         let (mut inbox, queue, _feed) = inbox();
         let mut answers: Vec<_> = (1..5).map(|job| ask(&queue, JobAction::Cancel(JobId(job)))).collect();
-        assert_eq!(inbox.drain(false).len(), 4);
+        assert_eq!(inbox.requests(9).len(), 4);
         let tokens = orders().into_iter().filter_map(|i| match i {
             Input::Ask { token, .. } if submits(&i) => Some(token),
             _ => None,
@@ -258,58 +200,25 @@ mod tests {
         }
     }
 
-    /// Stops and releases among inputs, in order.
-    fn by_hand(inputs: &[Input]) -> Vec<&'static str> {
-        let word = |i: &Input| match i {
-            Input::Ask { request: Request::Floor(FloorAction::Halt(_)), .. } => Some("halt"),
-            Input::Ask { request: Request::Floor(FloorAction::Release(_)), .. } => Some("release"),
-            _ => None,
-        };
-        inputs.iter().filter_map(word).collect()
-    }
-
     #[test]
-    fn stops_and_releases_by_hand_outlast_any_load_of_simulated_orders_in_their_order() {
+    fn requests_beyond_the_room_wait_in_the_queue_and_those_whose_handler_has_left_are_not_carried_out() {
         let (mut inbox, queue, _feed) = inbox();
-        let order = orders().into_iter().find(submits).unwrap();
-        let flood = |n: usize| vec![order.clone(); n];
-        let mut answers = Vec::new();
-        for action in [FloorAction::Halt(None), FloorAction::Release(None), FloorAction::Halt(None)] {
-            inbox.keep(flood(MOST_ORDERS));
-            answers.push(ask(&queue, action));
-            let inputs = inbox.drain(true);
-            inbox.keep(inputs);
-            inbox.keep(flood(3));
-        }
-        let inputs = inbox.drain(true);
-        assert_eq!(by_hand(&inputs), ["halt", "release", "halt"]);
-        assert_eq!(inputs.len(), MOST_ORDERS + 3, "orders have a limit, what is done by hand is beside it");
-        for (token, answer) in inputs.iter().filter_map(token_of_client).zip(&mut answers) {
-            inbox.answer(Reply { token, answer: Ok(Answer::Done) });
-            assert!(answer.try_recv().is_ok(), "it is answered");
-        }
-    }
-
-    #[test]
-    fn requests_that_are_refused_are_told_so_at_once_and_those_beyond_the_limit_wait_on_the_desk() {
-        let (mut inbox, queue, _feed) = inbox();
-        let mut refused = ask(&queue, JobAction::Cancel(JobId(1)));
-        assert_eq!(inbox.drain(true), vec![]);
-        assert_eq!(refused.try_recv(), Err(oneshot::error::TryRecvError::Closed));
-        for token in 0..MOST_REQUESTS as u64 {
-            inbox.kept.push(Input::ask(token, FloorAction::Halt(None)));
-        }
-        let _answer = ask(&queue, FloorAction::Halt(None));
-        let inputs = inbox.drain(true);
-        assert_eq!(inputs.len(), MOST_REQUESTS);
-        assert_eq!(inbox.drain(true).len(), 1, "it is taken as soon as there is room");
+        let mut answers: Vec<_> = (1..4).map(|job| ask(&queue, JobAction::Cancel(JobId(job)))).collect();
+        drop(answers.remove(1));
+        let mut by_hand = ask(&queue, FloorAction::Halt(None));
+        assert_eq!(inbox.requests(1).len(), 1);
+        let rest = inbox.requests(9);
+        assert_eq!(rest.len(), 2, "{rest:?}");
+        inbox.forget(&[rest[1].0]);
+        assert_eq!(by_hand.try_recv(), Err(oneshot::error::TryRecvError::Closed), "it is told so at once");
     }
 
     #[test]
     fn facts_of_a_step_are_those_of_who_asked_for_them_and_of_nobody_where_the_floor_is_simulated() {
         let (mut inbox, queue, _feed) = inbox();
         let _answers = [ask(&queue, FloorAction::Halt(None)), ask(&queue, JobAction::Cancel(JobId(9)))];
-        let mut inputs = inbox.drain(false);
+        let requests = inbox.requests(9);
+        let mut inputs: Vec<Input> = requests.into_iter().map(|(t, r)| Input::ask(t, r)).collect();
         inputs.extend(orders());
         let scenario = Scenario::parse(SCENARIO).unwrap();
         let mut fleet = Fleet::new(Arc::new(lab()), scenario.settings());

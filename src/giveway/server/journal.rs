@@ -1,6 +1,6 @@
 //! The journal's task: everything that waits becomes one transaction, tried until the database takes it.
 //!
-//! Main types: [`Journal`] (the loop's end: records, knows what is durable), [`JournalSender`] (the task). While the
+//! Main types: [`Journal`] (the loop's end: hands facts on, knows what is durable), [`JournalSender`] (the task). While the
 //! database refuses, steps wait in order and an alarm stands; nothing is dropped, and what is not durable is
 //! not acknowledged. The task folds what is durable into a ledger of its own and writes that down now and then, so that
 //! the loop pays nothing for it. Refuses: to try again what contradicts the journal; that ends the process.
@@ -9,6 +9,7 @@ use super::clock::Clock;
 use super::watchdog::Auditor;
 use giveway_api::alarms::Alarms;
 use giveway_api::metrics::Metrics;
+use giveway_drive::{JournalReport, JournalState};
 use giveway_fleet::alarm::AlarmKind;
 use giveway_fleet::{Fact, Ledger};
 use giveway_floor::text::Sentence;
@@ -19,9 +20,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
-
-/// So many facts may wait; then the fleet stands until the database is back.
-const MOST_PENDING: u64 = 20_000;
 
 /// So many steps go into one transaction.
 const MOST_AT_ONCE: usize = 200;
@@ -39,7 +37,6 @@ const PAUSES: (Duration, Duration) = (Duration::from_millis(250), Duration::from
 #[derive(Debug)]
 pub struct Journal {
     steps: mpsc::UnboundedSender<StepEntry>,
-    recorded: u64,
     durable: watch::Receiver<u64>,
     failing: watch::Receiver<bool>,
     pending: Arc<AtomicU64>,
@@ -89,8 +86,7 @@ pub fn journal(
     let (durable, confirmed) = watch::channel(0);
     let (failing, fails) = watch::channel(false);
     let pending = Arc::new(AtomicU64::new(0));
-    let journal =
-        Journal { steps: send, recorded: 0, durable: confirmed, failing: fails, pending: pending.clone() };
+    let journal = Journal { steps: send, durable: confirmed, failing: fails, pending: pending.clone() };
     let Start { next, ledger, behind } = start;
     let shadow = Shadow { ledger, behind };
     let steps = receive;
@@ -114,21 +110,21 @@ pub fn journal(
 }
 
 impl Journal {
-    /// Records the facts of a step, and which requests caused which. What depends on them may leave when so many steps
-    /// are durable as this says.
-    pub fn record(&mut self, at: Time, facts: Vec<Fact>, causes: Vec<StepCause>) -> u64 {
-        if !facts.is_empty() {
-            self.pending.fetch_add(facts.len() as u64, Ordering::Relaxed);
-            // Fails only where the task has ended; the server ends then, too.
-            let _ = self.steps.send(StepEntry { at, facts, causes });
-            self.recorded += 1;
-        }
-        self.recorded
+    /// Has the facts of a step written down, and which requests caused which.
+    pub fn record(&mut self, at: Time, facts: Vec<Fact>, causes: Vec<StepCause>) {
+        self.pending.fetch_add(facts.len() as u64, Ordering::Relaxed);
+        // Fails only where the task has ended; the server ends then, too.
+        let _ = self.steps.send(StepEntry { at, facts, causes });
     }
 
-    /// How many steps are durable.
-    pub fn durable(&self) -> u64 {
-        *self.durable.borrow()
+    /// How it is; `gone` says that the database is not where it was.
+    pub fn report(&self, gone: bool) -> JournalReport {
+        let state = match (gone, *self.failing.borrow()) {
+            (true, _) => JournalState::Gone,
+            (false, true) => JournalState::Refuses,
+            (false, false) => JournalState::Writes,
+        };
+        JournalReport { durable: *self.durable.borrow(), state }
     }
 
     /// Waits until more are durable.
@@ -136,21 +132,6 @@ impl Journal {
         if self.durable.changed().await.is_err() {
             std::future::pending::<()>().await;
         }
-    }
-
-    /// Whether facts do not become durable at present.
-    pub fn is_failing(&self) -> bool {
-        *self.failing.borrow()
-    }
-
-    /// Whether everything that was recorded is durable.
-    pub fn is_settled(&self) -> bool {
-        self.recorded == self.durable()
-    }
-
-    /// Whether so many facts wait that there may be no more.
-    pub fn is_full(&self) -> bool {
-        self.pending.load(Ordering::Relaxed) >= MOST_PENDING
     }
 }
 

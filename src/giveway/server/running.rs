@@ -5,11 +5,11 @@
 
 use super::inbox::Inbox;
 use super::publish::{GoOver, MapKeeper};
-use super::settle::Settling;
+use super::settle::SettleDesk;
 use super::start::ServerParts;
 use super::{
-    Clock, Outbound, ahead, alarm_keeper, answers, audit_keeper, custody, drive, historian, inbox, journal,
-    kinds, measure, outbox, people, recordings, records, rescue, tokens, trial, watchdog, webhooks,
+    Clock, Outbound, ahead, alarm_keeper, answers, audit_keeper, control, custody, historian, inbox, journal,
+    kinds, measure, people, recordings, records, tokens, trial, watchdog, webhooks,
 };
 use anyhow::{Context, anyhow};
 use axum::Router;
@@ -23,6 +23,7 @@ use giveway_api::metrics::Metrics;
 use giveway_api::port::{Moment, Now, QUESTIONS, Question};
 use giveway_api::webhooks::HookDesk;
 use giveway_api::{Api, router};
+use giveway_drive::Drive;
 use giveway_fleet::Fleet;
 use giveway_fleet::alarm::AlarmKind;
 use giveway_floor::text::sentence::alarms as sentence;
@@ -63,25 +64,24 @@ struct LoopEnds {
     tap: recordings::Tap,
     displaced: watch::Receiver<bool>,
     moments: watch::Sender<Arc<Moment>>,
-    settling: Settling,
+    settling: SettleDesk,
 }
 
 /// The loop, before its first turn.
-fn drive_loop(
+fn control_loop(
     (fleet, world, period): (Fleet, World, Span),
     ends: LoopEnds,
     shared: LoopShares,
-) -> drive::DriveLoop {
+) -> control::ControlLoop {
     let LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settling } = ends;
     let LoopShares { store, clock, metrics, alarms, feeds } = shared;
-    drive::DriveLoop {
-        fleet,
+    control::ControlLoop {
+        drive: Drive::new(fleet),
         world,
         clock,
         period,
         inbox,
         questions,
-        outbox: outbox::Outbox::default(),
         journal,
         measure: measure::Measure::default(),
         notes,
@@ -90,9 +90,8 @@ fn drive_loop(
         feeds,
         tap,
         alarms,
-        pace: drive::LoopPace::default(),
+        pace: control::LoopPace::default(),
         displaced,
-        rescue: rescue::Rescue::default(),
         watchdog: watchdog::Watchdog::default(),
         store,
         moments,
@@ -158,9 +157,9 @@ impl RunningCore {
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
         let shares = LoopShares { store, clock, metrics, alarms, feeds };
         let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);
-        let (settling, displaced) = (Settling::new(settle), gone.clone());
+        let (settling, displaced) = (SettleDesk::new(settle), gone.clone());
         let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settling };
-        let drive = drive_loop((fleet, world, period), ends, shares.clone());
+        let drive = control_loop((fleet, world, period), ends, shares.clone());
         let LoopShares { store, clock, metrics, alarms, feeds } = shares;
         let (halt, halted) = watch::channel(false);
         let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
@@ -278,7 +277,7 @@ async fn flush(
 
 /// Runs the loop on a thread of its own: steps are work, and nothing else may wait for them.
 fn spawn_loop(
-    drive: drive::DriveLoop,
+    drive: control::ControlLoop,
     halted: watch::Receiver<bool>,
 ) -> anyhow::Result<oneshot::Receiver<World>> {
     let (ended, end) = oneshot::channel();

@@ -20,7 +20,6 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_sim::{OrderFileLine, Scenario, World, nothing_to_order, warm_up};
 use giveway_store::{CarryOver, Loaded, MapNote, Opening, StepEntry, Store, StoreError};
-use std::any::Any;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::mpsc;
@@ -221,7 +220,10 @@ pub async fn build(
     let (fleet, world) = match tokio::task::spawn_blocking(fold).await {
         Ok(folded) => folded?,
         Err(e) => {
-            let said = e.try_into_panic().map(|p| panic_text(&*p)).context("the fold was given up")?;
+            let said = e
+                .try_into_panic()
+                .map(|p| giveway_drive::panic_text(&*p))
+                .context("the fold was given up")?;
             let why = format!(
                 "the journal of {} contradicts itself: {said}. Nothing was changed. Robots drive to the end of \
                  their grants and stop. Keep a copy of the file, then run `giveway database restore BACKUP`",
@@ -262,10 +264,4 @@ pub async fn build(
         last_audit: store.last_audit().await?,
     };
     Ok((Built::Whole(Box::new(parts)), summary))
-}
-
-/// What a panic said.
-pub fn panic_text(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("it does not say why").to_owned()
 }

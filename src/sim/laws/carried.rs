@@ -154,7 +154,7 @@ mod tests {
             assert!(!sim.is_over(), "no rack was lifted");
             sim.step();
         }
-        let station = sim.fleet().warehouse().stations[StationId(0)];
+        let station = &sim.fleet().warehouse().stations[StationId(0)];
         let places = station.queue.iter().copied().chain([station.node]);
         let held: BTreeSet<NodeId> = places.filter(|_| closes).collect();
         let mut laws = CarryLaws::default();

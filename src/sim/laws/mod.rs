@@ -107,7 +107,26 @@ impl Laws {
         self.calm.figures
     }
 
-    fn break_law(&mut self, now: Time, violation: Violation) {
+    /// There is another fleet: the process died and started again. What is remembered of the floor stays.
+    pub fn begin_again(&mut self, fleet: &Fleet) {
+        let anew = Laws::new(fleet);
+        let old = std::mem::replace(self, anew);
+        (self.run_over, self.misplaced, self.arms) = (old.run_over, old.misplaced, old.arms);
+        (self.broken, self.count, self.steps) = (old.broken, old.count, old.steps);
+        self.calm.figures = old.calm.figures;
+        self.waits.keep_count(&old.waits);
+    }
+
+    /// Looks at the floor alone, while there is no fleet to look at.
+    pub fn check_floor(&mut self, now: Time, world: &World) {
+        self.check_places(now, world);
+        self.check_people(now, world);
+        self.check_racks(now, world);
+        self.check_arms(now, world);
+    }
+
+    /// Notes a broken law.
+    pub(super) fn break_law(&mut self, now: Time, violation: Violation) {
         self.count += 1;
         if self.broken.len() < 100 {
             tracing::error!(%now, %violation, "a law is broken");

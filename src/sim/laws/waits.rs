@@ -42,6 +42,11 @@ impl WaitLaws {
         self.standstills
     }
 
+    /// Goes on counting where an earlier one ended.
+    pub fn keep_count(&mut self, earlier: &WaitLaws) {
+        self.standstills = earlier.standstills;
+    }
+
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
         // Standstills of people are counted for every policy, and are a broken law for ours alone.
         let kept = self.look_at_people(now, world, fleet);

@@ -38,6 +38,25 @@ pub struct Faults {
     pub repair_s: f64,
     /// How often each robot is pushed elsewhere by people while it stands.
     pub robot_pushes_per_hour: f64,
+    /// How often a robot's clock is set, by up to an hour either way.
+    pub clock_steps_per_hour: f64,
+    /// How often the process of Giveway is killed at any point, and starts again. These and the following are about
+    /// Giveway itself: a simulation has them, a server has its own.
+    pub restarts_per_hour: f64,
+    /// How long it is down then, at most, seconds.
+    pub restart_s: f64,
+    /// How long the journal takes for a step, milliseconds.
+    pub journal_delay_ms: i64,
+    /// How often it takes a second and a half longer for a while.
+    pub journal_slow_per_hour: f64,
+    /// How often it takes nothing for a while.
+    pub journal_refuses_per_hour: f64,
+    /// How long each of these lasts, seconds.
+    pub journal_outage_s: f64,
+    /// Whether steps that the journal has not confirmed may be on the disk all the same when the process dies.
+    pub torn_writes: bool,
+    /// How often a step or a question panics over some robot; a person lets that robot go on after `repair_s`.
+    pub panics_per_hour: f64,
     /// When all faults end, seconds from the start: what is broken is repaired, messages arrive soon, and nothing
     /// goes wrong any more. Clocks stay wrong. Nothing for never.
     pub until_s: Option<f64>,
@@ -59,6 +78,15 @@ impl Default for Faults {
             station_stops_per_hour: 0.0,
             repair_s: 300.0,
             robot_pushes_per_hour: 0.0,
+            clock_steps_per_hour: 0.0,
+            restarts_per_hour: 0.0,
+            restart_s: 10.0,
+            journal_delay_ms: 0,
+            journal_slow_per_hour: 0.0,
+            journal_refuses_per_hour: 0.0,
+            journal_outage_s: 20.0,
+            torn_writes: false,
+            panics_per_hour: 0.0,
             until_s: None,
         }
     }
@@ -81,11 +109,30 @@ impl Faults {
             ("faults.charger_outages_per_hour", self.charger_outages_per_hour),
             ("faults.station_stops_per_hour", self.station_stops_per_hour),
             ("faults.robot_pushes_per_hour", self.robot_pushes_per_hour),
+            ("faults.clock_steps_per_hour", self.clock_steps_per_hour),
+            ("faults.restarts_per_hour", self.restarts_per_hour),
+            ("faults.journal_slow_per_hour", self.journal_slow_per_hour),
+            ("faults.journal_refuses_per_hour", self.journal_refuses_per_hour),
+            ("faults.panics_per_hour", self.panics_per_hour),
         ] {
             check(key, per_hour, 0.0..=1000.0, "from 0 to 1000")?;
         }
+        check("faults.restart_s", self.restart_s, 0.0..=600.0, "from 0 to 600")?;
+        check("faults.journal_delay_ms", self.journal_delay_ms as f64, 0.0..=60_000.0, "from 0 to 60000")?;
+        check("faults.journal_outage_s", self.journal_outage_s, 0.0..=600.0, "from 0 to 600")?;
         check("faults.repair_s", self.repair_s, 1.0..=1e6, "from 1 to 1000000")?;
         check("faults.until_s", self.until_s.unwrap_or(0.0), 0.0..=1e7, "from 0 to 10000000")
+    }
+
+    /// Whether anything of this is about Giveway itself.
+    pub fn strike_the_host(&self) -> bool {
+        let rates = [
+            self.restarts_per_hour,
+            self.journal_slow_per_hour,
+            self.journal_refuses_per_hour,
+            self.panics_per_hour,
+        ];
+        self.journal_delay_ms > 0 || rates.iter().any(|rate| *rate > 0.0)
     }
 
     /// How long a message may be under way, seconds.

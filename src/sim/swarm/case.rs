@@ -8,141 +8,106 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::Arc;
 
-/// What can be switched off in a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum SwarmPart {
-    /// Messages get lost.
-    Loss,
-    /// Messages take long, all of them.
-    Delay,
-    /// Messages take long, some of them, and overtake one another.
-    Jitter,
-    /// Clocks of robots are wrong.
-    Skew,
-    /// Robots break down.
-    Failures,
-    /// Somebody presses the emergency stops of robots.
-    Estops,
-    /// Things stand in the way of robots.
-    Obstacles,
-    /// People drive robots by hand.
-    Manual,
-    /// Robots get no current.
-    Unplugged,
-    /// Chargers are out of order.
-    Chargers,
-    /// Stations stop.
-    Stations,
-    /// People push robots elsewhere.
-    Pushes,
-    /// Areas are closed for a time.
-    Closures,
-    /// Customers want racks put back.
-    Returns,
-    /// Customers want racks put onto certain nodes.
-    Relocations,
-    /// Customers send robots to chargers.
-    Charges,
-    /// Customers send robots to parking places.
-    Parks,
-    /// Customers send robots to nodes.
-    Goes,
-    /// Jobs have priorities, deadlines and others before them, and are handed in twice.
-    Wishes,
-    /// Customers cancel jobs.
-    Cancels,
-    /// Picks take long, or goods are missing.
-    Picks,
-    /// Racks are wanted at several stations.
-    Stops,
-    /// Operators give jobs to other robots.
-    Reassigned,
-    /// Robots are sent to places where others rest, and to one another's places.
-    Trades,
-    /// Operators pause robots and stations.
-    Holds,
+/// Parts of a case, each with its name in a command, in the order in which the shrinking tries to switch them off.
+macro_rules! swarm_parts {
+    ($($(#[$doc:meta])+ $part:ident = $word:literal,)+) => {
+        /// What can be switched off in a case.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum SwarmPart {
+            $($(#[$doc])+ $part,)+
+        }
+
+        impl SwarmPart {
+            /// All of them.
+            pub const ALL: &[SwarmPart] = &[$(SwarmPart::$part,)+];
+
+            /// Its name in a command.
+            pub fn word(self) -> &'static str {
+                match self {
+                    $(SwarmPart::$part => $word,)+
+                }
+            }
+        }
+    };
+}
+
+swarm_parts! {
+    /// The process of Giveway is killed at any point, and starts again.
+    Restarts = "restart",
+    /// A step, a view or a query panics over some robot.
+    Panics = "panic",
+    /// The journal takes nothing for a while.
+    JournalRefuses = "journal_refuses",
+    /// The journal takes long.
+    JournalSlow = "journal_slow",
+    /// Steps that the journal did not confirm may be on the disk all the same.
+    JournalTorn = "journal_torn",
+    /// Clocks of robots are set.
+    ClockSteps = "clock_steps",
     /// Robots are taken off the floor and brought back.
-    Departures,
+    Departures = "departures",
+    /// People push robots elsewhere.
+    Pushes = "pushes",
+    /// People drive robots by hand.
+    Manual = "manual",
+    /// Areas are closed for a time.
+    Closures = "closures",
+    /// Clocks of robots are wrong.
+    Skew = "skew",
+    /// Messages take long, some of them, and overtake one another.
+    Jitter = "jitter",
+    /// Messages take long, all of them.
+    Delay = "delay",
+    /// Messages get lost.
+    Loss = "loss",
+    /// Robots break down.
+    Failures = "failures",
+    /// Somebody presses the emergency stops of robots.
+    Estops = "estops",
+    /// Things stand in the way of robots.
+    Obstacles = "obstacles",
+    /// Robots get no current.
+    Unplugged = "unplugged",
+    /// Chargers are out of order.
+    Chargers = "chargers",
+    /// Stations stop.
+    Stations = "stations",
+    /// Operators pause robots and stations.
+    Holds = "holds",
+    /// Customers cancel jobs.
+    Cancels = "cancels",
+    /// Picks take long, or goods are missing.
+    Picks = "picks",
+    /// Racks are wanted at several stations.
+    Stops = "stops",
+    /// Operators give jobs to other robots.
+    Reassigned = "reassigned",
+    /// Robots are sent to places where others rest, and to one another's places.
+    Trades = "trades",
+    /// Jobs have priorities, deadlines and others before them, and are handed in twice.
+    Wishes = "wishes",
+    /// Customers want racks put back.
+    Returns = "returns",
+    /// Customers want racks put onto certain nodes.
+    Relocations = "relocations",
+    /// Customers send robots to chargers.
+    Charges = "charges",
+    /// Customers send robots to parking places.
+    Parks = "parks",
+    /// Customers send robots to nodes.
+    Goes = "goes",
     /// Devices of people are wrong, silent or late.
-    Sensors,
+    Sensors = "sensors",
     /// People do something else than they were told.
-    Causes,
+    Causes = "causes",
     /// Robots differ from the usual kind.
-    Fleet,
+    Fleet = "fleet",
 }
 
 impl SwarmPart {
-    /// All of them, in the order in which the shrinking tries them.
-    pub const ALL: [SwarmPart; 29] = [
-        SwarmPart::Departures,
-        SwarmPart::Pushes,
-        SwarmPart::Manual,
-        SwarmPart::Closures,
-        SwarmPart::Skew,
-        SwarmPart::Jitter,
-        SwarmPart::Delay,
-        SwarmPart::Loss,
-        SwarmPart::Failures,
-        SwarmPart::Estops,
-        SwarmPart::Obstacles,
-        SwarmPart::Unplugged,
-        SwarmPart::Chargers,
-        SwarmPart::Stations,
-        SwarmPart::Holds,
-        SwarmPart::Cancels,
-        SwarmPart::Picks,
-        SwarmPart::Stops,
-        SwarmPart::Reassigned,
-        SwarmPart::Trades,
-        SwarmPart::Wishes,
-        SwarmPart::Returns,
-        SwarmPart::Relocations,
-        SwarmPart::Charges,
-        SwarmPart::Parks,
-        SwarmPart::Goes,
-        SwarmPart::Sensors,
-        SwarmPart::Causes,
-        SwarmPart::Fleet,
-    ];
-
-    /// Its name in a command.
-    pub fn word(self) -> &'static str {
-        match self {
-            SwarmPart::Loss => "loss",
-            SwarmPart::Delay => "delay",
-            SwarmPart::Jitter => "jitter",
-            SwarmPart::Skew => "skew",
-            SwarmPart::Failures => "failures",
-            SwarmPart::Estops => "estops",
-            SwarmPart::Obstacles => "obstacles",
-            SwarmPart::Manual => "manual",
-            SwarmPart::Unplugged => "unplugged",
-            SwarmPart::Chargers => "chargers",
-            SwarmPart::Stations => "stations",
-            SwarmPart::Pushes => "pushes",
-            SwarmPart::Closures => "closures",
-            SwarmPart::Returns => "returns",
-            SwarmPart::Relocations => "relocations",
-            SwarmPart::Charges => "charges",
-            SwarmPart::Parks => "parks",
-            SwarmPart::Goes => "goes",
-            SwarmPart::Wishes => "wishes",
-            SwarmPart::Cancels => "cancels",
-            SwarmPart::Picks => "picks",
-            SwarmPart::Stops => "stops",
-            SwarmPart::Reassigned => "reassigned",
-            SwarmPart::Trades => "trades",
-            SwarmPart::Holds => "holds",
-            SwarmPart::Departures => "departures",
-            SwarmPart::Sensors => "sensors",
-            SwarmPart::Causes => "causes",
-            SwarmPart::Fleet => "fleet",
-        }
-    }
-
     /// The part of this name.
     pub fn of_word(word: &str) -> Option<SwarmPart> {
-        SwarmPart::ALL.into_iter().find(|part| part.word() == word)
+        SwarmPart::ALL.iter().copied().find(|part| part.word() == word)
     }
 }
 
@@ -226,7 +191,7 @@ mod tests {
 
     #[test]
     fn every_part_is_found_by_its_word() {
-        for part in SwarmPart::ALL {
+        for &part in SwarmPart::ALL {
             assert_eq!(SwarmPart::of_word(part.word()), Some(part));
         }
         assert_eq!(SwarmPart::of_word("weather"), None);

@@ -34,6 +34,7 @@ const CUSTOMERS: u64 = 106;
 const CLOSURES: u64 = 107;
 const FAULTS: u64 = 108;
 const STOPS: u64 = 109;
+const HOST: u64 = 110;
 
 /// What a case runs.
 #[derive(Clone, Debug)]
@@ -103,7 +104,9 @@ fn file(case: &SwarmCase, warehouse: &Warehouse, (robots, places): (usize, usize
     let mut wanted = customers(case, &mut stream(CUSTOMERS));
     more_wanted(case, &mut stream(STOPS), &mut wanted);
     put("customers", wanted);
-    put("faults", faults(case, seconds, &mut stream(FAULTS)));
+    let mut wrong = faults(case, seconds, &mut stream(FAULTS));
+    host_faults(case, &mut stream(HOST), &mut wrong);
+    put("faults", wrong);
     put("closures", closures(case, seconds, warehouse, &mut stream(CLOSURES)));
     put("workers", people(case, seconds, &mut stream(PEOPLE), &mut stream(SENSORS)));
     if case.has(SwarmPart::Fleet)
@@ -242,6 +245,26 @@ fn faults(case: &SwarmCase, seconds: f64, random: &mut Stream) -> Value {
     Value::Object(group)
 }
 
+/// What goes wrong with Giveway itself, and with clocks of robots.
+fn host_faults(case: &SwarmCase, random: &mut Stream, group: &mut Value) {
+    for (part, key, low, high) in [
+        (SwarmPart::Restarts, "restarts_per_hour", 4.0, 60.0),
+        (SwarmPart::JournalSlow, "journal_slow_per_hour", 4.0, 30.0),
+        (SwarmPart::JournalRefuses, "journal_refuses_per_hour", 2.0, 15.0),
+        (SwarmPart::Panics, "panics_per_hour", 4.0, 40.0),
+        (SwarmPart::ClockSteps, "clock_steps_per_hour", 2.0, 30.0),
+    ] {
+        let number = at_times(0.35, low, high, random);
+        group[key] = json!(if case.has(part) { number } else { 0.0 });
+    }
+    let (delay, torn) = (at_times(0.4, 10.0, 900.0, random) as i64, random.happens_of(0.7));
+    let is_torn = case.has(SwarmPart::JournalTorn) && delay > 0;
+    group["journal_delay_ms"] = json!(if is_torn { delay } else { 0 });
+    group["torn_writes"] = json!(is_torn && torn);
+    group["restart_s"] = json!(random.between(0.5, 30.0));
+    group["journal_outage_s"] = json!(random.between(2.0, 60.0));
+}
+
 /// Single nodes and rectangles, closed for some minutes each.
 fn closures(case: &SwarmCase, seconds: f64, warehouse: &Warehouse, random: &mut Stream) -> Value {
     let count = if random.happens_of(0.4) { 1 + random.below(4) } else { 0 };
@@ -376,11 +399,16 @@ mod tests {
     #[test]
     fn without_everything_only_plain_deliveries_are_left() {
         for seed in 0..20 {
-            let case =
-                SwarmCase { workers: Some(0), without: SwarmPart::ALL.into(), ..SwarmCase::whole(seed, 10) };
+            let case = SwarmCase {
+                workers: Some(0),
+                without: SwarmPart::ALL.iter().copied().collect(),
+                ..SwarmCase::whole(seed, 10)
+            };
             let plain = drawn(&case).scenario;
             let faults = super::super::super::scenario::Faults {
                 repair_s: plain.faults.repair_s,
+                restart_s: plain.faults.restart_s,
+                journal_outage_s: plain.faults.journal_outage_s,
                 until_s: Some(600.0),
                 ..Default::default()
             };

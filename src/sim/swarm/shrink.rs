@@ -39,7 +39,7 @@ pub fn shrink(
                 (best.case, best.failure, smaller) = (next, failure, true);
             }
         }
-        for part in SwarmPart::ALL {
+        for &part in SwarmPart::ALL {
             if best.runs >= most || best.case.without.contains(&part) {
                 continue;
             }

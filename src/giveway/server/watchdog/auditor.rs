@@ -3,8 +3,8 @@
 //!
 //! Main type: [`Auditor`]. Refuses: to mend what contradicts itself.
 
-use super::super::start::panic_text;
 use giveway_api::alarms::Alarms;
+use giveway_drive::panic_text;
 use giveway_fleet::Ledger;
 use giveway_fleet::alarm::AlarmKind;
 use giveway_floor::text::sentence::alarms as sentence;
