@@ -10,7 +10,9 @@ use super::laws::Violation;
 use super::random::Stream;
 use super::scenario::Faults;
 use giveway_drive::{Drive, GuardedCall, Heard, JournalReport, JournalState, PLANTED, Released, Sent, Trap};
-use giveway_fleet::{Answer, Command, Fact, Fleet, FloorAction, Input, Made, Request, Token};
+use giveway_fleet::{
+    Answer, Command, Fact, Fleet, FloorAction, Input, Ledger, Made, Request, StationOrder, Token,
+};
 use giveway_floor::id::{Dense, JobId, RobotId};
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, VecDeque};
@@ -31,8 +33,8 @@ pub struct HostTurn {
     pub released: Released,
     /// Facts that became durable, if these are others than the turn's own.
     pub durable: Option<Vec<Fact>>,
-    /// Whether there is another fleet than before: the process died, or the fleet was made anew.
-    pub is_anew: bool,
+    /// What the fleet was made from, if it is another one than before: the process died, or a step panicked.
+    pub anew: Option<Ledger>,
     /// Laws about what is durable that were broken.
     pub broken: Vec<Violation>,
 }
@@ -185,7 +187,7 @@ impl FailingHost {
         self.look(&mut turn);
         if drive.wants_fold() {
             drive.restore(now, Ok((self.journal.ledger().clone(), Vec::new())));
-            turn.is_anew = true;
+            turn.anew = Some(self.journal.ledger().clone());
         }
         turn
     }
@@ -273,7 +275,7 @@ impl FailingHost {
         *drive = Drive::new(Fleet::resume(self.journal.ledger().clone(), settings, []));
         let is_lost = |job: &JobId| drive.fleet().ledger().next_job <= job.0;
         turn.broken.extend(self.acknowledged.filter(is_lost).map(Violation::AcknowledgedLost));
-        turn.is_anew = true;
+        turn.anew = Some(self.journal.ledger().clone());
         self.dies_again = self.luck.happens_of(AGAIN);
         let down_s = self.luck.between(0.0, self.faults.restart_s);
         self.down_until = Some(now + Span::from_secs_f64(down_s));
@@ -283,8 +285,7 @@ impl FailingHost {
     fn look(&mut self, turn: &mut HostTurn) {
         for (robot, order) in &turn.released.orders {
             let Command::Drive { waypoints, .. } = order else { continue };
-            let granted = self.journal.ledger().chain(*robot).granted();
-            if waypoints.last().is_some_and(|last| last.serial >= granted) {
+            if waypoints.last().is_some_and(|last| !self.journal.has_granted(*robot, last.serial)) {
                 turn.broken.push(Violation::SentUndurable(*robot));
             }
         }
@@ -299,7 +300,14 @@ impl FailingHost {
     }
 }
 
-/// Whether who asked asks again, if there was no answer. People at stations say it until their screen shows it.
+/// Whether who asked asks again, if there was no answer. What people at stations say of their picks they say until their
+/// screen shows it.
 fn is_made_again(input: &Input) -> bool {
-    matches!(input, Input::Ask { request, .. } if !matches!(request, Request::Station(..)))
+    match input {
+        Input::Ask { request: Request::Station(_, order), .. } => {
+            matches!(order, StationOrder::Pause | StationOrder::Resume)
+        }
+        Input::Ask { .. } => true,
+        _ => false,
+    }
 }

@@ -4,8 +4,9 @@
 
 use giveway_drive::{JournalReport, JournalState, WrittenStep};
 use giveway_fleet::{Fact, Ledger};
+use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 
 /// A write that takes longer is called slow.
 const SLOW: Span = Span::from_secs(1);
@@ -18,6 +19,8 @@ pub struct SimJournal {
     ledger: Ledger,
     /// How many steps of this process are durable.
     durable: u64,
+    /// How far each robot was ever granted, by what is durable: the serial number of the first visit that was not.
+    granted: BTreeMap<RobotId, u64>,
     /// Steps that are not, and when they will be.
     queue: VecDeque<(Time, WrittenStep)>,
     /// How long a write takes.
@@ -32,12 +35,25 @@ impl SimJournal {
     /// A journal that has what is in this ledger.
     pub fn new(ledger: Ledger, delay: Span) -> SimJournal {
         let (slow_until, refuses_until) = (Time::ZERO, Time::ZERO);
-        SimJournal { ledger, durable: 0, queue: VecDeque::new(), delay, slow_until, refuses_until }
+        SimJournal {
+            ledger,
+            durable: 0,
+            granted: BTreeMap::new(),
+            queue: VecDeque::new(),
+            delay,
+            slow_until,
+            refuses_until,
+        }
     }
 
     /// The fold of what is durable.
     pub fn ledger(&self) -> &Ledger {
         &self.ledger
+    }
+
+    /// Whether a robot was granted this visit by anything that is durable.
+    pub fn has_granted(&self, robot: RobotId, serial: u64) -> bool {
+        serial < self.granted.get(&robot).copied().unwrap_or(0).max(self.ledger.chain(robot).granted())
     }
 
     /// Takes a step to be written.
@@ -60,7 +76,13 @@ impl SimJournal {
     /// The facts of the oldest step that was not durable; it is now.
     fn take_one(&mut self) -> Vec<Fact> {
         let (_, step) = self.queue.pop_front().expect("the caller looked");
-        step.facts.iter().for_each(|fact| self.ledger.evolve(fact));
+        for fact in &step.facts {
+            self.ledger.evolve(fact);
+            if let Some(robot) = fact.robot() {
+                let granted = self.ledger.chain(robot).granted();
+                self.granted.entry(robot).and_modify(|most| *most = granted.max(*most)).or_insert(granted);
+            }
+        }
         step.facts
     }
 

@@ -149,6 +149,11 @@ impl Simulation {
         self.host.drive.fleet()
     }
 
+    /// How many searches there were.
+    pub fn searches(&self) -> usize {
+        self.plan_ns.len()
+    }
+
     /// How often each kind of fault has happened, on the floor and to Giveway itself.
     pub fn injected(&self) -> BTreeMap<&'static str, u64> {
         let mut all = self.world.injected();
@@ -207,11 +212,11 @@ impl Simulation {
         let durable = turn.durable.as_deref().unwrap_or(written);
         self.trace.add(durable);
         self.tallies.note(durable);
-        if turn.is_anew {
-            self.laws.begin_again(fleet);
-            self.world.forget_unknown(fleet);
+        if let Some(fold) = &turn.anew {
+            self.laws.begin_again(fleet, fold.clone());
+            self.world.meet_another(fleet);
         }
-        if turn.is_anew || !self.host.is_up() {
+        if turn.anew.is_some() || !self.host.is_up() {
             return self.laws.check_floor(now, &self.world);
         }
         if !self.without_conflicts {

@@ -492,9 +492,11 @@ impl World {
         }
     }
 
-    /// A process that died may have forgotten robots that had just joined: they stand where they will join again.
-    pub fn forget_unknown(&mut self, fleet: &Fleet) {
+    /// Another process has begun. It may have forgotten robots that had just joined: they stand where they will join
+    /// again.
+    pub fn meet_another(&mut self, fleet: &Fleet) {
         self.robots.truncate(fleet.ledger().robots.len());
+        self.customers.expect_no_answers();
     }
 
     /// Bodies for robots that the fleet knows by now.

@@ -6,6 +6,7 @@
 use super::files::read_map;
 use super::progress::progress;
 use clap::Args;
+use giveway_drive::PLANTED;
 use giveway_sim::Simulation;
 use giveway_sim::swarm::{
     HEALS_WITHIN, Shrunk, SwarmCase, SwarmFailure, SwarmMap, SwarmPart, SwarmRun, SwarmSetup, SwarmTally,
@@ -208,6 +209,9 @@ fn run(setup: &SwarmSetup, meddle: Meddling) -> (SwarmTally, Option<SwarmFailure
 fn note_panic(info: &std::panic::PanicHookInfo<'_>) {
     let place = info.location().map(|l| format!("{}:{}", l.file(), l.line())).unwrap_or_default();
     let words = info.payload_as_str().unwrap_or("without words").to_owned();
+    if std::env::var_os("RUST_BACKTRACE").is_some_and(|wanted| wanted != "0") && !words.contains(PLANTED) {
+        eprintln!("{place}: {words}\n{}", std::backtrace::Backtrace::force_capture());
+    }
     PANIC.set(Some((place, words)));
 }
 
@@ -231,6 +235,7 @@ impl SwarmReport {
             "runs": t.runs,
             "heals_within_s": HEALS_WITHIN.as_secs_f64(),
             "robot_hours": t.robot_hours(),
+            "searches": t.searches,
             "robot_deliveries": t.deliveries,
             "human_deliveries": t.human_deliveries,
             "maps": t.maps,
@@ -252,6 +257,7 @@ impl SwarmReport {
         println!("after the faults, everything has to end within {} s", HEALS_WITHIN.as_secs_f64());
         println!("{:24} {:>10}", "runs", t.runs);
         println!("{:24} {:>10.1}", "robot hours", t.robot_hours());
+        println!("{:24} {:>10}", "searches", t.searches);
         println!("{:24} {:>10}", "robot deliveries", t.deliveries);
         println!("{:24} {:>10}", "human deliveries", t.human_deliveries);
         println!(
@@ -302,7 +308,7 @@ mod tests {
     fn a_planted_failure_is_found_shrunk_and_printed_as_a_command() {
         let report = found(overlaps);
         assert_eq!(report.tally.failures, [("overlap".to_owned(), 2)].into());
-        let words = SwarmPart::ALL.into_iter().collect::<std::collections::BTreeSet<_>>();
+        let words = SwarmPart::ALL.iter().copied().collect::<std::collections::BTreeSet<_>>();
         let words: Vec<&str> = words.into_iter().map(SwarmPart::word).collect();
         for (finding, seed) in report.findings.iter().zip([4, 5]) {
             let command = finding.shrunk.case.to_string();

@@ -15,6 +15,7 @@ use giveway_floor::text::{TextTable, TextTableRow};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 /// The purpose of the stream of random numbers for order lines.
 const LINES: u64 = 60;
@@ -86,6 +87,8 @@ pub(super) struct Customers {
     stations: usize,
     random: Stream,
     sent: u64,
+    /// Orders that were not answered yet.
+    unanswered: BTreeSet<u64>,
     choices: Choices,
     /// What they order of racks at work cells, if they do.
     order_lines: Option<(LineDemand, Stream)>,
@@ -108,6 +111,7 @@ impl Customers {
             stations,
             random: Stream::new(seed, 3, 0),
             sent: 0,
+            unanswered: BTreeSet::new(),
             choices: Choices::new(scenario.customers, warehouse, seed),
             order_lines: scenario.cells.as_ref().map(|c| (c.lines, Stream::new(seed, LINES, 0))),
             stopped: false,
@@ -126,7 +130,15 @@ impl Customers {
 
     /// What the fleet answered.
     pub fn hear(&mut self, reply: &Reply, now: Time) {
+        if reply.token.asker == CUSTOMERS {
+            self.unanswered.remove(&reply.token.number);
+        }
         self.choices.hear(reply, now);
+    }
+
+    /// The process that they ask has died: what it did not answer is asked again, or never answered.
+    pub fn expect_no_answers(&mut self) {
+        self.unanswered.clear();
     }
 
     /// What they order, and what else is said, now.
@@ -154,8 +166,9 @@ impl Customers {
         let waiting = fleet.ledger().jobs.values().filter(|j| j.state == JobState::Waiting).count();
         let count = match &self.demand {
             Demand::None => 0,
-            // Orders of the step before are in the ledger by now: every step takes its inputs in.
-            Demand::Backlog(n) | Demand::File { backlog: n, .. } => n.saturating_sub(waiting),
+            Demand::Backlog(n) | Demand::File { backlog: n, .. } => {
+                n.saturating_sub(waiting + self.unanswered.len())
+            }
             Demand::PerHour(rate) => return self.at_random(now, *rate, fleet),
         };
         (0..count).map(|_| self.one(now, fleet)).collect()
@@ -189,6 +202,7 @@ impl Customers {
             }
         };
         let token = self.token();
+        self.unanswered.insert(token.number);
         let plain = JobKind::Deliver { rack, station, pick: None };
         let mut request = self.choices.request(plain, token, now, fleet);
         if let Some((demand, random)) = &mut self.order_lines

@@ -107,9 +107,11 @@ impl Laws {
         self.calm.figures
     }
 
-    /// There is another fleet: the process died and started again. What is remembered of the floor stays.
-    pub fn begin_again(&mut self, fleet: &Fleet) {
-        let anew = Laws::new(fleet);
+    /// There is another fleet, made from `fold`: the process died and started again, or a step panicked. What is
+    /// remembered of the floor stays.
+    pub fn begin_again(&mut self, fleet: &Fleet, fold: Ledger) {
+        // Facts of the new fleet that leave with its first step are in its ledger already.
+        let anew = Laws { shadow: fold, ..Laws::new(fleet) };
         let old = std::mem::replace(self, anew);
         (self.run_over, self.misplaced, self.arms) = (old.run_over, old.misplaced, old.arms);
         (self.broken, self.count, self.steps) = (old.broken, old.count, old.steps);

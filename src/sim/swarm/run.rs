@@ -76,6 +76,7 @@ impl SwarmRun {
         let SwarmRun { sim, mut tally, robots, mut failure } = self;
         let at = sim.now();
         tally.robot_time = (at - Time::ZERO) * robots as i64;
+        tally.searches = sim.searches() as u64;
         for (word, count) in sim.injected() {
             *tally.injected.entry(word).or_default() += count;
         }

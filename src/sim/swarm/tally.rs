@@ -13,6 +13,8 @@ pub struct SwarmTally {
     pub runs: u64,
     /// Robots times simulated hours, with the time in which floors heal.
     pub robot_time: Span,
+    /// Searches for routes.
+    pub searches: u64,
     /// Racks served at stations.
     pub deliveries: u64,
     /// Assignments that people completed.
@@ -37,6 +39,7 @@ impl SwarmTally {
     pub fn add(&mut self, other: &SwarmTally) {
         self.runs += other.runs;
         self.robot_time += other.robot_time;
+        self.searches += other.searches;
         self.deliveries += other.deliveries;
         self.human_deliveries += other.human_deliveries;
         for (kind, more) in &other.jobs {

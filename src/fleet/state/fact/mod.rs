@@ -87,7 +87,7 @@ impl Hash for Fact {
 
 impl Fact {
     /// The one robot that the fact is about.
-    pub(crate) fn robot(&self) -> Option<RobotId> {
+    pub fn robot(&self) -> Option<RobotId> {
         match self {
             Fact::Robot(of) => Some(of.robot()),
             Fact::Route(of) => of.robot(),
