@@ -5,7 +5,7 @@
 use giveway::aware::nodes_in;
 use giveway::fleet::Command;
 use giveway::geometry::Point;
-use giveway::sim::swarm::{SwarmCase, SwarmPart, SwarmRun, SwarmTally};
+use giveway::sim::swarm::{SwarmCase, SwarmRun, SwarmTally};
 use giveway::sim::{Demand, JobTally, OrderFileLine, Outcome, Scenario, Simulation};
 use giveway::time::{Span, Time};
 use giveway::warehouse::{Warehouse, formats, room_for};
@@ -353,54 +353,21 @@ fn every_scenario_file_has_its_test() {
     }
 }
 
-/// Cases that once ended in a panic or stood, as `giveway swarm` prints them: seed, minutes, robots, workers, what is
-/// switched off.
-type OldFailure = (u64, u32, Option<usize>, Option<usize>, &'static str);
-const OLD_FAILURES: [OldFailure; 8] = [
-    (
-        77,
-        1,
-        Some(23),
-        Some(0),
-        "loss,delay,jitter,skew,failures,estops,obstacles,unplugged,chargers,stations,pushes,closures,\
-         relocations,charges,parks,cancels,departures,sensors,causes",
-    ),
-    (
-        141,
-        3,
-        None,
-        None,
-        "loss,delay,jitter,skew,manual,unplugged,chargers,stations,pushes,closures,returns,relocations,\
-         parks,goes,departures,causes,fleet",
-    ),
-    // No robot made room at parking places.
-    (118, 10, None, None, ""),
-    // A person was led to and fro between two places aside.
-    (347, 10, None, None, ""),
-    // A robot was sent to a node where another one rested, which was sent to a place that was taken.
-    (362, 10, None, None, ""),
-    // A person and a robot in a dead end: only the person could make room.
-    (628, 10, None, None, ""),
-    // A robot between two nodes went on to the one before which somebody stood whom the fleet did not see.
-    (81, 10, None, None, ""),
-    (4087, 10, None, None, ""),
-];
-
+/// Cases that failed once, as `giveway swarm --keep tests/seeds` writes them.
 #[test]
-fn drawn_floors_on_which_the_fleet_once_panicked_or_stood_keep_their_laws_and_heal() {
-    for (seed, minutes, robots, workers, without) in OLD_FAILURES {
-        // These seeds are from before there were deliveries to several stations, jobs given to other robots, and robots
-        // sent to one another's places.
-        let later = [SwarmPart::Stops, SwarmPart::Reassigned, SwarmPart::Trades];
-        let without = without
-            .split(',')
-            .filter(|w| !w.is_empty())
-            .map(|w| SwarmPart::of_word(w).expect("it is a part"))
-            .chain(later)
-            .collect();
-        let case = SwarmCase { robots, workers, without, ..SwarmCase::whole(seed, minutes) };
+fn drawn_floors_that_failed_once_keep_their_laws_and_heal() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/seeds");
+    let mut files: Vec<_> =
+        std::fs::read_dir(folder).expect("kept seeds").flatten().map(|e| e.path()).collect();
+    files.sort();
+    assert!(files.len() > 8);
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("it is text");
+        let kept: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
+        let command = kept["command"].as_str().expect("it has a command");
+        let case: SwarmCase = command.parse().unwrap_or_else(|e| panic!("{}: {e}", file.display()));
         let (_, failure) = SwarmRun::whole(&case).unwrap_or_else(|e| panic!("{case}: {e}"));
-        assert_eq!(failure, None, "{case}");
+        assert_eq!(failure, None, "{}: {case}", file.display());
     }
 }
 

@@ -151,6 +151,8 @@ impl Drive {
             return;
         };
         if let Err(said) = call(&mut self.fleet, None, |fleet| fleet.fence(robot, now)) {
+            tracing::error!(?robot, "it cannot be fenced off: {said}");
+            self.rescue.said = Some(said.clone());
             self.rescue.open = Some((robot, said));
         }
     }
@@ -227,6 +229,8 @@ impl Drive {
 
     /// Nothing is decided any more; what is left is to tell the robots to stand, and to say so.
     fn give_up(&mut self, said: &str, why: &str) {
+        tracing::error!("nothing is decided any more, since {why}: {said}");
+        self.rescue.said = Some(said.to_owned());
         let text = sentence::fleet_contradicts_itself(said, why);
         self.alarms.push(DriveAlarm::Raise(AlarmKind::Broken, text));
         // Nothing may look at what a panic left half-way.

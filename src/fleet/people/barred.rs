@@ -9,7 +9,7 @@ use giveway_floor::id::{ClosureId, NodeId};
 use giveway_floor::time::{Span, Time, Window};
 use giveway_floor::warehouse::Warehouse;
 use giveway_floor::warehouse::walkway::{EdgeSet, Walkways};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Whoever walks slowly is through by then, metres per second: an area that begins earlier is walked round.
@@ -134,15 +134,61 @@ impl Barred {
         cut: &EdgeSet,
         now: Time,
     ) -> Option<(Vec<Point>, Option<ClosureId>)> {
-        let (mut cut, mut round) = (cut.clone(), None);
+        let (mut cut, mut round, mut avoided) = (cut.clone(), None, BTreeSet::new());
         loop {
             let way = walkways.path(at, goal, &cut)?.points;
             let met: Vec<&BarredArea> = self.met_areas(&way, now).collect();
             let Some(first) = met.first() else { return Some((way, round)) };
             round.get_or_insert(first.id);
-            for outline in met.iter().flat_map(|a| &a.outlines) {
+            // From a place where nobody can stand, the first piece may lead through an area that is cut already: there
+            // is no way round it then.
+            let new: Vec<&BarredArea> = met.into_iter().filter(|a| avoided.insert(a.id)).collect();
+            if new.is_empty() {
+                return None;
+            }
+            for outline in new.iter().flat_map(|a| &a.outlines) {
                 walkways.cut_area(&mut cut, outline);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use giveway_floor::warehouse::lab;
+
+    /// A small area around a point, closed for ever.
+    fn around(p: Point) -> BarredArea {
+        let corner = |x, y| Point::new(p.x + x, p.y + y);
+        let outline = [corner(-0.02, -0.02), corner(0.02, -0.02), corner(0.02, 0.02), corner(-0.02, 0.02)];
+        BarredArea { id: ClosureId(1), window: Window::from(Time::ZERO), outlines: vec![outline.into()] }
+    }
+
+    #[test]
+    fn from_a_place_where_nobody_can_stand_the_search_for_a_way_round_an_area_ends() {
+        let w = lab();
+        let walkways = Walkways::of(&w);
+        let free = walkways.no_edges();
+        let goal = walkways.nodes().iter().next().expect("people walk there").at;
+        let mut tried = 0;
+        for (x, y) in (0..120).flat_map(|x| (0..80).map(move |y| (f64::from(x) * 0.17, f64::from(y) * 0.17)))
+        {
+            let at = Point::new(x, y);
+            let Some(on) = walkways.on_floor(at).filter(|on| (on - at).norm() > 0.1) else { continue };
+            let Some(way) = walkways.path(at, goal, &free) else { continue };
+            let first = Segment { a: at, b: way.points[1] };
+            let area = around(first.point(0.3));
+            // It lies across the way from where the worker is said to be, and not from where the worker can be.
+            if area.outlines.iter().any(|o| runs_through(o, Segment { a: on, b: first.b })) || area.has(at) {
+                continue;
+            }
+            tried += 1;
+            let barred = Barred { areas: vec![area], changes: 0 };
+            if let Some((way, _)) = barred.way_round(&walkways, (at, goal), &free, Time::ZERO) {
+                assert_eq!(barred.met(&way, Time::ZERO), None);
+            }
+        }
+        assert!(tried > 10, "only {tried} places");
     }
 }

@@ -43,6 +43,9 @@ const ALONE: usize = 4;
 const BESIDE_ROBOT_M: f64 = 0.75;
 /// So many nodes ahead of a robot are what it is about to drive.
 const REFUGE_AHEAD: usize = 6;
+/// A worker to whose place no way leads is not looked for one in every step: that takes several searches of the whole
+/// floor.
+const LOOK_AGAIN: Span = Span::from_secs(1);
 
 impl HumanState {
     /// Starts the next assignment, or drops the path of one that was cancelled.
@@ -54,6 +57,9 @@ impl HumanState {
         at: Point,
         now: Time,
     ) {
+        if self.people[worker].looks_again.is_some_and(|again| now < again) {
+            return;
+        }
         let next = self.next_open_assignment(writer.floor(), worker, at, now);
         let person = &self.people[worker];
         let current = person.plan.as_ref().and_then(|p| p.assignment);
@@ -100,6 +106,7 @@ impl HumanState {
         let on_time = self.route_on_time(floor, (worker, at), goal, &cut, now);
         let way = on_time.or_else(|| way(&cut)).or_else(|| way(&free)).or_else(beside);
         let person = &mut self.people[worker];
+        person.looks_again = None;
         match way {
             Some((mut points, round)) => {
                 self.walkways.on_floor(goal).into_iter().for_each(|g| {
@@ -111,7 +118,10 @@ impl HumanState {
                     person.mode = WalkMode::Following;
                 }
             }
-            None => person.mode = WalkMode::Stopped { since: now },
+            None => {
+                person.mode = WalkMode::Stopped { since: now };
+                person.looks_again = Some(now + LOOK_AGAIN);
+            }
         }
     }
 

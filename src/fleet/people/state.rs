@@ -95,6 +95,8 @@ pub struct Person {
     pub plan: Option<Plan>,
     /// What the worker does about that path.
     pub mode: WalkMode,
+    /// When the next way is looked for, if none was found.
+    pub looks_again: Option<Time>,
     /// Counts up with every new path.
     pub version: u64,
     /// Since when the worker has been at the place of the assignment.

@@ -3,7 +3,7 @@
 //! Main types: [`SwarmArgs`], [`SwarmReport`]. Seeds are spread over threads; what is printed does not depend on their
 //! number. Refuses: to end the sweep where a step panics, and to exit with success where a run failed.
 
-use super::files::read_map;
+use super::files::{read_map, write};
 use super::progress::progress;
 use clap::Args;
 use giveway_drive::PLANTED;
@@ -15,7 +15,7 @@ use giveway_sim::swarm::{
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -54,6 +54,10 @@ pub struct SwarmArgs {
     /// Threads; as many as the machine has cores if absent.
     #[arg(long)]
     threads: Option<usize>,
+    /// Write each failure into this folder, as a file with its shrunk command; those of tests/seeds are run again by the
+    /// tests until they pass.
+    #[arg(long, value_name = "FOLDER")]
+    keep: Option<PathBuf>,
     /// Do not shrink failures.
     #[arg(long)]
     no_shrink: bool,
@@ -105,6 +109,9 @@ impl SwarmArgs {
         let threads = self.threads.or_else(|| std::thread::available_parallelism().ok().map(usize::from));
         let most = if self.no_shrink { 0 } else { SHRINK_RUNS };
         let report = sweep(&case, self.seeds, threads.unwrap_or(1).clamp(1, 256), most, |_| {})?;
+        if let Some(folder) = &self.keep {
+            report.findings.iter().try_for_each(|finding| keep(folder, finding))?;
+        }
         if self.json {
             println!("{}", serde_json::to_string_pretty(&report.json())?);
         } else {
@@ -123,6 +130,20 @@ impl SwarmArgs {
         let (seed, minutes, robots, workers) = (self.seeds.0, self.minutes, self.robots, self.workers);
         Ok(SwarmCase { seed, minutes, map, robots, workers, without: self.without.iter().copied().collect() })
     }
+}
+
+/// Writes a failure into a file of its own.
+fn keep(folder: &Path, finding: &SwarmFinding) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    let Shrunk { case, failure, .. } = &finding.shrunk;
+    let kept = json!({
+        "giveway_seed": 1,
+        "command": case.to_string(),
+        "what": format!("{} at {}: {}", failure.kind, failure.at, failure.words),
+        "build": env!("CARGO_PKG_VERSION"),
+    });
+    let text = serde_json::to_string_pretty(&kept)? + "\n";
+    write(Some(&folder.join(format!("seed-{}.json", finding.seed))), &text)
 }
 
 /// Runs the case with each of the seeds, and shrinks what fails.

@@ -6,6 +6,7 @@
 use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeSet;
 use std::fmt;
+use std::str::FromStr;
 use std::sync::Arc;
 
 /// Parts of a case, each with its name in a command, in the order in which the shrinking tries to switch them off.
@@ -151,6 +152,34 @@ impl SwarmCase {
     }
 }
 
+/// Reads what [`SwarmCase`] displays, but for maps of files.
+impl FromStr for SwarmCase {
+    type Err = String;
+
+    fn from_str(command: &str) -> Result<SwarmCase, String> {
+        let words = command.strip_prefix("giveway swarm ").ok_or("it is no `giveway swarm`")?;
+        let words: Vec<&str> = words.split_whitespace().collect();
+        let mut case = SwarmCase::whole(0, 10);
+        for pair in words.chunks(2) {
+            let &[flag, value] = pair else { return Err(format!("{} has no value", pair[0])) };
+            let number = || value.parse::<u64>().map_err(|e| format!("{flag} {value}: {e}"));
+            match flag {
+                "--seeds" => case.seed = number()?,
+                "--minutes" => case.minutes = u32::try_from(number()?).map_err(|e| e.to_string())?,
+                "--robots" => case.robots = Some(number()? as usize),
+                "--workers" => case.workers = Some(number()? as usize),
+                "--map" if value == "random" => case.map = SwarmMap::Random,
+                "--without" => {
+                    let part = |word| SwarmPart::of_word(word).ok_or(format!("there is no part {word}"));
+                    case.without = value.split(',').map(part).collect::<Result<_, _>>()?;
+                }
+                _ => return Err(format!("{flag} {value} cannot be read here")),
+            }
+        }
+        Ok(case)
+    }
+}
+
 /// The command that runs the case.
 impl fmt::Display for SwarmCase {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -185,6 +214,7 @@ mod tests {
             case.to_string(),
             "giveway swarm --seeds 17 --minutes 7 --robots 8 --workers 0 --without loss,pushes"
         );
+        assert_eq!(case.to_string().parse::<SwarmCase>().map(|c| c.to_string()), Ok(case.to_string()));
         case.map = SwarmMap::Given("my map.json".into(), Arc::new(giveway_floor::warehouse::lab()));
         assert!(case.to_string().contains(" --map 'my map.json' "), "{case}");
     }

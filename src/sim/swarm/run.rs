@@ -11,6 +11,9 @@ use super::tally::SwarmTally;
 use giveway_fleet::{FloorAction, Input, JobAction, Request, RobotAction, StationOrder};
 use giveway_floor::time::Time;
 
+/// A run that searches more often is a failure: usual are a hundred searches for a robot and hour.
+const SEARCHES_PER_ROBOT_HOUR: f64 = 2_000.0;
+
 /// How a run failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SwarmFailure {
@@ -27,6 +30,8 @@ pub struct SwarmRun {
     sim: Simulation,
     tally: SwarmTally,
     robots: usize,
+    /// How many searches it may take.
+    budget: usize,
     failure: Option<SwarmFailure>,
 }
 
@@ -37,7 +42,9 @@ impl SwarmRun {
         let sim = Simulation::new(warehouse.clone(), scenario, &[], scenario.seed, false, || 0);
         let mut tally = SwarmTally { runs: 1, ..SwarmTally::default() };
         tally.maps.insert(warehouse.name.clone(), 1);
-        SwarmRun { sim, tally, robots: scenario.robots, failure: None }
+        let longest = (scenario.duration + scenario.drain).as_secs_f64() / 3600.0;
+        let budget = (longest * scenario.robots as f64 * SEARCHES_PER_ROBOT_HOUR) as usize;
+        SwarmRun { sim, tally, robots: scenario.robots, budget, failure: None }
     }
 
     /// Draws a case and runs it to its end.
@@ -67,13 +74,17 @@ impl SwarmRun {
             let words = violation.to_string();
             self.failure = Some(SwarmFailure { kind: kind(violation, &words), at: *at, words });
         }
+        if self.failure.is_none() && self.sim.searches() > self.budget {
+            let words = format!("{} searches so far, more than {}", self.sim.searches(), self.budget);
+            self.failure = Some(SwarmFailure { kind: "over budget".into(), at: self.sim.now(), words });
+        }
         self.failure.is_none() && !self.sim.is_over()
     }
 
     /// What happened, and how it failed. `panic` is the kind and the words of a panic that ended a step; after one,
     /// the state of the fleet is unknown.
     pub fn end(self, panic: Option<(String, String)>) -> (SwarmTally, Option<SwarmFailure>) {
-        let SwarmRun { sim, mut tally, robots, mut failure } = self;
+        let SwarmRun { sim, mut tally, robots, mut failure, .. } = self;
         let at = sim.now();
         tally.robot_time = (at - Time::ZERO) * robots as i64;
         tally.searches = sim.searches() as u64;
