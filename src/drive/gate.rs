@@ -1,6 +1,6 @@
 //! What of the decisions is durable, and whether there may be more of them.
 //!
-//! Main types: [`Gate`], [`JournalReport`]. Refuses: to count what the journal did not say.
+//! Main types: [`JournalGate`], [`JournalReport`]. Refuses: to count what the journal did not say.
 
 use std::collections::VecDeque;
 
@@ -32,7 +32,7 @@ pub struct JournalReport {
 
 /// Between decisions and what leaves because of them.
 #[derive(Debug, Default)]
-pub struct Gate {
+pub struct JournalGate {
     /// Steps with facts so far.
     recorded: u64,
     journal: JournalReport,
@@ -42,7 +42,7 @@ pub struct Gate {
     pending: usize,
 }
 
-impl Gate {
+impl JournalGate {
     /// Takes in what the journal says.
     ///
     /// # Panics
@@ -98,7 +98,7 @@ mod tests {
 
     #[test]
     fn facts_are_counted_until_they_are_durable_and_a_step_without_any_waits_for_those_before() {
-        let mut gate = Gate::default();
+        let mut gate = JournalGate::default();
         assert_eq!((gate.record(0), gate.record(MOST_PENDING - 1), gate.record(0)), (0, 1, 1));
         assert!(!gate.is_full() && !gate.is_settled());
         assert_eq!(gate.record(1), 2);
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn nothing_leaves_by_the_word_of_a_journal_that_is_gone() {
-        let mut gate = Gate::default();
+        let mut gate = JournalGate::default();
         gate.record(1);
         gate.note(report(1, JournalState::Gone));
         assert_eq!((gate.releases(), gate.refuses()), (None, true));

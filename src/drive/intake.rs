@@ -1,7 +1,7 @@
 //! Requests on their way into a step, and those that are kept while there is none.
 //!
-//! Main types: [`Intake`], [`Asked`]. Refuses: requests while the journal takes no facts; but stops and releases by hand
-//! are kept in their order, whatever else waits.
+//! Main types: [`KeptRequests`], [`Asked`]. Refuses: requests while the journal takes no facts; but stops and releases by
+//! hand are kept in their order, whatever else waits.
 
 use giveway_fleet::{Asker, Input, Request, Token};
 
@@ -13,11 +13,11 @@ pub const MOST_SIMULATED: usize = 10_000;
 
 /// Requests that no step has had yet.
 #[derive(Debug, Default)]
-pub struct Intake {
+pub struct KeptRequests {
     kept: Vec<Input>,
 }
 
-impl Intake {
+impl KeptRequests {
     /// How many requests of clients there is room for.
     pub fn room(&self) -> usize {
         MOST_REQUESTS.saturating_sub(self.kept.iter().filter(|i| token_of_client(i).is_some()).count())

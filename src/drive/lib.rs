@@ -3,9 +3,9 @@
 //! Main types: [`Drive`], [`Heard`], [`Sent`], [`Released`]. The server is sockets, a clock and a database around it; a
 //! simulation is a loop around the same machine, with a journal that may be late, refuse or lose its last writes, and a
 //! process that may die at any point. Stops and guidance leave in the turn that decided them ([`Sent`]); orders and
-//! answers leave when the journal has the facts behind them ([`Released`]). Every call of the fleet is guarded: one that
-//! panics fences off the robot at hand, and the others go on (`rescue.rs`). Refuses: clocks, sockets, files; decisions
-//! about robots; to keep more than the stated limits.
+//! answers leave when the journal has the facts behind them ([`Released`]). Every call of the fleet is guarded: one
+//! that panics fences off the robot at hand, and the others go on (`rescue.rs`). Refuses: clocks, sockets, files;
+//! decisions about robots; to keep more than the stated limits.
 
 mod gate;
 mod intake;
@@ -18,7 +18,7 @@ pub use intake::{MOST_REQUESTS, MOST_SIMULATED};
 pub use rescue::{GuardedCall, PLANTED, Trap, panic_text};
 pub use settle::NotStanding;
 
-use gate::Gate;
+use gate::JournalGate;
 use giveway_cell::arm::ArmOrder;
 use giveway_fleet::alarm::AlarmKind;
 use giveway_fleet::{CausedFacts, CellWarning, Command, Fact, Fleet, Guidance, Input, Reply, Request, Token};
@@ -26,7 +26,7 @@ use giveway_floor::id::{RobotId, WorkerId};
 use giveway_floor::text::Sentence;
 use giveway_floor::text::sentence::alarms as sentence;
 use giveway_floor::time::Time;
-use intake::{Asked, Intake};
+use intake::{Asked, KeptRequests};
 use outbox::Outbox;
 use rescue::{Mode, Rescue};
 use settle::Settling;
@@ -97,8 +97,8 @@ pub enum DriveAlarm {
 /// Fleet and journal gate, turned by whoever has a clock.
 pub struct Drive {
     fleet: Fleet,
-    gate: Gate,
-    intake: Intake,
+    gate: JournalGate,
+    intake: KeptRequests,
     outbox: Outbox,
     settling: Settling,
     rescue: Rescue,
@@ -112,8 +112,8 @@ impl Drive {
     pub fn new(fleet: Fleet) -> Drive {
         Drive {
             fleet,
-            gate: Gate::default(),
-            intake: Intake::default(),
+            gate: JournalGate::default(),
+            intake: KeptRequests::default(),
             outbox: Outbox::default(),
             settling: Settling::default(),
             rescue: Rescue::default(),

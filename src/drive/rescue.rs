@@ -1,9 +1,9 @@
 //! What happens where a call of the fleet panics: the robot that was being dealt with is fenced off, the others go on.
 //!
 //! A step that panicked leaves the fleet half-way, so it is made anew from what is durable; a question leaves it as it
-//! was. Main types: [`Rescue`] (what is remembered of panics), [`Mode`], [`Trap`]. Where no robot can be named, where it
-//! happens too often, or where the journal cannot be folded, all robots are told to stand, and the driver goes on to say
-//! so. Refuses: to go on with a fleet that a panic left half-way, and to lose a stop given by hand in that step.
+//! was. Main types: [`Rescue`] (what is remembered of panics), [`Mode`], [`Trap`]. Where no robot can be named, where
+//! it happens too often, or where the journal cannot be folded, all robots are told to stand, and the driver goes on to
+//! say so. Refuses: to go on with a fleet that a panic left half-way, and to lose a stop given by hand in that step.
 
 use super::{Drive, DriveAlarm};
 use giveway_fleet::alarm::AlarmKind;
@@ -104,8 +104,8 @@ fn call<T>(fleet: &mut Fleet, sprung: Option<Trap>, call: impl FnOnce(&mut Fleet
 }
 
 impl Drive {
-    /// Asks the fleet. Nothing where it is being made anew, and where the question panics; then the robot that was being
-    /// dealt with is fenced off before the next step.
+    /// Asks the fleet. Nothing where it is being made anew, and where the question panics; then the robot that was
+    /// being dealt with is fenced off before the next step.
     pub fn ask<T>(&mut self, what: GuardedCall, now: Time, question: impl FnOnce(&Fleet) -> T) -> Option<T> {
         if self.rescue.mode() == Mode::Mends {
             return None;

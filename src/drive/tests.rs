@@ -229,7 +229,7 @@ fn a_panic_that_no_robot_can_be_named_for_stops_the_floor_where_it_was_a_step_an
 
 #[test]
 fn simulated_requests_have_a_limit_and_those_of_clients_beyond_theirs_wait_where_they_came_in() {
-    let mut intake = Intake::default();
+    let mut intake = KeptRequests::default();
     let order = Input::ask(Token { asker: Asker(1), number: 1 }, JobAction::Cancel(JobId(1)));
     for _ in 0..2 {
         intake.keep(vec![order.clone(); MOST_SIMULATED]);

@@ -101,10 +101,10 @@
 //!
 //! # The life of a step
 //!
-//! One loop turns the fleet: [`drive::Drive::turn`]`(now, heard)` takes in what was heard, steps the fleet, and says what
-//! is to be written down and sent (`drive/lib.rs` shows it on one screen). The server is sockets, a clock and a database
-//! around it (`server/control.rs`), a simulation a floor in memory and a journal that may fail (`sim/host.rs`). All that
-//! is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
+//! One loop turns the fleet: [`drive::Drive::turn`]`(now, heard)` takes in what was heard, steps the fleet, and says
+//! what is to be written down and sent (`drive/lib.rs` shows it on one screen). The server is sockets, a clock and a
+//! database around it (`server/control.rs`), a simulation a floor in memory and a journal that may fail
+//! (`sim/host.rs`). All that is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
 //!
 //! Inside `fleet`, each folder is a room. The rooms share `fleet/state/`: the ledger, which only facts change; the
 //! scene; the restrictions on robots in this step; and the read-only `Floor` for questions about all of these. What a
@@ -154,8 +154,9 @@
 //! made from it behind the same port. So a kill at any instant is a kill before or after it.
 //!
 //! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
-//! (`fleet/traffic/fence.rs`): it is treated as failed, whatever it reports, until a person releases it. After a question
-//! that panics (a view, a query, what a pose calls for), the robot at hand is fenced off, too (`drive/rescue.rs`).
+//! (`fleet/traffic/fence.rs`): it is treated as failed, whatever it reports, until a person releases it. After a
+//! question that panics (a view, a query, what a pose calls for), the robot at hand is fenced off, too
+//! (`drive/rescue.rs`).
 //!
 //! # What is not there
 //!

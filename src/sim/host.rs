@@ -1,8 +1,8 @@
 //! The process that runs the driver, and its journal, as far as they can fail.
 //!
 //! Main types: [`Host`], [`HostTurn`]. A process dies at a random point of a turn and starts again some seconds later
-//! from what is durable; requests that it did not acknowledge are made again by who made them. Refuses: to go on after a
-//! panic that nobody planted.
+//! from what is durable; requests that it did not acknowledge are made again by who made them. Refuses: to go on after
+//! a panic that nobody planted.
 
 use super::askers::SUPERVISORS;
 use super::journal::SimJournal;
@@ -300,8 +300,8 @@ impl FailingHost {
     }
 }
 
-/// Whether who asked asks again, if there was no answer. What people at stations say of their picks they say until their
-/// screen shows it.
+/// Whether who asked asks again, if there was no answer. What people at stations say of their picks they say until
+/// their screen shows it.
 fn is_made_again(input: &Input) -> bool {
     match input {
         Input::Ask { request: Request::Station(_, order), .. } => {

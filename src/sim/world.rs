@@ -44,9 +44,6 @@ const JOINS: Token = Token { asker: ROBOTS, number: 0 };
 /// Robots and people live side by side in steps of this length at most.
 const TICK: Span = Span::from_millis(20);
 
-/// By how much the clock of a robot is set at most, either way, seconds.
-const CLOCK_S: f64 = 3600.0;
-
 /// A robot with its radio.
 #[derive(Debug)]
 struct SimRobot {
@@ -492,13 +489,6 @@ impl World {
         }
     }
 
-    /// Another process has begun. It may have forgotten robots that had just joined: they stand where they will join
-    /// again.
-    pub fn meet_another(&mut self, fleet: &Fleet) {
-        self.robots.truncate(fleet.ledger().robots.len());
-        self.customers.expect_no_answers();
-    }
-
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, fleet: &Fleet) {
         for i in self.robots.len()..fleet.ledger().robots.len() {
@@ -569,14 +559,6 @@ impl SimRobot {
         } else if let (Some(until), None) = (out_until, self.body.fault) {
             self.body.fault = Some((Fault::Unplugged, until));
             self.charger_is_out = true;
-        }
-    }
-
-    /// Its clock is set with this probability.
-    fn set_clock(&mut self, probability: f64) {
-        if probability > 0.0 && self.setting.happens(probability) {
-            self.clock = Span::from_secs_f64(self.setting.between(-CLOCK_S, CLOCK_S));
-            self.clock_steps += 1;
         }
     }
 

@@ -68,7 +68,7 @@ fn discs(map: Warehouse) -> Warehouse {
 
 pub async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
-    Server::start(&config(folder), SimulatedFloor { scenario, map: Arc::new(map), lines: Vec::new() }).await
+    Server::start(&config(folder), SimulatedFloor::new(scenario, Arc::new(map), Vec::new())).await
 }
 
 fn opening(accept_losses: bool) -> Opening {

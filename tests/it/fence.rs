@@ -1,8 +1,10 @@
 //! A journal that contradicts itself: the robot in question is fenced off, the others go on, the process stays up.
 
-use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, send, start};
+use crate::helper::{Folder, all_jobs, config, delivery, empty_ledger, floor, get, map, post, send, start};
+use giveway::drive::{GuardedCall, Trap};
 use giveway::fleet::{Fact, JobFact, JobState, RouteFact, Task};
 use giveway::id::RobotId;
+use giveway::server::Server;
 use giveway::store::{StepEntry, Store};
 use giveway::time::Time;
 use serde_json::json;
@@ -134,6 +136,34 @@ async fn a_journal_that_cannot_be_folded_leaves_a_server_that_says_so() {
         assert!(health.text.contains("contradicts itself") && health.text.contains("restore"), "{health:?}");
         post(at, None, &delivery(0)).await.unwrap().problem(503);
         assert_eq!(get(at, "/v1/health/live").await.status, 200);
+        server.stop().await.unwrap();
+    }
+}
+
+#[tokio::test]
+async fn a_panic_in_a_step_a_view_a_query_or_over_a_pose_fences_one_robot_off_and_jobs_go_on() {
+    for call in [GuardedCall::Step, GuardedCall::View, GuardedCall::Query, GuardedCall::Pose] {
+        let folder = Folder::new();
+        let floor = floor();
+        let planted = floor.planted.clone();
+        let server = Server::start(&config(&folder), floor).await.unwrap();
+        let at = server.address();
+        until("robots have joined", async || {
+            get(at, "/v1/robots").await.json()["items"].as_array().is_some_and(|robots| robots.len() >= 2)
+        })
+        .await;
+        planted.lock().unwrap().push(Trap { call, robot: Some(RobotId(0)), times: 1 });
+        until("one robot is fenced off", async || {
+            // A question over HTTP may meet the panic; the server goes on answering.
+            let asked = get(at, "/v1/robots/1").await.status;
+            assert!([200, 503].contains(&asked), "{call:?}: {asked}");
+            get(at, "/v1/health").await.text.matches("fenced off").count() == 1
+        })
+        .await;
+        let mut job = delivery(3);
+        job["pick_s"] = json!(0.1);
+        assert_eq!(post(at, None, &job).await.unwrap().status, 201);
+        until("the other robots work", async || count(at, "done").await == 1).await;
         server.stop().await.unwrap();
     }
 }

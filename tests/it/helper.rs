@@ -61,7 +61,7 @@ pub async fn start(folder: &Folder) -> Server {
 /// What servers in tests run.
 pub fn floor() -> SimulatedFloor {
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
-    SimulatedFloor { scenario, map: Arc::new(map()), lines: Vec::new() }
+    SimulatedFloor::new(scenario, Arc::new(map()), Vec::new())
 }
 
 /// The map of the scenario.

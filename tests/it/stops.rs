@@ -16,7 +16,7 @@ async fn two_stations(folder: &Folder) -> Server {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/maps/thesis.json")).unwrap();
     let map = formats::json::parse(&text).unwrap();
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
-    let floor = SimulatedFloor { scenario, map: Arc::new(map), lines: Vec::new() };
+    let floor = SimulatedFloor::new(scenario, Arc::new(map), Vec::new());
     Server::start(&config(folder), floor).await.unwrap()
 }
 

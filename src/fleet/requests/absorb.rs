@@ -4,7 +4,7 @@
 
 use crate::requests::intake::Intake;
 use crate::state::fact::FloorFact;
-use crate::state::heard::{Heard, WorkerInput};
+use crate::state::heard::{StepNews, WorkerInput};
 use crate::state::io::Input;
 use crate::state::request::{
     Answer, Answered, FloorAction, JobAction, Request, RobotAction, Token, WorkerAction,
@@ -21,8 +21,8 @@ pub(crate) fn absorb(
     (walkways, lost): (&Walkways, &[WorkerId]),
     now: Time,
     inputs: Vec<Input>,
-) -> Heard {
-    let mut intake = Intake { writer, walkways, lost, heard: Heard::default() };
+) -> StepNews {
+    let mut intake = Intake { writer, walkways, lost, heard: StepNews::default() };
     intake.take_in(now, inputs);
     intake.heard
 }

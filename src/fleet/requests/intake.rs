@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Intake`].
 
-use crate::state::heard::Heard;
+use crate::state::heard::StepNews;
 use crate::state::writer::Writer;
 use giveway_floor::id::WorkerId;
 use giveway_floor::warehouse::walkway::Walkways;
@@ -13,5 +13,5 @@ pub(super) struct Intake<'a> {
     pub walkways: &'a Walkways,
     /// Workers of whom no source knows where they are.
     pub lost: &'a [WorkerId],
-    pub heard: Heard,
+    pub heard: StepNews,
 }

@@ -1,7 +1,7 @@
 //! What is asked for becomes a fact or a refusal: jobs, robots that join, workers and their assignments, closures, what
 //! operators, stations and people beside broken robots say.
 //!
-//! Main function: [`absorb()`]; it gives what others are to hear, [`Heard`](crate::state::heard::Heard).
+//! Main function: [`absorb()`]; it gives what others are to hear, [`StepNews`](crate::state::heard::StepNews).
 //! Refuses: to decide anything about robots.
 
 mod absorb;

@@ -1,6 +1,6 @@
 //! What the inputs of a step mean for rooms that come later in it.
 //!
-//! Main type: [`Heard`]. Refuses: to be kept.
+//! Main type: [`StepNews`]. Refuses: to be kept.
 
 use crate::state::worker::LastPlace;
 use giveway_floor::id::{RobotId, WorkerId};
@@ -21,7 +21,7 @@ pub enum WorkerInput {
 
 /// What inputs mean for other rooms.
 #[derive(Debug, Default)]
-pub struct Heard {
+pub struct StepNews {
     /// What was heard of workers.
     pub people: Vec<WorkerInput>,
     /// Robots from whose rack has been picked.

@@ -172,6 +172,9 @@ fn the_place_of_a_robot_that_has_left_is_free_and_it_comes_back_elsewhere() {
     let mut floor = TestFloor::thesis(2);
     floor.retire(R0).unwrap();
     floor.until(300, "it is gone", |f| f.is_gone(R0));
+    // Something may panic over it all the same: it is in nobody's way.
+    floor.fleet.fence(R0, floor.now);
+    assert!(floor.fleet.ledger().robots[R0].fenced.is_none());
     let place = floor.fleet.ledger().node_of(R0);
     let one = RobotId(1);
     let job = floor.submit(request(JobKind::Go { robot: one, node: place }));

@@ -7,13 +7,13 @@
 use crate::state::fact::RobotFact;
 use crate::state::writer::Writer;
 use crate::traffic::failure::give_up;
-use giveway_floor::id::{Dense, RobotId};
+use giveway_floor::id::RobotId;
 use giveway_floor::time::Time;
 
-/// Fences a robot off.
+/// Fences a robot off. One that has left the floor is in nobody's way.
 pub(crate) fn fence(writer: &mut Writer, robot: RobotId, now: Time) {
-    let known = robot.ix() < writer.ledger().robots.len();
-    if known && writer.ledger().robots[robot].fenced.is_none() {
+    let on_floor = writer.ledger().robots.get(robot).is_some_and(|record| !record.is_gone());
+    if on_floor && writer.ledger().robots[robot].fenced.is_none() {
         writer.record(RobotFact::Fenced { robot, at: now });
         give_up(writer, robot, now);
         assert!(writer.ledger().robots[robot].failed, "{robot:?} is fenced off and counts as failed");

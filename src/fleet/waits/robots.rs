@@ -12,7 +12,7 @@ use crate::state::wait_graph::{Edge, Party};
 use crate::state::why::Why;
 use crate::traffic::state::{Traffic, Withheld};
 use crate::yielding::state::Yielding;
-use giveway_floor::id::{IdVec, RobotId, StationId};
+use giveway_floor::id::{ClosureId, IdVec, RobotId, StationId};
 use giveway_floor::route::Cause;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
@@ -128,6 +128,11 @@ impl<'a> RobotWaits<'a> {
         self.turns[first..].iter().take_while(move |t| t.station == station).filter(move |t| t.robot != robot)
     }
 
+    /// Whether a closure is not over yet; the ledger keeps those that are for a while.
+    fn is_closed(&self, closure: ClosureId) -> bool {
+        self.floor.ledger.closures.get(&closure).is_some_and(|c| self.now < c.window.end())
+    }
+
     /// Its searches fail: because of a closed area, of something that stands in the way, of a robot that cannot drive,
     /// or of others that can.
     fn no_route(&self, robot: RobotId) -> Why {
@@ -137,9 +142,7 @@ impl<'a> RobotWaits<'a> {
                 return Why::WayObstructed(node);
             }
             // What was so when the search failed may have ended since, in this step too.
-            Some(Barrier::Closure(closure)) if self.floor.ledger.closures.contains_key(&closure) => {
-                return Why::Closed(closure);
-            }
+            Some(Barrier::Closure(closure)) if self.is_closed(closure) => return Why::Closed(closure),
             Some(Barrier::Robot(broken)) if self.floor.ledger.robots[broken].failed => {
                 return Why::BlockedBy(broken);
             }

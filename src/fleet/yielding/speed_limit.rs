@@ -16,7 +16,8 @@ use giveway_floor::id::{NodeId, RobotId, WorkerId};
 use giveway_floor::route::{Cause, Effect};
 use giveway_floor::time::{Span, Time};
 use giveway_people::aware::{
-    BEYOND, Drive, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within, quantised,
+    BEYOND, DriveAhead, HumanAwarePolicy, SLOW_MPS, Swept, THRESHOLD, Walk, collision, moves_within,
+    quantised,
 };
 use giveway_people::human::{Presence, WALK_MPS, Whereabouts};
 
@@ -305,7 +306,7 @@ impl SpeedLimits<'_> {
         }
         let loaded = self.floor.ledger.rack_on(robot).is_some();
         let k = *self.floor.kinematics(robot);
-        let drive = Drive {
+        let drive = DriveAhead {
             way,
             speed_mps: seen.speed_mps,
             top_mps: k.top_mps(loaded),

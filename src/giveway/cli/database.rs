@@ -182,7 +182,7 @@ impl DatabaseArgs {
         let floor = if readable || config.scenario.exists() {
             let Setup { scenario, warehouse, lines, .. } =
                 Setup::read(&config.scenario, command.map(), None)?;
-            let floor = SimulatedFloor { scenario, map: warehouse, lines };
+            let floor = SimulatedFloor::new(scenario, warehouse, lines);
             let file = command.read_from(&config.database);
             let floor = runtime.block_on(async {
                 let floor = if command.is_as_published() { floor.with_map_of(file).await? } else { floor };

@@ -47,7 +47,7 @@ impl Serve {
             setup.scenario.check_method(&setup.warehouse).context("the setting `method` is refused")?;
         }
         let Setup { scenario, warehouse, lines, .. } = setup;
-        let floor = SimulatedFloor { scenario, map: warehouse, lines };
+        let floor = SimulatedFloor::new(scenario, warehouse, lines);
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
         runtime.block_on(serve(&config, floor))?;
         Ok(ExitCode::SUCCESS)

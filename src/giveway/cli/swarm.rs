@@ -46,16 +46,17 @@ pub struct SwarmArgs {
     /// Number of people; drawn if absent.
     #[arg(long)]
     workers: Option<usize>,
-    /// What to switch off: restart, panic, journal_refuses, journal_slow, journal_torn, clock_steps, loss, delay, jitter, skew, failures, estops, obstacles, manual, unplugged, chargers,
-    /// stations, pushes, closures, returns, relocations, charges, parks, goes, wishes, cancels, picks, stops,
-    /// reassigned, holds, departures, sensors, causes, fleet.
+    /// What to switch off: restart, panic, journal_refuses, journal_slow, journal_torn, clock_steps, loss, delay,
+    /// jitter, skew, failures, estops, obstacles, manual, unplugged, chargers, stations, pushes, closures, returns,
+    /// relocations, charges, parks, goes, wishes, cancels, picks, stops, reassigned, holds, departures, sensors,
+    /// causes, fleet.
     #[arg(long, value_delimiter = ',', value_parser = part)]
     without: Vec<SwarmPart>,
     /// Threads; as many as the machine has cores if absent.
     #[arg(long)]
     threads: Option<usize>,
-    /// Write each failure into this folder, as a file with its shrunk command; those of tests/seeds are run again by the
-    /// tests until they pass.
+    /// Write each failure into this folder, as a file with its shrunk command; those of tests/seeds are run again by
+    /// the tests until they pass.
     #[arg(long, value_name = "FOLDER")]
     keep: Option<PathBuf>,
     /// Do not shrink failures.

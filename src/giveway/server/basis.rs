@@ -112,7 +112,7 @@ impl FloorBasis {
 
     /// The floor with a map.
     pub fn with(&self, map: Arc<Warehouse>) -> SimulatedFloor {
-        SimulatedFloor { scenario: self.scenario.clone(), map, lines: self.lines.clone() }
+        SimulatedFloor::new(self.scenario.clone(), map, self.lines.clone())
     }
 }
 

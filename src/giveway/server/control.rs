@@ -1,10 +1,12 @@
-//! The control loop: tokio around the pure driver. One thread owns the driver and the floor, and turns once in a period.
+//! The control loop: tokio around the pure driver. One thread owns the driver and the floor, and turns once in a
+//! period.
 //!
 //! Main type: [`ControlLoop`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for
 //! the next tick: the loop turns at once, and rests after that for as long as it took. What leaves when, what is kept,
 //! and what happens after a panic is the driver's ([`giveway_drive`]). Refuses: locks, waiting for the database, and
 //! decisions of its own.
 
+use super::Planted;
 use super::ahead::LastForecasts;
 use super::clock::Clock;
 use super::historian::HistorianSender;
@@ -74,6 +76,8 @@ pub struct ControlLoop {
     pub moments: watch::Sender<Arc<Moment>>,
     /// Asks that robots stand for a change of the map.
     pub settling: SettleDesk,
+    /// Panics that tests plant.
+    pub planted: Planted,
 }
 
 /// How the loop turns.
@@ -162,6 +166,7 @@ impl ControlLoop {
         let called = self.pace.called.take();
         self.metrics.poses_thinned.inc_by(self.feeds.pass(now));
         self.settling.look(&mut self.drive, now);
+        self.plant();
         let requests = self.inbox.requests(self.drive.room());
         let mut inputs = self.seen(now);
         let before = inputs.len();
@@ -183,6 +188,12 @@ impl ControlLoop {
             let Ok(question) = self.questions.try_recv() else { break };
             self.drive.ask(GuardedCall::Query, now, |fleet| question.answer(fleet, now));
         }
+    }
+
+    /// Plants what a test wants planted.
+    fn plant(&mut self) {
+        let planted = self.planted.lock().map(|mut traps| traps.pop());
+        planted.ok().flatten().into_iter().for_each(|trap| self.drive.plant(trap));
     }
 
     /// What the simulated floor says. While the fleet cannot be looked at, what it makes of it may end in a panic.
@@ -350,6 +361,7 @@ mod tests {
             store: store.clone(),
             moments,
             settling: SettleDesk::new(mpsc::channel(1).1),
+            planted: Planted::default(),
         };
         (drive, writer, queue)
     }

@@ -1,9 +1,9 @@
 //! The journal's task: everything that waits becomes one transaction, tried until the database takes it.
 //!
-//! Main types: [`Journal`] (the loop's end: hands facts on, knows what is durable), [`JournalSender`] (the task). While the
-//! database refuses, steps wait in order and an alarm stands; nothing is dropped, and what is not durable is
-//! not acknowledged. The task folds what is durable into a ledger of its own and writes that down now and then, so that
-//! the loop pays nothing for it. Refuses: to try again what contradicts the journal; that ends the process.
+//! Main types: [`Journal`] (the loop's end: hands facts on, knows what is durable), [`JournalSender`] (the task). While
+//! the database refuses, steps wait in order and an alarm stands; nothing is dropped, and what is not durable is not
+//! acknowledged. The task folds what is durable into a ledger of its own and writes that down now and then, so that the
+//! loop pays nothing for it. Refuses: to try again what contradicts the journal; that ends the process.
 
 use super::clock::Clock;
 use super::watchdog::Auditor;

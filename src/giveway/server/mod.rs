@@ -55,6 +55,7 @@ use giveway_api::auth::Gate;
 use giveway_api::oidc::Oidc;
 use giveway_api::outgoing::Outgoing;
 use giveway_api::targets::{Network, Targets};
+use giveway_drive::Trap;
 use giveway_floor::warehouse::Warehouse;
 use giveway_sim::{OrderFileLine, Scenario};
 use giveway_store::{MapNote, PublishedMap, Store};
@@ -63,7 +64,7 @@ use running::{CoreEnd, RunningCore};
 use start::Built;
 use std::net::SocketAddr;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::sync::{oneshot, watch};
@@ -82,9 +83,20 @@ pub struct SimulatedFloor {
     pub map: Arc<Warehouse>,
     /// What the customers order, where the scenario names a file.
     pub lines: Vec<OrderFileLine>,
+    /// Panics that tests plant in the running server, one after the other.
+    #[doc(hidden)]
+    pub planted: Planted,
 }
 
+/// Panics that are planted.
+pub type Planted = Arc<Mutex<Vec<Trap>>>;
+
 impl SimulatedFloor {
+    /// A floor with what its customers order.
+    pub fn new(scenario: Scenario, map: Arc<Warehouse>, lines: Vec<OrderFileLine>) -> SimulatedFloor {
+        SimulatedFloor { scenario, map, lines, planted: Planted::default() }
+    }
+
     /// The same with the map that a database has, where it was published in place of this one.
     ///
     /// # Errors

@@ -5,11 +5,11 @@
 
 use super::inbox::Inbox;
 use super::publish::{GoOver, MapKeeper};
-use super::settle::SettleDesk;
+use super::settle::{SettleDesk, SettleRequest};
 use super::start::ServerParts;
 use super::{
-    Clock, Outbound, ahead, alarm_keeper, answers, audit_keeper, control, custody, historian, inbox, journal,
-    kinds, measure, people, recordings, records, tokens, trial, watchdog, webhooks,
+    Clock, Outbound, Planted, ahead, alarm_keeper, answers, audit_keeper, control, custody, historian, inbox,
+    journal, kinds, measure, people, recordings, records, tokens, trial, watchdog, webhooks,
 };
 use anyhow::{Context, anyhow};
 use axum::Router;
@@ -64,7 +64,8 @@ struct LoopEnds {
     tap: recordings::Tap,
     displaced: watch::Receiver<bool>,
     moments: watch::Sender<Arc<Moment>>,
-    settling: SettleDesk,
+    settle: mpsc::Receiver<SettleRequest>,
+    planted: Planted,
 }
 
 /// The loop, before its first turn.
@@ -73,7 +74,7 @@ fn control_loop(
     ends: LoopEnds,
     shared: LoopShares,
 ) -> control::ControlLoop {
-    let LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settling } = ends;
+    let LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settle, planted } = ends;
     let LoopShares { store, clock, metrics, alarms, feeds } = shared;
     control::ControlLoop {
         drive: Drive::new(fleet),
@@ -95,7 +96,8 @@ fn control_loop(
         watchdog: watchdog::Watchdog::default(),
         store,
         moments,
-        settling,
+        settling: SettleDesk::new(settle),
+        planted,
     }
 }
 
@@ -142,7 +144,9 @@ impl RunningCore {
         gate: Arc<Gate>,
         outbound: &Outbound,
     ) -> anyhow::Result<(RunningCore, Router)> {
-        let ServerParts { fleet, world, clock, period, start, feeds, heard, live, past, charts, .. } = parts;
+        let ServerParts {
+            fleet, world, clock, period, start, feeds, heard, live, past, charts, planted, ..
+        } = parts;
         let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
@@ -157,11 +161,10 @@ impl RunningCore {
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
         let shares = LoopShares { store, clock, metrics, alarms, feeds };
         let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);
-        let (settling, displaced) = (SettleDesk::new(settle), gone.clone());
-        let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settling };
+        let ((halt, halted), displaced) = (watch::channel(false), gone.clone());
+        let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settle, planted };
         let drive = control_loop((fleet, world, period), ends, shares.clone());
         let LoopShares { store, clock, metrics, alarms, feeds } = shares;
-        let (halt, halted) = watch::channel(false);
         let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
         let alarm_keeper = alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone());
         let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);

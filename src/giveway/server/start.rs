@@ -6,7 +6,7 @@
 use super::basis::FloorBasis;
 use super::clock::{self, Clock};
 use super::recordings::KeptPast;
-use super::{Config, SimulatedFloor, StartSummary, historian, journal};
+use super::{Config, Planted, SimulatedFloor, StartSummary, historian, journal};
 use anyhow::Context;
 use giveway_api::alarms::Alarms;
 use giveway_api::caller::Role;
@@ -43,6 +43,8 @@ pub struct ServerParts {
     pub alarms: Arc<Alarms>,
     pub past: KeptPast,
     pub charts: Charts,
+    /// Panics that tests plant.
+    pub planted: Planted,
     /// What stays the same from one map to the next.
     pub basis: FloorBasis,
     /// The number of the last request that was written down.
@@ -54,6 +56,14 @@ pub struct Charts {
     pub figures: Arc<SharedHistory>,
     pub notes: historian::HistorianSender,
     pub historian: JoinHandle<()>,
+}
+
+impl Charts {
+    /// Begins to keep them.
+    fn keep(figures: Arc<SharedHistory>, store: &Arc<Store>) -> Charts {
+        let (notes, historian) = historian::historian(figures.clone(), store.clone());
+        Charts { figures, notes, historian: tokio::spawn(historian.run()) }
+    }
 }
 
 /// What became of the files.
@@ -198,7 +208,7 @@ pub async fn build(
     basis: FloorBasis,
     store: &Arc<Store>,
 ) -> anyhow::Result<(Built, StartSummary)> {
-    let SimulatedFloor { scenario, map, lines } = floor;
+    let SimulatedFloor { scenario, map, lines, planted } = floor;
     let loaded = load(store, &map, &scenario, &lines).await?;
     let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
     let (published, map_name) = (basis.published.clone(), map.name.clone());
@@ -244,8 +254,7 @@ pub async fn build(
     let (last, active) = store.active_alarms(clock.now()).await?;
     alarms.restore(last, active, clock.now());
     let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
-    let (notes, historian) = historian::historian(figures.clone(), store.clone());
-    let charts = Charts { figures, notes, historian: tokio::spawn(historian.run()) };
+    let charts = Charts::keep(figures, store);
     let parts = ServerParts {
         fleet,
         world,
@@ -260,6 +269,7 @@ pub async fn build(
         alarms,
         past,
         charts,
+        planted,
         basis,
         last_audit: store.last_audit().await?,
     };

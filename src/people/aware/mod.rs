@@ -21,7 +21,7 @@ pub use covered::{AreaFault, Covered, check_area, covered};
 pub use effects::{Effects, NodeWindows, nodes_in};
 pub use encounter::{MOVES_MPS, Meeting, Meter, Near};
 pub use occupancy::{Occupancy, Stay, occupancies};
-pub use passing::{Drive, Walk, leaves_after, moves_within};
+pub use passing::{DriveAhead, Walk, leaves_after, moves_within};
 pub use regions::{BODY_M, Regions, SLOW_MPS, quantised};
 pub use safe_space::{Adaptation, Zone};
 

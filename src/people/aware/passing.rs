@@ -1,6 +1,6 @@
 //! Whether a robot would still move when a person comes near.
 //!
-//! Main types: [`Drive`] (a robot on what it was granted), [`Walk`] (a person on the way that is expected), main
+//! Main types: [`DriveAhead`] (a robot on what it was granted), [`Walk`] (a person on the way that is expected), main
 //! functions: [`moves_within`], [`leaves_after`]. A robot that stands when a person comes is no trouble; one that is
 //! overtaken, or has not yet stopped, meets them. Refuses: to take caution away; the caller may use it only to brake.
 
@@ -21,7 +21,7 @@ const BEND: f64 = 0.1;
 
 /// A robot that drives on as fast as it may, and rests at the end of its way.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct DriveAhead {
     /// From where it is, in the order of driving.
     pub way: Vec<Point>,
     /// How fast it is, metres per second.
@@ -122,7 +122,7 @@ pub fn leaves_after(walk: &Walk, place: Point, radius_m: f64) -> Option<f64> {
 
 /// Whether the robot still moves while it is nearer to the person than `radius_m`, centre to centre, within the
 /// next seconds.
-pub fn moves_within(drive: &Drive, walk: &Walk, radius_m: f64) -> bool {
+pub fn moves_within(drive: &DriveAhead, walk: &Walk, radius_m: f64) -> bool {
     let (mut robot, mut person) = (Along::on(&drive.way), Along::on(&walk.way));
     let (mut v, mut heading, mut turning_s) = (drive.speed_mps, drive.heading, 0.0);
     for step in 1..=STEPS {
@@ -152,9 +152,9 @@ pub fn moves_within(drive: &Drive, walk: &Walk, radius_m: f64) -> bool {
 mod tests {
     use super::*;
 
-    fn drive(way: &[(f64, f64)], speed_mps: f64) -> Drive {
+    fn drive(way: &[(f64, f64)], speed_mps: f64) -> DriveAhead {
         let way = way.iter().map(|(x, y)| Point::new(*x, *y)).collect();
-        Drive { way, speed_mps, top_mps: 1.0, accel_mps2: 0.5, heading: 0.0, turn_radps: 1.5 }
+        DriveAhead { way, speed_mps, top_mps: 1.0, accel_mps2: 0.5, heading: 0.0, turn_radps: 1.5 }
     }
 
     fn walk(way: &[(f64, f64)], speed_mps: f64, waits_s: f64) -> Walk {
@@ -166,9 +166,9 @@ mod tests {
         let behind = walk(&[(-2.0, 0.0), (9.0, 0.0)], 1.4, 0.0);
         assert!(moves_within(&drive(&[(0.0, 0.0), (6.0, 0.0)], 0.0), &behind, 1.15));
         // Already as fast as that, it gets away, until it has to stand at the end of a short way.
-        let fast = Drive { top_mps: 1.5, ..drive(&[(0.0, 0.0), (9.0, 0.0)], 1.4) };
+        let fast = DriveAhead { top_mps: 1.5, ..drive(&[(0.0, 0.0), (9.0, 0.0)], 1.4) };
         assert!(!moves_within(&fast, &behind, 1.15));
-        let short = Drive { way: vec![Point::origin(), Point::new(1.5, 0.0)], ..fast };
+        let short = DriveAhead { way: vec![Point::origin(), Point::new(1.5, 0.0)], ..fast };
         assert!(moves_within(&short, &behind, 1.15));
     }
 
@@ -202,7 +202,7 @@ mod tests {
         let comes = walk(&[(0.0, -4.0), (0.0, 4.0)], 1.4, 0.0);
         let across = drive(&[(0.0, 0.0), (3.0, 0.0)], 0.0);
         assert!(!moves_within(&across, &comes, 1.0));
-        let turned = Drive { heading: std::f64::consts::PI, ..across };
+        let turned = DriveAhead { heading: std::f64::consts::PI, ..across };
         assert!(moves_within(&turned, &comes, 1.0));
     }
 }

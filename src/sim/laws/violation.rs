@@ -96,12 +96,8 @@ impl fmt::Display for Violation {
                 write!(f, "robot {} made no progress for {STUCK:?} on {task:?}: {why:?}", r.0 + 1)
             }
             Violation::JobLost(j) => write!(f, "job {j:?} was lost"),
-            Violation::AcknowledgedLost(j) => {
-                write!(f, "job {j:?} was acknowledged, and is not in the journal")
-            }
-            Violation::SentUndurable(r) => {
-                write!(f, "robot {} was sent farther than the journal has it granted", r.0 + 1)
-            }
+            Violation::AcknowledgedLost(j) => write!(f, "job {j:?} was acknowledged and is not durable"),
+            Violation::SentUndurable(r) => write!(f, "robot {} was sent beyond what is durable", r.0 + 1),
             Violation::DoneTwice(j) => write!(f, "job {j:?} was done twice"),
             Violation::Misplaced(r, k) => {
                 write!(f, "robot {} lifted rack {k:?} where it was not, or set it onto another one", r.0 + 1)

@@ -212,7 +212,7 @@ mod tests {
         case.without.extend([SwarmPart::Pushes, SwarmPart::Loss]);
         assert_eq!(
             case.to_string(),
-            "giveway swarm --seeds 17 --minutes 7 --robots 8 --workers 0 --without loss,pushes"
+            "giveway swarm --seeds 17 --minutes 7 --robots 8 --workers 0 --without pushes,loss"
         );
         assert_eq!(case.to_string().parse::<SwarmCase>().map(|c| c.to_string()), Ok(case.to_string()));
         case.map = SwarmMap::Given("my map.json".into(), Arc::new(giveway_floor::warehouse::lab()));
