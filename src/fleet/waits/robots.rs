@@ -128,6 +128,11 @@ impl<'a> RobotWaits<'a> {
         self.turns[first..].iter().take_while(move |t| t.station == station).filter(move |t| t.robot != robot)
     }
 
+    /// Whether a robot cannot go on from where it stands.
+    fn stands_for_good(&self, other: RobotId) -> bool {
+        self.floor.ledger.robots[other].failed || self.floor.scene.displaced(other).is_some()
+    }
+
     /// Whether a closure is not over yet; the ledger keeps those that are for a while.
     fn is_closed(&self, closure: ClosureId) -> bool {
         self.floor.ledger.closures.get(&closure).is_some_and(|c| self.now < c.window.end())
@@ -182,7 +187,10 @@ impl<'a> RobotWaits<'a> {
         match self.traffic.withheld(robot).filter(|_| at_end)? {
             Withheld::Condition(Cause::Worker(w), _) => Some(Why::GivesWay(w)),
             Withheld::Condition(Cause::Closure(c), _) => Some(Why::Closed(c)),
-            Withheld::Condition(Cause::Robot(other), _) => Some(Why::BlockedBy(other)),
+            // It may have been taken up since, in this step too.
+            Withheld::Condition(Cause::Robot(other), _) => {
+                self.stands_for_good(other).then_some(Why::BlockedBy(other))
+            }
             Withheld::Condition(Cause::Obstruction(node), _) => Some(Why::WayObstructed(node)),
             Withheld::Condition(Cause::Evacuation, _) => Some(Why::Evacuation),
             // Whose turn it is may have changed since it was asked: grants to robots after this one move chains.

@@ -33,7 +33,13 @@ impl CorridorLaws {
                 outside.insert(robot);
             }
         }
-        self.granted = fleet.ledger().present().filter_map(|r| Some((r, fleet.passing_floor(r)?))).collect();
+        let granted = fleet.ledger().present().filter_map(|r| Some((r, fleet.passing_floor(r)?))).collect();
+        let before = std::mem::replace(&mut self.granted, granted);
+        // One that was fenced off on the way drives on to the end of what it was granted, whatever the ledger says.
+        let is_fenced = |r: &RobotId| fleet.ledger().robots.get(*r).is_some_and(|r| r.fenced.is_some());
+        for (robot, floor) in before.into_iter().filter(|(r, _)| is_fenced(r)) {
+            self.granted.entry(robot).or_insert(floor);
+        }
         // A robot that stays outside breaks the law once.
         let before = std::mem::replace(&mut self.outside, outside);
         self.outside.difference(&before).map(|r| Violation::LeftCorridor(*r)).collect()

@@ -115,6 +115,7 @@ impl Laws {
         let old = std::mem::replace(self, anew);
         (self.run_over, self.misplaced, self.arms) = (old.run_over, old.misplaced, old.arms);
         (self.broken, self.count, self.steps) = (old.broken, old.count, old.steps);
+        self.corridors = old.corridors;
         self.calm.figures = old.calm.figures;
         self.waits.keep_count(&old.waits);
     }
