@@ -200,6 +200,9 @@ impl Drive {
         sent.stepped = true;
         (sent.limits, sent.guidance) = (step.urgent, step.guidance);
         (sent.warnings, sent.arms) = (step.warnings, step.arms);
+        // What is taken back at once must not be granted by an order that has waited since before.
+        let revoked = sent.limits.iter().filter(|(_, order)| matches!(order, Command::Revoke { .. }));
+        revoked.for_each(|(robot, _)| self.outbox.forget_orders(*robot));
         let after = self.gate.record(step.facts.len());
         self.outbox.put(after, step.commands, step.replies);
         let written = WrittenStep { at: now, facts: step.facts, caused: step.caused };

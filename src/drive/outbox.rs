@@ -42,11 +42,16 @@ impl Outbox {
         }
     }
 
-    /// Everything that may leave now that so many steps are durable.
+    /// Everything that may leave now that so many steps are durable. Of several orders to a robot the newest says all
+    /// that it is to do; those before it are of a floor as it was, and may be by many seconds.
     pub fn take(&mut self, durable: u64) -> Released {
         let ready = self.parcels.partition_point(|p| p.after <= durable);
         let mut all = Released::default();
         for parcel in self.parcels.drain(..ready) {
+            if !all.orders.is_empty() {
+                let newer = |robot: &RobotId| parcel.what.orders.iter().any(|(again, _)| again == robot);
+                all.orders.retain(|(robot, _)| !newer(robot));
+            }
             all.orders.extend(parcel.what.orders);
             all.replies.extend(parcel.what.replies);
         }
@@ -73,6 +78,17 @@ mod tests {
         assert_eq!(outbox.take(3).replies, vec![reply(1), reply(2)]);
         assert_eq!(outbox.take(6).replies, vec![]);
         assert_eq!(outbox.take(9).replies, vec![reply(3)]);
+    }
+
+    #[test]
+    fn of_orders_that_have_waited_the_newest_for_each_robot_leaves() {
+        let mut outbox = Outbox::default();
+        let order = |robot, limit| (RobotId(robot), Command::Limit(Some(limit)));
+        outbox.put(1, vec![order(0, 1.0), order(1, 1.0)], vec![]);
+        outbox.put(2, vec![order(0, 2.0)], vec![]);
+        outbox.put(3, vec![order(1, 3.0)], vec![]);
+        assert_eq!(outbox.take(2).orders, [order(1, 1.0), order(0, 2.0)]);
+        assert_eq!(outbox.take(3).orders, [order(1, 3.0)]);
     }
 
     #[test]

@@ -128,9 +128,10 @@ impl<'a> RobotWaits<'a> {
         self.turns[first..].iter().take_while(move |t| t.station == station).filter(move |t| t.robot != robot)
     }
 
-    /// Whether a robot cannot go on from where it stands.
+    /// Whether a robot that is on the floor cannot go on from where it stands.
     fn stands_for_good(&self, other: RobotId) -> bool {
-        self.floor.ledger.robots[other].failed || self.floor.scene.displaced(other).is_some()
+        let record = &self.floor.ledger.robots[other];
+        !record.is_gone() && (record.failed || self.floor.scene.displaced(other).is_some())
     }
 
     /// Whether a closure is not over yet; the ledger keeps those that are for a while.
@@ -148,12 +149,10 @@ impl<'a> RobotWaits<'a> {
             }
             // What was so when the search failed may have ended since, in this step too.
             Some(Barrier::Closure(closure)) if self.is_closed(closure) => return Why::Closed(closure),
-            Some(Barrier::Robot(broken)) if self.floor.ledger.robots[broken].failed => {
-                return Why::BlockedBy(broken);
-            }
+            Some(Barrier::Robot(other)) if self.stands_for_good(other) => return Why::BlockedBy(other),
             _ => {}
         }
-        let broken = self.in_the_way(robot).filter(|r| self.floor.ledger.robots[*r].failed);
+        let broken = self.in_the_way(robot).filter(|r| self.stands_for_good(*r));
         broken.map_or(Why::NoRoute, Why::BlockedBy)
     }
 
