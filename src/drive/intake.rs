@@ -1,7 +1,7 @@
 //! Requests on their way into a step, and those that are kept while there is none.
 //!
-//! Main types: [`KeptRequests`], [`Asked`]. Refuses: requests while the journal takes no facts; but stops and releases by
-//! hand are kept in their order, whatever else waits.
+//! Main types: [`KeptRequests`], [`Asked`]. Refuses: requests while the journal takes no facts; but stops and releases
+//! by hand are kept in their order, whatever else waits.
 
 use giveway_fleet::{Asker, Input, Request, Token};
 

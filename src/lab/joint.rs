@@ -66,6 +66,7 @@ pub fn run(
         }
         let done = fleet.step(now, inputs);
         world.warn(now, &done.warnings);
+        world.answer(now, &done.replies);
         world.command(now, done.urgent);
         world.command(now, done.commands);
         if step >= settle && (step - settle).is_multiple_of(BETWEEN) {

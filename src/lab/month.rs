@@ -69,6 +69,7 @@ pub fn run(warehouse: &Arc<Warehouse>, robots: usize, days: u64, mut at_end: imp
             orders(warehouse, &aisles, &fleet, s, now, &mut inputs);
             let done = fleet.step(now, inputs);
             drop(fleet.take_plan_times());
+            world.answer(now, &done.replies);
             world.command(now, done.urgent);
             world.command(now, done.commands);
             s += 1;

@@ -106,6 +106,7 @@ pub fn run(
             measured.step_ns.push(spent);
             measured.waits_ns.push(fleet.waits_ns());
         }
+        world.answer(now, &done.replies);
         world.warn(now, &done.warnings);
         world.move_arms(&done.arms);
         world.command(now, done.urgent);

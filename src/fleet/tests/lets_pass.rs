@@ -149,7 +149,7 @@ fn a_person_who_is_measured_inside_a_robot_and_stays_there_is_led_out_at_one_sid
     let goal = nodes.max_by(|a, b| (a - robot).norm().total_cmp(&(b - robot).norm())).expect("it has nodes");
     let cut = fleet.internals().people.walkways.no_edges();
     let first = |kept_s: i64| {
-        let ways = WaysPast::new(&fleet.internals().people, fleet_floor(&floor), inside, &cut);
+        let ways = WaysPast::new(fleet.internals().people, fleet_floor(&floor), inside, &cut);
         let way = ways.by_sides(Span::from_secs(kept_s)).to(goal).expect("there is a way");
         assert_eq!(way[0], inside);
         way[1]

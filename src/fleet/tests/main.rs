@@ -149,6 +149,7 @@ impl TestFloor {
         let step = self.fleet.step(self.now, inputs);
         self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         assert_eq!(self.laws.broken, [], "laws hold");
+        self.world.answer(self.now, &step.replies);
         self.world.command(self.now, step.urgent.clone());
         self.world.command(self.now, step.commands.clone());
         self.facts.extend(step.facts.iter().cloned());

@@ -144,10 +144,8 @@ impl RunningCore {
         gate: Arc<Gate>,
         outbound: &Outbound,
     ) -> anyhow::Result<(RunningCore, Router)> {
-        let ServerParts {
-            fleet, world, clock, period, start, feeds, heard, live, past, charts, planted, ..
-        } = parts;
-        let (alarms, metrics) = (parts.alarms, Arc::new(Metrics::default()));
+        let ServerParts { fleet, world, clock, period, start, feeds, heard, live, past, charts, .. } = parts;
+        let (alarms, planted, metrics) = (parts.alarms, parts.planted, Arc::new(Metrics::default()));
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
         let ((queue, requests), (ask, questions)) = (mpsc::channel(inbox::QUEUE), mpsc::channel(QUESTIONS));

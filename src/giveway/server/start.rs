@@ -217,8 +217,8 @@ pub async fn build(
     let clock = Arc::new(Clock::start(loaded.last));
     let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
     let (buckets, heat) = store.load_history().await?;
-    let history = History::restore(buckets, heat);
-    let figures = Arc::new(SharedHistory::new(clock.started(), settings.policy.word(), history));
+    let figures =
+        SharedHistory::new(clock.started(), settings.policy.word(), History::restore(buckets, heat));
     let (now, floor, period) = (clock.now(), map.clone(), scenario.period);
     let fold = move || {
         let (ledger, facts) = loaded.into_parts();
@@ -243,32 +243,29 @@ pub async fn build(
         }
     };
     let ledger = fleet.ledger();
-    let (jobs, open_jobs) = (ledger.next_job - 1, ledger.jobs.len() as u64);
-    let summary = StartSummary { jobs, open_jobs, ..summary };
+    let summary = StartSummary { jobs: ledger.next_job - 1, open_jobs: ledger.jobs.len() as u64, ..summary };
     let start = journal::Start { next, ledger: ledger.clone(), behind: facts };
     let (feeds, heard) = Feeds::new();
     feeds.know(&fleet.ledger().workers);
-    let (interop, feeds) = (config.massrobotics.clone(), Arc::new(feeds));
-    let live = Arc::new(Live::new(map, clock.started().0.unsigned_abs()));
-    let alarms = Arc::new(Alarms::default());
+    let (live, alarms) = (Live::new(map, clock.started().0.unsigned_abs()), Arc::new(Alarms::default()));
+    let live = Arc::new(live);
     let (last, active) = store.active_alarms(clock.now()).await?;
     alarms.restore(last, active, clock.now());
     let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
-    let charts = Charts::keep(figures, store);
     let parts = ServerParts {
         fleet,
         world,
         clock,
         period,
         start,
-        interop,
+        interop: config.massrobotics.clone(),
         names_for: config.people_names_for.clone(),
-        feeds,
+        feeds: Arc::new(feeds),
         heard,
         live,
         alarms,
         past,
-        charts,
+        charts: Charts::keep(Arc::new(figures), store),
         planted,
         basis,
         last_audit: store.last_audit().await?,
