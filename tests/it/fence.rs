@@ -159,7 +159,7 @@ async fn a_panic_in_a_step_a_view_a_query_or_over_a_pose_fences_one_robot_off_an
             Duration::from_secs(15),
             until("one robot is fenced off", async || {
                 // A question over HTTP may meet the panic; the server goes on answering.
-                let asked = get(at, "/v1/robots/robot-1").await.status;
+                let asked = get(at, "/v1/robots/robot-1/why").await.status;
                 assert!([200, 503].contains(&asked), "{call:?}: {asked}");
                 let health = get(at, "/v1/health").await.text;
                 last = health.clone();
