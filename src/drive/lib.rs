@@ -94,7 +94,7 @@ pub enum DriveAlarm {
     Clear(AlarmKind),
 }
 
-/// Fleet and journal gate, turned by whoever has a clock.
+/// Fleet and journal gate, turned by a loop that has a clock: the server's or the simulation's.
 pub struct Drive {
     fleet: Fleet,
     gate: JournalGate,

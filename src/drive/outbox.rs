@@ -5,7 +5,7 @@
 use super::Released;
 use giveway_fleet::{Command, Reply};
 use giveway_floor::id::RobotId;
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 /// What one step wants to send.
 #[derive(Debug, Default)]
@@ -47,11 +47,12 @@ impl Outbox {
     pub fn take(&mut self, durable: u64) -> Released {
         let ready = self.parcels.partition_point(|p| p.after <= durable);
         let mut all = Released::default();
+        let mut newer = BTreeSet::new();
+        for parcel in self.parcels.range_mut(..ready).rev() {
+            parcel.what.orders.retain(|(robot, _)| !newer.contains(robot));
+            newer.extend(parcel.what.orders.iter().map(|(robot, _)| *robot));
+        }
         for parcel in self.parcels.drain(..ready) {
-            if !all.orders.is_empty() {
-                let newer = |robot: &RobotId| parcel.what.orders.iter().any(|(again, _)| again == robot);
-                all.orders.retain(|(robot, _)| !newer(robot));
-            }
             all.orders.extend(parcel.what.orders);
             all.replies.extend(parcel.what.replies);
         }

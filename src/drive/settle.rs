@@ -1,7 +1,8 @@
 //! Robots stand on nodes before the driver goes over to another map.
 //!
 //! Main type: [`Settling`] (looked at in every turn). Robots drive to the end of what they were granted. If one does
-//! not get there in time, all go on, and the map is not changed. Refuses: to keep robots standing for nobody.
+//! not get there in time, all go on, and the map is not changed. Refuses: to keep robots standing when the request for
+//! it is gone.
 
 use super::rescue::GuardedCall;
 use super::{Drive, Sent};

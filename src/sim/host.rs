@@ -1,7 +1,7 @@
 //! The process that runs the driver, and its journal, as far as they can fail.
 //!
 //! Main types: [`Host`], [`HostTurn`]. A process dies at a random point of a turn and starts again some seconds later
-//! from what is durable; requests that it did not acknowledge are made again by who made them. Refuses: to go on after
+//! from what is durable; clients repeat requests that it did not acknowledge. Refuses: to go on after
 //! a panic that nobody planted.
 
 use super::askers::SUPERVISORS;
@@ -52,7 +52,7 @@ pub struct Host {
 impl Host {
     /// A process that has just begun.
     pub fn new(fleet: Fleet, faults: &Faults, seed: u64) -> Host {
-        let failing = faults.strike_the_host().then(|| {
+        let failing = faults.has_host_faults().then(|| {
             let delay = Span::from_millis(faults.journal_delay_ms);
             let journal = SimJournal::new(fleet.ledger().clone(), delay);
             Box::new(FailingHost::new(journal, *faults, seed))
@@ -73,7 +73,7 @@ impl Host {
     /// One turn, and what may leave after it; the last one was at `from`.
     ///
     /// # Panics
-    /// If the fleet does, and nobody planted that.
+    /// If the fleet does, and the panic was not planted.
     pub fn turn(&mut self, from: Time, now: Time, inputs: Vec<Input>) -> HostTurn {
         let turn = match &mut self.failing {
             Some(failing) => failing.turn(&mut self.drive, (from, now), inputs),
@@ -114,7 +114,7 @@ struct FailingHost {
     luck: Stream,
     /// While it is down: until when.
     down_until: Option<Time>,
-    /// Requests that nobody has taken in.
+    /// Requests that no process has taken in.
     unheard: Vec<Input>,
     /// Requests that were taken in: after which step of this process they are durable.
     asked: VecDeque<(u64, Input)>,
@@ -192,7 +192,7 @@ impl FailingHost {
         turn
     }
 
-    /// Keeps requests that come while the process is down: who made them tries again.
+    /// Keeps requests that come while the process is down: clients repeat them.
     fn keep(&mut self, inputs: Vec<Input>) {
         self.unheard.extend(inputs.into_iter().filter(is_made_again));
     }
@@ -300,8 +300,8 @@ impl FailingHost {
     }
 }
 
-/// Whether who asked asks again, if there was no answer. What people at stations say of their picks they say until
-/// their screen shows it.
+/// Whether a client repeats this request where it gets no answer. Pickers repeat what they say of their picks until the
+/// screen shows it.
 fn is_made_again(input: &Input) -> bool {
     match input {
         Input::Ask { request: Request::Station(_, order), .. } => {

@@ -120,6 +120,9 @@ impl ControlLoop {
     /// Turns at once where a pose calls for a stop, or hands for a warning, and the loop has rested.
     fn listen(&mut self, heard: &HeardSighting, published: &mut Time) {
         let now = self.clock.now();
+        if self.drive.is_broken() {
+            return;
+        }
         let hands = self.inbox.hands_of(heard);
         let warning =
             self.drive.ask(GuardedCall::Pose, now, |fleet| fleet.warning_of(&hands?, now)).flatten();

@@ -1,6 +1,7 @@
-//! Robots stand on nodes before the server goes over to another map: who asks for it, and is answered.
+//! Robots stand on nodes before the server goes over to another map: requests for that, and their answers.
 //!
-//! Main types: [`SettleDesk`] (the loop's end), [`SettleRequest`]. Refuses: to keep robots standing for nobody.
+//! Main types: [`SettleDesk`] (the loop's end), [`SettleRequest`]. Refuses: to keep robots standing when
+//! the request for it is gone.
 
 use giveway_drive::{Drive, NotStanding};
 use giveway_floor::time::Time;

@@ -125,7 +125,7 @@ impl Faults {
     }
 
     /// Whether anything of this is about Giveway itself.
-    pub fn strike_the_host(&self) -> bool {
+    pub fn has_host_faults(&self) -> bool {
         let rates = [
             self.restarts_per_hour,
             self.journal_slow_per_hour,
