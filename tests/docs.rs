@@ -1,6 +1,7 @@
 //! What the pages in `docs/` show is true: their examples are read, run and complete, and their links lead somewhere.
 
-use giveway::sim::{Scenario, Simulation};
+use giveway::sim::{Demand, Scenario, Simulation};
+use giveway::site::Site;
 use giveway::warehouse::{formats, room_for, to_svg};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -39,12 +40,32 @@ fn the_small_scenario_is_shown_whole_and_delivers() {
     let file = read("docs/small-scenario.json");
     assert!(read("docs/scenarios.md").contains(&file), "docs/scenarios.md does not show the file as it is");
     let scenario = Scenario::parse(&file).expect("well-formed");
-    let map = formats::json::parse(&read(Path::new("docs").join(&scenario.map))).expect("well-formed");
+    let map = formats::json::parse(&read(Path::new("docs").join(&scenario.site.map))).expect("well-formed");
     room_for(&map, scenario.robots).expect("places to stay");
     let mut sim = Simulation::new(Arc::new(map), &scenario, &[], scenario.seed, false, || 0);
     while !sim.is_over() {
         sim.step();
     }
+    let outcome = sim.outcome();
+    assert_eq!(outcome.law_violations, 0, "{}", outcome.broken.join("; "));
+    assert!(outcome.counts.robot_deliveries > 0);
+}
+
+#[test]
+fn the_small_site_is_shown_whole_says_each_key_and_delivers_what_is_ordered() {
+    let (file, page) = (read("docs/small-site.json"), read("docs/site.md"));
+    assert!(page.contains(&file), "docs/site.md does not show the file as it is");
+    let example: serde_json::Value = serde_json::from_str(&file).expect("JSON");
+    let limits = example["limits"].as_object().expect("it has them");
+    for key in example.as_object().expect("an object").keys().chain(limits.keys()) {
+        assert!(page.contains(&format!("\n| `{key}` |")), "docs/site.md says nothing of `{key}`");
+    }
+    let site = Site::parse(&file).expect("well-formed");
+    let map = formats::json::parse(&read(Path::new("docs").join(&site.map))).expect("well-formed");
+    let map = site.fit(&Arc::new(map)).expect("the map is for these robots");
+    let scenario = Scenario { demand: Demand::Backlog(2), ..Scenario::from(site) };
+    let mut sim = Simulation::new(map, &scenario, &[], scenario.seed, false, || 0);
+    (0..6_000).for_each(|_| _ = sim.step());
     let outcome = sim.outcome();
     assert_eq!(outcome.law_violations, 0, "{}", outcome.broken.join("; "));
     assert!(outcome.counts.robot_deliveries > 0);

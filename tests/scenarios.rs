@@ -60,9 +60,9 @@ impl Setup {
     fn read(name: &str) -> Setup {
         let text = read(&folder().join(format!("{name}.json")));
         let scenario = Scenario::parse(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(scenario.name, name, "a scenario is named like its file");
-        let map = read(&folder().join(&scenario.map));
-        let warehouse = formats::json::parse(&map).unwrap_or_else(|e| panic!("{}: {e}", scenario.map));
+        assert_eq!(scenario.site.name, name, "a scenario is named like its file");
+        let map = read(&folder().join(&scenario.site.map));
+        let warehouse = formats::json::parse(&map).unwrap_or_else(|e| panic!("{}: {e}", scenario.site.map));
         room_for(&warehouse, scenario.robots).unwrap_or_else(|e| panic!("{name}: {e}"));
         let lines = match &scenario.demand {
             Demand::File { path, .. } => {
@@ -289,7 +289,7 @@ fn a_shift_of_a_hundred_robots_keeps_its_laws() {
 fn with_two_chargers_for_twenty_robots_something_is_delivered_in_every_quarter_of_an_hour() {
     let mut setup = Setup::read("few-chargers");
     setup.scenario.closures[0].nodes.remove(0);
-    setup.scenario.kinds[0].kind.charging.driving_h = 1.0;
+    setup.scenario.site.kinds[0].charging.driving_h = 1.0;
     setup.scenario.duration = Span::from_secs(2 * 3600);
     setup.scenario.drain = Span::ZERO;
     let Setup { scenario, warehouse, lines } = &setup;

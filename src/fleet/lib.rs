@@ -67,7 +67,7 @@ pub use state::request::{
     RobotAction, StationOrder, Token, WorkerAction,
 };
 pub use state::scene::SILENCE;
-pub use state::settings::Settings;
+pub use state::settings::{FloorLimits, Settings};
 pub use state::visits::EndsHeld;
 pub use state::wait_graph::{ChainEnd, Edge, Party, Wait};
 pub use state::why::Why;

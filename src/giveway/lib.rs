@@ -15,6 +15,8 @@
 //!     ↓
 //!   fleet   the state machine    alarm    history
 //!     ↓     pure above: no clock, no I/O, no chance, no hash order
+//!   site    what one floor is: map, kinds of robots, policy, limits, links; and the file that says so
+//!     ↓
 //!   drive   the loop around the core: what is heard, written down, sent; pure, too
 //!     ↓
 //!   sim     a floor in memory; pure, too
@@ -56,6 +58,7 @@
 //! - [`history`]: what happened over time, as figures in buckets of bounded number. It decides nothing.
 //! - [`alarm`]: what is wrong, causes only, and the life of an alarm: raised, acknowledged, cleared. It decides nothing
 //!   about robots.
+//! - [`site`]: what one floor is, and the site file. A scenario is a site with toys.
 //! - [`sim`]: robots with inertia, radios that lose messages, customers; laws; recordings; the driver without a server.
 //!   Pure.
 //! - `lab`: benchmark floors and published tables, driven by the same search; recorded people, and what is
@@ -275,7 +278,7 @@
 //! | what | where |
 //! |---|---|
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` or `kinds` |
-//! | a kind of robots | `fleet/state/kind.rs`; in scenarios: `sim/scenario/kinds.rs`; over HTTP: `server/kinds.rs` |
+//! | a kind of robots | `fleet/state/kind.rs`; in files: `site/kinds.rs`; over HTTP: `server/kinds.rs` |
 //! | a kind of job | `fleet/state/job_kind.rs`, `life.rs`; `fleet/dispatch/jobs.rs`, `fleet/traffic/progress.rs` |
 //! | which robot gets which job (dispatch) | `fleet/dispatch/jobs.rs`; with the rack that it has: `chains.rs` |
 //! | the order of waiting jobs: priority, age, deadline | `fleet/state/index/queue.rs` (`urgency_ms`) |
@@ -413,6 +416,7 @@ pub use giveway_fleet::{alarm, history};
 pub use giveway_floor::{geometry, id, route, text, time, timeline, warehouse};
 pub use giveway_people::{aware, human, local, reach};
 pub use giveway_sim as sim;
+pub use giveway_site as site;
 pub use giveway_store as store;
 
 pub mod cli;

@@ -8,14 +8,12 @@ use super::dice::Dice;
 use giveway_fleet::alarm::{
     Alarm, AlarmKind, AlarmRegister, AlarmScope, FloorWatch, LoopHealth, SubjectKind,
 };
-use giveway_fleet::{Charging, Doing, Fault, RobotState, RobotView, Task, View};
+use giveway_fleet::{Doing, Fault, RobotState, RobotView, Task, View};
 use giveway_floor::id::{Dense, RobotId, WorkerId};
-use giveway_floor::route::Kinematics;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
-use giveway_people::aware::HumanAwarePolicy;
-use giveway_people::reach::PickModel;
-use giveway_sim::{Demand, Faults, Habits, KindShare, Scenario, Simulation, Workers};
+use giveway_sim::{Demand, Faults, Scenario, Simulation, Workers};
+use giveway_site::Site;
 use std::sync::Arc;
 
 /// The floor works for so long before something goes wrong; up to as long again, drawn from the seed.
@@ -186,7 +184,7 @@ impl AlarmTrial {
         let end = WARM * 2 + WAITED_FOR + LASTS + AFTER;
         let scenario = scenario("alarms", (self.robots, workers), end, seed);
         let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
-        let mut log = AlarmLog::new(scenario.period);
+        let mut log = AlarmLog::new(scenario.site.period);
         let mut dice = Dice::new(seed);
         let warm = Time::ZERO + WARM + Span::from_secs(dice.below(WARM.0 as usize / 1_000_000) as i64);
         let run_to = |sim: &mut Simulation, log: &mut AlarmLog, until: Time| {
@@ -203,7 +201,7 @@ impl AlarmTrial {
             if let Some(subject) = self.bring_about(&mut sim, &mut dice) {
                 break subject;
             }
-            let next = sim.now() + scenario.period;
+            let next = sim.now() + scenario.site.period;
             run_to(&mut sim, &mut log, next);
         };
         let from = sim.now();
@@ -283,7 +281,7 @@ impl HealthyFloor {
         let length = Span::from_secs_f64(self.seconds);
         let scenario = scenario("healthy", (self.robots, self.workers), length, seed);
         let mut sim = Simulation::new(self.warehouse.clone(), &scenario, &[], seed, false, || 0);
-        let mut log = AlarmLog::new(scenario.period);
+        let mut log = AlarmLog::new(scenario.site.period);
         while !sim.is_over() {
             sim.step();
             log.look(&sim);
@@ -293,28 +291,15 @@ impl HealthyFloor {
 }
 
 fn scenario(name: &str, (robots, workers): (usize, usize), duration: Span, seed: u64) -> Scenario {
+    let site = Site { name: name.into(), period: Span::from_millis(100), ..Site::default() };
     Scenario {
-        cells: None,
-        name: name.into(),
-        map: String::new(),
         robots,
         duration,
-        period: Span::from_millis(100),
         seed,
         demand: Demand::Backlog(robots),
-        customers: Habits::default(),
-        drain: Span::ZERO,
-        warm_up: Span::ZERO,
         faults: Faults { repair_s: LASTS.as_secs_f64(), ..Faults::default() },
-        kinds: KindShare::one(Kinematics::default(), Charging::default()),
         workers: Workers { count: workers, enter_s: 10.0, ..Workers::default() },
-        closures: Vec::new(),
-        evacuations: Vec::new(),
-        local_planner: Default::default(),
-        model: None,
-        learned: giveway_people::human::Model::builtin(),
-        picks: PickModel::builtin(),
-        policy: HumanAwarePolicy::Giveway,
+        ..Scenario::from(site)
     }
 }
 

@@ -54,7 +54,7 @@ pub fn run(
     );
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
     let mut now = Time::ZERO;
-    let mut fleet = Fleet::new(warehouse.clone(), Settings { stopwatch, ..scenario.settings() });
+    let mut fleet = Fleet::new(warehouse.clone(), Settings { stopwatch, ..scenario.site.settings() });
     let mut world = World::new(warehouse.clone(), &scenario, &[], 1, &fleet, now);
     let mut jobs = requests(warehouse, StepsCase::Waiting(JOBS * robots), now).into_iter();
     let mut out = JointOutcome::default();

@@ -57,7 +57,7 @@ pub fn run(warehouse: &Arc<Warehouse>, robots: usize, days: u64, mut at_end: imp
             "faults": {{"failures_per_hour": 0.2, "repair_s": 120}}}}"#
     );
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
-    let mut fleet = Fleet::new(warehouse.clone(), scenario.settings());
+    let mut fleet = Fleet::new(warehouse.clone(), scenario.site.settings());
     let mut world = World::new(warehouse.clone(), &scenario, &[], 1, &fleet, Time::ZERO);
     let aisles = warehouse.nodes_where(|k| k == NodeKind::Aisle);
     let mut s = 0;

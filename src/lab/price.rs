@@ -6,7 +6,8 @@
 use super::statistics::Interval;
 use super::table::{RunRow, TableSetup};
 use giveway_floor::warehouse::Warehouse;
-use giveway_sim::{Causes, NodeWindowsWord, Sensor};
+use giveway_people::aware::NodeWindows;
+use giveway_sim::{Causes, Sensor};
 use std::sync::Arc;
 
 /// A floor whose price is measured.
@@ -35,7 +36,7 @@ impl PriceFloor {
     /// A run with so many robots and workers.
     pub fn setup(&self, robots: usize, workers: usize, seconds: f64, causes: Causes) -> TableSetup {
         let warehouse = self.warehouse.clone();
-        let (sensor, node_windows) = (Sensor::default(), NodeWindowsWord::default());
+        let (sensor, node_windows) = (Sensor::default(), NodeWindows::default());
         TableSetup { warehouse, robots, workers, seconds, sensor, causes, node_windows }
     }
 }

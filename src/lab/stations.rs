@@ -2,13 +2,14 @@
 //!
 //! Main types: [`StationsSetup`], [`StationsRow`]. Refuses: to compare runs of different seeds or seconds.
 
+use giveway_cell::arm::ArmMode;
 use giveway_cell::{Flow, LineOutcome, Lines};
 use giveway_fleet::{Fact, Fleet, JobFact, JobKind, JobState, Task};
 use giveway_floor::id::{Dense, JobId, StationId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::{Station, Warehouse};
 use giveway_sim::picker::{TrueLine, WarnedLead};
-use giveway_sim::{ArmModeWord, FlowWord, Scenario, Simulation};
+use giveway_sim::{Scenario, Simulation};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -110,12 +111,9 @@ struct Ledgered {
 
 impl StationsSetup {
     /// The scenario with so many robots and a flow.
-    ///
-    /// # Panics
-    /// If it has no stations to pick at.
-    pub fn scenario(&self, robots: usize, flow: FlowWord) -> Scenario {
+    pub fn scenario(&self, robots: usize, flow: Flow) -> Scenario {
         let mut scenario = Scenario { robots, drain: Span::ZERO, ..self.scenario.clone() };
-        scenario.cells.as_mut().expect("a scenario of picking stations has cells").flow = flow;
+        scenario.site.flow = flow;
         scenario
     }
 
@@ -126,15 +124,16 @@ impl StationsSetup {
     }
 
     /// One run.
-    pub fn run(&self, robots: usize, flow: FlowWord, seed: u64) -> StationsRow {
+    pub fn run(&self, robots: usize, flow: Flow, seed: u64) -> StationsRow {
         self.measure(self.scenario(robots, flow), seed)
     }
 
     /// One run with every arm of the map on.
-    pub fn run_with_arms(&self, robots: usize, mode: ArmModeWord, seed: u64) -> StationsRow {
-        let mut scenario = self.scenario(robots, FlowWord::Seen);
+    pub fn run_with_arms(&self, robots: usize, mode: ArmMode, seed: u64) -> StationsRow {
+        let mut scenario = self.scenario(robots, Flow::Seen);
         let cells = scenario.cells.as_mut().expect("a scenario of picking stations has cells");
-        (cells.arms, cells.arm_mode) = (self.stations_with_arm(), mode);
+        cells.arms = self.stations_with_arm();
+        scenario.site.arm_mode = mode;
         self.measure(scenario, seed)
     }
 
@@ -148,10 +147,9 @@ impl StationsSetup {
                 seen.note(sim.fleet(), fact, now);
             }
             seen.expect(sim.fleet(), now);
-            waits += waiting(sim.fleet(), now, scenario.period);
+            waits += waiting(sim.fleet(), now, scenario.site.period);
         }
-        let flow = scenario.cells.as_ref().map_or(Flow::default(), |cells| cells.flow.into());
-        seen.row(sim, flow, waits)
+        seen.row(sim, scenario.site.flow, waits)
     }
 }
 
@@ -310,7 +308,7 @@ mod tests {
         assert_eq!(setup.stations_with_arm(), ["S1", "S2"]);
         // A short visit has nothing for an arm: the hand is done before it would be.
         setup.scenario.cells.as_mut().expect("it has cells").lines.per_visit = [6, 12];
-        let run = || setup.run_with_arms(14, ArmModeWord::Predictive, 3);
+        let run = || setup.run_with_arms(14, ArmMode::Predictive, 3);
         let row = run();
         assert_eq!((row.law_violations, row.arms.contacts), (0, 0), "{:?}", row.broken);
         assert!(row.arms.pieces > 5 && row.arms.lines > 50, "{row:?}");
@@ -319,16 +317,16 @@ mod tests {
 
     #[test]
     fn every_flow_picks_lines_without_a_broken_law_and_one_seed_gives_one_row() {
-        for flow in [FlowWord::Usual, FlowWord::Counted, FlowWord::Hand, FlowWord::Seen, FlowWord::Known] {
+        for flow in [Flow::Usual, Flow::Counted, Flow::Hand, Flow::Seen, Flow::Known] {
             let row = setup().run(14, flow, 3);
             assert!(row.lines > 100, "{flow:?}: {row:?}");
             assert_eq!(row.law_violations, 0, "{flow:?}: {:?}", row.broken);
             assert_eq!(row.guard_stops, 0, "{flow:?}: no robot drives towards a hand");
             assert!(row.released * 10 <= row.visits, "{flow:?}: few racks wait for a button: {row:?}");
-            if [FlowWord::Usual, FlowWord::Counted].contains(&flow) {
+            if [Flow::Usual, Flow::Counted].contains(&flow) {
                 assert!(row.wrong_confirmed > 0 && row.wrong_by_hand == 0, "{flow:?}: {row:?}");
             }
-            if flow == FlowWord::Seen {
+            if flow == Flow::Seen {
                 assert_eq!(row, setup().run(14, flow, 3));
                 assert!((row.presses as f64) < 0.3 * row.lines as f64, "hands confirm most lines: {row:?}");
             }

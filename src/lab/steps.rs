@@ -86,7 +86,7 @@ pub fn run(
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
     // Hours after zero, so that areas can be over already.
     let mut now = Time::ZERO + Span::from_secs(4 * 3600);
-    let mut fleet = Fleet::new(warehouse.clone(), Settings { stopwatch, ..scenario.settings() });
+    let mut fleet = Fleet::new(warehouse.clone(), Settings { stopwatch, ..scenario.site.settings() });
     let mut world = World::new(warehouse.clone(), &scenario, &[], 1, &fleet, now);
     let mut requests = requests(warehouse, case, now).into_iter();
     let mut measured = Measured::default();

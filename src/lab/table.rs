@@ -6,18 +6,14 @@
 
 use super::robot_time::RobotTime;
 use super::statistics::{Interval, Summary};
-use giveway_fleet::Charging;
-use giveway_floor::route::Kinematics;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_people::aware::HumanAwarePolicy;
-use giveway_people::reach::PickModel;
+use giveway_people::aware::NodeWindows;
 use giveway_sim::detection::Score;
 use giveway_sim::encounter::EncounterFigures;
-use giveway_sim::{
-    CalmFigures, Causes, Demand, Deviations, Faults, Habits, KindShare, NodeWindowsWord, Outcome, Scenario,
-    Sensor, Simulation, Workers,
-};
+use giveway_sim::{CalmFigures, Causes, Demand, Deviations, Outcome, Scenario, Sensor, Simulation, Workers};
+use giveway_site::Site;
 use std::sync::Arc;
 
 /// When workers come in, seconds (Petković 2021, figure 4.8).
@@ -43,7 +39,7 @@ pub struct TableSetup {
     /// Why people leave their paths besides the six departures of the published experiment.
     pub causes: Causes,
     /// How the fleet finds out when people take a node.
-    pub node_windows: NodeWindowsWord,
+    pub node_windows: NodeWindows,
 }
 
 /// What one run came to.
@@ -157,31 +153,22 @@ impl TableSetup {
             enter_s: ENTER_S,
             deviations,
             sensor: self.sensor,
-            node_windows: self.node_windows,
             ..Workers::default()
         };
-        Scenario {
-            cells: None,
+        let site = Site {
             name: format!("table-4-1 {} {}", arm.word(), self.workers),
-            map: String::new(),
+            period: Span::from_millis(100),
+            node_windows: self.node_windows,
+            policy: arm,
+            ..Site::default()
+        };
+        Scenario {
             robots: self.robots,
             duration: Span::from_secs_f64(self.seconds),
-            period: Span::from_millis(100),
             seed,
             demand: Demand::Backlog(self.robots),
-            customers: Habits::default(),
-            drain: Span::ZERO,
-            warm_up: Span::ZERO,
-            faults: Faults::default(),
-            kinds: KindShare::one(Kinematics::default(), Charging::default()),
             workers,
-            closures: Vec::new(),
-            evacuations: Vec::new(),
-            local_planner: Default::default(),
-            model: None,
-            learned: giveway_people::human::Model::builtin(),
-            picks: PickModel::builtin(),
-            policy: arm,
+            ..Scenario::from(site)
         }
     }
 
@@ -244,7 +231,7 @@ mod tests {
             seconds: 340.0,
             sensor: Sensor::default(),
             causes: Causes::All,
-            node_windows: NodeWindowsWord::default(),
+            node_windows: NodeWindows::default(),
         }
     }
 

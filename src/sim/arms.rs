@@ -286,19 +286,21 @@ impl SimArmPost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ArmModeWord, Scenario, Simulation};
+    use crate::{Scenario, Simulation};
     use giveway_cell::LineChange;
+    use giveway_cell::arm::ArmMode;
     use giveway_fleet::{Fact, JobFact};
     use giveway_floor::warehouse::stations;
     use std::sync::Arc;
 
     /// Long visits: with the usual short ones an arm puts down a piece in ten minutes or so.
-    fn scenario(mode: ArmModeWord, seconds: i64) -> Scenario {
+    fn scenario(mode: ArmMode, seconds: i64) -> Scenario {
         let mut scenario = Scenario::parse(include_str!("../../scenarios/stations.json")).unwrap();
         (scenario.robots, scenario.duration, scenario.drain) = (14, Span::from_secs(seconds), Span::ZERO);
         let cells = scenario.cells.as_mut().unwrap();
-        (cells.arms, cells.arm_mode) = (vec!["S1".into(), "S2".into()], mode);
+        cells.arms = vec!["S1".into(), "S2".into()];
         cells.lines.per_visit = [6, 12];
+        scenario.site.arm_mode = mode;
         scenario
     }
 
@@ -323,7 +325,7 @@ mod tests {
 
     #[test]
     fn a_robot_whose_way_changes_while_a_hand_is_in_the_opening_says_what_is_so() {
-        let scenario = scenario(ArmModeWord::Turns, 260);
+        let scenario = scenario(ArmMode::Turns, 260);
         let mut sim = Simulation::new(Arc::new(stations()), &scenario, &[], 7, false, || 0);
         run(&mut sim);
         assert!(sim.broken().is_empty(), "{:?}", sim.broken());
@@ -332,8 +334,7 @@ mod tests {
     #[test]
     fn arms_pick_lines_beside_people_in_every_mode_touch_nobody_and_no_line_is_picked_twice() {
         // By turns, an arm brings a piece every seven minutes or so.
-        for (mode, seconds) in
-            [(ArmModeWord::Turns, 1200), (ArmModeWord::Reactive, 600), (ArmModeWord::Predictive, 600)]
+        for (mode, seconds) in [(ArmMode::Turns, 1200), (ArmMode::Reactive, 600), (ArmMode::Predictive, 600)]
         {
             let mut sim = simulation(&scenario(mode, seconds));
             let given = run(&mut sim);

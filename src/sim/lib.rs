@@ -51,9 +51,9 @@ pub use digest::Digest;
 pub use laws::{CalmFigures, Violation};
 pub use run::{JobTally, Outcome, People, SimTurn, Simulation};
 pub use scenario::{
-    ArmModeWord, Assignments, Causes, Closing, Demand, Deviations, Faults, FlowWord, Habits, HandSensor,
-    HandSide, KindShare, LineDemand, LocalPlannerWord, MethodWord, NodeWindowsWord, Personas, PickerHabits,
-    Rates, Scenario, ScenarioError, SecondTag, SeenGaze, Sensor, Source, TaskSharing, WorkCells, Workers,
+    Assignments, Causes, Closing, Demand, Deviations, Faults, Habits, HandSensor, HandSide, LineDemand,
+    LocalPlannerWord, Personas, PickerHabits, Rates, Scenario, SecondTag, SeenGaze, Sensor, Source,
+    TaskSharing, WorkCells, Workers,
 };
 pub use warm_up::{WarmUp, warm_up};
 pub use world::{World, starting_places};

@@ -49,15 +49,16 @@ impl Player {
         let (header, playback) = Playback::open(&first)?;
         let mut scenario = Scenario::parse(&header.scenario).map_err(|e| broken(format!("scenario: {e}")))?;
         if let Some(model) = &header.model {
-            scenario.learned = Arc::new(Model::parse(model).map_err(|e| broken(format!("model: {e}")))?);
+            scenario.site.learned = Arc::new(Model::parse(model).map_err(|e| broken(format!("model: {e}")))?);
         }
         if let Some(picks) = &header.picks {
-            scenario.picks = Arc::new(PickModel::parse(picks).map_err(|e| broken(format!("picks: {e}")))?);
+            scenario.site.picks =
+                Arc::new(PickModel::parse(picks).map_err(|e| broken(format!("picks: {e}")))?);
         }
         let warehouse = formats::json::parse(&header.map).map_err(|e| broken(format!("map: {e}")))?;
-        let warehouse = scenario.fit(&Arc::new(warehouse)).map_err(|e| broken(format!("map: {e}")))?;
+        let warehouse = scenario.site.fit(&Arc::new(warehouse)).map_err(|e| broken(format!("map: {e}")))?;
         scenario.check_method(&warehouse).map_err(|e| broken(format!("scenario: {e}")))?;
-        let settings = Settings { stopwatch, ..scenario.settings() };
+        let settings = Settings { stopwatch, ..scenario.site.settings() };
         let fleet = Fleet::new(warehouse, settings);
         Ok(Player { fleet, scenario, lines, playback, digest: Digest::default(), steps: 0 })
     }

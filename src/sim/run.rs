@@ -115,8 +115,8 @@ impl Simulation {
         stopwatch: fn() -> u64,
     ) -> Simulation {
         let warehouse =
-            scenario.fit(&warehouse).expect("a scenario is refused with its map where it is read");
-        let settings = Settings { without_conflicts, stopwatch, ..scenario.settings() };
+            scenario.site.fit(&warehouse).expect("a scenario is refused with its map where it is read");
+        let settings = Settings { without_conflicts, stopwatch, ..scenario.site.settings() };
         let fleet = Fleet::new(warehouse.clone(), settings);
         let world = World::new(warehouse, scenario, lines, seed, &fleet, Time::ZERO);
         Simulation {
@@ -124,7 +124,7 @@ impl Simulation {
             host: Host::new(fleet, &scenario.faults, seed),
             world,
             now: Time::ZERO,
-            period: scenario.period,
+            period: scenario.site.period,
             end: Time::ZERO + scenario.duration,
             drain: if without_conflicts { Span::ZERO } else { scenario.drain },
             measured: None,

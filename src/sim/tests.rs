@@ -4,10 +4,9 @@ mod people;
 mod posture;
 
 use super::*;
-use giveway_fleet::{Charging, Fact, Fault, FloorFact, Input, JobAction, JobKind, JobRequest};
+use giveway_fleet::{Charging, Fact, Fault, FloorFact, Input, JobAction, JobKind, JobRequest, RobotKind};
 use giveway_floor::geometry::Point;
 use giveway_floor::id::RobotId;
-use giveway_floor::route::Kinematics;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::{NodeKind, thesis};
 use std::sync::Arc;
@@ -110,8 +109,8 @@ fn a_robot_gets_no_current_from_a_charger_that_is_out_of_order_and_says_so_while
 fn with_chargers_out_of_order_now_and_then_everything_ends() {
     let faults = Faults { charger_outages_per_hour: 6.0, repair_s: 300.0, ..Faults::default() };
     let charging = Charging { driving_h: 0.5, ..Charging::default() };
-    let kinds = KindShare::one(Kinematics::default(), charging);
-    let (_, injected, _) = drains(&Scenario { kinds, ..scenario(12, faults) }, 1);
+    let kind = RobotKind { charging, ..RobotKind::default() };
+    let (_, injected, _) = drains(&scenario(12, faults).with_kinds([kind]), 1);
     assert!(injected["charger_outages"] > 5, "{injected:?}");
 }
 

@@ -34,7 +34,7 @@ pub fn warm_up(
     let mut now = until() - scenario.warm_up;
     // A machine that is slower than the floor itself never gets there.
     let last = now + scenario.warm_up + scenario.warm_up;
-    let mut fleet = Fleet::new(map.clone(), scenario.settings());
+    let mut fleet = Fleet::new(map.clone(), scenario.site.settings());
     let mut world = World::new(map.clone(), scenario, lines, scenario.seed, &fleet, now);
     let mut out = WarmUp { steps: Vec::new(), history: History::default() };
     let mut looked = now - LOOK;
@@ -54,7 +54,7 @@ pub fn warm_up(
             looked = now;
             out.history.note(&fleet.view(now), &LoopTimes::default());
         }
-        now += scenario.period;
+        now += scenario.site.period;
     }
     out
 }
@@ -72,7 +72,7 @@ mod tests {
         let scenario = Scenario { warm_up: Span::from_secs(300), ..scenario };
         let (map, until) = (Arc::new(thesis()), Time(1_800_000_000_000_000));
         let past = warm_up(&map, &scenario, &[], || until);
-        let mut ledger = Ledger::new(map, scenario.settings().clearance(), false);
+        let mut ledger = Ledger::new(map, scenario.site.settings().clearance(), false);
         past.steps.iter().flat_map(|(_, facts)| facts).for_each(|fact| ledger.evolve(fact));
         assert!(ledger.counts.robot_deliveries >= 10, "{:?}", ledger.counts);
         assert_eq!(ledger.workers.len(), scenario.workers.count);

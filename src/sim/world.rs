@@ -147,7 +147,10 @@ impl World {
         };
         let meter = EncounterMeter::new(scenario.workers.encounter_m);
         let outages = Outages::new(&faults, &warehouse, seed);
-        let pickers = scenario.cells.as_ref().map(|cells| Pickers::new(&warehouse, cells, seed, now));
+        let pickers = scenario
+            .cells
+            .as_ref()
+            .map(|cells| Pickers::new(&warehouse, cells, scenario.site.flow, seed, now));
         let arms = scenario.cells.as_ref().and_then(|cells| SimArms::new(&warehouse, cells, seed, now));
         let robots = vec![];
         let announcements = Announcements::new(scenario, &warehouse, fleet, now);

@@ -21,17 +21,17 @@ const SETTINGS: &str = "src/fleet/state/settings.rs";
 
 #[rustfmt::skip]
 const ALL: [Grows; 31] = [
-    ("jobs that are not over", Some((SETTINGS, "waiting_max", "100_000")), &[], &[],
+    ("jobs that are not over", Some((SETTINGS, "open_jobs", "100_000")), &[], &[],
         "one_job_too_many_is_refused_and_one_that_comes_after_too_many"),
-    ("assignments that are not over", Some((SETTINGS, "assignments_max", "10_000")), &[], &[],
+    ("assignments that are not over", Some((SETTINGS, "open_assignments", "10_000")), &[], &[],
         "one_assignment_too_many_is_refused_until_another_is_over"),
-    ("robots that have joined", Some((SETTINGS, "robots_max", "10_000")), &["robot_tallies"], &[],
+    ("robots that have joined", Some((SETTINGS, "robots", "10_000")), &["robot_tallies"], &[],
         "no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit"),
-    ("workers who are known", Some((SETTINGS, "workers_max", "1_000")), &["people"], &[],
+    ("workers who are known", Some((SETTINGS, "workers", "1_000")), &["people"], &[],
         "a_worker_who_is_forgotten_frees_a_place_and_numbers_are_given_again_only_when_there_are_no_others"),
-    ("closures announced, in force, or over for less than a day", Some((SETTINGS, "closures_max", "2_000")), &[], &[],
+    ("closures announced, in force, or over for less than a day", Some((SETTINGS, "closures", "2_000")), &[], &[],
         "one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_many_corners"),
-    ("recurring closures", Some((SETTINGS, "series_max", "100")), &[], &[],
+    ("recurring closures", Some((SETTINGS, "recurring_closures", "100")), &[], &[],
         "one_series_too_many_is_refused_until_another_is_ended"),
     ("cancelled and failed jobs that are remembered for jobs to come `after` them",
         Some(("src/fleet/state/index/mod.rs", "BAD_ENDS_MAX", "100_000")), &[], &[],

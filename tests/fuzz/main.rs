@@ -82,7 +82,7 @@ fn broken_scenarios_are_read_or_refused_and_fit_a_map_or_do_not() {
     let lab = Arc::new(lab);
     each("scenarios", &texts("scenarios", ".json"), 2000, |text| match Scenario::parse(text) {
         Ok(scenario) => {
-            let _ = scenario.fit(&lab);
+            let _ = scenario.site.fit(&lab);
             true
         }
         Err(why) => {

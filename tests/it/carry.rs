@@ -62,7 +62,7 @@ fn discs(map: Warehouse) -> Warehouse {
     scenario["fleet"]["footprint"] = json!({"circle_m": 0.2});
     scenario["fleet"]["footprint_loaded"] = json!({"circle_m": 0.3});
     let scenario = Scenario::parse(&scenario.to_string()).unwrap();
-    let fitted = scenario.fit(&Arc::new(map)).unwrap();
+    let fitted = scenario.site.fit(&Arc::new(map)).unwrap();
     Arc::unwrap_or_clone(fitted)
 }
 
@@ -72,7 +72,7 @@ pub async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
 }
 
 fn opening(accept_losses: bool) -> Opening {
-    let clearance = Scenario::parse(BUSY).unwrap().settings().clearance();
+    let clearance = Scenario::parse(BUSY).unwrap().site.settings().clearance();
     let carry = CarryOver { clearance, accept_losses, stamp: "2031-01-31".into() };
     Opening { carry: Some(carry), ..Opening::default() }
 }

@@ -1,6 +1,7 @@
 //! The program itself, called like from a shell: exit codes, and what it prints where.
 
-use crate::helper::{Folder, delivery, get, map, post, send};
+use crate::carry::{is_over, until};
+use crate::helper::{Folder, delivery, get, map, post, send, until_ready};
 use giveway::warehouse::formats;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader};
@@ -194,6 +195,33 @@ async fn a_server_starts_with_another_map_than_the_one_of_its_scenario() {
         tokio::time::sleep(std::time::Duration::from_millis(50)).await;
     }
     assert_eq!(name, "drawn");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_server_runs_a_site_without_any_scenario_and_refuses_to_run_both() {
+    let folder = Folder::new();
+    let site = folder.path().join("site.json");
+    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/maps/lab.json");
+    let text = json!({"giveway_site": 1, "name": "lab", "map": map, "links": {"sim": {"robots": 2}}});
+    std::fs::write(&site, text.to_string()).unwrap();
+    let (site, database) = (site.to_str().unwrap(), folder.database());
+    let serve =
+        ["serve", "--site", site, "--listen", "127.0.0.1:0", "--database", database.to_str().unwrap()];
+    let (_server, at) = Shown::of(&serve);
+    until_ready(at).await;
+    let job = post(at, None, &delivery(0)).await.unwrap();
+    assert_eq!(job.status, 201, "{job:?}");
+    let alone = |jobs: &[Value]| jobs.len() == 1 && jobs.iter().all(is_over);
+    let jobs = until(at, "the one job is over, and no other was ordered", alone).await;
+    assert_eq!(jobs[0]["state"], "done", "{jobs:?}");
+    assert_eq!(get(at, "/v1/robots").await.json()["items"].as_array().unwrap().len(), 2);
+    let both = Command::new(env!("CARGO_BIN_EXE_giveway"))
+        .args(["serve", "--site", site])
+        .env("GIVEWAY_SCENARIO", "x.json")
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&both.stderr);
+    assert!(!both.status.success() && said.contains("leave one of them out"), "{said}");
 }
 
 #[test]

@@ -160,7 +160,7 @@ async fn kinds_of_robots_are_listed_with_what_they_take_and_carry() {
     mixed.scenario = giveway::sim::Scenario::parse(text).unwrap();
     mixed.scenario.robots = 4;
     mixed.map = std::sync::Arc::new(giveway::warehouse::mixed());
-    mixed.map = mixed.scenario.fit(&mixed.map).unwrap();
+    mixed.map = mixed.scenario.site.fit(&mixed.map).unwrap();
     let server = giveway::server::Server::start(&crate::helper::config(&folder), mixed).await.unwrap();
     let at = server.address();
     let kinds = get(at, "/v1/kinds").await.json();

@@ -91,7 +91,7 @@ async fn promised(store: &Store, fleet: &Fleet) -> Value {
 async fn a_database_is_made_for_later_builds() {
     let (map, scenario, folder) = (Arc::new(map()), Scenario::parse(SCENARIO).unwrap(), Folder::new());
     let store = Store::open(&folder.database(), &map).await.unwrap();
-    let fleet = Fleet::new(map.clone(), scenario.settings());
+    let fleet = Fleet::new(map.clone(), scenario.site.settings());
     let mut run = Run::new(&map, &scenario, fleet, Time(1_800_000_000_000_000));
     let mut keeper = Keeper::new(store, nothing(&map, &scenario));
     for step in 0..1000 {

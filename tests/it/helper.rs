@@ -44,7 +44,7 @@ impl Drop for Folder {
 /// Settings for a server on any port.
 pub fn config(folder: &Folder) -> Config {
     Config {
-        scenario: SCENARIO.into(),
+        scenario: Some(SCENARIO.into()),
         listen: "127.0.0.1:0".into(),
         database: folder.database(),
         // Receivers of webhooks are on this machine.

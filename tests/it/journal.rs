@@ -184,7 +184,7 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
             if count == pause {
                 (pause, count) = (pause * 29 % 211, 0);
                 let text = ledger_record::encode(&sim.fleet().ledger().to_parts());
-                let clearance = scenario.settings().clearance();
+                let clearance = scenario.site.settings().clearance();
                 let read = ledger_record::decode(ledger_record::VERSION, &text, &map, clearance).unwrap();
                 read.timeline().assert_sound();
                 ledgers.push(read);
@@ -201,9 +201,9 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
 #[test]
 fn a_snapshot_in_which_two_robots_hold_one_place_is_refused_in_words() {
     let (map, scenario) = floor(BUSY);
-    let mut run = Run::new(&map, &scenario, Fleet::new(map.clone(), scenario.settings()), Time::ZERO);
+    let mut run = Run::new(&map, &scenario, Fleet::new(map.clone(), scenario.site.settings()), Time::ZERO);
     (0..100).for_each(|_| drop(run.step(vec![])));
-    let clearance = scenario.settings().clearance();
+    let clearance = scenario.site.settings().clearance();
     let mut parts = run.fleet.ledger().to_parts();
     let read = |parts: &_| {
         let text = ledger_record::encode(parts);
@@ -244,7 +244,7 @@ async fn reload(folder: &Folder) -> Result<giveway::fleet::Ledger, StoreError> {
     let (map, scenario) = floor(BUSY);
     let store = Store::open(&folder.database(), &map).await?;
     let (ledger, facts) = store.load(nothing(&map, &scenario)).await?.into_parts();
-    Ok(Fleet::resume(ledger, scenario.settings(), facts).ledger().clone())
+    Ok(Fleet::resume(ledger, scenario.site.settings(), facts).ledger().clone())
 }
 
 #[tokio::test]

@@ -178,7 +178,7 @@ fn shipped(name: &str) -> (Scenario, Warehouse) {
     let read = |path: &str| std::fs::read_to_string(format!("{root}/{path}")).unwrap();
     let scenario = Scenario::parse(&read(&format!("scenarios/{name}.json"))).unwrap();
     let (map, _) =
-        formats::import(&read(&format!("scenarios/{}", scenario.map)), &Default::default()).unwrap();
+        formats::import(&read(&format!("scenarios/{}", scenario.site.map)), &Default::default()).unwrap();
     (scenario, map)
 }
 
@@ -187,7 +187,7 @@ fn shipped(name: &str) -> (Scenario, Warehouse) {
 async fn twenty_headsets_at_60_hz_beside_200_robots() {
     let (mut scenario, map) = shipped("kiva-100");
     scenario.robots = ROBOTS;
-    scenario.period = Span::from_millis(PERIOD_MS);
+    scenario.site.period = Span::from_millis(PERIOD_MS);
     let (low, high) = map.bounds();
     let folder = Folder::new();
     let floor = SimulatedFloor::new(scenario, Arc::new(map), Vec::new());

@@ -29,7 +29,7 @@ fn read(name: &str) -> (Arc<Warehouse>, Scenario) {
     let root = env!("CARGO_MANIFEST_DIR");
     let read = |path: String| std::fs::read_to_string(path).unwrap();
     let scenario = Scenario::parse(&read(format!("{root}/scenarios/{name}.json"))).unwrap();
-    let map = read(format!("{root}/scenarios/{}", scenario.map));
+    let map = read(format!("{root}/scenarios/{}", scenario.site.map));
     (Arc::new(formats::import(&map, &Default::default()).unwrap().0), scenario)
 }
 
@@ -49,8 +49,12 @@ async fn write(
     over: impl Fn(&Keeper, Time) -> bool,
 ) -> (Written, Time) {
     let store = Store::open(&folder.database(), map).await.unwrap();
-    let mut run =
-        Run::new(map, scenario, Fleet::new(map.clone(), scenario.settings()), Time(1_800_000_000_000_000));
+    let mut run = Run::new(
+        map,
+        scenario,
+        Fleet::new(map.clone(), scenario.site.settings()),
+        Time(1_800_000_000_000_000),
+    );
     let mut keeper = Keeper::new(store, nothing(map, scenario));
     let mut out = Written::default();
     while !over(&keeper, run.now) {
@@ -133,10 +137,10 @@ async fn how_long_800_robots_take_to_restart() {
     let read = began.elapsed();
     let (behind, last) = (loaded.facts(), loaded.last.unwrap());
     let (ledger, facts) = loaded.into_parts();
-    let fleet = Fleet::resume(ledger, scenario.settings(), facts);
+    let fleet = Fleet::resume(ledger, scenario.site.settings(), facts);
     let folded = began.elapsed();
     let snapshot = ledger_record::encode(&fleet.ledger().to_parts()).len();
-    let mut run = Run::new(&map, &scenario, fleet, last + scenario.period);
+    let mut run = Run::new(&map, &scenario, fleet, last + scenario.site.period);
     let step = Instant::now();
     run.step(vec![]);
     println!(

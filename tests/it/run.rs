@@ -18,7 +18,7 @@ pub struct Run {
 
 /// A ledger of a map in which nothing is promised.
 pub fn nothing(map: &Arc<Warehouse>, scenario: &Scenario) -> Ledger {
-    Ledger::new(map.clone(), scenario.settings().clearance(), false)
+    Ledger::new(map.clone(), scenario.site.settings().clearance(), false)
 }
 
 /// A delivery with a key, or without.
@@ -31,15 +31,15 @@ impl Run {
     /// From a fleet that knows what was promised, with robots where its ledger has them.
     pub fn new(map: &Arc<Warehouse>, scenario: &Scenario, fleet: Fleet, now: Time) -> Run {
         let world = World::new(map.clone(), scenario, &[], scenario.seed, &fleet, now);
-        Run { fleet, world, now, period: scenario.period }
+        Run { fleet, world, now, period: scenario.site.period }
     }
 
     /// From what a store has.
     pub async fn restart(map: &Arc<Warehouse>, scenario: &Scenario, store: &Store) -> Run {
         let loaded = store.load(nothing(map, scenario)).await.unwrap();
-        let now = loaded.last.unwrap_or(Time::ZERO) + scenario.period;
+        let now = loaded.last.unwrap_or(Time::ZERO) + scenario.site.period;
         let (ledger, facts) = loaded.into_parts();
-        Run::new(map, scenario, Fleet::resume(ledger, scenario.settings(), facts), now)
+        Run::new(map, scenario, Fleet::resume(ledger, scenario.site.settings(), facts), now)
     }
 
     /// One control period, with `extra` inputs. Gives what is to be written, and what came of it.

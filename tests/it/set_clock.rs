@@ -15,7 +15,7 @@ async fn tomorrow(folder: &Folder) {
     let (map, scenario) = (floor().map, floor().scenario);
     let store = Store::open(&folder.database(), &map).await.unwrap();
     let now = Time(jiff::Timestamp::now().as_microsecond()) + Span::from_secs(86_400);
-    let mut run = Run::new(&map, &scenario, Fleet::new(map.clone(), scenario.settings()), now);
+    let mut run = Run::new(&map, &scenario, Fleet::new(map.clone(), scenario.site.settings()), now);
     let mut keeper = Keeper::new(store, nothing(&map, &scenario));
     for i in 0..100_u32 {
         let token = u64::from(i) + 1;

@@ -17,7 +17,7 @@ use std::path::Path;
 use tokens::{Token, functions, paths, tokens, without_tests};
 
 /// The core in its order: each may name those before it. `human` and `route` meet only in `aware`.
-const CORE: [&str; 15] = [
+const CORE: [&str; 16] = [
     "time",
     "id",
     "text",
@@ -33,6 +33,7 @@ const CORE: [&str; 15] = [
     "fleet",
     "history",
     "alarm",
+    "site",
 ];
 /// Pure too, and driving the core.
 const AROUND: [&str; 3] = ["drive", "sim", "lab"];

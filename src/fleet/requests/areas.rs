@@ -18,8 +18,8 @@ impl Intake<'_> {
         if area.outline.len() < 3 || area.window.start() >= area.window.end() {
             return Err(Refusal::Area(AreaRefusal::Empty));
         }
-        if area.outline.len() > self.writer.settings.corners_max {
-            return Err(Refusal::Area(AreaRefusal::TooManyCorners(self.writer.settings.corners_max)));
+        if area.outline.len() > self.writer.settings.limits.corners {
+            return Err(Refusal::Area(AreaRefusal::TooManyCorners(self.writer.settings.limits.corners)));
         }
         if area.nodes.iter().any(|n| self.writer.warehouse().nodes.get(*n).is_none()) {
             return Err(Refusal::UnknownPlace);
@@ -29,7 +29,7 @@ impl Intake<'_> {
 
     pub(super) fn close(&mut self, area: Closure) -> Answered {
         self.check_area(&area)?;
-        if self.writer.ledger().closures.len() >= self.writer.settings.closures_max {
+        if self.writer.ledger().closures.len() >= self.writer.settings.limits.closures {
             return Err(Refusal::TooMany(Bounded::Closures, self.writer.ledger().closures.len()));
         }
         let closure = ClosureId(self.writer.ledger().next_closure);
@@ -51,7 +51,7 @@ impl Intake<'_> {
             return Err(Refusal::Area(AreaRefusal::Recurrence));
         }
         let ledger = &self.writer.ledger();
-        if ledger.recurring.len() >= self.writer.settings.series_max {
+        if ledger.recurring.len() >= self.writer.settings.limits.recurring_closures {
             return Err(Refusal::TooMany(Bounded::Series, ledger.recurring.len()));
         }
         let series = SeriesId(ledger.next_series);

@@ -21,7 +21,7 @@ impl Intake<'_> {
         if let Some(robot) = known.filter(|r| !self.writer.ledger().robots[*r].is_gone()) {
             return Ok(Answer::Robot(Made { id: robot, new: false }));
         }
-        if known.is_none() && self.writer.ledger().robots.len() >= self.writer.settings.robots_max {
+        if known.is_none() && self.writer.ledger().robots.len() >= self.writer.settings.limits.robots {
             return Err(Refusal::TooMany(Bounded::Robots, self.writer.ledger().robots.len()));
         }
         if !self.writer.settings.kinds.iter().any(|k| k.name == kind) {

@@ -27,13 +27,13 @@ impl Intake<'_> {
         if request.deadline.is_some_and(|deadline| deadline < now) {
             return Err(Refusal::Job(JobRefusal::DeadlineIsOver));
         }
-        if request.after.len() > self.writer.settings.after_max {
-            return Err(Refusal::Job(JobRefusal::TooManyBefore(self.writer.settings.after_max)));
+        if request.after.len() > self.writer.settings.limits.after {
+            return Err(Refusal::Job(JobRefusal::TooManyBefore(self.writer.settings.limits.after)));
         }
         if let Some(job) = request.after.iter().find(|j| j.0 == 0 || j.0 >= self.writer.ledger().next_job) {
             return Err(Refusal::Job(JobRefusal::UnknownPredecessor(*job)));
         }
-        if self.writer.ledger().jobs.len() >= self.writer.settings.waiting_max {
+        if self.writer.ledger().jobs.len() >= self.writer.settings.limits.open_jobs {
             return Err(Refusal::TooMany(Bounded::Jobs, self.writer.ledger().jobs.len()));
         }
         let job = JobId(self.writer.ledger().next_job);

@@ -24,7 +24,7 @@ impl Intake<'_> {
         }
         let workers = &self.writer.ledger().workers;
         // As long as there are others, nobody gets the number of somebody who has gone.
-        let worker = if workers.len() < self.writer.settings.workers_max {
+        let worker = if workers.len() < self.writer.settings.limits.workers {
             WorkerId::at(workers.len())
         } else {
             let free = workers.pairs().find(|(_, name)| name.is_empty()).map(|(worker, _)| worker);
@@ -62,7 +62,7 @@ impl Intake<'_> {
             return Err(Refusal::Worker(WorkerRefusal::Unknown(worker)));
         }
         self.check_walkable(request.place)?;
-        if self.writer.ledger().assignments.len() >= self.writer.settings.assignments_max {
+        if self.writer.ledger().assignments.len() >= self.writer.settings.limits.open_assignments {
             return Err(Refusal::TooMany(Bounded::Assignments, self.writer.ledger().assignments.len()));
         }
         let assignment = AssignmentId(self.writer.ledger().next_assignment);

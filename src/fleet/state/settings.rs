@@ -1,6 +1,6 @@
 //! What never changes while a fleet runs: kinds of robots, control period, budgets, limits, the policy about people.
 //!
-//! Main type: [`Settings`]. Refuses: to be changed by requests.
+//! Main types: [`Settings`], [`FloorLimits`]. Refuses: to be changed by requests.
 
 use super::kind::{RobotKind, most_dangerous};
 use super::ledger::Ledger;
@@ -23,22 +23,8 @@ pub struct Settings {
     pub expansions_per_plan: u32,
     /// Labels that all searches of one step may expand together.
     pub expansions_per_step: u32,
-    /// How many jobs may be open.
-    pub waiting_max: usize,
-    /// How many assignments may be open.
-    pub assignments_max: usize,
-    /// How many robots may join.
-    pub robots_max: usize,
-    /// How many workers may be known.
-    pub workers_max: usize,
-    /// How many closures there may be, announced, closed, or over since less than a day.
-    pub closures_max: usize,
-    /// How many closures may recur.
-    pub series_max: usize,
-    /// After how many others a job may come.
-    pub after_max: usize,
-    /// How many corners an area may have.
-    pub corners_max: usize,
+    /// How much of everything there may be.
+    pub limits: FloorLimits,
     /// How the fleet deals with people.
     pub policy: HumanAwarePolicy,
     /// How our own policy recognises intentions; [`Method::Chapter3Tiles`] on floors that fit it only.
@@ -62,6 +48,42 @@ pub struct Settings {
     pub stopwatch: fn() -> u64,
 }
 
+/// How much of everything there may be on a floor. A request beyond a limit is refused with it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FloorLimits {
+    /// How many jobs may be open.
+    pub open_jobs: usize,
+    /// How many assignments may be open.
+    pub open_assignments: usize,
+    /// How many robots may join.
+    pub robots: usize,
+    /// How many workers may be known.
+    pub workers: usize,
+    /// How many closures there may be, announced, closed, or over since less than a day.
+    pub closures: usize,
+    /// How many closures may recur.
+    pub recurring_closures: usize,
+    /// After how many others a job may come.
+    pub after: usize,
+    /// How many corners an area may have.
+    pub corners: usize,
+}
+
+impl Default for FloorLimits {
+    fn default() -> FloorLimits {
+        FloorLimits {
+            open_jobs: 100_000,
+            open_assignments: 10_000,
+            robots: 10_000,
+            workers: 1_000,
+            closures: 2_000,
+            recurring_closures: 100,
+            after: 100,
+            corners: 100,
+        }
+    }
+}
+
 impl Default for Settings {
     fn default() -> Settings {
         Settings {
@@ -69,14 +91,7 @@ impl Default for Settings {
             period: Span::from_millis(50),
             expansions_per_plan: 2_000,
             expansions_per_step: 30_000,
-            waiting_max: 100_000,
-            assignments_max: 10_000,
-            robots_max: 10_000,
-            workers_max: 1_000,
-            closures_max: 2_000,
-            series_max: 100,
-            after_max: 100,
-            corners_max: 100,
+            limits: FloorLimits::default(),
             policy: HumanAwarePolicy::default(),
             method: Method::Detour,
             node_windows: NodeWindows::default(),

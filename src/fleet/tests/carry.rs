@@ -52,10 +52,10 @@ impl TestFloor {
     fn under(&self, map: Warehouse, scenario: &Scenario) -> TestFloor {
         let map = Arc::new(map);
         let parts = self.carried(&map).parts.expect("nothing is in the way");
-        let clearance = scenario.settings().clearance();
+        let clearance = scenario.site.settings().clearance();
         let ledger = Ledger::from_parts(map.clone(), clearance, parts).expect("it contradicts nothing");
         ledger.assert_sound();
-        let fleet = Fleet::resume(ledger, scenario.settings(), []);
+        let fleet = Fleet::resume(ledger, scenario.site.settings(), []);
         let world = World::new(map, scenario, &[], scenario.seed, &fleet, self.now);
         TestFloor { laws: Laws::new(&fleet), fleet, world, now: self.now, facts: Vec::new() }
     }
@@ -241,8 +241,8 @@ fn two_robots_that_have_no_room_beside_one_another_on_the_new_map_are_in_the_way
 fn robots_whose_footprints_grow_until_they_overlap_are_in_the_way_and_other_footprints_are_not() {
     let with = |radius_m: f64| {
         let mut scenario = scenario(2);
-        scenario.kinds[0].kind.footprints = [Some(Footprint::Circle { radius_m }), None];
-        scenario.fit(&Arc::new(mixed())).expect("it lies within the square of the map")
+        scenario.site.kinds[0].footprints = [Some(Footprint::Circle { radius_m }), None];
+        scenario.site.fit(&Arc::new(mixed())).expect("it lies within the square of the map")
     };
     let (small, other, large) = (with(0.2), with(0.24), with(0.3));
     let mut ledger = Ledger::new(small, Kinematics::default().clearance, false);

@@ -3,8 +3,8 @@
 use super::*;
 use giveway_sim::Closing;
 
-fn charging_so(charging: Charging) -> Vec<KindShare> {
-    KindShare::one(Kinematics::default(), charging)
+fn charging_so(charging: Charging) -> [RobotKind; 1] {
+    [RobotKind { charging, ..RobotKind::default() }]
 }
 
 /// The hall of the thesis with so many chargers, and batteries that last for an hour of driving.
@@ -12,12 +12,8 @@ fn few_chargers(robots: usize, chargers: usize) -> Scenario {
     let closed = (chargers + 1..=10).map(|i| format!("C{i}-15")).collect();
     let closing = Closing { nodes: closed, ..Closing::default() };
     let charging = Charging { driving_h: 1.0, ..Charging::default() };
-    Scenario {
-        demand: Demand::Backlog(robots),
-        closures: vec![closing],
-        kinds: charging_so(charging),
-        ..scenario(robots)
-    }
+    let floor = scenario(robots).with_kinds(charging_so(charging));
+    Scenario { demand: Demand::Backlog(robots), closures: vec![closing], ..floor }
 }
 
 #[test]
@@ -71,7 +67,7 @@ fn a_robot_with_a_flat_battery_has_failed_and_another_one_does_its_job() {
 #[test]
 fn a_critical_robot_gives_its_job_back_and_goes_to_charge() {
     let critical = Charging { critical: 0.99, low: 0.99, enough: 0.995, full: 1.0, ..Charging::default() };
-    let mut floor = TestFloor::new(lab(), &Scenario { kinds: charging_so(critical), ..scenario(1) });
+    let mut floor = TestFloor::new(lab(), &scenario(1).with_kinds(charging_so(critical)));
     let job = floor.submit(request(deliver(3)));
     floor.run(60);
     assert!(floor.is(job, "waiting"), "{:?}", floor.state(job));
@@ -83,7 +79,7 @@ fn a_critical_robot_gives_its_job_back_and_goes_to_charge() {
 #[test]
 fn a_robot_that_is_sent_to_charge_gets_a_charger_although_full_robots_stand_at_all_of_them() {
     let kinds = charging_so(Charging::default());
-    let one = Scenario { demand: Demand::None, kinds, ..few_chargers(3, 1) };
+    let one = Scenario { demand: Demand::None, ..few_chargers(3, 1) }.with_kinds(kinds);
     let mut floor = TestFloor::new(thesis(), &one);
     let charger = floor.node("C1-15");
     floor.until(4_000, "a robot is full at the charger", |f| {
@@ -104,7 +100,7 @@ fn a_robot_that_is_sent_to_park_gets_a_place_although_resting_robots_stand_at_al
     let parking = lab().nodes_where(|k| k == NodeKind::Parking).len();
     assert!(parking > 0, "the hall has places to park at");
     let full = Charging { opportunity: false, ..Charging::default() };
-    let many = Scenario { kinds: charging_so(full), ..scenario(parking + 1) };
+    let many = scenario(parking + 1).with_kinds(charging_so(full));
     let mut floor = TestFloor::new(lab(), &many);
     let robots: Vec<RobotId> = floor.fleet.ledger().present().collect();
     for robot in robots {

@@ -56,7 +56,7 @@ fn no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit() {
     let forklift =
         Input::ask(7, RobotAction::Register { name: "x".into(), kind: "forklift".into(), node: taken });
     assert_eq!(why(floor.answer_to(7, vec![forklift])), Some(Refusal::Robot(RobotRefusal::UnknownKind)));
-    floor.fleet.internals_mut().writer.settings.robots_max = 2;
+    floor.fleet.internals_mut().writer.settings.limits.robots = 2;
     let full = Some(Refusal::TooMany(Bounded::Robots, 2));
     assert_eq!(why(floor.answer_to(7, vec![join("x", taken)])), full);
 }

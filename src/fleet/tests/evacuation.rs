@@ -130,7 +130,7 @@ fn an_evacuation_lasts_over_a_restart_and_needs_a_door() {
     floor.step(vec![]);
     floor.evacuate(true);
     let warehouse = floor.fleet.warehouse().clone();
-    floor.fleet = Fleet::restore(warehouse, scenario.settings(), floor.facts.clone());
+    floor.fleet = Fleet::restore(warehouse, scenario.site.settings(), floor.facts.clone());
     assert!(floor.fleet.ledger().evacuation.is_some());
     floor.step(vec![]);
     assert_eq!(floor.fleet.why(RobotId::at(0)), Some(Why::Evacuation));

@@ -20,8 +20,7 @@ fn slow() -> RobotKind {
 
 /// As many robots, of the usual kind and of another one in turn.
 fn two_kinds(robots: usize, other: RobotKind) -> Scenario {
-    let share = |kind| KindShare { kind, share: 1 };
-    Scenario { kinds: vec![share(RobotKind::default()), share(other)], ..scenario(robots) }
+    scenario(robots).with_kinds([RobotKind::default(), other])
 }
 
 /// How long the way to another place of the same distance is planned to take, for the robot of each kind.
@@ -99,7 +98,7 @@ fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
     assert_eq!(floor.fleet.ledger().robots.len(), 2);
     let known = floor.fleet.settings().unknown_kinds(floor.fleet.ledger());
     assert_eq!(known, Vec::<(&str, &str)>::new());
-    let usual = scenario(2).settings();
+    let usual = scenario(2).site.settings();
     assert_eq!(usual.unknown_kinds(floor.fleet.ledger()), [("robot-2", "mover")]);
     let holder = RobotId::at(1);
     assert!(floor.fleet.ledger().timeline().chain(holder).is_some());
@@ -112,8 +111,7 @@ fn shuttles_and_movers(robots: usize) -> Scenario {
     let shuttle =
         RobotKind { name: "shuttle".into(), footprints, carries, payload_kg: 60.0, ..RobotKind::default() };
     let mover = RobotKind { name: "mover".into(), payload_kg: 600.0, ..slow() };
-    let share = |kind| KindShare { kind, share: 1 };
-    Scenario { kinds: vec![share(shuttle), share(mover)], ..scenario(robots) }
+    scenario(robots).with_kinds([shuttle, mover])
 }
 
 #[test]
@@ -142,7 +140,7 @@ fn a_rack_is_fetched_by_robots_that_can_carry_it() {
 
 #[test]
 fn a_job_that_no_robot_of_the_floor_can_do_says_so_and_one_that_no_kind_can_do_is_refused() {
-    let mut few = shuttles_and_movers(1);
+    let few = shuttles_and_movers(1);
     let shelf = RackId(1);
     let mut floor = TestFloor::new(mixed(), &few);
     let job = floor.submit(request(JobKind::Deliver { rack: shelf, station: StationId(0), pick: None }));
@@ -150,7 +148,8 @@ fn a_job_that_no_robot_of_the_floor_can_do_says_so_and_one_that_no_kind_can_do_i
     let view = floor.fleet.view(floor.now);
     let why = view.why_job(floor.fleet.warehouse(), job, &floor.fleet.ledger().jobs[&job]);
     assert_eq!(why, Some(JobWhy::NoKind), "one shuttle, and a shelf");
-    few.kinds.truncate(1);
+    let only = few.site.kinds[0].clone();
+    let few = few.with_kinds([only]);
     let mut floor = TestFloor::new(mixed(), &few);
     let Err(why) = floor.ask(request(JobKind::Return { rack: shelf })) else {
         panic!("no kind carries shelves")
@@ -213,7 +212,7 @@ fn the_laws_and_the_regions_near_people_are_those_of_the_robot_at_hand() {
 #[test]
 fn a_robot_that_cannot_carry_the_rack_above_it_makes_way_for_one_that_can() {
     let mut two = shuttles_and_movers(2);
-    two.kinds[0].kind.charging.opportunity = false;
+    two.site.kinds[0].charging.opportunity = false;
     let mut floor = TestFloor::new(mixed(), &two);
     let shelf = RackId(1);
     let beneath = floor.fleet.warehouse().racks[shelf].home;

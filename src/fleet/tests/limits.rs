@@ -33,7 +33,7 @@ fn area(corners: usize) -> Closure {
 
 #[test]
 fn one_job_too_many_is_refused_and_one_that_comes_after_too_many() {
-    let mut fleet = limited(|s| (s.waiting_max, s.after_max) = (2, 1));
+    let mut fleet = limited(|s| (s.limits.open_jobs, s.limits.after) = (2, 1));
     let submit =
         |after: Vec<JobId>| Input::ask(1, JobAction::Submit(JobRequest { after, ..request(deliver(1)) }));
     let why = refusals(
@@ -46,7 +46,7 @@ fn one_job_too_many_is_refused_and_one_that_comes_after_too_many() {
 
 #[test]
 fn one_worker_too_many_is_refused_and_a_known_one_is_not() {
-    let mut fleet = limited(|s| s.workers_max = 1);
+    let mut fleet = limited(|s| s.limits.workers = 1);
     let hire = |name: &str| Input::ask(1, WorkerAction::Register(name.into()));
     let why = refusals(&mut fleet, vec![hire("anna"), hire("ben"), hire("anna")]);
     assert_eq!(why, [None, Some(Refusal::TooMany(Bounded::Workers, 1)), None]);
@@ -54,7 +54,7 @@ fn one_worker_too_many_is_refused_and_a_known_one_is_not() {
 
 #[test]
 fn a_worker_who_is_forgotten_frees_a_place_and_numbers_are_given_again_only_when_there_are_no_others() {
-    let mut fleet = limited(|s| s.workers_max = 3);
+    let mut fleet = limited(|s| s.limits.workers = 3);
     let hire = |name: &str| Input::ask(1, WorkerAction::Register(name.into()));
     let forget = |n: u32| Input::ask(1, WorkerAction::Forget(giveway_floor::id::WorkerId(n)));
     let names = |fleet: &Fleet| fleet.ledger().workers.iter().cloned().collect::<Vec<_>>();
@@ -85,7 +85,7 @@ fn a_worker_who_has_something_to_do_or_is_on_the_floor_is_not_forgotten() {
 
 #[test]
 fn one_assignment_too_many_is_refused_until_another_is_over() {
-    let mut fleet = limited(|s| s.assignments_max = 1);
+    let mut fleet = limited(|s| s.limits.open_assignments = 1);
     let place = fleet.warehouse().nodes_where(|k| k == NodeKind::Storage)[0];
     let request = AssignmentRequest { place, stay: Span::from_secs(1), what: "look".into(), key: None };
     let assign = || {
@@ -103,7 +103,7 @@ fn one_assignment_too_many_is_refused_until_another_is_over() {
 
 #[test]
 fn one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_many_corners() {
-    let mut fleet = limited(|s| (s.closures_max, s.corners_max) = (1, 4));
+    let mut fleet = limited(|s| (s.limits.closures, s.limits.corners) = (1, 4));
     let close = |corners| Input::ask(1, FloorAction::Close(area(corners)));
     let reopen = Input::ask(1, FloorAction::Reopen(giveway_floor::id::ClosureId(1)));
     let why = refusals(&mut fleet, vec![close(5), close(4), close(4), reopen, close(4)]);
@@ -115,8 +115,9 @@ fn one_closure_too_many_is_refused_until_another_is_taken_back_and_one_with_too_
 fn searches_of_one_step_expand_no_more_than_a_step_may_and_the_last_search() {
     let faults = Faults { failures_per_hour: 60.0, repair_s: 40.0, ..Faults::default() };
     let scenario = Scenario { faults, ..scenario(20) };
-    let settings = Settings { expansions_per_step: 1_200, expansions_per_plan: 500, ..scenario.settings() };
-    let warehouse = scenario.fit(&Arc::new(thesis())).expect("the map is for these robots");
+    let settings =
+        Settings { expansions_per_step: 1_200, expansions_per_plan: 500, ..scenario.site.settings() };
+    let warehouse = scenario.site.fit(&Arc::new(thesis())).expect("the map is for these robots");
     let fleet = Fleet::new(warehouse.clone(), settings);
     let world = World::new(warehouse, &scenario, &[], 1, &fleet, Time::ZERO);
     let laws = Laws::new(&fleet);

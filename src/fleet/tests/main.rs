@@ -58,9 +58,9 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 use giveway_floor::warehouse::Warehouse;
 use giveway_floor::warehouse::{lab, thesis};
-use giveway_people::aware::HumanAwarePolicy;
 use giveway_sim::laws::Laws;
-use giveway_sim::{Demand, Faults, Habits, KindShare, Scenario, Workers, World};
+use giveway_sim::{Demand, Faults, Habits, Scenario, Workers, World};
+use giveway_site::Site;
 use std::sync::Arc;
 
 /// A fleet on a simulated floor, with everything that happened.
@@ -73,29 +73,8 @@ struct TestFloor {
 }
 
 fn scenario(robots: usize) -> Scenario {
-    Scenario {
-        name: "test".into(),
-        map: String::new(),
-        robots,
-        duration: Span::from_secs(3600),
-        period: Span::from_millis(100),
-        seed: 1,
-        demand: Demand::None,
-        customers: Habits::default(),
-        drain: Span::ZERO,
-        warm_up: Span::ZERO,
-        faults: Faults::default(),
-        kinds: KindShare::one(Kinematics::default(), Charging::default()),
-        workers: Workers::default(),
-        cells: None,
-        closures: Vec::new(),
-        evacuations: Vec::new(),
-        policy: HumanAwarePolicy::default(),
-        local_planner: Default::default(),
-        model: None,
-        learned: giveway_people::human::Model::builtin(),
-        picks: giveway_people::reach::PickModel::builtin(),
-    }
+    let site = Site { name: "test".into(), period: Span::from_millis(100), ..Site::default() };
+    Scenario { robots, ..Scenario::from(site) }
 }
 
 /// A small generator of numbers that look random.
@@ -124,8 +103,8 @@ fn request(kind: JobKind) -> JobRequest {
 
 impl TestFloor {
     fn new(warehouse: Warehouse, scenario: &Scenario) -> TestFloor {
-        let warehouse = scenario.fit(&Arc::new(warehouse)).expect("the map is for these robots");
-        let fleet = Fleet::new(warehouse.clone(), scenario.settings());
+        let warehouse = scenario.site.fit(&Arc::new(warehouse)).expect("the map is for these robots");
+        let fleet = Fleet::new(warehouse.clone(), scenario.site.settings());
         let world = World::new(warehouse, scenario, &[], scenario.seed, &fleet, Time::ZERO);
         let laws = Laws::new(&fleet);
         let mut floor = TestFloor { fleet, world, laws, now: Time::ZERO, facts: Vec::new() };

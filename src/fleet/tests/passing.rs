@@ -33,8 +33,8 @@ fn floor(side_m: Option<f64>, round_m: f64, free_navigation: bool) -> TestFloor 
         vec![[(-3.0, -5.0), (27.0, -5.0), (27.0, 60.0), (-3.0, 60.0)].map(|(x, y)| Point::new(x, y)).into()];
     let mut scenario = scenario(1);
     let circle = Some(Footprint::Circle { radius_m: 0.35 });
-    scenario.kinds[0].kind.footprints = [circle.clone(), circle];
-    scenario.kinds[0].kind.free_navigation = free_navigation;
+    scenario.site.kinds[0].footprints = [circle.clone(), circle];
+    scenario.site.kinds[0].free_navigation = free_navigation;
     TestFloor::new(draft.build().expect("it is a map"), &scenario)
 }
 

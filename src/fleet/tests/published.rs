@@ -15,7 +15,9 @@ fn at(floor: &TestFloor, x: f64, y: f64) -> NodeId {
 }
 
 fn hall(policy: HumanAwarePolicy, robots: usize) -> TestFloor {
-    TestFloor::new(thesis(), &Scenario { policy, ..scenario(robots) })
+    let mut hall = scenario(robots);
+    hall.site.policy = policy;
+    TestFloor::new(thesis(), &hall)
 }
 
 /// Sends a robot somewhere and breaks it there.
@@ -130,7 +132,8 @@ fn corridor(bays: &str, robots: usize) -> TestFloor {
     let mut draft = sketch(&[bays, &stem, &stem, &stem, "X......................X"].join("\n"));
     let corner = |x: f64, y: f64| Point::new(x, y);
     draft.walkable = vec![vec![corner(-0.5, -0.5), corner(23.5, -0.5), corner(23.5, 0.5), corner(-0.5, 0.5)]];
-    let scenario = Scenario { policy: HumanAwarePolicy::Shir, ..scenario(robots) };
+    let mut scenario = scenario(robots);
+    scenario.site.policy = HumanAwarePolicy::Shir;
     TestFloor::new(draft.build().expect("well-formed"), &scenario)
 }
 

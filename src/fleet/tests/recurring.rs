@@ -29,7 +29,7 @@ fn hourly(until: Time) -> RecurringClosure {
 }
 
 fn fleet() -> (Fleet, Vec<Fact>) {
-    (Fleet::new(thesis().into(), scenario(0).settings()), Vec::new())
+    (Fleet::new(thesis().into(), scenario(0).site.settings()), Vec::new())
 }
 
 fn step((fleet, facts): &mut (Fleet, Vec<Fact>), now: Time, inputs: Vec<Input>) -> Vec<Reply> {
@@ -71,13 +71,13 @@ fn a_restart_announces_no_occurrence_twice_and_passes_over_those_that_it_missed(
     recur(&mut floor, hourly(Time::MAX));
     step(&mut floor, at(HOUR + 60), vec![]);
     let before = open(&floor, at(HOUR + 60));
-    let again = Fleet::restore(thesis().into(), scenario(0).settings(), floor.1.clone());
+    let again = Fleet::restore(thesis().into(), scenario(0).site.settings(), floor.1.clone());
     assert_eq!(again.ledger(), floor.0.ledger());
     floor.0 = again;
     step(&mut floor, at(HOUR + 61), vec![]);
     assert_eq!(open(&floor, at(HOUR + 61)), before);
     // Nobody was there for five hours, and the sixth occurrence is in force.
-    floor.0 = Fleet::restore(thesis().into(), scenario(0).settings(), floor.1.clone());
+    floor.0 = Fleet::restore(thesis().into(), scenario(0).site.settings(), floor.1.clone());
     step(&mut floor, at(6 * HOUR + 60), vec![]);
     let begins: Vec<i64> = open(&floor, at(6 * HOUR + 60)).iter().map(|(_, begins)| *begins).collect();
     assert_eq!(begins, [6 * HOUR, 7 * HOUR]);
@@ -121,7 +121,10 @@ fn it_ends_after_its_last_occurrence_and_what_cannot_recur_is_refused() {
 
 #[test]
 fn one_series_too_many_is_refused_until_another_is_ended() {
-    let settings = Settings { series_max: 2, ..Settings::default() };
+    let settings = Settings {
+        limits: FloorLimits { recurring_closures: 2, ..FloorLimits::default() },
+        ..Settings::default()
+    };
     let mut fleet = Fleet::new(Arc::new(lab()), settings);
     let recur = || Input::ask(1, FloorAction::Recur(hourly(Time::MAX)));
     let mut said = |inputs: Vec<Input>| -> Vec<bool> {

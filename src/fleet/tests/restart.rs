@@ -6,7 +6,7 @@ impl TestFloor {
     /// Everything is gone but the facts and the floor: robots stand where the ledger has them.
     pub(super) fn restart(&mut self, scenario: &Scenario) {
         let warehouse = self.fleet.warehouse().clone();
-        self.fleet = Fleet::restore(warehouse.clone(), scenario.settings(), self.facts.clone());
+        self.fleet = Fleet::restore(warehouse.clone(), scenario.site.settings(), self.facts.clone());
         self.world = World::new(warehouse, scenario, &[], scenario.seed, &self.fleet, self.now);
     }
 

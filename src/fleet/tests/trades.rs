@@ -103,7 +103,7 @@ fn a_search_that_gives_up_looks_farther_next_time() {
     let mut floor = TestFloor::new(thesis(), &scenario(1));
     floor.fleet = Fleet::new(
         floor.fleet.warehouse().clone(),
-        Settings { expansions_per_plan: 12, ..scenario(1).settings() },
+        Settings { expansions_per_plan: 12, ..scenario(1).site.settings() },
     );
     floor.laws = Laws::new(&floor.fleet);
     floor.world = World::new(floor.fleet.warehouse().clone(), &scenario(1), &[], 1, &floor.fleet, Time::ZERO);

@@ -179,16 +179,15 @@ impl DatabaseArgs {
             }
         };
         let named = readable || command.map().is_some();
-        let floor = if readable || config.scenario.exists() {
-            let Setup { scenario, warehouse, lines, .. } =
-                Setup::read(&config.scenario, command.map(), None)?;
+        let floor = if readable || config.floor().path().exists() {
+            let Setup { scenario, warehouse, lines, .. } = Setup::of_floor(&config.floor(), command.map())?;
             let floor = SimulatedFloor::new(scenario, warehouse, lines);
             let file = command.read_from(&config.database);
             let floor = runtime.block_on(async {
                 let floor = if command.is_as_published() { floor.with_map_of(file).await? } else { floor };
                 anyhow::Ok(floor.with_kinds_of(file).await)
             })?;
-            Some((floor.map, floor.scenario.settings()))
+            Some((floor.map, floor.scenario.site.settings()))
         } else {
             command.map().map(read_map).transpose()?.map(|map| (map, Settings::default()))
         };

@@ -59,7 +59,7 @@ impl ReplayArgs {
         }
         let bar = super::progress::progress(player.scenario.duration.0 as u64 / 1_000_000, "replaying");
         let mut last = Time::ZERO;
-        let name = player.scenario.name.clone();
+        let name = player.scenario.site.name.clone();
         let mut reeler =
             FrameWriter::create(self.reel.as_deref(), self.page.as_deref(), &player.fleet, name)?;
         let same = loop {
@@ -78,7 +78,7 @@ impl ReplayArgs {
         reeler.map_or(Ok(()), FrameWriter::finish)?;
         let counts = player.fleet.view(last).counts;
         let report = json!({
-            "scenario": player.scenario.name, "steps": player.steps(), "sim_seconds": last.as_secs_f64(),
+            "scenario": player.scenario.site.name, "steps": player.steps(), "sim_seconds": last.as_secs_f64(),
             "robot_deliveries": counts.robot_deliveries, "trace_hash": format!("{:016x}", player.trace_hash()),
             "same_as_recorded": same,
         });
@@ -98,7 +98,7 @@ impl ReplayArgs {
             "a recording is shown on this machine only: --listen must be a loopback address, not {}",
             self.listen
         );
-        let name = player.scenario.name.clone();
+        let name = player.scenario.site.name.clone();
         let mut show = Show::start(player, open(&self.recording)?, self.listen, self.speed).await?;
         println!("the recording of {name} is at http://{}/", show.address());
         tokio::select! {

@@ -38,13 +38,16 @@ impl Serve {
         let config = Config::read(&self.flags)?;
         #[cfg(unix)]
         warn_of_readers(&config.database);
-        let mut setup = Setup::read(&config.scenario, self.map.as_deref(), None)
-            .context("there is nothing to run: name a scenario with --scenario")?;
+        let mut setup = Setup::of_floor(&config.floor(), self.map.as_deref())
+            .context("there is nothing to run: name a site with --site, or a scenario with --scenario")?;
         setup.use_model(self.model.as_deref())?;
         setup.use_pick_model(self.pick_model.as_deref())?;
-        if let Some(method) = config.method {
-            setup.scenario.workers.method = method;
-            setup.scenario.check_method(&setup.warehouse).context("the setting `method` is refused")?;
+        if let Some(word) = &config.method {
+            let refused = "the setting `method` is refused";
+            let site = &mut setup.scenario.site;
+            site.method =
+                giveway_site::words::method_of(word).map_err(anyhow::Error::msg).context(refused)?;
+            site.check_method(&setup.warehouse, "method").context(refused)?;
         }
         let Setup { scenario, warehouse, lines, .. } = setup;
         let floor = SimulatedFloor::new(scenario, warehouse, lines);

@@ -6,11 +6,12 @@ use super::files::{read, read_map, read_model, read_pick_model};
 use super::frames::FrameWriter;
 use super::progress::{progress, stopwatch};
 use super::rings;
+use crate::server::FloorFile;
 use anyhow::Context;
 use clap::Args;
 use giveway_fleet::InsertionCounts;
 use giveway_floor::time::{Span, Time};
-use giveway_floor::warehouse::Warehouse;
+use giveway_floor::warehouse::{Warehouse, room_for};
 use giveway_people::human::Model;
 use giveway_people::reach::PickModel;
 use giveway_sim::recording::{Header, Recorder};
@@ -18,6 +19,7 @@ use giveway_sim::{
     Consistency, Demand, JobTally, NeesFigures, OrderFileLine, Outcome, Scenario, Simulation,
     nothing_to_order,
 };
+use giveway_site::Site;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -77,48 +79,55 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// Reads what a server is to run; `map` is taken instead of the map that the file names.
+    pub fn of_floor(file: &FloorFile, map: Option<&Path>) -> anyhow::Result<Setup> {
+        match file {
+            FloorFile::Scenario(path) => Setup::read(path, map, None),
+            FloorFile::Site(path) => {
+                let text = read(path)?;
+                let mut site =
+                    Site::parse(&text).with_context(|| format!("{} is refused", path.display()))?;
+                let robots = site.links.sim.map_or(0, |sim| sim.robots);
+                let warehouse = take_map(&mut site, path, map, robots)?;
+                site.check_method(&warehouse, "method")
+                    .with_context(|| format!("{} is refused", path.display()))?;
+                let scenario = Scenario::from(site);
+                Ok(Setup { scenario, warehouse, lines: Vec::new(), text })
+            }
+        }
+    }
+
     /// Reads a scenario with its map and orders; paths in the file are relative to it.
     pub fn read(path: &Path, map: Option<&Path>, orders: Option<&Path>) -> anyhow::Result<Setup> {
         let text = read(path)?;
-        let mut scenario =
-            Scenario::parse(&text).with_context(|| format!("{} is refused", path.display()))?;
-        let beside = |p: &str| path.parent().unwrap_or(Path::new(".")).join(p);
-        let warehouse = read_map(&map.map_or_else(|| beside(&scenario.map), Path::to_path_buf))?;
+        let refused = || format!("{} is refused", path.display());
+        let mut scenario = Scenario::parse(&text).with_context(refused)?;
         if let Some(orders) = orders {
             let backlog = scenario.robots.max(1) * 2;
             scenario.demand = Demand::File { path: orders.display().to_string(), backlog };
         }
         let lines = match (&scenario.demand, orders) {
             (_, Some(file)) => Some(file.to_path_buf()),
-            (Demand::File { path, .. }, None) => Some(beside(path)),
+            (Demand::File { path: file, .. }, None) => Some(beside(path, file)),
             _ => None,
         };
         let lines = lines.map_or(Ok(Vec::new()), |file| {
             OrderFileLine::parse_csv(&read(&file)?).map_err(|e| anyhow::anyhow!("{}: {e}", file.display()))
         })?;
-        giveway_floor::warehouse::room_for(&warehouse, scenario.robots)
-            .map_err(|e| anyhow::anyhow!("the map has no room for {} robots:\n{e}", scenario.robots))?;
-        let warehouse = scenario
-            .fit(&warehouse)
-            .map_err(|e| anyhow::anyhow!("the map is not for the robots of {}:\n{e}", path.display()))?;
-        scenario.check_method(&warehouse).with_context(|| format!("{} is refused", path.display()))?;
+        let warehouse = take_map(&mut scenario.site, path, map, scenario.robots)?;
+        scenario.check_method(&warehouse).with_context(refused)?;
         if let Some(cells) = &scenario.cells {
-            cells.check_stations(&warehouse).with_context(|| format!("{} is refused", path.display()))?;
+            cells.check_stations(&warehouse).with_context(refused)?;
         }
-        scenario.areas(&warehouse, Time::ZERO).with_context(|| format!("{} is refused", path.display()))?;
-        scenario
-            .recurring(&warehouse, Time::ZERO)
-            .with_context(|| format!("{} is refused", path.display()))?;
-        if let Some(model) = &scenario.model {
-            scenario.learned = read_model(Some(&beside(model)))?;
-        }
+        scenario.areas(&warehouse, Time::ZERO).with_context(refused)?;
+        scenario.recurring(&warehouse, Time::ZERO).with_context(refused)?;
         Ok(Setup { scenario, warehouse, lines, text })
     }
 
     /// Takes figures about people from a file, if one is named.
     pub fn use_model(&mut self, path: Option<&Path>) -> anyhow::Result<()> {
         if path.is_some() {
-            self.scenario.learned = read_model(path)?;
+            self.scenario.site.learned = read_model(path)?;
         }
         Ok(())
     }
@@ -126,10 +135,35 @@ impl Setup {
     /// Takes figures about pickers from a file, if one is named.
     pub fn use_pick_model(&mut self, path: Option<&Path>) -> anyhow::Result<()> {
         if let Some(path) = path {
-            self.scenario.picks = read_pick_model(path)?;
+            self.scenario.site.picks = read_pick_model(path)?;
         }
         Ok(())
     }
+}
+
+/// A path that a file names, relative to that file.
+fn beside(file: &Path, named: &str) -> PathBuf {
+    file.parent().unwrap_or(Path::new(".")).join(named)
+}
+
+/// The map that a site names in the file at `path`, or another one, with room for so many robots of the site's kinds;
+/// and the figures about people that the site names.
+fn take_map(
+    site: &mut Site,
+    path: &Path,
+    map: Option<&Path>,
+    robots: usize,
+) -> anyhow::Result<Arc<Warehouse>> {
+    let warehouse = read_map(&map.map_or_else(|| beside(path, &site.map), Path::to_path_buf))?;
+    room_for(&warehouse, robots)
+        .map_err(|e| anyhow::anyhow!("the map has no room for {robots} robots:\n{e}"))?;
+    let warehouse = site
+        .fit(&warehouse)
+        .map_err(|e| anyhow::anyhow!("the map is not for the robots of {}:\n{e}", path.display()))?;
+    if let Some(model) = &site.model {
+        site.learned = read_model(Some(&beside(path, model)))?;
+    }
+    Ok(warehouse)
 }
 
 impl SimArgs {
@@ -183,13 +217,13 @@ fn simulate(
     let mut file = record.map(super::recording::create).transpose()?;
     if let Some(file) = &mut file {
         let map = giveway_floor::warehouse::formats::json::write(warehouse);
-        let is_builtin = *scenario.learned == *Model::builtin();
-        let model = (!is_builtin).then(|| scenario.learned.to_json());
-        let picks = (*scenario.picks != *PickModel::builtin()).then(|| scenario.picks.to_json());
+        let is_builtin = *scenario.site.learned == *Model::builtin();
+        let model = (!is_builtin).then(|| scenario.site.learned.to_json());
+        let picks = (*scenario.site.picks != *PickModel::builtin()).then(|| scenario.site.picks.to_json());
         let header = Header { giveway_recording: 1, scenario: text.clone(), map, seed, model, picks };
         file.write(&Recorder::header(&header))?;
     }
-    let mut reeler = FrameWriter::create(reel, None, sim.fleet(), scenario.name.clone())?;
+    let mut reeler = FrameWriter::create(reel, None, sim.fleet(), scenario.site.name.clone())?;
     let what = if without_conflicts { "bound" } else { "simulating" };
     let bar = progress(scenario.duration.0 as u64 / 1_000_000, what);
     while !sim.is_over() {
@@ -232,7 +266,7 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
     let deliveries = o.counts.robot_deliveries;
     let met = &o.people.figures;
     json!({
-        "scenario": setup.scenario.name,
+        "scenario": setup.scenario.site.name,
         "seed": seed,
         "robots": setup.scenario.robots,
         "workers": setup.scenario.workers.count,

@@ -351,7 +351,11 @@ mod tests {
         let report = found(panics);
         assert_eq!(report.tally.runs, 2);
         for finding in &report.findings {
-            assert!(finding.failure.kind.starts_with(&format!("panic at {}:", file!())), "{}", finding.failure.kind);
+            assert!(
+                finding.failure.kind.starts_with(&format!("panic at {}:", file!())),
+                "{}",
+                finding.failure.kind
+            );
             assert_eq!(finding.failure.words, "a test asked for it");
             assert_eq!(finding.shrunk.case.robots, Some(2));
         }

@@ -73,7 +73,7 @@ impl FloorBasis {
             why.extend(findings.0.iter().map(ToString::to_string));
         }
         let fitted =
-            scenario.fit(map).map_err(|findings| findings.0.iter().map(ToString::to_string).collect());
+            scenario.site.fit(map).map_err(|findings| findings.0.iter().map(ToString::to_string).collect());
         let fitted = match fitted {
             Ok(fitted) => fitted,
             Err(found) => return Err([why, found].concat()),
@@ -99,11 +99,11 @@ impl FloorBasis {
         added: &[KindText],
     ) -> Result<Arc<Warehouse>, Vec<String>> {
         let fitted = self.fit(map)?;
-        let (mut now, mut then) = (self.scenario.clone(), self.scenario.clone());
+        let (mut now, mut then) = (self.scenario.site.clone(), self.scenario.site.clone());
         kinds::join_kinds(&mut now, in_operation.clone(), added);
         let fitted = kinds::join_kinds(&mut then, fitted, added);
-        let lost = now.kinds.iter().map(|k| &k.kind.name);
-        let lost = lost.filter(|name| !then.kinds.iter().any(|k| k.kind.name == **name));
+        let lost = now.kinds.iter().map(|k| &k.name);
+        let lost = lost.filter(|name| !then.kinds.iter().any(|k| k.name == **name));
         let lost: Vec<String> = lost
             .map(|name| format!("the map is not for robots of the kind {name:?}, which was added"))
             .collect();

@@ -13,14 +13,14 @@ use giveway_api::caller::Role;
 use giveway_api::massrobotics::Interop;
 use giveway_api::oidc::OidcSettings;
 use giveway_api::recording::Limits;
-use giveway_sim::MethodWord;
 use openidconnect::ClientSecret;
 use serde::{Deserialize, Serialize};
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 /// Settings that the environment may give.
-const FROM_ENVIRONMENT: [&str; 14] = [
+const FROM_ENVIRONMENT: [&str; 15] = [
+    "site",
     "scenario",
     "method",
     "listen",
@@ -50,12 +50,17 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     pub config: Option<PathBuf>,
-    /// What to run: map, fleet, simulated customers [default: scenarios/first.json] [env: GIVEWAY_SCENARIO]
+    /// The floor to run: map, kinds of robots, policy, links (docs/site.md) [env: GIVEWAY_SITE]
+    #[arg(long, value_name = "FILE", conflicts_with = "scenario")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub site: Option<PathBuf>,
+    /// A simulated floor to run instead: a site with simulated customers, people and faults [default:
+    /// scenarios/first.json] [env: GIVEWAY_SCENARIO]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scenario: Option<PathBuf>,
     /// How workers' goals are recognised: detour, chapter3 or chapter3_tiles (docs/intention.md) [default: the
-    /// scenario's] [env: GIVEWAY_METHOD]
+    /// floor's] [env: GIVEWAY_METHOD]
     #[arg(long, value_name = "METHOD")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
@@ -127,10 +132,12 @@ pub struct Flags {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
-    /// What to run.
-    pub scenario: PathBuf,
-    /// How goals of workers are recognised, instead of as the scenario says.
-    pub method: Option<MethodWord>,
+    /// The floor to run.
+    pub site: Option<PathBuf>,
+    /// A simulated floor to run instead.
+    pub scenario: Option<PathBuf>,
+    /// How goals of workers are recognised, instead of as the floor's file says.
+    pub method: Option<String>,
     /// Where to listen.
     pub listen: String,
     /// The database.
@@ -181,10 +188,32 @@ pub struct Config {
     pub massrobotics: Interop,
 }
 
+/// What runs where no floor is named.
+const FIRST_SCENARIO: &str = "scenarios/first.json";
+
+/// Where a server reads what its floor is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum FloorFile {
+    /// A site.
+    Site(PathBuf),
+    /// A site with toys.
+    Scenario(PathBuf),
+}
+
+impl FloorFile {
+    /// The file.
+    pub fn path(&self) -> &Path {
+        match self {
+            FloorFile::Site(path) | FloorFile::Scenario(path) => path,
+        }
+    }
+}
+
 impl Default for Config {
     fn default() -> Config {
         Config {
-            scenario: "scenarios/first.json".into(),
+            site: None,
+            scenario: None,
             method: None,
             listen: "127.0.0.1:8080".into(),
             database: "giveway.sqlite".into(),
@@ -248,7 +277,19 @@ impl Config {
         if let Some(oidc) = &mut config.oidc {
             oidc.client_secret = environment("GIVEWAY_OIDC_CLIENT_SECRET").map(ClientSecret::new);
         }
+        if let (Some(site), Some(scenario)) = (&config.site, &config.scenario) {
+            let (site, scenario) = (site.display(), scenario.display());
+            bail!("both a site ({site}) and a scenario ({scenario}) are named: leave one of them out");
+        }
         Ok(Config { database: database_file(&config.database)?, ..config })
+    }
+
+    /// The file of the floor that is to run.
+    pub fn floor(&self) -> FloorFile {
+        match &self.site {
+            Some(site) => FloorFile::Site(site.clone()),
+            None => FloorFile::Scenario(self.scenario.clone().unwrap_or_else(|| FIRST_SCENARIO.into())),
+        }
     }
 
     /// The gate that the tokens make.

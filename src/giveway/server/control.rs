@@ -334,7 +334,7 @@ mod tests {
         let metrics = Arc::new(Metrics::default());
         let figures = Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default()));
         let (notes, _) = historian(figures, store.clone());
-        let fleet = Fleet::new(map.clone(), scenario.settings());
+        let fleet = Fleet::new(map.clone(), scenario.site.settings());
         let start = journal::Start { next: 1, ledger: fleet.ledger().clone(), behind: 0 };
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
@@ -342,7 +342,7 @@ mod tests {
         let ((feeds, heard), (queue, asks)) = (Feeds::new(), mpsc::channel(8));
         let (measure, feeds) = (Measure::default(), Arc::new(feeds));
         let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));
-        let (period, (_, questions)) = (scenario.period, mpsc::channel(1));
+        let (period, (_, questions)) = (scenario.site.period, mpsc::channel(1));
         let drive = ControlLoop {
             drive: Drive::new(fleet),
             world,

@@ -177,7 +177,7 @@ mod tests {
     /// What the simulated customers order at first.
     fn orders() -> Vec<Input> {
         let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
-        let fleet = Fleet::new(map.clone(), scenario.settings());
+        let fleet = Fleet::new(map.clone(), scenario.site.settings());
         World::new(map, &scenario, &[], 1, &fleet, Time(1)).advance(Time(2), &fleet)
     }
 
@@ -221,7 +221,7 @@ mod tests {
         let mut inputs: Vec<Input> = requests.into_iter().map(|(t, r)| Input::ask(t, r)).collect();
         inputs.extend(orders());
         let scenario = Scenario::parse(SCENARIO).unwrap();
-        let mut fleet = Fleet::new(Arc::new(lab()), scenario.settings());
+        let mut fleet = Fleet::new(Arc::new(lab()), scenario.site.settings());
         let step = fleet.step(Time(3), inputs);
         let causes = inbox.causes(&step.caused);
         assert_eq!(causes.len(), 1, "what was refused caused nothing: {causes:?}");

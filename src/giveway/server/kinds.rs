@@ -8,7 +8,7 @@ use giveway_api::Kinds;
 use giveway_api::port::{KindRefusal, KindRequest};
 use giveway_fleet::{Fleet, RobotKind};
 use giveway_floor::warehouse::{MOST_BODIES, Warehouse};
-use giveway_sim::{Scenario, ScenarioError};
+use giveway_site::{Site, SiteError, read_kind};
 use giveway_store::{KindText, Store, StoreError};
 use std::path::Path;
 use std::sync::Arc;
@@ -29,11 +29,11 @@ pub async fn kinds_of(database: &Path) -> Vec<KindText> {
     kinds
 }
 
-/// Adds kinds to a scenario; gives the building for all its kinds.
-pub fn join_kinds(scenario: &mut Scenario, map: Arc<Warehouse>, kinds: &[KindText]) -> Arc<Warehouse> {
-    kinds.iter().fold(map, |map, kind| match joined(scenario, &map, kind) {
+/// Adds kinds to a site; gives the building for all its kinds.
+pub fn join_kinds(site: &mut Site, map: Arc<Warehouse>, kinds: &[KindText]) -> Arc<Warehouse> {
+    kinds.iter().fold(map, |map, kind| match joined(site, &map, kind) {
         Ok((more, fitted)) => {
-            *scenario = more;
+            *site = more;
             fitted
         }
         Err(why) => {
@@ -43,30 +43,26 @@ pub fn join_kinds(scenario: &mut Scenario, map: Arc<Warehouse>, kinds: &[KindTex
     })
 }
 
-/// A scenario with one kind more, and the building for it.
-fn joined(
-    scenario: &Scenario,
-    map: &Arc<Warehouse>,
-    kind: &KindText,
-) -> Result<(Scenario, Arc<Warehouse>), KindRefusal> {
-    if scenario.kinds.iter().any(|k| k.kind.name == kind.name) {
+/// A site with one kind more, and the building for it.
+fn joined(site: &Site, map: &Arc<Warehouse>, kind: &KindText) -> Result<(Site, Arc<Warehouse>), KindRefusal> {
+    if site.kinds.iter().any(|k| k.name == kind.name) {
         return Err(KindRefusal::OfScenario);
     }
-    let mut more = scenario.clone();
-    more.add_kind(&kind.name, &kind.figures).map_err(|e| of_figures(&e))?;
+    let mut more = site.clone();
+    more.kinds.push(read_kind(&kind.name, &kind.figures).map_err(|e| of_figures(&e))?);
     let fitted =
         more.fit(map).map_err(|e| KindRefusal::Map(e.0.iter().map(ToString::to_string).collect()))?;
     Ok((more, fitted))
 }
 
-fn of_figures(why: &ScenarioError) -> KindRefusal {
+fn of_figures(why: &SiteError) -> KindRefusal {
     match why {
-        ScenarioError::Number { key, found, wanted } => {
+        SiteError::Number { key, found, wanted } => {
             let key = key.strip_prefix("kind.").unwrap_or(key).to_owned();
             KindRefusal::Figure(key, format!("is {found}, but must be {wanted}"))
         }
-        ScenarioError::Wrong { key, message } => KindRefusal::Figure((*key).to_owned(), message.clone()),
-        ScenarioError::Syntax { message, .. } => KindRefusal::Figure("kind".to_owned(), message.clone()),
+        SiteError::Wrong { key, message } => KindRefusal::Figure((*key).to_owned(), message.clone()),
+        SiteError::Syntax { message, .. } => KindRefusal::Figure("kind".to_owned(), message.clone()),
     }
 }
 
@@ -79,8 +75,8 @@ pub fn of_recording(fleet: &Fleet) -> Kinds {
 /// Answers requests about kinds that are added.
 pub struct KindKeeper {
     store: Arc<Store>,
-    /// The scenario as its file has it.
-    scenario: Scenario,
+    /// The site as its file has it.
+    site: Site,
     map: Arc<Warehouse>,
     requests: mpsc::Receiver<KindRequest>,
     /// Those that will be in force at the next start, since they were last worked out; nothing after a change.
@@ -89,12 +85,12 @@ pub struct KindKeeper {
 
 impl KindKeeper {
     /// One for a server whose fleet is this, with the kinds as the API sees them.
-    pub fn new(store: Arc<Store>, scenario: Scenario, fleet: &Fleet) -> (KindKeeper, Kinds) {
+    pub fn new(store: Arc<Store>, site: Site, fleet: &Fleet) -> (KindKeeper, Kinds) {
         let (send, requests) = mpsc::channel(WAITING);
-        let of_scenario = scenario.kinds.iter().map(|k| k.kind.clone()).collect();
+        let of_scenario = site.kinds.clone().into();
         let held = fleet.settings().kinds.clone().into();
         let kinds = Kinds { of_scenario, held, requests: Some(send), ..Kinds::default() };
-        (KindKeeper { store, scenario, map: fleet.warehouse().clone(), requests, next: None }, kinds)
+        (KindKeeper { store, site, map: fleet.warehouse().clone(), requests, next: None }, kinds)
     }
 
     /// Answers until nothing can ask any more. A receiver of an answer that is gone is no error.
@@ -116,13 +112,13 @@ impl KindKeeper {
             return Ok(next.clone());
         }
         let all = self.store.kinds().await.map_err(|e| told(&e))?;
-        let (mut scenario, map) = (self.scenario.clone(), self.map.clone());
-        let of_scenario = scenario.kinds.len();
+        let (mut site, map) = (self.site.clone(), self.map.clone());
+        let of_file = site.kinds.len();
         let joined = aside(move || {
-            join_kinds(&mut scenario, map, &all);
-            scenario
+            join_kinds(&mut site, map, &all);
+            site
         });
-        let kinds = joined.await?.kinds.into_iter().skip(of_scenario).map(|k| k.kind);
+        let kinds = joined.await?.kinds.into_iter().skip(of_file);
         Ok(self.next.insert(kinds.collect()).clone())
     }
 
@@ -131,24 +127,24 @@ impl KindKeeper {
         let known = all.len();
         all.retain(|k| k.name != kind.name);
         let is_new = all.len() == known;
-        if is_new && known + self.scenario.kinds.len() >= MOST_BODIES {
+        if is_new && known + self.site.kinds.len() >= MOST_BODIES {
             return Err(KindRefusal::TooMany(MOST_BODIES));
         }
-        let (mut scenario, map, wanted) = (self.scenario.clone(), self.map.clone(), kind.clone());
+        let (mut site, map, wanted) = (self.site.clone(), self.map.clone(), kind.clone());
         let more = aside(move || {
-            let map = join_kinds(&mut scenario, map, &all);
-            joined(&scenario, &map, &wanted).map(|(more, _)| more)
+            let map = join_kinds(&mut site, map, &all);
+            joined(&site, &map, &wanted).map(|(more, _)| more)
         });
         let more = more.await??;
         self.next = None;
         self.store.put_kind(&kind).await.map_err(|e| told(&e))?;
         let added = more.kinds.into_iter().next_back().expect("one was added");
         tracing::info!("the kind {:?} is added from the next start on", kind.name);
-        Ok((is_new, added.kind))
+        Ok((is_new, added))
     }
 
     async fn remove(&mut self, name: &str) -> Result<(), KindRefusal> {
-        if self.scenario.kinds.iter().any(|k| k.kind.name == name) {
+        if self.site.kinds.iter().any(|k| k.name == name) {
             return Err(KindRefusal::OfScenario);
         }
         self.next = None;

@@ -43,7 +43,7 @@ mod webhooks;
 
 pub use certificate::Identity;
 pub use clock::Clock;
-pub use config::{Config, Flags};
+pub use config::{Config, Flags, FloorFile};
 pub use recorder::FrameRecorder;
 pub use show::Show;
 
@@ -108,7 +108,7 @@ impl SimulatedFloor {
     /// The same with the kinds of robots that were added to a database.
     pub async fn with_kinds_of(mut self, database: &Path) -> SimulatedFloor {
         let added = kinds::kinds_of(database).await;
-        self.map = kinds::join_kinds(&mut self.scenario, self.map, &added);
+        self.map = kinds::join_kinds(&mut self.scenario.site, self.map, &added);
         self
     }
 }

@@ -155,7 +155,7 @@ impl RunningCore {
             tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
         let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
         let (maps, map_keeper) = MapKeeper::new(&store, &parts.basis, map.clone(), (asks, over));
-        let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.basis.scenario, &fleet);
+        let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.basis.scenario.site, &fleet);
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
         let shares = LoopShares { store, clock, metrics, alarms, feeds };
         let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);

@@ -77,7 +77,7 @@ impl Show {
         let (address, map) = (listener.local_addr()?, player.fleet.warehouse().clone());
         let recordings =
             Recordings(std::env::temp_dir().join(format!("giveway-replay-{}", std::process::id())));
-        let kept = Folder::open(recordings.0.clone(), map.clone(), player.scenario.name.clone(), None);
+        let kept = Folder::open(recordings.0.clone(), map.clone(), player.scenario.site.name.clone(), None);
         let kept = Arc::new(kept.with_context(|| format!("cannot write to {}", recordings.0.display()))?);
         let rotation = Rotation::new(kept.clone(), ALL);
         std::thread::Builder::new().name("ahead".into()).spawn(move || run_ahead(ahead, rotation))?;

@@ -85,7 +85,7 @@ pub async fn open(
         anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
     };
     let new = config.new.then(stamp).transpose()?;
-    let clearance = floor.scenario.settings().clearance();
+    let clearance = floor.scenario.site.settings().clearance();
     let carry = Some(CarryOver { clearance, accept_losses, stamp: stamp()? });
     let opening = Opening { new, traces: vec![config.past_folder()], carry, note };
     let store = Store::open_as(&config.database, &floor.map, &opening).await?;
@@ -192,7 +192,7 @@ async fn load(
     scenario: &Scenario,
     lines: &[OrderFileLine],
 ) -> anyhow::Result<Loaded> {
-    let empty = || Ledger::new(map.clone(), scenario.settings().clearance(), false);
+    let empty = || Ledger::new(map.clone(), scenario.site.settings().clearance(), false);
     let loaded = store.load(empty()).await?;
     if loaded.last.is_some() || scenario.warm_up == Span::ZERO {
         return Ok(loaded);
@@ -215,11 +215,11 @@ pub async fn build(
     let idle = nothing_to_order(&scenario, &map);
     let summary = StartSummary { map: map_name, published, robots, facts, idle, ..StartSummary::default() };
     let clock = Arc::new(Clock::start(loaded.last));
-    let settings = Settings { stopwatch: clock::stopwatch, ..scenario.settings() };
+    let settings = Settings { stopwatch: clock::stopwatch, ..scenario.site.settings() };
     let (buckets, heat) = store.load_history().await?;
     let figures =
         SharedHistory::new(clock.started(), settings.policy.word(), History::restore(buckets, heat));
-    let (now, floor, period) = (clock.now(), map.clone(), scenario.period);
+    let (now, floor, period) = (clock.now(), map.clone(), scenario.site.period);
     let fold = move || {
         let (ledger, facts) = loaded.into_parts();
         let fleet = Fleet::resume(ledger, settings, facts);

@@ -29,7 +29,7 @@ pub fn trials() -> Trials {
 pub fn simulate(order: TrialOrder) -> Result<TrialFigures, String> {
     let begun = Instant::now();
     let scenario = scenario(&order)?;
-    scenario.fit(&order.map).map_err(|findings| findings.to_string())?;
+    scenario.site.fit(&order.map).map_err(|findings| findings.to_string())?;
     let mut sim = Simulation::new(order.map.clone(), &scenario, &[], order.seed, false, || 0);
     let (mut times, mut waited) = (TrialTimes::default(), BTreeMap::<NodeId, Span>::new());
     let mut look = Time::ZERO;

@@ -8,9 +8,10 @@ use crate::table::{Column, RunRow, TableSetup};
 use clap::{Args, ValueEnum};
 use giveway_floor::warehouse::{Warehouse, room_for, thesis};
 use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::aware::NodeWindows;
 use giveway_sim::detection::{Score, TO_GOAL_S};
 use giveway_sim::encounter::EncounterFigures;
-use giveway_sim::{Causes, NodeWindowsWord, Sensor, Source};
+use giveway_sim::{Causes, Sensor, Source};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -182,7 +183,7 @@ impl TableArgs {
             seconds: self.runs.seconds,
             sensor: Sensor::default(),
             causes: self.causes.causes(),
-            node_windows: NodeWindowsWord::default(),
+            node_windows: NodeWindows::default(),
         };
         let cases: Vec<(TableSetup, HumanAwarePolicy)> =
             self.workers.iter().flat_map(|w| arms.iter().map(|a| (setup(*w), *a))).collect();
@@ -280,7 +281,7 @@ impl DetectionArgs {
             seconds: self.runs.seconds,
             sensor,
             causes: Causes::All,
-            node_windows: NodeWindowsWord::default(),
+            node_windows: NodeWindows::default(),
         };
         let cases: Vec<(TableSetup, HumanAwarePolicy)> =
             sensors.iter().map(|(_, sensor)| (setup(*sensor), self.arm.arm())).collect();

@@ -11,8 +11,9 @@ use crate::table::{ENTER_S, RunRow, TableSetup};
 use clap::{Args, ValueEnum};
 use giveway_floor::warehouse::{room_for, thesis};
 use giveway_people::aware::HumanAwarePolicy;
+use giveway_people::aware::NodeWindows;
+use giveway_sim::CalmFigures;
 use giveway_sim::encounter::EncounterFigures;
-use giveway_sim::{CalmFigures, NodeWindowsWord};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -71,11 +72,11 @@ enum NodeWindowsArgument {
     Mixture,
 }
 
-impl From<NodeWindowsArgument> for NodeWindowsWord {
-    fn from(argument: NodeWindowsArgument) -> NodeWindowsWord {
+impl From<NodeWindowsArgument> for NodeWindows {
+    fn from(argument: NodeWindowsArgument) -> NodeWindows {
         match argument {
-            NodeWindowsArgument::Speeds => NodeWindowsWord::Speeds,
-            NodeWindowsArgument::Mixture => NodeWindowsWord::Mixture,
+            NodeWindowsArgument::Speeds => NodeWindows::Speeds,
+            NodeWindowsArgument::Mixture => NodeWindows::Mixture,
         }
     }
 }

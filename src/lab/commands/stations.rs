@@ -9,10 +9,12 @@ use crate::statistics::{Interval, Summary};
 use clap::Args;
 use giveway::cli::files::read_pick_model;
 use giveway::cli::sim::Setup;
+use giveway_cell::Flow;
+use giveway_cell::arm::ArmMode;
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::room_for;
+use giveway_sim::Scenario;
 use giveway_sim::picker::WarnedLead;
-use giveway_sim::{ArmModeWord, FlowWord, Scenario};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -23,22 +25,19 @@ const SHIPPED: &str = include_str!("../../../scenarios/stations.json");
 /// Numbers of robots where no scenario is named.
 const ROBOTS: [usize; 3] = [14, 18, 24];
 /// The flows in their order, and which are compared with which.
-const FLOWS: [(FlowWord, &str); 5] = [
-    (FlowWord::Usual, "usual"),
-    (FlowWord::Counted, "counted"),
-    (FlowWord::Hand, "hand"),
-    (FlowWord::Seen, "seen"),
-    (FlowWord::Known, "known"),
+const FLOWS: [(Flow, &str); 5] = [
+    (Flow::Usual, "usual"),
+    (Flow::Counted, "counted"),
+    (Flow::Hand, "hand"),
+    (Flow::Seen, "seen"),
+    (Flow::Known, "known"),
 ];
 const PAIRS: [(&str, &str); 5] =
     [("seen", "usual"), ("counted", "usual"), ("hand", "counted"), ("seen", "hand"), ("known", "seen")];
 
 /// Modes of robot arms, and which are compared with which; `none` is the flow `seen` without an arm.
-const ARM_MODES: [(ArmModeWord, &str); 3] = [
-    (ArmModeWord::Turns, "turns"),
-    (ArmModeWord::Reactive, "reactive"),
-    (ArmModeWord::Predictive, "predictive"),
-];
+const ARM_MODES: [(ArmMode, &str); 3] =
+    [(ArmMode::Turns, "turns"), (ArmMode::Reactive, "reactive"), (ArmMode::Predictive, "predictive")];
 const ARM_PAIRS: [(&str, &str); 4] =
     [("turns", "none"), ("reactive", "none"), ("predictive", "none"), ("predictive", "reactive")];
 
@@ -88,8 +87,8 @@ impl StationsArgs {
             room_for(&setup.warehouse, *n)
                 .map_err(|e| anyhow::anyhow!("the map has no room for {n} robots:\n{e}"))?;
         }
-        let flows: Vec<FlowWord> = match self.arms {
-            true => vec![FlowWord::Seen],
+        let flows: Vec<Flow> = match self.arms {
+            true => vec![Flow::Seen],
             false => FLOWS.iter().map(|f| f.0).collect(),
         };
         let modes = if setup.stations_with_arm().is_empty() { &[][..] } else { &ARM_MODES[..] };
@@ -111,7 +110,7 @@ impl StationsArgs {
                 let mut said =
                     if self.arms { json!({"robots": robots}) } else { scenario(*robots, of_flows) };
                 if !of_arms.is_empty() {
-                    let seen = flows.iter().position(|f| *f == FlowWord::Seen).expect("it is a flow");
+                    let seen = flows.iter().position(|f| *f == Flow::Seen).expect("it is a flow");
                     said["with_arm"] = with_arm(of_flows[seen], of_arms);
                 }
                 said
@@ -140,7 +139,7 @@ impl StationsArgs {
             }
         };
         if let Some(path) = &self.pick_model {
-            setup.scenario.picks = read_pick_model(path)?;
+            setup.scenario.site.picks = read_pick_model(path)?;
         }
         if let Some(seconds) = self.seconds {
             anyhow::ensure!((60.0..=1e6).contains(&seconds), "--seconds must be from 60 to 1000000");

@@ -91,8 +91,7 @@ pub struct PickerTime {
 
 impl Pickers {
     /// The people of a scenario. Stations whose racks have no types get none.
-    pub(super) fn new(warehouse: &Warehouse, cells: &WorkCells, seed: u64, now: Time) -> Pickers {
-        let flow = Flow::from(cells.flow);
+    pub(super) fn new(warehouse: &Warehouse, cells: &WorkCells, flow: Flow, seed: u64, now: Time) -> Pickers {
         let stand = |(i, habits): (usize, super::PickerHabits)| {
             let (station, place) = warehouse.stations.pairs().find(|(_, s)| s.name == habits.station)?;
             let rack_type = warehouse.rack_types.iter().next()?;
@@ -276,7 +275,7 @@ mod tests {
         for habits in cells.pickers.iter_mut().flatten() {
             habits.away_per_hour = 0.0;
         }
-        Pickers::new(&stations(), cells, 1, Time::ZERO).all.swap_remove(0)
+        Pickers::new(&stations(), cells, Flow::default(), 1, Time::ZERO).all.swap_remove(0)
     }
 
     /// Goes on for so long beside an arm. Whether the person is away at the end.

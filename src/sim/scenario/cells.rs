@@ -2,24 +2,27 @@
 //!
 //! Main types: [`WorkCells`], [`PickerHabits`], [`HandSensor`]. Refuses: shares, rates and stations that cannot be.
 
-use super::check::{ScenarioError, check};
 use giveway_cell::Flow;
 use giveway_cell::arm::{ArmKind, ArmMode};
 use giveway_floor::warehouse::Warehouse;
+use giveway_site::{SiteError, check, words};
 use serde::Deserialize;
 
 /// Picking stations.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WorkCells {
-    /// What the fleet makes of lines and hands.
-    pub flow: FlowWord,
+    /// What the fleet makes of lines and hands. In files alone: a scenario that was read has it in its site, and so has
+    /// the mode of the arms.
+    #[serde(deserialize_with = "words::flow")]
+    pub flow: Option<Flow>,
     /// Order lines of customers' deliveries to stations with a cell.
     pub lines: LineDemand,
     /// Stations whose arm is on.
     pub arms: Vec<String>,
     /// When arms move beside pickers.
-    pub arm_mode: ArmModeWord,
+    #[serde(deserialize_with = "words::arm_mode")]
+    pub arm_mode: Option<ArmMode>,
     /// How often an hour an arm falls silent.
     pub arm_silences_per_hour: f64,
     /// For how long, seconds.
@@ -28,58 +31,6 @@ pub struct WorkCells {
     pub pickers: Option<Vec<PickerHabits>>,
     /// How hands are seen.
     pub sensor: HandSensor,
-}
-
-/// [`Flow`] as files name it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FlowWord {
-    /// The station's time, and a button for each line.
-    Usual,
-    /// Lines at the learned pace, and a button.
-    Counted,
-    /// Confirmed by the hand.
-    Hand,
-    /// The rack leaves at the last grasp.
-    #[default]
-    Seen,
-    /// Told every true end.
-    Known,
-}
-
-impl From<FlowWord> for Flow {
-    fn from(word: FlowWord) -> Flow {
-        match word {
-            FlowWord::Usual => Flow::Usual,
-            FlowWord::Counted => Flow::Counted,
-            FlowWord::Hand => Flow::Hand,
-            FlowWord::Seen => Flow::Seen,
-            FlowWord::Known => Flow::Known,
-        }
-    }
-}
-
-/// [`ArmMode`] as files name it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ArmModeWord {
-    /// While no hand is in the opening.
-    Turns,
-    /// Round where the picker's arms are.
-    Reactive,
-    /// Round where they will be.
-    #[default]
-    Predictive,
-}
-
-impl From<ArmModeWord> for ArmMode {
-    fn from(word: ArmModeWord) -> ArmMode {
-        match word {
-            ArmModeWord::Turns => ArmMode::Turns,
-            ArmModeWord::Reactive => ArmMode::Reactive,
-            ArmModeWord::Predictive => ArmMode::Predictive,
-        }
-    }
 }
 
 /// What is ordered.
@@ -179,10 +130,10 @@ pub enum SeenGaze {
 impl Default for WorkCells {
     fn default() -> WorkCells {
         WorkCells {
-            flow: FlowWord::default(),
+            flow: None,
             lines: LineDemand::default(),
             arms: Vec::new(),
-            arm_mode: ArmModeWord::default(),
+            arm_mode: None,
             arm_silences_per_hour: 0.0,
             arm_silent_s: 20.0,
             pickers: None,
@@ -236,14 +187,19 @@ impl Default for HandSensor {
 }
 
 impl WorkCells {
-    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+    /// What the file chooses for the site.
+    pub(super) fn take_choices(&mut self) -> (Option<Flow>, Option<ArmMode>) {
+        (self.flow.take(), self.arm_mode.take())
+    }
+
+    pub(super) fn check(&self) -> Result<(), SiteError> {
         for (key, [low, high], most) in [
             ("cells.lines.per_visit", self.lines.per_visit, 20),
             ("cells.lines.quantity", self.lines.quantity, 100),
         ] {
             if low == 0 || low > high || high > most {
                 let message = format!("[{low}, {high}]: give the fewest and the most, from 1 to {most}");
-                return Err(ScenarioError::Wrong { key, message });
+                return Err(SiteError::Wrong { key, message });
             }
         }
         let silences = self.arm_silences_per_hour;
@@ -258,9 +214,9 @@ impl WorkCells {
     ///
     /// # Errors
     /// Which is not so.
-    pub fn check_stations(&self, warehouse: &Warehouse) -> Result<(), ScenarioError> {
+    pub fn check_stations(&self, warehouse: &Warehouse) -> Result<(), SiteError> {
         let station = |name: &str| warehouse.stations.iter().find(|s| s.name == name);
-        let wrong = |key, message| Err(ScenarioError::Wrong { key, message });
+        let wrong = |key, message| Err(SiteError::Wrong { key, message });
         let mut seen: Vec<&str> = Vec::new();
         for PickerHabits { station: name, .. } in self.pickers.iter().flatten() {
             if station(name).is_none_or(|s| s.cell.is_none()) {
@@ -295,7 +251,7 @@ impl WorkCells {
 }
 
 impl PickerHabits {
-    fn check(&self, of: &str) -> Result<(), ScenarioError> {
+    fn check(&self, of: &str) -> Result<(), SiteError> {
         for (key, share) in [
             ("wanders", self.wanders),
             ("mispick", self.mispick),
@@ -317,7 +273,7 @@ impl PickerHabits {
 }
 
 impl HandSensor {
-    fn check(&self) -> Result<(), ScenarioError> {
+    fn check(&self) -> Result<(), SiteError> {
         check("cells.sensor.rate_hz", self.rate_hz, 1.0..=240.0, "from 1 to 240")?;
         check("cells.sensor.sigma_m", self.sigma_m, 0.0..=0.2, "from 0 to 0.2")?;
         check("cells.sensor.delay_ms", self.delay_ms, 0.0..=2000.0, "from 0 to 2000")?;
@@ -346,8 +302,10 @@ mod tests {
 
     #[test]
     fn every_part_may_be_left_out_and_then_usual_people_pick_at_every_cell() {
-        let cells = scenario("{}").unwrap().cells.unwrap();
-        assert_eq!((cells.flow, cells.lines.per_visit), (FlowWord::Seen, [1, 5]));
+        let usual = scenario("{}").unwrap();
+        assert_eq!(usual.site.flow, Flow::Seen);
+        let cells = usual.cells.unwrap();
+        assert_eq!(cells.lines.per_visit, [1, 5]);
         let at = |w: &Warehouse| cells.pickers_in(w).into_iter().map(|p| p.station).collect::<Vec<_>>();
         assert_eq!(at(&stations()), ["S1", "S2", "S3", "S4"]);
         assert!(at(&lab()).is_empty(), "its stations are no cells");

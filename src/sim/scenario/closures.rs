@@ -2,13 +2,13 @@
 //!
 //! Main type: [`Closing`]. Refuses: areas of nothing, times that cannot be, and nodes that the map does not have.
 
-use super::check::{ScenarioError, check};
 use giveway_fleet::{Binds, Closure, LocalClock, MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 use giveway_floor::geometry::{Point, Spot};
 use giveway_floor::id::NodeId;
 use giveway_floor::time::{Span, Time, Window};
 use giveway_floor::warehouse::Warehouse;
 use giveway_people::aware::check_area;
+use giveway_site::{SiteError, check};
 use serde::Deserialize;
 
 /// A closed node is shown as a square of twice this side, metres.
@@ -68,7 +68,7 @@ fn why() -> String {
 }
 
 impl Closing {
-    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+    pub(super) fn check(&self) -> Result<(), SiteError> {
         check("closures.from_s", self.from_s, 0.0..=1e7, "from 0 to 10000000")?;
         let until = self.until_s.unwrap_or(2e7);
         check("closures.until_s", until, self.from_s + 1.0..=2e7, "at least a second after from_s")?;
@@ -93,7 +93,7 @@ impl Closing {
     }
 
     /// The areas as the fleet takes them, for a scenario that begins at `start`: one for an outline, one for each node.
-    pub(super) fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
+    pub(super) fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, SiteError> {
         let at = |s: f64| start + Span::from_secs_f64(s);
         let window = Window::new(at(self.from_s), self.until_s.map_or(Time::MAX, at));
         let area = |corners: &mut dyn Iterator<Item = Point>, nodes: Vec<NodeId>| Closure {
@@ -108,11 +108,11 @@ impl Closing {
             let corners: Vec<Point> = self.outline.iter().map(|c| Point::new(c[0], c[1])).collect();
             let binds = Binds::from(self.binds);
             check_area(warehouse, &corners, binds.robots(), binds.people())
-                .map_err(|why| ScenarioError::Wrong { key: "closures.outline", message: why.to_string() })?;
+                .map_err(|why| SiteError::Wrong { key: "closures.outline", message: why.to_string() })?;
             return Ok(vec![area(&mut corners.into_iter(), Vec::new())]);
         }
         let around = |name: &String| {
-            let node = warehouse.node_named(name).ok_or_else(|| ScenarioError::Number {
+            let node = warehouse.node_named(name).ok_or_else(|| SiteError::Number {
                 key: "closures.nodes".to_owned(),
                 found: format!("\"{name}\""),
                 wanted: "names of nodes of the map",
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
     use giveway_floor::warehouse::lab;
 
-    fn scenario(closure: &str) -> Result<Scenario, ScenarioError> {
+    fn scenario(closure: &str) -> Result<Scenario, SiteError> {
         Scenario::parse(&format!(
             r#"{{"giveway_scenario": 1, "name": "x", "map": "m", "robots": 1, "closures": [{closure}]}}"#
         ))

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Evacuation`]. Refuses: times that cannot be, and one before the other is over.
 
-use super::check::{ScenarioError, check};
+use giveway_site::{SiteError, check};
 use serde::Deserialize;
 
 /// Everybody leaves the building for a time.
@@ -16,7 +16,7 @@ pub struct Evacuation {
 }
 
 impl Evacuation {
-    pub(super) fn check_all(all: &[Evacuation]) -> Result<(), ScenarioError> {
+    pub(super) fn check_all(all: &[Evacuation]) -> Result<(), SiteError> {
         let mut free = 0.0;
         for one in all {
             check("evacuations.at_s", one.at_s, free..=1e7, "after the one before, up to 10000000")?;

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`Faults`]. Refuses: shares, rates and times that cannot be.
 
-use super::check::{ScenarioError, check};
+use giveway_site::{SiteError, check};
 use serde::Deserialize;
 
 /// The longest delay of a message, milliseconds.
@@ -93,7 +93,7 @@ impl Default for Faults {
 }
 
 impl Faults {
-    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+    pub(super) fn check(&self) -> Result<(), SiteError> {
         check("faults.message_loss", self.message_loss, 0.0..=0.9, "from 0 to 0.9")?;
         let (delay, jitter) = (self.message_delay_ms as f64, self.message_jitter_ms as f64);
         check("faults.message_delay_ms", delay, 0.0..=LONGEST_DELAY_MS, "from 0 to 30000")?;

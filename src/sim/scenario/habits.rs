@@ -3,7 +3,7 @@
 //!
 //! Main type: [`Habits`]. Refuses: shares and rates that cannot be.
 
-use super::check::{ScenarioError, check};
+use giveway_site::{SiteError, check};
 use serde::Deserialize;
 
 /// What customers want and do.
@@ -93,7 +93,7 @@ impl Default for Habits {
 }
 
 impl Habits {
-    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+    pub(super) fn check(&self) -> Result<(), SiteError> {
         let kinds = [self.deliver, self.put_back, self.relocate, self.charge, self.park, self.go];
         let sum: f64 = kinds.iter().sum();
         check("customers (sum of kinds)", sum, 1e-9..=1e9, "above 0, for some kind of job")?;

@@ -4,51 +4,44 @@
 //! keys and numbers that cannot be.
 
 mod cells;
-mod check;
 mod closures;
 mod evacuations;
 mod faults;
 mod habits;
-mod kinds;
+mod shares;
 mod workforce;
 
-pub use cells::{ArmModeWord, FlowWord, HandSensor, HandSide, LineDemand, PickerHabits, SeenGaze, WorkCells};
-pub use check::ScenarioError;
+pub use cells::{HandSensor, HandSide, LineDemand, PickerHabits, SeenGaze, WorkCells};
 pub use closures::Closing;
 pub use evacuations::Evacuation;
 pub use faults::Faults;
 pub use habits::Habits;
-pub use kinds::{KindShare, LocalPlannerWord};
+pub use shares::LocalPlannerWord;
 pub use workforce::{
-    Assignments, Causes, Deviations, MethodWord, NodeWindowsWord, Personas, Rates, SecondTag, Sensor, Source,
-    TaskSharing, Workers,
+    Assignments, Causes, Deviations, Personas, Rates, SecondTag, Sensor, Source, TaskSharing, Workers,
 };
 
-use check::check;
-use giveway_fleet::{Closure, RecurringClosure, RobotKind, fitted};
+use giveway_fleet::{Closure, RecurringClosure, RobotKind};
 use giveway_floor::time::{Span, Time};
-use giveway_floor::warehouse::{Findings, Warehouse};
+use giveway_floor::warehouse::Warehouse;
 use giveway_people::aware::HumanAwarePolicy;
-use giveway_people::human::Model;
-use giveway_people::human::tiles::Tiles;
-use giveway_people::reach::PickModel;
-use kinds::{KindFigures, KindFile};
+use giveway_site::{KindFigures, Site, SiteError, check, words};
 use serde::Deserialize;
-use std::sync::Arc;
+use shares::KindFile;
 
-/// What to simulate.
+/// What to simulate: a site, and toys.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// Its name.
-    pub name: String,
-    /// The map file, relative to the scenario file.
-    pub map: String,
+    /// What the floor is.
+    pub site: Site,
     /// How many robots.
     pub robots: usize,
+    /// How many of each round of robots are of each of the site's kinds. With shares 1 and 2, of three robots the first
+    /// is of the first kind and the others of the second. Kinds behind the last share have none of the scenario's
+    /// robots.
+    pub shares: Vec<usize>,
     /// How long.
     pub duration: Span,
-    /// The control period.
-    pub period: Span,
     /// The seed unless another is given.
     pub seed: u64,
     /// Where jobs come from.
@@ -62,8 +55,6 @@ pub struct Scenario {
     pub warm_up: Span,
     /// What goes wrong.
     pub faults: Faults,
-    /// The kinds of robots, at least one; the robots are of them in turn.
-    pub kinds: Vec<KindShare>,
     /// The people on the floor.
     pub workers: Workers,
     /// Picking stations with people at them; nothing where customers' jobs have no lines.
@@ -72,16 +63,31 @@ pub struct Scenario {
     pub closures: Vec<Closing>,
     /// When the building is evacuated, in order.
     pub evacuations: Vec<Evacuation>,
-    /// How the fleet gives way to people.
-    pub policy: HumanAwarePolicy,
     /// How robots find their way that leave the line to pass people.
     pub local_planner: LocalPlannerWord,
-    /// File with what was learned about people, relative to the scenario; the built-in figures where absent.
-    pub model: Option<String>,
-    /// What is in it.
-    pub learned: Arc<Model>,
-    /// What pickers are expected to do; the built-in figures unless somebody reads others.
-    pub picks: Arc<PickModel>,
+}
+
+impl From<Site> for Scenario {
+    /// The floor with the robots of its simulated link, and nothing else that is simulated.
+    fn from(site: Site) -> Scenario {
+        Scenario {
+            robots: site.links.sim.map_or(0, |sim| sim.robots),
+            shares: vec![1; site.kinds.len()],
+            duration: Span::from_secs(3600),
+            seed: 1,
+            demand: Demand::None,
+            customers: Habits::default(),
+            drain: Span::ZERO,
+            warm_up: Span::ZERO,
+            faults: Faults::default(),
+            workers: Workers::default(),
+            cells: None,
+            closures: Vec::new(),
+            evacuations: Vec::new(),
+            local_planner: LocalPlannerWord::default(),
+            site,
+        }
+    }
 }
 
 /// Where jobs come from.
@@ -106,7 +112,7 @@ pub enum Demand {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct ScenarioFile {
     giveway_scenario: u32,
     name: String,
     map: String,
@@ -139,34 +145,12 @@ struct File {
     closures: Vec<Closing>,
     #[serde(default)]
     evacuations: Vec<Evacuation>,
-    #[serde(default)]
-    arm: PolicyWord,
+    #[serde(default, deserialize_with = "words::policy")]
+    arm: Option<HumanAwarePolicy>,
     #[serde(default)]
     local_planner: LocalPlannerWord,
     #[serde(default)]
     model: Option<String>,
-}
-
-/// [`HumanAwarePolicy`] as files name it.
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum PolicyWord {
-    Nhir,
-    Shir,
-    Phir,
-    #[default]
-    Giveway,
-}
-
-impl From<PolicyWord> for HumanAwarePolicy {
-    fn from(word: PolicyWord) -> HumanAwarePolicy {
-        match word {
-            PolicyWord::Nhir => HumanAwarePolicy::Nhir,
-            PolicyWord::Shir => HumanAwarePolicy::Shir,
-            PolicyWord::Phir => HumanAwarePolicy::Phir,
-            PolicyWord::Giveway => HumanAwarePolicy::Giveway,
-        }
-    }
 }
 
 fn hour() -> f64 {
@@ -190,8 +174,8 @@ impl Scenario {
     ///
     /// # Errors
     /// Where and what is wrong.
-    pub fn parse(text: &str) -> Result<Scenario, ScenarioError> {
-        let file: File = serde_json::from_str(text).map_err(|e| ScenarioError::syntax(&e))?;
+    pub fn parse(text: &str) -> Result<Scenario, SiteError> {
+        let file: ScenarioFile = serde_json::from_str(text).map_err(|e| SiteError::syntax(&e))?;
         check(
             "giveway_scenario",
             f64::from(file.giveway_scenario),
@@ -209,28 +193,40 @@ impl Scenario {
         file.cells.iter().try_for_each(WorkCells::check)?;
         file.closures.iter().try_for_each(Closing::check)?;
         Evacuation::check_all(&file.evacuations)?;
-        Ok(Scenario {
+        let (kinds, shares) = shares::read(file.fleet, file.kinds)?;
+        let usual = Site::default();
+        let (mut workers, mut cells) = (file.workers, file.cells);
+        let (flow, arm_mode) = cells.as_mut().map(WorkCells::take_choices).unwrap_or_default();
+        let site = Site {
             name: file.name,
             map: file.map,
-            robots: file.robots,
-            duration: Span::from_secs_f64(file.duration_s),
+            kinds,
+            policy: file.arm.unwrap_or(usual.policy),
+            method: workers.method.take().unwrap_or(usual.method),
+            node_windows: workers.node_windows.take().unwrap_or(usual.node_windows),
+            worker_price: workers.price.take().unwrap_or(usual.worker_price),
             period: Span::from_millis(file.period_ms),
+            flow: flow.unwrap_or(usual.flow),
+            arm_mode: arm_mode.unwrap_or(usual.arm_mode),
+            model: file.model,
+            ..usual
+        };
+        Ok(Scenario {
+            site,
+            robots: file.robots,
+            shares,
+            duration: Span::from_secs_f64(file.duration_s),
             seed: file.seed,
             demand: file.jobs,
             customers: file.customers,
             drain: Span::from_secs_f64(file.drain_s),
             warm_up: Span::from_secs_f64(file.warm_up_s),
             faults: file.faults,
-            kinds: kinds::read(file.fleet, file.kinds)?,
-            workers: file.workers,
-            cells: file.cells,
+            workers,
+            cells,
             closures: file.closures,
             evacuations: file.evacuations,
-            policy: file.arm.into(),
             local_planner: file.local_planner,
-            model: file.model,
-            learned: Model::builtin(),
-            picks: PickModel::builtin(),
         })
     }
 
@@ -238,11 +234,7 @@ impl Scenario {
     ///
     /// # Errors
     /// Where the map does not have a node that is to be closed.
-    pub fn recurring(
-        &self,
-        warehouse: &Warehouse,
-        start: Time,
-    ) -> Result<Vec<RecurringClosure>, ScenarioError> {
+    pub fn recurring(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<RecurringClosure>, SiteError> {
         let mut all = Vec::new();
         for closing in self.closures.iter().filter(|c| c.every_s.is_some()) {
             all.extend(
@@ -256,89 +248,36 @@ impl Scenario {
     ///
     /// # Errors
     /// Where the map does not have a node that is to be closed.
-    pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, ScenarioError> {
+    pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, SiteError> {
         let once = self.closures.iter().filter(|c| c.every_s.is_none());
         let areas: Result<Vec<_>, _> = once.map(|c| c.areas(warehouse, start)).collect();
         Ok(areas?.concat())
-    }
-
-    /// Adds a kind that the file does not have and none of its robots are of. `figures` is an object like `fleet`.
-    ///
-    /// # Errors
-    /// Figures that cannot be, by their keys; a name that there is already.
-    pub fn add_kind(&mut self, name: &str, figures: &str) -> Result<(), ScenarioError> {
-        if self.kinds.iter().any(|k| k.kind.name == name) {
-            let message = format!("there are two kinds named {name:?}");
-            return Err(ScenarioError::Wrong { key: "kinds", message });
-        }
-        self.kinds.push(kinds::read_one(name, figures)?);
-        Ok(())
-    }
-
-    /// The building for the kinds of robots that the scenario has.
-    ///
-    /// # Errors
-    /// Kinds for which it was not drawn.
-    pub fn fit(&self, warehouse: &Arc<Warehouse>) -> Result<Arc<Warehouse>, Findings> {
-        let kinds: Vec<RobotKind> = self.kinds.iter().map(|k| k.kind.clone()).collect();
-        fitted(warehouse, &kinds)
     }
 
     /// Whether the policy and the floor have room for the method by which goals of workers are recognised.
     ///
     /// # Errors
     /// What has none, and what to do.
-    pub fn check_method(&self, warehouse: &Warehouse) -> Result<(), ScenarioError> {
-        let wrong = |message| Err(ScenarioError::Wrong { key: "workers.method", message });
-        if self.workers.method == MethodWord::default() {
-            return Ok(());
-        }
-        if self.policy != HumanAwarePolicy::Giveway {
-            let arm = self.policy.word();
-            return wrong(format!("the arm {arm} recognises goals in its own way: leave the method out"));
-        }
-        match Tiles::fit(warehouse) {
-            Err(e) if self.workers.method == MethodWord::Chapter3Tiles => {
-                wrong(format!("{e}: take \"chapter3\", which has no such limit, or \"detour\""))
-            }
-            _ => Ok(()),
-        }
+    pub fn check_method(&self, warehouse: &Warehouse) -> Result<(), SiteError> {
+        self.site.check_method(warehouse, "workers.method")
     }
 
-    /// The settings of the core for this scenario.
-    pub fn settings(&self) -> giveway_fleet::Settings {
-        let Scenario { period, policy, .. } = *self;
-        let (method, node_windows) = (self.workers.method.into(), self.workers.node_windows.into());
-        let worker_price = self.workers.price;
-        let flow = self.cells.as_ref().map(|cells| cells.flow.into()).unwrap_or_default();
-        let arm_mode = self.cells.as_ref().map(|cells| cells.arm_mode.into()).unwrap_or_default();
-        let (kinds, model) = (self.kinds.iter().map(|k| k.kind.clone()).collect(), self.learned.clone());
-        let picks = self.picks.clone();
-        giveway_fleet::Settings {
-            kinds,
-            period,
-            policy,
-            method,
-            node_windows,
-            flow,
-            arm_mode,
-            worker_price,
-            model,
-            picks,
-            ..Default::default()
-        }
+    /// The same with robots of these kinds in turn.
+    pub fn with_kinds(mut self, kinds: impl Into<Vec<RobotKind>>) -> Scenario {
+        self.site.kinds = kinds.into();
+        self.shares = vec![1; self.site.kinds.len()];
+        self
     }
 
     /// The kind of robot number `i`, from 0: the robots are of the kinds in turn.
     pub fn kind_of(&self, i: usize) -> &RobotKind {
-        let all: usize = self.kinds.iter().map(|k| k.share).sum();
-        let mut left = i % all;
-        let kind = self.kinds.iter().find(|k| {
-            let is_it = left < k.share;
-            left = left.saturating_sub(k.share);
+        let mut left = i % self.shares.iter().sum::<usize>();
+        let kind = self.site.kinds.iter().zip(&self.shares).find(|(_, share)| {
+            let is_it = left < **share;
+            left = left.saturating_sub(**share);
             is_it
         });
-        &kind.expect("shares are positive").kind
+        kind.expect("shares are positive").0
     }
 }
 

@@ -3,11 +3,10 @@
 //! Main types: [`Workers`], [`Assignments`], [`Deviations`], [`Rates`], [`Sensor`], [`Personas`]. Refuses: numbers
 //! that cannot be, and to simulate anybody.
 
-use super::check::{ScenarioError, check};
-use giveway_fleet::Settings;
 use giveway_people::aware::NodeWindows;
 use giveway_people::human::Method;
-use serde::{Deserialize, Serialize};
+use giveway_site::{SiteError, check, words};
+use serde::Deserialize;
 
 /// The people of a scenario.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -39,55 +38,15 @@ pub struct Workers {
     pub pairs: f64,
     /// Radius within which a moving robot counts as met, metres.
     pub encounter_m: f64,
-    /// How the fleet recognises where they are going.
-    pub method: MethodWord,
+    /// How the fleet recognises where they are going. In files alone: a scenario that was read has it in its site, and
+    /// so with the two that follow.
+    #[serde(deserialize_with = "words::method")]
+    pub method: Option<Method>,
     /// How the fleet finds out when they take a node.
-    pub node_windows: NodeWindowsWord,
+    #[serde(deserialize_with = "words::node_windows")]
+    pub node_windows: Option<NodeWindows>,
     /// What a second of theirs is worth to the fleet, in seconds of a robot.
-    pub price: f64,
-}
-
-/// [`Method`] as files name it. That of chapter 4 belongs to a policy of its own (`phir`).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodWord {
-    /// Metres of detour.
-    #[default]
-    Detour,
-    /// Chapter 3 of the thesis, over the walkways.
-    Chapter3,
-    /// Chapter 3 of the thesis, over tiles.
-    Chapter3Tiles,
-}
-
-impl From<MethodWord> for Method {
-    fn from(word: MethodWord) -> Method {
-        match word {
-            MethodWord::Detour => Method::Detour,
-            MethodWord::Chapter3 => Method::Chapter3,
-            MethodWord::Chapter3Tiles => Method::Chapter3Tiles,
-        }
-    }
-}
-
-/// [`NodeWindows`] as files name it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum NodeWindowsWord {
-    /// From a fast walker's coming to a slow one's going.
-    #[default]
-    Speeds,
-    /// By the calibrated forecast.
-    Mixture,
-}
-
-impl From<NodeWindowsWord> for NodeWindows {
-    fn from(word: NodeWindowsWord) -> NodeWindows {
-        match word {
-            NodeWindowsWord::Speeds => NodeWindows::Speeds,
-            NodeWindowsWord::Mixture => NodeWindows::Mixture,
-        }
-    }
+    pub price: Option<f64>,
 }
 
 /// What workers are to do.
@@ -314,7 +273,7 @@ impl SecondTag {
         }
     }
 
-    fn check(&self) -> Result<(), ScenarioError> {
+    fn check(&self) -> Result<(), SiteError> {
         check("workers.tag.accuracy_m", self.accuracy_m, 0.0..=5.0, "from 0 to 5")?;
         check("workers.tag.period_s", self.period_s, 0.02..=2.0, "from 0.02 to 2")?;
         check("workers.tag.delay_ms", self.delay_ms, 0.0..=5000.0, "from 0 to 5000")
@@ -357,18 +316,18 @@ impl Default for Workers {
             personas: Personas::default(),
             pairs: 0.0,
             encounter_m: 1.5,
-            method: MethodWord::default(),
-            node_windows: NodeWindowsWord::default(),
-            price: Settings::default().worker_price,
+            method: None,
+            node_windows: None,
+            price: None,
         }
     }
 }
 
 impl Workers {
     /// Refuses numbers that cannot be.
-    pub(super) fn check(&self) -> Result<(), ScenarioError> {
+    pub(super) fn check(&self) -> Result<(), SiteError> {
         let times = 0.0..=1e7;
-        check("workers.price", self.price, 0.0..=1000.0, "from 0 to 1000")?;
+        check("workers.price", self.price.unwrap_or(0.0), 0.0..=1000.0, "from 0 to 1000")?;
         check("workers.count", self.count as f64, 0.0..=200.0, "from 0 to 200")?;
         check("workers.enter_s", self.enter_s, times.clone(), "from 0 to 10000000")?;
         check("workers.leave_s", self.leave_s.unwrap_or(0.0), times.clone(), "from 0 to 10000000")?;
@@ -392,8 +351,8 @@ impl Workers {
         self.check_liars()
     }
 
-    fn check_liars(&self) -> Result<(), ScenarioError> {
-        let wrong = |key, message: String| Err(ScenarioError::Wrong { key, message });
+    fn check_liars(&self) -> Result<(), SiteError> {
+        let wrong = |key, message: String| Err(SiteError::Wrong { key, message });
         if self.liars > self.count {
             let message = format!("{} of {} workers: name no more than there are", self.liars, self.count);
             return wrong("workers.liars", message);
@@ -414,7 +373,7 @@ impl Workers {
 }
 
 impl Rates {
-    fn check(&self) -> Result<(), ScenarioError> {
+    fn check(&self) -> Result<(), SiteError> {
         let rates = [
             self.pause_per_hour,
             self.look_per_hour,
@@ -431,7 +390,7 @@ impl Rates {
 }
 
 impl Sensor {
-    fn check(&self, of: &str) -> Result<(), ScenarioError> {
+    fn check(&self, of: &str) -> Result<(), SiteError> {
         let (rare, once) = ((0.0..=3600.0), (0.0..=1.0));
         let all = [
             ("rate_hz", self.rate(), 0.5..=50.0, "from 0.5 to 50"),

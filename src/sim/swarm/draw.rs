@@ -76,7 +76,7 @@ impl SwarmSetup {
         let text = Value::Object(file.clone()).to_string();
         let scenario = Scenario::parse(&text).map_err(|e| e.to_string())?;
         giveway_floor::warehouse::room_for(warehouse, scenario.robots).map_err(|e| e.to_string())?;
-        scenario.fit(warehouse).map_err(|e| e.to_string())?;
+        scenario.site.fit(warehouse).map_err(|e| e.to_string())?;
         Ok(SwarmSetup { text, scenario, warehouse: warehouse.clone() })
     }
 }
@@ -417,7 +417,7 @@ mod tests {
             let others =
                 [c.put_back, c.relocate, c.charge, c.park, c.go, c.cancel, c.short, c.departures_per_hour];
             assert_eq!(others, [0.0; 8]);
-            assert_eq!((plain.closures.len(), plain.kinds.len()), (0, 1));
+            assert_eq!((plain.closures.len(), plain.site.kinds.len()), (0, 1));
         }
     }
 

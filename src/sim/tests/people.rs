@@ -70,7 +70,8 @@ fn a_method_is_refused_where_it_has_no_room_or_no_use() {
     let refused = |s: &Scenario, w| s.check_method(&w).expect_err("it cannot be").to_string();
     let large = refused(&method("chapter3_tiles"), kiva());
     assert!(large.contains("room for 400") && large.contains("take \"chapter3\""), "{large}");
-    let published = Scenario { policy: giveway_people::aware::HumanAwarePolicy::Phir, ..method("chapter3") };
+    let mut published = method("chapter3");
+    published.site.policy = giveway_people::aware::HumanAwarePolicy::Phir;
     let useless = refused(&published, thesis());
     assert!(useless.contains("phir") && useless.contains("leave the method out"), "{useless}");
     for word in ["chapter3", "chapter3_tiles", "detour"] {
@@ -127,7 +128,7 @@ fn waits(price: f64) -> (u64, f64) {
             let until = worker.guidance.wait.map(|t| (t - now).as_secs_f64());
             assert!(!waits || until.is_some_and(|s| s <= 12.0), "{:?}", worker.guidance);
             times += u64::from(waits && *lasts == 0.0);
-            *lasts = if waits { *lasts + scenario.period.as_secs_f64() } else { 0.0 };
+            *lasts = if waits { *lasts + scenario.site.period.as_secs_f64() } else { 0.0 };
             longest = longest.max(*lasts);
         }
     }

@@ -1,44 +1,21 @@
-//! Kinds of robots in scenario files: one for all (`fleet`), or several with their shares (`kinds`). Kinds that come
-//! from elsewhere are added to them.
+//! Kinds of robots in files and requests: one for all (`fleet`), or several by name (`kinds`).
 //!
-//! Main types: [`KindShare`], and the file's own [`KindFigures`] and [`KindFile`]. Refuses: kinds of one name.
+//! Main types: [`KindFigures`], [`NamedKind`]; main functions: [`read_kinds`], [`read_kind`]. Refuses: kinds of one
+//! name, figures that cannot be.
 
-use super::check::{ScenarioError, check};
+use crate::check::{SiteError, check};
 use giveway_fleet::{Charging, RobotKind, USUAL_KIND};
 use giveway_floor::geometry::Point;
 use giveway_floor::route::Kinematics;
 use giveway_floor::text::name_fault;
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::Footprint;
-use giveway_people::local::{ImprovedWeights, LocalMethod, TraditionalWeights};
 use serde::Deserialize;
-
-/// A kind of robots, and how many of each round of robots are of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct KindShare {
-    /// The kind.
-    pub kind: RobotKind,
-    /// With kinds of shares 1 and 2, of three robots the first is of the first kind and the others of the second. None
-    /// of the scenario's robots are of a kind of share 0, which others may be of.
-    pub share: usize,
-}
-
-impl KindShare {
-    /// All robots are of this kind.
-    fn only(kind: RobotKind) -> Vec<KindShare> {
-        vec![KindShare { kind, share: 1 }]
-    }
-
-    /// All robots are of one kind.
-    pub fn one(kinematics: Kinematics, charging: Charging) -> Vec<KindShare> {
-        KindShare::only(RobotKind { kinematics, charging, ..RobotKind::default() })
-    }
-}
 
 /// The figures of a kind as files give them; what is left out is as usual.
 #[derive(Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct KindFigures {
+pub struct KindFigures {
     speed_mps: Option<f64>,
     speed_loaded_mps: Option<f64>,
     accel_unloaded_mps2: Option<f64>,
@@ -74,15 +51,15 @@ enum DriveWord {
     Omnidirectional,
 }
 
-/// A kind with its name and share.
+/// A kind with its name.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct KindFile {
-    name: String,
-    #[serde(default = "one")]
-    share: usize,
+pub struct NamedKind {
+    /// Its name.
+    pub name: String,
+    /// Its figures.
     #[serde(default)]
-    fleet: KindFigures,
+    pub fleet: KindFigures,
 }
 
 /// [`Charging`] as files name it.
@@ -104,70 +81,41 @@ impl Default for Battery {
     }
 }
 
-fn one() -> usize {
-    1
-}
-
 /// The kinds of a file: `fleet` for all robots, or `kinds`.
-pub(super) fn read(
-    fleet: Option<KindFigures>,
-    kinds: Vec<KindFile>,
-) -> Result<Vec<KindShare>, ScenarioError> {
+///
+/// # Errors
+/// Both, two kinds of one name, names and figures that cannot be.
+pub fn read_kinds(fleet: Option<KindFigures>, kinds: Vec<NamedKind>) -> Result<Vec<RobotKind>, SiteError> {
     if kinds.is_empty() {
-        let figures = fleet.unwrap_or_default();
-        return Ok(KindShare::only(figures.kind(USUAL_KIND.to_owned(), "fleet")?));
+        return Ok(vec![fleet.unwrap_or_default().kind(USUAL_KIND.to_owned(), "fleet")?]);
     }
-    let wrong = |message: String| Err(ScenarioError::Wrong { key: "kinds", message });
+    let wrong = |message: String| Err(SiteError::Wrong { key: "kinds", message });
     if fleet.is_some() {
         return wrong("leave `fleet` out if there are kinds: each has a `fleet` of its own".into());
     }
     for (i, kind) in kinds.iter().enumerate() {
-        let at = |what: &str| format!("kinds[{i}].{what}");
-        check(&at("share"), kind.share as f64, 1.0..=1000.0, "from 1 to 1000")?;
         if let Some(fault) = name_fault(&kind.name, 50) {
-            return wrong(format!("{}: {fault}", at("name")));
+            return wrong(format!("kinds[{i}].name: {fault}"));
         }
         if kinds[..i].iter().any(|k| k.name == kind.name) {
             return wrong(format!("there are two kinds named {:?}", kind.name));
         }
     }
-    kinds.into_iter().enumerate().map(|(i, kind)| kind.share(i)).collect()
+    let read = |(i, kind): (usize, NamedKind)| kind.fleet.kind(kind.name, &format!("kinds[{i}].fleet"));
+    kinds.into_iter().enumerate().map(read).collect()
 }
 
-/// [`LocalMethod`] as files name it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LocalPlannerWord {
-    /// The improved dynamic window.
-    #[default]
-    Improved,
-    /// The traditional one.
-    Traditional,
-}
-
-impl From<LocalPlannerWord> for LocalMethod {
-    fn from(word: LocalPlannerWord) -> LocalMethod {
-        match word {
-            LocalPlannerWord::Improved => LocalMethod::Improved(ImprovedWeights::default()),
-            LocalPlannerWord::Traditional => LocalMethod::Traditional(TraditionalWeights::default()),
-        }
-    }
-}
-
-/// A kind that none of the scenario's robots are of. `figures` is an object like `fleet`.
-pub(super) fn read_one(name: &str, figures: &str) -> Result<KindShare, ScenarioError> {
-    let figures: KindFigures = serde_json::from_str(figures).map_err(|e| ScenarioError::syntax(&e))?;
-    Ok(KindShare { kind: figures.kind(name.to_owned(), "kind")?, share: 0 })
-}
-
-impl KindFile {
-    fn share(self, i: usize) -> Result<KindShare, ScenarioError> {
-        Ok(KindShare { kind: self.fleet.kind(self.name, &format!("kinds[{i}].fleet"))?, share: self.share })
-    }
+/// A kind by its name and figures, an object like `fleet`.
+///
+/// # Errors
+/// Figures that cannot be, by their keys after `kind.`.
+pub fn read_kind(name: &str, figures: &str) -> Result<RobotKind, SiteError> {
+    let figures: KindFigures = serde_json::from_str(figures).map_err(|e| SiteError::syntax(&e))?;
+    figures.kind(name.to_owned(), "kind")
 }
 
 impl Outline {
-    fn check(&self, key: &str) -> Result<(), ScenarioError> {
+    fn check(&self, key: &str) -> Result<(), SiteError> {
         match self {
             Outline::SquareM(m) | Outline::CircleM(m) => {
                 check(key, *m, 0.05..=10.0, "from 0.05 to 10 metres")
@@ -193,7 +141,7 @@ impl Outline {
 }
 
 impl Battery {
-    fn charging(&self, of: &str) -> Result<Charging, ScenarioError> {
+    fn charging(&self, of: &str) -> Result<Charging, SiteError> {
         let Battery { critical, low, enough, full, opportunity, driving_h } = *self;
         let field = |name: &str| format!("{of}.{name}");
         check(&field("critical"), critical, 0.0..=1.0, "from 0 to 1")?;
@@ -206,7 +154,7 @@ impl Battery {
 }
 
 impl KindFigures {
-    fn kind(self, name: String, of: &str) -> Result<RobotKind, ScenarioError> {
+    fn kind(self, name: String, of: &str) -> Result<RobotKind, SiteError> {
         let kinematics = self.kinematics(of)?;
         let charging = self.battery.charging(&format!("{of}.battery"))?;
         let outlines = [("footprint", &self.footprint), ("footprint_loaded", &self.footprint_loaded)];
@@ -221,7 +169,7 @@ impl KindFigures {
         Ok(RobotKind { name, kinematics, charging, footprints, carries, payload_kg, free_navigation })
     }
 
-    fn kinematics(&self, of: &str) -> Result<Kinematics, ScenarioError> {
+    fn kinematics(&self, of: &str) -> Result<Kinematics, SiteError> {
         let usual = Kinematics::default();
         let speed = self.speed_mps.unwrap_or(usual.speed_mps);
         let speed_loaded = self.speed_loaded_mps.unwrap_or(speed);

@@ -1,10 +1,10 @@
-//! Numbers in a scenario file that cannot be are refused, with what they may be.
+//! What cannot be in a site or scenario file is refused, with what may be there.
 //!
-//! Main type: [`ScenarioError`]; main function [`check`]. Refuses: to correct a number silently.
+//! Main type: [`SiteError`]; main function [`check`]. Refuses: to correct a number silently.
 
-/// A scenario file that cannot be used.
+/// A site or scenario file that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ScenarioError {
+pub enum SiteError {
     /// It is not JSON of the right shape.
     #[error("line {line}, column {column}: {message}")]
     Syntax {
@@ -35,22 +35,26 @@ pub enum ScenarioError {
     },
 }
 
-impl ScenarioError {
+impl SiteError {
     /// What the parser says, and where.
-    pub(super) fn syntax(e: &serde_json::Error) -> ScenarioError {
-        ScenarioError::Syntax { line: e.line(), column: e.column(), message: e.to_string() }
+    pub fn syntax(e: &serde_json::Error) -> SiteError {
+        SiteError::Syntax { line: e.line(), column: e.column(), message: e.to_string() }
     }
 }
 
-pub(crate) fn check(
+/// Refuses a number outside of a range; `key` says where it is, and `wanted` what it may be.
+///
+/// # Errors
+/// What it is, and what it may be.
+pub fn check(
     key: &str,
     found: f64,
     range: std::ops::RangeInclusive<f64>,
     wanted: &'static str,
-) -> Result<(), ScenarioError> {
+) -> Result<(), SiteError> {
     if range.contains(&found) {
         Ok(())
     } else {
-        Err(ScenarioError::Number { key: key.to_owned(), found: found.to_string(), wanted })
+        Err(SiteError::Number { key: key.to_owned(), found: found.to_string(), wanted })
     }
 }

@@ -1,0 +1,56 @@
+//! Which of a scenario's robots are of which kind, and how simulated robots pass people.
+//!
+//! Main types: [`KindFile`], [`LocalPlannerWord`]. Refuses: kinds of which there are none.
+
+use giveway_fleet::RobotKind;
+use giveway_people::local::{ImprovedWeights, LocalMethod, TraditionalWeights};
+use giveway_site::{KindFigures, NamedKind, SiteError, check, read_kinds};
+use serde::Deserialize;
+
+/// A kind with its name and share.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KindFile {
+    name: String,
+    #[serde(default = "one")]
+    share: usize,
+    #[serde(default)]
+    fleet: KindFigures,
+}
+
+fn one() -> usize {
+    1
+}
+
+/// The kinds of a file, `fleet` for all robots or `kinds`, with their shares.
+pub(super) fn read(
+    fleet: Option<KindFigures>,
+    kinds: Vec<KindFile>,
+) -> Result<(Vec<RobotKind>, Vec<usize>), SiteError> {
+    for (i, kind) in kinds.iter().enumerate() {
+        check(&format!("kinds[{i}].share"), kind.share as f64, 1.0..=1000.0, "from 1 to 1000")?;
+    }
+    let shares = if kinds.is_empty() { vec![1] } else { kinds.iter().map(|k| k.share).collect() };
+    let named = kinds.into_iter().map(|KindFile { name, fleet, .. }| NamedKind { name, fleet });
+    Ok((read_kinds(fleet, named.collect())?, shares))
+}
+
+/// [`LocalMethod`] as files name it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LocalPlannerWord {
+    /// The improved dynamic window.
+    #[default]
+    Improved,
+    /// The traditional one.
+    Traditional,
+}
+
+impl From<LocalPlannerWord> for LocalMethod {
+    fn from(word: LocalPlannerWord) -> LocalMethod {
+        match word {
+            LocalPlannerWord::Improved => LocalMethod::Improved(ImprovedWeights::default()),
+            LocalPlannerWord::Traditional => LocalMethod::Traditional(TraditionalWeights::default()),
+        }
+    }
+}
