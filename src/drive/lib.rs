@@ -1,6 +1,6 @@
 //! The driver around the core: what is heard, stepped, written down and sent, as one pure machine.
 //!
-//! Main types: [`Drive`], [`Heard`], [`Sent`], [`Released`]. The server is sockets, a clock and a database around it; a
+//! Main types: [`Drive`], [`Heard`], [`Sent`], [`Released`], [`Outgoing`]. The server is sockets, a clock and a database around it; a
 //! simulation is a loop around the same machine, with a journal that may be late, refuse or lose its last writes, and a
 //! process that may die at any point. Stops and guidance leave in the turn that decided them ([`Sent`]); orders and
 //! answers leave when the journal has the facts behind them ([`Released`]). Every call of the fleet is guarded: one
@@ -9,12 +9,14 @@
 
 mod gate;
 mod intake;
+mod link;
 mod outbox;
 mod rescue;
 mod settle;
 
 pub use gate::{JournalReport, JournalState, MOST_PENDING};
 pub use intake::{MOST_REQUESTS, MOST_SIMULATED};
+pub use link::Outgoing;
 pub use rescue::{GuardedCall, PLANTED, Trap, panic_text};
 pub use settle::NotStanding;
 

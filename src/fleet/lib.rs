@@ -39,6 +39,7 @@ pub use read::rows::{
 pub use read::safety_regions::{RegionStay, SafetyRegion};
 pub use read::shift::{EndedJob, ShiftRows};
 pub use read::unsettled::Unsettled;
+pub use read::untrue::untrue;
 pub use read::view::{Counts, JobWhy, JobsAhead, RobotState, RobotView, StationView, View};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::activity::{Activity, Doing};

@@ -55,20 +55,17 @@ pub fn run(
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
     let mut now = Time::ZERO;
     let mut fleet = Fleet::new(warehouse.clone(), Settings { stopwatch, ..scenario.site.settings() });
-    let mut world = World::new(warehouse.clone(), &scenario, &[], 1, &fleet, now);
+    let mut world = World::new(warehouse.clone(), &scenario, &[], 1, fleet.ledger(), now);
     let mut jobs = requests(warehouse, StepsCase::Waiting(JOBS * robots), now).into_iter();
     let mut out = JointOutcome::default();
     let mut measured = 0;
     for step in 0..settle + plans * BETWEEN {
-        let mut inputs = world.advance(now, &fleet);
+        let mut inputs = world.advance(now, fleet.ledger());
         if step > 0 {
             inputs.extend(jobs.by_ref().take(PER_STEP));
         }
         let done = fleet.step(now, inputs);
-        world.warn(now, &done.warnings);
-        world.answer(now, &done.replies);
-        world.command(now, done.urgent);
-        world.command(now, done.commands);
+        world.take(now, &done);
         if step >= settle && (step - settle).is_multiple_of(BETWEEN) {
             // Neighbours in number start side by side: robots far apart take turns.
             let robot = RobotId((measured * 7919 % robots) as u32);

@@ -58,20 +58,18 @@ pub fn run(warehouse: &Arc<Warehouse>, robots: usize, days: u64, mut at_end: imp
     );
     let scenario = Scenario::parse(&text).expect("the text is a scenario");
     let mut fleet = Fleet::new(warehouse.clone(), scenario.site.settings());
-    let mut world = World::new(warehouse.clone(), &scenario, &[], 1, &fleet, Time::ZERO);
+    let mut world = World::new(warehouse.clone(), &scenario, &[], 1, fleet.ledger(), Time::ZERO);
     let aisles = warehouse.nodes_where(|k| k == NodeKind::Aisle);
     let mut s = 0;
     for day in 1..=days {
         while s < day as i64 * DAY {
             let now = Time::ZERO + Span::from_secs(s);
-            let mut inputs = world.advance(now, &fleet);
+            let mut inputs = world.advance(now, fleet.ledger());
             people(warehouse, &aisles, &fleet, s, now, &mut inputs);
             orders(warehouse, &aisles, &fleet, s, now, &mut inputs);
             let done = fleet.step(now, inputs);
             drop(fleet.take_plan_times());
-            world.answer(now, &done.replies);
-            world.command(now, done.urgent);
-            world.command(now, done.commands);
+            world.take(now, &done);
             s += 1;
         }
         at_end(&what_is_kept(&fleet, day));

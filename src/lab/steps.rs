@@ -87,12 +87,12 @@ pub fn run(
     // Hours after zero, so that areas can be over already.
     let mut now = Time::ZERO + Span::from_secs(4 * 3600);
     let mut fleet = Fleet::new(warehouse.clone(), Settings { stopwatch, ..scenario.site.settings() });
-    let mut world = World::new(warehouse.clone(), &scenario, &[], 1, &fleet, now);
+    let mut world = World::new(warehouse.clone(), &scenario, &[], 1, fleet.ledger(), now);
     let mut requests = requests(warehouse, case, now).into_iter();
     let mut measured = Measured::default();
     let filling = requests.len().div_ceil(PER_STEP) + 1;
     for step in 0..filling + setup.settle + setup.steps {
-        let mut inputs = world.advance(now, &fleet);
+        let mut inputs = world.advance(now, fleet.ledger());
         if step > 0 {
             inputs.extend(requests.by_ref().take(PER_STEP));
         }
@@ -106,11 +106,7 @@ pub fn run(
             measured.step_ns.push(spent);
             measured.waits_ns.push(fleet.waits_ns());
         }
-        world.answer(now, &done.replies);
-        world.warn(now, &done.warnings);
-        world.move_arms(&done.arms);
-        world.command(now, done.urgent);
-        world.command(now, done.commands);
+        world.take(now, &done);
         now += Span::from_millis(50);
     }
     let ledger = fleet.ledger();

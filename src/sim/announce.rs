@@ -5,7 +5,7 @@
 
 use super::askers::SUPERVISORS;
 use super::scenario::Scenario;
-use giveway_fleet::{Fleet, FloorAction, Input, Token};
+use giveway_fleet::{FloorAction, Input, Ledger, Token};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 
@@ -22,8 +22,7 @@ impl Announcements {
     ///
     /// # Panics
     /// If the map does not have a node that the scenario closes: see [`Scenario::areas`].
-    pub fn new(scenario: &Scenario, warehouse: &Warehouse, fleet: &Fleet, start: Time) -> Announcements {
-        let ledger = fleet.ledger();
+    pub fn new(scenario: &Scenario, warehouse: &Warehouse, ledger: &Ledger, start: Time) -> Announcements {
         let told = ledger.next_closure > 1 || ledger.next_series > 1;
         let known = "whoever reads a scenario looks at its areas";
         let areas = scenario.areas(warehouse, start).expect(known).into_iter();

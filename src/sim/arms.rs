@@ -11,7 +11,7 @@ use giveway_cell::PickFace;
 use giveway_cell::arm::{
     ArmGrip, ArmKind, ArmOrder, ArmReport, ArmSaid, Capsule, GripAct, Gripped, base_of, rest,
 };
-use giveway_fleet::{Fleet, Input};
+use giveway_fleet::{Input, Ledger};
 use giveway_floor::id::{JobId, StationId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
@@ -57,6 +57,8 @@ struct SimArmPost {
     next_report: Time,
     newest: u64,
     wanted: Option<ArmGrip>,
+    /// Whom it picks for, as it was told last.
+    line: Option<(JobId, usize)>,
     grips: Option<(ArmGrip, Time)>,
     gripped: Option<(u64, Gripped)>,
     holds: bool,
@@ -104,6 +106,7 @@ impl SimArms {
                 next_report: now,
                 newest: 0,
                 wanted: None,
+                line: None,
                 grips: None,
                 gripped: None,
                 holds: false,
@@ -139,7 +142,7 @@ impl SimArms {
                 if !(post.stands && post.apart_m < LEFT_M) {
                     post.arm.follow(&order.trajectory.steps, post.step_s);
                 }
-                post.wanted = order.grip;
+                (post.wanted, post.line) = (order.grip, order.line);
             }
         }
     }
@@ -175,14 +178,14 @@ impl SimArms {
 
     /// Looks for lines of which arm and hand together put down more than was ordered. `by_hand` says how many pieces a
     /// hand put down.
-    pub fn note_twice(&mut self, fleet: &Fleet, by_hand: impl Fn((JobId, usize)) -> u32) {
+    pub fn note_twice(&mut self, ledger: &Ledger, by_hand: impl Fn((JobId, usize)) -> u32) {
         let (lines, twice) = (&self.lines, &mut self.twice);
         self.watched.retain(|line, ordered| {
             let all = lines.get(line).copied().unwrap_or(0) + by_hand(*line);
             if all > *ordered {
                 twice.push(*line);
             }
-            all <= *ordered && fleet.ledger().jobs.contains_key(&line.0)
+            all <= *ordered && ledger.jobs.contains_key(&line.0)
         });
     }
 
@@ -197,15 +200,15 @@ impl SimArms {
     pub fn say(
         &mut self,
         (from, now): (Time, Time),
-        fleet: &Fleet,
+        ledger: &Ledger,
         has_rack: impl Fn(StationId) -> bool,
     ) -> Vec<Input> {
         let mut said = Vec::new();
         let fails = self.silences_per_hour * (now - from).as_secs_f64() / 3600.0;
         for post in &mut self.all {
-            if let Some((job, line)) = post.grip(now, fleet, has_rack(post.station)) {
+            if let Some((job, line)) = post.grip(now, has_rack(post.station)) {
                 *self.lines.entry((job, line)).or_default() += 1;
-                let visit = fleet.ledger().jobs.get(&job).and_then(|job| job.lines_now());
+                let visit = ledger.jobs.get(&job).and_then(|job| job.lines_now());
                 let ordered = visit.and_then(|visit| visit.all().get(line)).map(|p| p.line.quantity);
                 self.watched.extend(ordered.map(|n| ((job, line), n)));
             }
@@ -263,7 +266,7 @@ impl SimArmPost {
     }
 
     /// A grip goes on. Gives the line for which a piece was put down.
-    fn grip(&mut self, now: Time, fleet: &Fleet, has_rack: bool) -> Option<(JobId, usize)> {
+    fn grip(&mut self, now: Time, has_rack: bool) -> Option<(JobId, usize)> {
         let is_done = |number: u64| self.gripped.is_some_and(|(done, _)| done == number);
         if let Some(wanted) = self.wanted.filter(|w| self.grips.is_none() && !is_done(w.number)) {
             let takes = if matches!(wanted.act, GripAct::Take(_)) { TAKE } else { PUT };
@@ -279,7 +282,7 @@ impl SimArmPost {
         let held = std::mem::replace(&mut self.holds, finds && matches!(grip.act, GripAct::Take(_)));
         let puts = held && matches!(grip.act, GripAct::Put(_));
         self.figures.pieces += u64::from(puts);
-        fleet.arm(self.station, now).and_then(|arm| arm.line).filter(|_| puts)
+        self.line.filter(|_| puts)
     }
 }
 

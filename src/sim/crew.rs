@@ -15,7 +15,7 @@ use super::shared_tasks::{SharedTasks, unassigned};
 use super::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings};
 use super::walker::{WorkKnowledge, ease};
 use giveway_fleet::{
-    Assignment, AssignmentRequest, AssignmentState, Fleet, Guidance, GuidanceReason, GuidanceState, Input,
+    Assignment, AssignmentRequest, AssignmentState, Guidance, GuidanceReason, GuidanceState, Input, Ledger,
     Token, WorkerAction,
 };
 use giveway_floor::geometry::{Point, Pose};
@@ -141,15 +141,15 @@ impl Crew {
         })
     }
 
-    /// What is asked of the fleet, and what the devices have sent, by `now`.
-    pub fn say(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
+    /// What is asked of the ledger, and what the devices have sent, by `now`.
+    pub fn say(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
         let mut inputs = Vec::new();
-        self.share(now, fleet, &mut inputs);
+        self.share(now, ledger, &mut inputs);
         for i in 0..self.members.len() {
-            self.join(i, fleet, &mut inputs);
-            self.want_assignments(i, now, fleet, &mut inputs);
-            self.confirm(i, now, fleet, &mut inputs);
-            self.members[i].look_up(fleet, &self.doors, &self.walkways);
+            self.join(i, ledger, &mut inputs);
+            self.want_assignments(i, now, ledger, &mut inputs);
+            self.confirm(i, now, ledger, &mut inputs);
+            self.members[i].look_up(ledger, &self.doors, &self.walkways);
             let member = &mut self.members[i];
             if let Some(device) = &mut member.device {
                 inputs.extend(device.arrivals(now).into_iter().map(Input::Sighted));
@@ -176,12 +176,12 @@ impl Crew {
     }
 
     /// A worker whom the fleet does not know joins; the number is known a step later.
-    fn join(&mut self, i: usize, fleet: &Fleet, inputs: &mut Vec<Input>) {
+    fn join(&mut self, i: usize, ledger: &Ledger, inputs: &mut Vec<Input>) {
         if self.members[i].id.is_none() {
             let name = self.members[i].name.clone();
-            let known = fleet.ledger().workers.pairs().find(|(_, n)| **n == name);
+            let known = ledger.workers.pairs().find(|(_, n)| **n == name);
             self.members[i].id = known.map(|(w, _)| w);
-            let place = known.and_then(|(w, _)| fleet.ledger().on_floor.get(&w));
+            let place = known.and_then(|(w, _)| ledger.on_floor.get(&w));
             if let Some(place) = place {
                 self.members[i].stays = self.walkways.on_floor(place.at.into());
                 self.members[i].enters = self.start;
@@ -193,28 +193,28 @@ impl Crew {
     }
 
     /// Keeps assignments waiting for whoever is near, and takes them back when the last worker leaves.
-    fn share(&mut self, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
+    fn share(&mut self, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
         if self.workers.tasks != TaskSharing::Nearest {
             return;
         }
         let (begins, ends) = (self.members[0].enters, self.members[0].leaves);
         if now >= ends {
-            let left: Vec<AssignmentId> = unassigned(fleet).collect();
+            let left: Vec<AssignmentId> = unassigned(ledger).collect();
             let back = |assignment| self.ask(WorkerAction::Unassign(assignment));
             inputs.extend(left.into_iter().map(back));
         } else if now >= begins {
             let (count, what) = (self.members.len(), &self.workers.assignments);
-            let new = self.shared.ask(count, what, &self.fronts, fleet);
+            let new = self.shared.ask(count, what, &self.fronts, ledger);
             let ask = |request| self.ask(WorkerAction::Assign { worker: None, request });
             inputs.extend(new.into_iter().map(ask));
         }
     }
 
     /// Keeps assignments open for a worker until it leaves, and takes them back then.
-    fn want_assignments(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
+    fn want_assignments(&mut self, i: usize, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
         let Some(worker) = self.members[i].id else { return };
         if now >= self.members[i].leaves {
-            let open = fleet.ledger().assignments.iter().filter(|(_, a)| a.worker == Some(worker));
+            let open = ledger.assignments.iter().filter(|(_, a)| a.worker == Some(worker));
             let open: Vec<AssignmentId> = open.map(|(id, _)| *id).collect();
             inputs.extend(open.into_iter().map(|assignment| self.ask(WorkerAction::Unassign(assignment))));
             return;
@@ -228,7 +228,7 @@ impl Crew {
         if now < member.enters || self.fronts.is_empty() || shares {
             return;
         }
-        let open = fleet.ledger().assignments.iter();
+        let open = ledger.assignments.iter();
         let open =
             open.filter(|(id, a)| a.worker == Some(worker) && !member.done.contains(id)).count() as u64;
         for _ in open..AHEAD {
@@ -250,10 +250,10 @@ impl Crew {
     }
 
     /// A worker says what it is done with, until the fleet knows.
-    fn confirm(&mut self, i: usize, now: Time, fleet: &Fleet, inputs: &mut Vec<Input>) {
+    fn confirm(&mut self, i: usize, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
         let member = &mut self.members[i];
         let Some(worker) = member.id else { return };
-        let open = |id: &AssignmentId| fleet.ledger().assignments.contains_key(id);
+        let open = |id: &AssignmentId| ledger.assignments.contains_key(id);
         if let Some(id) = member.done.iter().copied().find(open).filter(|_| now - member.pressed >= AGAIN) {
             member.pressed = now;
             member.button.send(now, id);
@@ -355,7 +355,7 @@ impl Crew {
         present.map(move |(worker, w)| TrueWorker { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
     }
 
-    /// The truth about each worker that has been on the floor: its number in the fleet, and the walker.
+    /// The truth about each worker that has been on the floor: its number in the ledger, and the walker.
     pub fn walkers(&self) -> impl Iterator<Item = (WorkerId, &Walker)> {
         self.members.iter().filter_map(|m| m.id.zip(m.walker.as_ref()))
     }
@@ -433,18 +433,18 @@ impl Member {
     }
 
     /// Looks up what there is to do, and where.
-    fn look_up(&mut self, fleet: &Fleet, doors: &[Point], walkways: &Walkways) {
-        self.job = self.next_job(fleet, walkways);
+    fn look_up(&mut self, ledger: &Ledger, doors: &[Point], walkways: &Walkways) {
+        self.job = self.next_job(ledger, walkways);
         let Some(worker) = self.id else { return };
-        let mine = fleet.ledger().assignments.values().filter(|a| a.worker == Some(worker));
-        let places = mine.map(|a| fleet.warehouse().nodes[a.request.place].at);
+        let mine = ledger.assignments.values().filter(|a| a.worker == Some(worker));
+        let places = mine.map(|a| ledger.warehouse().nodes[a.request.place].at);
         self.known = doors.iter().copied().chain(places.filter_map(|p| stand(p, walkways))).collect();
     }
 
     /// What it is to do next: what the device shows, or else the first that is not done.
-    fn next_job(&self, fleet: &Fleet, walkways: &Walkways) -> Option<Errand> {
+    fn next_job(&self, ledger: &Ledger, walkways: &Walkways) -> Option<Errand> {
         let worker = self.id?;
-        let all = &fleet.ledger().assignments;
+        let all = &ledger.assignments;
         // Told to leave or to wait outside, it looks for no work.
         let reason = self.told.as_ref().and_then(|(_, g)| g.reason);
         if matches!(
@@ -466,7 +466,7 @@ impl Member {
         let first = || all.iter().find(|(id, a)| is_open(id, a) && at_work(a));
         let any = || all.iter().find(|(id, a)| is_open(id, a));
         let (id, assignment) = shown.or_else(first).or_else(any)?;
-        let place = fleet.warehouse().nodes[assignment.request.place].at;
+        let place = ledger.warehouse().nodes[assignment.request.place].at;
         let at = stand(place, walkways)?;
         Some(Errand { id: *id, at, stay: assignment.request.stay })
     }
@@ -506,6 +506,7 @@ fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways)
 mod tests {
     use super::*;
     use crate::scenario::Sensor;
+    use giveway_fleet::Fleet;
     use giveway_fleet::{Request, Settings};
     use giveway_floor::geometry::Vector;
     use giveway_floor::warehouse::thesis;
@@ -522,7 +523,7 @@ mod tests {
         let mut now = Time::ZERO;
         let mut live = |speed_mps: f64, far_m: f64, crew: &mut Crew| {
             now += Span::from_millis(100);
-            let inputs = crew.say(now, &fleet);
+            let inputs = crew.say(now, fleet.ledger());
             fleet.step(now, inputs);
             let velocity = Vector::new(-speed_mps, 0.0);
             let robot = RobotNear { at: crew.doors[0] + Vector::new(far_m, 0.0), velocity, half_m: 0.45 };
@@ -549,7 +550,7 @@ mod tests {
         let mut asked = 0;
         let mut done = |crew: &mut Crew| {
             now += Span::from_millis(100);
-            let inputs = crew.say(now, &fleet);
+            let inputs = crew.say(now, fleet.ledger());
             let says_so = |i: &&Input| {
                 matches!(i, Input::Ask { request: Request::Worker(WorkerAction::Finish(..)), .. })
             };
@@ -579,7 +580,7 @@ mod tests {
         let mut seen = Vec::new();
         for i in 1..1200 {
             let now = Time(i * 100_000);
-            let inputs = crew.say(now, &fleet);
+            let inputs = crew.say(now, fleet.ledger());
             let step = fleet.step(now, inputs);
             step.guidance.into_iter().for_each(|(worker, guidance)| crew.tell(now, worker, guidance));
             crew.tick(now, 0.1, &[]);

@@ -5,7 +5,7 @@
 
 use super::askers::ROBOTS;
 use super::random::Stream;
-use giveway_fleet::{Fleet, Input, RobotAction, Service, Task, Token};
+use giveway_fleet::{Input, Ledger, RobotAction, Service, Task, Token};
 use giveway_floor::id::{NodeId, RobotId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::NodeKind;
@@ -32,11 +32,11 @@ impl Leavers {
     }
 
     /// What is said now. Robots that are away come back although customers have `stopped`.
-    pub fn say(&mut self, now: Time, period: Span, stopped: bool, fleet: &Fleet) -> Option<Input> {
+    pub fn say(&mut self, now: Time, period: Span, stopped: bool, ledger: &Ledger) -> Option<Input> {
         if self.per_hour <= 0.0 {
             return None;
         }
-        let robots = &fleet.ledger().robots;
+        let robots = &ledger.robots;
         let hours = period.as_secs_f64() / 3600.0;
         if !stopped && !robots.is_empty() && self.random.happens(self.per_hour * hours) {
             let robot = RobotId(self.random.below(robots.len()) as u32);
@@ -48,7 +48,7 @@ impl Leavers {
         self.next_try = now + AGAIN;
         let due = |s: Service| matches!(s, Service::Gone { since } if now - since >= self.away);
         let (_, record) = robots.pairs().find(|(_, r)| due(r.service))?;
-        let w = fleet.warehouse();
+        let w = ledger.warehouse();
         let body = w.body_of(&record.kind);
         let places: Vec<NodeId> =
             w.nodes_where(NodeKind::is_lasting).into_iter().filter(|n| w.may_be_at(body, *n)).collect();
@@ -59,9 +59,9 @@ impl Leavers {
 }
 
 /// Whether a robot that is to leave can be switched off and taken away.
-pub(super) fn may_be_taken(fleet: &Fleet, robot: RobotId) -> bool {
-    let (record, chain) = (&fleet.ledger().robots[robot], fleet.ledger().chain(robot));
+pub(super) fn may_be_taken(ledger: &Ledger, robot: RobotId) -> bool {
+    let (record, chain) = (&ledger.robots[robot], ledger.chain(robot));
     let rests = record.task == Task::Idle && chain.first() + 1 == chain.end();
-    let empty = fleet.ledger().rack_on(robot).is_none();
+    let empty = ledger.rack_on(robot).is_none();
     matches!(record.service, Service::Leaving { .. }) && empty && (rests || record.failed)
 }

@@ -118,7 +118,11 @@ impl Simulation {
             scenario.site.fit(&warehouse).expect("a scenario is refused with its map where it is read");
         let settings = Settings { without_conflicts, stopwatch, ..scenario.site.settings() };
         let fleet = Fleet::new(warehouse.clone(), settings);
-        let world = World::new(warehouse, scenario, lines, seed, &fleet, Time::ZERO);
+        // The bound on throughput is without people.
+        let alone =
+            without_conflicts.then(|| Scenario { workers: crate::Workers::default(), ..scenario.clone() });
+        let floor = alone.as_ref().unwrap_or(scenario);
+        let world = World::new(warehouse, floor, lines, seed, fleet.ledger(), Time::ZERO);
         Simulation {
             laws: Laws::new(&fleet),
             host: Host::new(fleet, &scenario.faults, seed),
@@ -185,19 +189,17 @@ impl Simulation {
             self.measured = Some((self.fleet().view(now).counts, self.trace.value()));
             self.world.stop_customers();
         }
-        let inputs = self.world.advance(now, self.host.drive.fleet());
+        let fleet = self.host.drive.fleet();
+        self.world.foretell(fleet.people_near(&self.world.robots_beside(), self.world.now()));
+        let inputs = self.world.advance(now, fleet.ledger());
         let start = (self.stopwatch)();
         let host = self.host.turn(now - self.period, now, inputs.clone());
         self.step_ns.push((self.stopwatch)() - start);
         self.plan_ns.append(&mut self.host.drive.take_plan_times());
         self.look(&host);
         let HostTurn { sent, released, .. } = host;
-        self.world.answer(now, &released.replies);
-        self.world.command(now, sent.limits.clone());
-        self.world.command(now, released.orders.clone());
-        self.world.tell(now, sent.guidance.clone());
-        self.world.warn(now, &sent.warnings);
-        self.world.move_arms(&sent.arms);
+        self.world.take(now, &sent);
+        self.world.take(now, &released);
         self.now += self.period;
         SimTurn { inputs, sent, released }
     }
@@ -214,7 +216,7 @@ impl Simulation {
         self.tallies.note(durable);
         if let Some(fold) = &turn.anew {
             self.laws.begin_again(fleet, fold.clone());
-            self.world.meet_another(fleet);
+            self.world.meet_another(fleet.ledger());
         }
         if turn.anew.is_some() || !self.host.is_up() {
             return self.laws.check_floor(now, &self.world);

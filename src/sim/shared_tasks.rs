@@ -4,7 +4,7 @@
 
 use super::random::Stream;
 use super::scenario::Assignments;
-use giveway_fleet::{AssignmentRequest, Fleet};
+use giveway_fleet::{AssignmentRequest, Ledger};
 use giveway_floor::id::{AssignmentId, NodeId};
 use giveway_floor::time::Span;
 
@@ -31,7 +31,7 @@ impl SharedTasks {
         workers: usize,
         assignments: &Assignments,
         fronts: &[NodeId],
-        fleet: &Fleet,
+        ledger: &Ledger,
     ) -> Vec<AssignmentRequest> {
         let (Assignments::Random { stay_s } | Assignments::List { stay_s, .. }) = assignments else {
             return Vec::new();
@@ -39,7 +39,7 @@ impl SharedTasks {
         if fronts.is_empty() {
             return Vec::new();
         }
-        let waiting = unassigned(fleet).count();
+        let waiting = unassigned(ledger).count();
         let new = (waiting..workers).map(|_| {
             let at = match assignments {
                 Assignments::List { .. } => self.asked as usize % fronts.len(),
@@ -56,6 +56,6 @@ impl SharedTasks {
 }
 
 /// Assignments that nobody has.
-pub(super) fn unassigned(fleet: &Fleet) -> impl Iterator<Item = AssignmentId> + '_ {
-    fleet.ledger().assignments.iter().filter(|(_, a)| a.worker.is_none()).map(|(id, _)| *id)
+pub(super) fn unassigned(ledger: &Ledger) -> impl Iterator<Item = AssignmentId> + '_ {
+    ledger.assignments.iter().filter(|(_, a)| a.worker.is_none()).map(|(id, _)| *id)
 }

@@ -35,18 +35,14 @@ pub fn warm_up(
     // A machine that is slower than the floor itself never gets there.
     let last = now + scenario.warm_up + scenario.warm_up;
     let mut fleet = Fleet::new(map.clone(), scenario.site.settings());
-    let mut world = World::new(map.clone(), scenario, lines, scenario.seed, &fleet, now);
+    let mut world = World::new(map.clone(), scenario, lines, scenario.seed, fleet.ledger(), now);
     let mut out = WarmUp { steps: Vec::new(), history: History::default() };
     let mut looked = now - LOOK;
     while now < until().min(last) {
-        let inputs = world.advance(now, &fleet);
+        world.foretell(fleet.people_near(&world.robots_beside(), world.now()));
+        let inputs = world.advance(now, fleet.ledger());
         let step = fleet.step(now, inputs);
-        world.answer(now, &step.replies);
-        world.command(now, step.urgent);
-        world.command(now, step.commands);
-        world.tell(now, step.guidance);
-        world.warn(now, &step.warnings);
-        world.move_arms(&step.arms);
+        world.take(now, &step);
         if !step.facts.is_empty() {
             out.steps.push((now, step.facts));
         }

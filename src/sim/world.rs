@@ -25,8 +25,9 @@ use super::random::Stream;
 use super::robot::RobotBody;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
+use giveway_drive::Outgoing;
 use giveway_fleet::{
-    Command, Fault, Fleet, Guidance, Input, RackAt, Reply, RobotAction, Service, Telemetry, Token,
+    Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, RobotKind, Service, Telemetry, Token,
     most_dangerous,
 };
 use giveway_floor::geometry::Point;
@@ -78,6 +79,8 @@ struct SimRobot {
 #[derive(Debug)]
 pub struct World {
     warehouse: Arc<Warehouse>,
+    /// What robots are like.
+    kinds: Vec<RobotKind>,
     /// The worst robot to be in the way of.
     worst: Kinematics,
     faults: Faults,
@@ -127,24 +130,19 @@ impl World {
         scenario: &Scenario,
         lines: &[OrderFileLine],
         seed: u64,
-        fleet: &Fleet,
+        ledger: &Ledger,
         now: Time,
     ) -> World {
-        let known = fleet.ledger().robots.len();
+        let known = ledger.robots.len();
         let places =
             starting_places(&warehouse, scenario.robots, |i| warehouse.body_of(&scenario.kind_of(i).name));
         let joining = places.into_iter().enumerate().skip(known);
         let kind = |i: usize| scenario.kind_of(i).name.clone();
         let joining = joining.map(|(i, n)| (format!("robot-{}", i + 1), kind(i), n)).collect();
         let customers = Customers::new(scenario, lines, &warehouse, seed);
-        let racks = fleet.ledger().racks.clone();
+        let racks = ledger.racks.clone();
         let faults = scenario.faults;
-        // The bound on throughput is without people.
-        let crew = if fleet.settings().without_conflicts {
-            None
-        } else {
-            Crew::new(&warehouse, scenario, seed, now)
-        };
+        let crew = Crew::new(&warehouse, scenario, seed, now);
         let meter = EncounterMeter::new(scenario.workers.encounter_m);
         let outages = Outages::new(&faults, &warehouse, seed);
         let pickers = scenario
@@ -153,10 +151,11 @@ impl World {
             .map(|cells| Pickers::new(&warehouse, cells, scenario.site.flow, seed, now));
         let arms = scenario.cells.as_ref().and_then(|cells| SimArms::new(&warehouse, cells, seed, now));
         let robots = vec![];
-        let announcements = Announcements::new(scenario, &warehouse, fleet, now);
+        let announcements = Announcements::new(scenario, &warehouse, ledger, now);
         let mut world = World {
             warehouse,
-            worst: most_dangerous(&fleet.settings().kinds),
+            kinds: scenario.site.kinds.clone(),
+            worst: most_dangerous(&scenario.site.kinds),
             racks,
             misplaced: Vec::new(),
             faults_end: faults.until_s.map(|s| now + Span::from_secs_f64(s)),
@@ -182,19 +181,19 @@ impl World {
             pushed: 0,
             now,
         };
-        world.meet(fleet);
+        world.meet(ledger);
         world
     }
 
     /// Moves everything to `now` and says what is seen and ordered.
-    pub fn advance(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
-        self.meet(fleet);
-        let mut inputs = self.customers.order(now, now - self.now, fleet);
+    pub fn advance(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
+        self.meet(ledger);
+        let mut inputs = self.customers.order(now, now - self.now, ledger);
         let join = |(name, kind, node)| Input::ask(JOINS, RobotAction::Register { name, kind, node });
         inputs.extend(self.joining.drain(..).map(join));
         inputs.extend(self.announcements.say(now));
-        inputs.extend(self.leavers.say(now, now - self.now, self.customers.have_stopped(), fleet));
-        self.come_and_go(fleet);
+        inputs.extend(self.leavers.say(now, now - self.now, self.customers.have_stopped(), ledger));
+        self.come_and_go(ledger);
         let from = self.now;
         if self.faults_end.take_if(|end| now >= *end).is_some() {
             self.end_faults(now);
@@ -214,11 +213,11 @@ impl World {
         }
         self.push_robots(from, now);
         self.guard_hands(from);
-        self.show_people(fleet, from);
+        self.show_people();
         self.live(from, now);
         self.note_racks();
-        inputs.extend(self.picks(fleet));
-        inputs.extend(self.pick_lines(from, now, fleet));
+        inputs.extend(self.picks(ledger));
+        inputs.extend(self.pick_lines(from, now, ledger));
         for robot in self.robots.iter_mut().filter(|r| !r.off) {
             let report = robot.body.report(now);
             robot.mute_until = robot.mute_until.filter(|until| now < *until);
@@ -232,22 +231,22 @@ impl World {
         }
         self.now = now;
         if let Some(crew) = &mut self.crew {
-            inputs.extend(crew.say(now, fleet));
+            inputs.extend(crew.say(now, ledger));
         }
         inputs
     }
 
     /// Robots that leave are switched off and taken away; those that come back stand where they were registered.
-    fn come_and_go(&mut self, fleet: &Fleet) {
+    fn come_and_go(&mut self, ledger: &Ledger) {
         for i in 0..self.robots.len() {
             let (id, robot) = (RobotId::at(i), &self.robots[i]);
-            let Some(service) = fleet.ledger().robots.get(id).map(|r| r.service) else { break };
-            if !robot.off && robot.body.speed_mps == 0.0 && may_be_taken(fleet, id) {
+            let Some(service) = ledger.robots.get(id).map(|r| r.service) else { break };
+            if !robot.off && robot.body.speed_mps == 0.0 && may_be_taken(ledger, id) {
                 self.robots[i].off = true;
             } else if robot.off && !matches!(service, Service::Leaving { .. } | Service::Gone { .. }) {
                 self.messages += robot.orders.counts;
                 self.messages += robot.reports.counts;
-                self.robots[i] = self.robot(id, fleet);
+                self.robots[i] = self.robot(id, ledger);
             }
         }
     }
@@ -315,6 +314,11 @@ impl World {
         }
     }
 
+    /// Until when everything has moved.
+    pub fn now(&self) -> Time {
+        self.now
+    }
+
     /// How often each kind of fault has happened so far, by the keys of scenario files where there are some.
     pub fn injected(&self) -> BTreeMap<&'static str, u64> {
         let mut all = self.afflicted.clone();
@@ -349,13 +353,28 @@ impl World {
         self.customers.stop();
     }
 
-    /// Hands over answers to customers.
-    pub fn answer(&mut self, now: Time, replies: &[Reply]) {
+    /// What leaves the fleet arrives at robots, arms, people and customers, by their radios where they have some.
+    pub fn take<'a>(&mut self, now: Time, out: impl Into<Outgoing<'a>>) {
+        let Outgoing { limits, orders, guidance, warnings, arms, replies } = out.into();
         for reply in replies {
             if let Reply { token: JOINS, answer: Err(why) } = reply {
                 tracing::warn!(?why, "a robot of the scenario cannot join");
             }
             self.customers.hear(reply, now);
+        }
+        for (robot, command) in limits.iter().chain(orders) {
+            if let Some(robot) = self.robots.get_mut(robot.ix()).filter(|r| !r.off) {
+                robot.orders.send(now, command.clone());
+            }
+        }
+        if let Some(crew) = &mut self.crew {
+            guidance.iter().for_each(|(worker, g)| crew.tell(now, *worker, g.clone()));
+        }
+        if let Some(pickers) = &mut self.pickers {
+            warnings.iter().for_each(|warning| pickers.warn(now, warning));
+        }
+        if let Some(arms_here) = &mut self.arms {
+            arms_here.follow(arms);
         }
     }
 
@@ -382,15 +401,15 @@ impl World {
 
     /// What pickers report when they have all that was wanted; they repeat it until their screen shows that it was
     /// heard.
-    fn picks(&mut self, fleet: &Fleet) -> Vec<Input> {
+    fn picks(&mut self, ledger: &Ledger) -> Vec<Input> {
         let mut said = Vec::new();
         for robot in &self.robots {
             let NodeKind::Station(station) = self.warehouse.nodes[robot.body.node].kind else { continue };
             let id = robot.body.id;
-            let serial = fleet.ledger().chain(id).first();
-            let works = !fleet.ledger().paused_stations.contains_key(&station);
-            let by_line = self.pickers.is_some() && has_lines(fleet, id);
-            if works && !by_line && robot.body.is_picked(serial) && fleet.is_picked_from(id) {
+            let serial = ledger.chain(id).first();
+            let works = !ledger.paused_stations.contains_key(&station);
+            let by_line = self.pickers.is_some() && has_lines(ledger, id);
+            if works && !by_line && robot.body.is_picked(serial) && ledger.is_picked_from(id) {
                 said.push(self.customers.pick(station, id, serial));
             }
         }
@@ -456,13 +475,6 @@ impl World {
         self.meter.count_pairs(to);
     }
 
-    /// Hands over guidance to workers.
-    pub fn tell(&mut self, now: Time, guidance: Vec<(WorkerId, Guidance)>) {
-        if let Some(crew) = &mut self.crew {
-            guidance.into_iter().for_each(|(worker, g)| crew.tell(now, worker, g));
-        }
-    }
-
     /// Meetings of robots and people so far, measured where both truly are.
     pub fn figures(&self) -> EncounterFigures {
         self.meter.so_far()
@@ -483,34 +495,24 @@ impl World {
         self.crew.as_ref().map_or(0, Crew::completed)
     }
 
-    /// Hands over orders to robots.
-    pub fn command(&mut self, now: Time, commands: Vec<(RobotId, Command)>) {
-        for (robot, command) in commands {
-            if let Some(robot) = self.robots.get_mut(robot.ix()).filter(|r| !r.off) {
-                robot.orders.send(now, command);
-            }
-        }
-    }
-
     /// Bodies for robots that the fleet knows by now.
-    fn meet(&mut self, fleet: &Fleet) {
-        for i in self.robots.len()..fleet.ledger().robots.len() {
-            self.robots.push(self.robot(RobotId::at(i), fleet));
+    fn meet(&mut self, ledger: &Ledger) {
+        for i in self.robots.len()..ledger.robots.len() {
+            self.robots.push(self.robot(RobotId::at(i), ledger));
         }
     }
 
     /// A robot where the ledger has it, with its radio.
-    fn robot(&self, id: RobotId, fleet: &Fleet) -> SimRobot {
-        let record = &fleet.ledger().robots[id];
-        let node = fleet.ledger().node_of(id);
+    fn robot(&self, id: RobotId, ledger: &Ledger) -> SimRobot {
+        let record = &ledger.robots[id];
+        let node = ledger.node_of(id);
         let who = id.ix() as u64;
         let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
         let at = self.warehouse.nodes[node].at;
         let kind = self.warehouse.body_of(&record.kind);
         let footprints = [false, true].map(|loaded| self.warehouse.footprint(kind, loaded).clone());
-        let mut body =
-            RobotBody::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
-        let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
+        let mut body = RobotBody::new(id, node, at, battery, (self.kind(&record.kind), footprints));
+        let (reached, rack) = (ledger.chain(id).first(), ledger.rack_on(id));
         body.beside.method = self.beside.method;
         body.resume(reached, record.acted, record.recalls, rack);
         let stream = |purpose| Stream::new(self.seed, purpose, who);
@@ -534,6 +536,12 @@ impl World {
             tries: 0,
             off: record.is_gone(),
         }
+    }
+
+    /// The kind of a robot by its name.
+    fn kind(&self, name: &str) -> &RobotKind {
+        let kind = self.kinds.iter().find(|kind| kind.name == name);
+        kind.expect("robots are of the kinds of their site")
     }
 
     /// Where each robot truly is.

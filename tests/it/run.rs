@@ -30,7 +30,7 @@ pub fn deliver(rack: u32, key: Option<&str>) -> JobRequest {
 impl Run {
     /// From a fleet that knows what was promised, with robots where its ledger has them.
     pub fn new(map: &Arc<Warehouse>, scenario: &Scenario, fleet: Fleet, now: Time) -> Run {
-        let world = World::new(map.clone(), scenario, &[], scenario.seed, &fleet, now);
+        let world = World::new(map.clone(), scenario, &[], scenario.seed, fleet.ledger(), now);
         Run { fleet, world, now, period: scenario.site.period }
     }
 
@@ -44,12 +44,10 @@ impl Run {
 
     /// One control period, with `extra` inputs. Gives what is to be written, and what came of it.
     pub fn step(&mut self, extra: Vec<Input>) -> (StepEntry, Step) {
-        let mut inputs = self.world.advance(self.now, &self.fleet);
+        let mut inputs = self.world.advance(self.now, self.fleet.ledger());
         inputs.extend(extra);
         let step = self.fleet.step(self.now, inputs);
-        self.world.command(self.now, step.urgent.clone());
-        self.world.command(self.now, step.commands.clone());
-        self.world.tell(self.now, step.guidance.clone());
+        self.world.take(self.now, &step);
         let entry = StepEntry { at: self.now, facts: step.facts.clone(), causes: Vec::new() };
         self.now += self.period;
         (entry, step)

@@ -4,7 +4,7 @@
 //! that lost messages do no harm: a grip has a number and is done once. Refuses: grips while the arm moves.
 
 use super::seam::{ArmReport, ArmTrajectory};
-use giveway_floor::id::StationId;
+use giveway_floor::id::{JobId, StationId};
 use giveway_floor::warehouse::SlotName;
 
 /// What the gripper does where the arm stands.
@@ -56,4 +56,6 @@ pub struct ArmOrder {
     pub trajectory: ArmTrajectory,
     /// What the gripper does at its end.
     pub grip: Option<ArmGrip>,
+    /// Whom it picks for: the job, and the number of its line. Nothing where the arm has no task.
+    pub line: Option<(JobId, usize)>,
 }

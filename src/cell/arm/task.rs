@@ -400,7 +400,7 @@ impl StationArm {
     fn order(&mut self, now: Time, plan: ArmPlan, grip: Option<ArmGrip>) -> Option<ArmOrder> {
         let trajectory = self.seam.trajectory(now, &plan).ok()?;
         self.plan = plan;
-        Some(ArmOrder { station: self.station, trajectory, grip })
+        Some(ArmOrder { station: self.station, trajectory, grip, line: None })
     }
 
     /// What the gripper does at this stage.
@@ -508,7 +508,7 @@ impl StationArm {
         let plan = [rest()].into_iter().chain(access.into_iter().flatten()).chain(tote).find_map(leaves)?;
         let trajectory = self.seam.trajectory_away(now, &plan).ok()?;
         (self.plan, self.run) = (plan, None);
-        Some(ArmOrder { station: self.station, trajectory, grip: None })
+        Some(ArmOrder { station: self.station, trajectory, grip: None, line: None })
     }
 
     /// Comes to a stand.

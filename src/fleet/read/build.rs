@@ -229,7 +229,7 @@ impl Fleet {
         let station = &self.writer.warehouse().stations[s];
         let stands = |n: NodeId| ledger.present().find(|r| ledger.node_of(*r) == n);
         let here = stands(station.node);
-        let picked = here.filter(|r| self.floor().is_picked_from(*r));
+        let picked = here.filter(|r| self.is_picked_from(*r));
         let job = picked.and_then(|r| ledger.robots[r].task.job());
         let record = job.and_then(|id| Some((id, ledger.jobs.get(&id)?)));
         StationView {

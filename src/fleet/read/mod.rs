@@ -16,5 +16,6 @@ pub mod rows;
 pub(crate) mod safety_regions;
 pub(crate) mod shift;
 pub(crate) mod unsettled;
+pub(crate) mod untrue;
 pub mod view;
 pub(crate) mod why;

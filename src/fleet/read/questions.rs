@@ -23,6 +23,9 @@ use giveway_people::human::Sighting;
 use giveway_people::human::motion::MotionEstimate;
 use std::collections::BTreeSet;
 
+/// Robots are told of people this near, metres.
+const TOLD_M: f64 = 12.0;
+
 impl Fleet {
     /// Whether a robot stands where, and carries what, the ledger has for it.
     pub fn is_in_place(&self, seen: &Telemetry) -> bool {
@@ -41,7 +44,7 @@ impl Fleet {
 
     /// Whether a robot stands at its station and the pick has not ended.
     pub fn is_picked_from(&self, robot: RobotId) -> bool {
-        self.floor().is_picked_from(robot)
+        self.writer.ledger().is_picked_from(robot)
     }
 
     /// Whether a robot was heard of lately and can drive.
@@ -102,10 +105,10 @@ impl Fleet {
         self.people.expectations(self.floor(), now)
     }
 
-    /// Where people within so many metres of a place are and will be, as the fleet believes: what a robot that passes
-    /// them is told.
-    pub fn people_near(&self, at: Point, within_m: f64, now: Time) -> Vec<ForeseenPerson> {
-        self.people.foreseen(self.floor(), at, within_m, now)
+    /// What robots at these places are told of the people near them: where those are and will be, as the fleet believes.
+    pub fn people_near(&self, robots: &[(RobotId, Point)], now: Time) -> Vec<(RobotId, Vec<ForeseenPerson>)> {
+        let near = |at| self.people.foreseen(self.floor(), at, TOLD_M, now);
+        robots.iter().map(|(robot, at)| (*robot, near(*at))).collect()
     }
 
     /// What a worker is told now, besides the path, and since when; nothing of one who is not on the floor.

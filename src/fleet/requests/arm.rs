@@ -9,7 +9,7 @@ use crate::requests::intake::Intake;
 use crate::requests::visit::OnVisit;
 use crate::state::fact::JobFact;
 use crate::state::visits::ConfirmedBy;
-use giveway_cell::arm::{ArmDeed, ArmMode, ArmSaid, ArmTask, Surroundings};
+use giveway_cell::arm::{ArmDeed, ArmMode, ArmOrder, ArmSaid, ArmTask, Surroundings};
 use giveway_cell::{LineChange, LineProgress, LineState, PickedBy};
 use giveway_floor::id::{JobId, StationId};
 use giveway_floor::time::{Span, Time};
@@ -173,8 +173,9 @@ impl Intake<'_> {
         }
         let model = (mode == ArmMode::Predictive).then(PickModel::builtin);
         let picker = post.sight.ahead(&face, now, model.as_deref());
+        let line = post.line;
         let order = post.arm.cycle(now, Surroundings { picker: picker.as_ref(), holds });
-        self.writer.move_arm(order);
+        self.writer.move_arm(order.map(|order| ArmOrder { line, ..order }));
     }
 
     /// A person lets the rack go: an arm of which nothing is heard is out of it.

@@ -207,7 +207,7 @@ impl Floor<'_> {
                 return None;
             }
             if let Some((_, station)) = nodes.iter().find(|(node, _)| *node == visit.node) {
-                return Some(*station).filter(|_| !self.is_picked_from(robot));
+                return Some(*station).filter(|_| !self.ledger.is_picked_from(robot));
             }
         }
         None

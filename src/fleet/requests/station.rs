@@ -152,7 +152,7 @@ impl Intake<'_> {
 
     /// Nobody picks for a job that was cancelled: the robot need not wait.
     pub(crate) fn end_cancelled_pick(&mut self, robot: RobotId) {
-        if self.writer.floor().is_picked_from(robot) {
+        if self.writer.ledger().is_picked_from(robot) {
             self.writer.record(RouteFact::Acted { robot, serial: self.writer.ledger().chain(robot).first() });
             self.heard.left_early.push(robot);
         }

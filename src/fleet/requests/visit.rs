@@ -3,7 +3,7 @@
 //! Main type: [`OnVisit`]. Refuses: to know who says so, a button or a hand.
 
 use crate::requests::intake::Intake;
-use crate::state::fact::{Act, JobFact, RouteFact, Task};
+use crate::state::fact::{JobFact, RouteFact, Task};
 use crate::state::floor::Floor;
 use crate::state::job::JobState;
 use crate::state::refusal::{PickRefusal, Refusal};
@@ -100,7 +100,7 @@ impl Intake<'_> {
                 robot
             }
         };
-        let robot = robot.filter(|robot| self.writer.floor().is_picked_from(*robot))?;
+        let robot = robot.filter(|robot| self.writer.ledger().is_picked_from(*robot))?;
         let (job, _) = self.lines_under(robot)?;
         Some(OnVisit { robot, job })
     }
@@ -137,13 +137,6 @@ impl Floor<'_> {
     pub(crate) fn picked_from(&self, station: StationId) -> Option<RobotId> {
         let node = self.warehouse().stations[station].node;
         let mut there = self.ledger.present().filter(|r| self.ledger.node_of(*r) == node);
-        there.find(|r| self.is_picked_from(*r))
-    }
-
-    /// Whether a robot stands at its station and the pick has not ended.
-    pub fn is_picked_from(&self, robot: RobotId) -> bool {
-        let here = self.ledger.chain(robot).first();
-        let stop = self.ledger.robots[robot].stops.first();
-        stop.is_some_and(|s| s.serial == here && matches!(s.act, Act::Pick(_)))
+        there.find(|r| self.ledger.is_picked_from(*r))
     }
 }

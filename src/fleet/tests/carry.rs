@@ -56,7 +56,7 @@ impl TestFloor {
         let ledger = Ledger::from_parts(map.clone(), clearance, parts).expect("it contradicts nothing");
         ledger.assert_sound();
         let fleet = Fleet::resume(ledger, scenario.site.settings(), []);
-        let world = World::new(map, scenario, &[], scenario.seed, &fleet, self.now);
+        let world = World::new(map, scenario, &[], scenario.seed, fleet.ledger(), self.now);
         TestFloor { laws: Laws::new(&fleet), fleet, world, now: self.now, facts: Vec::new() }
     }
 

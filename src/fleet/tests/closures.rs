@@ -260,7 +260,7 @@ fn a_closure_survives_a_restart_and_is_forgotten_a_day_after_it_is_over() {
     let closure = floor.close(aisle(60.0, 200.0));
     let warehouse = floor.fleet.warehouse().clone();
     floor.fleet = Fleet::restore(warehouse.clone(), scenario.site.settings(), floor.facts.clone());
-    floor.world = World::new(warehouse, &scenario, &[], scenario.seed, &floor.fleet, floor.now);
+    floor.world = World::new(warehouse, &scenario, &[], scenario.seed, floor.fleet.ledger(), floor.now);
     let state = |f: &TestFloor| f.fleet.view(f.now).closures[0].closure.state(f.now);
     assert_eq!(state(&floor), ClosureState::Announced);
     floor.busy_until(seconds(60.0));

@@ -259,7 +259,7 @@ fn nobody_is_told_to_drive_after_a_start_until_all_were_heard_of_or_a_while_is_o
     let begin = floor.now;
     let mut first_order = None;
     while floor.now < begin + Span::from_secs(5) {
-        let inputs = only_first(floor.world.advance(floor.now, &floor.fleet));
+        let inputs = only_first(floor.world.advance(floor.now, floor.fleet.ledger()));
         let step = floor.fleet.step(floor.now, inputs);
         if !step.commands.is_empty() {
             first_order = first_order.or(Some(floor.now - begin));

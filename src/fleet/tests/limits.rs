@@ -119,7 +119,7 @@ fn searches_of_one_step_expand_no_more_than_a_step_may_and_the_last_search() {
         Settings { expansions_per_step: 1_200, expansions_per_plan: 500, ..scenario.site.settings() };
     let warehouse = scenario.site.fit(&Arc::new(thesis())).expect("the map is for these robots");
     let fleet = Fleet::new(warehouse.clone(), settings);
-    let world = World::new(warehouse, &scenario, &[], 1, &fleet, Time::ZERO);
+    let world = World::new(warehouse, &scenario, &[], 1, fleet.ledger(), Time::ZERO);
     let laws = Laws::new(&fleet);
     let mut floor = TestFloor { fleet, world, laws, now: Time::ZERO, facts: Vec::new() };
     floor.step(vec![]);

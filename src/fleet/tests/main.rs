@@ -49,6 +49,7 @@ mod turns;
 mod why;
 mod workplace;
 
+use giveway_drive::Outgoing;
 use giveway_fleet::internals::{Internals, InternalsMut};
 use giveway_fleet::*;
 use giveway_floor::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};
@@ -105,7 +106,7 @@ impl TestFloor {
     fn new(warehouse: Warehouse, scenario: &Scenario) -> TestFloor {
         let warehouse = scenario.site.fit(&Arc::new(warehouse)).expect("the map is for these robots");
         let fleet = Fleet::new(warehouse.clone(), scenario.site.settings());
-        let world = World::new(warehouse, scenario, &[], scenario.seed, &fleet, Time::ZERO);
+        let world = World::new(warehouse, scenario, &[], scenario.seed, fleet.ledger(), Time::ZERO);
         let laws = Laws::new(&fleet);
         let mut floor = TestFloor { fleet, world, laws, now: Time::ZERO, facts: Vec::new() };
         floor.step(vec![]);
@@ -123,14 +124,14 @@ impl TestFloor {
 
     /// One control period in which somebody also wants `extra`.
     fn step(&mut self, extra: Vec<Input>) -> Step {
-        let mut inputs = self.world.advance(self.now, &self.fleet);
+        let near = self.fleet.people_near(&self.world.robots_beside(), self.world.now());
+        self.world.foretell(near);
+        let mut inputs = self.world.advance(self.now, self.fleet.ledger());
         inputs.extend(extra);
         let step = self.fleet.step(self.now, inputs);
         self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         assert_eq!(self.laws.broken, [], "laws hold");
-        self.world.answer(self.now, &step.replies);
-        self.world.command(self.now, step.urgent.clone());
-        self.world.command(self.now, step.commands.clone());
+        self.world.take(self.now, &step);
         self.facts.extend(step.facts.iter().cloned());
         self.now += self.fleet.settings().period;
         step

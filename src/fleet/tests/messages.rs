@@ -10,7 +10,7 @@ fn repeated_late_and_shuffled_telemetry_changes_nothing() {
     let (mut dice, mut old, mut extra) = (TestDice(1), Vec::<Input>::new(), 0);
     let mut wanted: Vec<JobKind> = (0..15).map(|i| deliver(i * 4)).collect();
     while floor.now < Time::from_secs_f64(300.0) {
-        let mut inputs = floor.world.advance(floor.now, &floor.fleet);
+        let mut inputs = floor.world.advance(floor.now, floor.fleet.ledger());
         let (news, picks): (Vec<Input>, Vec<Input>) =
             inputs.iter().cloned().partition(|i| matches!(i, Input::Telemetry(_)));
         let mut heard = news.clone();
@@ -34,7 +34,7 @@ fn repeated_late_and_shuffled_telemetry_changes_nothing() {
         }
         let (clean, loud) = (floor.fleet.step(floor.now, inputs), noisy.step(floor.now, heard));
         assert_eq!(clean, loud, "at {}", floor.now);
-        floor.world.command(floor.now, clean.commands);
+        floor.world.take(floor.now, &clean);
         floor.now += floor.fleet.settings().period;
     }
     assert!(floor.done() >= 5 && extra > 1000, "{} jobs done, {extra} old messages", floor.done());

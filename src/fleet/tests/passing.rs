@@ -180,7 +180,9 @@ fn shifted(beside: bool, by_m: f64) -> Vec<giveway_sim::Violation> {
             break;
         }
     }
-    let inputs = floor.world.advance(floor.now, &floor.fleet);
+    let near = floor.fleet.people_near(&floor.world.robots_beside(), floor.world.now());
+    floor.world.foretell(near);
+    let inputs = floor.world.advance(floor.now, floor.fleet.ledger());
     let step = floor.fleet.step(floor.now, inputs);
     floor.laws.check(floor.now, &floor.world, &floor.fleet, &step.facts);
     floor.laws.broken.iter().map(|(_, violation)| violation.clone()).collect()

@@ -7,7 +7,7 @@ impl TestFloor {
     pub(super) fn restart(&mut self, scenario: &Scenario) {
         let warehouse = self.fleet.warehouse().clone();
         self.fleet = Fleet::restore(warehouse.clone(), scenario.site.settings(), self.facts.clone());
-        self.world = World::new(warehouse, scenario, &[], scenario.seed, &self.fleet, self.now);
+        self.world = World::new(warehouse, scenario, &[], scenario.seed, self.fleet.ledger(), self.now);
     }
 
     #[track_caller]

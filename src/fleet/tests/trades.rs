@@ -106,7 +106,8 @@ fn a_search_that_gives_up_looks_farther_next_time() {
         Settings { expansions_per_plan: 12, ..scenario(1).site.settings() },
     );
     floor.laws = Laws::new(&floor.fleet);
-    floor.world = World::new(floor.fleet.warehouse().clone(), &scenario(1), &[], 1, &floor.fleet, Time::ZERO);
+    floor.world =
+        World::new(floor.fleet.warehouse().clone(), &scenario(1), &[], 1, floor.fleet.ledger(), Time::ZERO);
     floor.now = Time::ZERO;
     floor.step(vec![]);
     let far =

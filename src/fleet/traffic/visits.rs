@@ -37,7 +37,7 @@ pub(crate) fn retime_visits(writer: &mut Writer, now: Time) {
 fn visit_of(floor: Floor<'_>, robot: RobotId) -> Option<JobId> {
     let Task::Deliver { job, .. } = floor.ledger.robots[robot].task else { return None };
     let has_lines = floor.ledger.jobs.get(&job)?.lines_now().is_some();
-    (has_lines && floor.is_picked_from(robot)).then_some(job)
+    (has_lines && floor.ledger.is_picked_from(robot)).then_some(job)
 }
 
 fn retime(writer: &mut Writer, robot: RobotId, remaining: Remaining, now: Time) {

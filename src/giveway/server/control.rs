@@ -20,7 +20,7 @@ use giveway_api::alarms::Alarms;
 use giveway_api::feed::hub::{Feeds, HeardSighting};
 use giveway_api::metrics::Metrics;
 use giveway_api::port::{Moment, QUESTIONS_AT_ONCE, Question};
-use giveway_drive::{Drive, DriveAlarm, GuardedCall, Heard, JournalReport, Released, Sent, WrittenStep};
+use giveway_drive::{Drive, DriveAlarm, GuardedCall, Heard, JournalReport, Sent, WrittenStep};
 use giveway_fleet::{CellWarning, Command, Input, SILENCE};
 use giveway_floor::time::{Span, Time};
 use giveway_sim::World;
@@ -201,11 +201,16 @@ impl ControlLoop {
 
     /// What the simulated floor says. While the fleet cannot be looked at, what it makes of it may end in a panic.
     fn seen(&mut self, now: Time) -> Vec<Input> {
-        let (world, fleet) = (&mut self.world, self.drive.fleet());
-        if self.drive.decides() {
-            return world.advance(now, fleet);
+        let passing = self.world.robots_beside();
+        if !passing.is_empty() {
+            let near = self.drive.ask(GuardedCall::Query, now, |fleet| fleet.people_near(&passing, now));
+            self.world.foretell(near.unwrap_or_default());
         }
-        catch_unwind(AssertUnwindSafe(|| world.advance(now, fleet))).unwrap_or_default()
+        let (world, ledger) = (&mut self.world, self.drive.fleet().ledger());
+        if self.drive.decides() {
+            return world.advance(now, ledger);
+        }
+        catch_unwind(AssertUnwindSafe(|| world.advance(now, ledger))).unwrap_or_default()
     }
 
     /// How the journal is.
@@ -216,16 +221,11 @@ impl ControlLoop {
     /// Lets stops, and what workers are told, go at once: what was decided with the poses that were there `looked`, of
     /// which one `called`. Hands the facts to the journal. Whether somebody was warned.
     fn send(&mut self, (looked, called): (Time, Option<Time>), sent: Sent) -> bool {
-        let Sent { written, limits, guidance, warnings, arms, refused, alarms, settled, .. } = sent;
+        self.world.take(self.clock.now(), &sent);
+        let Sent { written, limits, guidance, warnings, refused, alarms, settled, .. } = sent;
         self.inbox.forget(&refused);
-        self.world.warn(self.clock.now(), &warnings);
-        self.world.move_arms(&arms);
         self.feeds.warn(&warnings);
         let stops = limits.iter().any(|(_, c)| matches!(c, Command::Limit(Some(limit)) if *limit <= 0.0));
-        if !limits.is_empty() {
-            self.world.command(self.clock.now(), limits);
-        }
-        self.world.tell(self.clock.now(), guidance.clone());
         self.feeds.tell(looked, guidance);
         if let Some(called) = called.filter(|_| stops) {
             let took = self.clock.now() - called;
@@ -249,12 +249,9 @@ impl ControlLoop {
 
     /// Lets go what is durable.
     fn release(&mut self) {
-        let Released { orders, replies } = self.drive.release(self.report());
-        if !orders.is_empty() {
-            self.world.command(self.clock.now(), orders);
-        }
-        self.world.answer(self.clock.now(), &replies);
-        replies.into_iter().for_each(|reply| self.inbox.answer(reply));
+        let released = self.drive.release(self.report());
+        self.world.take(self.clock.now(), &released);
+        released.replies.into_iter().for_each(|reply| self.inbox.answer(reply));
     }
 
     /// Makes the fleet anew from the journal, everything that it was told of being durable.
@@ -338,7 +335,7 @@ mod tests {
         let start = journal::Start { next: 1, ledger: fleet.ledger().clone(), behind: 0 };
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
-        let world = World::new(map, &scenario, &[], 1, &fleet, clock.now());
+        let world = World::new(map, &scenario, &[], 1, fleet.ledger(), clock.now());
         let ((feeds, heard), (queue, asks)) = (Feeds::new(), mpsc::channel(8));
         let (measure, feeds) = (Measure::default(), Arc::new(feeds));
         let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));

@@ -178,7 +178,7 @@ mod tests {
     fn orders() -> Vec<Input> {
         let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
         let fleet = Fleet::new(map.clone(), scenario.site.settings());
-        World::new(map, &scenario, &[], 1, &fleet, Time(1)).advance(Time(2), &fleet)
+        World::new(map, &scenario, &[], 1, fleet.ledger(), Time(1)).advance(Time(2), fleet.ledger())
     }
 
     #[test]

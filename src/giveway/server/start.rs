@@ -224,7 +224,7 @@ pub async fn build(
         let (ledger, facts) = loaded.into_parts();
         let fleet = Fleet::resume(ledger, settings, facts);
         check_kinds(&fleet)?;
-        let world = World::new(floor, &scenario, &lines, scenario.seed, &fleet, now);
+        let world = World::new(floor, &scenario, &lines, scenario.seed, fleet.ledger(), now);
         anyhow::Ok((fleet, world))
     };
     let (fleet, world) = match tokio::task::spawn_blocking(fold).await {

@@ -6,7 +6,7 @@
 use super::super::random::Stream;
 use super::super::scenario::Habits;
 use giveway_fleet::{
-    Answer, Fleet, FloorAction, JobAction, JobKind, JobRequest, Made, Reply, Request, StationOrder, Token,
+    Answer, FloorAction, JobAction, JobKind, JobRequest, Ledger, Made, Reply, Request, StationOrder, Token,
     Visiting,
 };
 use giveway_floor::id::{Dense, JobId, NodeId, RobotId, StationId};
@@ -75,7 +75,7 @@ impl Choices {
     }
 
     /// A job in place of a plain delivery, handed in with this token.
-    pub fn request(&mut self, plain: JobKind, token: Token, now: Time, fleet: &Fleet) -> JobRequest {
+    pub fn request(&mut self, plain: JobKind, token: Token, now: Time, ledger: &Ledger) -> JobRequest {
         let mut request = JobRequest::new(plain);
         if self.is_plain() {
             return request;
@@ -84,7 +84,7 @@ impl Choices {
             return again;
         }
         let h = self.habits;
-        request.kind = self.kind(plain, fleet);
+        request.kind = self.kind(plain, ledger);
         if self.random.happens(h.priority) {
             request.priority = 1 + self.random.below(9) as u8;
         }
@@ -99,7 +99,7 @@ impl Choices {
         if self.random.happens(h.cancel) {
             self.doomed.insert(token, Span::from_secs_f64(self.random.exponential(h.cancel_after_s)));
         }
-        self.want_more(&mut request, token, fleet);
+        self.want_more(&mut request, token, ledger);
         if self.random.happens(h.twice) {
             self.keys += 1;
             request.key = Some(format!("order {} of {}", self.keys, now.0).into());
@@ -109,10 +109,10 @@ impl Choices {
     }
 
     /// More stations for a delivery, and another robot for a job.
-    fn want_more(&mut self, request: &mut JobRequest, token: Token, fleet: &Fleet) {
+    fn want_more(&mut self, request: &mut JobRequest, token: Token, ledger: &Ledger) {
         let (h, random) = (self.habits, &mut self.later_random);
         if h.more_stops > 0.0 && random.happens(h.more_stops) {
-            let stations = fleet.warehouse().stations.len();
+            let stations = ledger.warehouse().stations.len();
             for _ in 0..=random.below(2) {
                 let last = request.stations().last();
                 let next = StationId::at(random.below(stations));
@@ -122,14 +122,14 @@ impl Choices {
             }
         }
         if h.reassign > 0.0 && random.happens(h.reassign) {
-            let robot = RobotId::at(random.below(fleet.ledger().robots.len().max(1)));
+            let robot = RobotId::at(random.below(ledger.robots.len().max(1)));
             let named = random.happens(0.5).then_some(robot);
             let after = Span::from_secs_f64(random.exponential(h.cancel_after_s));
             self.moved.insert(token, (named, after));
         }
     }
 
-    fn kind(&mut self, plain: JobKind, fleet: &Fleet) -> JobKind {
+    fn kind(&mut self, plain: JobKind, ledger: &Ledger) -> JobKind {
         let JobKind::Deliver { rack, station, .. } = plain else { return plain };
         let h = self.habits;
         let weights = [h.deliver, h.put_back, h.relocate, h.charge, h.park, h.go];
@@ -138,7 +138,7 @@ impl Choices {
             left -= w;
             left < 0.0
         });
-        let robots = fleet.ledger().robots.len().max(1);
+        let robots = ledger.robots.len().max(1);
         let robot = RobotId::at(self.random.below(robots));
         match drawn {
             Some(1) => JobKind::Return { rack },
@@ -146,7 +146,7 @@ impl Choices {
             Some(3) => JobKind::Charge { robot },
             Some(4) => JobKind::Park { robot },
             Some(5) => {
-                let node = NodeId::at(self.random.below(fleet.warehouse().nodes.len()));
+                let node = NodeId::at(self.random.below(ledger.warehouse().nodes.len()));
                 let to_place = self.later_random.happens(h.go_to_places);
                 let place = to_place.then(|| self.places[self.later_random.below(self.places.len())]);
                 JobKind::Go { robot, node: place.unwrap_or(node) }
@@ -175,7 +175,7 @@ impl Choices {
     }
 
     /// What else is said now: cancels, pauses, and their ends. `stopped` customers begin nothing any more.
-    pub fn meddle(&mut self, now: Time, period: Span, stopped: bool, fleet: &Fleet) -> Vec<Undone> {
+    pub fn meddle(&mut self, now: Time, period: Span, stopped: bool, ledger: &Ledger) -> Vec<Undone> {
         if self.is_plain() {
             return Vec::new();
         }
@@ -193,13 +193,13 @@ impl Choices {
         }
         let hours = period.as_secs_f64() / 3600.0;
         let until = now + Span::from_secs_f64(self.habits.pause_s);
-        let robots = fleet.ledger().robots.len();
+        let robots = ledger.robots.len();
         if robots > 0 && self.random.happens(self.habits.robot_pauses_per_hour * hours) {
             let robot = RobotId::at(self.random.below(robots));
             said.push(Undone::Halt(robot));
             self.later.push((until, Undo::Release(robot)));
         }
-        let stations = fleet.warehouse().stations.len();
+        let stations = ledger.warehouse().stations.len();
         if stations > 0 && self.random.happens(self.habits.station_pauses_per_hour * hours) {
             let station = StationId::at(self.random.below(stations));
             said.push(Undone::Station(station, StationOrder::Pause));
@@ -207,19 +207,19 @@ impl Choices {
         }
         let trades = self.habits.trades_per_hour * hours;
         if self.later_random.happens(trades) {
-            said.extend(self.trade(fleet));
+            said.extend(self.trade(ledger));
         }
         said
     }
 
     /// Sends several robots, half of the time all, to one another's places.
-    fn trade(&mut self, fleet: &Fleet) -> Vec<Undone> {
-        let mut robots: Vec<RobotId> = fleet.ledger().present().collect();
+    fn trade(&mut self, ledger: &Ledger) -> Vec<Undone> {
+        let mut robots: Vec<RobotId> = ledger.present().collect();
         self.later_random.shuffle(&mut robots);
         if robots.len() > 2 && self.later_random.happens(0.5) {
             robots.truncate(2 + self.later_random.below(robots.len() - 1));
         }
-        let mut goals: Vec<NodeId> = robots.iter().map(|r| fleet.ledger().node_of(*r)).collect();
+        let mut goals: Vec<NodeId> = robots.iter().map(|r| ledger.node_of(*r)).collect();
         self.later_random.shuffle(&mut goals);
         robots.into_iter().zip(goals).map(|(robot, goal)| Undone::Go(robot, goal)).collect()
     }
@@ -272,6 +272,7 @@ impl Undone {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use giveway_fleet::Fleet;
     use giveway_fleet::Settings;
     use giveway_floor::id::RackId;
     use giveway_floor::warehouse::lab;
@@ -289,10 +290,10 @@ mod tests {
     fn plain_customers_want_deliveries_and_nothing_else() {
         let mut choices = Choices::new(Habits::default(), &lab(), 1);
         for i in 0..100 {
-            let request = choices.request(plain(i % 4), u64::from(i).into(), Time::ZERO, &fleet());
+            let request = choices.request(plain(i % 4), u64::from(i).into(), Time::ZERO, fleet().ledger());
             assert_eq!(request, JobRequest::new(plain(i % 4)));
         }
-        assert!(choices.meddle(Time::ZERO, Span::from_secs(3600), false, &fleet()).is_empty());
+        assert!(choices.meddle(Time::ZERO, Span::from_secs(3600), false, fleet().ledger()).is_empty());
     }
 
     #[test]
@@ -314,7 +315,7 @@ mod tests {
         let fleet = fleet();
         let mut requests = Vec::new();
         for token in 0..400 {
-            let request = choices.request(plain(1), token.into(), Time::ZERO, &fleet);
+            let request = choices.request(plain(1), token.into(), Time::ZERO, fleet.ledger());
             let answer = Ok(Answer::Job(Made { id: JobId(token), new: true }));
             choices.hear(&Reply { token: token.into(), answer }, Time::ZERO);
             requests.push(request);
@@ -327,7 +328,7 @@ mod tests {
         let twice =
             |r: &JobRequest| r.key.is_some() && requests.iter().filter(|o| o.key == r.key).count() == 2;
         assert!(requests.iter().any(twice));
-        let said = choices.meddle(Time::ZERO + Span::from_secs(3600), Span::ZERO, true, &fleet);
+        let said = choices.meddle(Time::ZERO + Span::from_secs(3600), Span::ZERO, true, fleet.ledger());
         assert!(said.iter().any(|u| matches!(u, Undone::Cancel(_))));
     }
 }

@@ -9,7 +9,7 @@ use super::askers::CUSTOMERS;
 use super::random::Stream;
 use super::scenario::{Demand, LineDemand, Scenario};
 use giveway_cell::{OrderLine, PickedBy};
-use giveway_fleet::{Fleet, Input, JobAction, JobKind, JobState, Reply, Request, Token};
+use giveway_fleet::{Input, JobAction, JobKind, JobState, Ledger, Reply, Request, Token};
 use giveway_floor::id::{Dense, RackId, RobotId, StationId};
 use giveway_floor::text::{TextTable, TextTableRow};
 use giveway_floor::time::{Span, Time};
@@ -142,9 +142,9 @@ impl Customers {
     }
 
     /// What they order, and what else is said, now.
-    pub fn order(&mut self, now: Time, period: Span, fleet: &Fleet) -> Vec<Input> {
-        let mut inputs = if self.stopped { Vec::new() } else { self.jobs(now, fleet) };
-        for said in self.choices.meddle(now, period, self.stopped, fleet) {
+    pub fn order(&mut self, now: Time, period: Span, ledger: &Ledger) -> Vec<Input> {
+        let mut inputs = if self.stopped { Vec::new() } else { self.jobs(now, ledger) };
+        for said in self.choices.meddle(now, period, self.stopped, ledger) {
             let token = self.token();
             inputs.push(Input::ask(token, said.request()));
         }
@@ -162,32 +162,32 @@ impl Customers {
         Token { asker: CUSTOMERS, number: self.sent }
     }
 
-    fn jobs(&mut self, now: Time, fleet: &Fleet) -> Vec<Input> {
-        let waiting = fleet.ledger().jobs.values().filter(|j| j.state == JobState::Waiting).count();
+    fn jobs(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
+        let waiting = ledger.jobs.values().filter(|j| j.state == JobState::Waiting).count();
         let count = match &self.demand {
             Demand::None => 0,
             Demand::Backlog(n) | Demand::File { backlog: n, .. } => {
                 n.saturating_sub(waiting + self.unanswered.len())
             }
-            Demand::PerHour(rate) => return self.at_random(now, *rate, fleet),
+            Demand::PerHour(rate) => return self.at_random(now, *rate, ledger),
         };
-        (0..count).map(|_| self.one(now, fleet)).collect()
+        (0..count).map(|_| self.one(now, ledger)).collect()
     }
 
-    fn at_random(&mut self, now: Time, per_hour: f64, fleet: &Fleet) -> Vec<Input> {
+    fn at_random(&mut self, now: Time, per_hour: f64, ledger: &Ledger) -> Vec<Input> {
         let mut orders = Vec::new();
         let mean_s = 3600.0 / per_hour.max(1e-9);
         let mut next =
             self.next_order.unwrap_or_else(|| now + Span::from_secs_f64(self.random.exponential(mean_s)));
         while next <= now {
-            orders.push(self.one(now, fleet));
+            orders.push(self.one(now, ledger));
             next += Span::from_secs_f64(self.random.exponential(mean_s));
         }
         self.next_order = Some(next);
         orders
     }
 
-    fn one(&mut self, now: Time, fleet: &Fleet) -> Input {
+    fn one(&mut self, now: Time, ledger: &Ledger) -> Input {
         let (rack, station) = match self.lines.get(self.next_line) {
             Some(line) => {
                 self.next_line = (self.next_line + 1) % self.lines.len();
@@ -204,14 +204,14 @@ impl Customers {
         let token = self.token();
         self.unanswered.insert(token.number);
         let plain = JobKind::Deliver { rack, station, pick: None };
-        let mut request = self.choices.request(plain, token, now, fleet);
+        let mut request = self.choices.request(plain, token, now, ledger);
         if let Some((demand, random)) = &mut self.order_lines
             && let JobKind::Deliver { rack, .. } = request.kind
             && request.lines.is_empty()
         {
             let visits = request.stations().map(|v| v.station);
             request.lines =
-                visits.map(|station| lines_of(fleet.warehouse(), (rack, station), demand, random)).collect();
+                visits.map(|station| lines_of(ledger.warehouse(), (rack, station), demand, random)).collect();
             if request.lines.iter().all(Vec::is_empty) {
                 request.lines.clear();
             }

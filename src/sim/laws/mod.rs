@@ -19,7 +19,6 @@ pub(super) use jobs::undrained;
 use places::PlaceLaws;
 use progress::ProgressLaws;
 pub use violation::{DELIVERS, KEPT, OVERDUE, PASSED_BY, STUCK, Violation};
-pub use waits::untrue;
 
 pub use calm::CalmFigures;
 

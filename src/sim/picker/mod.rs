@@ -26,7 +26,7 @@ use super::scenario::WorkCells;
 use beside_arm::BesideArm;
 use giveway_cell::arm::Capsule;
 use giveway_cell::{Flow, LineChange, PickFace};
-use giveway_fleet::{CellWarning, Fleet, Input, Request, StationOrder, Token};
+use giveway_fleet::{CellWarning, Input, Ledger, Request, StationOrder, Token};
 use giveway_floor::id::{JobId, RackId, RobotId, StationId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
@@ -113,20 +113,20 @@ impl Pickers {
         &mut self,
         (from, to): (Time, Time),
         standing: &BTreeMap<StationId, StandingRack>,
-        fleet: &Fleet,
+        ledger: &Ledger,
     ) -> Vec<Input> {
         let mut inputs = Vec::new();
         for (i, stand) in self.all.iter_mut().enumerate() {
-            let here = standing.get(&stand.station).filter(|s| fleet.is_picked_from(s.robot));
-            let screen = screen(fleet, stand.station, here.map(|h| h.robot));
+            let here = standing.get(&stand.station).filter(|s| ledger.is_picked_from(s.robot));
+            let screen = screen(ledger, stand.station, here.map(|h| h.robot));
             let visit = screen.lit.map(|line| line.job);
             if visit.is_some() && visit != stand.visit {
                 stand.visit = visit;
-                if let Some(face) = here.and_then(|h| face_of(fleet.warehouse(), stand.station, h.rack)) {
+                if let Some(face) = here.and_then(|h| face_of(ledger.warehouse(), stand.station, h.rack)) {
                     stand.picker.turn_to(face);
                 }
                 if self.flow == Flow::Known {
-                    inputs.extend(stand.foresee(to, fleet));
+                    inputs.extend(stand.foresee(to, ledger));
                 }
             }
             let said = stand.live((from, to), &screen, (i as u32, self.flow.hears_hands()));
@@ -220,10 +220,10 @@ impl PickerPlace {
     }
 
     /// When the hand will be out for the last time, if everything that the person does is confirmed at once.
-    fn foresee(&self, now: Time, fleet: &Fleet) -> Option<Input> {
+    fn foresee(&self, now: Time, ledger: &Ledger) -> Option<Input> {
         let job = self.visit?;
-        let lines = fleet.ledger().jobs.get(&job)?.lines_now()?.clone();
-        let totes = fleet.warehouse().stations[self.station].cell.as_ref()?;
+        let lines = ledger.jobs.get(&job)?.lines_now()?.clone();
+        let totes = ledger.warehouse().stations[self.station].cell.as_ref()?;
         let tote = |name: &str| totes.totes.iter().position(|t| t.name == name);
         let (mut picker, mut lines, mut at) = (self.picker.clone(), lines, now);
         let mut out = now;
@@ -253,8 +253,7 @@ fn face_of(warehouse: &Warehouse, station: StationId, rack: RackId) -> Option<Pi
 }
 
 /// Whether the visit for which a robot is picked from has lines.
-pub(super) fn has_lines(fleet: &Fleet, robot: RobotId) -> bool {
-    let ledger = fleet.ledger();
+pub(super) fn has_lines(ledger: &Ledger, robot: RobotId) -> bool {
     let job = ledger.robots.get(robot).and_then(|record| record.task.job());
     job.and_then(|job| ledger.jobs.get(&job)).is_some_and(|job| job.lines_now().is_some())
 }

@@ -3,7 +3,7 @@
 //! Main types: [`StationScreen`], [`ShownLine`]. Refuses: to show what a real screen would not.
 
 use giveway_cell::Lines;
-use giveway_fleet::Fleet;
+use giveway_fleet::Ledger;
 use giveway_floor::id::{JobId, RobotId, StationId};
 use giveway_floor::warehouse::SlotName;
 
@@ -36,9 +36,8 @@ pub struct StationScreen {
 }
 
 /// What the screen of a station shows.
-pub(super) fn screen(fleet: &Fleet, station: StationId, robot: Option<RobotId>) -> StationScreen {
-    let ledger = fleet.ledger();
-    let cell = fleet.warehouse().stations[station].cell.as_ref();
+pub(super) fn screen(ledger: &Ledger, station: StationId, robot: Option<RobotId>) -> StationScreen {
+    let cell = ledger.warehouse().stations[station].cell.as_ref();
     let tote = |name: &str| cell?.totes.iter().position(|t| t.name == name);
     let is_paused = ledger.paused_stations.contains_key(&station);
     let job = robot.filter(|_| !is_paused).and_then(|robot| ledger.robots[robot].task.job());

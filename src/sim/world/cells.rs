@@ -6,8 +6,7 @@ use super::World;
 use super::motion_before::MotionBefore;
 use crate::arms::SimArms;
 use crate::picker::{Pickers, StandingRack};
-use giveway_cell::arm::ArmOrder;
-use giveway_fleet::{CellWarning, Fleet, Input};
+use giveway_fleet::{Input, Ledger};
 use giveway_floor::id::{RobotId, StationId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::NodeKind;
@@ -27,33 +26,33 @@ fn beside_arms(
     arms: &mut SimArms,
     (from, to): (Time, Time),
     standing: &BTreeMap<StationId, StandingRack>,
-    fleet: &Fleet,
+    ledger: &Ledger,
 ) -> Vec<Input> {
     let (mut inputs, mut at) = (Vec::new(), from);
     while at < to {
         let next = (at + BESIDE).min(to);
         let waiting = pickers.give_way(at, next - at, |station| arms.seen(station));
         waiting.into_iter().for_each(|station| arms.note_waiting(station, next - at));
-        inputs.extend(pickers.advance((at, next), standing, fleet));
+        inputs.extend(pickers.advance((at, next), standing, ledger));
         arms.advance(next - at, |station| pickers.limbs(station, next));
         at = next;
     }
-    inputs.extend(arms.say((from, to), fleet, |station| standing.contains_key(&station)));
-    arms.note_twice(fleet, |line| pickers.put(line));
+    inputs.extend(arms.say((from, to), ledger, |station| standing.contains_key(&station)));
+    arms.note_twice(ledger, |line| pickers.put(line));
     inputs
 }
 
 impl World {
     /// People at work cells live until now; what they say, and how their hands are seen.
-    pub(super) fn pick_lines(&mut self, from: Time, to: Time, fleet: &Fleet) -> Vec<Input> {
+    pub(super) fn pick_lines(&mut self, from: Time, to: Time, ledger: &Ledger) -> Vec<Input> {
         if self.pickers.is_none() {
             return Vec::new();
         }
         let standing = self.standing();
         let pickers = self.pickers.as_mut().expect("just seen");
         let inputs = match &mut self.arms {
-            Some(arms) => beside_arms(pickers, arms, (from, to), &standing, fleet),
-            None => pickers.advance((from, to), &standing, fleet),
+            Some(arms) => beside_arms(pickers, arms, (from, to), &standing, ledger),
+            None => pickers.advance((from, to), &standing, ledger),
         };
         let before = std::mem::take(&mut self.hands_inside);
         self.hands_inside = pickers.hands_inside(to).collect();
@@ -101,20 +100,6 @@ impl World {
             Some((station, StandingRack { robot: r.body.id, rack }))
         };
         self.robots.iter().filter_map(stands).collect()
-    }
-
-    /// Hands over warnings to people at work cells.
-    pub fn warn(&mut self, now: Time, warnings: &[CellWarning]) {
-        if let Some(pickers) = &mut self.pickers {
-            warnings.iter().for_each(|warning| pickers.warn(now, warning));
-        }
-    }
-
-    /// Trajectories for robot arms arrive.
-    pub fn move_arms(&mut self, orders: &[ArmOrder]) {
-        if let Some(arms) = &mut self.arms {
-            arms.follow(orders);
-        }
     }
 
     /// The robot arms, if some are on.

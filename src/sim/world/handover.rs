@@ -3,7 +3,7 @@
 //! Refuses: to move a robot off the node on which the fleet has it.
 
 use super::World;
-use giveway_fleet::Fleet;
+use giveway_fleet::Ledger;
 
 impl World {
     /// Robots are turned, charged and broken as they were on a floor before this one. Each stands where the fleet has
@@ -16,8 +16,8 @@ impl World {
 
     /// Another process has begun. It may have forgotten robots that had just joined: they stand where they will join
     /// again.
-    pub fn meet_another(&mut self, fleet: &Fleet) {
-        self.robots.truncate(fleet.ledger().robots.len());
+    pub fn meet_another(&mut self, ledger: &Ledger) {
+        self.robots.truncate(ledger.robots.len());
         self.customers.expect_no_answers();
     }
 }

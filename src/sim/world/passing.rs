@@ -3,24 +3,31 @@
 //! Adds to [`World`]. Refuses: to tell them where people truly are.
 
 use super::World;
-use giveway_fleet::Fleet;
-use giveway_floor::geometry::Pose;
+use giveway_fleet::ForeseenPerson;
+use giveway_floor::geometry::{Point, Pose};
 use giveway_floor::id::{Dense, RobotId};
-use giveway_floor::time::Time;
 use giveway_floor::warehouse::Hull;
 
-/// A robot is told of people this near, metres.
-const TOLD_M: f64 = 12.0;
-
 impl World {
-    /// Tells robots that may leave the line what the fleet believes of the people near them.
-    pub(super) fn show_people(&mut self, fleet: &Fleet, now: Time) {
+    /// Robots that may leave the line, and where each is: they are to be told what the fleet believes of people near
+    /// them.
+    pub fn robots_beside(&self) -> Vec<(RobotId, Point)> {
+        let may = self.robots.iter().filter(|r| !r.off && r.body.beside.may);
+        may.map(|r| (r.body.id, r.body.pose.at)).collect()
+    }
+
+    /// Robots are told of people near them.
+    pub fn foretell(&mut self, near: Vec<(RobotId, Vec<ForeseenPerson>)>) {
+        for (robot, people) in near {
+            self.robots[robot.ix()].body.beside.people = people;
+        }
+    }
+
+    /// Robots that pass nobody forget what they were told of people.
+    pub(super) fn show_people(&mut self) {
         self.beside.clear();
-        for robot in self.robots.iter_mut().filter(|r| !r.off && r.body.beside.may) {
-            robot.body.beside.people = match robot.body.may_pass() {
-                true => fleet.people_near(robot.body.pose.at, TOLD_M, now),
-                false => Vec::new(),
-            };
+        for robot in self.robots.iter_mut().filter(|r| !r.off && r.body.beside.may && !r.body.may_pass()) {
+            robot.body.beside.people = Vec::new();
         }
     }
 

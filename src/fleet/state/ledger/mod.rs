@@ -9,7 +9,7 @@ mod upkeep;
 
 pub use parts::{Contradiction, Parts};
 
-use crate::state::fact::{Stop, Task};
+use crate::state::fact::{Act, Stop, Task};
 use crate::state::index::Index;
 use crate::state::job::Job;
 use crate::state::keys::Keys;
@@ -209,6 +209,13 @@ impl Ledger {
     /// The node on which a robot stands or which it passed last.
     pub fn node_of(&self, robot: RobotId) -> NodeId {
         self.chain(robot).visits().next().expect("every robot stands somewhere").node
+    }
+
+    /// Whether a robot stands at its station and the pick has not ended.
+    pub fn is_picked_from(&self, robot: RobotId) -> bool {
+        let here = self.chain(robot).first();
+        let stop = self.robots[robot].stops.first();
+        stop.is_some_and(|s| s.serial == here && matches!(s.act, Act::Pick(_)))
     }
 
     /// The rack on a robot.

@@ -10,10 +10,9 @@ pub use auditor::Auditor;
 
 use giveway_api::alarms::Alarms;
 use giveway_fleet::alarm::{AlarmCondition, AlarmKind, AlarmSubject, FloorWatch, LoopHealth};
-use giveway_fleet::{Fleet, View};
+use giveway_fleet::{Fleet, View, untrue};
 use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
-use giveway_sim::laws::untrue;
 
 /// The fleet is looked at this often.
 const LOOKS: Span = Span::from_secs(1);

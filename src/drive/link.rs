@@ -1,0 +1,45 @@
+//! What leaves for everything behind a link: orders for robots and arms, what people are told, answers to requests.
+//!
+//! Main type: [`Outgoing`]. What comes back from a link are inputs of the fleet. Refuses: to say how either travels.
+
+use crate::{Released, Sent};
+use giveway_cell::arm::ArmOrder;
+use giveway_fleet::{CellWarning, Command, Guidance, Reply, Step};
+use giveway_floor::id::{RobotId, WorkerId};
+
+/// What leaves at one moment.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outgoing<'a> {
+    /// Stops, slow-downs and their ends.
+    pub limits: &'a [(RobotId, Command)],
+    /// Orders to robots.
+    pub orders: &'a [(RobotId, Command)],
+    /// What workers are told.
+    pub guidance: &'a [(WorkerId, Guidance)],
+    /// Warnings for people at work cells.
+    pub warnings: &'a [CellWarning],
+    /// Trajectories for robot arms.
+    pub arms: &'a [ArmOrder],
+    /// Answers to requests.
+    pub replies: &'a [Reply],
+}
+
+impl<'a> From<&'a Sent> for Outgoing<'a> {
+    fn from(Sent { limits, guidance, warnings, arms, .. }: &'a Sent) -> Outgoing<'a> {
+        Outgoing { limits, guidance, warnings, arms, ..Outgoing::default() }
+    }
+}
+
+impl<'a> From<&'a Released> for Outgoing<'a> {
+    fn from(Released { orders, replies }: &'a Released) -> Outgoing<'a> {
+        Outgoing { orders, replies, ..Outgoing::default() }
+    }
+}
+
+impl<'a> From<&'a Step> for Outgoing<'a> {
+    /// Everything at once: no journal is waited for.
+    fn from(step: &'a Step) -> Outgoing<'a> {
+        let Step { urgent: limits, commands: orders, guidance, warnings, arms, replies, .. } = step;
+        Outgoing { limits, orders, guidance, warnings, arms, replies }
+    }
+}
