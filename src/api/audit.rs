@@ -1,6 +1,6 @@
 //! Who asked for what: an entry for each request that is to change something.
 //!
-//! Main types: [`AuditEntry`], [`AuditDesk`], [`AuditQuery`]. Refuses: reports of where people are; they are
+//! Main types: [`AuditEntry`], [`AuditLog`], [`AuditQuery`]. Refuses: reports of where people are; they are
 //! observations, and too many.
 
 use super::caller::{Caller, Role};
@@ -47,18 +47,18 @@ pub struct AuditQuery {
 
 /// Numbers entries, and hands those that were answered on to be written down.
 #[derive(Debug)]
-pub struct AuditDesk {
+pub struct AuditLog {
     last: AtomicI64,
     answered: mpsc::Sender<AuditEntry>,
     /// How many did not find room, since the last one that says so.
     missing: AtomicU64,
 }
 
-impl AuditDesk {
-    /// A desk whose entries come after this number, and where they arrive.
-    pub fn new(last: i64) -> (AuditDesk, mpsc::Receiver<AuditEntry>) {
+impl AuditLog {
+    /// A log whose entries come after this number, and where they arrive.
+    pub fn new(last: i64) -> (AuditLog, mpsc::Receiver<AuditEntry>) {
         let (answered, arrive) = mpsc::channel(MOST_WAITING);
-        (AuditDesk { last: AtomicI64::new(last), answered, missing: AtomicU64::new(0) }, arrive)
+        (AuditLog { last: AtomicI64::new(last), answered, missing: AtomicU64::new(0) }, arrive)
     }
 
     /// An entry for a request that comes now.
@@ -99,9 +99,8 @@ mod tests {
 
     #[test]
     fn more_entries_than_may_wait_are_counted_and_said_when_there_is_room_again() {
-        let (desk, mut arrive) = AuditDesk::new(0);
-        let ask =
-            |now| desk.end(desk.begin(&Caller::this_machine(), "POST /v1/jobs".into(), None, Time(now)));
+        let (log, mut arrive) = AuditLog::new(0);
+        let ask = |now| log.end(log.begin(&Caller::this_machine(), "POST /v1/jobs".into(), None, Time(now)));
         (0..MOST_WAITING as i64 + 7).for_each(ask);
         for _ in 0..MOST_WAITING {
             assert_eq!(arrive.try_recv().unwrap().what, "POST /v1/jobs");
@@ -115,10 +114,10 @@ mod tests {
 
     #[test]
     fn entries_have_the_time_as_their_number_and_each_its_own() {
-        let (desk, mut arrive) = AuditDesk::new(100);
-        let begin = |now| desk.begin(&Caller::this_machine(), "POST /v1/jobs".into(), None, Time(now));
+        let (log, mut arrive) = AuditLog::new(100);
+        let begin = |now| log.begin(&Caller::this_machine(), "POST /v1/jobs".into(), None, Time(now));
         assert_eq!([50, 200, 200, 150, 300].map(|now| begin(now).id), [101, 200, 201, 202, 300]);
-        desk.end(AuditEntry { status: Some(201), ..begin(400) });
+        log.end(AuditEntry { status: Some(201), ..begin(400) });
         let entry = arrive.try_recv().unwrap();
         assert_eq!((entry.id, entry.actor.as_str(), entry.status), (400, "this machine", Some(201)));
     }

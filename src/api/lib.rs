@@ -54,14 +54,14 @@ pub use building::map_version;
 pub use http::{alive, router};
 
 use alarms::Alarms;
-use audit::{AuditDesk, AuditEntry};
+use audit::{AuditEntry, AuditLog};
 use caller::Caller;
 use error::Problem;
 use giveway_fleet::{Answered, Ask, Refusal, Request, RobotKind, WorkerAction};
 use giveway_floor::text::sentence::requests;
 use giveway_floor::warehouse::Warehouse;
 use port::{
-    AnswerDesk, KindRequest, Moment, Now, Question, QueuedRequest, Records, SharedHistory, TokenDesk,
+    AnswerPort, KindRequest, Moment, Now, Question, QueuedRequest, Records, SharedHistory, TokenPort,
 };
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
@@ -87,7 +87,7 @@ pub struct Api {
     /// Takes requests; absent where a recording is shown, since the past takes none.
     pub queue: Option<mpsc::Sender<QueuedRequest>>,
     /// Webhooks; absent where a recording is shown.
-    pub hooks: Option<webhooks::HookDesk>,
+    pub hooks: Option<webhooks::WebhookAccess>,
     /// Takes questions.
     pub questions: mpsc::Sender<Question>,
     /// What stands.
@@ -109,17 +109,17 @@ pub struct Api {
     /// Tries maps out.
     pub trials: trial::Trials,
     /// Takes maps that are to become the server's own.
-    pub maps: publish::MapDesk,
+    pub maps: publish::MapPort,
     /// Decides which requests are authorised.
     pub gate: Arc<auth::Gate>,
     /// The identity provider, if people sign in with one.
     pub oidc: Option<Arc<oidc::Oidc>>,
     /// Keeps named tokens; absent where a recording is shown.
-    pub tokens: Option<Arc<dyn TokenDesk>>,
+    pub tokens: Option<Arc<dyn TokenPort>>,
     /// Keeps answers to requests with keys; absent where a recording is shown.
-    pub answers: Option<Arc<dyn AnswerDesk>>,
+    pub answers: Option<Arc<dyn AnswerPort>>,
     /// Numbers requests that are to change something, and has them written down.
-    pub audit: Arc<AuditDesk>,
+    pub audit: Arc<AuditLog>,
     /// Who called, in the copy of this that one request has.
     pub caller: Arc<Caller>,
     /// The entry of that request, if it is to change something.

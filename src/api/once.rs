@@ -9,7 +9,7 @@ use super::Api;
 use super::caller::Caller;
 use super::error::Problem;
 use super::extract::{BODY_LIMIT, IdempotencyKey};
-use super::port::{AnswerDesk, KeptAnswer, KeyedRequest, KnownRequest};
+use super::port::{AnswerPort, KeptAnswer, KeyedRequest, KnownRequest};
 use axum::body::{Body, to_bytes};
 use axum::extract::{FromRequestParts, Request};
 use axum::http::{HeaderName, HeaderValue, StatusCode, header};
@@ -32,7 +32,7 @@ const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
 pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, next: Next) -> Response {
     let (mut parts, body) = request.into_parts();
     let keyed = parts.method == axum::http::Method::POST && KEYED.contains(&route);
-    let (Some(desk), true) = (api.answers.clone(), keyed && parts.headers.contains_key("idempotency-key"))
+    let (Some(port), true) = (api.answers.clone(), keyed && parts.headers.contains_key("idempotency-key"))
     else {
         return next.run(Request::from_parts(parts, body)).await;
     };
@@ -48,17 +48,17 @@ pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, n
     };
     let digest = Sha256::digest(&body).iter().map(|b| format!("{b:02x}")).collect();
     let keyed = KeyedRequest { caller: caller.account(), route: route.into(), key };
-    match desk.begin(keyed.clone(), digest, (api.now)()).await {
+    match port.begin(keyed.clone(), digest, (api.now)()).await {
         Err(why) => Problem::of_records(why).into_response(),
         Ok(KnownRequest::Answered(kept)) => replayed(kept),
         Ok(KnownRequest::New) => {
             // To its end, whether or not the client waits for that.
             let request = Request::from_parts(parts, Body::from(body));
-            let (theirs, request_key) = (desk.clone(), keyed.clone());
+            let (theirs, request_key) = (port.clone(), keyed.clone());
             let run = tokio::spawn(async move { kept(theirs, request_key, next.run(request).await).await });
             run.await.unwrap_or_else(|_| {
                 // It panicked: nobody knows what came of it, and it no longer runs.
-                desk.leave(&keyed);
+                port.leave(&keyed);
                 Problem::internal().into_response()
             })
         }
@@ -67,26 +67,26 @@ pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, n
 }
 
 /// Keeps an answer, and gives it.
-async fn kept(desk: Arc<dyn AnswerDesk>, request: KeyedRequest, response: Response) -> Response {
+async fn kept(port: Arc<dyn AnswerPort>, request: KeyedRequest, response: Response) -> Response {
     let (parts, body) = response.into_parts();
     if parts.status.is_server_error() {
-        desk.leave(&request);
+        port.leave(&request);
         return Response::from_parts(parts, body);
     }
     if !parts.status.is_success() {
-        desk.forget(request).await;
+        port.forget(request).await;
         return Response::from_parts(parts, body);
     }
     let body = match to_bytes(body, LONGEST).await {
         Ok(body) => body,
         Err(_) => {
-            desk.leave(&request);
+            port.leave(&request);
             return Problem::internal().into_response();
         }
     };
     let location = parts.headers.get(header::LOCATION).and_then(|v| v.to_str().ok()).map(str::to_owned);
     let text = String::from_utf8_lossy(&body).into_owned();
-    desk.finish(request, KeptAnswer { status: parts.status.as_u16(), location, body: text }).await;
+    port.finish(request, KeptAnswer { status: parts.status.as_u16(), location, body: text }).await;
     Response::from_parts(parts, Body::from(body))
 }
 

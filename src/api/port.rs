@@ -1,7 +1,7 @@
 //! What the API needs from the program that runs it: durable lists to read, a queue for requests, a clock, and the
 //! fleet's view.
 //!
-//! Main types: [`Records`], [`QueuedRequest`], [`Question`], [`TokenDesk`],
+//! Main types: [`Records`], [`QueuedRequest`], [`Question`], [`TokenPort`],
 //! [`KindRequest`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
 use super::audit::{AuditEntry, AuditQuery};
@@ -72,7 +72,7 @@ pub trait Records: Send + Sync {
 }
 
 /// Keeps named tokens and sessions. What it answers is in force already. Errors are texts for people.
-pub trait TokenDesk: Send + Sync {
+pub trait TokenPort: Send + Sync {
     /// All tokens, also those that no longer hold, in the order in which they were added.
     fn list(&self) -> Later<'_, Result<Vec<NamedToken>, String>>;
     /// Adds one whose number, and time of making, are not known yet; nothing where another one of its name holds.
@@ -125,7 +125,7 @@ pub enum KnownRequest {
 }
 
 /// Keeps the answers to requests that are to be carried out once. Errors are texts for people.
-pub trait AnswerDesk: Send + Sync {
+pub trait AnswerPort: Send + Sync {
     /// What is known of a request whose body has this digest. If nothing is, it is noted that it begins.
     fn begin(
         &self,

@@ -25,7 +25,7 @@ pub struct NamedPerson {
 }
 
 /// Keeps names durably. Errors are texts for people.
-pub trait PersonDesk: Send + Sync {
+pub trait PersonPort: Send + Sync {
     /// Keeps one.
     fn keep(&self, person: NamedPerson) -> Later<'_, Result<(), String>>;
     /// Forgets one, and who it was in all lists of this worker.
@@ -39,16 +39,16 @@ pub struct Pseudonyms {
     /// Roles that see names.
     names_for: Vec<Role>,
     /// Absent where a recording is shown.
-    desk: Option<Box<dyn PersonDesk>>,
+    port: Option<Box<dyn PersonPort>>,
     /// One registration after another: a name gets one pseudonym.
     turn: tokio::sync::Mutex<()>,
 }
 
 impl Pseudonyms {
     /// With the people who are known, for these roles.
-    pub fn new(people: Vec<NamedPerson>, names_for: Vec<Role>, desk: Box<dyn PersonDesk>) -> Pseudonyms {
+    pub fn new(people: Vec<NamedPerson>, names_for: Vec<Role>, port: Box<dyn PersonPort>) -> Pseudonyms {
         let people = people.into_iter().map(|p| (p.pseudonym.clone(), p)).collect();
-        Pseudonyms { people: Mutex::new(people), names_for, desk: Some(desk), turn: Default::default() }
+        Pseudonyms { people: Mutex::new(people), names_for, port: Some(port), turn: Default::default() }
     }
 
     /// The person behind a pseudonym.
@@ -83,13 +83,13 @@ impl Pseudonyms {
         if let Some(known) = self.pseudonym_of(name) {
             return Ok(known);
         }
-        let Some(desk) = self.desk.as_ref().filter(|_| !is_taken(name)) else { return Ok(name.to_owned()) };
+        let Some(port) = self.port.as_ref().filter(|_| !is_taken(name)) else { return Ok(name.to_owned()) };
         let mut pseudonym = fresh(4);
         while is_taken(&pseudonym) || self.person(&pseudonym).is_some() {
             pseudonym = fresh(8);
         }
         let person = NamedPerson { pseudonym: pseudonym.clone(), name: name.to_owned(), since: now };
-        desk.keep(person.clone()).await?;
+        port.keep(person.clone()).await?;
         self.people().insert(pseudonym.clone(), person);
         Ok(pseudonym)
     }
@@ -100,8 +100,8 @@ impl Pseudonyms {
     /// Where that is not durable; then it may be said again.
     pub async fn erase(&self, pseudonym: &str, worker: Option<WorkerId>) -> Result<(), String> {
         let _turn = self.turn.lock().await;
-        if let Some(desk) = &self.desk {
-            desk.erase(pseudonym.to_owned(), worker).await?;
+        if let Some(port) = &self.port {
+            port.erase(pseudonym.to_owned(), worker).await?;
         }
         self.people().remove(pseudonym);
         Ok(())

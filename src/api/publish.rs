@@ -90,14 +90,14 @@ pub enum MapRequest {
 
 /// Takes requests about maps.
 #[derive(Clone, Debug, Default)]
-pub struct MapDesk {
+pub struct MapPort {
     /// Where the map in operation comes from, if it was published.
     pub origin: Option<MapOrigin>,
     /// Where requests go; absent where a recording is shown.
     pub requests: Option<mpsc::Sender<MapRequest>>,
 }
 
-impl MapDesk {
+impl MapPort {
     /// Asks, and waits for the answer, however long robots take to stand.
     pub(super) async fn ask<T>(
         &self,
@@ -118,16 +118,16 @@ mod tests {
     #[tokio::test]
     async fn a_map_beyond_those_that_may_wait_is_refused_until_one_is_answered() {
         let (send, mut waiting) = mpsc::channel(1);
-        let desk = MapDesk { origin: None, requests: Some(send) };
+        let port = MapPort { origin: None, requests: Some(send) };
         let check = |reply| MapRequest::Check(Box::default(), reply);
         let first = tokio::spawn({
-            let desk = desk.clone();
-            async move { desk.ask(check).await }
+            let port = port.clone();
+            async move { port.ask(check).await }
         });
         while waiting.is_empty() {
             tokio::task::yield_now().await;
         }
-        let busy = desk.ask(check).await.unwrap_err();
+        let busy = port.ask(check).await.unwrap_err();
         assert_eq!((busy.status, busy.retry_after), (503, Some(3)));
         let Some(MapRequest::Check(_, reply)) = waiting.recv().await else { panic!("it waits") };
         drop(reply);

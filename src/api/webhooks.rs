@@ -22,7 +22,7 @@ pub const SECRET_PREFIX: &str = "whsec_";
 
 /// Webhooks as handlers of requests see them.
 #[derive(Clone, Debug)]
-pub struct HookDesk {
+pub struct WebhookAccess {
     /// Takes requests about them.
     pub queue: mpsc::Sender<HookRequest>,
     /// Where they may be.

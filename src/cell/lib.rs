@@ -2,14 +2,14 @@
 //! come.
 //!
 //! Main module: [`arm`] (a robot arm beside the picker). Main types: [`OrderLine`], [`Lines`], [`LineState`],
-//! [`PickPace`], [`PickPhase`], [`Desk`] (hands, from slot to tote). Refuses: to know where robots drive, and to
+//! [`PickPace`], [`PickPhase`], [`CellHands`] (hands, from slot to tote). Refuses: to know where robots drive, and to
 //! confirm by guessing.
 
 mod aim;
 pub mod arm;
 mod belief;
+mod cell_hands;
 mod check;
-mod desk;
 mod eyes;
 mod face;
 mod flow;
@@ -22,8 +22,8 @@ mod share;
 mod soon;
 
 pub use belief::ReachPlace;
+pub use cell_hands::{CellHands, CellHandsEvent, CellHandsScene, SeenReach};
 pub use check::{LineProblem, MOST_LINES, MOST_PIECES, problem};
-pub use desk::{Desk, DeskEvent, DeskScene, SeenReach};
 pub use face::{FacePlace, PickFace};
 pub use flow::Flow;
 pub use follow::HeldPiece;

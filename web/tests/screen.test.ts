@@ -3,7 +3,7 @@ import { expect, test } from 'vitest';
 import { Live, type LiveApi } from '../src/page/live.svelte';
 import { Screen } from '../src/page/screen.svelte';
 import { FileRecording } from '../src/replay/recording';
-import { readReel } from '../src/replay/reel';
+import { readReel } from '../src/replay/frames';
 import { EMPTY, type FloorMap, type Mirror } from '../src/wire';
 import { robot, snapshot } from './samples';
 

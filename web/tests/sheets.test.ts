@@ -9,7 +9,7 @@ import { LOOKS, Stage } from '../src/floor/scene/scene';
 import { cssOf, inkOf, KIND, Sheet, STRIDE } from '../src/floor/paint/sheet';
 import { fit } from '../src/floor/scene/view';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
-import { Story } from '../src/cards/story';
+import { Story } from '../src/cards/changes';
 import type { FloorMap, Snapshot } from '../src/wire/types';
 import { robot, snapshot, worker } from './samples';
 

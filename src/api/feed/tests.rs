@@ -4,7 +4,7 @@ use super::hub::{Feeds, HeardSighting};
 use crate::alarms::Alarms;
 use crate::port::{Later, Moment, Question, Records, SharedHistory};
 use crate::{
-    Api, Kinds, audit::AuditDesk, auth::Gate, caller::Caller, live::Live, massrobotics::Interop,
+    Api, Kinds, audit::AuditLog, auth::Gate, caller::Caller, live::Live, massrobotics::Interop,
     metrics::Metrics, router,
 };
 use futures_util::{SinkExt, StreamExt};
@@ -108,12 +108,12 @@ impl TestServer {
             now: Arc::new(move || Time(ticks.fetch_add(1, Ordering::Relaxed))),
             metrics: metrics.clone(),
             trials: crate::trial::Trials::default(),
-            maps: crate::publish::MapDesk::default(),
+            maps: crate::publish::MapPort::default(),
             gate: Arc::new(Gate::default()),
             oidc: None,
             tokens: None,
             answers: None,
-            audit: Arc::new(AuditDesk::new(0).0),
+            audit: Arc::new(AuditLog::new(0).0),
             caller: Arc::new(Caller::this_machine()),
             entry: None,
             closing: closes,

@@ -4,7 +4,7 @@
 //! back here; then the browser has a session, or the page to sign in says why not. Refuses: to lead to other sites
 //! afterwards.
 
-use super::session::{desk, note};
+use super::session::{note, port};
 use crate::Api;
 use crate::auth::{fresh_token, hash_of};
 use crate::called::Called;
@@ -126,7 +126,7 @@ async fn begin_session(api: &Api, signed_on: SignedOn) -> Result<(String, String
     let (secret, created) = (fresh_token(), (api.now)());
     let (hash, holder) = (hash_of(&secret), SessionHolder::Person { name: name.clone(), role });
     let session = WebSession { hash, holder, created, expires };
-    desk(api)?.sign_in(session).await.map_err(Problem::of_records)?;
+    port(api)?.sign_in(session).await.map_err(Problem::of_records)?;
     let what = format!("GET {OIDC_CALLBACK}");
     note(api, &Caller::of_person(name, role, hash), &what, StatusCode::CREATED);
     Ok((secret, back))

@@ -11,7 +11,7 @@ use crate::caller::{Caller, Role, SessionHolder, WebSession};
 use crate::cookie::{is_plain, no_session_cookie, session_cookie};
 use crate::error::Problem;
 use crate::extract::JsonBody;
-use crate::port::TokenDesk;
+use crate::port::TokenPort;
 use crate::secrets::SecretDoor;
 use crate::text::time_text;
 use axum::Json;
@@ -88,7 +88,7 @@ pub async fn sign_in(
     let holder = SessionHolder::Token(token);
     let hash = hash_of(&secret);
     let session = WebSession { hash, holder, created: now, expires: now + SESSION_LIFE };
-    desk(&api)?.sign_in(session).await.map_err(Problem::of_records)?;
+    port(&api)?.sign_in(session).await.map_err(Problem::of_records)?;
     let caller = Caller { session: Some(hash), ..caller };
     note(&api, &caller, "POST /v1/session", StatusCode::CREATED);
     let cookie = (header::SET_COOKIE, session_cookie(&headers, &secret, is_plain(&headers)));
@@ -103,7 +103,7 @@ pub async fn sign_out(
     headers: HeaderMap,
 ) -> Result<(StatusCode, [(HeaderName, String); 1]), Problem> {
     if let Some(hash) = api.caller.session {
-        desk(&api)?.sign_out(hash).await.map_err(Problem::of_records)?;
+        port(&api)?.sign_out(hash).await.map_err(Problem::of_records)?;
         note(&api, &api.caller, "DELETE /v1/session", StatusCode::NO_CONTENT);
     }
     Ok((StatusCode::NO_CONTENT, [(header::SET_COOKIE, no_session_cookie(&headers))]))
@@ -115,7 +115,7 @@ pub(super) fn note(api: &Api, caller: &Caller, what: &str, status: StatusCode) {
     api.audit.end(AuditEntry { status: Some(status.as_u16()), ..entry });
 }
 
-pub(super) fn desk(api: &Api) -> Result<&dyn TokenDesk, Problem> {
+pub(super) fn port(api: &Api) -> Result<&dyn TokenPort, Problem> {
     api.tokens.as_deref().ok_or_else(Problem::of_recording)
 }
 

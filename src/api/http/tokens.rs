@@ -11,7 +11,7 @@ use crate::caller::{Caller, MOST_TOKENS, NamedToken, Role};
 use crate::dto::Page;
 use crate::error::{FieldError, Problem};
 use crate::extract::{JsonBody, Params, PathPart, read_end};
-use crate::port::TokenDesk;
+use crate::port::TokenPort;
 use crate::text::{parse_token_name, time_text, token_name};
 use axum::Json;
 use axum::http::{HeaderName, StatusCode, header};
@@ -83,7 +83,7 @@ pub struct TokenMade {
     (status = 422),
     (status = 503)))]
 pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json<Page<TokenDto>>, Problem> {
-    let all = desk(&api)?.list().await.map_err(Problem::of_records)?;
+    let all = port(&api)?.list().await.map_err(Problem::of_records)?;
     page(all.iter().map(|token| dto(&api, token)).collect(), &p)
 }
 
@@ -102,12 +102,12 @@ pub async fn make(
     let token = fresh_token();
     let wanted = NamedToken { hash: hash_of(&token), ..new.read(&api)? };
     let name = wanted.name.clone();
-    let all = desk(&api)?.list().await.map_err(Problem::of_records)?;
+    let all = port(&api)?.list().await.map_err(Problem::of_records)?;
     let now = (api.now)();
     if all.iter().filter(|t| t.holds(now)).count() >= MOST_TOKENS {
         return Err(Problem::no_room(requests::too_many_tokens(MOST_TOKENS)));
     }
-    let made = desk(&api)?.add(wanted).await.map_err(Problem::of_records)?;
+    let made = port(&api)?.add(wanted).await.map_err(Problem::of_records)?;
     let Some(made) = made else {
         let detail = requests::token_name_taken(name);
         return Err(Problem::conflict("name-taken", "The name is taken", detail));
@@ -123,7 +123,7 @@ pub async fn make(
     (status = 204, description = "Revoked"),
     (status = 404, description = "There is no such token, or it was revoked before")))]
 pub async fn revoke(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
-    let revoked = desk(&api)?.revoke(parse(&id)?).await.map_err(Problem::of_records)?;
+    let revoked = port(&api)?.revoke(parse(&id)?).await.map_err(Problem::of_records)?;
     if revoked { Ok(StatusCode::NO_CONTENT) } else { Err(unknown(&id)) }
 }
 
@@ -134,7 +134,7 @@ pub async fn revoke(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
     (status = 404, description = "There is no such token, or it no longer holds")))]
 pub async fn rotate(Called(api): Called, PathPart(id): PathPart) -> Result<Json<TokenMade>, Problem> {
     let (number, token) = (parse(&id)?, fresh_token());
-    let made = desk(&api)?.rotate(number, hash_of(&token)).await;
+    let made = port(&api)?.rotate(number, hash_of(&token)).await;
     let made = made.map_err(Problem::of_records)?.ok_or_else(|| unknown(&id))?;
     Ok(Json(TokenMade { token, known: dto(&api, &made) }))
 }
@@ -187,7 +187,7 @@ fn is_known(api: &Api, id: &str) -> bool {
     api.feeds.worker(id).is_ok() || parse_robot(api, id).is_ok()
 }
 
-fn desk(api: &Api) -> Result<&dyn TokenDesk, Problem> {
+fn port(api: &Api) -> Result<&dyn TokenPort, Problem> {
     api.tokens.as_deref().ok_or_else(Problem::of_recording)
 }
 

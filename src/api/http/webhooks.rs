@@ -9,7 +9,9 @@ use crate::dto::Page;
 use crate::error::{FieldError, Problem};
 use crate::extract::{JsonBody, Params, PathPart};
 use crate::text::time_text;
-use crate::webhooks::{FailedMessage, HookDesk, HookReply, HookRequest, Webhook, new_secret, read_secret};
+use crate::webhooks::{
+    FailedMessage, HookReply, HookRequest, Webhook, WebhookAccess, new_secret, read_secret,
+};
 use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, Uri};
@@ -170,14 +172,14 @@ pub async fn failures(
 }
 
 async fn ask<T>(api: &Api, request: impl FnOnce(HookReply<T>) -> HookRequest) -> Result<T, Problem> {
-    let queue = &desk(api)?.queue;
+    let queue = &access(api)?.queue;
     let (reply, answer) = oneshot::channel();
     let busy = || Problem::unavailable(requests::busy(), 1);
     queue.try_send(request(reply)).map_err(|_| busy())?;
     answer.await.map_err(|_| busy())?.map_err(Problem::of_records)
 }
 
-fn desk(api: &Api) -> Result<&HookDesk, Problem> {
+fn access(api: &Api) -> Result<&WebhookAccess, Problem> {
     api.hooks.as_ref().ok_or_else(Problem::of_recording)
 }
 
@@ -186,7 +188,7 @@ async fn check_target(api: &Api, url: &str) -> Result<(), Problem> {
     let Ok(uri) = url.parse::<Uri>() else { return Ok(()) };
     let usual = if uri.scheme_str() == Some("http") { 80 } else { 443 };
     let port = uri.port_u16().unwrap_or(usual);
-    let checked = desk(api)?.targets.check(uri.host().unwrap_or_default(), port).await;
+    let checked = access(api)?.targets.check(uri.host().unwrap_or_default(), port).await;
     checked.map_err(|why| Problem::invalid(vec![FieldError::new("url", requests::malformed(why))]))
 }
 

@@ -162,7 +162,8 @@ impl Intake<'_> {
     fn move_arm(&mut self, station: StationId, visit: Option<OnVisit>, now: Time) {
         let Some(face) = self.face(station, visit) else { return };
         let mode = self.writer.settings.arm_mode;
-        let is_inside = mode == ArmMode::Turns && self.writer.visits.desk(station).comes_inside(&face, now);
+        let is_inside =
+            mode == ArmMode::Turns && self.writer.visits.hands_at(station).comes_inside(&face, now);
         let Some(post) = self.writer.arms.post(station) else { return };
         if is_inside {
             post.hand_inside = now;

@@ -11,7 +11,9 @@ use crate::state::floor::Floor;
 use crate::state::io::{CellWarning, WrongReach};
 use crate::state::job::JobState;
 use crate::state::visits::ConfirmedBy;
-use giveway_cell::{DeskEvent, DeskScene, HandsSeen, HeldPiece, LineChange, Lines, OrderLine, PickFace};
+use giveway_cell::{
+    CellHandsEvent, CellHandsScene, HandsSeen, HeldPiece, LineChange, Lines, OrderLine, PickFace,
+};
 use giveway_floor::id::{Dense, JobId, NodeId, RobotId, StationId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::SlotName;
@@ -49,16 +51,16 @@ impl Intake<'_> {
         let tote = lit.as_ref().or(left.as_ref()).map(|line| line.tote);
         let lit = lit.map(|line| line.slot);
         let model = self.writer.settings.picks.clone();
-        let scene = DeskScene { face: &face, model: &model, lit, tote };
+        let scene = CellHandsScene { face: &face, model: &model, lit, tote };
         let events = self.writer.visits.see(scene, seen);
         for event in events {
             match event {
-                DeskEvent::Grasped(slot) if lit.is_some_and(|wanted| wanted != slot) => {
+                CellHandsEvent::Grasped(slot) if lit.is_some_and(|wanted| wanted != slot) => {
                     self.warn(seen, WrongReach::Slot(slot), now);
                 }
-                DeskEvent::Grasped(_) => {}
-                DeskEvent::Placed(piece, tote) => self.hear_of_piece(seen, visit, (piece, tote), now),
-                DeskEvent::AimsAt(slot) => self.warn(seen, WrongReach::Slot(slot), now),
+                CellHandsEvent::Grasped(_) => {}
+                CellHandsEvent::Placed(piece, tote) => self.hear_of_piece(seen, visit, (piece, tote), now),
+                CellHandsEvent::AimsAt(slot) => self.warn(seen, WrongReach::Slot(slot), now),
             }
         }
         self.let_go(station, &face, now);
@@ -111,14 +113,14 @@ impl Intake<'_> {
     fn let_go(&mut self, station: StationId, face: &PickFace, now: Time) {
         let Some(visit) = self.visit_at(station, now) else { return };
         let visits = &mut self.writer.visits;
-        if visits.desk(station).comes_inside(face, now)
+        if visits.hands_at(station).comes_inside(face, now)
             || visits.is_shared(station, now)
             || self.writer.arms.is_inside(station)
         {
             return;
         }
         // Nobody knows where a hand is that was inside when it was seen last: then a button ends the visit.
-        let may_be_inside = self.writer.visits.desk(station).may_be_inside(face);
+        let may_be_inside = self.writer.visits.hands_at(station).may_be_inside(face);
         let ends_out = self.writer.floor().ends_out(&self.writer.ledger().jobs[&visit.job]);
         let (ledger, visits) = self.writer.ledger_and_visits();
         let Some(lines) = ledger.jobs[&visit.job].lines_now() else { return };
@@ -128,7 +130,8 @@ impl Intake<'_> {
         let leaves = ends_out && !may_be_inside && !ledger.unconfirmed.contains_key(&station);
         let Some(lit) = lines.lit().filter(|_| leaves) else { return };
         let lit = &lines.all()[lit];
-        if lines.pieces_left() == lit.left() && visits.desk(station).in_hand(lit.line.slot) >= lit.left() {
+        if lines.pieces_left() == lit.left() && visits.hands_at(station).in_hand(lit.line.slot) >= lit.left()
+        {
             self.end_pick(visit.robot, JobState::Done, now);
         }
     }
@@ -181,8 +184,8 @@ pub(crate) fn warning_of(floor: Floor<'_>, seen: &HandsSeen, now: Time) -> Optio
     let tote = lit.as_ref().map(|line| line.tote).or(floor.unconfirmed_line(station).map(|line| line.tote));
     let expected = (lit.map(|line| line.slot), tote);
     let wrong = match floor.visits.would_warn(&floor.settings.picks, expected, seen)? {
-        DeskEvent::AimsAt(slot) | DeskEvent::Grasped(slot) => WrongReach::Slot(slot),
-        DeskEvent::Placed(_, tote) => WrongReach::Tote(tote),
+        CellHandsEvent::AimsAt(slot) | CellHandsEvent::Grasped(slot) => WrongReach::Slot(slot),
+        CellHandsEvent::Placed(_, tote) => WrongReach::Tote(tote),
     };
     Some(CellWarning { station, person: seen.person, wrong, seen: seen.seen })
 }

@@ -40,7 +40,7 @@ impl Intake<'_> {
                     .picked_from(station)
                     .ok_or(Refusal::Pick(PickRefusal::NothingThere(station)))?;
                 self.vouch_for_arm(station, now);
-                self.writer.visits.desk(station).forget_lost(now);
+                self.writer.visits.hands_at(station).forget_lost(now);
                 self.settle_lines(robot, order == StationOrder::Done, now);
                 let state = match order {
                     StationOrder::Short => JobState::Failed(JobFailure::Short),

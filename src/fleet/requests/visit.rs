@@ -63,7 +63,7 @@ impl Intake<'_> {
         match by {
             ConfirmedBy::Hand => self.may_hand_be_inside(station, now),
             ConfirmedBy::Button => {
-                self.writer.visits.desk(station).forget_lost(now);
+                self.writer.visits.hands_at(station).forget_lost(now);
                 self.is_hand_inside(station, now)
             }
         }
@@ -117,7 +117,7 @@ impl Intake<'_> {
     pub(super) fn is_hand_inside(&mut self, station: StationId, now: Time) -> bool {
         let visit = self.visit_at(station, now);
         let Some(face) = self.face(station, visit) else { return false };
-        self.writer.visits.desk(station).is_inside(&face, now)
+        self.writer.visits.hands_at(station).is_inside(&face, now)
             || self.writer.arms.is_inside(station)
             || self.writer.visits.is_shared(station, now)
     }
@@ -127,7 +127,7 @@ impl Intake<'_> {
         let visit = self.visit_at(station, now);
         let lost_inside = self
             .face(station, visit)
-            .is_some_and(|face| self.writer.visits.desk(station).may_be_inside(&face));
+            .is_some_and(|face| self.writer.visits.hands_at(station).may_be_inside(&face));
         lost_inside || self.is_hand_inside(station, now)
     }
 }

@@ -10,8 +10,8 @@ use crate::state::job::{Job, JobState};
 use crate::state::job_kind::JobKind;
 use crate::state::ledger::Ledger;
 use giveway_cell::{
-    Desk, DeskEvent, DeskScene, HandsSeen, LineChange, LineOutcome, LineState, Lines, PickFace, PickPace,
-    Remaining, SeenReach, VisitSeen,
+    CellHands, CellHandsEvent, CellHandsScene, HandsSeen, LineChange, LineOutcome, LineState, Lines,
+    PickFace, PickPace, Remaining, SeenReach, VisitSeen,
 };
 use giveway_floor::id::{JobId, RackId, RackTypeId, RobotId, StationId};
 use giveway_floor::time::{Span, Time};
@@ -115,7 +115,7 @@ pub struct Visits {
     confirmed: BTreeMap<StationId, ConfirmedPieces>,
     clocks: BTreeMap<JobId, VisitClock>,
     /// The hands at each station.
-    desks: BTreeMap<StationId, Desk>,
+    cell_hands: BTreeMap<StationId, CellHands>,
     /// The face of the rack that stands at each station, or stood there last.
     faces: BTreeMap<StationId, (RackTypeId, Arc<PickFace>)>,
     /// Which robots were picked from, as looked up in this step.
@@ -153,7 +153,7 @@ impl Visits {
     /// Two persons are in the workplace of a station.
     pub fn note_company(&mut self, station: StationId, now: Time) {
         self.shared.insert(station, now);
-        self.desks.entry(station).or_default().note_company(now);
+        self.cell_hands.entry(station).or_default().note_company(now);
     }
 
     /// Whether two persons are in the workplace of a station: nobody knows whose hand is where.
@@ -211,7 +211,7 @@ impl Visits {
                 self.clocks.insert(*job, VisitClock::of(Some(*at), *at));
                 if let Some((station, _)) = ledger.jobs.get(job).and_then(station_of) {
                     self.told.remove(&station);
-                    self.desks.entry(station).or_default().begin();
+                    self.cell_hands.entry(station).or_default().begin();
                 }
             }
             Fact::Job(JobFact::Progressed { job, at, .. } | JobFact::Served { job, at, .. }) => {
@@ -291,7 +291,7 @@ impl Visits {
         }
         self.counted[0] += u64::from(now.state.is_over() && !before.state.is_over());
         if now.state.is_over() {
-            self.desks.entry(station).or_default().forget(before.line.slot);
+            self.cell_hands.entry(station).or_default().forget(before.line.slot);
         }
         self.learn(earlier);
     }
@@ -340,7 +340,7 @@ impl Visits {
     fn seen(&self, id: JobId, station: StationId, lines: &Lines, now: Time) -> VisitSeen {
         let Some(clock) = self.clocks.get(&id) else { return VisitSeen::default() };
         let lit = lines.lit().map(|lit| lines.all()[lit].line.slot);
-        let piece = lit.and_then(|slot| self.desks.get(&station)?.phase(slot, now));
+        let piece = lit.and_then(|slot| self.cell_hands.get(&station)?.phase(slot, now));
         VisitSeen { lit_s: (now - clock.last).as_secs_f64().max(0.0), piece, ..VisitSeen::default() }
     }
 
@@ -357,10 +357,10 @@ impl Visits {
     }
 
     /// Takes in hands at a station, and learns from the phase that they have ended.
-    pub fn see(&mut self, scene: DeskScene<'_>, seen: &HandsSeen) -> SmallVec<[DeskEvent; 4]> {
-        let desk = self.desks.entry(seen.station).or_default();
-        let events = desk.see(scene, seen);
-        if let Some(spent) = desk.spent() {
+    pub fn see(&mut self, scene: CellHandsScene<'_>, seen: &HandsSeen) -> SmallVec<[CellHandsEvent; 4]> {
+        let hands = self.cell_hands.entry(seen.station).or_default();
+        let events = hands.see(scene, seen);
+        if let Some(spent) = hands.spent() {
             self.pace.learn_phases(seen.station, &[spent]);
         }
         events
@@ -372,8 +372,8 @@ impl Visits {
     }
 
     /// The hands at a station.
-    pub fn desk(&mut self, station: StationId) -> &mut Desk {
-        self.desks.entry(station).or_default()
+    pub fn hands_at(&mut self, station: StationId) -> &mut CellHands {
+        self.cell_hands.entry(station).or_default()
     }
 
     /// The face of a rack at a station, or without one of the rack before; nothing where there was none, or it has no
@@ -436,18 +436,18 @@ impl Visits {
 
     /// Stations where a hand is in the opening or beyond it, or will be in a moment, or two persons are.
     pub fn hands_inside(&self, now: Time) -> Vec<StationId> {
-        let comes = |(station, desk): (&StationId, &Desk)| {
-            let (_, face) = self.faces.get(station).filter(|_| desk.sees(now))?;
-            desk.comes_inside(face, now).then_some(*station)
+        let comes = |(station, hands): (&StationId, &CellHands)| {
+            let (_, face) = self.faces.get(station).filter(|_| hands.sees(now))?;
+            hands.comes_inside(face, now).then_some(*station)
         };
         let shared = self.shared.keys().copied().filter(|s| self.is_shared(*s, now));
-        self.desks.iter().filter_map(comes).chain(shared).collect()
+        self.cell_hands.iter().filter_map(comes).chain(shared).collect()
     }
 
     /// Whether a hand is seen in the opening of a station or beyond it.
     pub fn sees_inside(&self, station: StationId, now: Time) -> bool {
-        let known = self.desks.get(&station).zip(self.faces.get(&station));
-        known.is_some_and(|(desk, (_, face))| desk.is_inside(face, now))
+        let known = self.cell_hands.get(&station).zip(self.faces.get(&station));
+        known.is_some_and(|(hands, (_, face))| hands.is_inside(face, now))
     }
 
     /// Robots that were not to move because of hands: until it is said anew, all may.
@@ -484,19 +484,19 @@ impl Visits {
         model: &Arc<PickModel>,
         (lit, tote): (Option<SlotName>, Option<usize>),
         seen: &HandsSeen,
-    ) -> Option<DeskEvent> {
-        let (desk, (_, face)) = self.desks.get(&seen.station).zip(self.faces.get(&seen.station))?;
-        desk.would_warn(DeskScene { face, model, lit, tote }, seen)
+    ) -> Option<CellHandsEvent> {
+        let (hands, (_, face)) = self.cell_hands.get(&seen.station).zip(self.faces.get(&seen.station))?;
+        hands.would_warn(CellHandsScene { face, model, lit, tote }, seen)
     }
 
     /// Where hands at a station go.
     pub fn reaches(&self, station: StationId, now: Time) -> SmallVec<[SeenReach; 4]> {
-        self.desks.get(&station).map(|desk| desk.reaches(now)).unwrap_or_default()
+        self.cell_hands.get(&station).map(|hands| hands.reaches(now)).unwrap_or_default()
     }
 
     /// Whether the hands of one person alone were seen at a station of late.
     pub fn saw_hands(&self, station: StationId, now: Time) -> bool {
-        self.desks.get(&station).is_some_and(|desk| desk.saw_of_late(now))
+        self.cell_hands.get(&station).is_some_and(|hands| hands.saw_of_late(now))
     }
 
     /// How many lines were over, and how many reaches warned of, since the program started.

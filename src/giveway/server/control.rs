@@ -13,8 +13,8 @@ use super::historian::HistorianSender;
 use super::inbox::Inbox;
 use super::journal::Journal;
 use super::measure::Measure;
-use super::recordings::Tap;
-use super::settle::SettleDesk;
+use super::recordings::BookmarkSender;
+use super::settle::SettleQueue;
 use super::watchdog::Watchdog;
 use giveway_api::alarms::Alarms;
 use giveway_api::feed::hub::{Feeds, HeardSighting};
@@ -61,7 +61,7 @@ pub struct ControlLoop {
     /// Gets guidance.
     pub feeds: Arc<Feeds>,
     /// Gets what is worth a bookmark.
-    pub tap: Tap,
+    pub tap: BookmarkSender,
     /// What stands.
     pub alarms: Arc<Alarms>,
     /// What lasts from one turn to the next.
@@ -75,7 +75,7 @@ pub struct ControlLoop {
     /// Gets the view.
     pub moments: watch::Sender<Arc<Moment>>,
     /// Asks that robots stand for a change of the map.
-    pub settling: SettleDesk,
+    pub settling: SettleQueue,
     /// Panics that tests plant.
     pub planted: Planted,
 }
@@ -353,14 +353,14 @@ mod tests {
             metrics,
             ahead: LastForecasts::default(),
             feeds,
-            tap: Tap::default(),
+            tap: BookmarkSender::default(),
             alarms,
             pace: LoopPace::default(),
             displaced: watch::channel(false).1,
             watchdog: Watchdog::default(),
             store: store.clone(),
             moments,
-            settling: SettleDesk::new(mpsc::channel(1).1),
+            settling: SettleQueue::new(mpsc::channel(1).1),
             planted: Planted::default(),
         };
         (drive, writer, queue)

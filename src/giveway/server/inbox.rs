@@ -141,8 +141,8 @@ impl Inbox {
 #[cfg(test)]
 pub fn local_request() -> Arc<AuditEntry> {
     let caller = giveway_api::caller::Caller::this_machine();
-    let desk = giveway_api::audit::AuditDesk::new(0).0;
-    Arc::new(desk.begin(&caller, "POST /v1/fleet/stop".into(), None, giveway_floor::time::Time(7)))
+    let log = giveway_api::audit::AuditLog::new(0).0;
+    Arc::new(log.begin(&caller, "POST /v1/fleet/stop".into(), None, giveway_floor::time::Time(7)))
 }
 
 #[cfg(test)]

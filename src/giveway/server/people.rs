@@ -4,7 +4,7 @@
 
 use giveway_api::caller::Role;
 use giveway_api::port::{Later, Now};
-use giveway_api::pseudonyms::{NamedPerson, PersonDesk, Pseudonyms};
+use giveway_api::pseudonyms::{NamedPerson, PersonPort, Pseudonyms};
 use giveway_floor::id::WorkerId;
 use giveway_store::{PersonRow, Store, StoreError};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub async fn pseudonyms(
     Ok(Pseudonyms::new(people, names_for, Box::new(keeper)))
 }
 
-impl PersonDesk for PersonKeeper {
+impl PersonPort for PersonKeeper {
     fn keep(&self, person: NamedPerson) -> Later<'_, Result<(), String>> {
         Box::pin(async move {
             let NamedPerson { pseudonym, name, since } = person;

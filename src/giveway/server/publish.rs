@@ -9,7 +9,7 @@ use super::basis::FloorBasis;
 use super::settle::SettleRequest;
 use giveway_api::audit::AuditEntry;
 use giveway_api::map_version;
-use giveway_api::publish::{MapDesk, MapDone, MapOrder, MapOrigin, MapOutlook, MapRefusal, MapRequest};
+use giveway_api::publish::{MapDone, MapOrder, MapOrigin, MapOutlook, MapPort, MapRefusal, MapRequest};
 use giveway_fleet::Unsettled;
 use giveway_fleet::carry::{Report, ReportEntry};
 use giveway_floor::time::Time;
@@ -83,12 +83,12 @@ impl MapKeeper {
         basis: &FloorBasis,
         map: Arc<Warehouse>,
         (settle, go_over): (mpsc::Sender<SettleRequest>, mpsc::Sender<GoOver>),
-    ) -> (MapDesk, MapKeeper) {
+    ) -> (MapPort, MapKeeper) {
         let (ask, requests) = mpsc::channel(WAITING);
         let origin = basis.published.as_ref().map(origin_of);
-        let desk = MapDesk { origin, requests: Some(ask) };
+        let port = MapPort { origin, requests: Some(ask) };
         let (store, basis) = (store.clone(), basis.clone());
-        (desk, MapKeeper { store, basis, map, requests, settle, go_over })
+        (port, MapKeeper { store, basis, map, requests, settle, go_over })
     }
 
     /// Answers until the requests end, or the server goes over to another map.

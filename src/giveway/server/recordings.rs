@@ -1,6 +1,6 @@
 //! Keeps the past: a thread of its own writes frames of the live feed to disk, five a second.
 //!
-//! Main types: [`KeptPast`], [`Tap`] (the loop's end, which never waits). Where the disk takes no more, an alarm and
+//! Main types: [`KeptPast`], [`BookmarkSender`] (the loop's end, which never waits). Where the disk takes no more, an alarm and
 //! the log say so, the fleet goes on, and the thread tries again. Refuses: to hold the loop up; a fact that comes too
 //! fast loses its bookmark, not its place in the journal.
 
@@ -29,12 +29,12 @@ const REST: Span = Span::from_secs(10);
 
 /// Where the loop tells what happened.
 #[derive(Debug, Default)]
-pub struct Tap {
+pub struct BookmarkSender {
     facts: Option<SyncSender<Fact>>,
     queue: LastBacklog,
 }
 
-impl Tap {
+impl BookmarkSender {
     /// Tells of the facts of a step, as far as they make bookmarks.
     pub fn note(&self, facts: &[Fact]) {
         let Some(send) = &self.facts else { return };
@@ -55,7 +55,7 @@ pub struct KeptPast {
     /// What there is of it.
     pub folder: Option<Arc<Folder>>,
     /// For the loop.
-    pub tap: Tap,
+    pub tap: BookmarkSender,
     /// Ends with the thread that writes.
     pub ended: Option<oneshot::Receiver<()>>,
 }
@@ -84,7 +84,7 @@ impl KeptPast {
                 let _ = end.send(());
             };
             std::thread::Builder::new().name("past".into()).spawn(write)?;
-            let tap = Tap { facts: Some(send), queue: LastBacklog::default() };
+            let tap = BookmarkSender { facts: Some(send), queue: LastBacklog::default() };
             Ok(KeptPast { folder: Some(folder), tap, ended: Some(ended) })
         };
         begin().unwrap_or_else(|e| {

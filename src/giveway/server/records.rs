@@ -1,6 +1,6 @@
 //! The store as the API sees it.
 //!
-//! Main type: [`Shelf`]. Refuses: to write.
+//! Main type: [`StoredRecords`]. Refuses: to write.
 
 use giveway_api::audit::{AuditEntry, AuditQuery};
 use giveway_api::caller::Role;
@@ -17,9 +17,9 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 /// Durable lists, to be read.
-pub struct Shelf(pub Arc<Store>);
+pub struct StoredRecords(pub Arc<Store>);
 
-impl Records for Shelf {
+impl Records for StoredRecords {
     fn job(&self, id: JobId) -> Later<'_, Result<Option<JobRow>, String>> {
         Box::pin(async move { self.0.job(id).await.map_err(told) })
     }

@@ -5,7 +5,7 @@
 
 use super::inbox::Inbox;
 use super::publish::{GoOver, MapKeeper};
-use super::settle::{SettleDesk, SettleRequest};
+use super::settle::{SettleQueue, SettleRequest};
 use super::start::ServerParts;
 use super::{
     Clock, Outbound, Planted, ahead, alarm_keeper, answers, audit_keeper, control, custody, historian, inbox,
@@ -14,14 +14,14 @@ use super::{
 use anyhow::{Context, anyhow};
 use axum::Router;
 use giveway_api::alarms::Alarms;
-use giveway_api::audit::AuditDesk;
+use giveway_api::audit::AuditLog;
 use giveway_api::auth::Gate;
 use giveway_api::caller::Caller;
 use giveway_api::feed::hub::Feeds;
 use giveway_api::live::Live;
 use giveway_api::metrics::Metrics;
 use giveway_api::port::{Moment, Now, QUESTIONS, Question};
-use giveway_api::webhooks::HookDesk;
+use giveway_api::webhooks::WebhookAccess;
 use giveway_api::{Api, router};
 use giveway_drive::Drive;
 use giveway_fleet::Fleet;
@@ -61,7 +61,7 @@ struct LoopEnds {
     questions: mpsc::Receiver<Question>,
     journal: journal::Journal,
     notes: historian::HistorianSender,
-    tap: recordings::Tap,
+    tap: recordings::BookmarkSender,
     displaced: watch::Receiver<bool>,
     moments: watch::Sender<Arc<Moment>>,
     settle: mpsc::Receiver<SettleRequest>,
@@ -96,7 +96,7 @@ fn control_loop(
         watchdog: watchdog::Watchdog::default(),
         store,
         moments,
-        settling: SettleDesk::new(settle),
+        settling: SettleQueue::new(settle),
         planted,
     }
 }
@@ -166,7 +166,7 @@ impl RunningCore {
         let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
         let alarm_keeper = alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone());
         let (writer, thread) = (tokio::spawn(writer.run()), spawn_loop(drive, halted)?);
-        let (audit, answered) = AuditDesk::new(parts.last_audit);
+        let (audit, answered) = AuditLog::new(parts.last_audit);
         let audit_keeper = audit_keeper::keep_audit(store.clone(), answered, halt.subscribe());
         let keepers = [tokio::spawn(alarm_keeper), tokio::spawn(audit_keeper)];
         let now: Now = Arc::new(move || clock.now());
@@ -176,10 +176,10 @@ impl RunningCore {
             map,
             kinds,
             moments: picture,
-            records: Arc::new(records::Shelf(store.clone())),
+            records: Arc::new(records::StoredRecords(store.clone())),
             figures: charts.figures,
             queue: Some(queue),
-            hooks: Some(HookDesk { queue: hooks, targets: outbound.targets.clone() }),
+            hooks: Some(WebhookAccess { queue: hooks, targets: outbound.targets.clone() }),
             questions: ask,
             alarms,
             past: past.folder,

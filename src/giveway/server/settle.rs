@@ -1,6 +1,6 @@
 //! Robots stand on nodes before the server goes over to another map: requests for that, and their answers.
 //!
-//! Main types: [`SettleDesk`] (the loop's end), [`SettleRequest`]. Refuses: to keep robots standing when
+//! Main types: [`SettleQueue`] (the loop's end), [`SettleRequest`]. Refuses: to keep robots standing when
 //! the request for it is gone.
 
 use giveway_drive::{Drive, NotStanding};
@@ -22,15 +22,15 @@ pub enum SettleRequest {
 
 /// The loop's end.
 #[derive(Debug)]
-pub struct SettleDesk {
+pub struct SettleQueue {
     requests: mpsc::Receiver<SettleRequest>,
     waits: Option<oneshot::Sender<Result<(), NotStanding>>>,
 }
 
-impl SettleDesk {
+impl SettleQueue {
     /// One that takes these requests.
-    pub fn new(requests: mpsc::Receiver<SettleRequest>) -> SettleDesk {
-        SettleDesk { requests, waits: None }
+    pub fn new(requests: mpsc::Receiver<SettleRequest>) -> SettleQueue {
+        SettleQueue { requests, waits: None }
     }
 
     /// Hands on what is asked.

@@ -10,14 +10,14 @@ use super::{
 };
 use anyhow::Context;
 use giveway_api::alarms::Alarms;
-use giveway_api::audit::AuditDesk;
+use giveway_api::audit::AuditLog;
 use giveway_api::auth::Gate;
 use giveway_api::caller::Caller;
 use giveway_api::feed::hub::Feeds;
 use giveway_api::live::Live;
 use giveway_api::massrobotics::Interop;
 use giveway_api::port::{Moment, QUESTIONS, Question, SharedHistory};
-use giveway_api::publish::MapDesk;
+use giveway_api::publish::MapPort;
 use giveway_api::recording::{Folder, Limits, Rotation};
 use giveway_api::{Api, router};
 use giveway_fleet::alarm::{AlarmKind, FloorWatch, LoopHealth};
@@ -107,12 +107,12 @@ impl Show {
             now: Arc::new(move || clock.now()),
             metrics: Arc::default(),
             trials: super::trial::trials(),
-            maps: MapDesk::default(),
+            maps: MapPort::default(),
             gate: Arc::new(Gate::default()),
             oidc: None,
             tokens: None,
             answers: None,
-            audit: Arc::new(AuditDesk::new(0).0),
+            audit: Arc::new(AuditLog::new(0).0),
             caller: Arc::new(Caller::this_machine()),
             entry: None,
             closing: closes.clone(),

@@ -6,7 +6,7 @@
 use giveway_api::alarms::Alarms;
 use giveway_api::auth::Gate;
 use giveway_api::caller::{NamedToken, Role, SessionHolder, TokenHash, WebSession};
-use giveway_api::port::{Later, Now, TokenDesk};
+use giveway_api::port::{Later, Now, TokenPort};
 use giveway_fleet::alarm::AlarmKind;
 use giveway_floor::text::sentence::alarms as sentence;
 use giveway_floor::text::{Sentence, SentenceArg};
@@ -149,7 +149,7 @@ impl TokenKeeper {
     }
 }
 
-impl TokenDesk for TokenKeeper {
+impl TokenPort for TokenKeeper {
     fn list(&self) -> Later<'_, Result<Vec<NamedToken>, String>> {
         Box::pin(async {
             let rows = self.store.tokens().all().await.map_err(told)?;

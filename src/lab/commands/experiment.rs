@@ -14,7 +14,7 @@ use super::recorded::{EncountersArgs, ForecastArgs, PurposeArgs};
 use super::safe_space::SafeSpaceArgs;
 use super::stations::StationsArgs;
 use super::write;
-use crate::stories::{self, Tale};
+use crate::stories::{self, StoryKind};
 use clap::{Args, Subcommand, ValueEnum};
 use giveway_people::human::Method;
 use serde_json::{Value, json};
@@ -62,7 +62,7 @@ pub enum Experiment {
 
 /// The stories.
 #[derive(Clone, Copy, ValueEnum)]
-enum TaleArgument {
+enum StoryArgument {
     /// Three goals on tiles, a change of mind, a dead end.
     Grid,
     /// The laboratory; a robot closes the way.
@@ -87,7 +87,7 @@ enum MethodArgument {
 pub struct StoryArgs {
     /// Which story.
     #[arg(value_enum)]
-    tale: TaleArgument,
+    tale: StoryArgument,
     /// Which recogniser; the story on tiles has its own.
     #[arg(long, value_enum, default_value = "chapter3")]
     method: MethodArgument,
@@ -129,9 +129,9 @@ impl Experiment {
 impl StoryArgs {
     fn run(self) -> anyhow::Result<ExitCode> {
         let tale = match self.tale {
-            TaleArgument::Grid => Tale::Grid,
-            TaleArgument::Lab => Tale::Lab,
-            TaleArgument::Hall => Tale::Hall,
+            StoryArgument::Grid => StoryKind::Grid,
+            StoryArgument::Lab => StoryKind::Lab,
+            StoryArgument::Hall => StoryKind::Hall,
         };
         let method = match self.method {
             MethodArgument::Chapter3 => Method::Chapter3,

@@ -1,6 +1,6 @@
 //! The stories that Petković 2021 tells in section 3.5 to show how intentions are recognised, told again.
 //!
-//! Main types: [`Story`] (beliefs over time with what happened when), [`Tale`] (which story). Floor plans and tracks of
+//! Main types: [`Story`] (beliefs over time with what happened when), [`StoryKind`] (which story). Floor plans and tracks of
 //! the originals are lost or were never published: what the text says of them is kept, the rest is made up, and it is
 //! the order of events that is compared, not numbers. Refuses: chance without a seed.
 
@@ -14,7 +14,7 @@ use giveway_people::human::{Belief, Method};
 
 /// Which story.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tale {
+pub enum StoryKind {
     /// Section 3.5.1: tiles, three goals, a change of mind, a dead end.
     Grid,
     /// Section 3.5.2: the laboratory; a robot closes the way.
@@ -52,13 +52,13 @@ pub struct Story {
     pub events: Vec<StoryEvent>,
 }
 
-impl Tale {
+impl StoryKind {
     /// Tells it. The story on tiles has a method of its own and takes no other; `seed` moves the robots of the hall.
     pub fn tell(self, method: Method, seed: u64) -> Story {
         match self {
-            Tale::Grid => grid::tell(),
-            Tale::Lab => lab::tell(method),
-            Tale::Hall => hall::tell(method, seed),
+            StoryKind::Grid => grid::tell(),
+            StoryKind::Lab => lab::tell(method),
+            StoryKind::Hall => hall::tell(method, seed),
         }
     }
 }

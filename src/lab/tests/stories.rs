@@ -1,6 +1,6 @@
 //! The stories of `docs/intention.md` are drawn as this build tells them.
 
-use giveway_lab::stories::Tale;
+use giveway_lab::stories::StoryKind;
 use giveway_people::human::Method;
 
 fn read(path: &str) -> String {
@@ -12,11 +12,11 @@ fn read(path: &str) -> String {
 fn the_stories_are_drawn_as_this_build_tells_them() {
     let page = read("docs/intention.md");
     for (tale, method, arguments, file) in [
-        (Tale::Grid, Method::Chapter3, "grid", "story-grid"),
-        (Tale::Lab, Method::Chapter3, "lab", "story-lab"),
-        (Tale::Lab, Method::Detour, "lab --method detour", "story-lab-detour"),
-        (Tale::Hall, Method::Chapter3, "hall --seed 6", "story-hall"),
-        (Tale::Hall, Method::Detour, "hall --method detour --seed 6", "story-hall-detour"),
+        (StoryKind::Grid, Method::Chapter3, "grid", "story-grid"),
+        (StoryKind::Lab, Method::Chapter3, "lab", "story-lab"),
+        (StoryKind::Lab, Method::Detour, "lab --method detour", "story-lab-detour"),
+        (StoryKind::Hall, Method::Chapter3, "hall --seed 6", "story-hall"),
+        (StoryKind::Hall, Method::Detour, "hall --method detour --seed 6", "story-hall-detour"),
     ] {
         let made = format!("giveway experiment story {arguments} --svg docs/{file}.svg");
         assert!(page.contains(&made), "docs/intention.md does not say {made}");

@@ -6,7 +6,7 @@ use super::watch::{HandWatch, TruePicker, angles_of};
 use super::work::WarnedLead;
 use crate::random::Stream;
 use crate::{HandSensor, PickerHabits};
-use giveway_cell::{Desk, DeskScene, FacePlace, LineChange, PickFace};
+use giveway_cell::{CellHands, CellHandsScene, FacePlace, LineChange, PickFace};
 use giveway_fleet::{StationOrder, WrongReach};
 use giveway_floor::id::{JobId, StationId};
 use giveway_floor::time::{Span, Time};
@@ -392,7 +392,7 @@ impl Foreseen {
         let (face, model) = (Arc::new(FACE.clone()), PickModel::builtin());
         let mut shift = PickerShift::new(PickerHabits::default(), seed);
         let mut watch = HandWatch::new(HandSensor::default(), Stream::new(seed, 97, 0), Time::ZERO);
-        let mut desk = Desk::default();
+        let mut hands = CellHands::default();
         let mut stated: Vec<(usize, [bool; 2], f64)> = Vec::new();
         let mut inside: Vec<[bool; 2]> = Vec::new();
         let mut last = [Time::ZERO; 2];
@@ -404,13 +404,13 @@ impl Foreseen {
             }
             let (lit, tote) = (Some(shift.line.slot), Some(shift.line.tote));
             for seen in watch.come(shift.now) {
-                desk.see(DeskScene { face: &face, model: &model, lit, tote }, &seen);
+                hands.see(CellHandsScene { face: &face, model: &model, lit, tote }, &seen);
                 let is_seen = seen.hands.map(|hand| hand.is_some());
                 // A hand that was lost a moment ago is held to be where it was: that is no forecast.
                 let is_known = |i: usize| is_seen[i] || seen.seen - last[i] > Span::from_secs(1);
                 if (0..2).all(is_known) {
                     let step = (seen.seen - Time::ZERO).0 / STEP.0;
-                    stated.push((step as usize, is_seen, desk.inside_soon(&face, seen.seen)));
+                    stated.push((step as usize, is_seen, hands.inside_soon(&face, seen.seen)));
                 }
                 (0..2).filter(|i| is_seen[*i]).for_each(|i| last[i] = seen.seen);
             }

@@ -1,5 +1,5 @@
 // What every card has beside its subject.
-import type { Line } from './story';
+import type { Line } from './changes';
 
 export interface CardFrame {
   /** Of a thing that is only pointed at, a card comes and goes with the pointer. */

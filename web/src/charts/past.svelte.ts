@@ -6,7 +6,7 @@ import type { Mirror, Sum } from '../wire';
 import { roundSpan, t } from '../words';
 import type { Grid } from './series';
 import type { ChartsShown } from './shown';
-import { CHARTS_THEN, gridOfSums, stepOf } from './then';
+import { CHARTS_THEN, gridOfSums, stepOf } from './sums';
 
 const EVERY_MS = 10_000;
 

@@ -2,7 +2,7 @@
 import type { Replay } from '../replay';
 import type { Encounter } from '../wire';
 import { moment, t } from '../words';
-import { metIn } from './met';
+import { metIn } from './bookmarked';
 import type { Again, EncountersShown } from './shown';
 
 export class PastEncounters implements EncountersShown {

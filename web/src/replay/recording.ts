@@ -2,7 +2,7 @@
 // time. Seconds count from the start of the recording; a server's earlier runs lie before 0.
 import type { Api, FloorMap, HeatKind, HeatPage, Mark, Sum } from '../wire';
 import { t, trouble } from '../words';
-import { readReel, type Listed, type Reel, type Frame } from './reel';
+import { readReel, type Listed, type Reel, type Frame } from './frames';
 import { ends, type Span } from './spans';
 import { linesOf } from './unpack';
 

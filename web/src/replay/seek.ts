@@ -1,7 +1,7 @@
 // From frames to the mirror of a moment: on from what is shown if the patches lead there, else from the last
 // key frame. Both ways come to the same; playing is cheap, and seeking costs some dozens of patches.
 import { EMPTY, parseMessage, reduce, type Mirror } from '../wire';
-import type { Frame } from './reel';
+import type { Frame } from './frames';
 
 export interface Shown {
   at: number;

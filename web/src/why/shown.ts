@@ -4,7 +4,7 @@ import type { Source } from '../replay';
 import type { Mirror } from '../wire';
 import { t } from '../words';
 import { LiveWhy } from './live.svelte';
-import { chainOf } from './was';
+import { chainOf } from './chain';
 
 /** One link of a chain: what waits, for what, until when. */
 export interface WhyStep {

@@ -98,7 +98,7 @@ fn read(text: &str) -> Result<(LetterGrid, Said), MapError> {
     Ok((grid, Said { endpoints, homes }))
 }
 
-/// Shelf cells that touch an endpoint on the floor.
+/// StoredRecords cells that touch an endpoint on the floor.
 fn storage(grid: &LetterGrid, floor: &[bool]) -> Vec<bool> {
     let touches = |c: usize| grid.around(c).any(|n| floor[n] && grid.cells[n] == b'e');
     (0..grid.cells.len()).map(|c| grid.cells[c] == b'@' && touches(c)).collect()

@@ -1,7 +1,7 @@
 // What the story of a robot and of a worker says of a replan and of a goal.
 import './english';
 import { describe, expect, test } from 'vitest';
-import { Story } from '../src/cards/story';
+import { Story } from '../src/cards/changes';
 import { eventWords } from '../src/robots/life.svelte';
 import { EMPTY, type Mirror, type Replanned, type Robot, type Worker } from '../src/wire';
 import { robot, worker } from './samples';

@@ -1,6 +1,6 @@
 //! The hands at one work cell, followed from slot to tote, and warned before they are in a wrong slot.
 //!
-//! Main types: [`Desk`], [`DeskEvent`]. Refuses: hands of two persons at once, and to confirm anything by guessing.
+//! Main types: [`CellHands`], [`CellHandsEvent`]. Refuses: hands of two persons at once, and to confirm anything by guessing.
 
 use super::aim::aims_wrong;
 use super::belief::{ReachBeliefs, ReachPlace};
@@ -38,7 +38,7 @@ const ALONE: Span = Span::from_secs(2);
 
 /// What happened at a work cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DeskEvent {
+pub enum CellHandsEvent {
     /// A piece was taken out of a slot.
     Grasped(SlotName),
     /// A piece was put into a tote, by its number at the station. It confirms something only if the hand was seen all
@@ -50,7 +50,7 @@ pub enum DeskEvent {
 
 /// What hands are seen at and for.
 #[derive(Clone, Copy, Debug)]
-pub struct DeskScene<'a> {
+pub struct CellHandsScene<'a> {
     /// The face of the rack that stands there, or stood there last.
     pub face: &'a Arc<PickFace>,
     /// What was learned of reaches.
@@ -74,7 +74,7 @@ pub struct SeenReach {
 
 /// What is believed of the hands at one work cell.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Desk {
+pub struct CellHands {
     hands: [HandFollower; 2],
     /// Whose hands were seen last, and when.
     person: Option<(u32, Time)>,
@@ -100,7 +100,7 @@ pub struct Desk {
     spent: Option<SpentPhase>,
 }
 
-impl Desk {
+impl CellHands {
     /// Another rack is here.
     pub fn begin(&mut self) {
         self.hands.iter_mut().for_each(HandFollower::begin);
@@ -113,7 +113,7 @@ impl Desk {
     }
 
     /// Takes in hands. Gives what happened, in order. Observations that come out of order are dropped.
-    pub fn see(&mut self, scene: DeskScene<'_>, seen: &HandsSeen) -> SmallVec<[DeskEvent; 4]> {
+    pub fn see(&mut self, scene: CellHandsScene<'_>, seen: &HandsSeen) -> SmallVec<[CellHandsEvent; 4]> {
         let (events, hands) = self.follow(scene, seen);
         for (i, hand) in hands.iter().enumerate().filter_map(|(i, hand)| Some((i, hand.as_ref()?))) {
             self.believe(scene, (i, hand), seen);
@@ -159,14 +159,14 @@ impl Desk {
     }
 
     /// What these hands, seen now, would do that is a reason for a warning. It costs little and changes nothing.
-    pub fn would_warn(&self, scene: DeskScene<'_>, seen: &HandsSeen) -> Option<DeskEvent> {
+    pub fn would_warn(&self, scene: CellHandsScene<'_>, seen: &HandsSeen) -> Option<CellHandsEvent> {
         // Beliefs are large, and warnings are not made of them.
-        let mut desk = Desk { beliefs: None, ..*self };
-        let (events, _) = desk.follow(scene, seen);
+        let mut hands = CellHands { beliefs: None, ..*self };
+        let (events, _) = hands.follow(scene, seen);
         events.into_iter().find(|event| match event {
-            DeskEvent::AimsAt(_) => true,
-            DeskEvent::Grasped(slot) => scene.lit.is_some_and(|lit| lit != *slot),
-            DeskEvent::Placed(piece, tote) => {
+            CellHandsEvent::AimsAt(_) => true,
+            CellHandsEvent::Grasped(slot) => scene.lit.is_some_and(|lit| lit != *slot),
+            CellHandsEvent::Placed(piece, tote) => {
                 scene.lit == Some(piece.from) && scene.tote.is_some_and(|wanted| wanted != *tote)
             }
         })
@@ -176,9 +176,9 @@ impl Desk {
     /// it is.
     fn follow(
         &mut self,
-        scene: DeskScene<'_>,
+        scene: CellHandsScene<'_>,
         seen: &HandsSeen,
-    ) -> (SmallVec<[DeskEvent; 4]>, [Option<HandPoints>; 2]) {
+    ) -> (SmallVec<[CellHandsEvent; 4]>, [Option<HandPoints>; 2]) {
         let (face, mut events) = (scene.face, SmallVec::new());
         match self.person {
             Some((_, at)) if seen.seen <= at && at - seen.seen < STALE => return (events, [None; 2]),
@@ -212,13 +212,13 @@ impl Desk {
                 continue;
             }
             events.extend(event);
-            events.extend(scene.lit.and_then(|slot| self.aims(face, i, slot)).map(DeskEvent::AimsAt));
+            events.extend(scene.lit.and_then(|slot| self.aims(face, i, slot)).map(CellHandsEvent::AimsAt));
         }
         (events, hands)
     }
 
     /// Follows where a hand goes, while anything is wanted.
-    fn believe(&mut self, scene: DeskScene<'_>, (i, hand): (usize, &HandPoints), seen: &HandsSeen) {
+    fn believe(&mut self, scene: CellHandsScene<'_>, (i, hand): (usize, &HandPoints), seen: &HandsSeen) {
         let can_be = self.hands[i].last().is_some_and(|(at, _)| at == seen.seen);
         if !can_be || (scene.lit.is_none() && scene.tote.is_none()) {
             return;
@@ -248,7 +248,7 @@ impl Desk {
     /// What a hand's deed means. A hand that stops once more where it put a piece that belongs elsewhere takes it out
     /// again; one that goes to the wanted tote without that brings nothing that anybody has seen. What lies where it
     /// belongs counts once.
-    fn took(&mut self, hand: usize, event: HandEvent, scene: DeskScene<'_>) -> Option<DeskEvent> {
+    fn took(&mut self, hand: usize, event: HandEvent, scene: CellHandsScene<'_>) -> Option<CellHandsEvent> {
         match event {
             HandEvent::Grasped(slot, deepest) => {
                 self.strayed[hand] = None;
@@ -257,7 +257,7 @@ impl Desk {
                 if let Some(lit) = scene.lit.filter(|_| self.warned[hand].is_none()) {
                     self.share.learn(lit == slot);
                 }
-                Some(DeskEvent::Grasped(slot))
+                Some(CellHandsEvent::Grasped(slot))
             }
             HandEvent::Placed(piece, tote) => {
                 self.strayed[hand] = scene.tote.filter(|wanted| *wanted != tote).map(|_| (piece, tote));
@@ -265,7 +265,7 @@ impl Desk {
                 if let Some(((slot, deepest), beliefs)) = reached.zip(self.beliefs.as_mut()) {
                     beliefs.learn(slot, deepest);
                 }
-                Some(DeskEvent::Placed(piece, tote))
+                Some(CellHandsEvent::Placed(piece, tote))
             }
             HandEvent::Searched(tote) => {
                 let (piece, _) = self.strayed[hand].take_if(|(_, there)| *there == tote)?;

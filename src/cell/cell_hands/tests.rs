@@ -8,13 +8,13 @@ use giveway_floor::warehouse::stations;
 /// Observations of a right hand that goes from place to place, 60 a second; the left one rests.
 struct Film {
     face: Arc<PickFace>,
-    desk: Desk,
+    hands: CellHands,
     now: Time,
     at: FacePlace,
     person: u32,
     /// What the eyes rest on, where they are measured.
     eyes_on: Option<FacePlace>,
-    events: Vec<DeskEvent>,
+    events: Vec<CellHandsEvent>,
 }
 
 /// Nothing is lit.
@@ -25,9 +25,10 @@ impl Film {
         let w = stations();
         let (station, rack) = (&w.stations[StationId(0)], w.rack_types.iter().next().unwrap());
         let face = PickFace::new(station.cell.as_ref().unwrap(), w.nodes[station.node].at, rack);
-        let (desk, at, now) = (Desk::default(), FacePlace::new(0.22, 0.95, 0.95), Time::from_secs_f64(10.0));
+        let (hands, at, now) =
+            (CellHands::default(), FacePlace::new(0.22, 0.95, 0.95), Time::from_secs_f64(10.0));
         let face = Arc::new(face);
-        Film { face, desk, now, at, person: 0, eyes_on: None, events: Vec::new() }
+        Film { face, hands, now, at, person: 0, eyes_on: None, events: Vec::new() }
     }
 
     fn hand(&self, at: FacePlace) -> HandPoints {
@@ -42,8 +43,8 @@ impl Film {
         let eyes = self.eyes_on.map(|at| (self.face.on_map(at) - head).normalize());
         let seen = HandsSeen { station, person, seen, head, facing: None, eyes, hands };
         let (lit, tote) = (lit.map(|(slot, _)| slot), lit.map(|(_, tote)| tote));
-        let scene = DeskScene { face: &self.face, model: &PickModel::builtin(), lit, tote };
-        self.events.extend(self.desk.see(scene, &seen));
+        let scene = CellHandsScene { face: &self.face, model: &PickModel::builtin(), lit, tote };
+        self.events.extend(self.hands.see(scene, &seen));
         self.now += Span::from_millis(16);
     }
 
@@ -94,8 +95,8 @@ fn slot(name: &str) -> SlotName {
     name.parse().unwrap()
 }
 
-fn put(name: &str, sure: bool, tote: usize) -> DeskEvent {
-    DeskEvent::Placed(HeldPiece { from: slot(name), sure, is_of_before: false }, tote)
+fn put(name: &str, sure: bool, tote: usize) -> CellHandsEvent {
+    CellHandsEvent::Placed(HeldPiece { from: slot(name), sure, is_of_before: false }, tote)
 }
 
 #[test]
@@ -104,11 +105,11 @@ fn a_piece_is_followed_from_its_slot_to_its_tote() {
     for (name, tote) in [("C3", 1), ("A1", 0), ("D5", 2)] {
         film.events.clear();
         film.picks(LIT, slot(name));
-        assert_eq!(film.desk.in_hand(slot(name)), 1, "{name}");
+        assert_eq!(film.hands.in_hand(slot(name)), 1, "{name}");
         film.puts(LIT, tote, true);
         let placed = put(name, true, tote);
-        assert_eq!(film.events, [DeskEvent::Grasped(slot(name)), placed], "{name}");
-        assert_eq!(film.desk.in_hand(slot(name)), 0);
+        assert_eq!(film.events, [CellHandsEvent::Grasped(slot(name)), placed], "{name}");
+        assert_eq!(film.hands.in_hand(slot(name)), 0);
     }
 }
 
@@ -119,7 +120,7 @@ fn a_hand_that_was_not_seen_on_its_way_confirms_nothing() {
     let rim = film.face.tote(1).unwrap();
     film.moves(LIT, rim, 1.5, false);
     film.moves(LIT, rim, 0.2, true);
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), put("C3", false, 1)]);
+    assert_eq!(film.events, [CellHandsEvent::Grasped(slot("C3")), put("C3", false, 1)]);
 }
 
 #[test]
@@ -130,11 +131,15 @@ fn a_hand_on_its_way_to_a_wrong_slot_is_warned_of_once_and_before_it_has_a_piece
         let front = film.face.slot(slot(name)) + FacePlace::new(0.0, 0.3, 0.0);
         film.moves(lit, front, 0.5, true);
         film.moves(lit, film.face.slot(slot(name)) - FacePlace::new(0.0, 0.08, 0.0), 0.4, true);
-        assert_eq!(film.events, [DeskEvent::AimsAt(slot(name))], "{name}");
+        assert_eq!(film.events, [CellHandsEvent::AimsAt(slot(name))], "{name}");
     }
     let mut film = Film::new();
     film.picks(lit, slot("B2"));
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("B2"))], "the right slot is no reason for a warning");
+    assert_eq!(
+        film.events,
+        [CellHandsEvent::Grasped(slot("B2"))],
+        "the right slot is no reason for a warning"
+    );
 }
 
 #[test]
@@ -145,10 +150,14 @@ fn a_piece_in_a_wrong_tote_counts_in_the_right_one_once_the_hand_has_been_back_f
     film.puts(lit, 0, true);
     let placed = |tote| put("C3", true, tote);
     film.puts(lit, 2, true);
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed(0)], "what is in the hand is a guess");
+    assert_eq!(
+        film.events,
+        [CellHandsEvent::Grasped(slot("C3")), placed(0)],
+        "what is in the hand is a guess"
+    );
     film.puts(lit, 0, true);
     film.puts(lit, 2, true);
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed(0), placed(2)]);
+    assert_eq!(film.events, [CellHandsEvent::Grasped(slot("C3")), placed(0), placed(2)]);
 }
 
 #[test]
@@ -158,10 +167,10 @@ fn the_first_glimpse_after_a_gap_is_no_stop_in_a_tote() {
     let (rim, left) = (film.face.tote(1).unwrap(), FacePlace::new(-0.22, 0.95, 0.95));
     film.now += Span::from_millis(600);
     film.look(LIT, [Some(left), Some(rim)]);
-    assert_eq!(film.desk.in_hand(slot("C3")), 1, "it may be passing: {:?}", film.events);
+    assert_eq!(film.hands.in_hand(slot("C3")), 1, "it may be passing: {:?}", film.events);
     film.look(LIT, [Some(left), Some(rim)]);
     film.look(LIT, [Some(left), Some(rim)]);
-    assert!(matches!(film.events.last(), Some(DeskEvent::Placed(_, 1))), "{:?}", film.events);
+    assert!(matches!(film.events.last(), Some(CellHandsEvent::Placed(_, 1))), "{:?}", film.events);
 }
 
 #[test]
@@ -182,32 +191,32 @@ fn a_hand_that_is_taken_for_the_other_one_while_it_alone_is_seen_stays_the_same_
     look(inside, inside, 0.3, true);
     look(inside, inside, 0.2, false);
     look(inside, front, 0.4, false);
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))]);
-    assert!(!film.desk.may_be_inside(&film.face), "no other hand was ever there");
+    assert_eq!(film.events, [CellHandsEvent::Grasped(slot("C3"))]);
+    assert!(!film.hands.may_be_inside(&film.face), "no other hand was ever there");
 }
 
 #[test]
 fn a_second_person_beside_the_picker_keeps_hands_from_confirming_anything() {
     let mut film = Film::new();
     film.picks(LIT, slot("C3"));
-    film.desk.note_company(film.now);
+    film.hands.note_company(film.now);
     film.puts(LIT, 1, true);
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))]);
+    assert_eq!(film.events, [CellHandsEvent::Grasped(slot("C3"))]);
 }
 
 #[test]
 fn how_often_somebody_goes_to_the_lit_slot_is_learned_of_this_person_alone() {
     let lit = Some((slot("B2"), 0));
     let mut film = Film::new();
-    let before = film.desk.share.get();
+    let before = film.hands.share.get();
     for _ in 0..3 {
         film.picks(lit, slot("C2"));
     }
-    assert!(film.desk.share.get() < before - 0.01, "{} after {before}", film.desk.share.get());
+    assert!(film.hands.share.get() < before - 0.01, "{} after {before}", film.hands.share.get());
     film.now += Span::from_secs(5);
     film.person = 1;
     film.look(lit, [None, Some(film.at)]);
-    assert_eq!(film.desk.share.get(), before, "that is somebody else");
+    assert_eq!(film.hands.share.get(), before, "that is somebody else");
 }
 
 #[test]
@@ -219,18 +228,18 @@ fn a_piece_where_it_belongs_counts_once_however_often_a_hand_comes_back_to_its_t
         film.puts(lit, 2, true);
         film.moves(lit, FacePlace::new(0.0, 0.9, 1.1), 0.5, true);
     }
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), put("C3", true, 2)]);
+    assert_eq!(film.events, [CellHandsEvent::Grasped(slot("C3")), put("C3", true, 2)]);
 }
 
 #[test]
 fn a_piece_of_the_rack_before_is_none_of_the_rack_that_is_there() {
     let mut film = Film::new();
     film.picks(LIT, slot("C3"));
-    film.desk.begin();
-    assert_eq!(film.desk.in_hand(slot("C3")), 0, "nobody has taken anything from this rack");
+    film.hands.begin();
+    assert_eq!(film.hands.in_hand(slot("C3")), 0, "nobody has taken anything from this rack");
     film.puts(LIT, 1, true);
     let before = HeldPiece { from: slot("C3"), sure: true, is_of_before: true };
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), DeskEvent::Placed(before, 1)]);
+    assert_eq!(film.events, [CellHandsEvent::Grasped(slot("C3")), CellHandsEvent::Placed(before, 1)]);
 }
 
 #[test]
@@ -238,8 +247,8 @@ fn a_hand_that_went_in_and_was_not_seen_since_may_be_there_still() {
     let mut film = Film::new();
     film.moves(LIT, film.face.slot(slot("C3")), 0.6, true);
     film.now += Span::from_secs(5);
-    assert!(!film.desk.is_inside(&film.face, film.now), "it is not seen any more");
-    assert!(film.desk.may_be_inside(&film.face));
+    assert!(!film.hands.is_inside(&film.face, film.now), "it is not seen any more");
+    assert!(film.hands.may_be_inside(&film.face));
 }
 
 #[test]
@@ -250,7 +259,7 @@ fn a_hand_of_a_second_person_inside_is_not_forgotten_when_the_first_is_seen_agai
     film.look(LIT, [None, Some(film.face.slot(slot("C3")))]);
     film.person = 0;
     film.look(LIT, [None, Some(film.at)]);
-    assert!(film.desk.is_inside(&film.face, film.now));
+    assert!(film.hands.is_inside(&film.face, film.now));
 }
 
 #[test]
@@ -259,7 +268,7 @@ fn hands_of_two_persons_confirm_nothing_until_one_has_been_alone_for_a_while() {
     film.picks(LIT, slot("C3"));
     film.person = 1;
     film.puts(LIT, 1, true);
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3"))], "whose piece is it?");
+    assert_eq!(film.events, [CellHandsEvent::Grasped(slot("C3"))], "whose piece is it?");
     film.now += Span::from_secs(3);
     film.events.clear();
     film.picks(LIT, slot("A1"));
@@ -275,15 +284,15 @@ fn jumps_swaps_and_points_that_are_none_are_not_believed() {
     for _ in 0..6 {
         film.look(LIT, [Some(left), Some(elsewhere)]);
     }
-    assert_eq!(film.desk.in_hand(slot("C3")), 1, "a jump puts nothing down");
+    assert_eq!(film.hands.in_hand(slot("C3")), 1, "a jump puts nothing down");
     let at = film.at;
     for _ in 0..20 {
         film.look(LIT, [Some(at), Some(left)]);
     }
     film.puts(LIT, 2, true);
     let placed = put("C3", true, 2);
-    assert_eq!(film.events, [DeskEvent::Grasped(slot("C3")), placed], "left was taken for right");
-    let before = film.desk.clone();
+    assert_eq!(film.events, [CellHandsEvent::Grasped(slot("C3")), placed], "left was taken for right");
+    let before = film.hands.clone();
     let mut bad = film.hand(left);
     bad.palm.x = f64::NAN;
     let seen = HandsSeen {
@@ -295,9 +304,9 @@ fn jumps_swaps_and_points_that_are_none_are_not_believed() {
         head: bad.wrist,
         hands: [Some(bad), None],
     };
-    let scene = DeskScene { face: &film.face, model: &PickModel::builtin(), lit: None, tote: None };
-    assert!(film.desk.see(scene, &seen).is_empty());
-    assert_eq!(film.desk.hands, before.hands);
+    let scene = CellHandsScene { face: &film.face, model: &PickModel::builtin(), lit: None, tote: None };
+    assert!(film.hands.see(scene, &seen).is_empty());
+    assert_eq!(film.hands.hands, before.hands);
 }
 
 #[test]
@@ -307,14 +316,14 @@ fn where_a_hand_goes_is_told_before_it_is_there_and_of_hands_at_rest_nothing() {
         let (lit, inside) =
             (Some((slot(name), 1)), film.face.slot(slot(name)) - FacePlace::new(0.0, 0.1, 0.0));
         film.moves(lit, film.at, 0.6, true);
-        assert!(film.desk.reaches(film.now).is_empty(), "it rests");
+        assert!(film.hands.reaches(film.now).is_empty(), "it rests");
         film.begins_to_move(lit, inside, (0.8, 0.7), true);
-        let told = film.desk.reaches(film.now);
+        let told = film.hands.reaches(film.now);
         let best = told.iter().max_by(|a, b| a.probability.total_cmp(&b.probability)).expect("it moves");
         assert_eq!((best.place, best.is_left), (ReachPlace::Slot(slot(name)), false), "{told:?}");
         assert!(told.iter().map(|t| t.probability).sum::<f64>() <= 1.0 + 1e-9, "{told:?}");
         film.now += Span::from_secs(2);
-        assert!(film.desk.reaches(film.now).is_empty(), "nobody knows any more");
+        assert!(film.hands.reaches(film.now).is_empty(), "nobody knows any more");
     }
 }
 
@@ -325,7 +334,7 @@ fn a_hand_that_carries_a_piece_is_expected_at_its_tote() {
     film.picks(lit, slot("C3"));
     let rim = film.face.tote(2).unwrap();
     film.begins_to_move(lit, rim, (0.7, 0.7), true);
-    let told = film.desk.reaches(film.now);
+    let told = film.hands.reaches(film.now);
     let best = told.iter().max_by(|a, b| a.probability.total_cmp(&b.probability)).expect("it moves");
     assert_eq!(best.place, ReachPlace::Tote(2), "{told:?}");
 }
@@ -342,8 +351,8 @@ fn eyes_that_rest_on_a_wrong_slot_are_a_warning_sooner_but_none_without_a_hand_t
             let share = f64::from(step) / 60.0;
             let to = film.at + (inside - film.at) * (1.0 / (61.0 - f64::from(step)));
             film.moves(Some((slot("C3"), 1)), to, 0.016, true);
-            if film.events.iter().any(|event| matches!(event, DeskEvent::AimsAt(_))) {
-                assert_eq!(film.events, [DeskEvent::AimsAt(slot(goes_to))], "at {share}");
+            if film.events.iter().any(|event| matches!(event, CellHandsEvent::AimsAt(_))) {
+                assert_eq!(film.events, [CellHandsEvent::AimsAt(slot(goes_to))], "at {share}");
                 return Some(-film.face.depth_m(film.at));
             }
         }
@@ -365,7 +374,7 @@ fn eyes_raise_the_probability_of_the_slot_on_which_they_rest_and_lower_that_of_o
         (0..20).for_each(|_| film.moves(lit, film.at, 0.016, true));
         let ahead = film.face.slot(slot("C4")) + FacePlace::new(0.0, 0.1, 0.0);
         film.begins_to_move(lit, ahead, (0.8, 0.6), true);
-        let told = film.desk.reaches(film.now);
+        let told = film.hands.reaches(film.now);
         let right = || told.iter().filter(|reach| !reach.is_left);
         assert!(right().map(|reach| reach.probability).sum::<f64>() <= 1.0 + 1e-9, "{told:?}");
         right().filter(|r| r.place == ReachPlace::Slot(slot("C4"))).map(|r| r.probability).sum::<f64>()
@@ -377,20 +386,20 @@ fn eyes_raise_the_probability_of_the_slot_on_which_they_rest_and_lower_that_of_o
 #[test]
 fn hands_are_said_to_be_seen_while_those_of_one_person_alone_are() {
     let mut film = Film::new();
-    assert!(!film.desk.saw_of_late(film.now));
+    assert!(!film.hands.saw_of_late(film.now));
     film.moves(LIT, film.at, 0.1, true);
-    assert!(film.desk.saw_of_late(film.now) && !film.desk.saw_of_late(film.now + OF_LATE));
-    film.desk.note_company(film.now);
-    assert!(!film.desk.saw_of_late(film.now), "nobody's hands confirm anything then");
+    assert!(film.hands.saw_of_late(film.now) && !film.hands.saw_of_late(film.now + OF_LATE));
+    film.hands.note_company(film.now);
+    assert!(!film.hands.saw_of_late(film.now), "nobody's hands confirm anything then");
 }
 
 #[test]
 fn what_is_seen_late_or_twice_changes_nothing() {
     let mut film = Film::new();
     film.picks(LIT, slot("C3"));
-    let before = film.desk.clone();
+    let before = film.hands.clone();
     film.now = film.now - Span::from_millis(200);
     let inside = film.face.slot(slot("A1")) - FacePlace::new(0.0, 0.1, 0.0);
     film.look(LIT, [None, Some(inside)]);
-    assert_eq!(film.desk, before);
+    assert_eq!(film.hands, before);
 }

@@ -1,11 +1,11 @@
 // What replays show beside the floor: charts from running sums, jobs that waited, encounters from bookmarks.
 import { describe, expect, test } from 'vitest';
 import { gaps, valuesOf } from '../src/charts/series';
-import { CHARTS_THEN, gridOfSums, stepOf } from '../src/charts/then';
+import { CHARTS_THEN, gridOfSums, stepOf } from '../src/charts/sums';
 import { FileRecording, ServerRecording } from '../src/replay/recording';
-import { readReel } from '../src/replay/reel';
+import { readReel } from '../src/replay/frames';
 import { Replay } from '../src/replay/replay.svelte';
-import { metIn } from '../src/encounters/met';
+import { metIn } from '../src/encounters/bookmarked';
 import { waitedAt } from '../src/jobs/waited';
 import { PastTimelines, timelinesOf } from '../src/timelines/shown';
 import type { Api, FloorMap, Mark, Sum } from '../src/wire';
