@@ -109,6 +109,10 @@
 //! database around it (`server/control.rs`), a simulation a floor in memory and a journal that may fail
 //! (`sim/host.rs`). All that is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
 //!
+//! Robots, and everything that is simulated, are behind links (`server/links/`): what they say comes as inputs, what
+//! leaves goes out as one [`drive::Outgoing`]. A simulated floor reads the ledger, as any client of the API can, and
+//! never the fleet.
+//!
 //! Inside `fleet`, each folder is a room. The rooms share `fleet/state/`: the ledger, which only facts change; the
 //! scene; the restrictions on robots in this step; and the read-only `Floor` for questions about all of these. What a
 //! room remembers is its own (`HumanState`, `Yielding`, `Traffic`). What it may know of another room is passed to it as
@@ -279,6 +283,8 @@
 //! |---|---|
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` or `kinds` |
 //! | a kind of robots | `fleet/state/kind.rs`; in files: `site/kinds.rs`; over HTTP: `server/kinds.rs` |
+//! | what one floor is, and its file | `site/lib.rs`, `site/file.rs`; `docs/site.md` |
+//! | what robots are behind (links) | `server/links/mod.rs`, `drive/link.rs`; simulated: `server/links/sim.rs` |
 //! | a kind of job | `fleet/state/job_kind.rs`, `life.rs`; `fleet/dispatch/jobs.rs`, `fleet/traffic/progress.rs` |
 //! | which robot gets which job (dispatch) | `fleet/dispatch/jobs.rs`; with the rack that it has: `chains.rs` |
 //! | the order of waiting jobs: priority, age, deadline | `fleet/state/index/queue.rs` (`urgency_ms`) |
@@ -310,7 +316,7 @@
 //! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs`, `improbable.rs` |
-//! | maps that are drawn, and tried out | `api/http/maps.rs`, `api/trial.rs`, `server/trial.rs`; `web/src/editor/` |
+//! | maps: drawn, tried out | `api/http/maps.rs`, `api/trial.rs`, `server/links/trial.rs`; `web/src/editor/` |
 //! | a map that is published to the running server | `api/http/publish.rs`, `server/publish.rs`, `settle.rs` |
 //! | which map a start takes: the file's, the published one | `server/basis.rs`, `store/published.rs` |
 //! | what is different between two maps | `warehouse/differences.rs` |
@@ -372,6 +378,18 @@
 //! | what becomes of wrong tokens and cookies | `api/secrets.rs`; the alarm: `server/tokens.rs` |
 //! | how many connections, bytes that wait for clients | `server/budget.rs`, `metered.rs`, `connections.rs` |
 //! | how the server asks others (authorities, redirects) | `api/outgoing.rs`; where webhooks may be: `api/targets.rs` |
+//! | webhooks: delivery, retries, where they may be | `server/webhooks.rs`, `api/webhooks.rs`, `api/targets.rs` |
+//! | the audit: what is written down of a request | `api/audit.rs`; kept: `server/audit_keeper.rs`, `store/audit.rs` |
+//! | metrics | `api/metrics.rs`; what feeds them: `server/control.rs`, `server/measure.rs` |
+//! | TLS, certificates | `server/tls.rs`, `server/certificate.rs` |
+//! | privacy: who sees names, pseudonyms, forgetting | `api/pseudonyms.rs`; `server/people.rs`, `store/people.rs` |
+//! | backup, restore, check of a database | `cli/database.rs`; `store/check.rs` |
+//! | evacuation | `fleet/traffic/evacuation.rs`, `fleet/people/evacuate.rs`; `api/http/evacuation.rs` |
+//! | closures that recur | `fleet/state/recurring.rs`, `local_clock.rs`; `api/http/recurring.rs` |
+//! | sentences, and their translation | `text/sentence/mod.rs`, `api/sentence.rs`; `web/src/language/` |
+//! | the report of a shift | `fleet/read/shift.rs`, `api/shift/`; `web/src/report/` |
+//! | the heat map | `history/heat.rs`; `api/http/heat.rs` |
+//! | MassRobotics reports | `api/massrobotics.rs` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
 //! | what happens where a call of the fleet panics | `drive/rescue.rs`, `fleet/traffic/fence.rs` |

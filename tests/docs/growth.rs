@@ -108,7 +108,7 @@ const OTHERS: [(&str, &[&str], &[&str]); 2] = [
         &[
             "src/giveway/server/kinds.rs",
             "src/giveway/server/publish.rs",
-            "src/giveway/server/show.rs",
+            "src/giveway/server/links/recording.rs",
             "src/giveway/server/drive.rs",
         ],
         &[

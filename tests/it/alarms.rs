@@ -12,7 +12,7 @@ const JSON: &[(&str, &str)] = &[("content-type", "application/json")];
 /// A server on whose floor every robot breaks down as soon as it has driven for a moment, and stays broken.
 async fn start_where_robots_fail(folder: &Folder) -> Server {
     let mut floor = floor();
-    floor.scenario.faults = Faults { failures_per_hour: 1e5, repair_s: 1e6, ..Faults::default() };
+    floor.source.scenario.faults = Faults { failures_per_hour: 1e5, repair_s: 1e6, ..Faults::default() };
     Server::start(&config(folder), floor).await.unwrap()
 }
 

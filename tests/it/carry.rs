@@ -5,7 +5,7 @@ use crate::journal::{commits, log_of};
 use crate::run::{Keeper, Run, nothing};
 use giveway::fleet::{Input, JobAction, JobKind, JobQuery, JobRequest, JobState, Ledger};
 use giveway::id::{JobId, NodeId, RackId, RobotId};
-use giveway::server::{Server, SimulatedFloor};
+use giveway::server::{ServedFloor, Server};
 use giveway::sim::Scenario;
 use giveway::store::{CarryOver, Opening, Store, StoreError};
 use giveway::time::Time;
@@ -68,7 +68,7 @@ fn discs(map: Warehouse) -> Warehouse {
 
 pub async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
-    Server::start(&config(folder), SimulatedFloor::new(scenario, Arc::new(map), Vec::new())).await
+    Server::start(&config(folder), ServedFloor::new(scenario, Arc::new(map))).await
 }
 
 fn opening(accept_losses: bool) -> Opening {

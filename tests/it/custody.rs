@@ -190,7 +190,7 @@ async fn a_server_starts_empty_only_where_it_is_told_to_and_never_over_a_whole_d
 async fn robots_of_a_kind_that_the_scenario_no_longer_has_are_refused_in_words() {
     let folder = Folder::new();
     let mut mixed = floor();
-    mixed.scenario.site.kinds[0].name = "mover".into();
+    mixed.source.scenario.site.kinds[0].name = "mover".into();
     let server = Server::start(&config(&folder), mixed).await.unwrap_or_else(|e| panic!("{e:#}"));
     let at = server.address();
     for _ in 0..100 {

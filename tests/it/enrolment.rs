@@ -157,10 +157,10 @@ async fn kinds_of_robots_are_listed_with_what_they_take_and_carry() {
     let folder = Folder::new();
     let mut mixed = crate::helper::floor();
     let text = include_str!("../../scenarios/mixed.json");
-    mixed.scenario = giveway::sim::Scenario::parse(text).unwrap();
-    mixed.scenario.robots = 4;
+    mixed.source.scenario = giveway::sim::Scenario::parse(text).unwrap();
+    mixed.source.scenario.robots = 4;
     mixed.map = std::sync::Arc::new(giveway::warehouse::mixed());
-    mixed.map = mixed.scenario.site.fit(&mixed.map).unwrap();
+    mixed.map = mixed.source.scenario.site.fit(&mixed.map).unwrap();
     let server = giveway::server::Server::start(&crate::helper::config(&folder), mixed).await.unwrap();
     let at = server.address();
     let kinds = get(at, "/v1/kinds").await.json();

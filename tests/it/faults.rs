@@ -7,10 +7,10 @@ use serde_json::Value;
 use std::time::Duration;
 
 /// A floor on which one kind of fault happens all the time, to robots that have something to do.
-fn faulty(faults: Faults) -> giveway::server::SimulatedFloor {
+fn faulty(faults: Faults) -> giveway::server::ServedFloor {
     let mut floor = floor();
-    floor.scenario.faults = Faults { repair_s: 2.0, ..faults };
-    floor.scenario.demand = Demand::Backlog(4);
+    floor.source.scenario.faults = Faults { repair_s: 2.0, ..faults };
+    floor.source.scenario.demand = Demand::Backlog(4);
     floor
 }
 

@@ -1,7 +1,7 @@
 //! Folders, servers and a small HTTP client for the tests.
 
 use crate::schema::{DOCUMENT, check_answer};
-use giveway::server::{Config, Server, SimulatedFloor};
+use giveway::server::{Config, ServedFloor, Server};
 use giveway::sim::Scenario;
 use serde_json::Value;
 use std::net::SocketAddr;
@@ -59,9 +59,9 @@ pub async fn start(folder: &Folder) -> Server {
 }
 
 /// What servers in tests run.
-pub fn floor() -> SimulatedFloor {
+pub fn floor() -> ServedFloor {
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
-    SimulatedFloor::new(scenario, Arc::new(map()), Vec::new())
+    ServedFloor::new(scenario, Arc::new(map()))
 }
 
 /// The map of the scenario.

@@ -7,7 +7,7 @@ use crate::helper::{Folder, config, get, post};
 use futures_util::StreamExt;
 use giveway::cell::FacePlace;
 use giveway::id::StationId;
-use giveway::server::{Server, SimulatedFloor};
+use giveway::server::{ServedFloor, Server};
 use giveway::sim::Scenario;
 use giveway::time::Span;
 use giveway::warehouse::{Warehouse, formats};
@@ -190,7 +190,7 @@ async fn twenty_headsets_at_60_hz_beside_200_robots() {
     scenario.site.period = Span::from_millis(PERIOD_MS);
     let (low, high) = map.bounds();
     let folder = Folder::new();
-    let floor = SimulatedFloor::new(scenario, Arc::new(map), Vec::new());
+    let floor = ServedFloor::new(scenario, Arc::new(map));
     let server = Server::start(&config(&folder), floor).await.unwrap();
     let at = server.address();
     let (mut walks, robots) = (Vec::new(), Robots::default());
@@ -309,7 +309,7 @@ async fn forty_headsets_with_hands_of_which_four_reach_into_wrong_slots() {
     let (low, high) = map.bounds();
     let picked: Vec<_> = map.stations.iter().take(PICKING).cloned().collect();
     let racks: Vec<_> = map.racks.iter().take(PICKING).cloned().collect();
-    let floor = SimulatedFloor::new(scenario, map.clone(), Vec::new());
+    let floor = ServedFloor::new(scenario, map.clone());
     let server = Server::start(&config(&folder), floor).await.unwrap();
     let at = server.address();
     for (rack, station) in racks.iter().zip(&picked) {
@@ -421,7 +421,7 @@ async fn a_turn(at: SocketAddr, dashboards: usize, each: Duration) -> (f64, f64)
 async fn two_hundred_dashboards_beside_800_robots() {
     let (scenario, map) = shipped("kiva-800");
     let folder = Folder::new();
-    let floor = SimulatedFloor::new(scenario, Arc::new(map), Vec::new());
+    let floor = ServedFloor::new(scenario, Arc::new(map));
     let server = Server::start(&config(&folder), floor).await.unwrap();
     let at = server.address();
     tokio::time::sleep(Duration::from_secs(30)).await;

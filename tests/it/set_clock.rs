@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// Lets a floor work for half a minute from tomorrow on, with three jobs of which none is over.
 async fn tomorrow(folder: &Folder) {
-    let (map, scenario) = (floor().map, floor().scenario);
+    let (map, scenario) = (floor().map, floor().source.scenario);
     let store = Store::open(&folder.database(), &map).await.unwrap();
     let now = Time(jiff::Timestamp::now().as_microsecond()) + Span::from_secs(86_400);
     let mut run = Run::new(&map, &scenario, Fleet::new(map.clone(), scenario.site.settings()), now);

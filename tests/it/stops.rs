@@ -1,7 +1,7 @@
 //! Deliveries to several stations, and jobs that operators give to other robots, over HTTP.
 
 use crate::helper::{Answer, Folder, SCENARIO, config, get, post, send};
-use giveway::server::{Server, SimulatedFloor};
+use giveway::server::{ServedFloor, Server};
 use giveway::sim::Scenario;
 use giveway::warehouse::formats;
 use serde_json::{Value, json};
@@ -16,7 +16,7 @@ async fn two_stations(folder: &Folder) -> Server {
     let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/maps/thesis.json")).unwrap();
     let map = formats::json::parse(&text).unwrap();
     let scenario = Scenario::parse(&std::fs::read_to_string(SCENARIO).unwrap()).unwrap();
-    let floor = SimulatedFloor::new(scenario, Arc::new(map), Vec::new());
+    let floor = ServedFloor::new(scenario, Arc::new(map));
     Server::start(&config(folder), floor).await.unwrap()
 }
 

@@ -7,7 +7,7 @@
 
 use super::files::{read_map, write};
 use super::sim::Setup;
-use crate::server::{Config, Flags, SimulatedFloor};
+use crate::server::{Config, Flags};
 use anyhow::{Context, ensure};
 use clap::{Args, Subcommand};
 use giveway_fleet::carry::Report as Differences;
@@ -180,14 +180,13 @@ impl DatabaseArgs {
         };
         let named = readable || command.map().is_some();
         let floor = if readable || config.floor().path().exists() {
-            let Setup { scenario, warehouse, lines, .. } = Setup::of_floor(&config.floor(), command.map())?;
-            let floor = SimulatedFloor::new(scenario, warehouse, lines);
+            let floor = Setup::of_floor(&config.floor(), command.map())?.served();
             let file = command.read_from(&config.database);
             let floor = runtime.block_on(async {
                 let floor = if command.is_as_published() { floor.with_map_of(file).await? } else { floor };
                 anyhow::Ok(floor.with_kinds_of(file).await)
             })?;
-            Some((floor.map, floor.scenario.site.settings()))
+            Some((floor.map, floor.source.site().settings()))
         } else {
             command.map().map(read_map).transpose()?.map(|map| (map, Settings::default()))
         };

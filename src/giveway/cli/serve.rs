@@ -4,7 +4,7 @@
 //! Refuses: to end with 0 where anything was lost.
 
 use super::sim::Setup;
-use crate::server::{Config, Flags, Server, SimulatedFloor};
+use crate::server::{Config, Flags, ServedFloor, Server};
 use anyhow::Context;
 use clap::Args;
 use std::io::IsTerminal;
@@ -49,8 +49,7 @@ impl Serve {
                 giveway_site::words::method_of(word).map_err(anyhow::Error::msg).context(refused)?;
             site.check_method(&setup.warehouse, "method").context(refused)?;
         }
-        let Setup { scenario, warehouse, lines, .. } = setup;
-        let floor = SimulatedFloor::new(scenario, warehouse, lines);
+        let floor = setup.served();
         let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build()?;
         runtime.block_on(serve(&config, floor))?;
         Ok(ExitCode::SUCCESS)
@@ -91,7 +90,7 @@ macro_rules! say {
     ($($argument:tt)*) => { super::out::tell(format_args!($($argument)*)) };
 }
 
-async fn serve(config: &Config, floor: SimulatedFloor) -> anyhow::Result<()> {
+async fn serve(config: &Config, floor: ServedFloor) -> anyhow::Result<()> {
     outlive_limits().context("cannot prepare for a limit on the size of files")?;
     // A start may wait for room on the disk for as long as nobody makes any.
     let mut server = tokio::select! {
@@ -111,7 +110,10 @@ async fn serve(config: &Config, floor: SimulatedFloor) -> anyhow::Result<()> {
             say!("         self-signed, for {}", identity.names.join(", "));
         }
     }
-    say!("map      {}, {} robots (simulated)", found.map, found.robots);
+    match found.robots {
+        0 => say!("map      {}, no robots: the site has no link to any", found.map),
+        robots => say!("map      {}, {robots} robots (simulated)", found.map),
+    }
     if let Some(map) = &found.published {
         let at = jiff::Timestamp::from_microsecond(map.at.0)?;
         say!("         published by {} at {at} (number {}); the map file is not used", map.by, map.number);

@@ -6,7 +6,7 @@ use super::files::{read, read_map, read_model, read_pick_model};
 use super::frames::FrameWriter;
 use super::progress::{progress, stopwatch};
 use super::rings;
-use crate::server::FloorFile;
+use crate::server::{FloorFile, FloorSource, ServedFloor};
 use anyhow::Context;
 use clap::Args;
 use giveway_fleet::InsertionCounts;
@@ -74,8 +74,10 @@ pub struct Setup {
     pub warehouse: Arc<Warehouse>,
     /// Its order lines.
     pub lines: Vec<OrderFileLine>,
-    /// The scenario file as it was read.
+    /// The file as it was read.
     pub text: String,
+    /// Whether it is a site without toys.
+    is_site: bool,
 }
 
 impl Setup {
@@ -92,7 +94,7 @@ impl Setup {
                 site.check_method(&warehouse, "method")
                     .with_context(|| format!("{} is refused", path.display()))?;
                 let scenario = Scenario::from(site);
-                Ok(Setup { scenario, warehouse, lines: Vec::new(), text })
+                Ok(Setup { scenario, warehouse, lines: Vec::new(), text, is_site: true })
             }
         }
     }
@@ -121,7 +123,14 @@ impl Setup {
         }
         scenario.areas(&warehouse, Time::ZERO).with_context(refused)?;
         scenario.recurring(&warehouse, Time::ZERO).with_context(refused)?;
-        Ok(Setup { scenario, warehouse, lines, text })
+        Ok(Setup { scenario, warehouse, lines, text, is_site: false })
+    }
+
+    /// The floor that a server runs. On a site without simulated robots, none is simulated.
+    pub fn served(self) -> ServedFloor {
+        let Setup { scenario, warehouse, lines, is_site, .. } = self;
+        let is_simulated = !is_site || scenario.site.links.sim.is_some();
+        ServedFloor::new(FloorSource { scenario, lines, is_simulated }, warehouse)
     }
 
     /// Takes figures about people from a file, if one is named.
@@ -211,7 +220,7 @@ fn simulate(
     record: Option<&Path>,
     reel: Option<&Path>,
 ) -> anyhow::Result<Outcome> {
-    let Setup { scenario, warehouse, lines, text } = setup;
+    let Setup { scenario, warehouse, lines, text, .. } = setup;
     let mut sim = Simulation::new(warehouse.clone(), scenario, lines, seed, without_conflicts, stopwatch);
     let mut recorder = Recorder::default();
     let mut file = record.map(super::recording::create).transpose()?;

@@ -3,11 +3,9 @@
 //! Main types: [`FloorBasis`]; main function [`FloorBasis::choose`]. Refuses: to choose where both the file was changed
 //! and a map was published.
 
-use super::{SimulatedFloor, kinds};
+use super::{FloorSource, ServedFloor, kinds};
 use anyhow::{Context, bail};
-use giveway_floor::time::Time;
-use giveway_floor::warehouse::{Warehouse, room_for};
-use giveway_sim::{OrderFileLine, Scenario};
+use giveway_floor::warehouse::Warehouse;
 use giveway_store::{KindText, PublishedMap, Store, map_digest};
 use std::path::Path;
 use std::sync::Arc;
@@ -15,10 +13,8 @@ use std::sync::Arc;
 /// What stays the same from one map to the next.
 #[derive(Clone)]
 pub struct FloorBasis {
-    /// The scenario as its file has it, without kinds that were added.
-    pub scenario: Scenario,
-    /// What the customers order, where the scenario names a file.
-    pub lines: Vec<OrderFileLine>,
+    /// The floor as its file has it, without kinds that were added.
+    pub source: FloorSource,
     /// The digest of the map with which the server was started.
     pub file: String,
     /// Where the map in operation comes from, if it was published.
@@ -27,13 +23,8 @@ pub struct FloorBasis {
 
 impl FloorBasis {
     /// The basis of a floor whose map comes from a file.
-    pub fn of(floor: &SimulatedFloor) -> FloorBasis {
-        FloorBasis {
-            scenario: floor.scenario.clone(),
-            lines: floor.lines.clone(),
-            file: map_digest(&floor.map),
-            published: None,
-        }
+    pub fn of(floor: &ServedFloor) -> FloorBasis {
+        FloorBasis { source: floor.source.clone(), file: map_digest(&floor.map), published: None }
     }
 
     /// Takes the map of the database in place of that of the file, where it was published since the server was started
@@ -41,10 +32,7 @@ impl FloorBasis {
     ///
     /// # Errors
     /// Where the file was changed, too, or the published map is not for this fleet.
-    pub async fn choose(
-        floor: SimulatedFloor,
-        database: &Path,
-    ) -> anyhow::Result<(SimulatedFloor, FloorBasis)> {
+    pub async fn choose(floor: ServedFloor, database: &Path) -> anyhow::Result<(ServedFloor, FloorBasis)> {
         let mut basis = FloorBasis::of(&floor);
         let Some((published, map)) = published_in(database).await? else { return Ok((floor, basis)) };
         if basis.file != published.file && basis.file != map_digest(&map) {
@@ -59,31 +47,23 @@ impl FloorBasis {
             )
         })?;
         basis.published = Some(published);
-        Ok((SimulatedFloor { map, ..floor }, basis))
+        Ok((ServedFloor { map, ..floor }, basis))
     }
 
-    /// The map for the fleet of the scenario.
+    /// The map for the robots of the site, and for what is simulated.
     ///
     /// # Errors
     /// Why it is not.
     pub fn fit(&self, map: &Arc<Warehouse>) -> Result<Arc<Warehouse>, Vec<String>> {
-        let scenario = &self.scenario;
-        let mut why = Vec::new();
-        if let Err(findings) = room_for(map, scenario.robots) {
-            why.extend(findings.0.iter().map(ToString::to_string));
-        }
-        let fitted =
-            scenario.site.fit(map).map_err(|findings| findings.0.iter().map(ToString::to_string).collect());
-        let fitted = match fitted {
+        let mut why: Vec<String> = self.source.unfit(map);
+        let fitted = match self.source.site().fit(map) {
             Ok(fitted) => fitted,
-            Err(found) => return Err([why, found].concat()),
+            Err(findings) => {
+                why.extend(findings.0.iter().map(ToString::to_string));
+                return Err(why);
+            }
         };
-        let checks = [
-            scenario.check_method(&fitted),
-            scenario.areas(&fitted, Time::ZERO).map(drop),
-            scenario.recurring(&fitted, Time::ZERO).map(drop),
-        ];
-        why.extend(checks.into_iter().filter_map(Result::err).map(|e| e.to_string()));
+        why.extend(self.source.site().check_method(&fitted, "method").err().map(|e| e.to_string()));
         if why.is_empty() { Ok(fitted) } else { Err(why) }
     }
 
@@ -99,7 +79,7 @@ impl FloorBasis {
         added: &[KindText],
     ) -> Result<Arc<Warehouse>, Vec<String>> {
         let fitted = self.fit(map)?;
-        let (mut now, mut then) = (self.scenario.site.clone(), self.scenario.site.clone());
+        let (mut now, mut then) = (self.source.site().clone(), self.source.site().clone());
         kinds::join_kinds(&mut now, in_operation.clone(), added);
         let fitted = kinds::join_kinds(&mut then, fitted, added);
         let lost = now.kinds.iter().map(|k| &k.name);
@@ -111,8 +91,8 @@ impl FloorBasis {
     }
 
     /// The floor with a map.
-    pub fn with(&self, map: Arc<Warehouse>) -> SimulatedFloor {
-        SimulatedFloor::new(self.scenario.clone(), map, self.lines.clone())
+    pub fn with(&self, map: Arc<Warehouse>) -> ServedFloor {
+        ServedFloor::new(self.source.clone(), map)
     }
 }
 

@@ -12,6 +12,7 @@ use super::clock::Clock;
 use super::historian::HistorianSender;
 use super::inbox::Inbox;
 use super::journal::Journal;
+use super::links::Links;
 use super::measure::Measure;
 use super::recordings::BookmarkSender;
 use super::settle::SettleQueue;
@@ -23,7 +24,6 @@ use giveway_api::port::{Moment, QUESTIONS_AT_ONCE, Question};
 use giveway_drive::{Drive, DriveAlarm, GuardedCall, Heard, JournalReport, Sent, WrittenStep};
 use giveway_fleet::{CellWarning, Command, Input, SILENCE};
 use giveway_floor::time::{Span, Time};
-use giveway_sim::World;
 use giveway_store::Store;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -38,8 +38,8 @@ const PUBLISH: Span = Span::from_millis(95);
 pub struct ControlLoop {
     /// Fleet, journal gate, outbox.
     pub drive: Drive,
-    /// The simulated floor.
-    pub world: World,
+    /// Robots, and people who are simulated.
+    pub links: Links,
     /// The clock.
     pub clock: Arc<Clock>,
     /// Length of a turn.
@@ -90,8 +90,8 @@ pub struct LoopPace {
 }
 
 impl ControlLoop {
-    /// Turns until `stop` says so. Gives the floor as it is then.
-    pub async fn run(mut self, mut stop: watch::Receiver<bool>) -> World {
+    /// Turns until `stop` says so. Gives the links as they are then.
+    pub async fn run(mut self, mut stop: watch::Receiver<bool>) -> Links {
         let mut tick = interval(Duration::from_micros(self.period.0.unsigned_abs().max(1000)));
         tick.set_missed_tick_behavior(MissedTickBehavior::Skip);
         let mut published = self.clock.started();
@@ -114,7 +114,7 @@ impl ControlLoop {
         // The last turn must not be one of a fleet that a panic left half-way.
         self.drive.stop_deciding();
         self.turn(&mut published);
-        self.world
+        self.links
     }
 
     /// Turns at once where a pose calls for a stop, or hands for a warning, and the loop has rested.
@@ -171,7 +171,7 @@ impl ControlLoop {
         self.settling.look(&mut self.drive, now);
         self.plant();
         let requests = self.inbox.requests(self.drive.room());
-        let mut inputs = self.seen(now);
+        let mut inputs = self.links.hear(now, &mut self.drive);
         let before = inputs.len();
         self.inbox.look(&mut inputs);
         let looked = self.clock.now();
@@ -199,20 +199,6 @@ impl ControlLoop {
         planted.ok().flatten().into_iter().for_each(|trap| self.drive.plant(trap));
     }
 
-    /// What the simulated floor says. While the fleet cannot be looked at, what it makes of it may end in a panic.
-    fn seen(&mut self, now: Time) -> Vec<Input> {
-        let passing = self.world.robots_beside();
-        if !passing.is_empty() {
-            let near = self.drive.ask(GuardedCall::Query, now, |fleet| fleet.people_near(&passing, now));
-            self.world.foretell(near.unwrap_or_default());
-        }
-        let (world, ledger) = (&mut self.world, self.drive.fleet().ledger());
-        if self.drive.decides() {
-            return world.advance(now, ledger);
-        }
-        catch_unwind(AssertUnwindSafe(|| world.advance(now, ledger))).unwrap_or_default()
-    }
-
     /// How the journal is.
     fn report(&self) -> JournalReport {
         self.journal.report(*self.displaced.borrow())
@@ -221,7 +207,7 @@ impl ControlLoop {
     /// Lets stops, and what workers are told, go at once: what was decided with the poses that were there `looked`, of
     /// which one `called`. Hands the facts to the journal. Whether somebody was warned.
     fn send(&mut self, (looked, called): (Time, Option<Time>), sent: Sent) -> bool {
-        self.world.take(self.clock.now(), &sent);
+        self.links.take(self.clock.now(), &sent);
         let Sent { written, limits, guidance, warnings, refused, alarms, settled, .. } = sent;
         self.inbox.forget(&refused);
         self.feeds.warn(&warnings);
@@ -250,7 +236,7 @@ impl ControlLoop {
     /// Lets go what is durable.
     fn release(&mut self) {
         let released = self.drive.release(self.report());
-        self.world.take(self.clock.now(), &released);
+        self.links.take(self.clock.now(), &released);
         released.replies.into_iter().for_each(|reply| self.inbox.answer(reply));
     }
 
@@ -305,44 +291,48 @@ impl ControlLoop {
 mod tests {
     use super::*;
     use crate::server::historian::historian;
+    use crate::server::links::FloorSource;
     use crate::server::{inbox, journal};
     use giveway_api::port::{QueuedRequest, SharedHistory};
     use giveway_drive::Trap;
     use giveway_fleet::{
-        Answered, Fleet, FloorAction, JobAction, JobKind, JobRequest, Request, WorkerAction,
+        Answered, Fleet, FloorAction, JobAction, JobKind, JobRequest, Request, Telemetry, WorkerAction,
     };
     use giveway_floor::geometry::Point;
     use giveway_floor::id::{NodeId, RobotId, WorkerId};
     use giveway_floor::warehouse::lab;
     use giveway_people::human::{Quality, Sighting};
-    use giveway_sim::Scenario;
     use giveway_store::Store;
     use tokio::sync::oneshot;
 
     const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 2, "jobs": "none"}"#;
 
+    fn truth(control: &ControlLoop) -> impl Iterator<Item = (RobotId, Telemetry)> {
+        control.links.sim().world().truth()
+    }
+
     /// A loop with a journal that is written only when the test lets the writer run.
     async fn drive(
         folder: &std::path::Path,
     ) -> (ControlLoop, journal::JournalSender, mpsc::Sender<QueuedRequest>) {
-        let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
+        let (map, source) = (Arc::new(lab()), FloorSource::parse(SCENARIO).unwrap());
         let store = Arc::new(Store::open(&folder.join("t.sqlite"), &map).await.unwrap());
         let (clock, alarms) = (Arc::new(Clock::start(None)), Arc::new(Alarms::default()));
         let metrics = Arc::new(Metrics::default());
         let figures = Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default()));
         let (notes, _) = historian(figures, store.clone());
-        let fleet = Fleet::new(map.clone(), scenario.site.settings());
+        let fleet = Fleet::new(map.clone(), source.site().settings());
         let start = journal::Start { next: 1, ledger: fleet.ledger().clone(), behind: 0 };
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
-        let world = World::new(map, &scenario, &[], 1, fleet.ledger(), clock.now());
+        let links = Links::new(source.begin(map, fleet.ledger(), clock.now()));
         let ((feeds, heard), (queue, asks)) = (Feeds::new(), mpsc::channel(8));
         let (measure, feeds) = (Measure::default(), Arc::new(feeds));
         let (inbox, moments) = (inbox::Inbox::new(asks, heard), watch::Sender::new(Arc::default()));
-        let (period, (_, questions)) = (scenario.site.period, mpsc::channel(1));
+        let (period, (_, questions)) = (source.site().period, mpsc::channel(1));
         let drive = ControlLoop {
             drive: Drive::new(fleet),
-            world,
+            links,
             clock,
             period,
             inbox,
@@ -372,12 +362,11 @@ mod tests {
         for _ in 0..100 {
             drive.turn(&mut published);
             tokio::time::sleep(Duration::from_millis(10)).await;
-            let mut robots = drive.world.truth();
-            if robots.next().is_some() && drive.world.truth().all(|(_, t)| t.limit_mps == limit) {
+            if truth(drive).next().is_some() && truth(drive).all(|(_, t)| t.limit_mps == limit) {
                 return;
             }
         }
-        panic!("no limit of {limit:?}: {:?}", drive.world.truth().collect::<Vec<_>>());
+        panic!("no limit of {limit:?}: {:?}", truth(drive).collect::<Vec<_>>());
     }
 
     #[tokio::test]
@@ -427,7 +416,7 @@ mod tests {
         let mut published = drive.clock.now();
         until(&mut drive, None).await;
         let robot = RobotId(0);
-        let from = drive.world.truth().next().unwrap().1.pose.at;
+        let from = truth(&drive).next().unwrap().1.pose.at;
         let away = |n: &NodeId| (drive.drive.fleet().warehouse().nodes[*n].at - from).norm();
         let node =
             drive.drive.fleet().warehouse().nodes.ids().max_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
@@ -439,7 +428,7 @@ mod tests {
             drive.turn(&mut published);
             drive.release();
             tokio::time::sleep(Duration::from_millis(10)).await;
-            let seen = drive.world.truth().next().unwrap().1;
+            let seen = truth(&drive).next().unwrap().1;
             if seen.speed_mps > 0.8 {
                 break seen;
             }

@@ -148,11 +148,12 @@ pub fn local_request() -> Arc<AuditEntry> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::server::links::{FloorSource, Links};
+    use giveway_drive::Drive;
     use giveway_fleet::{Answer, Fleet, FloorAction, JobAction};
     use giveway_floor::id::JobId;
     use giveway_floor::time::Time;
     use giveway_floor::warehouse::lab;
-    use giveway_sim::{Scenario, World};
 
     const SCENARIO: &str =
         r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "jobs": {"backlog": 3}}"#;
@@ -176,9 +177,10 @@ mod tests {
 
     /// What the simulated customers order at first.
     fn orders() -> Vec<Input> {
-        let (map, scenario) = (Arc::new(lab()), Scenario::parse(SCENARIO).unwrap());
-        let fleet = Fleet::new(map.clone(), scenario.site.settings());
-        World::new(map, &scenario, &[], 1, fleet.ledger(), Time(1)).advance(Time(2), fleet.ledger())
+        let (map, source) = (Arc::new(lab()), FloorSource::parse(SCENARIO).unwrap());
+        let mut drive = Drive::new(Fleet::new(map.clone(), source.site().settings()));
+        let floor = source.begin(map, drive.fleet().ledger(), Time(1));
+        Links::new(floor).hear(Time(2), &mut drive)
     }
 
     #[test]
@@ -220,8 +222,8 @@ mod tests {
         let requests = inbox.requests(9);
         let mut inputs: Vec<Input> = requests.into_iter().map(|(t, r)| Input::ask(t, r)).collect();
         inputs.extend(orders());
-        let scenario = Scenario::parse(SCENARIO).unwrap();
-        let mut fleet = Fleet::new(Arc::new(lab()), scenario.site.settings());
+        let source = FloorSource::parse(SCENARIO).unwrap();
+        let mut fleet = Fleet::new(Arc::new(lab()), source.site().settings());
         let step = fleet.step(Time(3), inputs);
         let causes = inbox.causes(&step.caused);
         assert_eq!(causes.len(), 1, "what was refused caused nothing: {causes:?}");

@@ -22,6 +22,7 @@ mod historian;
 mod inbox;
 mod journal;
 mod kinds;
+mod links;
 mod measure;
 mod metered;
 mod past;
@@ -33,19 +34,18 @@ mod recordings;
 mod records;
 mod running;
 mod settle;
-mod show;
 mod start;
 mod tls;
 mod tokens;
-mod trial;
 mod watchdog;
 mod webhooks;
 
 pub use certificate::Identity;
 pub use clock::Clock;
 pub use config::{Config, Flags, FloorFile};
+pub use links::FloorSource;
+pub use links::recording::Show;
 pub use recorder::FrameRecorder;
-pub use show::Show;
 
 use anyhow::{Context, anyhow, ensure};
 use axum::Router;
@@ -57,7 +57,6 @@ use giveway_api::outgoing::Outgoing;
 use giveway_api::targets::{Network, Targets};
 use giveway_drive::Trap;
 use giveway_floor::warehouse::Warehouse;
-use giveway_sim::{OrderFileLine, Scenario};
 use giveway_store::{MapNote, PublishedMap, Store};
 use publish::GoOver;
 use running::{CoreEnd, RunningCore};
@@ -74,15 +73,13 @@ use tokio::time::timeout;
 /// How long requests on their way may take when the server goes down.
 const DRAIN: Duration = Duration::from_secs(12);
 
-/// What the server runs: a simulated floor, until real robots come.
+/// What the server runs.
 #[derive(Clone)]
-pub struct SimulatedFloor {
-    /// Fleet, customers, faults.
-    pub scenario: Scenario,
+pub struct ServedFloor {
+    /// What the floor is, and what of it is simulated.
+    pub source: FloorSource,
     /// The building.
     pub map: Arc<Warehouse>,
-    /// What the customers order, where the scenario names a file.
-    pub lines: Vec<OrderFileLine>,
     /// Panics that tests plant in the running server, one after the other.
     #[doc(hidden)]
     pub planted: Planted,
@@ -91,24 +88,24 @@ pub struct SimulatedFloor {
 /// Panics that are planted.
 pub type Planted = Arc<Mutex<Vec<Trap>>>;
 
-impl SimulatedFloor {
-    /// A floor with what its customers order.
-    pub fn new(scenario: Scenario, map: Arc<Warehouse>, lines: Vec<OrderFileLine>) -> SimulatedFloor {
-        SimulatedFloor { scenario, map, lines, planted: Planted::default() }
+impl ServedFloor {
+    /// A floor in a building.
+    pub fn new(source: impl Into<FloorSource>, map: Arc<Warehouse>) -> ServedFloor {
+        ServedFloor { source: source.into(), map, planted: Planted::default() }
     }
 
     /// The same with the map that a database has, where it was published in place of this one.
     ///
     /// # Errors
     /// Where both were changed since.
-    pub async fn with_map_of(self, database: &Path) -> anyhow::Result<SimulatedFloor> {
+    pub async fn with_map_of(self, database: &Path) -> anyhow::Result<ServedFloor> {
         FloorBasis::choose(self, database).await.map(|(floor, _)| floor)
     }
 
     /// The same with the kinds of robots that were added to a database.
-    pub async fn with_kinds_of(mut self, database: &Path) -> SimulatedFloor {
+    pub async fn with_kinds_of(mut self, database: &Path) -> ServedFloor {
         let added = kinds::kinds_of(database).await;
-        self.map = kinds::join_kinds(&mut self.scenario.site, self.map, &added);
+        self.map = kinds::join_kinds(self.source.site_mut(), self.map, &added);
         self
     }
 }
@@ -149,7 +146,7 @@ impl Server {
     ///
     /// # Errors
     /// Where anything is wrong; the text says what to do.
-    pub async fn start(config: &Config, floor: SimulatedFloor) -> anyhow::Result<Server> {
+    pub async fn start(config: &Config, floor: ServedFloor) -> anyhow::Result<Server> {
         let gate = Arc::new(config.gate()?);
         if !config.new {
             gate.learn(tokens::tokens_of(&config.database).await, Clock::start(None).started());
@@ -315,10 +312,10 @@ impl ServerRun {
                     // The request itself is inside until it is answered.
                     core.close();
                     self.front.entrance.empty(1).await;
-                    let world = core.end(true).await?;
+                    let links = core.end(true).await?;
                     (built, answer) = self.go_over(*order, (map, basis)).await?;
-                    if let (Built::Whole(parts), Some(world)) = (&mut built, &world) {
-                        parts.world.keep_robots_of(world);
+                    if let (Built::Whole(parts), Some(before)) = (&mut built, &links) {
+                        parts.links.keep_robots_of(before);
                     }
                     continue;
                 }
@@ -376,7 +373,7 @@ impl ServerRun {
         basis: &FloorBasis,
         map: &Arc<Warehouse>,
         note: (bool, MapNote),
-    ) -> anyhow::Result<(Arc<Store>, SimulatedFloor)> {
+    ) -> anyhow::Result<(Arc<Store>, ServedFloor)> {
         let unfit = |why: Vec<String>| anyhow::anyhow!("the map is not for this fleet: {}", why.join("; "));
         let floor = basis.with(basis.fit(map).map_err(unfit)?).with_kinds_of(&self.config.database).await;
         Ok((start::open(&self.config, &floor, note).await?, floor))

@@ -183,7 +183,7 @@ impl MapKeeper {
 
     /// What the floor and the database cannot carry over to a map, as everything is durable now.
     async fn compare(&self, fitted: &Arc<Warehouse>) -> Result<Report, MapRefusal> {
-        let clearance = self.basis.scenario.site.settings().clearance();
+        let clearance = self.basis.source.site().settings().clearance();
         let report = self.store.compare(fitted, clearance).await.map_err(|e| told(&e))?;
         Ok(report.unwrap_or_default())
     }

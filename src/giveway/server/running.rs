@@ -4,12 +4,13 @@
 //! and who may enter outlive it. Refuses: to leave a task behind that still knows the database.
 
 use super::inbox::Inbox;
+use super::links::{Links, trial};
 use super::publish::{GoOver, MapKeeper};
 use super::settle::{SettleQueue, SettleRequest};
 use super::start::ServerParts;
 use super::{
     Clock, Outbound, Planted, ahead, alarm_keeper, answers, audit_keeper, control, custody, historian, inbox,
-    journal, kinds, measure, people, recordings, records, tokens, trial, watchdog, webhooks,
+    journal, kinds, measure, people, recordings, records, tokens, watchdog, webhooks,
 };
 use anyhow::{Context, anyhow};
 use axum::Router;
@@ -28,7 +29,6 @@ use giveway_fleet::Fleet;
 use giveway_fleet::alarm::AlarmKind;
 use giveway_floor::text::sentence::alarms as sentence;
 use giveway_floor::time::Span;
-use giveway_sim::World;
 use giveway_store::{Store, StoreError};
 use std::sync::Arc;
 use std::time::Duration;
@@ -70,7 +70,7 @@ struct LoopEnds {
 
 /// The loop, before its first turn.
 fn control_loop(
-    (fleet, world, period): (Fleet, World, Span),
+    (fleet, links, period): (Fleet, Links, Span),
     ends: LoopEnds,
     shared: LoopShares,
 ) -> control::ControlLoop {
@@ -78,7 +78,7 @@ fn control_loop(
     let LoopShares { store, clock, metrics, alarms, feeds } = shared;
     control::ControlLoop {
         drive: Drive::new(fleet),
-        world,
+        links,
         clock,
         period,
         inbox,
@@ -104,7 +104,7 @@ fn control_loop(
 /// What runs side by side.
 struct Tasks {
     writer: JoinHandle<Result<(), StoreError>>,
-    thread: oneshot::Receiver<World>,
+    thread: oneshot::Receiver<Links>,
     feed: JoinHandle<()>,
     historian: JoinHandle<()>,
     /// Of alarms and of the audit.
@@ -144,7 +144,7 @@ impl RunningCore {
         gate: Arc<Gate>,
         outbound: &Outbound,
     ) -> anyhow::Result<(RunningCore, Router)> {
-        let ServerParts { fleet, world, clock, period, start, feeds, heard, live, past, charts, .. } = parts;
+        let ServerParts { fleet, links, clock, period, start, feeds, heard, live, past, charts, .. } = parts;
         let (alarms, planted, metrics) = (parts.alarms, parts.planted, Arc::new(Metrics::default()));
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
@@ -155,13 +155,13 @@ impl RunningCore {
             tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
         let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
         let (maps, map_keeper) = MapKeeper::new(&store, &parts.basis, map.clone(), (asks, over));
-        let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.basis.scenario.site, &fleet);
+        let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.basis.source.scenario.site, &fleet);
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
         let shares = LoopShares { store, clock, metrics, alarms, feeds };
         let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);
         let ((halt, halted), displaced) = (watch::channel(false), gone.clone());
         let ends = LoopEnds { inbox, questions, journal, notes, tap, displaced, moments, settle, planted };
-        let drive = control_loop((fleet, world, period), ends, shares.clone());
+        let drive = control_loop((fleet, links, period), ends, shares.clone());
         let LoopShares { store, clock, metrics, alarms, feeds } = shares;
         let feed = tokio::spawn(feed(live.clone(), picture.clone(), alarms.clone(), clock.clone()));
         let alarm_keeper = alarm_keeper::keep_alarms(store.clone(), alarms.clone(), halted.clone());
@@ -232,7 +232,7 @@ impl RunningCore {
 
     /// Takes it down, with the last step, its facts and the database; gives the floor as it is then. If it is not
     /// `whole`, since something of it failed, nothing is waited for.
-    pub async fn end(self, whole: bool) -> anyhow::Result<Option<World>> {
+    pub async fn end(self, whole: bool) -> anyhow::Result<Option<Links>> {
         let Tasks { writer, thread, feed, historian, keepers, others, past } = self.tasks;
         self.halt.send_replace(true);
         let (abort, displaced) = (writer.abort_handle(), *self.displaced.borrow());
@@ -258,14 +258,14 @@ impl RunningCore {
     }
 }
 
-/// Lets the last step, its facts and the figures over time be written; gives the floor.
+/// Lets the last step, its facts and the figures over time be written; gives the links.
 async fn flush(
-    thread: oneshot::Receiver<World>,
+    thread: oneshot::Receiver<Links>,
     writer: JoinHandle<Result<(), StoreError>>,
     historian: JoinHandle<()>,
     displaced: bool,
-) -> anyhow::Result<Option<World>> {
-    let world = thread.await.ok();
+) -> anyhow::Result<Option<Links>> {
+    let links = thread.await.ok();
     // A database that was taken away is hardly brought back now.
     let patience = if displaced { FLUSH / 10 } else { FLUSH };
     let lost = "the journal did not take the last facts. None of them was acknowledged";
@@ -273,19 +273,19 @@ async fn flush(
     if timeout(patience, historian).await.is_err() {
         tracing::warn!("the last figures over time were not saved");
     }
-    Ok(world)
+    Ok(links)
 }
 
 /// Runs the loop on a thread of its own: steps are work, and nothing else may wait for them.
 fn spawn_loop(
     drive: control::ControlLoop,
     halted: watch::Receiver<bool>,
-) -> anyhow::Result<oneshot::Receiver<World>> {
+) -> anyhow::Result<oneshot::Receiver<Links>> {
     let (ended, end) = oneshot::channel();
     let runtime = tokio::runtime::Handle::current();
     let body = move || {
-        let world = runtime.block_on(drive.run(halted));
-        let _ = ended.send(world);
+        let links = runtime.block_on(drive.run(halted));
+        let _ = ended.send(links);
     };
     std::thread::Builder::new().name("fleet".into()).spawn(body).context("cannot start the control loop")?;
     Ok(end)

@@ -5,8 +5,9 @@
 
 use super::basis::FloorBasis;
 use super::clock::{self, Clock};
+use super::links::{FloorSource, Links};
 use super::recordings::KeptPast;
-use super::{Config, Planted, SimulatedFloor, StartSummary, historian, journal};
+use super::{Config, Planted, ServedFloor, StartSummary, historian, journal};
 use anyhow::Context;
 use giveway_api::alarms::Alarms;
 use giveway_api::caller::Role;
@@ -18,7 +19,6 @@ use giveway_fleet::history::History;
 use giveway_fleet::{Fleet, Ledger, Settings};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
-use giveway_sim::{OrderFileLine, Scenario, World, nothing_to_order, warm_up};
 use giveway_store::{CarryOver, Loaded, MapNote, Opening, StepEntry, Store, StoreError};
 use std::sync::Arc;
 use std::time::Duration;
@@ -31,7 +31,7 @@ const LOOK: Duration = Duration::from_secs(2);
 /// What the parts of the server are made of.
 pub struct ServerParts {
     pub fleet: Fleet,
-    pub world: World,
+    pub links: Links,
     pub clock: Arc<Clock>,
     pub period: Span,
     pub start: journal::Start,
@@ -77,7 +77,7 @@ pub enum Built {
 /// Opens the database; `note` is noted about its map, and losses are accepted where that is so.
 pub async fn open(
     config: &Config,
-    floor: &SimulatedFloor,
+    floor: &ServedFloor,
     (accept_losses, note): (bool, MapNote),
 ) -> anyhow::Result<Arc<Store>> {
     let stamp = || {
@@ -85,7 +85,7 @@ pub async fn open(
         anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
     };
     let new = config.new.then(stamp).transpose()?;
-    let clearance = floor.scenario.site.settings().clearance();
+    let clearance = floor.source.site().settings().clearance();
     let carry = Some(CarryOver { clearance, accept_losses, stamp: stamp()? });
     let opening = Opening { new, traces: vec![config.past_folder()], carry, note };
     let store = Store::open_as(&config.database, &floor.map, &opening).await?;
@@ -97,7 +97,7 @@ pub async fn open(
 /// a process that ended would only be started again.
 pub async fn restore(
     config: &Config,
-    floor: &SimulatedFloor,
+    floor: &ServedFloor,
     waits: impl Fn(String),
 ) -> anyhow::Result<(Arc<Store>, Built, StartSummary)> {
     let mut has_waited = false;
@@ -128,7 +128,7 @@ pub async fn restore(
 
 async fn try_restore(
     config: &Config,
-    floor: SimulatedFloor,
+    floor: ServedFloor,
 ) -> anyhow::Result<(Arc<Store>, Built, StartSummary)> {
     let (floor, basis) = match config.new {
         true => {
@@ -167,12 +167,13 @@ const AT_ONCE: usize = 500;
 /// Writes down what the floor did before this moment, for a scenario that begins in the middle of a shift.
 async fn begin_in_the_middle(
     store: &Store,
-    (map, scenario, lines): (&Arc<Warehouse>, &Scenario, &[OrderFileLine]),
+    map: &Arc<Warehouse>,
+    source: &FloorSource,
     next: i64,
 ) -> anyhow::Result<()> {
     let now = || Clock::start(None).started();
-    let (map, scenario, lines) = (map.clone(), scenario.clone(), lines.to_vec());
-    let past = tokio::task::spawn_blocking(move || warm_up(&map, &scenario, &lines, now)).await?;
+    let (map, source) = (map.clone(), source.clone());
+    let past = tokio::task::spawn_blocking(move || source.past(&map, now)).await?;
     let entry = |(at, facts)| StepEntry { at, facts, causes: Vec::new() };
     let steps: Vec<StepEntry> = past.steps.into_iter().map(entry).collect();
     let mut next = next;
@@ -186,48 +187,44 @@ async fn begin_in_the_middle(
 }
 
 /// What the database has; what the floor did before this moment, where it has nothing and that is wanted.
-async fn load(
-    store: &Store,
-    map: &Arc<Warehouse>,
-    scenario: &Scenario,
-    lines: &[OrderFileLine],
-) -> anyhow::Result<Loaded> {
-    let empty = || Ledger::new(map.clone(), scenario.site.settings().clearance(), false);
+async fn load(store: &Store, floor: &ServedFloor) -> anyhow::Result<Loaded> {
+    let empty = || Ledger::new(floor.map.clone(), floor.source.site().settings().clearance(), false);
     let loaded = store.load(empty()).await?;
-    if loaded.last.is_some() || scenario.warm_up == Span::ZERO {
+    if loaded.last.is_some() || !floor.source.begins_in_the_middle() {
         return Ok(loaded);
     }
-    begin_in_the_middle(store, (map, scenario, lines), loaded.next).await?;
+    begin_in_the_middle(store, &floor.map, &floor.source, loaded.next).await?;
     Ok(store.load(empty()).await?)
 }
 
 /// Makes the parts from what the database has.
 pub async fn build(
     config: &Config,
-    floor: SimulatedFloor,
+    floor: ServedFloor,
     basis: FloorBasis,
     store: &Arc<Store>,
 ) -> anyhow::Result<(Built, StartSummary)> {
-    let SimulatedFloor { scenario, map, lines, planted } = floor;
-    let loaded = load(store, &map, &scenario, &lines).await?;
-    let (next, facts, robots) = (loaded.next, loaded.facts(), scenario.robots);
+    let loaded = load(store, &floor).await?;
+    let ServedFloor { source, map, planted } = floor;
+    let robots = source.robots();
+    let (next, facts) = (loaded.next, loaded.facts());
     let (published, map_name) = (basis.published.clone(), map.name.clone());
-    let idle = nothing_to_order(&scenario, &map);
+    let idle = source.idle(&map);
     let summary = StartSummary { map: map_name, published, robots, facts, idle, ..StartSummary::default() };
     let clock = Arc::new(Clock::start(loaded.last));
-    let settings = Settings { stopwatch: clock::stopwatch, ..scenario.site.settings() };
+    let settings = Settings { stopwatch: clock::stopwatch, ..source.site().settings() };
     let (buckets, heat) = store.load_history().await?;
     let figures =
         SharedHistory::new(clock.started(), settings.policy.word(), History::restore(buckets, heat));
-    let (now, floor, period) = (clock.now(), map.clone(), scenario.site.period);
+    let (now, floor, period) = (clock.now(), map.clone(), source.site().period);
     let fold = move || {
         let (ledger, facts) = loaded.into_parts();
         let fleet = Fleet::resume(ledger, settings, facts);
         check_kinds(&fleet)?;
-        let world = World::new(floor, &scenario, &lines, scenario.seed, fleet.ledger(), now);
-        anyhow::Ok((fleet, world))
+        let links = Links::new(source.begin(floor, fleet.ledger(), now));
+        anyhow::Ok((fleet, links))
     };
-    let (fleet, world) = match tokio::task::spawn_blocking(fold).await {
+    let (fleet, links) = match tokio::task::spawn_blocking(fold).await {
         Ok(folded) => folded?,
         Err(e) => {
             let said = e
@@ -254,7 +251,7 @@ pub async fn build(
     let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);
     let parts = ServerParts {
         fleet,
-        world,
+        links,
         clock,
         period,
         start,

@@ -4,10 +4,12 @@
 //! and writes its frames into a folder of its own, so that the page can seek to any moment. Lists are kept in
 //! memory; requests are refused, since the past takes none. Refuses: a database.
 
-use super::{
-    ahead::LastForecasts, clock::Clock, kinds, listen, measure::Measure, past::PastLists,
-    recorder::FrameRecorder,
-};
+use crate::server::ahead::LastForecasts;
+use crate::server::clock::Clock;
+use crate::server::measure::Measure;
+use crate::server::past::PastLists;
+use crate::server::recorder::FrameRecorder;
+use crate::server::{kinds, listen};
 use anyhow::Context;
 use giveway_api::alarms::Alarms;
 use giveway_api::audit::AuditLog;
