@@ -156,7 +156,7 @@ impl World {
         let announcements = Announcements::new(scenario, &warehouse, fleet, now);
         let mut world = World {
             warehouse,
-            worst: most_dangerous(&fleet.settings().kinds),
+            worst: most_dangerous(fleet.ledger().kinds()),
             racks,
             misplaced: Vec::new(),
             faults_end: faults.until_s.map(|s| now + Span::from_secs_f64(s)),
@@ -494,7 +494,11 @@ impl World {
 
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, fleet: &Fleet) {
-        for i in self.robots.len()..fleet.ledger().robots.len() {
+        let known = self.robots.len();
+        if known < fleet.ledger().robots.len() {
+            self.worst = most_dangerous(fleet.ledger().kinds());
+        }
+        for i in known..fleet.ledger().robots.len() {
             self.robots.push(self.robot(RobotId::at(i), fleet));
         }
     }
@@ -506,10 +510,10 @@ impl World {
         let who = id.ix() as u64;
         let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
         let at = self.warehouse.nodes[node].at;
-        let kind = self.warehouse.body_of(&record.kind);
-        let footprints = [false, true].map(|loaded| self.warehouse.footprint(kind, loaded).clone());
-        let mut body =
-            RobotBody::new(id, node, at, battery, (fleet.settings().kind(&record.kind), footprints));
+        let kind = fleet.warehouse().body_of(&record.kind);
+        let footprints = [false, true].map(|loaded| fleet.warehouse().footprint(kind, loaded).clone());
+        let kind = fleet.ledger().kinds().of(&record.kind);
+        let mut body = RobotBody::new(id, node, at, battery, (kind, footprints));
         let (reached, rack) = (fleet.ledger().chain(id).first(), fleet.ledger().rack_on(id));
         body.beside.method = self.beside.method;
         body.resume(reached, record.acted, record.recalls, rack);

@@ -77,6 +77,12 @@ fn scenario(robots: usize) -> Scenario {
     Scenario { robots, ..Scenario::from(site) }
 }
 
+/// The usual kind, but holds outlast it by so much.
+fn with_clearance(clearance: Span) -> RobotKind {
+    let kinematics = Kinematics { clearance, ..Kinematics::default() };
+    RobotKind { kinematics, ..RobotKind::default() }
+}
+
 /// A small generator of numbers that look random.
 struct TestDice(u64);
 

@@ -5,8 +5,7 @@
 //! memory; requests are refused, since the past takes none. Refuses: a database.
 
 use super::{
-    ahead::LastForecasts, clock::Clock, kinds, listen, measure::Measure, past::PastLists,
-    recorder::FrameRecorder,
+    ahead::LastForecasts, clock::Clock, listen, measure::Measure, past::PastLists, recorder::FrameRecorder,
 };
 use anyhow::Context;
 use giveway_api::alarms::Alarms;
@@ -19,7 +18,7 @@ use giveway_api::massrobotics::Interop;
 use giveway_api::port::{Moment, QUESTIONS, Question, SharedHistory};
 use giveway_api::publish::MapDesk;
 use giveway_api::recording::{Folder, Limits, Rotation};
-use giveway_api::{Api, router};
+use giveway_api::{Api, KindChecks, router};
 use giveway_fleet::alarm::{AlarmKind, FloorWatch, LoopHealth};
 use giveway_fleet::history::{History, LoopTimes};
 use giveway_fleet::{Fleet, View};
@@ -91,7 +90,7 @@ impl Show {
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
-            kinds: kinds::of_recording(&player.fleet),
+            kind_checks: KindChecks::default(),
             moments: picture,
             records: past.clone(),
             figures: figures.clone(),
