@@ -6,6 +6,7 @@ use giveway_floor::id::{BodyId, ClosureId};
 use giveway_floor::route::{Cause, Effect};
 use giveway_floor::time::Window;
 use giveway_floor::warehouse::{Footprint, mixed};
+use giveway_sim::recording::{Header, Playback, Played, Recorder};
 
 /// A kind that takes its time.
 fn slow() -> RobotKind {
@@ -397,4 +398,70 @@ fn a_map_that_is_not_for_a_kind_that_was_added_is_refused_and_others_keep_it() {
     let said = carried.report.to_string();
     assert!(said.contains("not for robots of the kind \"shuttle\", which was added"), "{said}");
     assert!(carried.parts.is_none() && said.contains("DELETE /v1/kinds/shuttle"), "{said}");
+}
+
+#[test]
+fn a_recording_of_a_floor_that_kinds_are_added_to_and_removed_from_plays_to_the_same_facts() {
+    let (scenario, shuttle) = movers_among_people(2);
+    let mut floor = TestFloor::new(mixed(), &scenario);
+    let mut again = floor.fleet.clone();
+    let (begin, node) = (floor.facts.len(), floor.free_storage());
+    let header = Header {
+        giveway_recording: 1,
+        seed: 1,
+        scenario: String::new(),
+        map: String::new(),
+        model: None,
+        picks: None,
+    };
+    let (_, mut playback) = Playback::open(&Recorder::header(&header)).expect("it is a recording");
+    let (mut recorder, mut played) = (Recorder::default(), Vec::new());
+    let odd = RobotKind { name: "odd".into(), payload_kg: 0.1 + 0.2, ..shuttle.clone() };
+    for step in 0..600 {
+        let asked = match step {
+            50 => vec![put(&shuttle), put(&odd)],
+            51 => vec![join("late", &shuttle, node)],
+            300 => vec![remove("odd"), remove("shuttle")],
+            _ => vec![],
+        };
+        let inputs: Vec<Input> = floor.world.advance(floor.now, &floor.fleet).into_iter().chain(asked).collect();
+        match playback.read(&recorder.step(floor.now, &inputs)).expect("it is in order") {
+            Played::Step(now, inputs) => played.extend(again.step(now, inputs).facts),
+            Played::End(_) => panic!("it goes on"),
+        }
+        floor.take(inputs);
+    }
+    let of_kinds = |f: &&Fact| matches!(f, Fact::Floor(FloorFact::KindPut { .. } | FloorFact::KindRemoved { .. }));
+    assert_eq!(played.iter().filter(of_kinds).count(), 3);
+    assert!(played == floor.facts[begin..], "the same facts");
+    assert!(again.ledger() == floor.fleet.ledger());
+}
+
+#[test]
+fn tmp_measure() {
+    let w = giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/kiva.json")).unwrap();
+    let (both, w) = (shuttles_and_movers(1), Arc::new(w));
+    let kind = RobotKind::default();
+    let w = fitted(&w, &[kind.clone()]).unwrap();
+    let disc = RobotKind { name: "disc".into(), footprints: [Some(Footprint::Circle { radius_m: 0.3 }), Some(Footprint::Circle { radius_m: 0.4 })], ..kind.clone() };
+    let plain = RobotKind { name: "plain".into(), ..both.site.kinds[1].clone() };
+    eprintln!("nodes {} lanes {} m {}", w.nodes.len(), w.lanes.len(), w.footprint_m);
+    for more in [&plain, &disc] {
+        let t = std::time::Instant::now();
+        let v = w.with_bodies(vec![kind.body(), more.body()]);
+        eprintln!("with_bodies {} {:?} lines {}", more.name, t.elapsed(), v.line_count());
+        let t = std::time::Instant::now();
+        let ok = w.check_body(&more.body()).is_ok();
+        eprintln!("check {ok} {:?}", t.elapsed());
+        let mut fleet = Fleet::new(w.clone(), Settings::default());
+        let nodes: Vec<NodeId> = w.nodes_where(|k| k == NodeKind::Storage || k == NodeKind::Parking).into_iter().take(200).collect();
+        let joins = nodes.iter().enumerate().map(|(i, n)| join(&format!("r{i}"), &kind, *n)).collect();
+        fleet.step(Time(1), joins);
+        let t = std::time::Instant::now();
+        fleet.step(Time(100_000), vec![]);
+        eprintln!("empty step {:?} robots {}", t.elapsed(), fleet.ledger().robots.len());
+        let t = std::time::Instant::now();
+        fleet.step(Time(200_000), vec![put(more)]);
+        eprintln!("step with put {:?}", t.elapsed());
+    }
 }

@@ -131,6 +131,11 @@ impl TestFloor {
     fn step(&mut self, extra: Vec<Input>) -> Step {
         let mut inputs = self.world.advance(self.now, &self.fleet);
         inputs.extend(extra);
+        self.take(inputs)
+    }
+
+    /// One control period in which the fleet hears just this.
+    fn take(&mut self, inputs: Vec<Input>) -> Step {
         let step = self.fleet.step(self.now, inputs);
         self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         assert_eq!(self.laws.broken, [], "laws hold");
