@@ -494,11 +494,8 @@ impl World {
 
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, fleet: &Fleet) {
-        let known = self.robots.len();
-        if known < fleet.ledger().robots.len() {
+        for i in self.robots.len()..fleet.ledger().robots.len() {
             self.worst = most_dangerous(fleet.ledger().kinds());
-        }
-        for i in known..fleet.ledger().robots.len() {
             self.robots.push(self.robot(RobotId::at(i), fleet));
         }
     }

@@ -424,44 +424,17 @@ fn a_recording_of_a_floor_that_kinds_are_added_to_and_removed_from_plays_to_the_
             300 => vec![remove("odd"), remove("shuttle")],
             _ => vec![],
         };
-        let inputs: Vec<Input> = floor.world.advance(floor.now, &floor.fleet).into_iter().chain(asked).collect();
+        let inputs: Vec<Input> =
+            floor.world.advance(floor.now, &floor.fleet).into_iter().chain(asked).collect();
         match playback.read(&recorder.step(floor.now, &inputs)).expect("it is in order") {
             Played::Step(now, inputs) => played.extend(again.step(now, inputs).facts),
             Played::End(_) => panic!("it goes on"),
         }
         floor.take(inputs);
     }
-    let of_kinds = |f: &&Fact| matches!(f, Fact::Floor(FloorFact::KindPut { .. } | FloorFact::KindRemoved { .. }));
+    let of_kinds =
+        |f: &&Fact| matches!(f, Fact::Floor(FloorFact::KindPut { .. } | FloorFact::KindRemoved { .. }));
     assert_eq!(played.iter().filter(of_kinds).count(), 3);
     assert!(played == floor.facts[begin..], "the same facts");
     assert!(again.ledger() == floor.fleet.ledger());
-}
-
-#[test]
-fn tmp_measure() {
-    let w = giveway_floor::warehouse::formats::json::parse(include_str!("../../../maps/kiva.json")).unwrap();
-    let (both, w) = (shuttles_and_movers(1), Arc::new(w));
-    let kind = RobotKind::default();
-    let w = fitted(&w, &[kind.clone()]).unwrap();
-    let disc = RobotKind { name: "disc".into(), footprints: [Some(Footprint::Circle { radius_m: 0.3 }), Some(Footprint::Circle { radius_m: 0.4 })], ..kind.clone() };
-    let plain = RobotKind { name: "plain".into(), ..both.site.kinds[1].clone() };
-    eprintln!("nodes {} lanes {} m {}", w.nodes.len(), w.lanes.len(), w.footprint_m);
-    for more in [&plain, &disc] {
-        let t = std::time::Instant::now();
-        let v = w.with_bodies(vec![kind.body(), more.body()]);
-        eprintln!("with_bodies {} {:?} lines {}", more.name, t.elapsed(), v.line_count());
-        let t = std::time::Instant::now();
-        let ok = w.check_body(&more.body()).is_ok();
-        eprintln!("check {ok} {:?}", t.elapsed());
-        let mut fleet = Fleet::new(w.clone(), Settings::default());
-        let nodes: Vec<NodeId> = w.nodes_where(|k| k == NodeKind::Storage || k == NodeKind::Parking).into_iter().take(200).collect();
-        let joins = nodes.iter().enumerate().map(|(i, n)| join(&format!("r{i}"), &kind, *n)).collect();
-        fleet.step(Time(1), joins);
-        let t = std::time::Instant::now();
-        fleet.step(Time(100_000), vec![]);
-        eprintln!("empty step {:?} robots {}", t.elapsed(), fleet.ledger().robots.len());
-        let t = std::time::Instant::now();
-        fleet.step(Time(200_000), vec![put(more)]);
-        eprintln!("step with put {:?}", t.elapsed());
-    }
 }
