@@ -51,20 +51,17 @@ mod words;
 mod ws;
 
 pub use building::map_version;
-pub use http::{alive, router};
+pub use http::{KindChecks, alive, router};
 
 use alarms::Alarms;
 use audit::{AuditEntry, AuditLog};
 use caller::Caller;
 use error::Problem;
-use giveway_fleet::{Answered, Ask, Refusal, Request, RobotKind, WorkerAction};
+use giveway_fleet::{Answered, Ask, Refusal, Request, WorkerAction};
 use giveway_floor::text::sentence::requests;
 use giveway_floor::warehouse::Warehouse;
-use port::{
-    AnswerPort, KindRequest, Moment, Now, Question, QueuedRequest, Records, SharedHistory, TokenPort,
-};
-use std::collections::BTreeSet;
-use std::sync::{Arc, Mutex};
+use port::{AnswerPort, Moment, Now, Question, QueuedRequest, Records, SharedHistory, TokenPort};
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
 
@@ -76,8 +73,8 @@ const PATIENCE: Duration = Duration::from_secs(10);
 pub struct Api {
     /// The building.
     pub map: Arc<Warehouse>,
-    /// The kinds of robots.
-    pub kinds: Kinds,
+    /// Looks at the map for kinds of robots that are to be added.
+    pub kind_checks: KindChecks,
     /// The latest view.
     pub moments: watch::Receiver<Arc<Moment>>,
     /// Durable jobs.
@@ -126,19 +123,6 @@ pub struct Api {
     pub entry: Option<Arc<AuditEntry>>,
     /// Turns true when the server shuts down.
     pub closing: watch::Receiver<bool>,
-}
-
-/// The kinds of robots.
-#[derive(Clone, Debug, Default)]
-pub struct Kinds {
-    /// Those of the scenario.
-    pub of_scenario: Arc<[RobotKind]>,
-    /// Those that may join: the scenario's, and those that had been added when the server started.
-    pub held: Arc<[RobotKind]>,
-    /// Takes requests about kinds that are added; absent where a recording is shown.
-    pub requests: Option<mpsc::Sender<KindRequest>>,
-    /// Names of kinds that were removed since the start: no robot of them joins any more.
-    pub removed: Arc<Mutex<BTreeSet<String>>>,
 }
 
 impl Api {

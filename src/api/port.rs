@@ -2,7 +2,7 @@
 //! fleet's view.
 //!
 //! Main types: [`Records`], [`QueuedRequest`], [`Question`], [`TokenPort`],
-//! [`KindRequest`], [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
+//! [`Moment`], [`SharedHistory`], [`Now`]. Refuses: to know what answers.
 
 use super::audit::{AuditEntry, AuditQuery};
 use super::caller::{NamedToken, TokenHash, WebSession};
@@ -11,7 +11,7 @@ use giveway_fleet::history::{History, LoopTimes};
 use giveway_fleet::{
     Answered, Area, AssignmentQuery, AssignmentRow, Backlog, ClosingEffect, Closure, EncounterQuery,
     EncounterRow, EventQuery, EventRow, EventSpan, Expected, Fleet, JobQuery, JobRow, Listed, NodeOccupancy,
-    Request, RobotEventQuery, RobotEventRow, RobotJobCounts, RobotKind, ShiftRows, View, Waiting,
+    Request, RobotEventQuery, RobotEventRow, RobotJobCounts, ShiftRows, View, Waiting,
 };
 use giveway_floor::id::{AssignmentId, JobId, RobotId};
 use giveway_floor::time::{Span, Time};
@@ -196,36 +196,6 @@ impl Question {
             }
         }
     }
-}
-
-/// What is asked of the program about the kinds of robots that were added to those of the scenario. They are in force
-/// from the next start on.
-#[derive(Debug)]
-pub enum KindRequest {
-    /// All of them.
-    List(oneshot::Sender<Result<Vec<RobotKind>, KindRefusal>>),
-    /// One more, or another one of its name; its figures are a JSON object with the keys of `fleet` in scenarios. The
-    /// answer says whether the name is new.
-    Put(String, String, oneshot::Sender<Result<(bool, RobotKind), KindRefusal>>),
-    /// One less.
-    Remove(String, oneshot::Sender<Result<(), KindRefusal>>),
-}
-
-/// Why a kind is not added, or not removed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum KindRefusal {
-    /// The scenario has one of this name.
-    OfScenario,
-    /// There is none of this name.
-    Unknown,
-    /// A figure cannot be: its key, and what is wrong.
-    Figure(String, String),
-    /// The map was not drawn for it: what was found.
-    Map(Vec<String>),
-    /// There are so many with those of the scenario, as many as a floor may have.
-    TooMany(usize),
-    /// The database did not answer, or took nothing.
-    Database,
 }
 
 /// How many questions may wait.

@@ -7,11 +7,12 @@ use super::error::{FieldError, Problem};
 use super::text::{assignment_name, closure_name, job_name, series_name, worker_name};
 use giveway_cell::LineRefusal;
 use giveway_fleet::{
-    AreaRefusal, Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal, WorkerRefusal,
+    AreaRefusal, Bounded, JobRefusal, KindRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal,
+    WorkerRefusal,
 };
 use giveway_floor::id::{NodeId, RackId};
 use giveway_floor::text::Sentence;
-use giveway_floor::text::sentence::refusals as say;
+use giveway_floor::text::sentence::{refusals as say, requests};
 use giveway_floor::warehouse::{NodeKind, Warehouse};
 
 /// A refusal as a problem.
@@ -23,6 +24,7 @@ pub fn refused(map: &Warehouse, why: Refusal) -> Problem {
         Refusal::Robot(why) => about_robots(map, why),
         Refusal::Worker(why) => about_people(map, why),
         Refusal::Area(why) => about_areas(why),
+        Refusal::Kind(why) => about_kinds(why, ""),
         Refusal::UnknownPlace => field("kind", say::place_unknown()),
         Refusal::NoSuchPlace(kind) => {
             let charger = kind == NodeKind::Charger;
@@ -178,6 +180,23 @@ fn about_areas(why: AreaRefusal) -> Problem {
     }
 }
 
+/// Kinds of robots that are added or removed; `name` is that of the kind.
+pub fn about_kinds(why: KindRefusal, name: &str) -> Problem {
+    match why {
+        KindRefusal::OfSite => {
+            let detail = requests::kind_of_scenario(name);
+            Problem::conflict("kind-of-scenario", "The scenario has this kind", detail)
+        }
+        KindRefusal::Unknown => Problem::unknown("kind", requests::kind_unknown(name)),
+        KindRefusal::InUse(robots) => {
+            let detail = requests::kind_in_use(robots, name);
+            Problem::conflict("kind-in-use", "Robots are of this kind", detail)
+        }
+        KindRefusal::TooLarge => field("footprint", requests::malformed("the map is for smaller robots")),
+        KindRefusal::Clearance => field("kind", requests::malformed("holds on this floor are too short")),
+    }
+}
+
 fn place_taken(node: String) -> Problem {
     Problem::conflict("place-taken", "The place is taken", say::node_taken(node))
 }
@@ -191,6 +210,7 @@ fn too_many(kind: Bounded, n: usize) -> Problem {
         Bounded::Workers => say::too_many_workers(n, "/v1/people/{id}"),
         Bounded::Series => say::too_many_series(n),
         Bounded::Closures => say::too_many_closures(n),
+        Bounded::Kinds => requests::too_many_kinds(n),
     };
     // Only what ends by itself is worth another try later.
     let ends = matches!(kind, Bounded::Jobs | Bounded::Assignments | Bounded::Closures);

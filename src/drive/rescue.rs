@@ -165,7 +165,7 @@ impl Drive {
 
     /// What a fold of the journal begins with.
     pub fn empty_ledger(&self) -> Ledger {
-        Ledger::new(self.fleet.warehouse().clone(), self.fleet.settings().clearance(), false)
+        self.fleet.ledger().emptied()
     }
 
     /// Makes the fleet anew, from a ledger and facts behind it or else why there are none, without the robot that was
@@ -234,7 +234,7 @@ impl Drive {
         let text = sentence::fleet_contradicts_itself(said, why);
         self.alarms.push(DriveAlarm::Raise(AlarmKind::Broken, text));
         // Nothing may look at what a panic left half-way.
-        self.fleet = Fleet::new(self.fleet.warehouse().clone(), self.fleet.settings().clone());
+        self.fleet = Fleet::resume(self.fleet.ledger().emptied(), self.fleet.settings().clone(), []);
         self.rescue.broken = true;
     }
 }

@@ -39,7 +39,7 @@ impl TestLoop {
             next: 0,
         };
         let name = |i: usize| format!("robot-{i}");
-        let kind = || test.drive.fleet().settings().kinds[0].name.clone();
+        let kind = || test.drive.fleet().ledger().kinds()[0].name.clone();
         let join = |(i, node)| {
             Input::ask(
                 Token { asker: Asker(2), number: 0 },

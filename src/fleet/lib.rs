@@ -40,7 +40,7 @@ pub use read::safety_regions::{RegionStay, SafetyRegion};
 pub use read::shift::{EndedJob, ShiftRows};
 pub use read::unsettled::Unsettled;
 pub use read::untrue::untrue;
-pub use read::view::{Counts, JobWhy, JobsAhead, RobotState, RobotView, StationView, View};
+pub use read::view::{Counts, JobWhy, JobsAhead, RobotState, RobotView, StationView, View, ViewBuilding};
 pub use read::why::{Because, LostWorker, Standstill, Waiting, Who};
 pub use state::activity::{Activity, Doing};
 pub use state::arms::ArmView;
@@ -55,13 +55,15 @@ pub use state::job::{Job, JobChange, JobFailure, JobRequest, JobState, RobotChoi
 pub use state::job_kind::{JobField, JobKind, JobParts, JobWord};
 pub use state::keys::{ClientKey, KEY_LIFE, Keys};
 pub use state::kind::{Charging, RobotKind, USUAL_KIND, fitted, most_dangerous};
+pub use state::kinds::RobotKinds;
 pub use state::ledger::{Contradiction, Ledger, Parts, Promises, RackAt, Robot, Service, Sums, Unconfirmed};
 pub use state::local_clock::LocalClock;
 pub use state::note::{EventDetails, FloorNote, ReplanCause};
 pub use state::passing::Passing;
 pub use state::recurring::{MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 pub use state::refusal::{
-    AreaRefusal, Bounded, JobRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal, WorkerRefusal,
+    AreaRefusal, Bounded, JobRefusal, KindRefusal, PickRefusal, RackRefusal, Refusal, RobotRefusal,
+    WorkerRefusal,
 };
 pub use state::request::{
     Answer, Answered, Ask, Asker, FloorAction, JobAction, JobTaken, LineNoted, Made, Reply, Request,
@@ -122,7 +124,7 @@ impl Fleet {
         settings: Settings,
         facts: impl IntoIterator<Item = Fact>,
     ) -> Fleet {
-        let ledger = Ledger::new(warehouse, settings.clearance(), settings.without_conflicts);
+        let ledger = Ledger::new(warehouse, &settings.site_kinds, settings.without_conflicts);
         Fleet::resume(ledger, settings, facts)
     }
 
@@ -160,7 +162,11 @@ impl Fleet {
         self.traffic.effort = Effort::of_a_step(self.writer.floor());
         self.note_workplaces(now);
         let lost = self.people.lost(now);
+        let kinds = self.writer.ledger().kinds().clone();
         let heard = requests::absorb(&mut self.writer, (&self.people.walkways, &lost), now, inputs);
+        if kinds != *self.writer.ledger().kinds() {
+            self.refit();
+        }
         self.restrict(&heard.people, now);
         self.react(now);
         self.traffic.needs.left_early(heard.left_early);
@@ -175,6 +181,14 @@ impl Fleet {
         waits::note_activities(&mut self.writer, now);
         self.replans.note(&mut self.writer, &self.yielding, &self.traffic, now);
         self.writer.take_step()
+    }
+
+    /// The kinds of robots have changed, and with them the building: what people and traffic keep for each kind is made
+    /// anew. What the rooms share was, when the fact was recorded.
+    fn refit(&mut self) {
+        let Fleet { writer, people, traffic, .. } = self;
+        people.refit(writer.floor());
+        traffic.refit(writer.floor());
     }
 
     /// Who is in the workplaces of stations: two persons where hands are followed, or somebody whose headset is silent.

@@ -282,7 +282,7 @@
 //! | what | where |
 //! |---|---|
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` or `kinds` |
-//! | a kind of robots | `fleet/state/kind.rs`; in files: `site/kinds.rs`; over HTTP: `server/kinds.rs` |
+//! | a kind of robots | `fleet/state/kind.rs`; in files: `site/kinds.rs`; added: `fleet/requests/kinds.rs` |
 //! | what one floor is, and its file | `site/lib.rs`, `site/file.rs`; `docs/site.md` |
 //! | what robots are behind (links) | `server/links/mod.rs`, `drive/link.rs`; simulated: `server/links/sim.rs` |
 //! | a kind of job | `fleet/state/job_kind.rs`, `life.rs`; `fleet/dispatch/jobs.rs`, `fleet/traffic/progress.rs` |
@@ -350,6 +350,7 @@
 //! | a robot joins (registration), leaves | `fleet/requests/enrolment.rs`; `fleet/dispatch/leaving.rs` |
 //! | maintenance | `fleet/dispatch/maintenance.rs` |
 //! | kinds of robots, footprints | `warehouse/body.rs`, `footprint.rs`; `fleet/state/kind.rs` |
+//! | what changes when a kind is added | `fleet/state/ledger/refit.rs`; `Fleet::refit`; `timeline/refit.rs` |
 //! | conflicts where two kinds meet | the rule and its cost: `warehouse/body.rs` |
 //! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
 //! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/timelines.rs` |

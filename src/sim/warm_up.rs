@@ -68,7 +68,7 @@ mod tests {
         let scenario = Scenario { warm_up: Span::from_secs(300), ..scenario };
         let (map, until) = (Arc::new(thesis()), Time(1_800_000_000_000_000));
         let past = warm_up(&map, &scenario, &[], || until);
-        let mut ledger = Ledger::new(map, scenario.site.settings().clearance(), false);
+        let mut ledger = Ledger::new(map, &scenario.site.kinds, false);
         past.steps.iter().flat_map(|(_, facts)| facts).for_each(|fact| ledger.evolve(fact));
         assert!(ledger.counts.robot_deliveries >= 10, "{:?}", ledger.counts);
         assert_eq!(ledger.workers.len(), scenario.workers.count);

@@ -27,8 +27,7 @@ use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
 use giveway_drive::Outgoing;
 use giveway_fleet::{
-    Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, RobotKind, Service, Telemetry, Token,
-    most_dangerous,
+    Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, Service, Telemetry, Token, most_dangerous,
 };
 use giveway_floor::geometry::Point;
 use giveway_floor::id::{Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -79,8 +78,6 @@ struct SimRobot {
 #[derive(Debug)]
 pub struct World {
     warehouse: Arc<Warehouse>,
-    /// What robots are like.
-    kinds: Vec<RobotKind>,
     /// The worst robot to be in the way of.
     worst: Kinematics,
     faults: Faults,
@@ -154,8 +151,7 @@ impl World {
         let announcements = Announcements::new(scenario, &warehouse, ledger, now);
         let mut world = World {
             warehouse,
-            kinds: scenario.site.kinds.clone(),
-            worst: most_dangerous(&scenario.site.kinds),
+            worst: most_dangerous(ledger.kinds()),
             racks,
             misplaced: Vec::new(),
             faults_end: faults.until_s.map(|s| now + Span::from_secs_f64(s)),
@@ -498,6 +494,7 @@ impl World {
     /// Bodies for robots that the fleet knows by now.
     fn meet(&mut self, ledger: &Ledger) {
         for i in self.robots.len()..ledger.robots.len() {
+            self.worst = most_dangerous(ledger.kinds());
             self.robots.push(self.robot(RobotId::at(i), ledger));
         }
     }
@@ -509,9 +506,10 @@ impl World {
         let who = id.ix() as u64;
         let battery = 0.6 + 0.4 * Stream::new(self.seed, 4, who).unit();
         let at = self.warehouse.nodes[node].at;
-        let kind = self.warehouse.body_of(&record.kind);
-        let footprints = [false, true].map(|loaded| self.warehouse.footprint(kind, loaded).clone());
-        let mut body = RobotBody::new(id, node, at, battery, (self.kind(&record.kind), footprints));
+        let kind = ledger.warehouse().body_of(&record.kind);
+        let footprints = [false, true].map(|loaded| ledger.warehouse().footprint(kind, loaded).clone());
+        let kind = ledger.kinds().of(&record.kind);
+        let mut body = RobotBody::new(id, node, at, battery, (kind, footprints));
         let (reached, rack) = (ledger.chain(id).first(), ledger.rack_on(id));
         body.beside.method = self.beside.method;
         body.resume(reached, record.acted, record.recalls, rack);
@@ -536,12 +534,6 @@ impl World {
             tries: 0,
             off: record.is_gone(),
         }
-    }
-
-    /// The kind of a robot by its name.
-    fn kind(&self, name: &str) -> &RobotKind {
-        let kind = self.kinds.iter().find(|kind| kind.name == name);
-        kind.expect("robots are of the kinds of their site")
     }
 
     /// Where each robot truly is.

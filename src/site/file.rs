@@ -136,7 +136,10 @@ mod tests {
     fn a_site_that_names_only_its_map_is_as_the_core_is_unless_told_otherwise() {
         let site = with("").unwrap();
         let (found, usual) = (site.settings(), giveway_fleet::Settings::default());
-        assert_eq!((found.kinds, found.period, found.limits), (usual.kinds, usual.period, usual.limits));
+        assert_eq!(
+            (found.site_kinds, found.period, found.limits),
+            (usual.site_kinds, usual.period, usual.limits)
+        );
         assert_eq!((found.policy, found.method, found.flow), (usual.policy, usual.method, usual.flow));
         assert_eq!(site.links, SiteLinks::default(), "no robots but those that come");
     }
@@ -150,7 +153,7 @@ mod tests {
         )
         .unwrap();
         let settings = site.settings();
-        assert_eq!(settings.kinds.iter().map(|k| k.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
+        assert_eq!(settings.site_kinds.iter().map(|k| k.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
         assert_eq!((settings.method, settings.node_windows), (Method::Chapter3, NodeWindows::Mixture));
         assert_eq!((settings.worker_price, settings.period), (5.0, Span::from_millis(50)));
         assert_eq!((settings.flow, settings.arm_mode), (Flow::Hand, ArmMode::Turns));

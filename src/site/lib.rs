@@ -76,7 +76,7 @@ pub struct SimLink {
 impl Default for Site {
     /// A floor with robots of one kind, a map that is still to be named, and no links.
     fn default() -> Site {
-        let Settings { kinds, period, policy, method, node_windows, flow, arm_mode, .. } =
+        let Settings { site_kinds: kinds, period, policy, method, node_windows, flow, arm_mode, .. } =
             Settings::default();
         let Settings { worker_price, limits, model, picks, .. } = Settings::default();
         Site {
@@ -111,7 +111,7 @@ impl Site {
     /// The settings of the core for this floor.
     pub fn settings(&self) -> Settings {
         Settings {
-            kinds: self.kinds.clone(),
+            site_kinds: self.kinds.clone(),
             period: self.period,
             policy: self.policy,
             method: self.method,

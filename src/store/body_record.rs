@@ -1,9 +1,13 @@
-//! Kinds of robots as they are written down beside the map: which holds exclude one another follows from them.
+//! Kinds of robots as they are written down: beside the map, since which holds exclude one another follows from them,
+//! and whole, where a kind was added while the fleet worked.
 //!
-//! Main functions: `write`, `read`, `outlines`. Refuses: to know of a kind what holds do not depend on; the scenario
-//! has that.
+//! Main functions: `write`, `read`, `outlines`; main type: [`RobotKindRecord`]. Refuses: to say beside the map what holds
+//! do not depend on.
 
+use giveway_fleet::{Charging, RobotKind};
 use giveway_floor::geometry::Point;
+use giveway_floor::route::Kinematics;
+use giveway_floor::time::Span;
 use giveway_floor::warehouse::{Body, Footprint, Warehouse};
 use serde::{Deserialize, Serialize};
 
@@ -18,12 +22,93 @@ struct BodyRecord {
     payload_kg: Option<f64>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum FootprintRecord {
     Square(f64),
     Circle(f64),
     Polygon(Vec<[f64; 2]>, bool),
+}
+
+/// A kind that was added: all its figures, so that what is usual may change. Nothing where a figure has no bound.
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct RobotKindRecord {
+    name: String,
+    speed_mps: f64,
+    speed_loaded_mps: f64,
+    accel_unloaded_mps2: f64,
+    accel_loaded_mps2: f64,
+    turn_radps: Option<f64>,
+    /// Microseconds.
+    lift: i64,
+    clearance: i64,
+    reaction: i64,
+    battery: BatteryRecord,
+    footprints: [Option<FootprintRecord>; 2],
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    carries: Option<Vec<String>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    payload_kg: Option<f64>,
+    free_navigation: bool,
+}
+
+/// When robots of a kind charge.
+#[derive(Clone, Serialize, Deserialize)]
+struct BatteryRecord {
+    critical: f64,
+    low: f64,
+    enough: f64,
+    full: f64,
+    opportunity: bool,
+    driving_h: f64,
+}
+
+impl From<&RobotKind> for RobotKindRecord {
+    fn from(kind: &RobotKind) -> RobotKindRecord {
+        let RobotKind { kinematics: k, charging, .. } = kind;
+        let Charging { critical, low, enough, full, opportunity, driving_h } = *charging;
+        let bounded = |figure: f64| Some(figure).filter(|f| f.is_finite());
+        RobotKindRecord {
+            name: kind.name.clone(),
+            speed_mps: k.speed_mps,
+            speed_loaded_mps: k.speed_loaded_mps,
+            accel_unloaded_mps2: k.accel_unloaded_mps2,
+            accel_loaded_mps2: k.accel_loaded_mps2,
+            turn_radps: bounded(k.turn_radps),
+            lift: k.lift.0,
+            clearance: k.clearance.0,
+            reaction: k.reaction.0,
+            battery: BatteryRecord { critical, low, enough, full, opportunity, driving_h },
+            footprints: kind.footprints.each_ref().map(|f| f.as_ref().map(FootprintRecord::from)),
+            carries: kind.carries.clone(),
+            payload_kg: bounded(kind.payload_kg),
+            free_navigation: kind.free_navigation,
+        }
+    }
+}
+
+impl From<RobotKindRecord> for RobotKind {
+    fn from(r: RobotKindRecord) -> RobotKind {
+        let BatteryRecord { critical, low, enough, full, opportunity, driving_h } = r.battery;
+        RobotKind {
+            name: r.name,
+            kinematics: Kinematics {
+                speed_mps: r.speed_mps,
+                speed_loaded_mps: r.speed_loaded_mps,
+                accel_unloaded_mps2: r.accel_unloaded_mps2,
+                accel_loaded_mps2: r.accel_loaded_mps2,
+                turn_radps: r.turn_radps.unwrap_or(f64::INFINITY),
+                lift: Span(r.lift),
+                clearance: Span(r.clearance),
+                reaction: Span(r.reaction),
+            },
+            charging: Charging { critical, low, enough, full, opportunity, driving_h },
+            footprints: r.footprints.map(|f| f.map(Footprint::from)),
+            carries: r.carries,
+            payload_kg: r.payload_kg.unwrap_or(f64::INFINITY),
+            free_navigation: r.free_navigation,
+        }
+    }
 }
 
 /// The outlines of a kind as text.

@@ -14,7 +14,7 @@ use super::{
     MapNote, Opening, Store, StoreError, floor, job_record, last_step, ledger_record, published, seal, steps,
 };
 use giveway_fleet::carry::{Carried, Report, carry};
-use giveway_fleet::{AssignmentState, JobFailure, JobState, Ledger};
+use giveway_fleet::{AssignmentState, JobFailure, JobState, Ledger, RobotKind, RobotKinds};
 use giveway_floor::id::{Dense, IdVec};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
@@ -74,8 +74,8 @@ const SNAPSHOT: &str = "INSERT INTO snapshots (seq, at, wire, body) VALUES ($1, 
 /// How a database is to be carried over where it belongs to another map.
 #[derive(Clone, Debug)]
 pub struct CarryOver {
-    /// Between robots that follow one another on a resource.
-    pub clearance: Span,
+    /// The kinds of robots of the site, for which the map is.
+    pub kinds: Vec<RobotKind>,
     /// Whether losses are accepted.
     pub accept_losses: bool,
     /// Becomes part of the names of what is kept of before.
@@ -121,7 +121,7 @@ pub(super) async fn carry_over(
     let unknown =
         || StoreError::UnknownMap { path: path.into(), theirs: theirs.clone(), ours: map.name.clone() };
     let old = Arc::new(floor::stored(db).await?.ok_or_else(unknown)?);
-    let compared = compare(db, path, old.clone(), Arc::new(map.clone()), wanted.clearance).await?;
+    let compared = compare(db, path, old.clone(), Arc::new(map.clone()), &wanted.kinds).await?;
     let report = compared.carried.report.clone();
     if !report.obstacles.is_empty() || (!report.losses.is_empty() && !wanted.accept_losses) {
         let (ours, report) = (map.name.clone(), Box::new(report));
@@ -139,11 +139,16 @@ pub(super) async fn carry_over(
 }
 
 impl Store {
-    /// What a start with this map would carry over, and what not; nothing where the map is the database's own.
+    /// What a start with this map would carry over, and what not; nothing where the map is the database's own. The map is
+    /// for these kinds, those of the site.
     ///
     /// # Errors
     /// Where the database cannot be read, or does not have its own map.
-    pub async fn compare(&self, map: &Arc<Warehouse>, clearance: Span) -> Result<Option<Report>, StoreError> {
+    pub async fn compare(
+        &self,
+        map: &Arc<Warehouse>,
+        kinds: &[RobotKind],
+    ) -> Result<Option<Report>, StoreError> {
         let Some(about) = self.belongs().await?.filter(|about| about.seal != seal(map)) else {
             return Ok(None);
         };
@@ -153,7 +158,7 @@ impl Store {
         let (path, ours) = (self.path().to_owned(), map.name.clone());
         let unknown = || StoreError::UnknownMap { path: path.clone(), theirs: about.map.clone(), ours };
         let old = Arc::new(self.map().await?.ok_or_else(unknown)?);
-        let compared = compare(&self.readers, &path, old, map.clone(), clearance).await?;
+        let compared = compare(&self.readers, &path, old, map.clone(), kinds).await?;
         Ok(Some(compared.carried.report))
     }
 }
@@ -164,15 +169,17 @@ async fn compare(
     path: &Path,
     old: Arc<Warehouse>,
     new: Arc<Warehouse>,
-    clearance: Span,
+    kinds: &[RobotKind],
 ) -> Result<Compared, StoreError> {
-    let loaded = steps::load(db, Ledger::new(old, clearance, false)).await?;
+    let kinds = kinds.to_vec();
+    let before = kinds_of(&old, RobotKinds::of_site(&kinds).clearance());
+    let loaded = steps::load(db, Ledger::new(old, &before, false)).await?;
     let (last, at) = (loaded.next - 1, loaded.last.unwrap_or(Time::ZERO));
     let fold = move || {
         let (mut ledger, facts) = loaded.into_parts();
         facts.into_iter().for_each(|fact| ledger.evolve(&fact));
         let carried = carry(&ledger, &new, at);
-        let read = |parts| Ledger::from_parts(new.clone(), clearance, parts).map(drop);
+        let read = |parts| Ledger::from_parts(new.clone(), &kinds, parts).map(drop);
         let sound = carried.parts.clone().map_or(Ok(()), read);
         (carried, sound)
     };
@@ -182,6 +189,11 @@ async fn compare(
         folded.map_err(|_| broken("the journal contradicts itself, as said above".into()))?;
     sound.map_err(|why| broken(why.to_string()))?;
     Ok(Compared { carried, last, at })
+}
+
+/// What is known of the kinds of a building from it alone: what holds depend on, and all else as usual.
+pub(super) fn kinds_of(map: &Warehouse, clearance: Span) -> Vec<RobotKind> {
+    map.bodies().iter().map(|body| RobotKind::of_body(body, clearance)).collect()
 }
 
 /// Recordings of the past name places by the old map's positions, so they are no longer shown, but kept.

@@ -4,6 +4,7 @@
 //! in the program does not change what is on disk unnoticed. Refuses: what a newer program wrote, and what
 //! contradicts itself.
 
+use super::body_record::RobotKindRecord;
 use super::job_record::{
     ChoiceRecord, RequestRecord, StateRecord, StationRecord, TaskRecord, visit_record, visiting,
 };
@@ -15,12 +16,12 @@ use super::record::{is_usual_kind, usual_kind};
 use super::route_record::{StopRecord, VisitRecord};
 use giveway_fleet::{
     Assignment, ClientKey, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot,
-    RobotChoice, Service, Stop, Sums, Unconfirmed, Wishes,
+    RobotChoice, RobotKind, Service, Stop, Sums, Unconfirmed, Wishes,
 };
 use giveway_floor::id::{
     AssignmentId, ClosureId, CustomerId, JobId, NodeId, RobotId, SeriesId, StationId, WorkerId,
 };
-use giveway_floor::time::{Span, Time};
+use giveway_floor::time::Time;
 use giveway_floor::timeline::{ChainParts, Visit};
 use giveway_floor::warehouse::Warehouse;
 use serde::{Deserialize, Serialize};
@@ -160,6 +161,9 @@ struct LedgerRecord {
     ended_badly: Vec<(u64, i64)>,
     sums: SumsRecord,
     wishes: Vec<u32>,
+    /// Kinds of robots that were added to those of the site.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    kinds: Vec<RobotKindRecord>,
 }
 
 /// Snapshots from before closures recurred have no number for the first.
@@ -173,7 +177,7 @@ pub fn encode(parts: &Parts) -> String {
         .expect("records have no maps with keys that are not text")
 }
 
-/// A ledger from text.
+/// A ledger from text, in a building for the kinds of its site.
 ///
 /// # Errors
 /// Where it was written by a newer program, is damaged, or contradicts itself or the map.
@@ -181,13 +185,13 @@ pub fn decode(
     version: i64,
     text: &str,
     warehouse: &Arc<Warehouse>,
-    clearance: Span,
+    site_kinds: &[RobotKind],
 ) -> Result<Ledger, SnapshotError> {
     if version != VERSION {
         return Err(SnapshotError::Newer(version));
     }
     let parts = serde_json::from_str::<LedgerRecord>(text)?.into();
-    Ok(Ledger::from_parts(warehouse.clone(), clearance, parts)?)
+    Ok(Ledger::from_parts(warehouse.clone(), site_kinds, parts)?)
 }
 
 impl From<&Parts> for LedgerRecord {
@@ -216,6 +220,7 @@ impl From<&Parts> for LedgerRecord {
             ended_badly: p.ended_badly.iter().map(|(id, at)| (id.0, at.0)).collect(),
             sums: p.counts.into(),
             wishes: p.wishes.counts().iter().copied().collect(),
+            kinds: p.added_kinds.iter().map(RobotKindRecord::from).collect(),
         }
     }
 }
@@ -255,7 +260,8 @@ impl From<LedgerRecord> for Parts {
             counts: r.sums.into(),
             wishes: Wishes::of(r.wishes),
         };
-        Parts { promises, chains: r.chains.into_iter().map(ChainParts::from).collect() }
+        let added_kinds = r.kinds.into_iter().map(RobotKind::from).collect();
+        Parts { promises, added_kinds, chains: r.chains.into_iter().map(ChainParts::from).collect() }
     }
 }
 

@@ -25,13 +25,13 @@ mod history;
 mod identity;
 mod job_record;
 mod jobs;
-mod kinds;
 pub mod ledger_record;
 mod line_record;
 mod listing;
 mod lock;
 mod names;
 mod note_record;
+mod old_kinds;
 mod opening;
 mod people;
 mod people_record;
@@ -60,7 +60,6 @@ pub use carry::{CarriedOver, CarryOver};
 pub use check::Belongs;
 pub use error::StoreError;
 pub use events::EVENTS_KEPT;
-pub use kinds::KindText;
 pub use names::PersonRow;
 pub use opening::Opening;
 pub use published::{MapNote, PublishedMap, map_digest};
@@ -298,6 +297,7 @@ async fn prepare(
         return Err(StoreError::Alone(path.into()));
     }
     migrator().run(writer).await.map_err(|why| StoreError::Migrate { path: path.into(), why })?;
+    let last = old_kinds::take_up(writer, path, (map, &lock.run().to_string()), last).await?;
     let carried = seal_or_carry(writer, path, map, opening).await?;
     sqlx::query(TAKE).bind(lock.run().to_string()).execute(writer).await?;
     // The main file by itself is to say that it is not all.

@@ -8,7 +8,7 @@ use giveway_cell::LineChange;
 use giveway_fleet::{
     AreaFact, AssignmentFact, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, EncounterFact,
     Fact, FloorFact, FloorNote, JobFact, JobKind, JobRequest, JobState, KeptRoute, LastPlace, Moved,
-    Reaction, RecurringClosure, RobotChoice, RobotFact, RouteFact, Task, USUAL_KIND, WorkerFact,
+    Reaction, RecurringClosure, RobotChoice, RobotFact, RobotKind, RouteFact, Task, USUAL_KIND, WorkerFact,
 };
 use giveway_floor::id::{
     AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
@@ -236,6 +236,8 @@ records! {
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             assignments: Vec<AssignmentId>
         }
+        KindPut = Floor(FloorFact::KindPut) { kind: Box<RobotKind>, at: Time }
+        KindRemoved = Floor(FloorFact::KindRemoved) { name: String, at: Time }
 
         Deviated = Encounter(EncounterFact::Deviated) { worker: WorkerId, at: Time }
         Interrupted = Encounter(EncounterFact::Interrupted) {

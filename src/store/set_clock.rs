@@ -8,8 +8,8 @@ use super::events::NOTE_JOBS;
 use super::opening::free_name;
 use super::{SET_BACK, Store, StoreError, ledger_record, steps};
 use giveway_fleet::carry::set_back;
-use giveway_fleet::{JobState, Ledger};
-use giveway_floor::time::{Span, Time};
+use giveway_fleet::{JobState, Ledger, RobotKind};
+use giveway_floor::time::Time;
 use giveway_floor::warehouse::Warehouse;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -36,23 +36,23 @@ impl Store {
     pub async fn set_clock(
         &self,
         map: &Arc<Warehouse>,
-        clearance: Span,
+        site_kinds: &[RobotKind],
         now: Time,
         (folders, stamp): (&[PathBuf], &str),
     ) -> Result<Option<CarriedOver>, StoreError> {
-        let loaded = steps::load(&self.readers, Ledger::new(map.clone(), clearance, false)).await?;
+        let loaded = steps::load(&self.readers, Ledger::new(map.clone(), site_kinds, false)).await?;
         let (last, at) = (loaded.next - 1, loaded.last.unwrap_or(Time::ZERO));
         if at <= now {
             return Ok(None);
         }
         let path = self.path();
         let broken = |why: String| StoreError::Carry { path: path.into(), why };
-        let (new, fold_map) = (map.clone(), map.clone());
+        let (new, fold_map, kinds) = (map.clone(), map.clone(), site_kinds.to_vec());
         let fold = move || {
             let (mut ledger, facts) = loaded.into_parts();
             facts.into_iter().for_each(|fact| ledger.evolve(&fact));
             let carried = set_back(&ledger, at, now);
-            let read = |parts| Ledger::from_parts(fold_map.clone(), clearance, parts).map(drop);
+            let read = |parts| Ledger::from_parts(fold_map.clone(), &kinds, parts).map(drop);
             let sound = carried.parts.clone().map_or(Ok(()), read);
             (carried, sound)
         };

@@ -70,8 +70,8 @@ pub(super) async fn newest(db: &SqlitePool, empty: &Ledger) -> Result<Option<Sna
     let mut first_error = None;
     for row in sqlx::query(NEWEST).fetch_all(db).await? {
         let (seq, at, body): (i64, i64, &str) = (row.try_get(0)?, row.try_get(1)?, row.try_get(3)?);
-        let (warehouse, clearance) = (empty.warehouse(), empty.timeline().clearance());
-        match ledger_record::decode(row.try_get(2)?, body, warehouse, clearance) {
+        let (warehouse, kinds) = (empty.warehouse(), empty.kinds().site());
+        match ledger_record::decode(row.try_get(2)?, body, warehouse, kinds) {
             Ok(ledger) => return Ok(Some(Snapshot { seq, at: Time(at), ledger })),
             Err(why) => {
                 // The steps behind the one before are all there and say the same.

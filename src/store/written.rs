@@ -2,6 +2,7 @@
 //!
 //! Main trait: [`Written`]. Refuses: to know which fields a fact has.
 
+use super::body_record::RobotKindRecord;
 use super::job_record::{ChoiceRecord, KindRecord, RequestRecord, StateRecord, TaskRecord};
 use super::line_record::LineChangeRecord;
 use super::note_record::NoteRecord;
@@ -13,7 +14,7 @@ use super::route_record::{BookingRecord, KeptRecord, MovedRecord};
 use giveway_cell::LineChange;
 use giveway_fleet::{
     AssignmentRequest, AssignmentState, Booking, Closure, Encounter, FloorNote, JobKind, JobRequest,
-    JobState, KeptRoute, LastPlace, Moved, Reaction, RecurringClosure, RobotChoice, Task,
+    JobState, KeptRoute, LastPlace, Moved, Reaction, RecurringClosure, RobotChoice, RobotKind, Task,
 };
 use giveway_floor::id::{
     AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
@@ -98,6 +99,7 @@ as_records!(
     Reaction: ReactionRecord = |it| (*it).into(),
     RecurringClosure: RecurringRecord = |it| it.into(),
     RobotChoice: ChoiceRecord = |it| (*it).into(),
+    RobotKind: RobotKindRecord = |it| it.into(),
     Task: TaskRecord = |it| (*it).into(),
 );
 
@@ -108,6 +110,16 @@ impl<T: Written> Written for Option<T> {
     }
     fn read(form: Self::Form) -> Self {
         form.map(T::read)
+    }
+}
+
+impl<T: Written> Written for Box<T> {
+    type Form = T::Form;
+    fn write(&self) -> Self::Form {
+        T::write(self)
+    }
+    fn read(form: Self::Form) -> Self {
+        Box::new(T::read(form))
     }
 }
 

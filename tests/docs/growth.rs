@@ -104,17 +104,16 @@ const OTHERS: [(&str, &[&str], &[&str]); 2] = [
         ],
     ),
     (
-        "questions, changes of the map and changes of kinds that wait",
+        "questions and changes of the map that wait; kinds for which the map is looked at",
         &[
-            "src/giveway/server/kinds.rs",
             "src/giveway/server/publish.rs",
             "src/giveway/server/links/recording.rs",
-            "src/giveway/server/drive.rs",
+            "src/giveway/server/control.rs",
         ],
         &[
             "a_question_beyond_those_that_may_wait_is_refused_until_one_is_answered",
             "a_map_beyond_those_that_may_wait_is_refused_until_one_is_answered",
-            "a_change_of_kinds_beyond_those_that_may_wait_is_refused_until_one_is_answered",
+            "the_map_is_looked_at_for_one_kind_at_a_time",
         ],
     ),
 ];

@@ -72,8 +72,8 @@ pub async fn start(folder: &Folder, map: Warehouse) -> anyhow::Result<Server> {
 }
 
 fn opening(accept_losses: bool) -> Opening {
-    let clearance = Scenario::parse(BUSY).unwrap().site.settings().clearance();
-    let carry = CarryOver { clearance, accept_losses, stamp: "2031-01-31".into() };
+    let kinds = Scenario::parse(BUSY).unwrap().site.kinds;
+    let carry = CarryOver { kinds, accept_losses, stamp: "2031-01-31".into() };
     Opening { carry: Some(carry), ..Opening::default() }
 }
 

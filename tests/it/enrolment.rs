@@ -3,6 +3,8 @@
 use crate::helper::{Answer, Folder, get, map, send, start};
 use giveway::warehouse::NodeKind;
 use serde_json::{Value, json};
+use sqlx::Connection;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use std::net::SocketAddr;
 use std::time::Duration;
 
@@ -177,44 +179,68 @@ async fn put_kind(at: SocketAddr, name: &str, figures: &Value) -> Answer {
     send(at, "PUT", &format!("/v1/kinds/{name}"), &JSON, &figures.to_string()).await.unwrap()
 }
 
-/// The kinds with what is said about when robots of them may join.
-async fn kinds(at: SocketAddr) -> Vec<(String, String)> {
+/// The kinds, each with whether it was added.
+async fn kinds(at: SocketAddr) -> Vec<(String, bool)> {
     let all = get(at, "/v1/kinds").await.json();
-    let text = |k: &Value, key: &str| k[key].as_str().unwrap().to_owned();
-    all.as_array().unwrap().iter().map(|k| (text(k, "name"), text(k, "valid"))).collect()
+    let pair = |k: &Value| (k["name"].as_str().unwrap().to_owned(), k["added"].as_bool().unwrap());
+    all.as_array().unwrap().iter().map(pair).collect()
 }
 
-fn pairs(of: &[(&str, &str)]) -> Vec<(String, String)> {
-    of.iter().map(|(name, valid)| ((*name).to_owned(), (*valid).to_owned())).collect()
+/// Waits until these are the kinds that are shown.
+async fn until_kinds(at: SocketAddr, wanted: &[(&str, bool)]) {
+    let wanted: Vec<_> = wanted.iter().map(|(name, added)| ((*name).to_owned(), *added)).collect();
+    for _ in 0..100 {
+        if kinds(at).await == wanted {
+            return;
+        }
+        tokio::time::sleep(Duration::from_millis(100)).await;
+    }
+    panic!("kinds are {:?}, not {wanted:?}", kinds(at).await);
+}
+
+fn late(kind: &str) -> Value {
+    let place = map().nodes.iter().rfind(|n| n.kind == NodeKind::Storage).unwrap().name.clone();
+    json!({"name": "late-1", "node": place, "kind": kind})
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_kind_is_added_over_http_and_robots_of_it_join_after_the_next_start() {
+async fn a_kind_is_added_over_http_a_robot_of_it_joins_at_once_and_both_outlive_restarts() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let at = server.address();
     until(at, "robot-1", "there", |_| true).await;
+    let early = register(at, &late("shuttle")).await.problem(422);
+    assert_eq!(early["errors"][0]["field"], "kind", "{early}");
     let disc = json!({"speed_mps": 1.8, "lift_s": 1.5, "footprint": {"circle_m": 0.2},
         "footprint_loaded": {"circle_m": 0.3}, "battery": {"driving_h": 4.0}});
     let added = put_kind(at, "shuttle", &disc).await;
-    assert_eq!(
-        (added.status, added.json()["valid"].as_str()),
-        (201, Some("from_next_start")),
-        "{}",
-        added.text
-    );
+    assert_eq!((added.status, added.json()["added"].as_bool()), (201, Some(true)), "{}", added.text);
     assert_eq!(added.json()["footprint"], json!({"circle_m": 0.2}));
+    let joined = register(at, &late("shuttle")).await;
+    assert_eq!(joined.status, 201, "{}", joined.text);
+    until(at, "late-1", "seen on the floor", |r| r["kind"] == "shuttle").await;
     assert_eq!(put_kind(at, "shuttle", &disc).await.status, 200, "the same again");
-    assert_eq!(put_kind(at, "mistake", &json!({})).await.status, 201, "all as usual");
-    assert_eq!(
-        kinds(at).await,
-        pairs(&[("robot", "now"), ("mistake", "from_next_start"), ("shuttle", "from_next_start")])
-    );
-    let place = map().nodes.iter().rfind(|n| n.kind == NodeKind::Storage).unwrap().name.clone();
-    let new = json!({"name": "late-1", "node": place, "kind": "shuttle"});
-    let early = register(at, &new).await.problem(422);
-    assert_eq!(early["errors"][0]["field"], "kind", "{early}");
+    put_kind(at, "shuttle", &json!({})).await.problem(409);
+    let used = send(at, "DELETE", "/v1/kinds/shuttle", &[], "").await.unwrap().problem(409);
+    assert!(used["detail"].as_str().unwrap().contains("1 robots are of kind"), "{used}");
+    until_kinds(at, &[("robot", false), ("shuttle", true)]).await;
+    server.stop().await.unwrap();
 
+    for _ in 0..2 {
+        let server = start(&folder).await;
+        let at = server.address();
+        assert_eq!(kinds(at).await, [("robot".to_owned(), false), ("shuttle".to_owned(), true)]);
+        until(at, "late-1", "back", |r| r["kind"] == "shuttle").await;
+        send(at, "DELETE", "/v1/kinds/shuttle", &[], "").await.unwrap().problem(409);
+        server.stop().await.unwrap();
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn kinds_that_cannot_be_are_refused_by_what_is_wrong_with_them() {
+    let folder = Folder::new();
+    let server = start(&folder).await;
+    let at = server.address();
     for (figures, field) in [
         (json!({"speed_mps": 9}), "speed_mps"),
         (json!({"battery": {"low": 2}}), "battery.low"),
@@ -228,49 +254,62 @@ async fn a_kind_is_added_over_http_and_robots_of_it_join_after_the_next_start() 
     put_kind(at, "robot", &json!({})).await.problem(409);
     send(at, "DELETE", "/v1/kinds/robot", &[], "").await.unwrap().problem(409);
     send(at, "DELETE", "/v1/kinds/none", &[], "").await.unwrap().problem(404);
-    assert_eq!(send(at, "DELETE", "/v1/kinds/mistake", &[], "").await.unwrap().status, 204);
-    server.stop().await.unwrap();
-
-    let server = start(&folder).await;
-    let at = server.address();
-    assert_eq!(kinds(at).await, pairs(&[("robot", "now"), ("shuttle", "now")]));
-    until(at, "robot-1", "there", |_| true).await;
-    let joined = register(at, &new).await;
-    assert_eq!(joined.status, 201, "{}", joined.text);
-    until(at, "late-1", "seen on the floor", |r| r["kind"] == "shuttle").await;
-    send(at, "DELETE", "/v1/kinds/shuttle", &[], "").await.unwrap().problem(409);
-    put_kind(at, "shuttle", &json!({})).await.problem(409);
-    server.stop().await.unwrap();
-
-    let server = start(&folder).await;
-    until(server.address(), "late-1", "back", |r| r["kind"] == "shuttle").await;
     server.stop().await.unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn no_robot_joins_of_a_kind_that_was_removed_and_the_next_start_is_without_it() {
+async fn no_robot_joins_of_a_kind_that_was_removed_until_it_is_added_again() {
     let folder = Folder::new();
     let server = start(&folder).await;
-    assert_eq!(put_kind(server.address(), "old", &json!({"speed_mps": 1.0})).await.status, 201);
+    let at = server.address();
+    assert_eq!(put_kind(at, "old", &json!({"speed_mps": 1.0})).await.status, 201);
+    assert_eq!(put_kind(at, "old", &json!({"speed_mps": 0.5})).await.status, 200, "a slower one");
+    assert_eq!(send(at, "DELETE", "/v1/kinds/old", &[], "").await.unwrap().status, 204);
+    let problem = register(at, &late("old")).await.problem(422);
+    assert_eq!(problem["errors"][0]["field"], "kind", "{problem}");
+    until_kinds(at, &[("robot", false)]).await;
     server.stop().await.unwrap();
     let server = start(&folder).await;
     let at = server.address();
-    assert_eq!(kinds(at).await, pairs(&[("robot", "now"), ("old", "now")]));
-    assert_eq!(send(at, "DELETE", "/v1/kinds/old", &[], "").await.unwrap().status, 204);
-    assert_eq!(kinds(at).await, pairs(&[("robot", "now"), ("old", "until_next_start")]));
-    let place = map().nodes.iter().rfind(|n| n.kind == NodeKind::Storage).unwrap().name.clone();
-    let new = json!({"name": "late-1", "node": place, "kind": "old"});
-    let problem = register(at, &new).await.problem(422);
-    assert_eq!(problem["errors"][0]["field"], "kind", "{problem}");
-    assert_eq!(put_kind(at, "old", &json!({"speed_mps": 1.0})).await.status, 201, "it stays after all");
-    assert_eq!(kinds(at).await, pairs(&[("robot", "now"), ("old", "now")]));
-    assert_eq!(put_kind(at, "old", &json!({"speed_mps": 0.5})).await.status, 200, "a slower one");
-    let both = pairs(&[("robot", "now"), ("old", "until_next_start"), ("old", "from_next_start")]);
-    assert_eq!(kinds(at).await, both);
-    register(at, &new).await.problem(422);
-    assert_eq!(send(at, "DELETE", "/v1/kinds/old", &[], "").await.unwrap().status, 204);
+    assert_eq!(kinds(at).await, [("robot".to_owned(), false)]);
+    assert_eq!(put_kind(at, "old", &json!({"speed_mps": 1.0})).await.status, 201, "it comes back");
+    assert_eq!(register(at, &late("old")).await.status, 201);
     server.stop().await.unwrap();
+}
+
+/// A database as a Giveway before 0.4 left it, with kinds in a table of their own, some of which it had in force.
+#[tokio::test(flavor = "multi_thread")]
+async fn kinds_that_an_earlier_version_kept_in_a_table_become_facts_once() {
+    let folder = Folder::new();
     let server = start(&folder).await;
-    assert_eq!(kinds(server.address()).await, pairs(&[("robot", "now")]));
+    until(server.address(), "robot-1", "there", |_| true).await;
+    server.stop().await.unwrap();
+    let options = SqliteConnectOptions::new().filename(crate::helper::config(&folder).database);
+    let mut db = SqliteConnection::connect_with(&options).await.unwrap();
+    let rows = [
+        ("shuttle", r#"{"footprint": {"circle_m": 0.2}, "footprint_loaded": {"circle_m": 0.3}}"#),
+        ("robot", "{}"),
+        ("wide", r#"{"footprint_loaded": {"circle_m": 3.0}}"#),
+        ("fast", r#"{"speed_mps": 99}"#),
+    ];
+    for (name, figures) in rows {
+        let put = "INSERT INTO kinds (name, figures) VALUES ($1, $2)";
+        sqlx::query(put).bind(name).bind(figures).execute(&mut db).await.unwrap();
+    }
+    db.close().await.unwrap();
+    for _ in 0..2 {
+        let server = start(&folder).await;
+        let at = server.address();
+        assert_eq!(kinds(at).await, [("robot".to_owned(), false), ("shuttle".to_owned(), true)]);
+        until(at, "robot-1", "there", |_| true).await;
+        server.stop().await.unwrap();
+        let mut db = SqliteConnection::connect_with(&options).await.unwrap();
+        let left: i64 = sqlx::query_scalar("SELECT count(*) FROM kinds").fetch_one(&mut db).await.unwrap();
+        assert_eq!(left, 0, "the table is empty");
+        db.close().await.unwrap();
+    }
+    let server = start(&folder).await;
+    let joined = register(server.address(), &late("shuttle")).await;
+    assert_eq!(joined.status, 201, "{}", joined.text);
     server.stop().await.unwrap();
 }

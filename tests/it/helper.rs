@@ -72,8 +72,8 @@ pub fn map() -> giveway::warehouse::Warehouse {
 
 /// A ledger of that map in which nothing is promised.
 pub fn empty_ledger() -> giveway::fleet::Ledger {
-    let clearance = giveway::route::Kinematics::default().clearance;
-    giveway::fleet::Ledger::new(Arc::new(map()), clearance, false)
+    let kinds = [giveway::fleet::RobotKind::default()];
+    giveway::fleet::Ledger::new(Arc::new(map()), &kinds, false)
 }
 
 /// A job that brings a rack of the map to a station of it.

@@ -184,8 +184,8 @@ fn a_ledger_from_a_snapshot_and_the_facts_behind_it_is_the_fold_of_all_facts() {
             if count == pause {
                 (pause, count) = (pause * 29 % 211, 0);
                 let text = ledger_record::encode(&sim.fleet().ledger().to_parts());
-                let clearance = scenario.site.settings().clearance();
-                let read = ledger_record::decode(ledger_record::VERSION, &text, &map, clearance).unwrap();
+                let kinds = &scenario.site.kinds;
+                let read = ledger_record::decode(ledger_record::VERSION, &text, &map, kinds).unwrap();
                 read.timeline().assert_sound();
                 ledgers.push(read);
             }
@@ -203,11 +203,11 @@ fn a_snapshot_in_which_two_robots_hold_one_place_is_refused_in_words() {
     let (map, scenario) = floor(BUSY);
     let mut run = Run::new(&map, &scenario, Fleet::new(map.clone(), scenario.site.settings()), Time::ZERO);
     (0..100).for_each(|_| drop(run.step(vec![])));
-    let clearance = scenario.site.settings().clearance();
+    let kinds = &scenario.site.kinds;
     let mut parts = run.fleet.ledger().to_parts();
     let read = |parts: &_| {
         let text = ledger_record::encode(parts);
-        ledger_record::decode(ledger_record::VERSION, &text, &map, clearance).map_err(|e| e.to_string())
+        ledger_record::decode(ledger_record::VERSION, &text, &map, kinds).map_err(|e| e.to_string())
     };
     assert_eq!(read(&parts).unwrap(), *run.fleet.ledger());
     let place = parts.chains[0].visits.last().unwrap().clone();
@@ -215,7 +215,7 @@ fn a_snapshot_in_which_two_robots_hold_one_place_is_refused_in_words() {
     let error = read(&parts).unwrap_err();
     assert!(error.contains("restore the database from a backup"), "{error}");
     assert!(error.contains("out of order") || error.contains("is held by"), "{error}");
-    let newer = ledger_record::decode(ledger_record::VERSION + 1, "{}", &map, clearance).unwrap_err();
+    let newer = ledger_record::decode(ledger_record::VERSION + 1, "{}", &map, kinds).unwrap_err();
     assert!(newer.to_string().contains("newer Giveway"), "{newer}");
 }
 

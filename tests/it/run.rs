@@ -18,7 +18,7 @@ pub struct Run {
 
 /// A ledger of a map in which nothing is promised.
 pub fn nothing(map: &Arc<Warehouse>, scenario: &Scenario) -> Ledger {
-    Ledger::new(map.clone(), scenario.site.settings().clearance(), false)
+    Ledger::new(map.clone(), &scenario.site.kinds, false)
 }
 
 /// A delivery with a key, or without.

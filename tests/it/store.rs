@@ -3,18 +3,20 @@
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{
     Act, AreaFact, AssignmentFact, AssignmentQuery, AssignmentRequest, AssignmentState, Binds, Booking,
-    Closure, Encounter, EncounterFact, EncounterQuery, EventDetails, EventKind, EventQuery, Fact, FloorFact,
-    FloorNote, JobFact, JobFailure, JobKind, JobQuery, JobRequest, JobState, KeptRoute, LastPlace,
+    Charging, Closure, Encounter, EncounterFact, EncounterQuery, EventDetails, EventKind, EventQuery, Fact,
+    FloorFact, FloorNote, JobFact, JobFailure, JobKind, JobQuery, JobRequest, JobState, KeptRoute, LastPlace,
     LocalClock, Moved, Purpose, Reaction, Recurrence, RecurringClosure, ReplanCause, RobotEventQuery,
-    RobotEventSource, RobotFact, RouteFact, Stop, Task, Weekdays, WorkerFact,
+    RobotEventSource, RobotFact, RobotKind, RouteFact, Stop, Task, Weekdays, WorkerFact,
 };
-use giveway::geometry::Spot;
+use giveway::geometry::{Point, Spot};
 use giveway::id::{
     AssignmentId, ClosureId, JobId, NodeId, RackId, ResourceId, RobotId, SeriesId, StationId, WorkerId,
 };
+use giveway::route::Kinematics;
 use giveway::store::{StepEntry, Store, StoreError, record};
 use giveway::time::{Span, Time, Window};
 use giveway::timeline::{Shift, Visit};
+use giveway::warehouse::Footprint;
 use sqlx::Connection;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use std::net::SocketAddr;
@@ -26,6 +28,28 @@ fn request(kind: JobKind) -> JobRequest {
 
 fn deliver() -> JobRequest {
     request(JobKind::Deliver { rack: RackId(1), station: StationId(0), pick: Some(Span(5)) })
+}
+
+/// A kind of robots of which nothing is as usual.
+fn odd_kind() -> RobotKind {
+    let corners = [(0.3, 0.2), (-0.3, 0.2), (-0.3, -0.2)].map(|(x, y)| Point::new(x, y)).to_vec();
+    RobotKind {
+        name: "odd".into(),
+        kinematics: Kinematics {
+            speed_mps: 0.1 + 0.2,
+            turn_radps: f64::INFINITY,
+            lift: Span(5),
+            ..Kinematics::default()
+        },
+        charging: Charging { opportunity: false, driving_h: 3.3, ..Charging::default() },
+        footprints: [
+            Some(Footprint::Circle { radius_m: 0.15 }),
+            Some(Footprint::Polygon { corners, turns: true }),
+        ],
+        carries: Some(vec!["bin".into()]),
+        payload_kg: 60.5,
+        free_navigation: true,
+    }
 }
 
 /// Every variant of everything at least once.
@@ -73,6 +97,9 @@ fn every_fact() -> Vec<Fact> {
         Fact::Robot(RobotFact::Failed { robot, at }),
         Fact::Robot(RobotFact::Repaired { robot, at }),
         Fact::Robot(RobotFact::Fenced { robot, at }),
+        Fact::Floor(FloorFact::KindPut { kind: Box::new(odd_kind()), at }),
+        Fact::Floor(FloorFact::KindPut { kind: Box::default(), at }),
+        Fact::Floor(FloorFact::KindRemoved { name: "odd".into(), at }),
         Fact::Floor(FloorFact::Halted { robot: None, at }),
         Fact::Floor(FloorFact::Halted { robot: Some(robot), at }),
         Fact::Floor(FloorFact::Released { robot: Some(robot), at }),

@@ -4,8 +4,8 @@ use super::hub::{Feeds, HeardSighting};
 use crate::alarms::Alarms;
 use crate::port::{Later, Moment, Question, Records, SharedHistory};
 use crate::{
-    Api, Kinds, audit::AuditLog, auth::Gate, caller::Caller, live::Live, massrobotics::Interop,
-    metrics::Metrics, router,
+    Api, audit::AuditLog, auth::Gate, caller::Caller, live::Live, massrobotics::Interop, metrics::Metrics,
+    router,
 };
 use futures_util::{SinkExt, StreamExt};
 use giveway_fleet::alarm::{Alarm, AlarmQuery};
@@ -92,7 +92,7 @@ impl TestServer {
         let (ticks, metrics) = (clock.clone(), Arc::new(Metrics::default()));
         let api = Api {
             map: map.clone(),
-            kinds: Kinds::default(),
+            kind_checks: Default::default(),
             moments: picture,
             records: Arc::new(Nothing),
             figures: Arc::new(SharedHistory::new(Time::ZERO, "giveway", Default::default())),

@@ -1,24 +1,24 @@
-//! `GET /v1/kinds`, `PUT` and `DELETE /v1/kinds/{name}`: the kinds of robots that may join, those of the scenario and
-//! those that were added.
+//! `GET /v1/kinds`, `PUT` and `DELETE /v1/kinds/{name}`: the kinds of robots that may join, those of the site and those
+//! that were added.
 //!
-//! Main types: [`KindDto`], [`NewKind`]. What is added or removed is so from the next start on: which places exclude
-//! one another follows from the kinds, and the database is carried over to them. Refuses: to change kinds of the
-//! scenario, and kinds that robots are of.
+//! Main types: [`KindDto`], [`NewKind`], [`KindChecks`]. What is added is valid at once. Whether the map was drawn for a
+//! kind is found out here, aside, since it takes too long for the fleet; all else the fleet decides. Refuses: to change
+//! kinds of the site, and kinds that robots are of.
 
+use crate::Api;
 use crate::called::Called;
 use crate::error::{FieldError, Problem};
 use crate::extract::{JsonBody, PathPart};
-use crate::port::{KindRefusal, KindRequest};
-use crate::{Api, Kinds};
+use crate::refusal::{about_kinds, refused};
 use axum::Json;
 use axum::http::StatusCode;
-use giveway_fleet::RobotKind;
+use giveway_fleet::{Ask, Refusal, RobotKind, RobotKinds};
 use giveway_floor::text::sentence::requests;
-use giveway_floor::warehouse::Footprint;
+use giveway_floor::warehouse::{Footprint, Warehouse};
+use giveway_site::{SiteError, read_kind};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
-use std::sync::{MutexGuard, PoisonError};
-use tokio::sync::oneshot;
+use std::sync::Arc;
+use tokio::sync::Semaphore;
 use utoipa::ToSchema;
 
 /// The longest name of a kind.
@@ -30,8 +30,8 @@ pub struct KindDto {
     /// Its name: `kind` of POST /v1/robots.
     #[schema(example = "shuttle")]
     pub name: String,
-    /// From when on, or until when, robots of it may join.
-    pub valid: Validity,
+    /// Whether it was added, and so may be replaced or removed; false for kinds of the site or scenario.
+    pub added: bool,
     /// Its outline without a rack; null if it is the square that the map gives.
     pub footprint: Option<FootprintDto>,
     /// Its outline with a rack; null if it is the square that the map gives.
@@ -60,16 +60,14 @@ pub struct KindDto {
     pub driving_h: f64,
 }
 
-/// When robots of a kind may join.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Validity {
-    /// Now, and after the next start of the server.
-    Now,
-    /// From the next start of the server on.
-    FromNextStart,
-    /// No longer: it was removed, or replaced by another one of its name.
-    UntilNextStart,
+/// Looks at the map for kinds that are to be added, one at a time: on a large map that takes a while.
+#[derive(Clone, Debug)]
+pub struct KindChecks(Arc<Semaphore>);
+
+impl Default for KindChecks {
+    fn default() -> KindChecks {
+        KindChecks(Arc::new(Semaphore::new(1)))
+    }
 }
 
 /// The figures of a robot kind, with the keys of `fleet` in scenarios; what is left out is as usual.
@@ -161,29 +159,21 @@ pub enum FootprintDto {
     PolygonM(Vec<[f64; 2]>),
 }
 
-/// All robot kinds: those of the scenario with which the server was started, and those that were added.
+/// All robot kinds: those of the site or scenario with which the server was started, and those that were added.
 #[utoipa::path(get, path = "/v1/kinds", tag = "floor", operation_id = "listKinds", responses(
-    (status = 200, description = "All kinds", body = Vec<KindDto>),
-    (status = 503)))]
-pub async fn kinds(Called(api): Called) -> Result<Json<Vec<KindDto>>, Problem> {
-    let kinds = &api.kinds;
-    let added = match &kinds.requests {
-        Some(_) => kinds.ask("", KindRequest::List).await?,
-        None => Vec::new(),
-    };
-    let stays = |k: &RobotKind| kinds.of_scenario.contains(k) || added.contains(k);
-    let now = kinds.held.iter().map(|k| (k, if stays(k) { Validity::Now } else { Validity::UntilNextStart }));
-    let comes = added.iter().filter(|k| !kinds.held.contains(k)).map(|k| (k, Validity::FromNextStart));
-    Ok(Json(now.chain(comes).map(|(kind, valid)| KindDto::new(kind, valid)).collect()))
+    (status = 200, description = "All kinds", body = Vec<KindDto>)))]
+pub async fn kinds(Called(api): Called) -> Json<Vec<KindDto>> {
+    let kinds = api.moment().view.all_kinds.clone();
+    Json(kinds.iter().map(|kind| KindDto::new(kind, !kinds.is_of_site(&kind.name))).collect())
 }
 
-/// Add a robot kind beside those of the scenario, or replace one that was added. Robots of it may join from the next
-/// start of the server on: the floor is worked out for its kinds then, and the database is carried over to them.
+/// Add a robot kind beside those of the site or scenario, or replace one that was added and that no robot is of. Robots
+/// of it may join at once.
 #[utoipa::path(put, path = "/v1/kinds/{name}", tag = "floor", operation_id = "putKind", request_body = NewKind,
     params(("name" = String, Path, example = "shuttle")), responses(
-    (status = 201, description = "It is added, and that is durable", body = KindDto),
-    (status = 200, description = "It replaces the one of its name, and that is durable", body = KindDto),
-    (status = 409, description = "The scenario has one of this name, or robots are of it"),
+    (status = 201, description = "Robots of it may join, and that is durable", body = KindDto),
+    (status = 200, description = "It is so, in place of the one of its name, and that is durable", body = KindDto),
+    (status = 409, description = "The site or scenario has one of this name, or robots are of it"),
     (status = 422, description = "A figure cannot be, or the map was not drawn for such robots"),
     (status = 429, description = "There are as many as a floor may have")))]
 pub async fn put(
@@ -194,18 +184,16 @@ pub async fn put(
     if let Some(wrong) = FieldError::of_plain_name(&name, LONGEST_NAME) {
         return Err(Problem::invalid(vec![wrong]));
     }
-    refuse_used(&api, &name)?;
+    api.queue()?;
     let figures = serde_json::to_string(&new).expect("figures are JSON");
-    let request = |reply| KindRequest::Put(name.clone(), figures, reply);
-    let (is_new, kind) = api.kinds.ask(&name, request).await?;
-    let valid = if api.kinds.held.contains(&kind) { Validity::Now } else { Validity::FromNextStart };
-    api.kinds.removed().remove(&name);
-    if valid != Validity::Now && api.kinds.held.iter().any(|k| k.name == name) {
-        // Robots of the one that is in force would be of the other one after the next start.
-        api.kinds.removed().insert(name);
+    let kind = read_kind(&name, &figures).map_err(|why| of_figures(&why))?;
+    let (building, kinds) = (api.moment().view.building.0.clone(), api.moment().view.all_kinds.clone());
+    if let Some(building) = building.filter(|_| is_to_be_checked(&kinds, &kind)) {
+        api.kind_checks.check(building, kind.clone()).await?;
     }
-    let status = if is_new { StatusCode::CREATED } else { StatusCode::OK };
-    Ok((status, Json(KindDto::new(&kind, valid))))
+    let made = ask(&api, Ask::put_kind(kind.clone()), &name).await?;
+    let status = if made.new { StatusCode::CREATED } else { StatusCode::OK };
+    Ok((status, Json(KindDto::new(&kind, true))))
 }
 
 /// Remove a robot kind that was added and that no robot is of. No robot of it joins any more.
@@ -213,81 +201,65 @@ pub async fn put(
     params(("name" = String, Path, example = "shuttle")), responses(
     (status = 204, description = "It is removed, and that is durable"),
     (status = 404, description = "No kind of this name was added"),
-    (status = 409, description = "The scenario has it, or robots are of it")))]
+    (status = 409, description = "The site or scenario has it, or robots are of it")))]
 pub async fn remove(Called(api): Called, PathPart(name): PathPart) -> Result<StatusCode, Problem> {
-    refuse_used(&api, &name)?;
-    api.kinds.ask(&name, |reply| KindRequest::Remove(name.clone(), reply)).await?;
-    api.kinds.removed().insert(name);
+    ask(&api, Ask::remove_kind(name.clone()), &name).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Refuses to change a kind that robots are of, also robots that have left: they may come back.
-fn refuse_used(api: &Api, name: &str) -> Result<(), Problem> {
-    let of_it = api.moment().view.robots.iter().filter(|r| r.kind == name).count();
-    if of_it == 0 || api.kinds.is_of_scenario(name) {
-        return Ok(());
-    }
-    let detail = requests::kind_in_use(of_it, name);
-    Err(Problem::conflict("kind-in-use", "Robots are of this kind", detail))
+/// Whether the map is looked at for a kind: kinds of the site are refused, and the same kind once more changes nothing.
+fn is_to_be_checked(kinds: &RobotKinds, kind: &RobotKind) -> bool {
+    !kinds.is_of_site(&kind.name) && kinds.named(&kind.name) != Some(kind)
 }
 
-impl Kinds {
-    /// Whether a kind of this name was removed since the server started.
-    pub(super) fn is_removed(&self, name: &str) -> bool {
-        self.removed().contains(name)
-    }
-
-    fn is_of_scenario(&self, name: &str) -> bool {
-        self.of_scenario.iter().any(|k| k.name == name)
-    }
-
-    fn removed(&self) -> MutexGuard<'_, BTreeSet<String>> {
-        self.removed.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Asks the program about kinds that are added; `name` is that of the kind.
-    async fn ask<T>(
-        &self,
-        name: &str,
-        request: impl FnOnce(oneshot::Sender<Result<T, KindRefusal>>) -> KindRequest,
-    ) -> Result<T, Problem> {
-        let requests = self.requests.as_ref().ok_or_else(Problem::of_recording)?;
-        let (reply, answer) = oneshot::channel();
-        let busy = || Problem::unavailable(requests::busy(), 1);
-        requests.try_send(request(reply)).map_err(|_| busy())?;
-        let done = answer.await.map_err(|_| Problem::unavailable(requests::shutting_down(), 2))?;
-        done.map_err(|why| refused(why, name))
-    }
+/// Asks the fleet; where it refuses, the kind is named.
+async fn ask<A>(api: &Api, ask: Ask<A>, name: &str) -> Result<A, Problem> {
+    api.answer_to(ask).await?.map_err(|why| match why {
+        Refusal::Kind(why) => about_kinds(why, name),
+        other => refused(&api.map, other),
+    })
 }
 
-/// A refusal in words.
-fn refused(why: KindRefusal, name: &str) -> Problem {
-    match why {
-        KindRefusal::OfScenario => {
-            let detail = requests::kind_of_scenario(name);
-            Problem::conflict("kind-of-scenario", "The scenario has this kind", detail)
+/// A figure that cannot be, by its key.
+fn of_figures(why: &SiteError) -> Problem {
+    let (key, detail) = match why {
+        SiteError::Number { key, found, wanted } => {
+            let key = key.strip_prefix("kind.").unwrap_or(key).to_owned();
+            (key, format!("is {found}, but must be {wanted}"))
         }
-        KindRefusal::Unknown => Problem::unknown("kind", requests::kind_unknown(name)),
-        KindRefusal::Figure(key, detail) => {
-            Problem::invalid(vec![FieldError::new(key, requests::malformed(detail))])
-        }
-        KindRefusal::Map(found) => {
-            let wrong = |text| FieldError::new("footprint", requests::malformed(text));
-            Problem::invalid(found.into_iter().map(wrong).collect())
-        }
-        KindRefusal::TooMany(most) => Problem::no_room(requests::too_many_kinds(most)),
-        KindRefusal::Database => Problem::unavailable(requests::database_does_not_answer(), 2),
+        SiteError::Wrong { key, message } => ((*key).to_owned(), message.clone()),
+        SiteError::Syntax { message, .. } => ("kind".to_owned(), message.clone()),
+    };
+    Problem::invalid(vec![FieldError::new(key, requests::malformed(detail))])
+}
+
+impl KindChecks {
+    /// Whether a building was drawn for robots of a kind.
+    async fn check(&self, building: Arc<Warehouse>, kind: RobotKind) -> Result<(), Problem> {
+        let busy = |_| Problem::unavailable(requests::busy(), 1);
+        let place = self.0.clone().try_acquire_owned().map_err(busy)?;
+        let work = move || {
+            // The place is kept until the work has ended, whoever still listens.
+            let _place = place;
+            building.check_body(&kind.body())
+        };
+        let checked = tokio::task::spawn_blocking(work).await.map_err(|e| {
+            tracing::error!("kinds of robots: {e}");
+            Problem::internal()
+        })?;
+        let wrong = |text: String| FieldError::new("footprint", requests::malformed(text));
+        checked.map_err(|found| Problem::invalid(found.0.iter().map(|f| wrong(f.to_string())).collect()))
     }
 }
 
 impl KindDto {
-    fn new(k: &RobotKind, valid: Validity) -> KindDto {
+    fn new(k: &RobotKind, added: bool) -> KindDto {
         let [footprint, footprint_loaded] =
             k.footprints.each_ref().map(|f| f.as_ref().map(FootprintDto::from));
         let figures = k.kinematics;
         KindDto {
             name: k.name.clone(),
-            valid,
+            added,
             footprint,
             footprint_loaded,
             turns: figures.turn_radps.is_finite(),
@@ -320,24 +292,18 @@ impl From<&Footprint> for FootprintDto {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tokio::sync::mpsc;
+    use giveway_floor::warehouse::lab;
 
     #[tokio::test]
-    async fn a_change_of_kinds_beyond_those_that_may_wait_is_refused_until_one_is_answered() {
-        let (send, mut waiting) = mpsc::channel(1);
-        let kinds = Kinds { requests: Some(send), ..Kinds::default() };
-        let first = tokio::spawn({
-            let kinds = kinds.clone();
-            async move { kinds.ask("", KindRequest::List).await }
-        });
-        while waiting.is_empty() {
-            tokio::task::yield_now().await;
-        }
-        let busy = kinds.ask("", KindRequest::List).await.unwrap_err();
+    async fn the_map_is_looked_at_for_one_kind_at_a_time() {
+        let (checks, map, kind) = (KindChecks::default(), Arc::new(lab()), RobotKind::default());
+        let place = checks.0.clone().try_acquire_owned().expect("nobody looks");
+        let busy = checks.check(map.clone(), kind.clone()).await.unwrap_err();
         assert_eq!((busy.status, busy.retry_after), (503, Some(1)));
-        let Some(KindRequest::List(reply)) = waiting.recv().await else { panic!("it waits") };
-        reply.send(Ok(Vec::new())).unwrap();
-        assert_eq!(first.await.unwrap().unwrap(), []);
-        drop(waiting);
+        drop(place);
+        checks.check(map.clone(), kind.clone()).await.expect("the map is for it");
+        let large = Some(Footprint::Square { side_m: 9.0 });
+        let wide = RobotKind { footprints: [large.clone(), large], ..kind };
+        assert_eq!(checks.check(map, wide).await.unwrap_err().status, 422);
     }
 }

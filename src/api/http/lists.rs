@@ -112,7 +112,8 @@ pub async fn robots(
     let activities = read_words("activity", p.activity.as_deref(), &activities, &mut errors);
     let states = RobotStateDto::ALL.map(RobotStateDto::word);
     let states = read_words("state", p.state.as_deref(), &states, &mut errors);
-    let is_kind = |name: &str| api.kinds.held.iter().any(|kind| kind.name == name).then_some(());
+    let kinds = api.moment().view.all_kinds.clone();
+    let is_kind = |name: &str| kinds.named(name).map(drop);
     named("kind", p.kind.as_deref(), is_kind, &mut errors);
     let since = read_time("updated_since", p.updated_since.as_deref(), &mut errors);
     refuse_wrong(errors)?;

@@ -46,6 +46,7 @@ mod why;
 mod workers;
 
 pub use health::alive;
+pub use kinds::KindChecks;
 
 use super::audit::AuditEntry;
 use super::caller::Caller;

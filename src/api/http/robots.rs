@@ -28,7 +28,7 @@ pub struct NewRobot {
     /// Its name: letters, digits, `-`, `_` and `.`, 1 to 64 of them.
     #[schema(example = "robot-51")]
     name: String,
-    /// Its robot kind, one of GET /v1/kinds; \"robot\" if the scenario defines no kinds.
+    /// Its robot kind, one of GET /v1/kinds; \"robot\" if the site or scenario defines no kinds.
     #[serde(default = "usual_kind")]
     #[schema(example = "robot")]
     kind: String,
@@ -74,9 +74,6 @@ pub async fn register(
     let node = api.map.node_named(&new.node);
     if node.is_none() {
         wrong.push(FieldError::new("node", unknown("node", &new.node)));
-    }
-    if api.kinds.is_removed(&new.kind) {
-        wrong.push(FieldError::new("kind", requests::kind_removed()));
     }
     let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
     let Made { new, .. } = api.ask(Ask::register_robot(name.clone(), new.kind, node)).await?;

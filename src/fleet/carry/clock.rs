@@ -2,14 +2,15 @@
 //!
 //! Main function: [`set_back`]. Refuses: to change times that customers gave (deadlines, ends of closures).
 
-use super::{Carried, carry};
+use super::{Carried, Report, carry_fitted};
 use crate::{Ledger, Promises, Service};
 use giveway_floor::time::{Time, Window};
 
 /// Carries a ledger over to its own map at another time: from then on robots stand where they are, and the jobs that
 /// they had wait again. What is noted as later than `now` has happened by then. `last` is the time of the last step.
 pub fn set_back(ledger: &Ledger, last: Time, now: Time) -> Carried {
-    let mut carried = carry(ledger, ledger.warehouse(), now);
+    let kinds = (ledger.kinds().added().to_vec(), Report::default());
+    let mut carried = carry_fitted(ledger, ledger.warehouse(), kinds, now);
     if let Some(parts) = &mut carried.parts {
         not_after(&mut parts.promises, last, now);
     }

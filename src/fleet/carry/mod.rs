@@ -16,8 +16,8 @@ pub use report::{Report, ReportEntry};
 
 use crate::state::worker::{Assignment, Closure};
 use crate::{
-    Job, JobKind, JobParts, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, Unconfirmed,
-    Visiting, Wishes,
+    Job, JobKind, JobParts, JobRequest, JobState, Ledger, Parts, Promises, RecurringClosure, RobotKind,
+    Unconfirmed, Visiting, Wishes,
 };
 use giveway_floor::geometry::Spot;
 use giveway_floor::id::{AssignmentId, ClosureId, IdVec, JobId, NodeId, RackId, SeriesId, StationId};
@@ -52,11 +52,37 @@ struct Move<'a> {
     at: Time,
 }
 
-/// Carries a ledger over to a changed map. `at` is the time of its last step: from then on robots stand where they are.
+/// Carries a ledger over to a changed map, which is for the kinds of the site. `at` is the time of its last step: from
+/// then on robots stand where they are. Kinds that were added stay; a map that is not for one of them is refused.
 pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
+    let mut report = Report::default();
+    let is_of_site = |kind: &RobotKind| new.bodies().iter().any(|body| body.kind == kind.name);
+    let added: Vec<RobotKind> = ledger.kinds().added().iter().filter(|k| !is_of_site(k)).cloned().collect();
+    for kind in &added {
+        if let Err(found) = new.check_body(&kind.body()) {
+            let name = &kind.name;
+            let what = format!("the map is not for robots of the kind {name:?}, which was added: {found}");
+            let remedy = format!("change the map, or remove the kind first: DELETE /v1/kinds/{name}");
+            report.refuse(None, what, &remedy);
+        }
+    }
+    let bodies = new.bodies().iter().cloned().chain(added.iter().map(RobotKind::body)).collect();
+    match added.is_empty() {
+        true => carry_fitted(ledger, new, (added, report), at),
+        false => carry_fitted(ledger, &new.with_bodies(bodies), (added, report), at),
+    }
+}
+
+/// Carries a ledger over to a map that is for all kinds, with those that were added.
+fn carry_fitted(
+    ledger: &Ledger,
+    new: &Warehouse,
+    (added_kinds, report): (Vec<RobotKind>, Report),
+    at: Time,
+) -> Carried {
     let old = &**ledger.warehouse();
     let ids = Matching::new(old, new);
-    let mut m = Move { ledger, old, new, ids, report: Report::default(), at };
+    let mut m = Move { ledger, old, new, ids, report, at };
     m.report.changes = changes::notes(old, new, &m.ids);
     let placed = m.place();
     let (jobs, waiting, failed) = m.jobs();
@@ -87,7 +113,8 @@ pub fn carry(ledger: &Ledger, new: &Warehouse, at: Time) -> Carried {
     if !waiting.is_empty() {
         m.report.notes.push(format!("jobs that robots worked on and that wait again: {}", waiting.len()));
     }
-    let parts = m.report.obstacles.is_empty().then_some(Parts { promises, chains: placed.chains });
+    let parts =
+        m.report.obstacles.is_empty().then_some(Parts { promises, added_kinds, chains: placed.chains });
     Carried { report: m.report, parts, waiting, failed, cancelled, ids: m.ids }
 }
 

@@ -84,7 +84,7 @@ fn begin_named(writer: &mut Writer, planners: &mut Planners, robot: RobotId, job
         return;
     }
     let ways = [Stage::to_stay(goal), Stage::to_stay(stay)];
-    let kind = writer.settings.kind(&writer.ledger().robots[robot].kind);
+    let kind = writer.ledger().kinds().of(&writer.ledger().robots[robot].kind);
     if planners.of_mut(kind).free_flow(here, &ways).is_none() {
         return writer.progress(job, JobState::Failed(JobFailure::Unreachable), None, now);
     }

@@ -51,7 +51,7 @@ impl Floor<'_> {
         let place = &self.warehouse().stations[station];
         place.cell.as_ref()?;
         let at = |n: NodeId| self.warehouse().nodes[n].at;
-        let kind = self.settings.kinds.first().expect("there is a kind of robots");
+        let kind = self.ledger.kinds().first().expect("there is a kind of robots");
         let carry_s = along_axes(at(rack), at(place.node)) / kind.kinematics.speed_loaded_mps;
         let waits_s = work[station] - FETCH_S - carry_s;
         let price = if waits_s < 0.0 { self.settings.worker_price } else { 1.0 };

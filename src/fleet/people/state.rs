@@ -5,6 +5,7 @@
 use crate::people::barred::Barred;
 use crate::people::intents::Intents;
 use crate::people::message::Message;
+use crate::state::floor::Floor;
 use crate::state::regions::{KindConditions, KindRegions};
 use crate::state::worker::{Guidance, GuidanceReason};
 use giveway_floor::geometry::{Point, inside};
@@ -225,6 +226,12 @@ impl HumanState {
             passed: BTreeMap::new(),
             conditions: KindConditions::none(warehouse, regions),
         }
+    }
+
+    /// The kinds of robots have changed: what is kept for each of them is found out again, in this step.
+    pub(crate) fn refit(&mut self, floor: Floor<'_>) {
+        self.conditions = KindConditions::none(floor.warehouse(), floor.regions);
+        self.people.iter_mut().for_each(|person| person.occupied = NodesTaken::default());
     }
 
     /// The record of a worker.

@@ -5,7 +5,7 @@
 use crate::Fleet;
 use crate::dispatch::enough::with_enough_racks;
 use crate::people::intents::task_place;
-use crate::read::view::{Counts, LINE, RobotState, RobotView, StationView, View};
+use crate::read::view::{Counts, LINE, RobotState, RobotView, StationView, View, ViewBuilding};
 use crate::state::activity::Activity;
 use crate::state::arms::ArmView;
 use crate::state::fact::{Act, Task};
@@ -64,6 +64,8 @@ impl Fleet {
             recurring: self.writer.ledger().recurring.clone(),
             evacuation: self.writer.ledger().evacuation,
             blocked,
+            all_kinds: self.writer.ledger().kinds().clone(),
+            building: ViewBuilding(Some(self.writer.warehouse().clone())),
             kinds,
             free: of_kind,
             free_at,

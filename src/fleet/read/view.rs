@@ -11,6 +11,7 @@ use crate::state::fault::Fault;
 use crate::state::io::WrongReach;
 use crate::state::job::{Job, JobRequest, JobState, RobotChoice};
 use crate::state::job_kind::JobKind;
+use crate::state::kinds::RobotKinds;
 use crate::state::ledger::{RackAt, Unconfirmed};
 use crate::state::note::ReplanCause;
 use crate::state::recurring::RecurringClosure;
@@ -34,6 +35,20 @@ use std::sync::Arc;
 /// So many jobs in line are known to a view.
 pub const LINE: usize = 100;
 
+/// The building as a view has it. Two are equal if they are the same one; a view of no fleet has none.
+#[derive(Clone, Debug, Default)]
+pub struct ViewBuilding(pub Option<Arc<Warehouse>>);
+
+impl PartialEq for ViewBuilding {
+    fn eq(&self, other: &ViewBuilding) -> bool {
+        match (&self.0, &other.0) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        }
+    }
+}
+
 /// The fleet at one moment.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct View {
@@ -55,6 +70,10 @@ pub struct View {
     pub evacuation: Option<Time>,
     /// Waiting jobs that come after others, each with one that is not over yet. A robot that jobs name does one first.
     pub blocked: BTreeMap<JobId, JobId>,
+    /// All kinds of robots that there are.
+    pub all_kinds: RobotKinds,
+    /// The building for all of them.
+    pub building: ViewBuilding,
     /// The kinds of robots that have joined.
     pub kinds: BTreeSet<BodyId>,
     /// Of each kind how many robots could take a job now, if any.
@@ -317,7 +336,9 @@ impl View {
         let rack = kind.rack()?;
         let RackAt::Stored(node) = *self.racks.get(rack.ix())? else { return None };
         let closed = |n: &NodeId| self.closing.contains(n);
-        let fits = |body: &BodyId| request.is_for(map, *body, (rack, node));
+        // The map that callers have may be from before a kind was added.
+        let for_all = self.building.0.as_deref().unwrap_or(map);
+        let fits = |body: &BodyId| request.is_for(for_all, *body, (rack, node));
         if !self.kinds.is_empty() && !self.kinds.iter().any(fits) {
             return Some(JobWhy::NoKind);
         }

@@ -120,6 +120,8 @@ impl Intake<'_> {
             FloorAction::EndEvacuation => self.end_evacuation(now),
             FloorAction::Halt(robot) => self.halt(robot, now),
             FloorAction::Release(robot) => self.release(robot, now),
+            FloorAction::PutKind(kind) => self.put_kind(kind, now),
+            FloorAction::RemoveKind(name) => self.remove_kind(name, now),
         }
     }
 

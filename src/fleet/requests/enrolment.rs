@@ -24,7 +24,7 @@ impl Intake<'_> {
         if known.is_none() && self.writer.ledger().robots.len() >= self.writer.settings.limits.robots {
             return Err(Refusal::TooMany(Bounded::Robots, self.writer.ledger().robots.len()));
         }
-        if !self.writer.settings.kinds.iter().any(|k| k.name == kind) {
+        if self.writer.ledger().kinds().named(&kind).is_none() {
             return Err(Refusal::Robot(RobotRefusal::UnknownKind));
         }
         if self.writer.warehouse().nodes.get(node).is_none() {

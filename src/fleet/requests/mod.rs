@@ -12,6 +12,7 @@ mod enrolment;
 pub(crate) mod hands;
 mod intake;
 mod jobs;
+mod kinds;
 mod operator;
 mod racks;
 mod reassign;

@@ -44,7 +44,9 @@ pub struct Areas {
     by: BTreeMap<NodeId, ClosureId>,
     /// Storage nodes beside those whose racks have no other way out.
     cut_off: BTreeMap<NodeId, Time>,
-    changes: u64,
+    /// How many closures had been announced and taken back when they were looked at last; nothing where they are to be
+    /// announced to all robots anew.
+    changes: Option<u64>,
     next: Option<Time>,
     /// When recurring closures were looked at last, and how many changes there had been.
     recurring: Option<(Time, u64)>,
@@ -63,10 +65,10 @@ impl Areas {
         warehouse: &Warehouse,
         now: Time,
     ) {
-        if changes == self.changes && self.next.is_none_or(|t| now < t) {
+        if self.changes == Some(changes) && self.next.is_none_or(|t| now < t) {
             return;
         }
-        self.changes = changes;
+        self.changes = Some(changes);
         let over = |id: &ClosureId, a: &ClosedArea| a.window.end() <= now || !closures.contains_key(id);
         for (id, area) in self.open.extract_if(.., |id, a| over(id, a)) {
             area.nodes.iter().for_each(|n| conditions.lift(*n, Cause::Closure(id)));
@@ -84,6 +86,12 @@ impl Areas {
         self.note_closing(warehouse, now);
         self.next = closures.values().filter_map(|c| next_change(c.window, now)).min();
         self.forget = closures.values().map(forgotten_at).min();
+    }
+
+    /// What was announced is forgotten, and announced again when the closures are looked at next.
+    pub fn announce_anew(&mut self) {
+        self.open.clear();
+        self.changes = None;
     }
 
     /// Whether recurring closures are to be looked at; asked once, it is not for a while.

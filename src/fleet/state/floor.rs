@@ -56,7 +56,7 @@ impl<'a> Floor<'a> {
 
     /// The kind of a robot.
     pub fn kind(&self, robot: RobotId) -> &'a RobotKind {
-        self.settings.kind(&self.ledger.robots[robot].kind)
+        self.ledger.kinds().of(&self.ledger.robots[robot].kind)
     }
 
     /// The kind of a robot, as the building knows it.

@@ -1,11 +1,13 @@
 //! Kinds of robots: what all robots of one kind have in common.
 //!
-//! Main types: [`RobotKind`], [`Charging`]. Main function: [`fitted`]. A robot's kind is known by its name, which the
-//! ledger keeps: what a kind is may be changed between two starts, which kind a robot is of may not. Refuses: to know
+//! Main types: [`RobotKind`], [`Charging`]. Main function: [`fitted`]. A robot's kind is known by its name. What a kind
+//! of the site is may be changed between two starts; one that was added is a fact, and stays while robots are of it. Refuses: to know
 //! of a robot's state.
 
 use giveway_floor::route::Kinematics;
+use giveway_floor::time::Span;
 use giveway_floor::warehouse::{Body, Findings, Footprint, Warehouse};
+use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 /// The name of the kind where a scenario tells none apart, and of robots from before there were kinds.
@@ -44,7 +46,23 @@ impl Default for RobotKind {
     }
 }
 
+impl Eq for RobotKind {}
+
+impl Hash for RobotKind {
+    /// All figures, as they are written out: each is read back as the same number.
+    fn hash<H: Hasher>(&self, to: &mut H) {
+        format!("{self:?}").hash(to);
+    }
+}
+
 impl RobotKind {
+    /// A kind of which only that is known what the building knows, and how long holds outlast it: all else is as usual.
+    pub fn of_body(body: &Body, clearance: Span) -> RobotKind {
+        let Body { kind, footprints, carries, payload_kg } = body.clone();
+        let kinematics = Kinematics { clearance, ..Kinematics::default() };
+        RobotKind { name: kind, kinematics, footprints, carries, payload_kg, ..RobotKind::default() }
+    }
+
     /// What the building must know of it.
     pub fn body(&self) -> Body {
         let (footprints, carries) = (self.footprints.clone(), self.carries.clone());

@@ -20,6 +20,7 @@ pub mod job;
 pub mod job_kind;
 pub(crate) mod keys;
 pub(crate) mod kind;
+pub(crate) mod kinds;
 pub mod ledger;
 pub mod life;
 pub mod local_clock;

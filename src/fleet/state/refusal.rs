@@ -23,6 +23,8 @@ pub enum Bounded {
     Closures,
     /// Recurring closures.
     Series,
+    /// Kinds of robots, with those of the site.
+    Kinds,
 }
 
 /// Why a request is refused.
@@ -40,6 +42,8 @@ pub enum Refusal {
     Worker(WorkerRefusal),
     /// An area cannot be closed or opened, or the building not be left.
     Area(AreaRefusal),
+    /// A kind of robots cannot be added or removed.
+    Kind(KindRefusal),
     /// There is no such rack, station, node or robot.
     UnknownPlace,
     /// The map has no charger, or no parking place.
@@ -158,4 +162,19 @@ pub enum AreaRefusal {
     Recurrence,
     /// The map has no doors.
     NoExits,
+}
+
+/// Why a kind of robots is not added, replaced or removed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum KindRefusal {
+    /// The site's file has a kind of this name.
+    OfSite,
+    /// No kind of this name was added.
+    Unknown,
+    /// So many robots are of the kind, or were when they left: they may come back.
+    InUse(usize),
+    /// Its outlines reach beyond those for which the map was drawn.
+    TooLarge,
+    /// Holds on this floor are too short for it.
+    Clearance,
 }

@@ -4,9 +4,9 @@
 //! fleet of one kind works each out once. Refuses: to look at people.
 
 use crate::state::kind::{RobotKind, most_dangerous};
-use crate::state::settings::Settings;
 use giveway_floor::id::{BodyId, IdVec, NodeId};
 use giveway_floor::route::{Cause, Condition, Conditions};
+use giveway_floor::time::Span;
 use giveway_floor::warehouse::Warehouse;
 use giveway_people::aware::Regions;
 
@@ -19,13 +19,13 @@ pub struct KindRegions {
 
 impl KindRegions {
     /// Those of the kinds in a building. Kinds that the building does not tell apart get those of the most dangerous.
-    pub fn new(warehouse: &Warehouse, settings: &Settings) -> KindRegions {
-        let period_s = settings.period.as_secs_f64();
+    pub fn new(warehouse: &Warehouse, all_kinds: &[RobotKind], period: Span) -> KindRegions {
+        let period_s = period.as_secs_f64();
         let mut all = KindRegions { sets: Vec::new(), of: IdVec::new() };
         for body in warehouse.bodies().ids() {
             let is_it = |k: &&RobotKind| warehouse.body_of(&k.name) == body;
-            let kinds: Vec<RobotKind> = settings.kinds.iter().filter(is_it).cloned().collect();
-            let kinds = if kinds.is_empty() { &settings.kinds } else { &kinds };
+            let kinds: Vec<RobotKind> = all_kinds.iter().filter(is_it).cloned().collect();
+            let kinds = if kinds.is_empty() { all_kinds } else { &kinds };
             let half_m = [false, true].map(|loaded| warehouse.footprint(body, loaded).half_m());
             let regions = Regions::for_outlines(most_dangerous(kinds), half_m, period_s);
             let known = all.sets.iter().position(|r| *r == regions);

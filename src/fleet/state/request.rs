@@ -4,13 +4,14 @@
 //! [`Reply`], an [`Answer`] or a [`Refusal`] under the [`Token`] of the request. Refuses: to say how any of it travels.
 
 use crate::state::job::{JobChange, JobRequest};
+use crate::state::kind::RobotKind;
 use crate::state::recurring::RecurringClosure;
 use crate::state::refusal::Refusal;
 use crate::state::worker::{AssignmentRequest, Closure};
 use giveway_cell::{LineChange, LineOutcome, LineState};
 use giveway_floor::geometry::Spot;
 use giveway_floor::id::{
-    AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
+    AssignmentId, BodyId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
 };
 
 /// A source of requests: the driver gives each of its sources a number of its own.
@@ -175,6 +176,11 @@ pub enum FloorAction {
     Halt(Option<RobotId>),
     /// It may go on.
     Release(Option<RobotId>),
+    /// Robots of this kind may join; it replaces the added one of its name. Whoever asks has seen that the floor was
+    /// drawn for it ([`giveway_floor::warehouse::Warehouse::check_body`]), which takes too long for a step.
+    PutKind(Box<RobotKind>),
+    /// No robots of the added kind of this name may join any more.
+    RemoveKind(String),
 }
 
 impl Request {
@@ -256,6 +262,8 @@ pub enum Answer {
     Series(SeriesId),
     /// What was said about a line is noted.
     Line(LineNoted),
+    /// Robots of the kind may join.
+    Kind(Made<BodyId>),
 }
 
 /// What the fleet says to a request.
@@ -342,6 +350,13 @@ impl Ask<SeriesId> {
     /// An area is to be closed again and again.
     pub fn recur(closure: RecurringClosure) -> Self {
         Ask::new(FloorAction::Recur(closure), reads!(Series))
+    }
+}
+
+impl Ask<Made<BodyId>> {
+    /// Robots of a kind for which the floor was drawn may join.
+    pub fn put_kind(kind: RobotKind) -> Self {
+        Ask::new(FloorAction::PutKind(Box::new(kind)), reads!(Kind))
     }
 }
 
@@ -458,5 +473,10 @@ impl Ask<()> {
     /// It may go on.
     pub fn release(robot: Option<RobotId>) -> Self {
         Ask::done(FloorAction::Release(robot))
+    }
+
+    /// No robots of an added kind may join any more.
+    pub fn remove_kind(name: String) -> Self {
+        Ask::done(FloorAction::RemoveKind(name))
     }
 }

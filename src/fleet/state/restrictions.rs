@@ -125,6 +125,13 @@ impl Restrictions {
         }
     }
 
+    /// Begins anew with conditions for other kinds of robots. Announced closures are announced to them when restrictions
+    /// are renewed next.
+    pub fn refit(&mut self, warehouse: &Warehouse, regions: &KindRegions) {
+        self.conditions = KindConditions::none(warehouse, regions);
+        self.areas.announce_anew();
+    }
+
     /// Where a worker is, if on the floor.
     pub fn whereabouts(&self, worker: WorkerId) -> Option<&Whereabouts> {
         self.workers.get(worker)?.as_ref()

@@ -1,9 +1,8 @@
-//! What never changes while a fleet runs: kinds of robots, control period, budgets, limits, the policy about people.
+//! What never changes while a fleet runs: kinds of robots of the site, control period, budgets, limits, the policy about people.
 //!
 //! Main types: [`Settings`], [`FloorLimits`]. Refuses: to be changed by requests.
 
-use super::kind::{RobotKind, most_dangerous};
-use super::ledger::Ledger;
+use super::kind::RobotKind;
 use giveway_cell::Flow;
 use giveway_cell::arm::ArmMode;
 use giveway_floor::time::Span;
@@ -15,8 +14,9 @@ use std::sync::Arc;
 /// Settings of the core. They never change while it runs.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// The kinds of robots that there are, at least one, each with a name of its own.
-    pub kinds: Vec<RobotKind>,
+    /// The kinds of robots with which an empty ledger begins, at least one, each with a name of its own: those of the
+    /// site. All kinds that there are, also those that were added, are in the ledger.
+    pub site_kinds: Vec<RobotKind>,
     /// The control period.
     pub period: Span,
     /// Labels that one search may expand.
@@ -87,7 +87,7 @@ impl Default for FloorLimits {
 impl Default for Settings {
     fn default() -> Settings {
         Settings {
-            kinds: vec![RobotKind::default()],
+            site_kinds: vec![RobotKind::default()],
             period: Span::from_millis(50),
             expansions_per_plan: 2_000,
             expansions_per_step: 30_000,
@@ -103,29 +103,5 @@ impl Default for Settings {
             without_conflicts: false,
             stopwatch: || 0,
         }
-    }
-}
-
-impl Settings {
-    /// The kind of this name.
-    ///
-    /// # Panics
-    /// If there is none. Of robots in a ledger, [`Settings::unknown_kinds`] says so beforehand; others cannot join.
-    pub fn kind(&self, name: &str) -> &RobotKind {
-        let kind = self.kinds.iter().find(|k| k.name == name);
-        kind.unwrap_or_else(|| panic!("there is no kind of robots named {name:?}"))
-    }
-
-    /// By how much a hold outlasts the moment in which a robot stands on the next node: for all kinds the same, since
-    /// they hand places to one another.
-    pub fn clearance(&self) -> Span {
-        most_dangerous(&self.kinds).clearance
-    }
-
-    /// Robots of a ledger that are of no kind that there is, each with its kind.
-    pub fn unknown_kinds<'a>(&self, ledger: &'a Ledger) -> Vec<(&'a str, &'a str)> {
-        let known = |kind: &str| self.kinds.iter().any(|k| k.name == kind);
-        let unknown = ledger.robots.iter().filter(|r| !known(&r.kind));
-        unknown.map(|r| (r.name.as_str(), r.kind.as_str())).collect()
     }
 }

@@ -7,7 +7,7 @@
 use crate::state::activity::Activities;
 use crate::state::arms::Arms;
 use crate::state::at_hand::AtHand;
-use crate::state::fact::{Fact, JobFact, Task};
+use crate::state::fact::{Fact, FloorFact, JobFact, Task};
 use crate::state::floor::Floor;
 use crate::state::io::{CausedFacts, CellWarning, Command, Step};
 use crate::state::job::JobState;
@@ -62,7 +62,7 @@ impl Writer {
     /// What a ledger says, with nothing seen yet.
     pub fn new(ledger: Ledger, settings: Settings) -> Writer {
         let warehouse = ledger.warehouse();
-        let regions = KindRegions::new(warehouse, &settings);
+        let regions = KindRegions::new(warehouse, ledger.kinds(), settings.period);
         Writer {
             restrictions: Restrictions::none(warehouse, &regions),
             waits: WaitGraph::default(),
@@ -125,7 +125,17 @@ impl Writer {
         }
         self.visits.note(&self.ledger, &fact);
         self.ledger.evolve(&fact);
+        if matches!(fact, Fact::Floor(FloorFact::KindPut { .. } | FloorFact::KindRemoved { .. })) {
+            self.refit();
+        }
         self.out.facts.push(fact);
+    }
+
+    /// The kinds of robots have changed: what follows from them is made anew.
+    fn refit(&mut self) {
+        let warehouse = self.ledger.warehouse();
+        self.regions = KindRegions::new(warehouse, self.ledger.kinds(), self.settings.period);
+        self.restrictions.refit(warehouse, &self.regions);
     }
 
     /// What happened in this step so far, in order.

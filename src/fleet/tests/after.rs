@@ -105,7 +105,7 @@ fn a_job_with_several_before_it_starts_when_the_last_of_them_is_done() {
 
 #[test]
 fn a_bad_end_is_known_for_a_week() {
-    let mut ledger = Ledger::new(Arc::new(lab()), Span::from_millis(500), false);
+    let mut ledger = Ledger::new(Arc::new(lab()), &[with_clearance(Span::from_millis(500))], false);
     let accept = |job, after, at| {
         Fact::Job(JobFact::Accepted { job, request: JobRequest { after, ..request(deliver(1)) }, at })
     };

@@ -52,8 +52,8 @@ impl TestFloor {
     fn under(&self, map: Warehouse, scenario: &Scenario) -> TestFloor {
         let map = Arc::new(map);
         let parts = self.carried(&map).parts.expect("nothing is in the way");
-        let clearance = scenario.site.settings().clearance();
-        let ledger = Ledger::from_parts(map.clone(), clearance, parts).expect("it contradicts nothing");
+        let ledger =
+            Ledger::from_parts(map.clone(), &scenario.site.kinds, parts).expect("it contradicts nothing");
         ledger.assert_sound();
         let fleet = Fleet::resume(ledger, scenario.site.settings(), []);
         let world = World::new(map, scenario, &[], scenario.seed, fleet.ledger(), self.now);
@@ -129,8 +129,8 @@ fn the_same_map_keeps_everything_and_robots_are_idle_or_bring_their_racks_away()
         assert!(chain.first >= old.end(), "no number is given twice");
         assert_eq!(chain.visits[0].node, floor.fleet.ledger().node_of(robot));
     }
-    let Parts { promises: Promises { jobs, robots, .. }, chains } = after;
-    let rest = Parts { promises: Promises { jobs, robots, ..before.promises }, chains };
+    let Parts { promises: Promises { jobs, robots, .. }, chains, .. } = after;
+    let rest = Parts { promises: Promises { jobs, robots, ..before.promises }, chains, ..before };
     let carried = floor.carried(&thesis()).parts.expect("as before");
     assert_eq!(carried, rest, "all else is as it was");
 }
@@ -245,7 +245,7 @@ fn robots_whose_footprints_grow_until_they_overlap_are_in_the_way_and_other_foot
         scenario.site.fit(&Arc::new(mixed())).expect("it lies within the square of the map")
     };
     let (small, other, large) = (with(0.2), with(0.24), with(0.3));
-    let mut ledger = Ledger::new(small, Kinematics::default().clearance, false);
+    let mut ledger = Ledger::new(small, &[RobotKind::default()], false);
     for (robot, node) in [(RobotId(0), "G3-9"), (RobotId(1), "G3-9~G3-10")] {
         let (name, kind) = (format!("robot-{robot:?}"), "robot".into());
         let node = ledger.warehouse().node_named(node).expect("it is there");

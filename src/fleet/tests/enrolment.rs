@@ -222,8 +222,9 @@ fn a_robot_that_is_to_leave_can_stay_and_a_restart_forgets_neither() {
     let job = floor.submit(request(deliver(0)));
     floor.until(600, "the other one works", |f| f.state(job).is_none());
     let parts = floor.fleet.ledger().to_parts();
-    let clearance = floor.fleet.settings().clearance();
-    let again = Ledger::from_parts(floor.fleet.warehouse().clone(), clearance, parts).expect("it is sound");
+    let again =
+        Ledger::from_parts(floor.fleet.warehouse().clone(), &floor.fleet.settings().site_kinds, parts)
+            .expect("it is sound");
     assert!(again == *floor.fleet.ledger(), "a snapshot says the same");
 }
 

@@ -1,9 +1,12 @@
 //! Robots of several kinds: each is planned, granted and charged as robots of its kind are.
 
 use super::*;
-use giveway_floor::geometry::Point;
-use giveway_floor::id::BodyId;
+use giveway_floor::geometry::{Point, Spot};
+use giveway_floor::id::{BodyId, ClosureId};
+use giveway_floor::route::{Cause, Effect};
+use giveway_floor::time::Window;
 use giveway_floor::warehouse::{Footprint, mixed};
+use giveway_sim::recording::{Header, Playback, Played, Recorder};
 
 /// A kind that takes its time.
 fn slow() -> RobotKind {
@@ -96,10 +99,10 @@ fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
         |kind: &str| Input::ask(7, RobotAction::Register { name: "late".into(), kind: kind.into(), node });
     floor.step(vec![join("forklift")]);
     assert_eq!(floor.fleet.ledger().robots.len(), 2);
-    let known = floor.fleet.settings().unknown_kinds(floor.fleet.ledger());
-    assert_eq!(known, Vec::<(&str, &str)>::new());
-    let usual = scenario(2).site.settings();
-    assert_eq!(usual.unknown_kinds(floor.fleet.ledger()), [("robot-2", "mover")]);
+    assert_eq!(floor.fleet.ledger().unknown_kinds(), Vec::<(&str, &str)>::new());
+    let (map, usual) = (floor.fleet.warehouse().clone(), scenario(2).site.kinds);
+    let of_one = Ledger::from_parts(map, &usual, floor.fleet.ledger().to_parts()).expect("it is sound");
+    assert_eq!(of_one.unknown_kinds(), [("robot-2", "mover")]);
     let holder = RobotId::at(1);
     assert!(floor.fleet.ledger().timeline().chain(holder).is_some());
 }
@@ -223,4 +226,215 @@ fn a_robot_that_cannot_carry_the_rack_above_it_makes_way_for_one_that_can() {
     let job = floor.submit(request(JobKind::Deliver { rack: shelf, station: StationId(0), pick: None }));
     floor.until(600, "the mover has fetched it", |f| f.state(job).is_none());
     floor.assert_done_once(&[job]);
+}
+
+/// A hall with people in which movers work, before there are shuttles.
+fn movers_among_people(movers: usize) -> (Scenario, RobotKind) {
+    let both = shuttles_and_movers(movers);
+    let [shuttle, mover] = [0, 1].map(|i| both.site.kinds[i].clone());
+    let workers = Workers { count: 2, ..Workers::default() };
+    (Scenario { workers, ..both.with_kinds([mover]) }, shuttle)
+}
+
+fn put(kind: &RobotKind) -> Input {
+    Input::ask(7, FloorAction::PutKind(Box::new(kind.clone())))
+}
+
+fn remove(name: &str) -> Input {
+    Input::ask(7, FloorAction::RemoveKind(name.into()))
+}
+
+fn join(name: &str, kind: &RobotKind, node: NodeId) -> Input {
+    let (name, kind) = (name.into(), kind.name.clone());
+    Input::ask(8, RobotAction::Register { name, kind, node })
+}
+
+fn refused(why: KindRefusal) -> Answered {
+    Err(Refusal::Kind(why))
+}
+
+fn made(body: u32, new: bool) -> Answered {
+    Ok(Answer::Kind(Made { id: BodyId(body), new }))
+}
+
+/// A ledger from what is written down of another one, in the building of the site.
+fn read_back(floor: &TestFloor, scenario: &Scenario) -> Ledger {
+    let base = scenario.site.fit(&Arc::new(mixed())).expect("the map is for the site's robots");
+    Ledger::from_parts(base, &scenario.site.kinds, floor.fleet.ledger().to_parts()).expect("it is sound")
+}
+
+#[test]
+fn a_kind_is_added_while_robots_drive_and_a_robot_of_it_joins_in_the_same_step_and_delivers() {
+    let (scenario, shuttle) = movers_among_people(4);
+    let mut floor = TestFloor::new(mixed(), &scenario);
+    let jobs = floor.submit_batch(6);
+    floor.run(40);
+    let chains: Vec<_> = floor.fleet.ledger().timeline().chains().map(|(r, c)| (r, c.clone())).collect();
+    assert!(chains.iter().any(|(_, c)| c.end() > c.granted()), "some robots are on their way");
+    let node = floor.free_storage();
+    let replies = floor.step(vec![put(&shuttle), join("late", &shuttle, node)]).replies;
+    let said = |token: u64| replies.iter().find(|r| r.token == token.into()).map(|r| r.answer.clone());
+    let late = RobotId::at(4);
+    assert_eq!(said(7), Some(made(1, true)));
+    assert_eq!(said(8), Some(Ok(Answer::Robot(Made { id: late, new: true }))));
+    floor.fleet.ledger().assert_sound();
+    let bins = |r: &RackId| {
+        let w = floor.fleet.warehouse();
+        w.can_carry(BodyId(1), *r) && w.may_be_at(BodyId(1), w.racks[*r].home)
+    };
+    let rack = floor.fleet.warehouse().racks.ids().filter(bins).last().expect("there are bins");
+    let job = floor.submit(request(JobKind::Deliver { rack, station: StationId(0), pick: None }));
+    floor.step(vec![Input::ask(9, JobAction::Reassign(job, Some(late)))]);
+    floor
+        .until(600, "the shuttle has the rack", |f| f.state(job) == Some(JobState::Carrying { robot: late }));
+    floor.until_over(3_000);
+    floor.assert_done_once(&jobs);
+    floor.assert_done_once(&[job]);
+    floor.assert_fold();
+    assert!(read_back(&floor, &scenario) == *floor.fleet.ledger(), "what is written down is all of it");
+    let base = scenario.site.fit(&Arc::new(mixed())).expect("the map is for the site's robots");
+    let again = Fleet::restore(base, scenario.site.settings(), floor.facts.clone());
+    assert!(again.ledger() == floor.fleet.ledger(), "a restart folds to the same ledger");
+    assert_eq!(again.warehouse().bodies(), floor.fleet.warehouse().bodies(), "and to the same building");
+    floor.fleet = again;
+    let more = floor.submit_batch(3);
+    floor.until_over(3_000);
+    floor.assert_done_once(&more);
+}
+
+#[test]
+fn a_kind_is_replaced_or_removed_only_while_no_robot_is_of_it_or_was() {
+    let (scenario, shuttle) = movers_among_people(1);
+    let mut floor = TestFloor::new(mixed(), &scenario);
+    let mover = scenario.site.kinds[0].clone();
+    assert_eq!(floor.answer_to(7, vec![put(&mover)]), refused(KindRefusal::OfSite));
+    assert_eq!(floor.answer_to(7, vec![remove("mover")]), refused(KindRefusal::OfSite));
+    assert_eq!(floor.answer_to(7, vec![remove("shuttle")]), refused(KindRefusal::Unknown));
+    let large = Some(Footprint::Circle { radius_m: 3.0 });
+    let wide = RobotKind { footprints: [large.clone(), large], ..shuttle.clone() };
+    assert_eq!(floor.answer_to(7, vec![put(&wide)]), refused(KindRefusal::TooLarge));
+    let kinematics = Kinematics { clearance: Span::from_secs(9), ..shuttle.kinematics };
+    let slow = RobotKind { kinematics, ..shuttle.clone() };
+    assert_eq!(floor.answer_to(7, vec![put(&slow)]), refused(KindRefusal::Clearance));
+    assert_eq!(floor.answer_to(7, vec![put(&shuttle)]), made(1, true));
+    let light = RobotKind { payload_kg: 20.0, ..shuttle.clone() };
+    assert_eq!(floor.answer_to(7, vec![put(&light)]), made(1, false), "another one of its name");
+    assert_eq!(floor.answer_to(7, vec![remove("shuttle")]), Ok(Answer::Done));
+    assert_eq!(floor.fleet.warehouse().bodies().len(), 1);
+    floor.assert_fold();
+    assert_eq!(floor.answer_to(7, vec![put(&shuttle)]), made(1, true));
+    let facts = floor.facts.len();
+    let (node, late) = (floor.free_storage(), RobotId::at(1));
+    floor.step(vec![join("late", &shuttle, node)]);
+    assert_eq!(floor.answer_to(7, vec![put(&shuttle)]), made(1, false), "it is just so");
+    assert_eq!(floor.answer_to(7, vec![put(&light)]), refused(KindRefusal::InUse(1)));
+    assert_eq!(floor.answer_to(7, vec![remove("shuttle")]), refused(KindRefusal::InUse(1)));
+    floor.until(600, "it has nothing to do", |f| f.is_idle(late));
+    floor.fleet.internals_mut().writer.record(RobotFact::Retired { robot: late, at: floor.now });
+    floor.fleet.internals_mut().writer.record(RobotFact::Left { robot: late, at: floor.now });
+    let replies = floor.fleet.step(floor.now, vec![remove("shuttle")]).replies;
+    assert_eq!(replies[0].answer, refused(KindRefusal::InUse(1)), "it may come back");
+    let kinds = floor.facts[facts..].iter().filter(|f| matches!(f, Fact::Floor(FloorFact::KindPut { .. })));
+    assert_eq!(kinds.count(), 0, "what changes nothing is no fact");
+}
+
+#[test]
+fn a_floor_takes_as_many_kinds_as_it_can_tell_apart() {
+    let mut floor = TestFloor::lab(1);
+    for i in 1..giveway_floor::warehouse::MOST_BODIES {
+        let kind = RobotKind { name: format!("kind-{i}"), ..RobotKind::default() };
+        assert_eq!(floor.answer_to(7, vec![put(&kind)]), made(i as u32, true));
+    }
+    let kind = RobotKind { name: "one more".into(), ..RobotKind::default() };
+    assert_eq!(floor.answer_to(7, vec![put(&kind)]), Err(Refusal::TooMany(Bounded::Kinds, 32)));
+    let job = floor.submit(request(deliver(0)));
+    floor.until_over(600);
+    floor.assert_done_once(&[job]);
+}
+
+#[test]
+fn what_was_closed_before_a_kind_was_added_binds_its_robots_and_all_others() {
+    let (scenario, shuttle) = movers_among_people(2);
+    let mut floor = TestFloor::new(mixed(), &scenario);
+    let node = floor.free_storage();
+    let corner = |x_mm, y_mm| Spot { x_mm, y_mm };
+    let area = Closure {
+        outline: vec![corner(0, 0), corner(1, 0), corner(0, 1)],
+        nodes: vec![node],
+        window: Window::new(floor.now, floor.now + Span::from_secs(3600)),
+        reason: "paint".into(),
+        binds: Binds::default(),
+        series: None,
+    };
+    floor.step(vec![Input::ask(9, FloorAction::Close(area))]);
+    let closed = |f: &TestFloor, body: u32| {
+        let internals = f.fleet.internals();
+        let restrictions = &internals.writer.restrictions;
+        let all = restrictions.conditions.of(BodyId(body)).of(node).iter();
+        let causes: Vec<Cause> = all.filter(|c| c.effect == Effect::Closed).map(|c| c.cause).collect();
+        (causes, restrictions.is_closing(node))
+    };
+    let by_the_closure = (vec![Cause::Closure(ClosureId(1))], true);
+    assert_eq!(closed(&floor, 0), by_the_closure);
+    floor.step(vec![put(&shuttle)]);
+    assert_eq!((closed(&floor, 0), closed(&floor, 1)), (by_the_closure.clone(), by_the_closure.clone()));
+    floor.step(vec![Input::ask(9, FloorAction::Reopen(ClosureId(1)))]);
+    assert_eq!((closed(&floor, 0), closed(&floor, 1)), ((vec![], false), (vec![], false)));
+    floor.step(vec![remove("shuttle")]);
+    floor.run(5);
+}
+
+#[test]
+fn a_map_that_is_not_for_a_kind_that_was_added_is_refused_and_others_keep_it() {
+    let (scenario, shuttle) = movers_among_people(1);
+    let mut floor = TestFloor::new(mixed(), &scenario);
+    assert_eq!(floor.answer_to(7, vec![put(&shuttle)]), made(1, true));
+    let base = scenario.site.fit(&Arc::new(mixed())).expect("the map is for the site's robots");
+    let carried = giveway_fleet::carry::carry(floor.fleet.ledger(), &base, floor.now);
+    assert_eq!(carried.parts.expect("nothing is in the way").added_kinds, [shuttle]);
+    let mut narrow = Warehouse::clone(&base);
+    narrow.footprint_m = 0.3;
+    let carried = giveway_fleet::carry::carry(floor.fleet.ledger(), &narrow, floor.now);
+    let said = carried.report.to_string();
+    assert!(said.contains("not for robots of the kind \"shuttle\", which was added"), "{said}");
+    assert!(carried.parts.is_none() && said.contains("DELETE /v1/kinds/shuttle"), "{said}");
+}
+
+#[test]
+fn a_recording_of_a_floor_that_kinds_are_added_to_and_removed_from_plays_to_the_same_facts() {
+    let (scenario, shuttle) = movers_among_people(2);
+    let mut floor = TestFloor::new(mixed(), &scenario);
+    let mut again = floor.fleet.clone();
+    let (begin, node) = (floor.facts.len(), floor.free_storage());
+    let header = Header {
+        giveway_recording: 1,
+        seed: 1,
+        scenario: String::new(),
+        map: String::new(),
+        model: None,
+        picks: None,
+    };
+    let (_, mut playback) = Playback::open(&Recorder::header(&header)).expect("it is a recording");
+    let (mut recorder, mut played) = (Recorder::default(), Vec::new());
+    let odd = RobotKind { name: "odd".into(), payload_kg: 0.1 + 0.2, ..shuttle.clone() };
+    for step in 0..600 {
+        let asked = match step {
+            50 => vec![put(&shuttle), put(&odd)],
+            51 => vec![join("late", &shuttle, node)],
+            300 => vec![remove("odd"), remove("shuttle")],
+            _ => vec![],
+        };
+        let inputs: Vec<Input> =
+            floor.world.advance(floor.now, floor.fleet.ledger()).into_iter().chain(asked).collect();
+        match playback.read(&recorder.step(floor.now, &inputs)).expect("it is in order") {
+            Played::Step(now, inputs) => played.extend(again.step(now, inputs).facts),
+            Played::End(_) => panic!("it goes on"),
+        }
+        floor.take(inputs);
+    }
+    let of_kinds =
+        |f: &&Fact| matches!(f, Fact::Floor(FloorFact::KindPut { .. } | FloorFact::KindRemoved { .. }));
+    assert_eq!(played.iter().filter(of_kinds).count(), 3);
+    assert!(played == floor.facts[begin..], "the same facts");
+    assert!(again.ledger() == floor.fleet.ledger());
 }

@@ -78,6 +78,12 @@ fn scenario(robots: usize) -> Scenario {
     Scenario { robots, ..Scenario::from(site) }
 }
 
+/// The usual kind, but holds outlast it by so much.
+fn with_clearance(clearance: Span) -> RobotKind {
+    let kinematics = Kinematics { clearance, ..Kinematics::default() };
+    RobotKind { kinematics, ..RobotKind::default() }
+}
+
 /// A small generator of numbers that look random.
 struct TestDice(u64);
 
@@ -128,6 +134,11 @@ impl TestFloor {
         self.world.foretell(near);
         let mut inputs = self.world.advance(self.now, self.fleet.ledger());
         inputs.extend(extra);
+        self.take(inputs)
+    }
+
+    /// One control period in which the fleet hears just this.
+    fn take(&mut self, inputs: Vec<Input>) -> Step {
         let step = self.fleet.step(self.now, inputs);
         self.laws.check(self.now, &self.world, &self.fleet, &step.facts);
         assert_eq!(self.laws.broken, [], "laws hold");

@@ -86,7 +86,7 @@ proptest! {
     fn waiting_jobs_come_in_order_of_urgency_and_for_each_rack_the_most_urgent_is_offered_first(
         events in proptest::collection::vec((event(), 0i64..90), 1..60),
     ) {
-        let mut ledger = Ledger::new(Arc::new(lab()), Span::from_millis(500), false);
+        let mut ledger = Ledger::new(Arc::new(lab()), &[with_clearance(Span::from_millis(500))], false);
         let mut now = Time::ZERO;
         let (robot, node) = (RobotId(0), ledger.warehouse().nodes_where(|k| k == NodeKind::Parking)[0]);
         let (name, kind) = ("one".into(), "robot".into());

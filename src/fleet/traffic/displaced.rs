@@ -105,7 +105,7 @@ impl Traffic {
                 stays.first().map(|n| Stage::to_stay(*n)).into_iter().collect()
             }
         };
-        let kind = floor.settings.kind(&floor.ledger.robots[robot].kind);
+        let kind = floor.kind(robot);
         self.planners.of_mut(kind).free_flow(node, &stages).is_some()
     }
 

@@ -204,7 +204,7 @@ impl Traffic {
         let conditions = floor.restrictions.conditions.of(body);
         let ask =
             RouteQuery { from: &from, heading, ready, stages, budget, conditions, exemptions: &exemptions };
-        let kind = floor.settings.kind(&floor.ledger.robots[robot].kind);
+        let kind = floor.kind(robot);
         let planner = self.planners.of_mut(kind);
         let start = (floor.settings.stopwatch)();
         let found = planner.plan(&ask, &floor.ledger.timeline().without(&[robot]));

@@ -134,7 +134,7 @@ impl Traffic {
     /// Nothing is planned, and no robot was heard of.
     pub fn new(floor: Floor<'_>) -> Traffic {
         Traffic {
-            planners: Planners::new(floor.warehouse(), &floor.settings.kinds),
+            planners: Planners::new(floor.warehouse(), floor.ledger.kinds()),
             needs: Needs::default(),
             tally: SearchCounts::default(),
             effort: Effort::of_a_step(floor),
@@ -149,6 +149,11 @@ impl Traffic {
             cleared: BTreeMap::new(),
             settling: false,
         }
+    }
+
+    /// The kinds of robots have changed: there is a planner for each.
+    pub(crate) fn refit(&mut self, floor: Floor<'_>) {
+        self.planners = Planners::new(floor.warehouse(), floor.ledger.kinds());
     }
 
     /// When a robot last looked for a route round a closed area.

@@ -61,7 +61,7 @@ impl Traffic {
         let (budget, conditions) = (floor.settings.expansions_per_plan, floor.conditions(robot));
         let ask = RouteQuery { from: &from, heading, ready, stages, budget, conditions, exemptions };
         self.tally.plans += 1;
-        let kind = floor.settings.kind(&floor.ledger.robots[robot].kind);
+        let kind = floor.kind(robot);
         let planner = self.planners.of_mut(kind);
         let found = planner.plan(&ask, timeline).ok();
         self.effort.spend(planner.expanded());

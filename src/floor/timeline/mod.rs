@@ -18,6 +18,7 @@ mod entries;
 mod held;
 mod line;
 mod overlay;
+mod refit;
 mod restore;
 mod truncate;
 

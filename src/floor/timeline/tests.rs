@@ -59,6 +59,27 @@ fn robot(i: u32) -> RobotId {
     RobotId(i)
 }
 
+#[test]
+fn in_a_building_for_one_more_kind_the_same_is_held_and_its_robots_keep_away() {
+    let mut timeline = Timeline::new(row(6, true), Span(1));
+    timeline.reserve(robot(0), vec![visit(0, 0, 10), visit(1, 5, i64::MAX)]).expect("nothing is held");
+    timeline.reserve(robot(1), vec![visit(4, 0, i64::MAX)]).expect("it is far enough");
+    let before = timeline.clone();
+    let small = [Some(Footprint::Circle { radius_m: 0.04 }), Some(Footprint::Circle { radius_m: 0.1 })];
+    let small = Body { footprints: small, ..Body::usual("small") };
+    let both = Arc::new(row(6, true).with_bodies(vec![Body::usual("robot"), small]));
+    timeline.refit(both, vec![BodyId(0), BodyId(0)]);
+    timeline.assert_sound();
+    assert!(timeline == before, "what is held is the same");
+    timeline.set_body(robot(2), BodyId(1));
+    assert!(timeline.reserve(robot(2), vec![visit(1, 20, i64::MAX)]).is_err(), "another one stands there");
+    timeline.reserve(robot(2), vec![visit(2, 20, i64::MAX)]).expect("a small one has room beside it");
+    timeline.remove(robot(2));
+    timeline.refit(row(6, true), vec![BodyId(0), BodyId(0)]);
+    let lines = |timeline: &Timeline| format!("{:?}", timeline.lines);
+    assert_eq!(lines(&timeline), lines(&before), "as if there never had been another one");
+}
+
 proptest! {
     #[test]
     fn free_windows_are_the_holes_of_a_bitmap(

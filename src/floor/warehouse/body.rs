@@ -95,6 +95,29 @@ impl Warehouse {
         Ok(w)
     }
 
+    /// Whether the floor was drawn for robots of a kind, whatever others there are. Looks at the whole floor: on a large
+    /// map that takes a while.
+    ///
+    /// # Errors
+    /// Why it was not, with what to do.
+    pub fn check_body(&self, body: &Body) -> Result<(), Findings> {
+        self.check_outlines(body)?;
+        let mut found = Findings::default();
+        self.with_bodies(vec![body.clone()]).check_floor_of(BodyId(0), &mut found);
+        found.into_result()
+    }
+
+    /// Whether the outlines of a kind lie within the square for which the map was drawn, and the one without a rack
+    /// within the one with a rack. Takes no time.
+    ///
+    /// # Errors
+    /// What does not, with what to do.
+    pub fn check_outlines(&self, body: &Body) -> Result<(), Findings> {
+        let mut found = Findings::default();
+        check_footprints(body, &Footprint::Square { side_m: self.footprint_m }, &mut found);
+        found.into_result()
+    }
+
     /// The same building for robots of these kinds, unchecked: those that were written down were checked before.
     pub fn with_bodies(&self, bodies: Vec<Body>) -> Warehouse {
         let square = Footprint::Square { side_m: self.footprint_m };

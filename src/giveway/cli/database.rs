@@ -182,10 +182,10 @@ impl DatabaseArgs {
         let floor = if readable || config.floor().path().exists() {
             let floor = Setup::of_floor(&config.floor(), command.map())?.served();
             let file = command.read_from(&config.database);
-            let floor = runtime.block_on(async {
-                let floor = if command.is_as_published() { floor.with_map_of(file).await? } else { floor };
-                anyhow::Ok(floor.with_kinds_of(file).await)
-            })?;
+            let floor = match command.is_as_published() {
+                true => runtime.block_on(floor.with_map_of(file))?,
+                false => floor,
+            };
             Some((floor.map, floor.source.site().settings()))
         } else {
             command.map().map(read_map).transpose()?.map(|map| (map, Settings::default()))
@@ -253,7 +253,7 @@ async fn carry(config: &Config, floor: FoldSettings, accept_losses: bool) -> any
         .clone()
         .context("name the changed map with --map FILE, or its scenario with --scenario FILE")?;
     let stamp = jiff::Timestamp::now().strftime("%Y-%m-%dT%H%M%SZ").to_string();
-    let wanted = CarryOver { clearance: settings.clearance(), accept_losses, stamp };
+    let wanted = CarryOver { kinds: settings.site_kinds, accept_losses, stamp };
     let (traces, note) = (vec![config.past_folder()], MapNote::Forget);
     let opening = Opening { new: None, traces, carry: Some(wanted), note };
     let store = match Store::open_as(path, &map, &opening).await {
@@ -283,7 +283,7 @@ async fn set_clock(config: &Config, floor: FoldSettings) -> anyhow::Result<Datab
     let store = Store::open_as(path, &map, &Opening::default()).await?;
     let folders = [config.past_folder()];
     let set =
-        store.set_clock(&map, settings.clearance(), Time(now.as_microsecond()), (&folders, &stamp)).await;
+        store.set_clock(&map, &settings.site_kinds, Time(now.as_microsecond()), (&folders, &stamp)).await;
     store.close().await;
     let set = set?;
     let mut report = check(path, floor, true).await?;
@@ -339,13 +339,18 @@ async fn look_inside(
     report.facts = facts;
     let time = |t: giveway_floor::time::Time| jiff::Timestamp::from_microsecond(t.0).map(|t| t.to_string());
     report.last = last.map(time).transpose()?;
+    let old_kinds = store.old_kinds().await?;
     match floor {
+        _ if !old_kinds.is_empty() => report.notes.push(format!(
+            "the journal was not folded: the kinds {} were added with an earlier Giveway; a start takes them up",
+            old_kinds.join(", ")
+        )),
         None => report.notes.push("the journal was not folded: name its scenario with --scenario".into()),
         Some((map, settings)) if seal(&map) != about.seal => {
             compare(store, &about, (map, settings), named, report).await?;
         }
         Some((map, settings)) => {
-            let loaded = store.load(Ledger::new(map, settings.clearance(), false)).await?;
+            let loaded = store.load(Ledger::new(map, &settings.site_kinds, false)).await?;
             let (ledger, facts) = loaded.into_parts();
             let fold = move || Fleet::resume(ledger, settings, facts).ledger().robots.len();
             let folded = tokio::task::spawn_blocking(fold).await;
@@ -364,7 +369,7 @@ async fn compare(
     report: &mut DatabaseReport,
 ) -> anyhow::Result<()> {
     let (theirs, ours) = (&about.map, &map.name);
-    match store.compare(&map, settings.clearance()).await {
+    match store.compare(&map, &settings.site_kinds).await {
         Ok(found) => {
             let found = found.unwrap_or_default();
             let text = format!("it belongs to the map \"{theirs}\"; compared with \"{ours}\" below");

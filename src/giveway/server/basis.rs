@@ -3,17 +3,18 @@
 //! Main types: [`FloorBasis`]; main function [`FloorBasis::choose`]. Refuses: to choose where both the file was changed
 //! and a map was published.
 
-use super::{FloorSource, ServedFloor, kinds};
+use super::{FloorSource, ServedFloor};
 use anyhow::{Context, bail};
+use giveway_fleet::RobotKind;
 use giveway_floor::warehouse::Warehouse;
-use giveway_store::{KindText, PublishedMap, Store, map_digest};
+use giveway_store::{PublishedMap, Store, map_digest};
 use std::path::Path;
 use std::sync::Arc;
 
 /// What stays the same from one map to the next.
 #[derive(Clone)]
 pub struct FloorBasis {
-    /// The floor as its file has it, without kinds that were added.
+    /// The floor as its file has it.
     pub source: FloorSource,
     /// The digest of the map with which the server was started.
     pub file: String,
@@ -67,26 +68,13 @@ impl FloorBasis {
         if why.is_empty() { Ok(fitted) } else { Err(why) }
     }
 
-    /// The map for the fleet of the scenario and the kinds that were added. A kind that the map in operation is for
-    /// must not get lost.
+    /// The map for the fleet of the scenario, where it is also for the kinds that were added: the fleet adds those.
     ///
     /// # Errors
     /// Why it is not.
-    pub fn fit_all(
-        &self,
-        map: &Arc<Warehouse>,
-        in_operation: &Arc<Warehouse>,
-        added: &[KindText],
-    ) -> Result<Arc<Warehouse>, Vec<String>> {
+    pub fn fit_all(&self, map: &Arc<Warehouse>, added: &[RobotKind]) -> Result<Arc<Warehouse>, Vec<String>> {
         let fitted = self.fit(map)?;
-        let (mut now, mut then) = (self.source.site().clone(), self.source.site().clone());
-        kinds::join_kinds(&mut now, in_operation.clone(), added);
-        let fitted = kinds::join_kinds(&mut then, fitted, added);
-        let lost = now.kinds.iter().map(|k| &k.name);
-        let lost = lost.filter(|name| !then.kinds.iter().any(|k| k.name == **name));
-        let lost: Vec<String> = lost
-            .map(|name| format!("the map is not for robots of the kind {name:?}, which was added"))
-            .collect();
+        let lost = not_for(&fitted, added);
         if lost.is_empty() { Ok(fitted) } else { Err(lost) }
     }
 
@@ -94,6 +82,13 @@ impl FloorBasis {
     pub fn with(&self, map: Arc<Warehouse>) -> ServedFloor {
         ServedFloor::new(self.source.clone(), map)
     }
+}
+
+/// What there is to say where a map is not for kinds of robots that were added.
+pub fn not_for(map: &Warehouse, added: &[RobotKind]) -> Vec<String> {
+    let lost = added.iter().filter(|kind| map.check_body(&kind.body()).is_err());
+    lost.map(|kind| format!("the map is not for robots of the kind {:?}, which was added", kind.name))
+        .collect()
 }
 
 /// The map that was published to a server with this database, if one was.

@@ -21,7 +21,6 @@ mod entrance;
 mod historian;
 mod inbox;
 mod journal;
-mod kinds;
 mod links;
 mod measure;
 mod metered;
@@ -100,13 +99,6 @@ impl ServedFloor {
     /// Where both were changed since.
     pub async fn with_map_of(self, database: &Path) -> anyhow::Result<ServedFloor> {
         FloorBasis::choose(self, database).await.map(|(floor, _)| floor)
-    }
-
-    /// The same with the kinds of robots that were added to a database.
-    pub async fn with_kinds_of(mut self, database: &Path) -> ServedFloor {
-        let added = kinds::kinds_of(database).await;
-        self.map = kinds::join_kinds(self.source.site_mut(), self.map, &added);
-        self
     }
 }
 
@@ -367,7 +359,7 @@ impl ServerRun {
         Ok((built, Some(Box::new(move || _ = reply.send(answer)))))
     }
 
-    /// Opens the database with a map, for the kinds of robots that it has.
+    /// Opens the database with a map.
     async fn open(
         &self,
         basis: &FloorBasis,
@@ -375,7 +367,7 @@ impl ServerRun {
         note: (bool, MapNote),
     ) -> anyhow::Result<(Arc<Store>, ServedFloor)> {
         let unfit = |why: Vec<String>| anyhow::anyhow!("the map is not for this fleet: {}", why.join("; "));
-        let floor = basis.with(basis.fit(map).map_err(unfit)?).with_kinds_of(&self.config.database).await;
+        let floor = basis.with(basis.fit(map).map_err(unfit)?);
         Ok((start::open(&self.config, &floor, note).await?, floor))
     }
 

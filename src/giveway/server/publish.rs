@@ -9,15 +9,16 @@ use super::basis::FloorBasis;
 use super::settle::SettleRequest;
 use giveway_api::audit::AuditEntry;
 use giveway_api::map_version;
+use giveway_api::port::Moment;
 use giveway_api::publish::{MapDone, MapOrder, MapOrigin, MapOutlook, MapPort, MapRefusal, MapRequest};
-use giveway_fleet::Unsettled;
 use giveway_fleet::carry::{Report, ReportEntry};
+use giveway_fleet::{RobotKind, Unsettled};
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::{Draft, Finding, Remark, Review, Severity, Warehouse, differences, review};
-use giveway_store::{AuditRow, KindText, PublishedMap, Store, StoreError, map_digest};
+use giveway_store::{AuditRow, PublishedMap, Store, StoreError, map_digest};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::{mpsc, oneshot};
+use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::timeout;
 
 /// What a robot beside its node needs.
@@ -50,7 +51,7 @@ pub struct GoOver {
 /// A map that was looked at.
 struct Looked {
     outlook: MapOutlook,
-    /// The building, and the same for all kinds of robots; nothing where it has errors.
+    /// The building, and the same for all kinds of the site; nothing where it has errors.
     map: Option<(Arc<Warehouse>, Arc<Warehouse>)>,
 }
 
@@ -60,6 +61,8 @@ pub struct MapKeeper {
     basis: FloorBasis,
     /// The map in operation.
     map: Arc<Warehouse>,
+    /// The fleet at work: it knows which kinds of robots were added.
+    moments: watch::Receiver<Arc<Moment>>,
     requests: mpsc::Receiver<MapRequest>,
     settle: mpsc::Sender<SettleRequest>,
     go_over: mpsc::Sender<GoOver>,
@@ -81,14 +84,14 @@ impl MapKeeper {
     pub fn new(
         store: &Arc<Store>,
         basis: &FloorBasis,
-        map: Arc<Warehouse>,
+        (map, moments): (Arc<Warehouse>, watch::Receiver<Arc<Moment>>),
         (settle, go_over): (mpsc::Sender<SettleRequest>, mpsc::Sender<GoOver>),
     ) -> (MapPort, MapKeeper) {
         let (ask, requests) = mpsc::channel(WAITING);
         let origin = basis.published.as_ref().map(origin_of);
         let port = MapPort { origin, requests: Some(ask) };
         let (store, basis) = (store.clone(), basis.clone());
-        (port, MapKeeper { store, basis, map, requests, settle, go_over })
+        (port, MapKeeper { store, basis, map, moments, requests, settle, go_over })
     }
 
     /// Answers until the requests end, or the server goes over to another map.
@@ -171,7 +174,7 @@ impl MapKeeper {
 
     /// What a change to this map would mean now.
     async fn look(&self, draft: Draft) -> Result<Looked, MapRefusal> {
-        let added = self.store.kinds().await.map_err(|e| told(&e))?;
+        let added = self.moments.borrow().view.all_kinds.added().to_vec();
         let (basis, old) = (self.basis.clone(), self.map.clone());
         let look = tokio::task::spawn_blocking(move || look_at(&draft, &basis, &old, &added)).await;
         let mut looked = look.map_err(|_| MapRefusal::Failed("the map could not be looked at".into()))?;
@@ -183,8 +186,8 @@ impl MapKeeper {
 
     /// What the floor and the database cannot carry over to a map, as everything is durable now.
     async fn compare(&self, fitted: &Arc<Warehouse>) -> Result<Report, MapRefusal> {
-        let clearance = self.basis.source.site().settings().clearance();
-        let report = self.store.compare(fitted, clearance).await.map_err(|e| told(&e))?;
+        let kinds = &self.basis.source.site().kinds;
+        let report = self.store.compare(fitted, kinds).await.map_err(|e| told(&e))?;
         Ok(report.unwrap_or_default())
     }
 
@@ -205,10 +208,10 @@ impl MapKeeper {
 }
 
 /// What there is to say about a map without the floor, and the building.
-fn look_at(draft: &Draft, basis: &FloorBasis, old: &Arc<Warehouse>, added: &[KindText]) -> Looked {
+fn look_at(draft: &Draft, basis: &FloorBasis, old: &Arc<Warehouse>, added: &[RobotKind]) -> Looked {
     let mut review = review(draft);
     let good = review.warehouse.take().filter(|_| review.is_good()).map(Arc::new);
-    let fitted = good.and_then(|map| match basis.fit_all(&map, old, added) {
+    let fitted = good.and_then(|map| match basis.fit_all(&map, added) {
         Ok(fitted) => Some((map, fitted)),
         Err(why) => {
             why.into_iter().for_each(|why| not_for_fleet(&mut review, why));

@@ -10,7 +10,7 @@ use super::settle::{SettleQueue, SettleRequest};
 use super::start::ServerParts;
 use super::{
     Clock, Outbound, Planted, ahead, alarm_keeper, answers, audit_keeper, control, custody, historian, inbox,
-    journal, kinds, measure, people, recordings, records, tokens, watchdog, webhooks,
+    journal, measure, people, recordings, records, tokens, watchdog, webhooks,
 };
 use anyhow::{Context, anyhow};
 use axum::Router;
@@ -23,7 +23,7 @@ use giveway_api::live::Live;
 use giveway_api::metrics::Metrics;
 use giveway_api::port::{Moment, Now, QUESTIONS, Question};
 use giveway_api::webhooks::WebhookAccess;
-use giveway_api::{Api, router};
+use giveway_api::{Api, KindChecks, router};
 use giveway_drive::Drive;
 use giveway_fleet::Fleet;
 use giveway_fleet::alarm::AlarmKind;
@@ -154,9 +154,9 @@ impl RunningCore {
         let custody =
             tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
         let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
-        let (maps, map_keeper) = MapKeeper::new(&store, &parts.basis, map.clone(), (asks, over));
-        let (keeper, kinds) = kinds::KindKeeper::new(store.clone(), parts.basis.source.scenario.site, &fleet);
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
+        let floor = (map.clone(), picture.clone());
+        let (maps, map_keeper) = MapKeeper::new(&store, &parts.basis, floor, (asks, over));
         let shares = LoopShares { store, clock, metrics, alarms, feeds };
         let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);
         let ((halt, halted), displaced) = (watch::channel(false), gone.clone());
@@ -174,7 +174,7 @@ impl RunningCore {
         let (hooks, asked) = webhooks::hook_queue();
         let api = Api {
             map,
-            kinds,
+            kind_checks: KindChecks::default(),
             moments: picture,
             records: Arc::new(records::StoredRecords(store.clone())),
             figures: charts.figures,
@@ -201,8 +201,7 @@ impl RunningCore {
             closing: closes,
         };
         let hooks = webhooks::HookKeeper::new(store.clone(), api.clone(), outbound, asked).run();
-        let (keeper, hooks) = (tokio::spawn(keeper.run()), tokio::spawn(hooks));
-        let others = vec![custody, keeper, learner, hooks, tokio::spawn(map_keeper.run())];
+        let others = vec![custody, learner, tokio::spawn(hooks), tokio::spawn(map_keeper.run())];
         let (historian, past) = (charts.historian, past.ended);
         let tasks = Tasks { writer, thread, feed, historian, keepers, others, past };
         Ok((RunningCore { store, tasks, go_over, closing, halt, displaced: gone }, router(api).0))

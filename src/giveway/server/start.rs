@@ -3,7 +3,7 @@
 //! Main types: [`ServerParts`], [`Built`]. The fold is work for a thread of its own, so that the port answers
 //! meanwhile. Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
 
-use super::basis::FloorBasis;
+use super::basis::{FloorBasis, not_for};
 use super::clock::{self, Clock};
 use super::links::{FloorSource, Links};
 use super::recordings::KeptPast;
@@ -85,8 +85,8 @@ pub async fn open(
         anyhow::Ok(now.strftime("%Y-%m-%dT%H%M%SZ").to_string())
     };
     let new = config.new.then(stamp).transpose()?;
-    let clearance = floor.source.site().settings().clearance();
-    let carry = Some(CarryOver { clearance, accept_losses, stamp: stamp()? });
+    let kinds = floor.source.site().kinds.clone();
+    let carry = Some(CarryOver { kinds, accept_losses, stamp: stamp()? });
     let opening = Opening { new, traces: vec![config.past_folder()], carry, note };
     let store = Store::open_as(&config.database, &floor.map, &opening).await?;
     Ok(Arc::new(store.keep_days(config.keep_days).keep_people_days(config.people_keep_days)))
@@ -137,7 +137,6 @@ async fn try_restore(
         }
         false => FloorBasis::choose(floor, &config.database).await?,
     };
-    let floor = if config.new { floor } else { floor.with_kinds_of(&config.database).await };
     let store = open(config, &floor, (false, MapNote::Keep)).await?;
     match build(config, floor, basis, &store).await {
         Ok((built, summary)) => Ok((store, built, summary)),
@@ -148,17 +147,26 @@ async fn try_restore(
     }
 }
 
-/// Refuses robots of a kind that the scenario does not have.
+/// Refuses robots of a kind that there is not, and a map that is not for a kind that was added: its lanes may have been
+/// changed for other kinds, and the ids in the journal not.
 fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
-    let unknown = fleet.settings().unknown_kinds(fleet.ledger());
-    let Some((robot, kind)) = unknown.first() else { return Ok(()) };
-    let kinds: Vec<&str> = fleet.settings().kinds.iter().map(|k| k.name.as_str()).collect();
-    anyhow::bail!(
-        "{robot} is of kind {kind:?} in this database ({} robots are of missing kinds), but the scenario has {}. \
-         Add that kind to the scenario, or use another database",
-        unknown.len(),
-        kinds.join(", ")
-    )
+    let ledger = fleet.ledger();
+    if let Some((robot, kind)) = ledger.unknown_kinds().first() {
+        let kinds: Vec<&str> = ledger.kinds().iter().map(|k| k.name.as_str()).collect();
+        anyhow::bail!(
+            "{robot} is of kind {kind:?} in this database ({} robots are of missing kinds), but the scenario has {}. \
+             Add that kind to the scenario, or use another database",
+            ledger.unknown_kinds().len(),
+            kinds.join(", ")
+        )
+    }
+    let lost = not_for(ledger.warehouse(), ledger.kinds().added());
+    anyhow::ensure!(
+        lost.is_empty(),
+        "{}. Change the map, or start with the map of before and remove the kind: DELETE /v1/kinds/NAME",
+        lost.join("; ")
+    );
+    Ok(())
 }
 
 /// Steps are written down so many at once.
@@ -188,7 +196,7 @@ async fn begin_in_the_middle(
 
 /// What the database has; what the floor did before this moment, where it has nothing and that is wanted.
 async fn load(store: &Store, floor: &ServedFloor) -> anyhow::Result<Loaded> {
-    let empty = || Ledger::new(floor.map.clone(), floor.source.site().settings().clearance(), false);
+    let empty = || Ledger::new(floor.map.clone(), &floor.source.site().kinds, false);
     let loaded = store.load(empty()).await?;
     if loaded.last.is_some() || !floor.source.begins_in_the_middle() {
         return Ok(loaded);

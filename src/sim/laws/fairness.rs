@@ -167,7 +167,7 @@ impl FairLaws {
 
     /// By how much the ways of one robot to two racks can differ, at most, and what crowds at stations are worth.
     fn ways_ms(&self, fleet: &Fleet, begun: &Begun) -> i64 {
-        let moves = &fleet.settings().kind(&fleet.ledger().robots[begun.robot].kind).kinematics;
+        let moves = &fleet.ledger().kinds().of(&fleet.ledger().robots[begun.robot].kind).kinematics;
         let places = fleet.warehouse().stations.iter().map(|s| s.queue.len() + 1).max().unwrap_or(1);
         (self.extent_m / moves.speed_mps * 1000.0) as i64 + CONGESTION_MS * places as i64
     }
@@ -175,7 +175,7 @@ impl FairLaws {
     /// By how much a job may be more urgent than one with which a robot goes on: by what a rack saves that is not put
     /// away, at most; at the station at which it stands also by as much as robots behind it may have to wait.
     fn chain_ms(&self, fleet: &Fleet, begun: &Begun, at_one_station: bool) -> i64 {
-        let moves = &fleet.settings().kind(&fleet.ledger().robots[begun.robot].kind).kinematics;
+        let moves = &fleet.ledger().kinds().of(&fleet.ledger().robots[begun.robot].kind).kinematics;
         let saves_ms = chain_saves_ms(self.extent_m, moves.speed_loaded_mps);
         if at_one_station { saves_ms.max(CHAIN_BEHIND_MS) } else { saves_ms }
     }
@@ -205,7 +205,7 @@ fn has_room(fleet: &Fleet, station: StationId) -> bool {
 
 /// Whether a robot is to charge before it fetches another rack.
 fn is_low(robot: RobotId, world: &World, fleet: &Fleet) -> bool {
-    let charging = &fleet.settings().kind(&fleet.ledger().robots[robot].kind).charging;
+    let charging = &fleet.ledger().kinds().of(&fleet.ledger().robots[robot].kind).charging;
     world.truth().any(|(r, t)| r == robot && t.battery < charging.low + 0.01)
 }
 

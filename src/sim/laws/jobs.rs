@@ -183,7 +183,7 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
         JobWhy::Robot(_, why) if why.is_by_itself() => true,
         JobWhy::Robot(robot, _) => works(robot),
         JobWhy::RobotLow(robot) => {
-            let critical = fleet.settings().kind(&ledger.robots[robot].kind).charging.critical;
+            let critical = ledger.kinds().of(&ledger.robots[robot].kind).charging.critical;
             world.truth().any(|(r, t)| r == robot && t.battery <= critical + 0.01)
         }
         JobWhy::NoRobot => !is_any_fit(fleet.view(now).free.into_keys(), job, fleet),

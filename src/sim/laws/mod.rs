@@ -69,6 +69,11 @@ pub struct Laws {
     pub count: u64,
 }
 
+/// Robots that are farther apart along both axes do not touch: kinds of robots may be added.
+fn reach_m(fleet: &Fleet) -> f64 {
+    2.0 * fleet.warehouse().widest_half_m() - SLACK_M
+}
+
 impl Laws {
     /// Laws for a fleet that starts as `fleet` is.
     pub fn new(fleet: &Fleet) -> Laws {
@@ -90,7 +95,7 @@ impl Laws {
             carried: CarryLaws::default(),
             corridors: CorridorLaws::default(),
             steps: 0,
-            reach_m: 2.0 * fleet.warehouse().widest_half_m() - SLACK_M,
+            reach_m: reach_m(fleet),
             broken: Vec::new(),
             count: 0,
         }
@@ -139,6 +144,7 @@ impl Laws {
     /// Looks at the floor and at the facts of one step.
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet, facts: &[Fact]) {
         self.steps += 1;
+        self.reach_m = reach_m(fleet);
         self.check_places(now, world);
         self.check_people(now, world);
         self.check_grants(now, world, fleet);

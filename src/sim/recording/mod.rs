@@ -7,6 +7,7 @@
 mod arm_row;
 mod hand_row;
 mod job_line;
+mod kind_row;
 mod request_row;
 mod said_row;
 

@@ -6,6 +6,7 @@
 use super::arm_row::ArmRow;
 use super::hand_row::HandsRow;
 use super::job_line::{ChangeLine, JobLine};
+use super::kind_row::KindRow;
 use super::said_row::Says;
 use giveway_fleet::{
     Asker, AssignmentRequest, Binds, ClientKey, Closure, FloorAction, Input, JobAction, JobChange,
@@ -56,6 +57,8 @@ pub(super) enum RequestRow {
     EndEvacuation(u64),
     Halt(u64, Option<u32>),
     Release(u64, Option<u32>),
+    PutKind(u64, KindRow),
+    RemoveKind(u64, String),
     /// From before more than the priority could be changed.
     Prioritise(u64, u64, u8),
     Change(u64, u64, ChangeLine),
@@ -171,6 +174,8 @@ impl RequestRow {
             }
             RequestRow::Halt(token, robot) => ask(token, FloorAction::Halt(robot.map(RobotId)).into()),
             RequestRow::Release(token, robot) => ask(token, FloorAction::Release(robot.map(RobotId)).into()),
+            RequestRow::PutKind(token, row) => ask(token, FloorAction::PutKind(Box::new(row.into())).into()),
+            RequestRow::RemoveKind(token, name) => ask(token, FloorAction::RemoveKind(name).into()),
             RequestRow::Prioritise(token, job, priority) => {
                 let change = JobChange { priority: Some(priority), ..JobChange::default() };
                 ask(token, JobAction::Change(JobId(job), change).into())
@@ -303,6 +308,8 @@ fn asked_of_floor(token: u64, action: &FloorAction) -> RequestRow {
         FloorAction::EndEvacuation => RequestRow::EndEvacuation(token),
         FloorAction::Halt(robot) => RequestRow::Halt(token, robot.map(|r| r.0)),
         FloorAction::Release(robot) => RequestRow::Release(token, robot.map(|r| r.0)),
+        FloorAction::PutKind(kind) => RequestRow::PutKind(token, (&**kind).into()),
+        FloorAction::RemoveKind(name) => RequestRow::RemoveKind(token, name.clone()),
     }
 }
 

@@ -2,13 +2,13 @@
 //!
 //! Work is steps of SQLite's virtual machine, the same on every machine. Times are for docs/robustness.md only.
 
-use super::year::{self, CLEARANCE, LAST, NOW};
+use super::year::{self, LAST, NOW};
 use crate::listing::LOOKED_AT;
 use crate::{AuditFilter, StepEntry, Store};
 use giveway_fleet::alarm::AlarmQuery;
 use giveway_fleet::{
     AssignmentQuery, EncounterQuery, EventKind, EventQuery, Fact, JobFact, JobKind, JobQuery, JobRequest,
-    JobState, Ledger, RobotEventQuery,
+    JobState, Ledger, RobotEventQuery, RobotKind,
 };
 use giveway_floor::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use giveway_floor::time::{Span, Time};
@@ -157,7 +157,7 @@ impl StoreCaller {
         })
         .await;
         self.call("start: ledger, charts, alarms", async |store| {
-            store.load(Ledger::new(year::map(), CLEARANCE, false)).await.unwrap();
+            store.load(Ledger::new(year::map(), &[RobotKind::default()], false)).await.unwrap();
             store.active_alarms(NOW).await.unwrap();
             store.last_audit().await.unwrap();
         })

@@ -5,9 +5,9 @@
 //! `--scenario scenarios/kiva-100.json` opens what was filled. Refuses: to be slow: indexes are made behind the rows.
 
 use crate::{Store, ledger_record};
-use giveway_fleet::{Job, JobKind, JobRequest, Ledger};
+use giveway_fleet::{Job, JobKind, JobRequest, Ledger, RobotKind};
 use giveway_floor::id::{Dense, JobId, RackId, StationId};
-use giveway_floor::time::{Span, Time};
+use giveway_floor::time::Time;
 use giveway_floor::warehouse::Warehouse;
 use giveway_floor::warehouse::formats::json;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
@@ -17,9 +17,6 @@ use std::sync::Arc;
 
 /// The end of the time: when everything was written.
 pub const NOW: Time = Time(1_830_000_000_000_000);
-
-/// Between robots that follow one another.
-pub const CLEARANCE: Span = Span::from_millis(200);
 
 const HOUR: i64 = 3_600_000_000;
 
@@ -179,7 +176,7 @@ async fn run(db: &mut SqliteConnection, statement: &'static str, given: &[i64]) 
 
 /// A ledger that goes with the lists: so many jobs were accepted, of which the last ones wait.
 async fn snapshot(db: &mut SqliteConnection, map: &Arc<Warehouse>, jobs: i64) {
-    let mut parts = Ledger::new(map.clone(), CLEARANCE, false).to_parts();
+    let mut parts = Ledger::new(map.clone(), &[RobotKind::default()], false).to_parts();
     for id in jobs - OPEN + 1..=jobs {
         let rack = RackId::at((id * 7919 % map.racks.len() as i64) as usize);
         let station = StationId::at((id * 31 % map.stations.len() as i64) as usize);

@@ -19,6 +19,8 @@ export class Live {
   #api: LiveApi;
   #names: PeopleNames;
   #retry: ReturnType<typeof setTimeout> | undefined;
+  /** The robots whose kinds were looked up. */
+  #known: Mirror['robots']['at'] | null = null;
   #link = new Link({
     open: (since, events) => this.#api.openLive(since, events),
     clock: {
@@ -30,6 +32,7 @@ export class Live {
     onState: (state) => { this.link = state; },
     onMirror: (mirror, kind) => {
       if (kind === 'snapshot') this.#follow(mirror.map);
+      this.#learnKinds(mirror);
       this.onMirror(this.#names.shown(mirror), kind === 'snapshot' ? 'jump' : 'glide');
     },
   });
@@ -75,6 +78,15 @@ export class Live {
     if (version === null || map.kind !== 'ready' || map.value.version === undefined || map.value.version === version) return;
     this.map = { kind: 'loading' };
     void this.#loadMap();
+  }
+
+  /** A kind was added since: its robots would be drawn in the usual size. */
+  #learnKinds({ robots }: Mirror): void {
+    const { map } = this;
+    if (map.kind !== 'ready' || this.#known === robots.at) return;
+    this.#known = robots.at;
+    const names = new Set((map.value.kinds ?? []).map((kind) => kind.name));
+    if (names.size > 0 && robots.rows.some((robot) => !names.has(robot.kind))) void this.#loadMap();
   }
 
   async #loadMap(): Promise<void> {

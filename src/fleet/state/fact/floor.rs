@@ -1,7 +1,9 @@
-//! What happens to the floor as a whole: areas are closed, people leave the building, stations pause.
+//! What happens to the floor as a whole: areas are closed, people leave the building, stations pause,
+//! kinds of robots come and go.
 //!
 //! Main types: [`AreaFact`], [`FloorFact`]. Refuses: single robots, jobs and workers.
 
+use crate::state::kind::RobotKind;
 use crate::state::recurring::RecurringClosure;
 use crate::state::worker::Closure;
 use giveway_floor::id::{AssignmentId, ClosureId, JobId, RobotId, SeriesId, StationId};
@@ -97,4 +99,18 @@ pub enum FloorFact {
         /// The assignments that had them.
         assignments: Vec<AssignmentId>,
     } = 39,
+    /// Robots of this kind may join from now on. It replaces the added kind of its name, of which no robot is.
+    KindPut {
+        /// The kind.
+        kind: Box<RobotKind>,
+        /// When it happened.
+        at: Time,
+    } = 47,
+    /// No robots of this kind join any more, and none is of it.
+    KindRemoved {
+        /// Its name.
+        name: String,
+        /// When it happened.
+        at: Time,
+    } = 48,
 }

@@ -115,6 +115,8 @@ impl Ledger {
                 jobs.iter().for_each(|job| self.promises.keys.forget(*job));
                 assignments.iter().for_each(|assignment| self.promises.assignment_keys.forget(*assignment));
             }
+            FloorFact::KindPut { kind, .. } => self.put_kind(kind),
+            FloorFact::KindRemoved { name, .. } => self.remove_kind(name),
         }
     }
 

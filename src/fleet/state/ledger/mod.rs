@@ -5,6 +5,7 @@
 
 mod evolve;
 mod parts;
+mod refit;
 mod upkeep;
 
 pub use parts::{Contradiction, Parts};
@@ -13,6 +14,7 @@ use crate::state::fact::{Act, Stop, Task};
 use crate::state::index::Index;
 use crate::state::job::Job;
 use crate::state::keys::Keys;
+use crate::state::kinds::RobotKinds;
 use crate::state::recurring::RecurringClosure;
 use crate::state::wishes::Wishes;
 use crate::state::worker::{Assignment, Closure, LastPlace};
@@ -155,6 +157,8 @@ pub struct Promises {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ledger {
     promises: Promises,
+    /// All kinds of robots: the building is for them.
+    kinds: RobotKinds,
     /// All holds.
     timeline: Timeline,
     /// What is looked up instead of searched. It follows from the rest: see [`Ledger::reindex`].
@@ -196,7 +200,23 @@ impl Ledger {
         self.promises.workers.get(worker).is_some_and(|name| !name.is_empty())
     }
 
-    /// The building.
+    /// All kinds of robots: those of the site, and those that were added.
+    pub fn kinds(&self) -> &RobotKinds {
+        &self.kinds
+    }
+
+    /// How many robots are of a kind, or were when they left the floor.
+    pub fn robots_of(&self, kind: &str) -> usize {
+        self.promises.robots.iter().filter(|r| r.kind == kind).count()
+    }
+
+    /// Robots that are of no kind that there is, each with its kind: the site's file had it once.
+    pub fn unknown_kinds(&self) -> Vec<(&str, &str)> {
+        let unknown = self.promises.robots.iter().filter(|r| self.kinds.named(&r.kind).is_none());
+        unknown.map(|r| (r.name.as_str(), r.kind.as_str())).collect()
+    }
+
+    /// The building, for all kinds of robots.
     pub fn warehouse(&self) -> &Arc<Warehouse> {
         self.timeline.warehouse()
     }

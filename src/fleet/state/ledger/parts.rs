@@ -8,9 +8,10 @@ use crate::state::fact::{Act, Task};
 use crate::state::index::Index;
 use crate::state::job::RobotChoice;
 use crate::state::keys::Keys;
+use crate::state::kind::RobotKind;
+use crate::state::kinds::RobotKinds;
 use crate::state::wishes::Wishes;
 use giveway_floor::id::{Dense, IdVec, NodeId, RackId, RobotId};
-use giveway_floor::time::Span;
 use giveway_floor::timeline::{ChainParts, Flaw, Timeline};
 use giveway_floor::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,6 +23,8 @@ use std::sync::Arc;
 pub struct Parts {
     /// What was promised, without the holds.
     pub promises: Promises,
+    /// The kinds of robots that were added to those of the site.
+    pub added_kinds: Vec<RobotKind>,
     /// All holds.
     pub chains: Vec<ChainParts>,
 }
@@ -65,8 +68,11 @@ pub enum Contradiction {
 }
 
 impl Ledger {
-    /// Nothing promised; racks at home. `without_conflicts` is for the bound on throughput only.
-    pub fn new(warehouse: Arc<Warehouse>, clearance: Span, without_conflicts: bool) -> Ledger {
+    /// Nothing promised; racks at home. The building is for the kinds of the site. `without_conflicts` is for the bound
+    /// on throughput only.
+    pub fn new(warehouse: Arc<Warehouse>, site_kinds: &[RobotKind], without_conflicts: bool) -> Ledger {
+        let kinds = RobotKinds::of_site(site_kinds);
+        let clearance = kinds.clearance();
         let racks = warehouse.racks.iter().map(|r| RackAt::Stored(r.home)).collect();
         let served = IdVec::filled(0, warehouse.stations.len());
         let index = Index::new(&warehouse);
@@ -97,9 +103,19 @@ impl Ledger {
             counts: Sums::default(),
             wishes,
         };
-        let mut ledger = Ledger { promises, timeline, index };
+        let mut ledger = Ledger { promises, kinds, timeline, index };
         ledger.reindex();
         ledger
+    }
+
+    /// Nothing promised, in the same building, with the kinds of the site alone: what a fold of all facts begins with.
+    pub fn emptied(&self) -> Ledger {
+        let bodies = self.kinds.site().iter().map(RobotKind::body).collect();
+        let warehouse = match self.kinds.added() {
+            [] => self.warehouse().clone(),
+            _ => Arc::new(self.warehouse().with_bodies(bodies)),
+        };
+        Ledger::new(warehouse, self.kinds.site(), false)
     }
 
     /// Everything that there is to write down.
@@ -111,33 +127,40 @@ impl Ledger {
             visits: chain.visits().cloned().collect(),
             absent: chain.is_absent(),
         });
-        Parts { promises: self.promises.clone(), chains: chains.collect() }
+        let added_kinds = self.kinds.added().to_vec();
+        Parts { promises: self.promises.clone(), added_kinds, chains: chains.collect() }
     }
 
-    /// A ledger that is exactly this.
+    /// A ledger that is exactly this, in a building for the kinds of its site.
     ///
     /// # Errors
     /// The first thing that cannot be.
     pub fn from_parts(
         warehouse: Arc<Warehouse>,
-        clearance: Span,
+        site_kinds: &[RobotKind],
         parts: Parts,
     ) -> Result<Ledger, Contradiction> {
-        check_counts(&warehouse, &parts)?;
-        check_names(&warehouse, &parts)?;
-        check_racks(&parts)?;
+        let kinds = RobotKinds::of_site(site_kinds).with_added(parts.added_kinds);
+        let bodies = kinds.iter().map(RobotKind::body).collect();
+        let warehouse = match kinds.added() {
+            [] => warehouse,
+            _ => Arc::new(warehouse.with_bodies(bodies)),
+        };
+        check_counts(&warehouse, (&parts.promises, &parts.chains))?;
+        check_names(&warehouse, &parts.promises)?;
+        check_racks(&parts.promises)?;
         let index = Index::new(&warehouse);
         let bodies = parts.promises.robots.iter().map(|r| warehouse.body_of(&r.kind)).collect();
-        let timeline = Timeline::restore(warehouse, clearance, bodies, parts.chains)?;
-        let mut ledger = Ledger { promises: parts.promises, timeline, index };
+        let timeline = Timeline::restore(warehouse, kinds.clearance(), bodies, parts.chains)?;
+        let mut ledger = Ledger { promises: parts.promises, kinds, timeline, index };
         ledger.reindex();
         Ok(ledger)
     }
 }
 
-fn check_counts(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
+fn check_counts(w: &Warehouse, (p, chains): (&Promises, &[ChainParts])) -> Result<(), Contradiction> {
     let robots = (0..p.robots.len()).map(RobotId::at);
-    let standing = robots.filter(|h| p.chains.iter().any(|c| c.holder == *h)).count();
+    let standing = robots.filter(|h| chains.iter().any(|c| c.holder == *h)).count();
     for (what, found, expected) in [
         ("racks", p.racks.len(), w.racks.len()),
         ("racks with wishes", p.wishes.counts().len(), w.racks.len()),
@@ -147,14 +170,14 @@ fn check_counts(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
             return Err(Contradiction::Count { what, found, expected });
         }
     }
-    match standing == p.robots.len() && standing == p.chains.len() {
+    match standing == p.robots.len() && standing == chains.len() {
         true => Ok(()),
         false => Err(Contradiction::Unknown { what: "the list of who stands where".into() }),
     }
 }
 
 /// Everything that is named exists.
-fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
+fn check_names(w: &Warehouse, p: &Promises) -> Result<(), Contradiction> {
     let node = |n: NodeId| n.ix() < w.nodes.len();
     let rack = |r: RackId| r.ix() < w.racks.len();
     let robot = |r: RobotId| r.ix() < p.robots.len();
@@ -211,7 +234,7 @@ fn check_names(w: &Warehouse, p: &Parts) -> Result<(), Contradiction> {
 }
 
 /// One rack on a node, and one on a robot.
-fn check_racks(p: &Parts) -> Result<(), Contradiction> {
+fn check_racks(p: &Promises) -> Result<(), Contradiction> {
     let (mut nodes, mut robots) = (BTreeSet::new(), BTreeSet::new());
     for (rack, at) in p.racks.pairs() {
         let alone = match *at {

@@ -48,7 +48,7 @@ impl TinyWorld {
         let scenario = scenario(floor.starts.len());
         let w = scenario.site.fit(&Arc::new(floor.build())).expect("the map is for these robots");
         let settings = scenario.site.settings();
-        let kind = settings.kinds[0].name.clone();
+        let kind = settings.site_kinds[0].name.clone();
         let nodes = floor.starts.iter().map(|name| node_of(&w, name));
         let robots = nodes.enumerate().map(|(i, n)| StepRobot::new(RobotId(i as u32), n, w.nodes[n].at));
         let robots: Vec<StepRobot> = robots.collect();

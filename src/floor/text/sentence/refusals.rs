@@ -18,7 +18,7 @@ sentences! {
     out_of_reach(node) = "nobody can walk to {node}: choose a node on, or beside, a walkway of GET /v1/map";
     assignment_is_over(assignment) = "{assignment} is over already, or never existed";
     kind_may_not_join() =
-        "no robots of this kind may join now; GET /v1/kinds lists all kinds, and from when on each is valid";
+        "there is no such kind of robots; GET /v1/kinds lists all kinds";
     robot_is_gone() = "the robot has left the floor: register it again with POST /v1/robots";
     rack_is_stored() = "the rack is on no robot: GET /v1/racks says where it stands";
     robot_can_drive() = "the robot with the rack can drive: send the rack to a node with a job of kind relocate";

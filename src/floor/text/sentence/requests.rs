@@ -56,7 +56,6 @@ sentences! {
     person_on_floor(person) = "{person} is on the floor: wait until the person has left, or clear a lost worker";
     person_assigned(person, assignment) = "{person} has the assignment {assignment}: cancel it first";
     token_of_worker(worker) = "this token is for the worker {worker} alone: sign in with that worker's name";
-    kind_removed() = "no robots of this kind join any more: it was removed, or replaced from the next start on";
     kind_in_use(robots, kind) =
         "{robots} robots are of kind \"{kind}\", or were when they left: add a kind of another name";
     kind_of_scenario(kind) = "the scenario has a kind \"{kind}\": change it there, or choose another name";

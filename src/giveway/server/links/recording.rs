@@ -6,10 +6,10 @@
 
 use crate::server::ahead::LastForecasts;
 use crate::server::clock::Clock;
+use crate::server::listen;
 use crate::server::measure::Measure;
 use crate::server::past::PastLists;
 use crate::server::recorder::FrameRecorder;
-use crate::server::{kinds, listen};
 use anyhow::Context;
 use giveway_api::alarms::Alarms;
 use giveway_api::audit::AuditLog;
@@ -21,7 +21,7 @@ use giveway_api::massrobotics::Interop;
 use giveway_api::port::{Moment, QUESTIONS, Question, SharedHistory};
 use giveway_api::publish::MapPort;
 use giveway_api::recording::{Folder, Limits, Rotation};
-use giveway_api::{Api, router};
+use giveway_api::{Api, KindChecks, router};
 use giveway_fleet::alarm::{AlarmKind, FloorWatch, LoopHealth};
 use giveway_fleet::history::{History, LoopTimes};
 use giveway_fleet::{Fleet, View};
@@ -93,7 +93,7 @@ impl Show {
         let (closing, closes) = watch::channel(false);
         let api = Api {
             map,
-            kinds: kinds::of_recording(&player.fleet),
+            kind_checks: KindChecks::default(),
             moments: picture,
             records: past.clone(),
             figures: figures.clone(),

@@ -69,8 +69,8 @@ mod tests {
         assert!(alarms.list().is_empty());
         let mut parts = fleet.ledger().to_parts();
         parts.promises.robots[RobotId(0)].task = Task::Idle;
-        let (warehouse, clearance) = (fleet.warehouse().clone(), fleet.settings().clearance());
-        let broken = Ledger::from_parts(warehouse, clearance, parts).expect("it says nothing of jobs");
+        let (warehouse, kinds) = (fleet.warehouse().clone(), &fleet.settings().site_kinds);
+        let broken = Ledger::from_parts(warehouse, kinds, parts).expect("it says nothing of jobs");
         auditor.note(1, &broken, Time(1), &alarms);
         assert!(alarms.list().is_empty(), "not every time");
         auditor.note(AUDIT_AFTER, &broken, Time(1), &alarms);
