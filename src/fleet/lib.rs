@@ -183,15 +183,16 @@ impl Fleet {
         self.writer.take_step()
     }
 
-    /// The kinds of robots have changed, and with them the building: what people and traffic keep for each kind is made
-    /// anew. What the rooms share was, when the fact was recorded.
+    /// The kinds of robots have changed, and with them the building: what people and traffic keep for each kind is
+    /// made anew. What the rooms share was, when the fact was recorded.
     fn refit(&mut self) {
         let Fleet { writer, people, traffic, .. } = self;
         people.refit(writer.floor());
         traffic.refit(writer.floor());
     }
 
-    /// Who is in the workplaces of stations: two persons where hands are followed, or somebody whose headset is silent.
+    /// Who is in the workplaces of stations: two persons where hands are followed, or somebody whose headset is
+    /// silent.
     fn note_workplaces(&mut self, now: Time) {
         let Fleet { writer, people, .. } = self;
         people.note_used(writer.visits.used(), now);
@@ -249,8 +250,8 @@ impl Fleet {
         traffic.lose_places(writer, &lapsed);
     }
 
-    /// Routes, within the step's budget of expansions: for robots that need one; for those that were interrupted, would
-    /// drive into a closed area, meet people or wait for others, where a better one is found.
+    /// Routes, within the step's budget of expansions: for robots that need one; for those that were interrupted,
+    /// would drive into a closed area, meet people or wait for others, where a better one is found.
     fn plan(&mut self, now: Time) {
         let Fleet { writer, people, yielding, traffic, .. } = self;
         if writer.ledger().evacuation.is_some() {

@@ -1,8 +1,8 @@
 //! Kinds of robots as they are written down: beside the map, since which holds exclude one another follows from them,
 //! and whole, where a kind was added while the fleet worked.
 //!
-//! Main functions: `write`, `read`, `outlines`; main type: [`RobotKindRecord`]. Refuses: to say beside the map what holds
-//! do not depend on.
+//! Main functions: `write`, `read`, `outlines`; main type: [`RobotKindRecord`]. Refuses: to say beside the map what
+//! holds do not depend on.
 
 use giveway_fleet::{Charging, RobotKind};
 use giveway_floor::geometry::Point;

@@ -1,9 +1,9 @@
 //! A database under a changed map: compared, backed up, and carried over in one transaction, or refused in words.
 //!
-//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The core carries the ledger over
-//! ([`giveway_fleet::carry`]); the lists get the new map's ids, and what they name that is gone keeps its name. A kill
-//! at any instant leaves the old database or the new one. Refuses: obstacles always, losses unless they were accepted,
-//! and to begin without a backup.
+//! Main types: [`CarryOver`] (what the caller wants), [`CarriedOver`] (what was done). The core carries the ledger
+//! over ([`giveway_fleet::carry`]); the lists get the new map's ids, and what they name that is gone keeps its name.
+//! A kill at any instant leaves the old database or the new one. Refuses: obstacles always, losses unless they were
+//! accepted, and to begin without a backup.
 
 use super::check::{back_up, sync_folder};
 use super::events::NOTE_JOBS;
@@ -139,8 +139,8 @@ pub(super) async fn carry_over(
 }
 
 impl Store {
-    /// What a start with this map would carry over, and what not; nothing where the map is the database's own. The map is
-    /// for these kinds, those of the site.
+    /// What a start with this map would carry over, and what not; nothing where the map is the database's own. The
+    /// map is for these kinds, those of the site.
     ///
     /// # Errors
     /// Where the database cannot be read, or does not have its own map.

@@ -1,9 +1,10 @@
-//! Kinds of robots that a Giveway before 0.4 kept in a table of their own: they become facts when the database is opened.
+//! Kinds of robots that a Giveway before 0.4 kept in a table of their own: they become facts when the database is
+//! opened.
 //!
-//! Main function: [`take_up`]. Their robots are in the journal already, so the ledger is folded in the building as it was
-//! and written down anew with the kinds in it: a step, a snapshot behind it, and the emptied table are one transaction,
-//! and a kill leaves all of it or nothing. Refuses: kinds that cannot be, whose name the site has by now, or for which the
-//! map is not; it says so and leaves them out.
+//! Main function: [`take_up`]. Their robots are in the journal already, so the ledger is folded in the building as it
+//! was and written down anew with the kinds in it: a step, a snapshot behind it, and the emptied table are one
+//! transaction, and a kill leaves all of it or nothing. Refuses: kinds that cannot be, whose name the site has by
+//! now, or for which the map is not; it says so and leaves them out.
 
 use super::carry::kinds_of;
 use super::check::back_up;

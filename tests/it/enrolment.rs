@@ -1,11 +1,16 @@
 //! Robots that join over HTTP, go to maintenance and come back.
 
 use crate::helper::{Answer, Folder, get, map, send, start};
-use giveway::warehouse::NodeKind;
+use giveway::fleet::{Fact, Ledger, RobotFact, RobotKind, fitted};
+use giveway::id::{BodyId, RobotId};
+use giveway::store::{StepEntry, Store};
+use giveway::time::Time;
+use giveway::warehouse::{Footprint, NodeKind};
 use serde_json::{Value, json};
 use sqlx::Connection;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
 const JSON: [(&str, &str); 1] = [("content-type", "application/json")];
@@ -312,4 +317,39 @@ async fn kinds_that_an_earlier_version_kept_in_a_table_become_facts_once() {
     let joined = register(server.address(), &late("shuttle")).await;
     assert_eq!(joined.status, 201, "{}", joined.text);
     server.stop().await.unwrap();
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn robots_of_a_kind_that_was_in_the_old_table_stay_what_they_are() {
+    let (folder, site, base) = (Folder::new(), [RobotKind::default()], Arc::new(map()));
+    let path = crate::helper::config(&folder).database;
+    let disc = |radius_m| Some(Footprint::Circle { radius_m });
+    let footprints = [disc(0.2), disc(0.3)];
+    let shuttle = RobotKind { name: "shuttle".into(), footprints, ..RobotKind::default() };
+    let both = fitted(&base, &[site[0].clone(), shuttle.clone()]).unwrap();
+    let store = Store::open(&path, &both).await.unwrap();
+    let (robot, at) = (RobotId(0), Time(5));
+    let node = both.nodes_where(|kind| kind == NodeKind::Storage)[0];
+    let (name, kind) = ("old-1".into(), "shuttle".into());
+    let joins = Fact::Robot(RobotFact::Registered { robot, name, kind, node, at });
+    store.append(1, &[StepEntry { at, facts: vec![joins], causes: vec![] }]).await.unwrap();
+    store.close().await;
+    let options = SqliteConnectOptions::new().filename(&path);
+    let mut db = SqliteConnection::connect_with(&options).await.unwrap();
+    let row = r#"{"footprint": {"circle_m": 0.2}, "footprint_loaded": {"circle_m": 0.3}}"#;
+    let put = "INSERT INTO kinds (name, figures) VALUES ('shuttle', $1)";
+    sqlx::query(put).bind(row).execute(&mut db).await.unwrap();
+    db.close().await.unwrap();
+    for _ in 0..2 {
+        let store = Store::open(&path, &base).await.unwrap();
+        let loaded = store.load(Ledger::new(base.clone(), &site, false)).await.unwrap();
+        assert_eq!(loaded.next, 3, "one step more, once");
+        let (ledger, _) = loaded.into_parts();
+        assert_eq!((ledger.kinds().added(), ledger.unknown_kinds()), (&[shuttle.clone()][..], vec![]));
+        assert_eq!((ledger.timeline().body(robot), ledger.node_of(robot)), (BodyId(1), node));
+        store.close().await;
+    }
+    let mut backup = path.into_os_string();
+    backup.push(".before-kinds");
+    assert!(std::path::Path::new(&backup).is_file(), "as it was before");
 }

@@ -1,9 +1,9 @@
-//! `GET /v1/kinds`, `PUT` and `DELETE /v1/kinds/{name}`: the kinds of robots that may join, those of the site and those
-//! that were added.
+//! `GET /v1/kinds`, `PUT` and `DELETE /v1/kinds/{name}`: the kinds of robots that may join, those of the site and
+//! those that were added.
 //!
-//! Main types: [`KindDto`], [`NewKind`], [`KindChecks`]. What is added is valid at once. Whether the map was drawn for a
-//! kind is found out here, aside, since it takes too long for the fleet; all else the fleet decides. Refuses: to change
-//! kinds of the site, and kinds that robots are of.
+//! Main types: [`KindDto`], [`NewKind`], [`KindChecks`]. What is added is valid at once. Whether the map was drawn
+//! for a kind is found out here, aside, since it takes too long for the fleet; all else the fleet decides. Refuses:
+//! to change kinds of the site, and kinds that robots are of.
 
 use crate::Api;
 use crate::called::Called;
@@ -167,8 +167,8 @@ pub async fn kinds(Called(api): Called) -> Json<Vec<KindDto>> {
     Json(kinds.iter().map(|kind| KindDto::new(kind, !kinds.is_of_site(&kind.name))).collect())
 }
 
-/// Add a robot kind beside those of the site or scenario, or replace one that was added and that no robot is of. Robots
-/// of it may join at once.
+/// Add a robot kind beside those of the site or scenario, or replace one that was added and that no robot is of.
+/// Robots of it may join at once.
 #[utoipa::path(put, path = "/v1/kinds/{name}", tag = "floor", operation_id = "putKind", request_body = NewKind,
     params(("name" = String, Path, example = "shuttle")), responses(
     (status = 201, description = "Robots of it may join, and that is durable", body = KindDto),
@@ -207,7 +207,8 @@ pub async fn remove(Called(api): Called, PathPart(name): PathPart) -> Result<Sta
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Whether the map is looked at for a kind: kinds of the site are refused, and the same kind once more changes nothing.
+/// Whether the map is looked at for a kind: kinds of the site are refused, and the same kind once more changes
+/// nothing.
 fn is_to_be_checked(kinds: &RobotKinds, kind: &RobotKind) -> bool {
     !kinds.is_of_site(&kind.name) && kinds.named(&kind.name) != Some(kind)
 }

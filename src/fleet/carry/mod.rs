@@ -1,8 +1,9 @@
 //! A ledger carried over to a changed map: robots stand where they stood, and the jobs that they had wait again.
 //!
-//! Main types: [`Carried`], [`Report`], [`Matching`]; main function [`carry`]. Nodes, stations and racks are matched by
-//! name, all routes are dropped, and everything that the new map has no name for is listed with what to do about it.
-//! Refuses: to guess where something is, and to decide whether a loss is acceptable: that is the operator's business.
+//! Main types: [`Carried`], [`Report`], [`Matching`]; main function [`carry`]. Nodes, stations and racks are matched
+//! by name, all routes are dropped, and everything that the new map has no name for is listed with what to do about
+//! it. Refuses: to guess where something is, and to decide whether a loss is acceptable: that is the operator's
+//! business.
 
 mod changes;
 mod clock;

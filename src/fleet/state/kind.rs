@@ -1,8 +1,8 @@
 //! Kinds of robots: what all robots of one kind have in common.
 //!
-//! Main types: [`RobotKind`], [`Charging`]. Main function: [`fitted`]. A robot's kind is known by its name. What a kind
-//! of the site is may be changed between two starts; one that was added is a fact, and stays while robots are of it. Refuses: to know
-//! of a robot's state.
+//! Main types: [`RobotKind`], [`Charging`]. Main function: [`fitted`]. A robot's kind is known by its name. What a
+//! kind of the site is may be changed between two starts; one that was added is a fact, and stays while robots are of
+//! it. Refuses: to know of a robot's state.
 
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::Span;
@@ -56,7 +56,8 @@ impl Hash for RobotKind {
 }
 
 impl RobotKind {
-    /// A kind of which only that is known what the building knows, and how long holds outlast it: all else is as usual.
+    /// A kind of which only that is known what the building knows, and how long holds outlast it: all else is as
+    /// usual.
     pub fn of_body(body: &Body, clearance: Span) -> RobotKind {
         let Body { kind, footprints, carries, payload_kg } = body.clone();
         let kinematics = Kinematics { clearance, ..Kinematics::default() };

@@ -34,8 +34,8 @@ impl RobotKinds {
         RobotKinds { all: kinds.into(), of_site: kinds.len() }
     }
 
-    /// The same with kinds that were added. Kinds whose name the site has by now are left out: the site's file may have
-    /// been changed since.
+    /// The same with kinds that were added. Kinds whose name the site has by now are left out: the site's file may
+    /// have been changed since.
     pub fn with_added(mut self, added: impl IntoIterator<Item = RobotKind>) -> RobotKinds {
         for kind in added {
             if self.is_of_site(&kind.name) {

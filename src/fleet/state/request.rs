@@ -1,7 +1,8 @@
 //! What is asked of the fleet, and what it answers.
 //!
 //! Main types: [`Request`], nested by what it is about; [`Ask`], a request that knows what its answer looks like;
-//! [`Reply`], an [`Answer`] or a [`Refusal`] under the [`Token`] of the request. Refuses: to say how any of it travels.
+//! [`Reply`], an [`Answer`] or a [`Refusal`] under the [`Token`] of the request. Refuses: to say how any of it
+//! travels.
 
 use crate::state::job::{JobChange, JobRequest};
 use crate::state::kind::RobotKind;
@@ -109,8 +110,8 @@ pub enum StationOrder {
     Resume,
     /// The rack may leave: lines that are left are short.
     Release,
-    /// About a line of the visit, counted from 0; of the one before, if its last line is not confirmed yet and no other
-    /// rack is there.
+    /// About a line of the visit, counted from 0; of the one before, if its last line is not confirmed yet and no
+    /// other rack is there.
     Line(usize, LineChange),
     /// About the line that was not confirmed when its rack left at the last grasp.
     Last(LineChange),

@@ -125,8 +125,8 @@ impl Restrictions {
         }
     }
 
-    /// Begins anew with conditions for other kinds of robots. Announced closures are announced to them when restrictions
-    /// are renewed next.
+    /// Begins anew with conditions for other kinds of robots. Announced closures are announced to them when
+    /// restrictions are renewed next.
     pub fn refit(&mut self, warehouse: &Warehouse, regions: &KindRegions) {
         self.conditions = KindConditions::none(warehouse, regions);
         self.areas.announce_anew();

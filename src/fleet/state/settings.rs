@@ -1,4 +1,5 @@
-//! What never changes while a fleet runs: kinds of robots of the site, control period, budgets, limits, the policy about people.
+//! What never changes while a fleet runs: kinds of robots of the site, control period, budgets, limits, the policy
+//! about people.
 //!
 //! Main types: [`Settings`], [`FloorLimits`]. Refuses: to be changed by requests.
 
@@ -35,8 +36,8 @@ pub struct Settings {
     pub flow: Flow,
     /// When robot arms move beside pickers.
     pub arm_mode: ArmMode,
-    /// What a second of a worker is worth, in seconds of a robot: a robot that waits for a worker goes first where that
-    /// costs less ([`HumanAwarePolicy::Giveway`] only).
+    /// What a second of a worker is worth, in seconds of a robot: a robot that waits for a worker goes first where
+    /// that costs less ([`HumanAwarePolicy::Giveway`] only).
     pub worker_price: f64,
     /// What was learned about people.
     pub model: Arc<Model>,

@@ -8,8 +8,8 @@ use crate::warehouse::Warehouse;
 use std::sync::Arc;
 
 impl Timeline {
-    /// Goes over to the same building for other kinds of robots: all chains stay, and the lines are written anew, since
-    /// there is one for each resource and footprint. `bodies` are the kinds of robots, by their numbers.
+    /// Goes over to the same building for other kinds of robots: all chains stay, and the lines are written anew,
+    /// since there is one for each resource and footprint. `bodies` are the kinds of robots, by their numbers.
     ///
     /// # Panics
     /// If it is another building.

@@ -6,9 +6,9 @@
 //!
 //! The rule: a robot with footprint `f` on a resource `r` excludes a robot with footprint `g` from a resource `s`
 //! exactly if what the two outlines take there overlaps. Each resource therefore has a timeline for each footprint
-//! ([`LineId`]), in which everything stands that excludes a robot with that footprint. Reading costs what it costs with
-//! one footprint; a hold is written once for each footprint and conflict, so writing costs as many times as much as
-//! there are footprints.
+//! ([`LineId`]), in which everything stands that excludes a robot with that footprint. Reading costs what it costs
+//! with one footprint; a hold is written once for each footprint and conflict, so writing costs as many times as much
+//! as there are footprints.
 //!
 //! Refuses: footprints that reach beyond the one for which the map was drawn, since whether a floor is well-formed
 //! (invariant a) was checked with that; kinds whose lanes do not make a well-formed floor of their own.
@@ -95,8 +95,8 @@ impl Warehouse {
         Ok(w)
     }
 
-    /// Whether the floor was drawn for robots of a kind, whatever others there are. Looks at the whole floor: on a large
-    /// map that takes a while.
+    /// Whether the floor was drawn for robots of a kind, whatever others there are. Looks at the whole floor: on a
+    /// large map that takes a while.
     ///
     /// # Errors
     /// Why it was not, with what to do.
@@ -204,7 +204,8 @@ impl Warehouse {
         nodes.chain(others)
     }
 
-    /// What a robot with a footprint may take of the floor while it holds a resource: conflicts are computed with this.
+    /// What a robot with a footprint may take of the floor while it holds a resource: conflicts are computed with
+    /// this.
     pub fn taken(&self, footprint: &Footprint, r: ResourceId) -> super::footprint::Hull {
         match self.resource(r) {
             Ok(n) => footprint.standing(self.nodes[n].at),

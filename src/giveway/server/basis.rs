@@ -1,7 +1,7 @@
 //! What a server is started with, and which map it takes: that of the file, or the one that was published to it.
 //!
-//! Main types: [`FloorBasis`]; main function [`FloorBasis::choose`]. Refuses: to choose where both the file was changed
-//! and a map was published.
+//! Main types: [`FloorBasis`]; main function [`FloorBasis::choose`]. Refuses: to choose where both the file was
+//! changed and a map was published.
 
 use super::{FloorSource, ServedFloor};
 use anyhow::{Context, bail};

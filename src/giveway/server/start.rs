@@ -92,9 +92,9 @@ pub async fn open(
     Ok(Arc::new(store.keep_days(config.keep_days).keep_people_days(config.people_keep_days)))
 }
 
-/// Everything that a start makes of the files: the map that is in operation, the database, the parts. Where there is no
-/// room on the disk, it says so through `waits`, and tries again until there is: nothing can be promised meanwhile, and
-/// a process that ended would only be started again.
+/// Everything that a start makes of the files: the map that is in operation, the database, the parts. Where there is
+/// no room on the disk, it says so through `waits`, and tries again until there is: nothing can be promised
+/// meanwhile, and a process that ended would only be started again.
 pub async fn restore(
     config: &Config,
     floor: &ServedFloor,
@@ -147,8 +147,8 @@ async fn try_restore(
     }
 }
 
-/// Refuses robots of a kind that there is not, and a map that is not for a kind that was added: its lanes may have been
-/// changed for other kinds, and the ids in the journal not.
+/// Refuses robots of a kind that there is not, and a map that is not for a kind that was added: its lanes may have
+/// been changed for other kinds, and the ids in the journal not.
 fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
     let ledger = fleet.ledger();
     if let Some((robot, kind)) = ledger.unknown_kinds().first() {

@@ -3,7 +3,7 @@
 //! Main type: [`KindRow`]. Refuses: to round, and to leave out what is as usual: what is usual may change, and a
 //! recording must play again to the same digest.
 
-use giveway_fleet::{Charging, RobotKind};
+use giveway_fleet::{Charging, FloorAction, RobotKind};
 use giveway_floor::geometry::Point;
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::Span;
@@ -36,6 +36,13 @@ enum OutlineRow {
     Circle(f64),
     /// Corners, and whether it turns.
     Polygon(Vec<[f64; 2]>, bool),
+}
+
+impl KindRow {
+    /// What was asked for.
+    pub fn action(self) -> FloorAction {
+        FloorAction::PutKind(Box::new(self.into()))
+    }
 }
 
 impl From<&RobotKind> for KindRow {

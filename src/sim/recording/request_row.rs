@@ -174,7 +174,7 @@ impl RequestRow {
             }
             RequestRow::Halt(token, robot) => ask(token, FloorAction::Halt(robot.map(RobotId)).into()),
             RequestRow::Release(token, robot) => ask(token, FloorAction::Release(robot.map(RobotId)).into()),
-            RequestRow::PutKind(token, row) => ask(token, FloorAction::PutKind(Box::new(row.into())).into()),
+            RequestRow::PutKind(token, row) => ask(token, row.action().into()),
             RequestRow::RemoveKind(token, name) => ask(token, FloorAction::RemoveKind(name).into()),
             RequestRow::Prioritise(token, job, priority) => {
                 let change = JobChange { priority: Some(priority), ..JobChange::default() };

@@ -1,7 +1,8 @@
 //! How kinds of robots that come and go change the ledger: its building is always for all kinds, in their order.
 //!
-//! Facts about a kind whose name the site's file has by now change nothing: the file may be changed between two starts,
-//! and what it says goes first. Refuses: to ask whether the floor was drawn for a kind; that was found out before.
+//! Facts about a kind whose name the site's file has by now change nothing: the file may be changed between two
+//! starts, and what it says goes first. Refuses: to ask whether the floor was drawn for a kind; that was found out
+//! before.
 
 use super::Ledger;
 use crate::state::kind::RobotKind;
