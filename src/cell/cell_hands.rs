@@ -1,6 +1,7 @@
 //! The hands at one work cell, followed from slot to tote, and warned before they are in a wrong slot.
 //!
-//! Main types: [`CellHands`], [`CellHandsEvent`]. Refuses: hands of two persons at once, and to confirm anything by guessing.
+//! Main types: [`CellHands`], [`CellHandsEvent`]. Refuses: hands of two persons at once, and to confirm anything by
+//! guessing.
 
 use super::aim::aims_wrong;
 use super::belief::{ReachBeliefs, ReachPlace};

@@ -1,11 +1,11 @@
 //! The driver around the core: what is heard, stepped, written down and sent, as one pure machine.
 //!
-//! Main types: [`Drive`], [`Heard`], [`Sent`], [`Released`], [`Outgoing`]. The server is sockets, a clock and a database around it; a
-//! simulation is a loop around the same machine, with a journal that may be late, refuse or lose its last writes, and a
-//! process that may die at any point. Stops and guidance leave in the turn that decided them ([`Sent`]); orders and
-//! answers leave when the journal has the facts behind them ([`Released`]). Every call of the fleet is guarded: one
-//! that panics fences off the robot at hand, and the others go on (`rescue.rs`). Refuses: clocks, sockets, files;
-//! decisions about robots; to keep more than the stated limits.
+//! Main types: [`Drive`], [`Heard`], [`Sent`], [`Released`], [`LinkOutput`]. The server is sockets, a clock and a
+//! database around it; a simulation is a loop around the same machine, with a journal that may be late, refuse or lose
+//! its last writes, and a process that may die at any point. Stops and guidance leave in the turn that decided them
+//! ([`Sent`]); orders and answers leave when the journal has the facts behind them ([`Released`]). Every call of the
+//! fleet is guarded: one that panics fences off the robot at hand, and the others go on (`rescue.rs`). Refuses: clocks,
+//! sockets, files; decisions about robots; to keep more than the stated limits.
 
 mod gate;
 mod intake;
@@ -16,7 +16,7 @@ mod settle;
 
 pub use gate::{JournalReport, JournalState, MOST_PENDING};
 pub use intake::{MOST_REQUESTS, MOST_SIMULATED};
-pub use link::Outgoing;
+pub use link::LinkOutput;
 pub use rescue::{GuardedCall, PLANTED, Trap, panic_text};
 pub use settle::NotStanding;
 

@@ -1,6 +1,6 @@
 //! What leaves for everything behind a link: orders for robots and arms, what people are told, answers to requests.
 //!
-//! Main type: [`Outgoing`]. What comes back from a link are inputs of the fleet. Refuses: to say how either travels.
+//! Main type: [`LinkOutput`]. What comes back from a link are inputs of the fleet. Refuses: to say how either travels.
 
 use crate::{Released, Sent};
 use giveway_cell::arm::ArmOrder;
@@ -9,7 +9,7 @@ use giveway_floor::id::{RobotId, WorkerId};
 
 /// What leaves at one moment.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Outgoing<'a> {
+pub struct LinkOutput<'a> {
     /// Stops, slow-downs and their ends.
     pub limits: &'a [(RobotId, Command)],
     /// Orders to robots.
@@ -24,22 +24,22 @@ pub struct Outgoing<'a> {
     pub replies: &'a [Reply],
 }
 
-impl<'a> From<&'a Sent> for Outgoing<'a> {
-    fn from(Sent { limits, guidance, warnings, arms, .. }: &'a Sent) -> Outgoing<'a> {
-        Outgoing { limits, guidance, warnings, arms, ..Outgoing::default() }
+impl<'a> From<&'a Sent> for LinkOutput<'a> {
+    fn from(Sent { limits, guidance, warnings, arms, .. }: &'a Sent) -> LinkOutput<'a> {
+        LinkOutput { limits, guidance, warnings, arms, ..LinkOutput::default() }
     }
 }
 
-impl<'a> From<&'a Released> for Outgoing<'a> {
-    fn from(Released { orders, replies }: &'a Released) -> Outgoing<'a> {
-        Outgoing { orders, replies, ..Outgoing::default() }
+impl<'a> From<&'a Released> for LinkOutput<'a> {
+    fn from(Released { orders, replies }: &'a Released) -> LinkOutput<'a> {
+        LinkOutput { orders, replies, ..LinkOutput::default() }
     }
 }
 
-impl<'a> From<&'a Step> for Outgoing<'a> {
+impl<'a> From<&'a Step> for LinkOutput<'a> {
     /// Everything at once: no journal is waited for.
-    fn from(step: &'a Step) -> Outgoing<'a> {
+    fn from(step: &'a Step) -> LinkOutput<'a> {
         let Step { urgent: limits, commands: orders, guidance, warnings, arms, replies, .. } = step;
-        Outgoing { limits, orders, guidance, warnings, arms, replies }
+        LinkOutput { limits, orders, guidance, warnings, arms, replies }
     }
 }

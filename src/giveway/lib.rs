@@ -110,7 +110,7 @@
 //! (`sim/host.rs`). All that is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
 //!
 //! Robots, and everything that is simulated, are behind links (`server/links/`): what they say comes as inputs, what
-//! leaves goes out as one [`drive::Outgoing`]. A simulated floor reads the ledger, as any client of the API can, and
+//! leaves goes out as one [`drive::LinkOutput`]. A simulated floor reads the ledger, as any client of the API can, and
 //! never the fleet.
 //!
 //! Inside `fleet`, each folder is a room. The rooms share `fleet/state/`: the ledger, which only facts change; the

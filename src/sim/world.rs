@@ -25,7 +25,7 @@ use super::random::Stream;
 use super::robot::RobotBody;
 use super::scenario::{Faults, Scenario};
 use super::walker::{RobotNear, Walker};
-use giveway_drive::Outgoing;
+use giveway_drive::LinkOutput;
 use giveway_fleet::{
     Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, Service, Telemetry, Token, most_dangerous,
 };
@@ -350,8 +350,8 @@ impl World {
     }
 
     /// What leaves the fleet arrives at robots, arms, people and customers, by their radios where they have some.
-    pub fn take<'a>(&mut self, now: Time, out: impl Into<Outgoing<'a>>) {
-        let Outgoing { limits, orders, guidance, warnings, arms, replies } = out.into();
+    pub fn take<'a>(&mut self, now: Time, out: impl Into<LinkOutput<'a>>) {
+        let LinkOutput { limits, orders, guidance, warnings, arms, replies } = out.into();
         for reply in replies {
             if let Reply { token: JOINS, answer: Err(why) } = reply {
                 tracing::warn!(?why, "a robot of the scenario cannot join");

@@ -105,7 +105,8 @@ impl Fleet {
         self.people.expectations(self.floor(), now)
     }
 
-    /// What robots at these places are told of the people near them: where those are and will be, as the fleet believes.
+    /// What robots at these places are told of the people near them: where those are and will be, as the fleet
+    /// believes.
     pub fn people_near(&self, robots: &[(RobotId, Point)], now: Time) -> Vec<(RobotId, Vec<ForeseenPerson>)> {
         let near = |at| self.people.foreseen(self.floor(), at, TOLD_M, now);
         robots.iter().map(|(robot, at)| (*robot, near(*at))).collect()

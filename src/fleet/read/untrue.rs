@@ -1,7 +1,7 @@
 //! Whether the cause that is shown for a robot's waiting is true of the floor.
 //!
-//! Main function: [`untrue`]. Refuses: to believe how the cause came about; it compares with what was promised, reported
-//! and ordered.
+//! Main function: [`untrue`]. Refuses: to believe how the cause came about; it compares with what was promised,
+//! reported and ordered.
 
 use crate::Fleet;
 use crate::state::fact::Task;

@@ -49,7 +49,7 @@ mod turns;
 mod why;
 mod workplace;
 
-use giveway_drive::Outgoing;
+use giveway_drive::LinkOutput;
 use giveway_fleet::internals::{Internals, InternalsMut};
 use giveway_fleet::*;
 use giveway_floor::id::{Dense, JobId, NodeId, RackId, RobotId, StationId};

@@ -337,7 +337,7 @@ fn a_limit_that_a_robot_has_but_the_fleet_did_not_set_is_lifted() {
     // As after a restart of the fleet, or where the server let all robots stand.
     let robots: Vec<_> = floor.fleet.ledger().robots.ids().collect();
     let limits: Vec<_> = robots.into_iter().map(|r| (r, Command::Limit(Some(0.0)))).collect();
-    floor.world.take(floor.now, Outgoing { limits: &limits, ..Outgoing::default() });
+    floor.world.take(floor.now, LinkOutput { limits: &limits, ..LinkOutput::default() });
     (0..3).for_each(|_| drop(floor.step(vec![])));
     assert!(floor.world.truth().all(|(_, t)| t.limit_mps == Some(0.0)), "they know it");
     floor.run(1);

@@ -1,8 +1,8 @@
 //! Keeps the past: a thread of its own writes frames of the live feed to disk, five a second.
 //!
-//! Main types: [`KeptPast`], [`BookmarkSender`] (the loop's end, which never waits). Where the disk takes no more, an alarm and
-//! the log say so, the fleet goes on, and the thread tries again. Refuses: to hold the loop up; a fact that comes too
-//! fast loses its bookmark, not its place in the journal.
+//! Main types: [`KeptPast`], [`BookmarkSender`] (the loop's end, which never waits). Where the disk takes no more, an
+//! alarm and the log say so, the fleet goes on, and the thread tries again. Refuses: to hold the loop up; a fact that
+//! comes too fast loses its bookmark, not its place in the journal.
 
 use super::clock::Clock;
 use super::queue::LastBacklog;

@@ -214,10 +214,9 @@ pub async fn build(
 ) -> anyhow::Result<(Built, StartSummary)> {
     let loaded = load(store, &floor).await?;
     let ServedFloor { source, map, planted } = floor;
-    let robots = source.robots();
+    let (robots, idle) = (source.robots(), source.idle(&map));
     let (next, facts) = (loaded.next, loaded.facts());
     let (published, map_name) = (basis.published.clone(), map.name.clone());
-    let idle = source.idle(&map);
     let summary = StartSummary { map: map_name, published, robots, facts, idle, ..StartSummary::default() };
     let clock = Arc::new(Clock::start(loaded.last));
     let settings = Settings { stopwatch: clock::stopwatch, ..source.site().settings() };
@@ -252,8 +251,8 @@ pub async fn build(
     let start = journal::Start { next, ledger: ledger.clone(), behind: facts };
     let (feeds, heard) = Feeds::new();
     feeds.know(&fleet.ledger().workers);
-    let (live, alarms) = (Live::new(map, clock.started().0.unsigned_abs()), Arc::new(Alarms::default()));
-    let live = Arc::new(live);
+    let live = Arc::new(Live::new(map, clock.started().0.unsigned_abs()));
+    let alarms = Arc::new(Alarms::default());
     let (last, active) = store.active_alarms(clock.now()).await?;
     alarms.restore(last, active, clock.now());
     let past = KeptPast::keep(config.past(), fleet.warehouse(), &live, &clock, &alarms);

@@ -1,8 +1,8 @@
 //! The stories that Petković 2021 tells in section 3.5 to show how intentions are recognised, told again.
 //!
-//! Main types: [`Story`] (beliefs over time with what happened when), [`StoryKind`] (which story). Floor plans and tracks of
-//! the originals are lost or were never published: what the text says of them is kept, the rest is made up, and it is
-//! the order of events that is compared, not numbers. Refuses: chance without a seed.
+//! Main types: [`Story`] (beliefs over time with what happened when), [`StoryKind`] (which story). Floor plans and
+//! tracks of the originals are lost or were never published: what the text says of them is kept, the rest is made up,
+//! and it is the order of events that is compared, not numbers. Refuses: chance without a seed.
 
 mod actor;
 mod grid;

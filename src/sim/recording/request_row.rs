@@ -162,11 +162,9 @@ impl RequestRow {
         match self {
             RequestRow::Register(name, node) => joins(name, USUAL_KIND.to_owned(), node),
             RequestRow::RegisterAs(name, node, kind) => joins(name, kind, node),
-            RequestRow::Maintain(token, robot, true) => {
-                ask(token, RobotAction::BeginMaintenance(RobotId(robot)).into())
-            }
-            RequestRow::Maintain(token, robot, false) => {
-                ask(token, RobotAction::EndMaintenance(RobotId(robot)).into())
+            RequestRow::Maintain(token, robot, begins) => {
+                let act = if begins { RobotAction::BeginMaintenance } else { RobotAction::EndMaintenance };
+                ask(token, act(RobotId(robot)).into())
             }
             RequestRow::Retire(token, robot) => ask(token, RobotAction::Retire(RobotId(robot)).into()),
             RequestRow::TakeRack(token, rack, node) => {

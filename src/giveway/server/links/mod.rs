@@ -1,16 +1,16 @@
 //! What robots and people are behind: the one room of the server that knows the simulator.
 //!
 //! Main type: [`Links`]. Data goes through it: what is heard comes as inputs of the fleet, what leaves as
-//! [`giveway_drive::Outgoing`]. `sim` is the floor that this process simulates, `trial` tries a map out, `recording`
+//! [`giveway_drive::LinkOutput`]. `sim` is the floor that this process simulates, `trial` tries a map out, `recording`
 //! plays what was recorded. A floor without a link has no robots. Refuses: to decide, and to keep what was not taken.
 
 pub mod recording;
 mod sim;
 pub mod trial;
 
-pub use sim::{FloorSource, SimLink};
+pub use sim::{FloorSource, SimulatedFloor};
 
-use giveway_drive::{Drive, Outgoing};
+use giveway_drive::{Drive, LinkOutput};
 use giveway_fleet::Input;
 use giveway_floor::time::Time;
 
@@ -18,12 +18,12 @@ use giveway_floor::time::Time;
 #[derive(Default)]
 pub struct Links {
     /// Simulated robots, people and customers.
-    sim: Option<SimLink>,
+    sim: Option<SimulatedFloor>,
 }
 
 impl Links {
     /// Those of a floor that this process simulates, if it does.
-    pub fn new(sim: Option<SimLink>) -> Links {
+    pub fn new(sim: Option<SimulatedFloor>) -> Links {
         Links { sim }
     }
 
@@ -33,7 +33,7 @@ impl Links {
     }
 
     /// Hands on what leaves.
-    pub fn take<'a>(&mut self, now: Time, out: impl Into<Outgoing<'a>>) {
+    pub fn take<'a>(&mut self, now: Time, out: impl Into<LinkOutput<'a>>) {
         if let Some(sim) = &mut self.sim {
             sim.take(now, out.into());
         }
@@ -48,7 +48,7 @@ impl Links {
 
     /// The simulated floor, for tests.
     #[cfg(test)]
-    pub fn sim(&self) -> &SimLink {
+    pub fn sim(&self) -> &SimulatedFloor {
         self.sim.as_ref().expect("the test has one")
     }
 }

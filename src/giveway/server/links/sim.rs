@@ -1,9 +1,10 @@
 //! Robots, people and customers that this process simulates: the toys of a scenario, or the robots of a site.
 //!
-//! Main types: [`FloorSource`] (what the floor is, and what of it is simulated), [`SimLink`] (while it runs). Refuses: to show the simulated floor anything
-//! of the fleet but what was promised, which any client can read, and what was sent to it.
+//! Main types: [`FloorSource`] (what the floor is, and what of it is simulated), [`SimulatedFloor`] (while it runs).
+//! Refuses: to show the simulated floor anything of the fleet but what was promised, which any client can read, and
+//! what was sent to it.
 
-use giveway_drive::{Drive, GuardedCall, Outgoing};
+use giveway_drive::{Drive, GuardedCall, LinkOutput};
 use giveway_fleet::{Input, Ledger};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::{Warehouse, room_for};
@@ -85,18 +86,18 @@ impl FloorSource {
     }
 
     /// The simulated floor as a ledger has it, if anything is simulated.
-    pub fn begin(&self, map: Arc<Warehouse>, ledger: &Ledger, now: Time) -> Option<SimLink> {
+    pub fn begin(&self, map: Arc<Warehouse>, ledger: &Ledger, now: Time) -> Option<SimulatedFloor> {
         let world = || World::new(map, &self.scenario, &self.lines, self.scenario.seed, ledger, now);
-        self.is_simulated.then(|| SimLink { world: world() })
+        self.is_simulated.then(|| SimulatedFloor { world: world() })
     }
 }
 
 /// The simulated floor while it runs.
-pub struct SimLink {
+pub struct SimulatedFloor {
     world: World,
 }
 
-impl SimLink {
+impl SimulatedFloor {
     /// What the floor says. While the fleet cannot be looked at, what it makes of it may end in a panic.
     pub fn hear(&mut self, now: Time, drive: &mut Drive) -> Vec<Input> {
         let world = &mut self.world;
@@ -113,12 +114,12 @@ impl SimLink {
     }
 
     /// What leaves arrives on the floor.
-    pub fn take(&mut self, now: Time, out: Outgoing<'_>) {
+    pub fn take(&mut self, now: Time, out: LinkOutput<'_>) {
         self.world.take(now, out);
     }
 
     /// Robots stay as they were on a floor before this one.
-    pub fn keep_robots_of(&mut self, before: &SimLink) {
+    pub fn keep_robots_of(&mut self, before: &SimulatedFloor) {
         self.world.keep_robots_of(&before.world);
     }
 
