@@ -162,11 +162,8 @@ impl RequestRow {
         match self {
             RequestRow::Register(name, node) => joins(name, USUAL_KIND.to_owned(), node),
             RequestRow::RegisterAs(name, node, kind) => joins(name, kind, node),
-            RequestRow::Maintain(token, robot, true) => {
-                ask(token, RobotAction::BeginMaintenance(RobotId(robot)).into())
-            }
-            RequestRow::Maintain(token, robot, false) => {
-                ask(token, RobotAction::EndMaintenance(RobotId(robot)).into())
+            RequestRow::Maintain(token, robot, begins) => {
+                ask(token, maintained(RobotId(robot), begins).into())
             }
             RequestRow::Retire(token, robot) => ask(token, RobotAction::Retire(RobotId(robot)).into()),
             RequestRow::TakeRack(token, rack, node) => {
@@ -229,6 +226,11 @@ impl RequestRow {
             }
         }
     }
+}
+
+/// Maintenance begins or ends.
+fn maintained(robot: RobotId, begins: bool) -> RobotAction {
+    if begins { RobotAction::BeginMaintenance(robot) } else { RobotAction::EndMaintenance(robot) }
 }
 
 /// A robot joins. The answer was given when this was recorded.
