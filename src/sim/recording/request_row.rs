@@ -229,6 +229,11 @@ impl RequestRow {
     }
 }
 
+/// Maintenance begins or ends.
+fn maintained(robot: RobotId, begins: bool) -> RobotAction {
+    if begins { RobotAction::BeginMaintenance(robot) } else { RobotAction::EndMaintenance(robot) }
+}
+
 /// A robot joins. The answer was given when this was recorded.
 fn joins(name: String, kind: String, node: u32) -> Input {
     Input::ask(0, RobotAction::Register { name, kind, node: NodeId(node) })
