@@ -163,8 +163,7 @@ impl RequestRow {
             RequestRow::Register(name, node) => joins(name, USUAL_KIND.to_owned(), node),
             RequestRow::RegisterAs(name, node, kind) => joins(name, kind, node),
             RequestRow::Maintain(token, robot, begins) => {
-                let act = if begins { RobotAction::BeginMaintenance } else { RobotAction::EndMaintenance };
-                ask(token, act(RobotId(robot)).into())
+                ask(token, maintained(RobotId(robot), begins).into())
             }
             RequestRow::Retire(token, robot) => ask(token, RobotAction::Retire(RobotId(robot)).into()),
             RequestRow::TakeRack(token, rack, node) => {
