@@ -28,8 +28,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The version that this program writes. It goes up as [`super::record::VERSION`] does, and for the same reasons.
-pub const VERSION: i64 = 1;
+/// The version that this program writes, and it reads all earlier ones. It goes up as [`super::record::VERSION`] does,
+/// and for the same reasons; 2 has the kinds of robots that were added.
+pub const VERSION: i64 = 2;
 
 /// Why a snapshot cannot be read.
 #[derive(Debug, thiserror::Error)]
@@ -187,7 +188,7 @@ pub fn decode(
     warehouse: &Arc<Warehouse>,
     site_kinds: &[RobotKind],
 ) -> Result<Ledger, SnapshotError> {
-    if version != VERSION {
+    if version > VERSION {
         return Err(SnapshotError::Newer(version));
     }
     let parts = serde_json::from_str::<LedgerRecord>(text)?.into();

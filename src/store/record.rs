@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// It goes up when a record of an earlier version would be read with another meaning, or when a program that is out
 /// there would misread a new one: from the first release on, each kind of fact and each field that is added makes a new
-/// version. 1 was the form of databases with a row for each fact, which are refused.
-pub const VERSION: i64 = 2;
+/// version. 1 was the form of databases with a row for each fact, which are refused; 3 has kinds of robots.
+pub const VERSION: i64 = 3;
 
 /// The oldest version that this program reads.
 const OLDEST: i64 = 2;

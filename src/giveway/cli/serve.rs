@@ -38,8 +38,11 @@ impl Serve {
         let config = Config::read(&self.flags)?;
         #[cfg(unix)]
         warn_of_readers(&config.database);
-        let mut setup = Setup::of_floor(&config.floor(), self.map.as_deref())
-            .context("there is nothing to run: name a site with --site, or a scenario with --scenario")?;
+        let floor = config.floor();
+        let mut setup = match Setup::of_floor(&floor, self.map.as_deref()) {
+            Err(e) if !floor.path().exists() => return Err(e.context(NOTHING)),
+            read => read?,
+        };
         setup.use_model(self.model.as_deref())?;
         setup.use_pick_model(self.pick_model.as_deref())?;
         if let Some(word) = &config.method {
@@ -84,6 +87,9 @@ pub(super) fn trace_to_stderr() {
         .with_ansi(std::io::stderr().is_terminal())
         .init();
 }
+
+/// What to do where no floor is named.
+const NOTHING: &str = "there is nothing to run: name a site with --site, or a scenario with --scenario";
 
 /// Prints a line for its reader; a server goes on if its output was closed.
 macro_rules! say {
