@@ -226,7 +226,12 @@ async fn keep(folder: &Folder, steps: usize, every: usize) -> giveway::fleet::Le
     let mut run = Run::restart(&map, &scenario, &store).await;
     let mut keeper = Keeper::new(store, nothing(&map, &scenario));
     let mut written = 0;
+    let until = run.now + Span::from_secs(3600);
     while written < steps {
+        assert!(
+            run.now < until,
+            "after an hour {written} of {steps} steps had facts: the floor has nothing to do"
+        );
         let (entry, _) = run.step(vec![]);
         if !entry.facts.is_empty() {
             written += 1;
