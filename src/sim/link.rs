@@ -96,6 +96,11 @@ impl<T> Link<T> {
     pub fn receive(&mut self, now: Time) -> Option<T> {
         self.under_way.pop_front_if(|(due, _)| *due <= now).map(|(_, m)| m)
     }
+
+    /// Whether no message is under way.
+    pub fn is_empty(&self) -> bool {
+        self.under_way.is_empty()
+    }
 }
 
 #[cfg(test)]

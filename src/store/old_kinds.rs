@@ -65,7 +65,7 @@ pub(super) async fn take_up(
     }
     let kinds: Vec<RobotKind> = rows.iter().filter_map(|(name, text)| readable(map, name, text)).collect();
     let Some(before) = (if last == 0 { Some(map.clone()) } else { floor::stored(db).await? }) else {
-        // Whoever opens it next is told that it has no map of its own.
+        // The check that follows says that it has no map of its own.
         return Ok(last);
     };
     if last > 0 {

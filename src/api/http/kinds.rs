@@ -241,7 +241,7 @@ impl KindChecks {
         let busy = |_| Problem::unavailable(requests::busy(), 1);
         let place = self.0.clone().try_acquire_owned().map_err(busy)?;
         let work = move || {
-            // The place is kept until the work has ended, whoever still listens.
+            // The place is kept until the work has ended, even if the client has gone.
             let _place = place;
             building.check_body(&kind.body())
         };
@@ -299,7 +299,7 @@ mod tests {
     #[tokio::test]
     async fn the_map_is_looked_at_for_one_kind_at_a_time() {
         let (checks, map, kind) = (KindChecks::default(), Arc::new(lab()), RobotKind::default());
-        let place = checks.0.clone().try_acquire_owned().expect("nobody looks");
+        let place = checks.0.clone().try_acquire_owned().expect("no check runs");
         let busy = checks.check(map.clone(), kind.clone()).await.unwrap_err();
         assert_eq!((busy.status, busy.retry_after), (503, Some(1)));
         drop(place);

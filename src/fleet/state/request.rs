@@ -177,7 +177,7 @@ pub enum FloorAction {
     Halt(Option<RobotId>),
     /// It may go on.
     Release(Option<RobotId>),
-    /// Robots of this kind may join; it replaces the added one of its name. Whoever asks has seen that the floor was
+    /// Robots of this kind may join; it replaces the added one of its name. It was checked that the floor was
     /// drawn for it ([`giveway_floor::warehouse::Warehouse::check_body`]), which takes too long for a step.
     PutKind(Box<RobotKind>),
     /// No robots of the added kind of this name may join any more.

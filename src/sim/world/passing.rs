@@ -9,10 +9,11 @@ use giveway_floor::id::{Dense, RobotId};
 use giveway_floor::warehouse::Hull;
 
 impl World {
-    /// Robots that may leave the line, and where each is: they are to be told what the fleet believes of people near
-    /// them.
+    /// Robots that may leave the line now, or by an order that is under way, and where each is: they are to be told what
+    /// the fleet believes of people near them.
     pub fn robots_beside(&self) -> Vec<(RobotId, Point)> {
-        let may = self.robots.iter().filter(|r| !r.off && r.body.beside.may);
+        let able = self.robots.iter().filter(|r| !r.off && r.body.beside.may);
+        let may = able.filter(|r| r.body.may_pass() || !r.orders.is_empty());
         may.map(|r| (r.body.id, r.body.pose.at)).collect()
     }
 
@@ -23,7 +24,7 @@ impl World {
         }
     }
 
-    /// Robots that pass nobody forget what they were told of people.
+    /// Robots that may not leave the line forget what they were told of people.
     pub(super) fn show_people(&mut self) {
         self.beside.clear();
         for robot in self.robots.iter_mut().filter(|r| !r.off && r.body.beside.may && !r.body.may_pass()) {

@@ -20,7 +20,7 @@ pub struct FloorSource {
     pub scenario: Scenario,
     /// What the customers order, where the scenario names a file.
     pub lines: Vec<OrderFileLine>,
-    /// Whether anything is simulated. Else no robot is, whoever registers it.
+    /// Whether anything is simulated. Else no robot is, also none that is registered later.
     pub is_simulated: bool,
 }
 
