@@ -141,7 +141,7 @@ impl Crew {
         })
     }
 
-    /// What is asked of the ledger, and what the devices have sent, by `now`.
+    /// What is asked of the fleet, and what the devices have sent, by `now`.
     pub fn say(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
         let mut inputs = Vec::new();
         self.share(now, ledger, &mut inputs);
@@ -355,7 +355,7 @@ impl Crew {
         present.map(move |(worker, w)| TrueWorker { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
     }
 
-    /// The truth about each worker that has been on the floor: its number in the ledger, and the walker.
+    /// The truth about each worker that has been on the floor: its number in the fleet, and the walker.
     pub fn walkers(&self) -> impl Iterator<Item = (WorkerId, &Walker)> {
         self.members.iter().filter_map(|m| m.id.zip(m.walker.as_ref()))
     }

@@ -9,8 +9,8 @@ use giveway_floor::id::{Dense, RobotId};
 use giveway_floor::warehouse::Hull;
 
 impl World {
-    /// Robots that may leave the line now, or by an order that is under way, and where each is: they are to be told what
-    /// the fleet believes of people near them.
+    /// Robots that may leave the line now, or by an order that is under way, and where each is: they are to be told
+    /// what the fleet believes of people near them.
     pub fn robots_beside(&self) -> Vec<(RobotId, Point)> {
         let able = self.robots.iter().filter(|r| !r.off && r.body.beside.may);
         let may = able.filter(|r| r.body.may_pass() || !r.orders.is_empty());
