@@ -61,6 +61,7 @@ impl TestLoop {
         let report = |(i, node): (usize, &NodeId)| {
             Input::Telemetry(Telemetry {
                 robot: RobotId(i as u32),
+                seq: self.now.0.unsigned_abs(),
                 seen: self.now,
                 pose: Pose { at: map.nodes[*node].at, heading: 0.0 },
                 speed_mps: 0.0,

@@ -316,6 +316,8 @@ impl RobotBody {
     pub fn report(&self, now: Time) -> Telemetry {
         Telemetry {
             robot: self.id,
+            // It makes one at a time.
+            seq: now.0.unsigned_abs(),
             seen: now,
             pose: self.pose,
             speed_mps: self.speed_mps,

@@ -76,6 +76,7 @@ impl StandingFloor {
         let at = self.fleet.warehouse().nodes[self.fleet.ledger().node_of(robot)].at;
         Telemetry {
             robot,
+            seq: self.now.0.unsigned_abs(),
             seen: self.now,
             pose: Pose { at, heading: 0.0 },
             speed_mps: 0.0,

@@ -60,6 +60,9 @@ impl Input {
 pub struct Telemetry {
     /// The robot.
     pub robot: RobotId,
+    /// The robot's link numbers the reports of a robot in the order in which it made them, also past its restarts. One
+    /// with a number that is not above the newest was overtaken, or came twice.
+    pub seq: u64,
     /// When this was so, by the robot's clock; in what the fleet keeps, by the fleet's own.
     pub seen: Time,
     /// Where it is.

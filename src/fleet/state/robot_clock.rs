@@ -1,23 +1,16 @@
-//! The clock of a robot, as its reports show it: measured by when they come in, and believed about nothing else.
+//! The clock of a robot, as its reports show it: measured by when they come in, and believed about nothing but how old
+//! a report is.
 //!
-//! Main types: [`RobotClock`], [`ReportOrder`] (which reports of a robot are news). A robot's dates order its own
-//! reports while its clock goes on evenly. One report dated ahead, or a clock that is set back, silences no robot.
-//! Refuses: reports that were overtaken.
+//! Main types: [`RobotClock`], [`ReportOrder`] (which reports of a robot are news: those with a number above all before).
+//! Refuses: reports that were overtaken, and to order reports by their dates.
 
 use giveway_floor::time::{Span, Time};
 
-/// No message is under way for longer: one that is overtaken by less may only be late. A date that is ahead by more, or
-/// before the newest by more, is wrong, or the clock was set. So a wrong date silences a robot for this long at most.
-const LATEST: Span = Span::from_secs(60);
+/// A date that is further ahead of the clock as measured is wrong, or the clock was set.
+const FAR: Span = Span::from_secs(60);
 
 /// After so many reports in a row that say so, the clock was set.
 const AGREE: u32 = 10;
-
-/// After so long without news, and ...
-const SILENT: Span = Span::from_secs(2);
-
-/// ... so many reports in a row that are later than one another, but dated before the newest, the clock was set back.
-const AFRESH: u32 = 3;
 
 /// Clocks run at most so unevenly: the measured difference shrinks by this share of the time that goes by.
 const DRIFT: f64 = 1e-4;
@@ -43,7 +36,7 @@ impl RobotClock {
         let elapsed_s = (now - self.at).max(Span::ZERO).as_secs_f64();
         self.ahead = self.ahead - Span::from_secs_f64(elapsed_s * DRIFT);
         self.at = now;
-        if by_arrival <= self.ahead + LATEST {
+        if by_arrival <= self.ahead + FAR {
             self.odd = 0;
             self.ahead = self.ahead.max(by_arrival);
             return date;
@@ -57,37 +50,27 @@ impl RobotClock {
     }
 }
 
-/// In which order the reports of one robot were made.
+/// In which order a robot made its reports, and when.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ReportOrder {
     clock: Option<RobotClock>,
-    /// The date of the newest report, and when it came in.
-    newest: Option<(Time, Time)>,
-    /// Reports in a row that are dated before it: the date of the last, and how many.
-    older: Option<(Time, u32)>,
+    /// The number of the newest report, and its date.
+    newest: Option<(u64, Time)>,
 }
 
 impl ReportOrder {
     /// When a report that came in `now` was made, in the fleet's own time; nothing if a later one came in before.
-    pub fn take(&mut self, date: Time, now: Time) -> Option<Time> {
-        let clock = self.clock.get_or_insert_with(|| RobotClock::new(date, now));
-        let mut believed = clock.believe(date, now);
-        if let Some((newest, heard)) = self.newest.filter(|(newest, _)| believed <= *newest) {
-            if newest - believed <= LATEST {
-                return None;
-            }
-            let count = self.older.filter(|(last, _)| *last < date).map_or(1, |(_, count)| count + 1);
-            self.older = Some((date, count));
-            if now - heard < SILENT || count < AFRESH {
-                return None;
-            }
-            self.clock = Some(RobotClock::new(date, now));
-            believed = date;
+    pub fn take(&mut self, seq: u64, date: Time, now: Time) -> Option<Time> {
+        if self.newest.is_some_and(|(newest, _)| seq <= newest) {
+            return None;
         }
-        self.older = None;
-        self.newest = Some((believed, now));
-        let ahead = self.clock.map_or(Span::ZERO, |clock| clock.ahead);
-        Some((believed - ahead).min(now))
+        // A later report with an earlier date: the clock was set back.
+        let was_set_back = self.newest.is_some_and(|(_, newest)| date < newest);
+        let mut clock =
+            self.clock.filter(|_| !was_set_back).unwrap_or_else(|| RobotClock::new(date, now));
+        let believed = clock.believe(date, now);
+        (self.clock, self.newest) = (Some(clock), Some((seq, believed)));
+        Some((believed - clock.ahead).min(now))
     }
 }
 
@@ -95,51 +78,46 @@ impl ReportOrder {
 mod tests {
     use super::*;
 
-    /// Whether each report is news; reports come in every 100 ms, dated by so much less or more than that.
-    fn news(ahead_ms: impl IntoIterator<Item = i64>) -> Vec<bool> {
+    /// How old each report seems, ms; they come in at once, every 100 ms, dated by so much less or more than that.
+    fn ages(ahead_ms: impl IntoIterator<Item = i64>) -> Vec<i64> {
         let mut order = ReportOrder::default();
-        let at = |i: usize| Time::ZERO + Span::from_millis(100_000 + 100 * i as i64);
-        let take = |(i, ms)| {
-            let made = order.take(at(i) + Span::from_millis(ms), at(i));
-            assert!(made.is_none_or(|made| made <= at(i)), "nothing was seen in the future");
-            made.is_some()
+        let take = |(i, ms): (usize, i64)| {
+            let at = Time::ZERO + Span::from_millis(100_000 + 100 * i as i64);
+            let made = order.take(i as u64, at + Span::from_millis(ms), at).expect("none was overtaken");
+            (at - made).0 / 1000
         };
         ahead_ms.into_iter().enumerate().map(take).collect()
     }
 
     #[test]
-    fn a_report_dated_a_day_ahead_silences_its_robot_for_no_moment() {
+    fn a_report_dated_a_day_ahead_silences_its_robot_for_no_moment_and_ages_no_report() {
         let day = 86_400_000;
         for ahead in [0, 3_600_000, -3_600_000] {
             let reports = (0..30).map(|i| if i == 5 { day } else { ahead });
-            assert_eq!(news(reports), [true; 30], "a clock that is {ahead} ms ahead");
+            assert_eq!(ages(reports), [0; 30], "a clock that is {ahead} ms ahead");
         }
     }
 
     #[test]
-    fn a_first_report_dated_ahead_and_a_clock_that_is_set_back_silence_a_robot_for_two_seconds_at_most() {
-        for reports in [[3_600_000; 1].to_vec(), [0; 10].to_vec()] {
-            let before = reports.len();
-            let news = news(reports.into_iter().chain([-3_600_000; 60]));
-            let silent = news.iter().skip(before).take_while(|news| !**news).count();
-            assert!((1..=22).contains(&silent), "{silent} reports of ten a second");
-            assert!(news[before + silent..].iter().all(|news| *news));
+    fn a_clock_that_is_set_back_or_ahead_silences_no_robot_and_ages_no_report() {
+        for set in [-3_600_000, -3000, -150, 3_600_000] {
+            assert_eq!(ages([0; 10].into_iter().chain([set; 60])), [0; 70], "set by {set} ms");
         }
+        let ages = ages([3_000; 10].into_iter().chain([2_950; 10]));
+        assert!(ages.iter().all(|age| (0..=50).contains(age)), "set back by less than goes by: {ages:?}");
     }
 
     #[test]
-    fn a_clock_that_is_set_ahead_counts_after_ten_reports_and_none_is_lost() {
-        assert_eq!(news([0; 10].into_iter().chain([3_600_000; 60])), [true; 70]);
-    }
-
-    #[test]
-    fn reports_that_were_overtaken_or_come_twice_are_no_news() {
-        let mut order = ReportOrder::default();
-        let at = |ms: i64| Time::ZERO + Span::from_millis(ms);
-        let made = [(1000, 1100), (900, 1150), (1000, 1200), (1300, 1400), (1200, 1450), (1250, 1500)];
-        let taken = made.map(|(date, now)| order.take(at(date), at(now)).is_some());
-        assert_eq!(taken, [true, false, false, true, false, false]);
-        assert_eq!(order.take(at(1300), at(9000)), None, "the same again, long after");
-        assert_eq!(order.take(at(1200), at(9100)), None, "one that was under way for long");
+    fn reports_that_were_overtaken_or_come_twice_are_no_news_whatever_the_clock_shows() {
+        for set in [0, -3_600_000, 3_600_000] {
+            let mut order = ReportOrder::default();
+            let at = |ms: i64| Time::ZERO + Span::from_millis(ms);
+            let made = [(10, 1100), (9, 1150), (10, 1200), (13, 1400), (11, 1450), (12, 1500), (13, 9000)];
+            let taken = made.map(|(seq, now)| {
+                let date = at(i64::try_from(seq).unwrap() * 100 + if seq > 11 { set } else { 0 });
+                order.take(seq, date, at(now)).is_some()
+            });
+            assert_eq!(taken, [true, false, false, true, false, false, false], "set by {set} ms");
+        }
     }
 }

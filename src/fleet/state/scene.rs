@@ -63,11 +63,11 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Takes an observation in that arrived `now`; one that was overtaken is ignored. Its date only orders those of one
-    /// robot, as far as the robot's clock can be trusted with that; from here on it is one of the fleet's own time.
+    /// Takes an observation in that arrived `now`; one that was overtaken is ignored. Its date says how old it is, as far
+    /// as the robot's clock can be trusted with that; from here on it is one of the fleet's own time.
     pub fn see(&mut self, t: Telemetry, now: Time) {
         let seen = self.robot_mut(t.robot);
-        let Some(made) = seen.order.take(t.seen, now) else { return };
+        let Some(made) = seen.order.take(t.seq, t.seen, now) else { return };
         let t = Telemetry { seen: made, ..t };
         seen.heard = Some(now);
         let before = seen.still.filter(|_| seen.newest.is_some_and(|n| n.reached == t.reached));
@@ -90,9 +90,11 @@ impl Scene {
         }
     }
 
-    /// Forgets what was seen of a robot: it is another one, or stands elsewhere.
+    /// Forgets what was seen of a robot: it is another one, or stands elsewhere. Reports that are still under way from
+    /// before stay overtaken.
     pub fn forget(&mut self, robot: RobotId) {
-        *self.robot_mut(robot) = RobotSeen::default();
+        let seen = self.robot_mut(robot);
+        *seen = RobotSeen { order: seen.order, ..RobotSeen::default() };
         self.faulty.remove(&robot);
         self.kept.remove(&robot);
         self.passing.remove(&robot);
@@ -225,6 +227,7 @@ mod tests {
             let (speed_mps, battery, recalls) = (0.0, 1.0, 0);
             let t = Telemetry {
                 robot: R0,
+                seq: now.0.unsigned_abs(),
                 seen: now,
                 pose,
                 speed_mps,

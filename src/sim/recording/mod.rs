@@ -95,7 +95,15 @@ struct RecordingEnd {
 /// Turns steps into lines.
 #[derive(Debug, Default)]
 pub struct Recorder {
-    last: BTreeMap<RobotId, Telemetry>,
+    last: BTreeMap<RobotId, LastSaid>,
+}
+
+/// What a robot said last.
+#[derive(Debug)]
+struct LastSaid {
+    report: Telemetry,
+    /// The time of the line in which that was new.
+    new_in: Option<Time>,
 }
 
 impl Recorder {
@@ -110,16 +118,23 @@ impl Recorder {
             RecordingLine { t: now.0, r: vec![], s: vec![], c: BTreeMap::new(), w: vec![], i: vec![] };
         for input in inputs {
             match input {
+                // Nobody takes one that was overtaken.
+                Input::Telemetry(t) if self.last.get(&t.robot).is_some_and(|said| t.seq <= said.report.seq) => {}
                 Input::Telemetry(t) => {
-                    let same = |o: &Telemetry| Telemetry { seen: t.seen, ..*o } == *t;
-                    if self.last.get(&t.robot).is_some_and(same) {
+                    // What a robot says again is read as what it said before this line, and before the rest of it.
+                    let same = |said: &LastSaid| {
+                        let before = Telemetry { seq: t.seq, seen: t.seen, ..said.report };
+                        said.new_in != Some(now) && before == *t
+                    };
+                    if let Some(last) = self.last.get_mut(&t.robot).filter(|said| same(said)) {
+                        last.report = *t;
                         line.s.push((t.robot.0, t.seen.0));
-                    } else {
-                        line.r.push(said(t));
-                        let before = self.last.insert(t.robot, *t).map_or(0, |o| o.recalls);
-                        if t.recalls != before {
-                            line.c.insert(t.robot.0, t.recalls);
-                        }
+                        continue;
+                    }
+                    line.r.push(said(t));
+                    let before = self.last.insert(t.robot, LastSaid { report: *t, new_in: Some(now) });
+                    if t.recalls != before.map_or(0, |said| said.report.recalls) {
+                        line.c.insert(t.robot.0, t.recalls);
                     }
                 }
                 Input::Sighted(s) => line.w.push(sighted(s)),
@@ -237,15 +252,18 @@ impl Playback {
         let mut inputs: Vec<Input> = line.i.into_iter().map(RequestRow::input).collect();
         let before = |robot| self.last.get(&RobotId(robot)).map_or(0, |t| t.recalls);
         let recalls = |robot| line.c.get(&robot).copied().unwrap_or_else(|| before(robot));
-        let mut seen: Vec<Telemetry> =
-            line.r.into_iter().map(|s| (recalls(s.0), s)).map(|(n, s)| heard(s, n)).collect();
+        let mut seen = Vec::with_capacity(line.s.len() + line.r.len());
         for (robot, at) in line.s {
             let last = self.last.get(&RobotId(robot));
             let last = last.ok_or_else(|| broken(format!("robot {robot} repeats what it never said")))?;
             seen.push(Telemetry { seen: Time(at), ..*last });
         }
-        self.last.extend(seen.iter().map(|t| (t.robot, *t)));
-        inputs.extend(seen.into_iter().map(Input::Telemetry));
+        seen.extend(line.r.into_iter().map(|s| (recalls(s.0), s)).map(|(n, s)| heard(s, n)));
+        for mut report in seen {
+            report.seq = self.last.get(&report.robot).map_or(1, |last| last.seq + 1);
+            self.last.insert(report.robot, report);
+            inputs.push(Input::Telemetry(report));
+        }
         inputs.extend(line.w.into_iter().map(|s| Input::Sighted(glimpsed(s))));
         Ok(Played::Step(Time(line.t), inputs))
     }
@@ -255,6 +273,7 @@ fn heard(s: TelemetryRow, recalls: u64) -> Telemetry {
     let (robot, seen, x, y, heading, speed_mps, reached, known, acted, rack, battery, fault, limit_mps) = s;
     Telemetry {
         robot: RobotId(robot),
+        seq: 0,
         seen: Time(seen),
         pose: Pose { at: Point::new(x, y), heading },
         speed_mps,

@@ -196,6 +196,7 @@ impl StepRobot {
         let moves = (self.at(w) - self.was_at).norm();
         Telemetry {
             robot: self.id,
+            seq: now.0.unsigned_abs(),
             seen: now,
             pose: Pose { at, heading: self.heading },
             speed_mps: if before.is_some() { moves } else { self.speed_mps },
