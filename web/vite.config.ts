@@ -99,7 +99,14 @@ export default defineConfig(({ mode }) => ({
   // the formatter's own parser would be 30 kB for nothing.
   resolve: process.env['VITEST']
     ? { conditions: ['browser'] }
-    : { alias: [{ find: /^@formatjs\/icu-messageformat-parser$/, replacement: '@formatjs/icu-messageformat-parser/no-parser.js' }] },
+    : {
+        alias: [
+          {
+            find: /^@formatjs\/icu-messageformat-parser$/,
+            replacement: '@formatjs/icu-messageformat-parser/no-parser.js',
+          },
+        ],
+      },
   build: {
     target: ['chrome123', 'firefox121', 'safari17.5'],
     // An inlined data: URL would need a hole in the Content-Security-Policy.
@@ -115,5 +122,11 @@ export default defineConfig(({ mode }) => ({
   },
   server: { proxy: { '/v1': { target: server, ws: true }, '/openapi.json': server, '/asyncapi.json': server } },
   // A minute for a test that takes a tenth of a second: a machine may be busy with other work.
-  test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'], setupFiles: ['tests/english.ts'], testTimeout: 60_000, hookTimeout: 60_000 },
+  test: {
+    environment: 'happy-dom',
+    include: ['tests/**/*.test.ts'],
+    setupFiles: ['tests/english.ts'],
+    testTimeout: 60_000,
+    hookTimeout: 60_000,
+  },
 }));

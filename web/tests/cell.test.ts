@@ -3,8 +3,23 @@ import { expect, test } from 'vitest';
 import { cellAt } from '../src/places/cellthen';
 import { readReel } from '../src/replay/frames';
 
-const line = (n: number, state: string, done: number) => ({ n, slot: 'C3', tote: 'B', quantity: 2, item: null, by: 'either', state, done });
-const cell = (lines: unknown[], ends_s: number[] | null) => ({ lines, ends_s, warnings: [], arm: null, ends: { visits: 3, held: 1, off_s: 2 } });
+const line = (n: number, state: string, done: number) => ({
+  n,
+  slot: 'C3',
+  tote: 'B',
+  quantity: 2,
+  item: null,
+  by: 'either',
+  state,
+  done,
+});
+const cell = (lines: unknown[], ends_s: number[] | null) => ({
+  lines,
+  ends_s,
+  warnings: [],
+  arm: null,
+  ends: { visits: 3, held: 1, off_s: 2 },
+});
 const reel = readReel([
   '{"reel":1,"name":"cells","start":null,"map":null}',
   '{"at":0,"key":{}}',

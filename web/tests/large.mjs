@@ -31,7 +31,8 @@ const status = page.locator('section', { has: page.getByRole('heading', { name: 
 // In processor time of the page's main thread.
 const devtools = await page.context().newCDPSession(page);
 await devtools.send('Performance.enable', { timeDomain: 'threadTicks' });
-const worked = async () => 1000 * (await devtools.send('Performance.getMetrics')).metrics.find((m) => m.name === 'TaskDuration').value;
+const worked = async () =>
+  1000 * (await devtools.send('Performance.getMetrics')).metrics.find((m) => m.name === 'TaskDuration').value;
 
 /** What the page works while `run` runs, in all and per frame, milliseconds; and how many frames a second it shows. */
 async function cost(run) {

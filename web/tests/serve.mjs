@@ -8,12 +8,23 @@ import { rmSync } from 'node:fs';
  */
 export async function serve(program, scenario, scratch, port = 0) {
   const server = spawn(program, [
-    'serve', ...(scenario === null ? [] : ['--scenario', scenario]), '--listen', `127.0.0.1:${port}`, '--database', `${scratch}/db.sqlite`,
+    'serve',
+    ...(scenario === null ? [] : ['--scenario', scenario]),
+    '--listen',
+    `127.0.0.1:${port}`,
+    '--database',
+    `${scratch}/db.sqlite`,
   ]);
   let log = '';
-  server.stderr.on('data', (text) => { log += text; });
-  server.stdout.on('data', (text) => { log += text; });
-  const ended = new Promise((done) => { server.once('exit', done); });
+  server.stderr.on('data', (text) => {
+    log += text;
+  });
+  server.stdout.on('data', (text) => {
+    log += text;
+  });
+  const ended = new Promise((done) => {
+    server.once('exit', done);
+  });
   const ends = async (signal) => {
     server.kill(signal);
     await ended;
@@ -28,7 +39,9 @@ export async function serve(program, scenario, scratch, port = 0) {
     };
     if (url) return { url, stop, kill: () => ends('SIGKILL') };
     if (server.exitCode !== null) break;
-    await new Promise((done) => { setTimeout(done, 200); });
+    await new Promise((done) => {
+      setTimeout(done, 200);
+    });
   }
   console.error(`The server did not start:\n${log}`);
   server.kill();

@@ -31,7 +31,8 @@ export function mask(ink: Colour): Shapes {
   const shapes = new Shapes();
   const [x, y] = NARROW;
   const at = (right: number, up: number): Vec3 => [right * MASK_M, up * MASK_M, -MASK_M];
-  const part = (x0: number, y0: number, x1: number, y1: number): void => shapes.quad(at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1), ink);
+  const part = (x0: number, y0: number, x1: number, y1: number): void =>
+    shapes.quad(at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1), ink);
   part(-WIDE, y, WIDE, WIDE);
   part(-WIDE, -WIDE, WIDE, -y);
   part(-WIDE, -y, -x, y);

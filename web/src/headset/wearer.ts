@@ -73,7 +73,8 @@ export class Wearer {
     this.#options = options;
     const names = options.marks.map((m) => m.name);
     // In the frame of the map there is nothing to align.
-    this.marking = options.frame === 'map' ? { kind: 'done', names, taken: [], rms_m: 0 } : { kind: 'taking', names, taken: [] };
+    this.marking =
+      options.frame === 'map' ? { kind: 'done', names, taken: [], rms_m: 0 } : { kind: 'taking', names, taken: [] };
     this.#feed = new Feed({
       ...options,
       onState: (state) => {
@@ -193,7 +194,11 @@ export class Wearer {
     const tracking = this.#options.poses === 'placed' ? 'none' : this.pump.isLost(now) ? 'lost' : this.#quality;
     const link: Standing['link'] = this.feed.kind;
     const age_ms = this.#heardAt === null ? null : now - this.#heardAt;
-    return show(this.guidance, { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null }, this.task);
+    return show(
+      this.guidance,
+      { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null },
+      this.task,
+    );
   }
 
   /** What the server finds wrong with what it gets. It says so every two seconds while it lasts. */
@@ -291,7 +296,8 @@ export class Wearer {
   #mark(event: MarkEvent): void {
     const before = this.marking;
     this.marking = mark(before, event);
-    if (this.marking.kind === 'asking' && this.marking !== before) this.#feed.anchors(this.marking.taken satisfies readonly Mark[]);
+    if (this.marking.kind === 'asking' && this.marking !== before)
+      this.#feed.anchors(this.marking.taken satisfies readonly Mark[]);
     this.#options.onChange();
   }
 }

@@ -49,7 +49,11 @@ export function readTable(given: string): Table | TableFault {
   if (rest.length === 0) return { kind: 'no rows' };
   const row = ({ line, cells }: { line: number; cells: string[] }): TableRow => {
     const kept = withoutEmptyEnd(cells, columns.length);
-    return { line, cells: columns.map((_, i) => kept[i] ?? ''), surplus: kept.length > columns.length ? kept.length : 0 };
+    return {
+      line,
+      cells: columns.map((_, i) => kept[i] ?? ''),
+      surplus: kept.length > columns.length ? kept.length : 0,
+    };
   };
   return { columns, rows: rest.map(row) };
 }
@@ -67,7 +71,7 @@ function separatorOf(text: string): string {
   let counts = SEPARATORS.map(() => 0);
   let [quoted, hasText] = [false, false];
   for (const c of text) {
-    const i = SEPARATORS.indexOf(c as typeof SEPARATORS[number]);
+    const i = SEPARATORS.indexOf(c as (typeof SEPARATORS)[number]);
     if (!quoted && c === '\n') {
       if (hasText) break;
       counts = SEPARATORS.map(() => 0);
@@ -87,14 +91,23 @@ function split(text: string, separator: string): { line: number; cells: string[]
   let cell = '';
   let [line, began] = [1, 1];
   let quoted: number | null = null;
-  const endCell = (): void => { row.push(trimmed(cell)); cell = ''; };
+  const endCell = (): void => {
+    row.push(trimmed(cell));
+    cell = '';
+  };
   for (let i = 0; i <= text.length; i++) {
     const c = text[i] ?? '\n';
     if (quoted !== null) {
       if (c === '\n') line += 1;
       if (c !== '"') cell += c;
-      else if (text[i + 1] === '"') { cell += '"'; i += 1; } else quoted = null;
-    } else if (c === '"' && trimmed(cell) === '') { quoted = line; cell = ''; } else if (c === separator) endCell();
+      else if (text[i + 1] === '"') {
+        cell += '"';
+        i += 1;
+      } else quoted = null;
+    } else if (c === '"' && trimmed(cell) === '') {
+      quoted = line;
+      cell = '';
+    } else if (c === separator) endCell();
     else if (c === '\n') {
       endCell();
       if (row.some((one) => one !== '')) lines.push({ line: began, cells: row });

@@ -56,5 +56,7 @@ const englishOf = (sentence: Said | string | null): string | null =>
 /** A sentence from a message; null where there is none. */
 export function asSaid(value: unknown): Said | string | null {
   if (typeof value === 'string') return value;
-  return typeof value === 'object' && value !== null && typeof (value as Said).text === 'string' ? (value as Said) : null;
+  return typeof value === 'object' && value !== null && typeof (value as Said).text === 'string'
+    ? (value as Said)
+    : null;
 }

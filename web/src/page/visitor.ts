@@ -4,7 +4,10 @@ import type { Answer, Api, FloorMap, MapNode } from '../wire';
 /** One step a second. */
 const STEP_MS = 1_000;
 const STEPS = 5;
-const wait = (ms: number): Promise<void> => new Promise((done) => { setTimeout(done, ms); });
+const wait = (ms: number): Promise<void> =>
+  new Promise((done) => {
+    setTimeout(done, ms);
+  });
 
 /** Places one after the other along lanes that people may walk, from the middle of the floor on. */
 export function stroll(map: FloorMap, steps: number): MapNode[] {
@@ -16,8 +19,10 @@ export function stroll(map: FloorMap, steps: number): MapNode[] {
   const way = [first];
   while (way.length < steps) {
     const here = map.nodes.indexOf(way.at(-1)!);
-    const next = map.lanes.flatMap((lane) => (lane.from === here ? [lane.to] : lane.both && lane.to === here ? [lane.from] : []))
-      .map((n) => map.nodes[n]!).find((node) => node.kind === 'aisle' && !way.includes(node));
+    const next = map.lanes
+      .flatMap((lane) => (lane.from === here ? [lane.to] : lane.both && lane.to === here ? [lane.from] : []))
+      .map((n) => map.nodes[n]!)
+      .find((node) => node.kind === 'aisle' && !way.includes(node));
     if (!next) break;
     way.push(next);
   }

@@ -15,7 +15,10 @@ export function countsOf(mirror: Pick<Mirror, 'robots' | 'time_s' | 'started'>):
     const activity = activityOf(robot);
     const sum = sums.get(activity) ?? { robots: 0, longest_s: null };
     const age = ageOf(mirror, robot);
-    sums.set(activity, { robots: sum.robots + 1, longest_s: age === null ? sum.longest_s : Math.max(sum.longest_s ?? 0, age) });
+    sums.set(activity, {
+      robots: sum.robots + 1,
+      longest_s: age === null ? sum.longest_s : Math.max(sum.longest_s ?? 0, age),
+    });
   }
   return ACTIVITIES.map((activity) => ({ activity, ...(sums.get(activity) ?? { robots: 0, longest_s: null }) }));
 }

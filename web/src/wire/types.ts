@@ -47,7 +47,18 @@ export interface Lane {
 
 /** What a robot can be at, as the server says it. */
 export const ACTIVITIES = [
-  'idle', 'driving', 'handling', 'picking', 'queueing', 'charging', 'waiting', 'paused', 'stopped', 'out_of_service', 'offline', 'failed',
+  'idle',
+  'driving',
+  'handling',
+  'picking',
+  'queueing',
+  'charging',
+  'waiting',
+  'paused',
+  'stopped',
+  'out_of_service',
+  'offline',
+  'failed',
 ] as const;
 /** One that has left the floor keeps its place in the list of the feed, where robots go by number. */
 export type Activity = (typeof ACTIVITIES)[number] | 'gone';
@@ -62,8 +73,20 @@ export type SentenceArg = string | number | Sentence | readonly SentenceArg[];
 /** Whether the task of a robot goes on. */
 export type RobotState = 'idle' | 'busy' | 'free' | 'interrupted' | 'failed' | 'gone';
 export type Doing =
-  | 'to_rack' | 'lifting' | 'carrying' | 'queueing' | 'picking' | 'returning' | 'setting_down'
-  | 'to_charger' | 'charging' | 'parking' | 'going' | 'idle' | 'waiting' | 'failed';
+  | 'to_rack'
+  | 'lifting'
+  | 'carrying'
+  | 'queueing'
+  | 'picking'
+  | 'returning'
+  | 'setting_down'
+  | 'to_charger'
+  | 'charging'
+  | 'parking'
+  | 'going'
+  | 'idle'
+  | 'waiting'
+  | 'failed';
 
 export interface Robot {
   id: string;
@@ -383,9 +406,7 @@ export function parseMessage(text: string): Message | null {
 
 export const JOB_KINDS = ['deliver', 'return', 'relocate', 'charge', 'park', 'go'] as const;
 export type JobKind = (typeof JOB_KINDS)[number];
-export const JOB_STATES = [
-  'waiting', 'assigned', 'carrying', 'picking', 'done', 'cancelled', 'failed',
-] as const;
+export const JOB_STATES = ['waiting', 'assigned', 'carrying', 'picking', 'done', 'cancelled', 'failed'] as const;
 export type JobState = (typeof JOB_STATES)[number];
 
 /** A line of a delivery: so many pieces from a slot of the rack into a tote. */
@@ -544,11 +565,21 @@ export interface ClosingEffect {
 export interface StationDetail {
   has_cell: boolean;
   visit: {
-    lines: { n: number; slot: string; tote: string; quantity: number; done: number; state: 'open' | 'lit' | 'done' | 'short' | 'undone' | 'arm' }[];
+    lines: {
+      n: number;
+      slot: string;
+      tote: string;
+      quantity: number;
+      done: number;
+      state: 'open' | 'lit' | 'done' | 'short' | 'undone' | 'arm';
+    }[];
     pieces_left: number;
     expected_end: { p10: number; p50: number; p90: number } | null;
   } | null;
-  arm: { state: 'off' | 'idle' | 'moving' | 'stopped' | 'stuck' | 'trouble'; line: { job: string; n: number } | null } | null;
+  arm: {
+    state: 'off' | 'idle' | 'moving' | 'stopped' | 'stuck' | 'trouble';
+    line: { job: string; n: number } | null;
+  } | null;
   /** How well the ends of visits were expected as they began. */
   ends: { visits: number; held: number | null; off_s: number | null };
   warnings: { slot: string | null; tote: string | null }[];

@@ -21,7 +21,10 @@ const BORDERS: Record<HeatKind, readonly number[]> = {
 /** The lower ends of the classes: the largest amount is in the last one. */
 export function borders(kind: HeatKind, most: number): number[] {
   const all = BORDERS[kind];
-  const last = Math.max(LEVELS - 1, all.findLastIndex((b) => b <= most));
+  const last = Math.max(
+    LEVELS - 1,
+    all.findLastIndex((b) => b <= most),
+  );
   return all.slice(last - LEVELS + 1, last + 1);
 }
 
