@@ -89,7 +89,7 @@ const single = {
 const TOGETHER = [
   { name: 'base', test: /src\/parts\/(theme|dom)\.ts|vite\/preload-helper|rolldown\/runtime/ },
   { name: 'words', test: /src\/(words\/[a-z]+|wire\/api)\.ts/ },
-  { name: 'early', test: /src\/(replay\/spans|alarms\/shown)\.ts/ },
+  { name: 'early', test: /src\/(replay\/spans|alarms\/shown|floor\/(paint\/sheet|scene\/view))\.ts/ },
   { name: 'session', test: /node_modules\/(svelte|esm-env|clsx)\/|src\/session\/(session|english)\.ts/ },
 ];
 

@@ -4,7 +4,7 @@ import { buildClosure } from '../src/places/closureform';
 import { readJobs, type Known } from '../src/jobs/csv';
 import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/timelines/gantt';
 import { around, corner, rectangle } from '../src/floor/scene/sketch';
-import type { Point, Strip } from '../src/wire/types';
+import type { Point, Strip } from '../src/wire';
 
 const NOW = new Date('2031-01-31T12:00:00Z');
 const KNOWN: Known = {

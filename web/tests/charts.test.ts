@@ -11,7 +11,7 @@ import { sequenceLines } from '../src/people/sequence';
 import { forecastsOf } from '../src/floor/paint/heat';
 import { borders, cellsOf, heatOfPlaces, words } from '../src/floor/paint/heatmap';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
-import type { Bucket, Encounter, Episode, HistoryPage, WorkerDetail } from '../src/wire/types';
+import type { Bucket, Encounter, Episode, HistoryPage, WorkerDetail } from '../src/wire';
 import { snapshot, worker } from './samples';
 
 describe('scales', () => {
@@ -96,7 +96,7 @@ describe('series', () => {
       [0.5, 0.9],
     ]);
   });
-  test('charts of picking are of floors with picking stations, lines and mistakes an hour, idle stations on average', () => {
+  test('charts of picking are of floors with picking stations: lines and mistakes an hour, mean idle stations', () => {
     const page = (more: Partial<Bucket>): HistoryPage => ({
       from: '2027-01-31T12:00:00Z',
       to: '2027-01-31T12:01:00Z',

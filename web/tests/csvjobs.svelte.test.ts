@@ -84,7 +84,7 @@ describe('many jobs from a table', () => {
     expect(d.submitted).toEqual(['j7']);
     await d.close();
   });
-  test('what is sent again after a lost answer has the same keys, and what was accepted is not sent again', async () => {
+  test('what is sent again after a lost answer has the same keys; what was accepted is not sent again', async () => {
     const ok = { id: 'j7', new: false, problem: null };
     const no = { id: null, new: false, problem: { title: 'No', status: 429, detail: 'later' } };
     const d = dialog([

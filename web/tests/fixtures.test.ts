@@ -12,7 +12,7 @@ import {
   type FloorMap,
   type JobPage,
   type Problem,
-} from '../src/wire/types';
+} from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const files = import.meta.glob<string>('../fixtures/*.json', { eager: true, query: '?raw', import: 'default' });

@@ -6,7 +6,7 @@ import { shortTurn } from '../src/floor/scene/turn';
 import { fit, pan, toScreen, toWorld, zoomAt } from '../src/floor/scene/view';
 import { History } from '../src/page/history';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
-import type { FloorMap, Robot, Snapshot } from '../src/wire/types';
+import type { FloorMap, Robot, Snapshot } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const MAP: FloorMap = {

@@ -18,7 +18,7 @@ import {
   timeOfDay,
 } from '../src/words/format';
 import { linkWords } from '../src/words/linkwords';
-import type { Doing } from '../src/wire/types';
+import type { Doing } from '../src/wire';
 
 describe('formatting', () => {
   test('plan times take the unit that fits', () => {

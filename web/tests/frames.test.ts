@@ -14,7 +14,7 @@ import { HeldThen } from '../src/timelines/held';
 import { jobsUnderWay } from '../src/jobs/waited';
 import { chainOf } from '../src/why/chain';
 import { moment, momentOf } from '../src/words/moments';
-import type { FloorMap, Strip } from '../src/wire/types';
+import type { FloorMap, Strip } from '../src/wire';
 import { robot, snapshot } from './samples';
 
 const map: FloorMap = {

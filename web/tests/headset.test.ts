@@ -10,7 +10,7 @@ import { lens, onCanvas, onMap, wayAhead } from '../src/headset/phone';
 import { LOST_MS, Pump, type Sample } from '../src/headset/pump';
 import { eyes, ribbon, Shapes, STRIDE, type Ink } from '../src/headset/shapes';
 import { PLACED_MS, Wearer } from '../src/headset/wearer';
-import type { FloorMap } from '../src/wire/types';
+import type { FloorMap } from '../src/wire';
 
 const quarter: Alignment = { theta: Math.PI / 2, shift: [5, 7] };
 const sample = (t: number, more: Partial<Sample> = {}): Sample => ({

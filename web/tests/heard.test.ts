@@ -1,5 +1,5 @@
-// What a worker hears and reads: the task with its place, each thing once, in the worker's language; and names that do not
-// cover each other.
+// What a worker hears and reads: the task with its place, each thing once, in the worker's language; and names that do
+// not cover each other.
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { Announcer, type Topic } from '../src/headset/announcer';
 import { show, taskText, type Guidance, type Standing, type Task } from '../src/headset/guide';
@@ -8,7 +8,7 @@ import { partsOf } from '../src/headset/sheet';
 import { marksOf, placesOf } from '../src/headset/signin';
 import { Voice, voiceFor } from '../src/headset/voice';
 import { learn } from '../src/headset/words';
-import type { FloorMap } from '../src/wire/types';
+import type { FloorMap } from '../src/wire';
 
 const WELL: Standing = { age_ms: 100, link: 'live', tracking: 'tracked', aligned: true };
 const COUNT: Task = { id: 'a1', what: 'Count K1', place: 'G6-7' };

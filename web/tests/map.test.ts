@@ -1,5 +1,5 @@
-// The map first: names that keep clear of each other, margins for them, the floor from afar, finding by a part of a name,
-// addresses, the share of the map, and taking back what was done.
+// The map first: names that keep clear of each other, margins for them, the floor from afar, finding by a part of a
+// name, addresses, the share of the map, and taking back what was done.
 import { describe, expect, test, vi } from 'vitest';
 import { alarmedOf, Composer, FAR_BELOW, NAMES_FROM } from '../src/floor/paint/compose';
 import { unusual } from '../src/floor/paint/heatmap';

@@ -1,7 +1,7 @@
 // The reducer: what a snapshot makes, what a patch changes, and what is refused.
 import { describe, expect, test } from 'vitest';
 import { EMPTY, reduce, row, type Mirror } from '../src/wire/mirror';
-import { parseMessage, type Message, type Patch } from '../src/wire/types';
+import { parseMessage, type Message, type Patch } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const begun = (): Mirror => mirrorOf(reduce(EMPTY, snapshot({ version: 7, robots: [robot('r1'), robot('r2')] })));

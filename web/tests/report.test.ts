@@ -19,7 +19,7 @@ test('what is typed is taken as it is, and nothing where it is no time', () => {
   expect(spanOf('own', now, { ...own, to: '' })).toBeNull();
 });
 
-test('late jobs are the deliveries that were done after their deadline in that time, page by page, the latest first', async () => {
+test('late jobs are the deliveries done after their deadline in a time, page by page, the latest first', async () => {
   const job = (id: string, more: Partial<Job> = {}): Job => ({
     id,
     kind: 'deliver',

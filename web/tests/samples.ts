@@ -1,5 +1,5 @@
 // Rows and messages for tests, complete and dull, to be changed where a test needs it.
-import type { Robot, Snapshot, Worker } from '../src/wire/types';
+import type { Robot, Snapshot, Worker } from '../src/wire';
 
 export const robot = (id: string, more: Partial<Robot> = {}): Robot => ({
   id,

@@ -10,7 +10,7 @@ import { cssOf, inkOf, KIND, Sheet, STRIDE } from '../src/floor/paint/sheet';
 import { fit } from '../src/floor/scene/view';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
 import { Story } from '../src/cards/changes';
-import type { FloorMap, Snapshot } from '../src/wire/types';
+import type { FloorMap, Snapshot } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const MAP: FloorMap = {

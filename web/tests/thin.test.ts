@@ -1,7 +1,7 @@
 // Thin patches: numbers by row must end in the rows that plain patches end in.
 import { describe, expect, test } from 'vitest';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
-import type { Patch, Snapshot } from '../src/wire/types';
+import type { Patch, Snapshot } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const begin = (more: Partial<Snapshot>): Mirror => {

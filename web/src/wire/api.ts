@@ -1,34 +1,20 @@
 // Requests to the public API. Every answer is a value, never an exception: done, refused with a reason,
-// or unreachable. The browser adds the cookie of the session; the page is told when the server wants somebody to sign in.
+// or unreachable. The browser adds the cookie of the session; the page is told when the server wants somebody to sign
+// in.
 import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type { ShiftReport } from './report';
-import type {
-  AlarmPage,
-  AlarmRecord,
-  AuditPage,
-  ClosingEffect,
-  Closure,
-  EncounterPage,
-  FloorMap,
-  HeatKind,
-  HeatPage,
-  HistoryPage,
-  Job,
-  JobBatch,
-  JobPage,
-  JobState,
-  NewClosure,
-  NewJob,
-  Problem,
-  RobotDetail,
-  RobotHistoryPage,
-  RobotKind,
-  StationDetail,
-  Timelines,
-  Why,
-  WorkerDetail,
-} from './types';
+import type { AlarmPage, AlarmRecord } from './alarms';
+import type { AuditPage } from './audit';
+import type { ClosingEffect, Closure, NewClosure } from './closures';
+import type { EncounterPage, HeatKind, HeatPage, HistoryPage } from './history';
+import type { Job, JobBatch, JobPage, JobState, NewJob } from './jobs';
+import type { FloorMap, RobotKind } from './map';
+import type { RobotDetail, RobotHistoryPage } from './robots';
+import type { Problem } from './sentence';
+import type { StationDetail } from './station';
+import type { Timelines, Why } from './why';
+import type { WorkerDetail } from './workers';
 
 export type Answer<T> = { kind: 'ok'; value: T } | { kind: 'refused'; problem: Problem } | { kind: 'unreachable' };
 
@@ -65,11 +51,10 @@ export class Api {
   workAgain = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}/maintenance`);
   robot = (id: string) => this.#ask<RobotDetail>('GET', `/v1/robots/${encodeURIComponent(id)}`);
   /** What happened to a robot, newest first: a page of it. */
-  robotHistory = (id: string, cursor: string | null) =>
-    this.#ask<RobotHistoryPage>(
-      'GET',
-      `/v1/robots/${encodeURIComponent(id)}/history?${new URLSearchParams({ limit: '20', ...(cursor === null ? {} : { cursor }) })}`,
-    );
+  robotHistory = (id: string, cursor: string | null) => {
+    const query = new URLSearchParams({ limit: '20', ...(cursor === null ? {} : { cursor }) });
+    return this.#ask<RobotHistoryPage>('GET', `/v1/robots/${encodeURIComponent(id)}/history?${query}`);
+  };
   retire = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}`);
   stationDetail = (id: string) => this.#ask<StationDetail>('GET', `/v1/stations/${encodeURIComponent(id)}`);
   station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>

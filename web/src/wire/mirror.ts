@@ -1,21 +1,9 @@
 // The page's copy of the floor: a pure reducer over snapshots and patches. Untouched rows keep their
 // identity from one version to the next. It opens no socket and reads no clock.
-import type {
-  Activity,
-  Alarm,
-  Changed,
-  Closure,
-  Counters,
-  JobCounts,
-  Message,
-  WorkerForecast,
-  Patch,
-  Rack,
-  Robot,
-  RobotState,
-  Station,
-  Worker,
-} from './types';
+import type { Alarm } from './alarms';
+import type { Closure } from './closures';
+import type { Activity, Changed, Counters, JobCounts, Message, Patch, Rack, Robot, RobotState, Station } from './feed';
+import type { WorkerForecast, Worker } from './workers';
 
 export interface Table<T> {
   readonly rows: readonly T[];

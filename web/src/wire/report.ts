@@ -1,6 +1,6 @@
 // What the server says of a stretch of time, for the leader of a shift.
 import type { Act } from './acts';
-import type { Activity } from './types';
+import type { Activity } from './feed';
 
 export interface Quantiles {
   p50: number;
