@@ -1,77 +1,38 @@
-// The map first: its height, the full screen, the wall view, finding, addresses, tablets, refusals and undo, in a real
+// The map first: its height, the full screen, the wall view, finding, the floor from afar and tablets, in a real
 // browser against a real server that this test starts itself: node tests/map.mjs PATH-TO-GIVEWAY
-import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
-import { mkdir } from 'node:fs/promises';
-import { tmpdir } from 'node:os';
-import { fileURLToPath } from 'node:url';
-import {
-  PATIENCE,
-  assert,
-  assertAccessible,
-  check,
-  finish,
-  isRefusal,
-  listen,
-  openBrowser,
-  until,
-} from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { PATIENCE, assert, check, isRefusal, listen, until } from './chromium.mjs';
+import { openFloor, SHOTS } from './floorpage.mjs';
 
 const program = process.argv[2];
 if (!program) {
   console.error('Say where the program is: node tests/map.mjs target/debug/giveway');
   process.exit(2);
 }
-const HERE = (path) => fileURLToPath(new URL(path, import.meta.url));
-const SHOTS = HERE('./shots/');
-await mkdir(SHOTS, { recursive: true });
-const scratch = mkdtempSync(`${tmpdir()}/giveway-map-`);
-const scenario = JSON.parse(readFileSync(HERE('../../scenarios/people-3.json'), 'utf8'));
-Object.assign(scenario, { map: HERE('../../maps/thesis.json') });
-writeFileSync(`${scratch}/map.json`, JSON.stringify(scenario));
-const { url, stop } = await serve(program, `${scratch}/map.json`, scratch);
-const browser = await openBrowser();
-const complaints = [];
-const context = await browser.newContext({ viewport: { width: 1400, height: 900 }, colorScheme: 'dark' });
-const page = await context.newPage();
-listen(page, complaints, isRefusal);
-
-const ask = async (path) => (await context.request.get(new URL(path, url).href)).json();
-const robots = async () => (await ask('/v1/robots')).items;
-const post = async (path, data) =>
-  (await context.request.post(new URL(path, url).href, data === undefined ? {} : { data })).json().catch(() => null);
-const host = page.getByRole('application', { name: 'Map of the floor' });
-const find = page.getByRole('combobox', { name: 'Find on the floor' });
-const found = page.getByRole('listbox', { name: 'What was found' }).getByRole('option');
-const separator = page.getByRole('separator', { name: 'Height of the map' });
-const messages = page.getByRole('region', { name: 'Messages' });
-const closures = page.getByRole('region', { name: 'Closed areas' });
-const card = page.getByRole('region', { name: 'Robot', exact: true });
-const button = (name) => page.getByRole('button', { name, exact: true });
-const tab = (name) =>
-  page.getByRole('group', { name: 'What is shown below the floor' }).getByRole('button', { name, exact: true });
-const hash = () => page.evaluate(() => location.hash);
-const drawn = (on = page) =>
-  on.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
-const shown = (name, on = page) => on.locator('canvas[data-robots]').getAttribute(`data-${name}`);
-const open = async (address) => {
-  await page.goto('about:blank');
-  await page.goto(`${url}/${address}`);
-  await drawn();
-};
-/** Looks at both themes, on a picture and with axe. The page follows the system. */
-const both = async (name, on = page) => {
-  for (const colorScheme of ['light', 'dark']) {
-    await on.emulateMedia({ colorScheme });
-    await on.waitForTimeout(300);
-    await on.screenshot({ path: `${SHOTS}${name}-${colorScheme}.png` });
-    await assertAccessible(on, `${name}, ${colorScheme}`);
-  }
-};
-
-await page.goto(url);
-await drawn();
-const map = await ask('/v1/map');
+const {
+  url,
+  browser,
+  complaints,
+  context,
+  page,
+  ask,
+  robots,
+  post,
+  host,
+  find,
+  found,
+  separator,
+  closures,
+  card,
+  button,
+  tab,
+  hash,
+  drawn,
+  shown,
+  open,
+  both,
+  map,
+  end,
+} = await openFloor(program, 'map');
 
 await check('The map keeps its size whatever is shown below it', async () => {
   const sizes = [];
@@ -272,255 +233,6 @@ await check('A robot that was found shows its name', async () => {
   await button('Show the whole floor').click();
   return `${scale} px/m`;
 });
-await check(
-  'An address chooses a thing and a tab, Back and Forward go through them, and an unknown one says so',
-  async () => {
-    const [first, second] = (await robots()).map((r) => r.id);
-    await open(`#robot/${first}&tab/robots`);
-    await card.getByRole('heading', { name: first, exact: true }).waitFor({ timeout: PATIENCE });
-    await page.getByRole('region', { name: 'Robots', exact: true }).waitFor({ timeout: PATIENCE });
-    await find.fill(second);
-    await page.keyboard.press('Enter');
-    await card.getByRole('heading', { name: second, exact: true }).waitFor({ timeout: PATIENCE });
-    assert((await hash()) === `#robot/${second}&tab/robots`, await hash());
-    await tab('Jobs').click();
-    assert((await hash()) === `#robot/${second}`, await hash());
-    await page.goBack();
-    await page.getByRole('region', { name: 'Robots', exact: true }).waitFor({ timeout: PATIENCE });
-    await page.goBack();
-    await card.getByRole('heading', { name: first, exact: true }).waitFor({ timeout: PATIENCE });
-    await page.goForward();
-    await card.getByRole('heading', { name: second, exact: true }).waitFor({ timeout: PATIENCE });
-    for (const [address, label, title] of [
-      ['#station/', 'Station', map.stations[0].id],
-      ['#rack/', 'Rack', map.racks[1].id],
-      ['#place/', 'Place', map.nodes.find((n) => n.kind === 'charger').id],
-    ]) {
-      await open(address + encodeURIComponent(title));
-      await page
-        .getByRole('region', { name: label, exact: true })
-        .getByRole('heading', { name: title, exact: true })
-        .waitFor({ timeout: PATIENCE });
-    }
-    await open('#robot/robot-999');
-    await messages
-      .getByRole('alert')
-      .filter({ hasText: 'There is no robot robot-999 on this floor.' })
-      .waitFor({ timeout: PATIENCE });
-    await page.waitForTimeout(200);
-    await both('map-unknown');
-    await messages.getByRole('button', { name: 'Dismiss the message' }).click();
-    await open('#nonsense');
-    await messages.getByRole('alert').filter({ hasText: '“nonsense”' }).waitFor({ timeout: PATIENCE });
-    await open('#job/j999999');
-    await page.getByRole('region', { name: 'Job', exact: true }).getByRole('alert').waitFor({ timeout: PATIENCE });
-    await open('');
-  },
-);
-await check('An address of the past opens the past, and Back leads to the present', async () => {
-  const id = (await robots())[0].id;
-  await open(`#robot/${id}`);
-  await until('some seconds of the past', async () => ((await ask('/v1/past')).spans[0]?.to_s ?? 0) > 8, 40);
-  await page.evaluate(() => {
-    location.hash = '#replay?from=2&to=6';
-  });
-  await page.getByRole('status').filter({ hasText: 'Replay: this is the past' }).waitFor({ timeout: PATIENCE });
-  await page.goBack();
-  await page
-    .getByRole('status')
-    .filter({ hasText: 'Replay: this is the past' })
-    .waitFor({ state: 'detached', timeout: PATIENCE });
-  await card.getByRole('heading', { name: id, exact: true }).waitFor({ timeout: PATIENCE });
-  assert((await hash()) === `#robot/${id}`, await hash());
-  await open('');
-});
-await check('What was done is undone by a button, by keys, and for a robot, a floor and an area alike', async () => {
-  const undo = messages.getByRole('button', { name: 'Undo' });
-  const id = (await robots())[1].id;
-  const one = async () => (await robots()).find((r) => r.id === id);
-  await open(`#robot/${id}`);
-  await card.getByRole('button', { name: 'Pause this robot' }).click();
-  await messages.getByText(`Paused a robot: ${id}`).waitFor({ timeout: PATIENCE });
-  // With the focus the offer stays for as long as the pictures take.
-  await undo.focus();
-  await both('map-undo');
-  await undo.click();
-  await until('a robot that goes on', async () => (await one()).activity !== 'paused', 20);
-  await card.getByRole('button', { name: 'Out of service' }).click();
-  await messages.getByText(`Took a robot out of service: ${id}`).waitFor({ timeout: PATIENCE });
-  await host.focus();
-  await page.keyboard.press('Control+z');
-  await until('a robot in service', async () => !(await one()).maintenance, 20);
-  await card.getByRole('button', { name: 'Close' }).click();
-  // To undo a stop asks first, as each start of all robots does; to undo a start does not.
-  await button('Stop all robots').click();
-  await messages.getByText('Stopped all robots').waitFor({ timeout: PATIENCE });
-  await undo.click();
-  await page.getByRole('dialog').getByRole('button', { name: 'Resume all robots' }).click();
-  await messages.getByText('Resumed all robots').waitFor({ timeout: PATIENCE });
-  await undo.focus();
-  await page.keyboard.press('Enter');
-  await until('a stopped floor', async () => (await ask('/v1/fleet')).stopped !== null, 20);
-  await post('/v1/fleet/resume');
-  await until(
-    'a floor without alarm',
-    async () => (await page.getByText('All robots are stopped by hand', { exact: true }).count()) === 0,
-    20,
-  );
-  const area = {
-    outline: [
-      [0, 0],
-      [0.3, 0],
-      [0.3, 0.3],
-    ],
-    reason: 'Paint',
-  };
-  // The list may show the area that was just opened for a moment longer, so each button is named by its area.
-  const openAgain = (id) =>
-    closures.getByRole('button', { name: `Open ${id} again`, exact: true }).click({ timeout: PATIENCE });
-  const closed = async () => (await ask('/v1/closures')).items.filter((c) => c.state === 'closed');
-  const first = (await post('/v1/closures', area)).id;
-  await openAgain(first);
-  await messages.getByText(`Opened an area: ${first}`, { exact: true }).waitFor({ timeout: PATIENCE });
-  await undo.click();
-  await until('the area again', async () => (await closed()).some((c) => c.reason === 'Paint' && c.id !== first), 20);
-  await openAgain((await closed()).find((c) => c.reason === 'Paint').id);
-  await until('no area', async () => (await closed()).length === 0, 20);
-  await messages.getByRole('button', { name: 'Dismiss the message' }).click();
-});
-await check('The offer to undo ends after ten seconds, but not while it has the focus', async () => {
-  const id = (await robots())[3].id;
-  await open(`#robot/${id}`);
-  await card.getByRole('button', { name: 'Pause this robot' }).click();
-  await messages.getByRole('button', { name: 'Undo' }).focus();
-  await page.waitForTimeout(11_000);
-  assert(await messages.getByRole('button', { name: 'Undo' }).isVisible(), 'it went although it had the focus');
-  await host.focus();
-  await messages.getByRole('button', { name: 'Undo' }).waitFor({ state: 'detached', timeout: 15_000 });
-  await card.getByRole('button', { name: 'Resume this robot' }).click();
-  await card.getByRole('button', { name: 'Pause this robot' }).waitFor({ timeout: PATIENCE });
-});
-await check('What is refused is said beside what asked for it', async () => {
-  await page.reload();
-  await drawn();
-  const id = (await robots())[0].id;
-  // A job that waits for another one can be cancelled for as long as this takes.
-  const first = await post('/v1/jobs', {
-    kind: 'deliver',
-    rack: map.racks[0].id,
-    station: map.stations[0].id,
-    pick_s: 3600,
-  });
-  const second = await post('/v1/jobs', {
-    kind: 'deliver',
-    rack: map.racks[1].id,
-    station: map.stations[0].id,
-    after: [first.id],
-  });
-  const area = await post('/v1/closures', {
-    outline: [
-      [0, 0],
-      [0.3, 0],
-      [0.3, 0.3],
-    ],
-    reason: 'Paint',
-  });
-  // Each refusal has a number, so that an earlier one is not taken for it.
-  let asked = 0;
-  await page.route('**/v1/**', (route) => {
-    if (route.request().method() === 'GET') return route.continue();
-    asked += 1;
-    const detail = `The test refuses this, number ${asked}.`;
-    return route.fulfill({
-      status: 409,
-      contentType: 'application/problem+json',
-      body: JSON.stringify({ title: 'No', status: 409, detail }),
-    });
-  });
-  const refused = async (where, act) => {
-    const before = asked;
-    await act();
-    await until('a request', () => asked > before, 20);
-    await where
-      .getByRole('alert')
-      .filter({ hasText: `number ${asked}.` })
-      .waitFor({ timeout: PATIENCE });
-  };
-  const told = [];
-  await find.fill(id);
-  await page.keyboard.press('Enter');
-  for (const name of [
-    /^(Pause|Resume) this robot$/,
-    /^(Remove from|Keep on) the floor$/,
-    /^(Out of|Back in) service$/,
-  ]) {
-    await refused(card, () => card.getByRole('button', { name }).click());
-  }
-  await card.getByRole('button', { name: 'Close' }).click();
-  told.push('robot');
-  await find.fill(map.stations[0].id);
-  await page.keyboard.press('Enter');
-  const station = page.getByRole('region', { name: 'Station', exact: true });
-  await refused(station, () => station.getByRole('button', { name: 'Pause the station' }).click());
-  await station.getByRole('button', { name: 'Close' }).click();
-  told.push('station');
-  const table = page.getByRole('region', { name: 'Table of jobs' });
-  await table.getByRole('button', { name: `Cancel ${second.id}` }).click({ timeout: PATIENCE });
-  const dialog = page.getByRole('dialog');
-  await refused(dialog, () => dialog.getByRole('button', { name: 'Cancel the job' }).click());
-  await page.screenshot({ path: `${SHOTS}map-refused.png` });
-  await dialog.getByRole('button', { name: 'Keep it' }).click();
-  await table.getByRole('button', { name: second.id, exact: true }).click();
-  const job = page.getByRole('region', { name: 'Job', exact: true });
-  await refused(job, () => job.getByLabel('Priority, 0 to 9').selectOption('9'));
-  await job.getByRole('button', { name: 'Close' }).click();
-  told.push('cancelled job', 'priority');
-  const form = page.getByRole('form', { name: 'New job' });
-  await form.getByLabel('Rack', { exact: true }).fill(map.racks[2].id);
-  await form.getByLabel('Station', { exact: true }).fill(map.stations[0].id);
-  await refused(form, () => form.getByRole('button', { name: 'Submit job' }).click());
-  told.push('new job');
-  await button('Many jobs from a table').click();
-  await dialog
-    .getByLabel('Or paste it here')
-    .fill(`kind,rack,station\ndeliver,${map.racks[2].id},${map.stations[0].id}\n`);
-  await refused(dialog, () => dialog.getByRole('button', { name: 'Submit 1 job' }).click());
-  await dialog.getByRole('button', { name: 'Close' }).click();
-  told.push('many jobs');
-  await closures.getByRole('button', { name: 'Close a polygon' }).focus();
-  await page.keyboard.press('Enter');
-  await page.getByRole('application', { name: 'Drawing on the floor' }).waitFor({ timeout: PATIENCE });
-  for (const key of ['Enter', 'ArrowRight', 'ArrowRight', 'Enter', 'ArrowUp', 'ArrowUp', 'Enter', 'Enter'])
-    await page.keyboard.press(key);
-  const closing = closures.getByRole('form', { name: 'Close an area' });
-  await closing.getByLabel('Why').fill('cleaning');
-  await refused(closing, () => closing.getByRole('button', { name: 'Close the area' }).click());
-  await closing.getByRole('button', { name: 'Do not close it' }).click();
-  const line = closures.getByRole('listitem').filter({ hasText: 'Paint' });
-  await refused(line, () => line.getByRole('button', { name: `Open ${area.id} again` }).click());
-  told.push('closed area', 'opened area');
-  await tab('Robots').click();
-  const panel = page.getByRole('region', { name: 'Robots', exact: true });
-  await panel.getByRole('checkbox', { name: `Select ${id}`, exact: true }).check();
-  await refused(panel, () =>
-    panel
-      .getByRole('button', { name: /^(Pause|Resume)$/ })
-      .and(page.locator(':enabled'))
-      .first()
-      .click(),
-  );
-  told.push('several robots');
-  await refused(page.locator('header'), () => button('Stop all robots').click());
-  await button('Evacuate').click();
-  await refused(page.locator('header'), () => dialog.getByRole('button', { name: 'Evacuate now' }).click());
-  told.push('stop', 'evacuation');
-  await page.unroute('**/v1/**');
-  for (const one of [second, first]) await context.request.delete(new URL(`/v1/jobs/${one.id}`, url).href);
-  await context.request.delete(new URL(`/v1/closures/${area.id}`, url).href);
-  await page.reload();
-  await drawn();
-  return told.join(', ');
-});
 await check('From afar there are no routes but that of the chosen robot, with either painter', async () => {
   for (const painter of ['webgl', 'canvas2d']) {
     const small = await (await browser.newContext({ viewport: { width: 390, height: 844 } })).newPage();
@@ -607,8 +319,4 @@ for (const [width, height, hand] of [
     },
   );
 }
-await check('Nothing was complained about', async () => {
-  assert(complaints.length === 0, complaints.join('; '));
-});
-await stop();
-await finish(browser);
+await end();
