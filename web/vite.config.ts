@@ -113,7 +113,8 @@ export default defineConfig(({ mode }) => ({
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
-    // Pages that share no script: neither a headset, nor a station's display, nor the page of the API need load the dashboard.
+    // Pages that share no script: neither a headset, nor a station's display, nor the page of the API need load the
+    // dashboard.
     rolldownOptions: {
       input: ['index.html', 'headset.html', 'station.html', 'docs.html', 'editor.html', 'signin.html'],
       output: { codeSplitting: { includeDependenciesRecursively: false, groups: TOGETHER } },
@@ -124,6 +125,8 @@ export default defineConfig(({ mode }) => ({
   // A minute for a test that takes a tenth of a second: a machine may be busy with other work.
   test: {
     environment: 'happy-dom',
+    // Styles are read as they are written, and not left out.
+    css: { include: /\?raw$/ },
     include: ['tests/**/*.test.ts'],
     setupFiles: ['tests/english.ts'],
     testTimeout: 60_000,

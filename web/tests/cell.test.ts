@@ -23,8 +23,11 @@ const cell = (lines: unknown[], ends_s: number[] | null) => ({
 const reel = readReel([
   '{"reel":1,"name":"cells","start":null,"map":null}',
   '{"at":0,"key":{}}',
-  `{"at":0,"cells":${JSON.stringify({ S1: cell([line(1, 'lit', 0), line(2, 'open', 0)], [20, 30, 40]), S2: cell([], null) })}}`,
-  `{"at":4,"cells":${JSON.stringify({ S1: cell([line(1, 'done', 2), line(2, 'lit', 1)], [16, 18, 25]) })}}`,
+  JSON.stringify({
+    at: 0,
+    cells: { S1: cell([line(1, 'lit', 0), line(2, 'open', 0)], [20, 30, 40]), S2: cell([], null) },
+  }),
+  JSON.stringify({ at: 4, cells: { S1: cell([line(1, 'done', 2), line(2, 'lit', 1)], [16, 18, 25]) } }),
 ]);
 
 test('a cell is as it was when it had changed last, and its end is counted from the moment that is shown', () => {

@@ -350,8 +350,8 @@ await check('Nothing was complained about in the console', () =>
 await stop();
 await finish(browser);
 
-/** Somebody with a tag appears in front of robots that drive until an encounter is over and recorded: the people of the scenario
- *  may walk about for long without one. */
+/** Somebody with a tag appears in front of robots that drive until an encounter is over and recorded: the people of the
+ *  scenario may walk about for long without one. */
 async function meet() {
   const post = (path, data) => context.request.post(new URL(path, url).href, { data });
   const { id } = await (await post('/v1/workers', { name: 'visitor' })).json();

@@ -53,7 +53,8 @@ export function assert(truth, why) {
   if (!truth) throw new Error(why);
 }
 
-/** Notes what a page writes to its console as an error, or throws. The browser itself logs some things that a test means. */
+/** Notes what a page writes to its console as an error, or throws. The browser itself logs some things that a test
+ *  means. */
 export function listen(page, complaints, meant = () => false) {
   page.on('console', (message) => {
     if (message.type() === 'error' && !meant(message)) complaints.push(message.text());

@@ -161,7 +161,8 @@ await check('A picture and a DXF drawing are drawn over', async () => {
     name: 'hall.svg',
     mimeType: 'image/svg+xml',
     buffer: Buffer.from(
-      '<svg xmlns="http://www.w3.org/2000/svg" width="200" height="100"><rect width="200" height="100" fill="#8cf"/></svg>',
+      '<svg xmlns="http://www.w3.org/2000/svg" width="200" height="100">' +
+        '<rect width="200" height="100" fill="#8cf"/></svg>',
     ),
   });
   await page.locator('image').waitFor({ timeout: PATIENCE });

@@ -1,6 +1,6 @@
 // What a first visit to a hall with 800 robots costs: node tests/first.mjs PROGRAM
-// Bytes of files, answers and the snapshot as they travel are counted until all robots are drawn, and asserted; times, and
-// how many patches come meanwhile, depend on the machine and are printed.
+// Bytes of files, answers and the snapshot as they travel are counted until all robots are drawn, and asserted; times,
+// and how many patches come meanwhile, depend on the machine and are printed.
 import { mkdtempSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
@@ -10,13 +10,15 @@ import { serve } from './serve.mjs';
 const ROBOTS = 800;
 /** Files and answers, in the median of five visits. */
 const MOST_BYTES = 135_000;
-/** Of the snapshot, for each robot: it grows with what robots are at, and how far the floor has got depends on the machine. */
+/** Of the snapshot, for each robot: it grows with what robots are at, and how far the floor has got depends on the
+ *  machine. */
 const MOST_BYTES_EACH = 110;
 const program = process.argv[2];
 const scenario = fileURLToPath(new URL('../../scenarios/kiva-800.json', import.meta.url));
 const server = await serve(program, scenario, mkdtempSync(`${tmpdir()}/giveway-first-`));
 const browser = await openBrowser();
-// What all are sent is compressed at its best beside the start, or when the first one asks; until then it goes as it is.
+// What all are sent is compressed at its best beside the start, or when the first one asks; until then it goes as it
+// is.
 for (const path of ['/v1/map', '/openapi.json']) {
   await until(
     `the packed ${path}`,
@@ -73,7 +75,11 @@ await check(
     assert(rest[2] <= MOST_BYTES, `${rest.join(', ')} bytes beside the snapshot: ${told}`);
     assert(Math.max(...snapshots) <= MOST_BYTES_EACH * ROBOTS, `${snapshots.join(', ')} bytes of snapshots`);
     const ms = visits.map(({ took }) => took).sort((a, b) => a - b);
-    return `${(Math.max(...totals) / 1_000).toFixed(0)} kB: ${told}; until all are drawn ${(Math.max(...visits.map((v) => v.live)) / 1_000).toFixed(0)} kB of patches at most, and ${ms[2].toFixed(0)} ms, median of five, ${ms[0].toFixed(0)} to ${ms[4].toFixed(0)}`;
+    const kB = (bytes) => `${(Math.max(...bytes) / 1_000).toFixed(0)} kB`;
+    return (
+      `${kB(totals)}: ${told}; until all are drawn ${kB(visits.map((v) => v.live))} of patches at most, and ` +
+      `${ms[2].toFixed(0)} ms, median of five, ${ms[0].toFixed(0)} to ${ms[4].toFixed(0)}`
+    );
   },
 );
 await check(

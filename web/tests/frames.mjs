@@ -104,7 +104,8 @@ for (const painter of ['webgl', 'canvas2d']) {
       return (
         `script, ms: per frame ${told(seen.frames)}; per message ${told(seen.messages)}; ` +
         `all scripts took ${(busy / SECONDS).toFixed(0)} ms of processor time a second; ` +
-        `at most ${calls} drawing calls; ${Math.round(at(seen.uploads, 0.5) / 1000)} kB to the graphics card; ${(seen.frames.length / SECONDS).toFixed(0)} frames/s`
+        `at most ${calls} drawing calls; ${Math.round(at(seen.uploads, 0.5) / 1000)} kB to the graphics card; ` +
+        `${(seen.frames.length / SECONDS).toFixed(0)} frames/s`
       );
     });
     if (shots) await page.screenshot({ path: `${shots}/${painter}-${what}.png` });

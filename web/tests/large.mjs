@@ -76,7 +76,9 @@ async function drag([x0, y0], [x1, y1], steps = 90) {
 
 const tool = (name) => page.getByRole('navigation', { name: 'Tools' }).getByRole('button', { name }).click();
 function fast({ moving, ending }) {
-  const said = `${moving.perFrame.toFixed(1)} ms of processor time a frame, ${ending.ms.toFixed(0)} ms at the end; ${moving.rate.toFixed(0)} frames a second`;
+  const said =
+    `${moving.perFrame.toFixed(1)} ms of processor time a frame, ${ending.ms.toFixed(0)} ms at the end; ` +
+    `${moving.rate.toFixed(0)} frames a second`;
   assert(moving.perFrame <= FRAME_MS && ending.ms <= END_MS, said);
   return said;
 }

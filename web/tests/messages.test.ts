@@ -1,5 +1,6 @@
-// The messages of the pages: every language has them all, with the same placeholders; calls give what they need; and what is
-// seen on a page in several languages stands in its messages, not in its source. It reads the sources and runs none of them.
+// The messages of the pages: every language has them all, with the same placeholders; calls give what they need; and
+// what is seen on a page in several languages stands in its messages, not in its source. It reads the sources and runs
+// none of them.
 import { parse as parseMessage, type MessageFormatElement } from '@formatjs/icu-messageformat-parser';
 import { parse as parseSvelte } from 'svelte/compiler';
 import ts from 'typescript';

@@ -121,9 +121,9 @@ const when = async (what, so) => {
     if (found) return found;
     await page.waitForTimeout(100);
   }
-  throw new Error(
-    `${what} is not shown; the page was told ${JSON.stringify((await story()).at(-1))}, the card says ${await card.innerText().catch(() => 'nothing')}`,
-  );
+  const told = JSON.stringify((await story()).at(-1));
+  const said = await card.innerText().catch(() => 'nothing');
+  throw new Error(`${what} is not shown; the page was told ${told}, the card says ${said}`);
 };
 let worker = '';
 let began = 0;
@@ -215,7 +215,8 @@ await page.waitForFunction((end) => globalThis.floor.time_s >= end, began + MINU
 // Where the first check failed, nothing was told, and those below say what they miss.
 const told = (await story()) ?? [];
 const deviated = told.find((s) => s.state === 'deviating' || s.state === 'redirected');
-/** How much the probability of the likeliest changed within half a second of a moment; nothing if another was likelier. */
+/** How much the probability of the likeliest changed within half a second of a moment; nothing if another was
+ *  likelier. */
 const change = (s) => {
   const near = told.filter((other) => Math.abs(other.t - s.t) <= 0.5);
   const isSame = near.every(({ goal }) => goal && goal.x === s.goal.x && goal.y === s.goal.y);

@@ -1,6 +1,6 @@
 // A map is published from the editor, in a real browser: node tests/publish.mjs PATH_TO_GIVEWAY
-// What changes is shown with its place, the dashboard goes on with the new map, a second editor is warned, what stands in
-// the way is marked, and a server with tokens wants somebody to sign in.
+// What changes is shown with its place, the dashboard goes on with the new map, a second editor is warned, what stands
+// in the way is marked, and a server with tokens wants somebody to sign in.
 import { mkdirSync, mkdtempSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';

@@ -1,5 +1,6 @@
 // The past in a real browser: a page that is a file, a recording on the screen, and a server that keeps what happened:
-// node tests/replay.mjs PROGRAM. It records a run with a person who leaves the path, and starts and kills servers itself.
+// node tests/replay.mjs PROGRAM. It records a run with a person who leaves the path, and starts and kills servers
+// itself.
 import { execFile, spawn } from 'node:child_process';
 import { mkdir, mkdtemp, readFile, rm, stat, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';

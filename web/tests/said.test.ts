@@ -1,4 +1,5 @@
-// The server's sentences in the languages of the dashboard. A test of the server compares their codes and places with its list.
+// The server's sentences in the languages of the dashboard. A test of the server compares their codes and places with
+// its list.
 import { afterEach, describe, expect, test } from 'vitest';
 import { applyLanguage } from '../src/language/choice';
 import { asSaid, sameSaid } from '../src/language';

@@ -3,8 +3,8 @@ import { spawn } from 'node:child_process';
 import { rmSync } from 'node:fs';
 
 /**
- * Starts the program with a scenario, or with what it shows by itself where that is null, and with a database in a folder
- * that is removed when it is stopped. One that was killed can be started again on the same database and port.
+ * Starts the program with a scenario, or with what it shows by itself where that is null, and with a database in a
+ * folder that is removed when it is stopped. One that was killed can be started again on the same database and port.
  */
 export async function serve(program, scenario, scratch, port = 0) {
   const server = spawn(program, [

@@ -133,9 +133,11 @@ async function startProvider() {
     if (url.pathname === '/authorize') {
       const code = `code-${url.searchParams.get('state')}`;
       codes.set(code, { nonce: url.searchParams.get('nonce'), challenge: url.searchParams.get('code_challenge') });
-      const back = `${url.searchParams.get('redirect_uri')}?${new URLSearchParams({ code, state: url.searchParams.get('state') })}`;
+      const answer = new URLSearchParams({ code, state: url.searchParams.get('state') });
+      const back = `${url.searchParams.get('redirect_uri')}?${answer}`;
       return send(
-        `<!doctype html><html lang="en"><title>Provider</title><link rel="icon" href="data:,"><a href="${back.replaceAll('&', '&amp;')}">Go on as yourself</a>`,
+        '<!doctype html><html lang="en"><title>Provider</title><link rel="icon" href="data:,">' +
+          `<a href="${back.replaceAll('&', '&amp;')}">Go on as yourself</a>`,
         'text/html',
       );
     }
@@ -150,7 +152,8 @@ async function startProvider() {
       if (createHash('sha256').update(form.get('code_verifier')).digest('base64url') !== asked?.challenge)
         return send({ error: 'invalid_grant' }, undefined, 400);
       const now = Math.floor(Date.now() / 1000);
-      const signed = `${encode({ alg: 'RS256', kid: 'k1' })}.${encode({ iss: issuer(), aud: 'giveway', sub: '4711', nonce: asked.nonce, iat: now, exp: now + 60, ...claims })}`;
+      const own = { iss: issuer(), aud: 'giveway', sub: '4711', nonce: asked.nonce, iat: now, exp: now + 60 };
+      const signed = `${encode({ alg: 'RS256', kid: 'k1' })}.${encode({ ...own, ...claims })}`;
       const token = `${signed}.${createSign('RSA-SHA256').update(signed).sign(privateKey).toString('base64url')}`;
       return send({ access_token: 'x', token_type: 'Bearer', id_token: token });
     });
@@ -174,7 +177,8 @@ async function start() {
   const settings = join(folder, 'giveway.toml');
   await writeFile(
     settings,
-    `[oidc]\nissuer = "${provider.issuer}"\nclient_id = "giveway"\nlabel = "the company"\n\n[oidc.roles]\n"shift-leads" = "operator"\n`,
+    `[oidc]\nissuer = "${provider.issuer}"\nclient_id = "giveway"\nlabel = "the company"\n\n` +
+      '[oidc.roles]\n"shift-leads" = "operator"\n',
   );
   const child = spawn(
     program,

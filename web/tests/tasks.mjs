@@ -1,7 +1,7 @@
 // Five tasks of a new user, from the words on the screen alone: node tests/tasks.mjs PATH_TO_GIVEWAY
-// Everything is found by its visible text or by its accessible name, as a screen reader says it; nothing by the structure of
-// the page. Why does this robot wait? Close an aisle. Which jobs were late yesterday? Take a robot out of service. Draw a
-// floor with two stations and run it.
+// Everything is found by its visible text or by its accessible name, as a screen reader says it; nothing by the
+// structure of the page. Why does this robot wait? Close an aisle. Which jobs were late yesterday? Take a robot out of
+// service. Draw a floor with two stations and run it.
 import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';

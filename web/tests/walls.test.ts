@@ -1,4 +1,5 @@
-// The rooms of `src`: which one may know which, entered by which door. It reads the sources and runs none of them.
+// The rooms of `src`: which one may know which, entered by which door; and how long files and lines may be. It reads the
+// sources and runs none of them.
 import { describe, expect, test } from 'vitest';
 
 /** In reading order: a room names only rooms above it. */
@@ -148,6 +149,46 @@ describe('the rooms of the page', () => {
   test('a part of another page in the page of a station is found', () => {
     expect(planted('station/planted.ts', "import { signInAt } from '../session';\n")).toEqual([
       'station/planted.ts imports session/index.ts: the page of a station loads nothing of session',
+    ]);
+  });
+});
+
+/** What is written by hand: lines have at most so many characters, and files so many lines. Prettier breaks what it can. */
+const [MOST_CHARACTERS, MOST_LINES] = [120, 600];
+const written = import.meta.glob<string>(
+  ['../*.{ts,js,html}', '../{src,tests,dev}/**/*.{ts,mts,svelte,css,mjs,html}'],
+  {
+    eager: true,
+    query: '?raw',
+    import: 'default',
+  },
+);
+
+/** What is too long, each with its file and line. */
+function tooLong(sources: Sources): string[] {
+  return [...sources].flatMap(([path, text]) => {
+    const lines = text.split('\n');
+    const wide = lines.flatMap((line, i) =>
+      [...line].length > MOST_CHARACTERS ? [`${path}:${i + 1} is too wide`] : [],
+    );
+    return lines.length > MOST_LINES + 1 ? [...wide, `${path} has more than ${MOST_LINES} lines`] : wide;
+  });
+}
+
+describe('what is written by hand', () => {
+  test('no line is wider than it may be, and no file longer', () => {
+    const sources = new Map(Object.entries(written));
+    expect(sources.size).toBeGreaterThan(300);
+    for (const path of ['../src/app.css', '../src/page/App.svelte', './map.mjs', '../dev/mock.mjs', '../index.html'])
+      expect(sources.get(path)?.length, path).toBeGreaterThan(0);
+    expect(tooLong(sources)).toEqual([]);
+  });
+  test('a wide line and a long file are found, wherever they are', () => {
+    const wide = `${'x'.repeat(MOST_CHARACTERS)}\n${'x'.repeat(MOST_CHARACTERS + 1)}\n`;
+    expect(tooLong(new Map([['tests/wide.mjs', wide]]))).toEqual(['tests/wide.mjs:2 is too wide']);
+    expect(tooLong(new Map([['src/long.css', 'x\n'.repeat(MOST_LINES)]]))).toEqual([]);
+    expect(tooLong(new Map([['src/long.css', 'x\n'.repeat(MOST_LINES + 1)]]))).toEqual([
+      'src/long.css has more than 600 lines',
     ]);
   });
 });

@@ -1,6 +1,6 @@
-// The first minute of somebody who starts the program with nothing and opens the page: what it is, and three things to try;
-// then what the page of an operator offers beside that: what closing an aisle does, before it is closed.
-// node tests/welcome.mjs PATH-TO-GIVEWAY
+// The first minute of somebody who starts the program with nothing and opens the page: what it is, and three things to
+// try; then what the page of an operator offers beside that: what closing an aisle does, before it is closed. node
+// tests/welcome.mjs PATH-TO-GIVEWAY
 import { mkdtempSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';

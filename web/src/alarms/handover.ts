@@ -1,4 +1,5 @@
-// What one shift tells the next: alarms that are active, who looks after each, what was found out, and what is put aside.
+// What one shift tells the next: alarms that are active, who looks after each, what was found out, and what is put
+// aside.
 import type { AlarmRecord } from '../wire';
 import { said, t, timeOfDay } from '../words';
 import { SEVERITY_WORDS } from './shown';
@@ -14,10 +15,10 @@ export function handover(active: readonly AlarmRecord[], over: readonly AlarmRec
     );
     if (alarm.acknowledged) lines.push(`  ${t('alarm.acknowledged.by', { name: alarm.acknowledged.by })}`);
     else if (alarm.severity !== 'notice') lines.push(`  ${t('handover.nobody')}`);
-    if (alarm.shelved)
-      lines.push(
-        `  ${t('alarm.shelved.until', { time: timeOfDay(alarm.shelved.until), name: alarm.shelved.by, reason: alarm.shelved.reason })}`,
-      );
+    if (alarm.shelved) {
+      const { until, by: name, reason } = alarm.shelved;
+      lines.push(`  ${t('alarm.shelved.until', { time: timeOfDay(until), name, reason })}`);
+    }
     for (const note of alarm.notes) lines.push(`  ${timeOfDay(note.at)} ${note.by}: ${note.text}`);
   }
   lines.push('', t('handover.over', { count: over.length }));

@@ -4,7 +4,8 @@ import { CHARTS, PICKING, type Chart, type Figures, type Grid } from './series';
 
 /** What frames say nothing of. */
 const UNKNOWN = ['steps', ...PICKING];
-/** The charts of the present, but that frames say of searches how long 99 % of them took at most, and of some nothing. */
+/** The charts of the present, but that frames say of searches how long 99 % of them took at most, and of some
+ *  nothing. */
 export const CHARTS_THEN: readonly Chart[] = CHARTS.filter(({ id }) => !UNKNOWN.includes(id)).map((chart) => {
   if (chart.id !== 'plans') return chart;
   const [median, most] = chart.lines;
@@ -40,8 +41,8 @@ const COUNTS = [
   'worker_s',
 ] as const;
 
-/** An even grid over the seconds from `left` to `right`. Sums do not lie on its lines: what happened between two of them
- *  is shared out by time. Where they fall, another run began; that is a gap, never less than nothing. */
+/** An even grid over the seconds from `left` to `right`. Sums do not lie on its lines: what happened between two of
+ *  them is shared out by time. Where they fall, another run began; that is a gap, never less than nothing. */
 export function gridOfSums(sums: readonly Sum[], left: number, right: number, start: number | null): Grid {
   const step = stepOf(right - left);
   const from = Math.floor(left / step) * step;

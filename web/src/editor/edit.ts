@@ -70,7 +70,8 @@ function withLanes(map: MapFile, lanes: readonly FileLane[]): MapFile {
   return { ...map, lanes: [...map.lanes.filter((l) => !drawn.has(key(l))), ...drawn.values()] };
 }
 
-/** The places along a straight line, a pitch apart; only its ends where there is no grid, or where it leaves the grid. */
+/** The places along a straight line, a pitch apart; only its ends where there is no grid, or where it leaves the
+ *  grid. */
 export function along(a: Spot, b: Spot, pitch: number | null): Spot[] {
   const [dx, dy] = [b.x - a.x, b.y - a.y];
   if (pitch === null || (Math.abs(dx) > NEAR_M && Math.abs(dy) > NEAR_M)) return [a, b];
@@ -84,7 +85,8 @@ export function along(a: Spot, b: Spot, pitch: number | null): Spot[] {
 /** How far two places may be apart to be neighbours, metres. */
 const reach = (pitch: number | null): number => (pitch ?? 1) * 1.05;
 
-/** Joins places to the open floor beside them: storage for robots alone, and storage to storage for those without a rack. */
+/** Joins places to the open floor beside them: storage for robots alone, and storage to storage for those without a
+ *  rack. */
 function joined(map: MapFile, ids: readonly string[], pitch: number | null): MapFile {
   const kinds = kindsOf(map);
   const at = new Map(map.nodes.map((n) => [n.id, n]));
@@ -325,8 +327,8 @@ function movedCell(cell: FileCell, dx: number, dy: number): FileCell {
   };
 }
 
-/** A node elsewhere, if no other is there, and with a station its cell; lanes that had a length of their own become straight
- *  again. */
+/** A node elsewhere, if no other is there, and with a station its cell; lanes that had a length of their own become
+ *  straight again. */
 export function moveNode(map: MapFile, id: string, to: Spot): MapFile {
   const [there, from] = [nodeAt(map, to), map.nodes.find((n) => n.id === id)];
   if (there !== null || !from) return map;

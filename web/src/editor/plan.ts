@@ -1,5 +1,5 @@
-// What of a map is drawn as pixels: lanes and places, thousands in a large hall. They are put in order once for each map,
-// and painted as far as they are in sight.
+// What of a map is drawn as pixels: lanes and places, thousands in a large hall. They are put in order once for each
+// map, and painted as far as they are in sight.
 import { kindsOf, type Kind, type MapFile } from './file';
 import type { Sight } from './view';
 

@@ -1,5 +1,5 @@
-// Finding things on the floor by a part of their name: without case, and with the parts of a name in any order. Pure: it
-// is given all that there is.
+// Finding things on the floor by a part of their name: without case, and with the parts of a name in any order. Pure:
+// it is given all that there is.
 import { onFloor, type FloorMap, type Job, type MapNode, type Mirror } from '../wire';
 import { STATE_WORDS, t, wordsBy } from '../words';
 import type { Picked } from './scene/picked';

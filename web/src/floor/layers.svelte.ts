@@ -89,7 +89,8 @@ export class Layers {
     });
   }
 
-  /** Of seconds of a recording: where robots met people from the bookmarks, where they waited from the server that recorded it. */
+  /** Of seconds of a recording: where robots met people from the bookmarks, where they waited from the server that
+   *  recorded it. */
   #keepThen(recording: Recording, from: number, to: number): () => void {
     const kind = this.heat === 'unusual' ? 'none' : this.heat;
     const put = (

@@ -1,5 +1,5 @@
-// What a worker hears, and when: the task with its place, "you are there", "done", the next one, and warnings. Each is said
-// once; what was said can be said again. It makes sentences and no sound.
+// What a worker hears, and when: the task with its place, "you are there", "done", the next one, and warnings. Each is
+// said once; what was said can be said again. It makes sentences and no sound.
 import { joined, taskText, type Ended, type Shown, type Task } from './guide';
 import { t } from './words';
 

@@ -19,7 +19,8 @@ const FLAT_PARTS = [
 const FLAT_VERTEX = `attribute vec3 at; attribute vec4 ink; uniform mat4 matrix; varying vec4 colour;
 void main() { gl_Position = matrix * vec4(at, 1.0); colour = vec4(ink.rgb * ink.a, ink.a); }`;
 const FLAT_FRAGMENT = `precision mediump float; varying vec4 colour; void main() { gl_FragColor = colour; }`;
-const SOLID_VERTEX = `attribute vec3 at; attribute vec4 ink; uniform mat4 matrix; varying vec4 colour; varying float far;
+const SOLID_VERTEX = `attribute vec3 at; attribute vec4 ink; uniform mat4 matrix;
+varying vec4 colour; varying float far;
 void main() { gl_Position = matrix * vec4(at, 1.0); colour = ink; far = gl_Position.w; }`;
 const SOLID_FRAGMENT = `precision mediump float; varying vec4 colour; varying float far; uniform vec4 haze;
 void main() {

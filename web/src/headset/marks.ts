@@ -1,5 +1,5 @@
-// The sheets of a map's marks, to be printed and laid on the floor: a cross for the place, the name, and a code that leads
-// a phone to this page.
+// The sheets of a map's marks, to be printed and laid on the floor: a cross for the place, the name, and a code that
+// leads a phone to this page.
 import { encode } from 'uqr';
 import { make } from './dom';
 import { languageField, marksOf } from './signin';

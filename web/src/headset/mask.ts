@@ -19,7 +19,8 @@ export function sight(projection: Mat4, narrow: boolean): Vec2 {
   return narrow ? [Math.min(whole[0], NARROW[0]), Math.min(whole[1], NARROW[1])] : whole;
 }
 
-/** The projection for a field of view: straight ahead, although an eye looks past its middle, as it is for both eyes. */
+/** The projection for a field of view: straight ahead, although an eye looks past its middle, as it is for both
+ *  eyes. */
 export function straight(projection: Mat4, seen: Vec2): Float32Array {
   const out = Float32Array.from(projection);
   [out[0], out[5], out[8], out[9]] = [1 / seen[0], 1 / seen[1], 0, 0];

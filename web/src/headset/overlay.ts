@@ -1,4 +1,5 @@
-// What a wearer sees of guidance, over the room, a twin of it, or nothing: drawn for one eye or two from one description.
+// What a wearer sees of guidance, over the room, a twin of it, or nothing: drawn for one eye or two from one
+// description.
 import { aim, multiply, type Aim, type Mat4 } from './arrow';
 import { lights, type CellLights } from './cell';
 import { toDevice, toMap, type Alignment, type Vec2, type Vec3 } from './frame';

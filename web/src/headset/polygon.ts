@@ -49,7 +49,8 @@ const AROUND: readonly Vec2[] = [
   ]),
 ];
 
-/** Whether a person has room there: on the floor, clear of what stands on it. Racks that robots carry are no obstacle. */
+/** Whether a person has room there: on the floor, clear of what stands on it. Racks that robots carry are no
+ *  obstacle. */
 export function canStand(map: Pick<FloorMap, 'walkable' | 'obstacles' | 'bounds'>, [x, y]: Vec2): boolean {
   const [x0, y0, x1, y1] = map.bounds;
   return AROUND.every(([dx, dy]) => {

@@ -65,7 +65,8 @@ export function placesOf(map: FloorMap): Place[] {
   return [...first, ...map.nodes.filter((n) => !named.has(n.id)).map((n): Place => ({ name: n.id, at: [n.x, n.y] }))];
 }
 
-/** The address asks for the twin at once: somebody wants to walk in without more ado. Once, since who leaves it has seen it. */
+/** The address asks for the twin at once: somebody wants to walk in without more ado. Once, since who leaves it has
+ *  seen it. */
 let walksIn = new URLSearchParams(location.search).has('twin');
 
 const option = (name: string): HTMLOptionElement => make('option', { value: name, textContent: name });

@@ -1,5 +1,5 @@
-// The twin: the floor as the server sees it, in a window of the page or around the wearer of a VR headset. Whoever walks
-// in it is a worker like any other.
+// The twin: the floor as the server sees it, in a window of the page or around the wearer of a VR headset. Whoever
+// walks in it is a worker like any other.
 import { hallInk, inkOf, roomInk } from './ink';
 import { make } from './dom';
 import { toMap, type Alignment, type Quat, type Vec2, type Vec3 } from './frame';

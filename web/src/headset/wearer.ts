@@ -129,7 +129,8 @@ export class Wearer {
     this.#options.onChange();
   }
 
-  /** The wearer confirms: the mark that is due, here; or, once the marks fit, that the work is done. False for neither. */
+  /** The wearer confirms: the mark that is due, here; or, once the marks fit, that the work is done. False for
+   *  neither. */
   confirm(at: Vec3): boolean {
     if (this.marking.kind === 'done') return this.done();
     const due = this.#options.marks[this.marking.taken.length];

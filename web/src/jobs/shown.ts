@@ -104,7 +104,8 @@ function sortedJobs(jobs: readonly Job[], { by, way }: JobOrder): Job[] {
   });
 }
 
-/** By how much a job is past its deadline, seconds: at `now`, or when it was done; null where it is not, or will not be done. */
+/** By how much a job is past its deadline, seconds: at `now`, or when it was done; null where it is not, or will not be
+ *  done. */
 export function lateFor_s(job: Pick<Job, 'deadline' | 'state' | 'updated'>, now: number | null): number | null {
   if (job.deadline === null || job.state === 'cancelled' || job.state === 'failed') return null;
   const at = isOver(job.state) ? Date.parse(job.updated) : now;
@@ -112,7 +113,8 @@ export function lateFor_s(job: Pick<Job, 'deadline' | 'state' | 'updated'>, now:
   return late > 0 ? late : null;
 }
 
-/** A job's state and why it does not go on; the reason alone where it begins with the same word, such as "waiting" and "waits for …". */
+/** A job's state and why it does not go on; the reason alone where it begins with the same word, such as "waiting" and
+ *  "waits for …". */
 function stateCell(job: Job): Cell {
   const [state, why] = [STATE_WORDS[job.state] ?? job.state, job.why === null ? null : said(job.why)];
   const repeats = why?.toLowerCase().startsWith(state.toLowerCase().slice(0, 4));
@@ -125,7 +127,8 @@ function deadlineCell(job: Job, now: number | null): Cell {
   return { text: t(isOver(job.state) ? 'jobs.late.was' : 'jobs.late', { time: roughly(late) }), kind: 'late' };
 }
 
-/** The latest jobs, those submitted here first; in another order if that is wanted. `now` is the floor's, in milliseconds. */
+/** The latest jobs, those submitted here first; in another order if that is wanted. `now` is the floor's, in
+ *  milliseconds. */
 export function latestJobs(
   { own, items, state, part }: Pick<Jobs, 'own' | 'items' | 'state' | 'part'>,
   now: number | null = null,

@@ -31,8 +31,9 @@ const PADDING = /^[ \t\u00A0\uFEFF]+|[ \t\u00A0\uFEFF]+$/g;
 const trimmed = (cell: string): string => cell.replace(PADDING, '');
 
 /**
- * Lines end with LF, CR LF or CR; a byte order mark is passed over; the separator is the most frequent one in the header. A cell in quotes
- * may have separators, line ends and, doubled, quotes (RFC 4180). White space around a cell does not count.
+ * Lines end with LF, CR LF or CR; a byte order mark is passed over; the separator is the most frequent one in the
+ * header. A cell in quotes may have separators, line ends and, doubled, quotes (RFC 4180). White space around a cell
+ * does not count.
  */
 export function readTable(given: string): Table | TableFault {
   if (/[\0\uFFFD]/.test(given)) return { kind: 'not text' };

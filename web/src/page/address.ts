@@ -1,6 +1,6 @@
-// The part of the address behind #, of the present: what is chosen on the floor, the job whose card is open, the tab below
-// the floor, or the view for a screen on the wall. `#robot/robot-17&tab/robots` says two of these. The past has addresses of
-// its own (replay/route.ts).
+// The part of the address behind #, of the present: what is chosen on the floor, the job whose card is open, the tab
+// below the floor, or the view for a screen on the wall. `#robot/robot-17&tab/robots` says two of these. The past has
+// addresses of its own (replay/route.ts).
 import { PICKED_KINDS, type Picked } from '../floor';
 import { BELOW_KEYS } from '../replay';
 import { onFloor, row, type FloorMap, type Mirror } from '../wire';

@@ -1,4 +1,5 @@
-// Somebody who comes to the floor, walks a few steps and whose headset then falls silent: what a lost person means, to be seen.
+// Somebody who comes to the floor, walks a few steps and whose headset then falls silent: what a lost person means, to
+// be seen.
 import type { Answer, Api, FloorMap, MapNode } from '../wire';
 
 /** One step a second. */

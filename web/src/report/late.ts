@@ -9,7 +9,8 @@ export interface Late {
   readonly complete: boolean;
 }
 
-/** Deliveries that were done after their deadline, from one time to another, the latest first; null where the server does not say. */
+/** Deliveries that were done after their deadline, from one time to another, the latest first; null where the server
+ *  does not say. */
 export async function lateJobs(api: Pick<Api, 'jobsDone'>, from: string, to: string): Promise<Late | null> {
   const found: Job[] = [];
   let cursor: string | null = null;

@@ -41,5 +41,6 @@ export function spanOf(name: SpanName, now: Date, own: { from: string; to: strin
 /** A time as `datetime-local` has it, in the reader's own time zone. */
 export function typed(at: Date): string {
   const two = (n: number): string => String(n).padStart(2, '0');
-  return `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}T${two(at.getHours())}:${two(at.getMinutes())}`;
+  const day = [at.getFullYear(), two(at.getMonth() + 1), two(at.getDate())].join('-');
+  return `${day}T${two(at.getHours())}:${two(at.getMinutes())}`;
 }

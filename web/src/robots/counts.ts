@@ -4,7 +4,8 @@ import { ACTIVITIES, activityOf, ageOf, type Activity, type Mirror } from '../wi
 export interface ActivityCount {
   readonly activity: (typeof ACTIVITIES)[number];
   readonly robots: number;
-  /** For how long the one has been at it that has been the longest; null where no robot is, or where that is not known. */
+  /** For how long the one has been at it that has been the longest; null where no robot is, or where that is not
+   *  known. */
   readonly longest_s: number | null;
 }
 

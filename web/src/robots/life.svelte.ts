@@ -1,4 +1,5 @@
-// What the server knows of one robot: asked while its card is open, so that it does not depend on how long this page was.
+// What the server knows of one robot: asked while its card is open, so that it does not depend on how long this page
+// was.
 import { poll } from '../parts';
 import type { Api, RobotDetail, RobotEvent } from '../wire';
 import { replanCause, said, t, wordsBy, trouble } from '../words';
@@ -87,8 +88,10 @@ export function eventWords(e: RobotEvent): string {
       return `${e.text ?? t('robot.job')} ${e.id ?? ''}: ${e.what}`;
     case 'alarm':
       return e.ended === null ? alarmWords(e) : t('robot.alarm.over', { alarm: alarmWords(e) });
-    case 'replan':
-      return `${t('story.replanned', { cause: e.cause ? replanCause(e.cause) : e.what })}: ${way(e.was)} → ${way(e.now)}`;
+    case 'replan': {
+      const cause = e.cause ? replanCause(e.cause) : e.what;
+      return `${t('story.replanned', { cause })}: ${way(e.was)} → ${way(e.now)}`;
+    }
     case 'change':
       return CHANGES[e.what] ?? e.what.replaceAll('_', ' ');
   }

@@ -1,5 +1,5 @@
-// How people are called on this page. A name is chosen once, by the right of whoever looks: all that is shown asks here, so
-// nobody has a name, a pseudonym and a number at the same time.
+// How people are called on this page. A name is chosen once, by the right of whoever looks: all that is shown asks
+// here, so nobody has a name, a pseudonym and a number at the same time.
 import { said as saidIn, type Said } from '../language';
 
 /** Names by pseudonym, for those who may see names. A pseudonym stands for one person for ever, on whatever floor. */

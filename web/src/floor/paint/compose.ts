@@ -1,6 +1,6 @@
 // What the floor looks like: puts the scene onto sheets, layer by layer, and only those that changed.
-// Ways and resting racks change with a patch; robots, people and words with every frame. From afar a robot is one mark in
-// the colour of its state, without its route; names come where there is room for them (labels.ts).
+// Ways and resting racks change with a patch; robots, people and words with every frame. From afar a robot is one mark
+// in the colour of its state, without its route; names come where there is room for them (labels.ts).
 import { t, timeOfDay } from '../../words';
 import type { Cell } from './heatmap';
 import { around } from '../scene/sketch';
@@ -228,8 +228,8 @@ export class Composer {
     }
   }
 
-  /** What is held is dashed, what is granted is solid: a robot may be anywhere on the latter at once. From afar only the
-   *  route of the chosen robot is there. */
+  /** What is held is dashed, what is granted is solid: a robot may be anywhere on the latter at once. From afar only
+   *  the route of the chosen robot is there. */
   #ways(scene: Scene, hair: number, chosen: number): void {
     const ink = this.#inks;
     const sheet = this.sheets.ways;

@@ -41,8 +41,8 @@ const LEAST_BEFORE_S = 300;
 /** A place is unusual where it has this many times its usual share of all waiting. */
 const TIMES = 2;
 
-/** Where robots waited beyond what is usual there: its share of all waiting is compared with its share before, so that it does
- *  not matter how much was going on. Null where too little is known of before. */
+/** Where robots waited beyond what is usual there: its share of all waiting is compared with its share before, so that
+ *  it does not matter how much was going on. Null where too little is known of before. */
 export function unusual(now: HeatPage, before: HeatPage): HeatPage | null {
   const sum = ({ cells }: HeatPage): number => cells.reduce((all, cell) => all + cell.amount, 0);
   const [total, earlier] = [sum(now), sum(before)];

@@ -7,7 +7,8 @@ export interface View {
   scale: number;
   width: number;
   height: number;
-  /** A quarter turn: what is up on the map is to the right, so that a long floor uses a picture that lies the other way. */
+  /** A quarter turn: what is up on the map is to the right, so that a long floor uses a picture that lies the other
+   *  way. */
   turned?: boolean;
 }
 export type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
@@ -49,7 +50,8 @@ export const onPicture = ({ turned }: Pick<View, 'turned'>, dx: number, dy: numb
 export const onMap = ({ turned }: Pick<View, 'turned'>, right: number, up: number): [dx: number, dy: number] =>
   turned ? [-up, right] : [right, up];
 
-/** The whole floor with the names at its edge, above `foot` pixels that are left free; turned if it is much larger so. */
+/** The whole floor with the names at its edge, above `foot` pixels that are left free; turned if it is much larger
+ *  so. */
 export function fit(
   bounds: Bounds,
   width: number,
