@@ -87,8 +87,7 @@ await check('Somebody’s card shows where to over time, and how well the feed i
   const card = page.getByRole('region', { name: 'Person', exact: true });
   await card.getByText('Likely destinations over the last two minutes').waitFor({ timeout: PATIENCE });
   await card.getByText(/poses a second/).waitFor({ timeout: PATIENCE });
-  await page.waitForTimeout(4_000);
-  assert((await card.locator('svg polygon').count()) > 0, 'nothing is drawn');
+  await until('a drawing of it', async () => (await card.locator('svg polygon').count()) > 0, PATIENCE / 1_000);
   await card.screenshot({ path: `${SHOTS}person.png` });
   await page.screenshot({ path: `${SHOTS}person-page.png` });
   await assertAccessible(page, 'person');

@@ -185,7 +185,7 @@ await check('At a station a pick is ended and picking is paused by hand', async 
   await until(`${job.id} done`, async () => (await state()) === 'done');
   await card.getByRole('button', { name: 'Pause the station' }).click({ timeout: PATIENCE });
   await card.getByRole('button', { name: 'Resume the station' }).waitFor({ timeout: PATIENCE });
-  await page.screenshot({ path: `${SHOTS}station.png` });
+  await page.screenshot({ path: `${SHOTS}station-card.png` });
   await card.getByRole('button', { name: 'Resume the station' }).click();
   await card.getByRole('button', { name: 'Pause the station' }).waitFor({ timeout: PATIENCE });
   return `${job.id} ended by hand`;
@@ -250,7 +250,10 @@ await check('Who wants less motion sees robots where they were last seen, not sl
   await other.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.version) > 0, null, {
     timeout: PATIENCE,
   });
-  await other.waitForTimeout(1_000);
+  // From the first picture on something may jump or glide; before, neither is said.
+  await other.waitForFunction(() => document.querySelector('canvas')?.dataset.motion !== undefined, null, {
+    timeout: PATIENCE,
+  });
   const motion = await other.locator('canvas[data-robots]').getAttribute('data-motion');
   assert(
     motion === 'jump' && (await read('motion')) === 'glide',

@@ -80,8 +80,7 @@ await check('The page opens from the file and plays, without asking any network'
   await drawn();
   await badge().waitFor({ timeout: PATIENCE });
   const [t, v] = [await moment(), await version()];
-  await page.waitForTimeout(2_500);
-  assert((await moment()) > t && (await version()) > v, `it stands at ${await moment()} s`);
+  await until('a later moment', async () => (await moment()) > t && (await version()) > v, PATIENCE / 1_000);
   assert(
     asked.every((url) => /^(file|data|blob):/.test(url)),
     asked.join(' '),
@@ -116,7 +115,6 @@ await check('A bookmark leads to the deviation, and shows who it was', async () 
   assert(Math.abs((await moment()) - (at - 5)) <= 1, `${words}, but it is ${await moment()}`);
   await page.getByRole('region', { name: 'Person', exact: true }).waitFor({ timeout: PATIENCE });
   await button('Play').click();
-  await page.waitForTimeout(6_000);
   await page
     .getByRole('region', { name: 'Person', exact: true })
     .getByText(/Off the path|On a new path|Told to stop/)
@@ -296,29 +294,32 @@ await check('Seeking among 800 robots shows the moment at once', async () => {
   await page.goto(pathToFileURL(file('many.html')).href);
   await drawn();
   await button('Pause').click();
-  const took = await page.evaluate(async (seconds) => {
-    const [slider, canvas] = [document.querySelector('input[type="range"]'), document.querySelector('canvas')];
-    const turn = () =>
-      new Promise((done) => {
-        requestAnimationFrame(done);
-      });
-    const times = [];
-    // Forth and back, never to where it is: a third of the time at least lies between.
-    for (let i = 0; i < 20; i++) {
-      const shown = canvas.dataset.version;
-      slider.value = String((i * 11 + 3) % (seconds - 1));
-      const began = performance.now();
-      slider.dispatchEvent(new Event('input', { bubbles: true }));
-      while (canvas.dataset.version === shown && performance.now() - began < 5_000) await turn();
-      times.push(performance.now() - began);
-    }
-    return times.sort((a, b) => a - b);
-  }, MANY);
-  const robots = await page.evaluate(() => document.querySelector('canvas').dataset.robots);
-  assert(
-    robots === '800' && took.at(-1) < 5_000,
-    `${robots} robots, the longest seek took ${took.at(-1).toFixed(0)} ms`,
+  // How long a seek takes is told, and depends on the machine; that each of them ends is asserted.
+  const [took, stuck] = await page.evaluate(
+    async ([seconds, patience]) => {
+      const [slider, canvas] = [document.querySelector('input[type="range"]'), document.querySelector('canvas')];
+      const turn = () =>
+        new Promise((done) => {
+          requestAnimationFrame(done);
+        });
+      const times = [];
+      let stuck = 0;
+      // Forth and back, never to where it is: a third of the time at least lies between.
+      for (let i = 0; i < 20; i++) {
+        const shown = canvas.dataset.version;
+        slider.value = String((i * 11 + 3) % (seconds - 1));
+        const began = performance.now();
+        slider.dispatchEvent(new Event('input', { bubbles: true }));
+        while (canvas.dataset.version === shown && performance.now() - began < patience) await turn();
+        if (canvas.dataset.version === shown) stuck += 1;
+        times.push(performance.now() - began);
+      }
+      return [times.sort((a, b) => a - b), stuck];
+    },
+    [MANY, PATIENCE],
   );
+  const robots = await page.evaluate(() => document.querySelector('canvas').dataset.robots);
+  assert(robots === '800' && stuck === 0, `${robots} robots, and ${stuck} of ${took.length} seeks showed nothing else`);
   await page.close();
   return `median ${took[10].toFixed(0)} ms, longest ${took.at(-1).toFixed(0)} ms of 20`;
 });
@@ -338,8 +339,7 @@ await check('A recording opens as a replay whose scrubber grows to all of it', a
     .getByRole('button', { name: /Encounter|Off the path/ })
     .last()
     .click();
-  await page.waitForTimeout(1_500);
-  assert((await moment()) > 60, `it is ${await moment()}`);
+  await until('the second minute', async () => (await moment()) > 60, PATIENCE / 1_000);
   await page.screenshot({ path: `${SHOTS}replay-recording.png` });
   await then('Charts');
   await chartsShow();
@@ -424,8 +424,7 @@ await check('Back to live is live', async () => {
   await button('Back to live').click();
   await badge().waitFor({ state: 'detached', timeout: PATIENCE });
   const before = await version();
-  await page.waitForTimeout(1_000);
-  assert((await version()) > before, 'nothing moves');
+  await until('something that moves', async () => (await version()) > before, PATIENCE / 1_000);
   assert(await button('Stop all robots').isEnabled(), 'the stop stays dead');
 });
 await check('The address opens a span of the past, and stands at its end', async () => {
