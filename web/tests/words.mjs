@@ -144,19 +144,18 @@ await check('A tag that knows the place better ends what the tap said', async ()
   const { id } = await worker('packer-1');
   const before = await ask(`/v1/workers/${id}`);
   const there = { x: before.x, y: before.y, accuracy_m: 0.2 };
-  for (let i = 0; i < 8; i += 1) {
-    await ask(`/v1/workers/${id}/position`, there);
-    await german.waitForTimeout(400);
+  // It says where it is all the while, as a tag does, however long the page takes for each step.
+  const tag = setInterval(() => void ask(`/v1/workers/${id}/position`, there).catch(() => null), 300);
+  try {
+    await german.getByText('Ein Tag oder ein anderes Gerät zeigt, wo Sie sind.').waitFor({ timeout: PATIENCE });
+    const sent = Number(await german.locator('#headset').getAttribute('data-sent'));
+    const box = await german.locator('canvas.map').boundingBox();
+    await german.touchscreen.tap(box.x + box.width * 0.2, box.y + box.height * 0.2);
+    await german.waitForTimeout(2_400);
+    assert(Number(await german.locator('#headset').getAttribute('data-sent')) === sent, 'the tap is still sent');
+  } finally {
+    clearInterval(tag);
   }
-  await german.getByText('Ein Tag oder ein anderes Gerät zeigt, wo Sie sind.').waitFor({ timeout: PATIENCE });
-  const sent = Number(await german.locator('#headset').getAttribute('data-sent'));
-  const box = await german.locator('canvas.map').boundingBox();
-  await german.touchscreen.tap(box.x + box.width * 0.2, box.y + box.height * 0.2);
-  for (let i = 0; i < 6; i += 1) {
-    await ask(`/v1/workers/${id}/position`, there);
-    await german.waitForTimeout(400);
-  }
-  assert(Number(await german.locator('#headset').getAttribute('data-sent')) === sent, 'the tap is still sent');
 });
 await check('At the place it says so; done leads to the next, and each is heard once', async () => {
   const { id } = await worker('packer-1');
