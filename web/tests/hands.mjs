@@ -18,7 +18,7 @@ import {
   until,
 } from './chromium.mjs';
 import { Headset, bench } from './picker.mjs';
-import { serve } from './serve.mjs';
+import { QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -30,7 +30,7 @@ const SHOTS = HERE('./shots/');
 const MAP = HERE('../../maps/stations.json');
 await mkdir(SHOTS, { recursive: true });
 const scratch = mkdtempSync(`${tmpdir()}/giveway-hands-`);
-const scenario = { giveway_scenario: 1, name: 'hands', robots: 4, period_ms: 50, jobs: 'none', map: MAP };
+const scenario = { giveway_scenario: 1, name: 'hands', robots: 4, period_ms: 50, jobs: 'none', map: MAP, fleet: QUICK };
 writeFileSync(`${scratch}/hands.json`, JSON.stringify(scenario));
 let server = await serve(program, `${scratch}/hands.json`, scratch);
 const { url } = server;

@@ -2,6 +2,9 @@
 import { spawn } from 'node:child_process';
 import { rmSync } from 'node:fs';
 
+/** For the `fleet` of a scenario: robots that are quick, where a test waits for what they bring. */
+export const QUICK = { speed_mps: 3, speed_loaded_mps: 3, accel_unloaded_mps2: 3, accel_loaded_mps2: 3, lift_s: 0.5 };
+
 /**
  * Starts the program with a scenario, or with what it shows by itself where that is null, and with a database in a
  * folder that is removed when it is stopped. One that was killed can be started again on the same database and port.

@@ -16,7 +16,7 @@ import {
   openBrowser,
   until,
 } from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -28,7 +28,15 @@ const SHOTS = HERE('./shots/');
 const MAP = HERE('../../maps/stations.json');
 await mkdir(SHOTS, { recursive: true });
 const scratch = mkdtempSync(`${tmpdir()}/giveway-station-`);
-const scenario = { giveway_scenario: 1, name: 'cells', robots: 4, period_ms: 100, jobs: 'none', map: MAP };
+const scenario = {
+  giveway_scenario: 1,
+  name: 'cells',
+  robots: 4,
+  period_ms: 100,
+  jobs: 'none',
+  map: MAP,
+  fleet: QUICK,
+};
 writeFileSync(`${scratch}/cells.json`, JSON.stringify(scenario));
 
 // A rack with slots, and what is taken from it: five lines, each confirmed in another way.

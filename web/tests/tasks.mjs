@@ -7,7 +7,7 @@ import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { PATIENCE, assert, check, finish, listen, openBrowser, until } from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -20,6 +20,7 @@ const scenario = {
   ...JSON.parse(readFileSync(HERE('../../scenarios/lab.json'), 'utf8')),
   map: HERE('../../maps/lab.json'),
   jobs: 'none',
+  fleet: QUICK,
 };
 writeFileSync(join(scratch, 'tasks.json'), JSON.stringify(scenario));
 const server = await serve(program, join(scratch, 'tasks.json'), scratch);
