@@ -62,7 +62,9 @@ await check('A robot that waits says for what, in its card', async () => {
   const jobs = [];
   for (const { id: rack } of map.racks.slice(0, 2)) {
     const data = { kind: 'deliver', rack, station, pick_s: 3600, priority: 9 };
-    jobs.push((await (await context.request.post(new URL('/v1/jobs', url).href, { data })).json()).id);
+    const answer = await (await context.request.post(new URL('/v1/jobs', url).href, { data })).json();
+    assert(answer.id, `no job for ${rack}: ${answer.detail}`);
+    jobs.push(answer.id);
   }
   let id = null;
   await until('a robot that waits', async () => {
