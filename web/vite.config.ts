@@ -89,7 +89,7 @@ const single = {
 const TOGETHER = [
   { name: 'base', test: /src\/parts\/(theme|dom)\.ts|vite\/preload-helper|rolldown\/runtime/ },
   { name: 'words', test: /src\/(words\/[a-z]+|wire\/api)\.ts/ },
-  { name: 'early', test: /src\/(replay\/spans|alarms\/shown)\.ts/ },
+  { name: 'early', test: /src\/(replay\/spans|alarms\/shown|floor\/(paint\/sheet|scene\/view))\.ts/ },
   { name: 'session', test: /node_modules\/(svelte|esm-env|clsx)\/|src\/session\/(session|english)\.ts/ },
 ];
 
@@ -99,14 +99,22 @@ export default defineConfig(({ mode }) => ({
   // the formatter's own parser would be 30 kB for nothing.
   resolve: process.env['VITEST']
     ? { conditions: ['browser'] }
-    : { alias: [{ find: /^@formatjs\/icu-messageformat-parser$/, replacement: '@formatjs/icu-messageformat-parser/no-parser.js' }] },
+    : {
+        alias: [
+          {
+            find: /^@formatjs\/icu-messageformat-parser$/,
+            replacement: '@formatjs/icu-messageformat-parser/no-parser.js',
+          },
+        ],
+      },
   build: {
     target: ['chrome123', 'firefox121', 'safari17.5'],
     // An inlined data: URL would need a hole in the Content-Security-Policy.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 700,
-    // Pages that share no script: neither a headset, nor a station's display, nor the page of the API need load the dashboard.
+    // Pages that share no script: neither a headset, nor a station's display, nor the page of the API need load the
+    // dashboard.
     rolldownOptions: {
       input: ['index.html', 'headset.html', 'station.html', 'docs.html', 'editor.html', 'signin.html'],
       output: { codeSplitting: { includeDependenciesRecursively: false, groups: TOGETHER } },
@@ -115,5 +123,13 @@ export default defineConfig(({ mode }) => ({
   },
   server: { proxy: { '/v1': { target: server, ws: true }, '/openapi.json': server, '/asyncapi.json': server } },
   // A minute for a test that takes a tenth of a second: a machine may be busy with other work.
-  test: { environment: 'happy-dom', include: ['tests/**/*.test.ts'], setupFiles: ['tests/english.ts'], testTimeout: 60_000, hookTimeout: 60_000 },
+  test: {
+    environment: 'happy-dom',
+    // Styles are read as they are written, and not left out.
+    css: { include: /\?raw$/ },
+    include: ['tests/**/*.test.ts'],
+    setupFiles: ['tests/english.ts'],
+    testTimeout: 60_000,
+    hookTimeout: 60_000,
+  },
 }));

@@ -2,7 +2,8 @@
 
 use crate::helper::{Folder, get, start};
 
-const TYPES: &str = include_str!("../../web/src/wire/types.ts");
+const JOBS: &str = include_str!("../../web/src/wire/jobs.ts");
+const HISTORY: &str = include_str!("../../web/src/wire/history.ts");
 const TIMELINES: &str = include_str!("../../web/src/timelines/Timelines.svelte");
 
 /// The entries of a list that the page defines as `const NAME = [..]`.
@@ -19,8 +20,8 @@ async fn the_api_accepts_every_choice_of_every_filter_of_the_page() {
     let server = start(&folder).await;
     let at = server.address();
     let filters = [
-        ("/v1/jobs?limit=50&state=", choices(TYPES, "JOB_STATES")),
-        ("/v1/heat?kind=", choices(TYPES, "HEAT_KINDS")),
+        ("/v1/jobs?limit=50&state=", choices(JOBS, "JOB_STATES")),
+        ("/v1/heat?kind=", choices(HISTORY, "HEAT_KINDS")),
         ("/v1/timelines?x0=0&y0=0&x1=3&y1=3&ahead_s=", choices(TIMELINES, "LENGTHS")),
     ];
     for (query, words) in filters {

@@ -11,11 +11,14 @@ import { thinPatch } from './thin.mjs';
 import { ToyFleet } from './toyfleet.mjs';
 import { toyFloor } from './toyfloor.mjs';
 
-const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; worker-src 'self' blob:; base-uri 'none'; form-action 'none'";
+const POLICY =
+  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; connect-src 'self'; " +
+  "worker-src 'self' blob:; base-uri 'none'; form-action 'none'";
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml' };
 const TICK_S = 0.1;
 
-const mayEnter = (request, token) => token === null || String(request.headers.cookie ?? '').includes(`mock_session=${token}`);
+const mayEnter = (request, token) =>
+  token === null || String(request.headers.cookie ?? '').includes(`mock_session=${token}`);
 
 /** Signing in and out; the cookie is the token itself, since this is a mock. */
 async function session(request, response, token) {
@@ -28,7 +31,8 @@ async function session(request, response, token) {
   if (request.method === 'POST') {
     let body = '';
     for await (const part of request) body += part;
-    if (JSON.parse(body).token !== token) return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Wrong token.' });
+    if (JSON.parse(body).token !== token)
+      return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Wrong token.' });
     response.setHeader('Set-Cookie', `mock_session=${token}; Path=/; HttpOnly; SameSite=Strict`);
   } else if (!mayEnter(request, token)) {
     return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Sign in.' });
@@ -47,18 +51,24 @@ export async function startMock({ port, width = 40, height = 25, robots = 50, pe
     if (!url.pathname.startsWith('/v1/')) return serveFile(dist, url.pathname, response);
     if (url.pathname === '/v1/session/oidc') return send(response, 200, { name: null });
     if (url.pathname === '/v1/session') return session(request, response, token);
-    if (!mayEnter(request, token)) return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Sign in.' });
+    if (!mayEnter(request, token))
+      return send(response, 401, { title: 'Unauthorized', status: 401, detail: 'Sign in.' });
     const [status, body] = await answer(fleet, floor.map, request, url);
     send(response, status, body);
   });
-  const sockets = new WebSocketServer({ noServer: true, handleProtocols: (offered) => (offered.has('giveway') ? 'giveway' : false) });
+  const sockets = new WebSocketServer({
+    noServer: true,
+    handleProtocols: (offered) => (offered.has('giveway') ? 'giveway' : false),
+  });
   http.on('upgrade', (request, socket, head) => {
     if (!mayEnter(request, token)) {
       socket.end('HTTP/1.1 401 Unauthorized\r\n\r\n');
       return;
     }
     sockets.handleUpgrade(request, socket, head, (client) => {
-      client.send(JSON.stringify({ type: 'snapshot', version, started: new Date(0).toISOString(), simulated: true, ...last }));
+      client.send(
+        JSON.stringify({ type: 'snapshot', version, started: new Date(0).toISOString(), simulated: true, ...last }),
+      );
     });
   });
   const timer = setInterval(() => {
@@ -74,14 +84,20 @@ export async function startMock({ port, width = 40, height = 25, robots = 50, pe
   await new Promise((done) => http.listen(port, '127.0.0.1', done));
   return {
     port: http.address().port,
-    stop: () => { clearInterval(timer); sockets.clients.forEach((c) => c.terminate()); http.closeAllConnections(); http.close(); },
+    stop: () => {
+      clearInterval(timer);
+      sockets.clients.forEach((c) => c.terminate());
+      http.closeAllConnections();
+      http.close();
+    },
   };
 }
 
 async function answer(fleet, map, request, url) {
   const [, , what, id] = url.pathname.split('/');
   if (what === 'map') return [200, map];
-  if (!['jobs', 'jobs:batch'].includes(what)) return [404, { title: 'Not found', status: 404, detail: `There is nothing at ${url.pathname}.` }];
+  if (!['jobs', 'jobs:batch'].includes(what))
+    return [404, { title: 'Not found', status: 404, detail: `There is nothing at ${url.pathname}.` }];
   if (what === 'jobs:batch') return submitAll(fleet, map, request);
   if (request.method === 'POST') return submit(fleet, map, await read(request), request.headers['idempotency-key']);
   if (id) {
@@ -105,7 +121,9 @@ async function read(request) {
 
 async function submitAll(fleet, map, request) {
   const outcomes = (await read(request)).jobs.map(({ key, job }) => submit(fleet, map, job, key));
-  const results = outcomes.map(([status, told]) => (status === 201 ? { id: told.id, new: true, problem: null } : { id: null, new: false, problem: told }));
+  const results = outcomes.map(([status, told]) =>
+    status === 201 ? { id: told.id, new: true, problem: null } : { id: null, new: false, problem: told },
+  );
   const accepted = results.filter((r) => r.id !== null).length;
   return [200, { accepted, refused: results.length - accepted, results }];
 }
@@ -116,7 +134,8 @@ function submit(fleet, map, job, key) {
   const errors = Object.entries(lists)
     .filter(([field, list]) => job[field] !== undefined && !list.some((one) => one.id === job[field]))
     .map(([field]) => ({ field, detail: `There is no ${field} named ${job[field]} on this floor.` }));
-  if (errors.length > 0) return [422, { title: 'The job cannot be taken', status: 422, detail: errors[0].detail, errors }];
+  if (errors.length > 0)
+    return [422, { title: 'The job cannot be taken', status: 422, detail: errors[0].detail, errors }];
   const made = fleet.submit(job);
   fleet.keys.set(key, made);
   return [201, made];
@@ -132,7 +151,10 @@ async function serveFile(dist, path, response) {
     if (dist === null) throw new Error('nothing built is served');
     const file = join(dist, normalize(path === '/' ? '/index.html' : path));
     const body = await readFile(file);
-    response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream', 'content-security-policy': POLICY });
+    response.writeHead(200, {
+      'content-type': TYPES[extname(file)] ?? 'application/octet-stream',
+      'content-security-policy': POLICY,
+    });
     response.end(body);
   } catch {
     response.writeHead(404).end();
@@ -141,12 +163,19 @@ async function serveFile(dist, path, response) {
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const { values } = parseArgs({
-    options: Object.fromEntries(['port', 'robots', 'people', 'width', 'height', 'dist', 'token'].map((name) => [name, { type: 'string' }])),
+    options: Object.fromEntries(
+      ['port', 'robots', 'people', 'width', 'height', 'dist', 'token'].map((name) => [name, { type: 'string' }]),
+    ),
   });
   const number = (text, otherwise) => (text === undefined ? otherwise : Number(text));
   const { port } = await startMock({
-    port: number(values.port, 8791), robots: number(values.robots, 50), people: number(values.people, 3), width: number(values.width, 40), height: number(values.height, 25),
-    dist: values.dist ?? null, token: values.token ?? null,
+    port: number(values.port, 8791),
+    robots: number(values.robots, 50),
+    people: number(values.people, 3),
+    width: number(values.width, 40),
+    height: number(values.height, 25),
+    dist: values.dist ?? null,
+    token: values.token ?? null,
   });
   console.log(`The mock server listens on http://127.0.0.1:${port}`);
 }

@@ -7,7 +7,14 @@ const mm = (x) => Math.round(x * 1000);
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
 export function thinPatch(old, now, version) {
-  const patch = { type: 'patch', base: version, version: version + 1, time_s: now.time_s, jobs: now.jobs, counters: now.counters };
+  const patch = {
+    type: 'patch',
+    base: version,
+    version: version + 1,
+    time_s: now.time_s,
+    jobs: now.jobs,
+    counters: now.counters,
+  };
   // Before each entry stands how many rows were passed over since the one before.
   const next = {};
   const add = (key, i, ...numbers) => {

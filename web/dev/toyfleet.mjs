@@ -6,13 +6,20 @@ const SPEED = 1.2;
 const BATTERY_PER_M = 0.0004;
 
 /** A reason as the server says it. */
-const waitsFor = (place, robot) => ({ code: 'waits_for', args: { place, robot }, text: `waits for ${place}, held by ${robot}` });
+const waitsFor = (place, robot) => ({
+  code: 'waits_for',
+  args: { place, robot },
+  text: `waits for ${place}, held by ${robot}`,
+});
 
 export class ToyFleet {
   constructor({ map, neighbours }, count, people) {
     this.people = new ToyPeople({ map, neighbours }, people);
     Object.assign(this, { map, neighbours, time: 0, jobs: [], deliveries: 0, keys: new Map(), alarms: [] });
-    const storage = map.nodes.map((n, i) => [n, i]).filter(([n]) => n.kind === 'storage').map(([, i]) => i);
+    const storage = map.nodes
+      .map((n, i) => [n, i])
+      .filter(([n]) => n.kind === 'storage')
+      .map(([, i]) => i);
     this.taken = new Map();
     this.racks = map.racks.map((r) => ({ id: r.id, node: r.node, robot: null }));
     this.stations = map.stations.map((s) => ({ id: s.id, robot: null, queue: [], served: 0 }));
@@ -22,15 +29,34 @@ export class ToyFleet {
       const { x, y } = map.nodes[node];
       return {
         wire: {
-          id: `robot-${k + 1}`, x, y, heading: 0, speed: 0, state: 'idle', doing: 'idle', rack: null, job: null,
-          battery: 0.1 + 0.9 * Math.abs(Math.sin(k * 12.9898)), granted: [], held: [], why: null, passes: null,
+          id: `robot-${k + 1}`,
+          x,
+          y,
+          heading: 0,
+          speed: 0,
+          state: 'idle',
+          doing: 'idle',
+          rack: null,
+          job: null,
+          battery: 0.1 + 0.9 * Math.abs(Math.sin(k * 12.9898)),
+          granted: [],
+          held: [],
+          why: null,
+          passes: null,
         },
-        node, way: [], wait: Math.random() * 3, stuck: 0,
+        node,
+        way: [],
+        wait: Math.random() * 3,
+        stuck: 0,
       };
     });
     const failed = this.robots[Math.floor(count / 2)];
     failed.wire.state = failed.wire.doing = 'failed';
-    this.alarms.push({ id: 'a1', text: `${failed.wire.id} reports a motor fault at ${map.nodes[failed.node].id}`, since_s: 0 });
+    this.alarms.push({
+      id: 'a1',
+      text: `${failed.wire.id} reports a motor fault at ${map.nodes[failed.node].id}`,
+      since_s: 0,
+    });
   }
 
   step(dt) {
@@ -43,7 +69,16 @@ export class ToyFleet {
 
   /** What a robot is at, and since when. */
   #note(w) {
-    const activity = w.state === 'failed' ? 'failed' : w.why !== null ? 'waiting' : w.speed > 0 ? 'driving' : w.rack ? 'handling' : 'idle';
+    const activity =
+      w.state === 'failed'
+        ? 'failed'
+        : w.why !== null
+          ? 'waiting'
+          : w.speed > 0
+            ? 'driving'
+            : w.rack
+              ? 'handling'
+              : 'idle';
     if (w.activity !== activity) Object.assign(w, { activity, since: new Date(this.time * 1_000).toISOString() });
   }
 
@@ -60,10 +95,18 @@ export class ToyFleet {
     const owner = this.taken.get(next);
     if (owner !== undefined && owner !== k) {
       const other = this.robots[owner].wire;
-      Object.assign(w, { speed: 0, granted: [robot.node], held: robot.way.slice(0, 5), why: waitsFor(this.map.nodes[next].id, other.id) });
+      Object.assign(w, {
+        speed: 0,
+        granted: [robot.node],
+        held: robot.way.slice(0, 5),
+        why: waitsFor(this.map.nodes[next].id, other.id),
+      });
       robot.stuck += dt;
       w.state = robot.stuck > 2 ? 'interrupted' : w.state;
-      if (robot.stuck > 4) { robot.stuck = 0; robot.way = this.#route(robot.node, this.#somewhere(w.rack !== null), w.rack !== null, next); }
+      if (robot.stuck > 4) {
+        robot.stuck = 0;
+        robot.way = this.#route(robot.node, this.#somewhere(w.rack !== null), w.rack !== null, next);
+      }
       return;
     }
     this.taken.set(next, k);
@@ -72,7 +115,8 @@ export class ToyFleet {
     const [dx, dy] = [to.x - w.x, to.y - w.y];
     const far = Math.hypot(dx, dy);
     const step = Math.min(far, SPEED * dt);
-    if (far > 1e-6) Object.assign(w, { x: w.x + (dx / far) * step, y: w.y + (dy / far) * step, heading: Math.atan2(dy, dx) });
+    if (far > 1e-6)
+      Object.assign(w, { x: w.x + (dx / far) * step, y: w.y + (dy / far) * step, heading: Math.atan2(dy, dx) });
     Object.assign(w, { speed: SPEED, why: null, battery: Math.max(0.05, w.battery - step * BATTERY_PER_M) });
     w.state = w.rack ? 'busy' : w.doing === 'to_rack' ? 'busy' : 'free';
     w.granted = [robot.node, ...robot.way.slice(0, 3)];
@@ -133,18 +177,30 @@ export class ToyFleet {
   }
 
   #work() {
-    const ages = [[1, 'waiting'], [2, 'assigned'], [5, 'carrying'], [6, 'queued'], [8, 'picking'], [Infinity, 'done']];
+    const ages = [
+      [1, 'waiting'],
+      [2, 'assigned'],
+      [5, 'carrying'],
+      [6, 'queued'],
+      [8, 'picking'],
+      [Infinity, 'done'],
+    ];
     for (const job of this.jobs) {
       if (job.state === 'cancelled' || job.state === 'done') continue;
       const age = this.time - job.since;
       job.state = ages.find(([until]) => age < until)[1];
-      if (job.state !== 'waiting') job.robot ??= this.robots[job.since % 7 | 0].wire.id;
+      if (job.state !== 'waiting') job.robot ??= this.robots[(job.since % 7) | 0].wire.id;
       job.updated = new Date().toISOString();
     }
     const newest = this.jobs.at(-1);
     if (!newest || this.time - newest.since > 2.5) {
       const pick = (list) => list[Math.floor(Math.random() * list.length)].id;
-      this.submit({ kind: 'deliver', rack: pick(this.racks), station: pick(this.stations), priority: Math.floor(Math.random() * 3) });
+      this.submit({
+        kind: 'deliver',
+        rack: pick(this.racks),
+        station: pick(this.stations),
+        priority: Math.floor(Math.random() * 3),
+      });
     }
     if (this.jobs.length > 400) this.jobs.shift();
   }
@@ -153,8 +209,18 @@ export class ToyFleet {
     const now = new Date().toISOString();
     this.made = (this.made ?? 0) + 1;
     const made = {
-      id: `j${this.made}`, rack: null, station: null, node: null, robot: null, deadline: null, ...job,
-      state: 'waiting', why: null, created: now, updated: now, since: this.time,
+      id: `j${this.made}`,
+      rack: null,
+      station: null,
+      node: null,
+      robot: null,
+      deadline: null,
+      ...job,
+      state: 'waiting',
+      why: null,
+      created: now,
+      updated: now,
+      since: this.time,
     };
     this.jobs.push(made);
     return made;
@@ -164,15 +230,43 @@ export class ToyFleet {
     const of = (...states) => this.jobs.filter((j) => states.includes(j.state)).length;
     return {
       time_s: round(this.time),
-      robots: this.robots.map(({ wire }) => ({ ...wire, x: round(wire.x), y: round(wire.y), heading: round(wire.heading), battery: round(wire.battery) })),
+      robots: this.robots.map(({ wire }) => ({
+        ...wire,
+        x: round(wire.x),
+        y: round(wire.y),
+        heading: round(wire.heading),
+        battery: round(wire.battery),
+      })),
       racks: this.racks.map((r) => ({ ...r })),
       stations: this.stations,
       workers: this.people.view(),
-      closures: [{ id: 'c1', outline: [[3, 3], [7, 3], [7, 4.5], [3, 4.5]], reason: 'spill' }],
-      jobs: { waiting: of('waiting'), active: of('assigned', 'carrying', 'queued', 'picking'), done: of('done'), cancelled: of('cancelled'), failed: 0 },
+      closures: [
+        {
+          id: 'c1',
+          outline: [
+            [3, 3],
+            [7, 3],
+            [7, 4.5],
+            [3, 4.5],
+          ],
+          reason: 'spill',
+        },
+      ],
+      jobs: {
+        waiting: of('waiting'),
+        active: of('assigned', 'carrying', 'queued', 'picking'),
+        done: of('done'),
+        cancelled: of('cancelled'),
+        failed: 0,
+      },
       counters: {
-        robot_deliveries: this.deliveries, human_deliveries: 0, deliveries_per_hour: this.time > 5 ? (this.deliveries / this.time) * 3600 : 0, encounters: 0,
-        plan_us_p50: 180 + 40 * Math.sin(this.time), plan_us_p99: 2400, step_us_p99: 5100,
+        robot_deliveries: this.deliveries,
+        human_deliveries: 0,
+        deliveries_per_hour: this.time > 5 ? (this.deliveries / this.time) * 3600 : 0,
+        encounters: 0,
+        plan_us_p50: 180 + 40 * Math.sin(this.time),
+        plan_us_p99: 2400,
+        step_us_p99: 5100,
       },
       alarms: this.alarms,
     };

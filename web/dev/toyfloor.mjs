@@ -14,15 +14,20 @@ export function toyFloor(width, height) {
   const lanes = [];
   for (let y = 0; y < height; y++) {
     for (let x = 0; x < width; x++) {
-      for (const [nx, ny] of [[x + 1, y], [x, y + 1]]) {
+      for (const [nx, ny] of [
+        [x + 1, y],
+        [x, y + 1],
+      ]) {
         if (nx >= width || ny >= height) continue;
         const [a, b] = [nodes[index(x, y)], nodes[index(nx, ny)]];
         const under = a.kind === 'storage' || b.kind === 'storage';
         // The ring around the floor is one-way, so that arrows can be looked at.
         const ring = ny === y && (y === 4 || y === height - 1);
         lanes.push({
-          from: ring && y === 4 ? index(nx, ny) : index(x, y), to: ring && y === 4 ? index(x, y) : index(nx, ny),
-          both: !ring, for: under ? ['unloaded'] : ['loaded', 'unloaded', 'people'],
+          from: ring && y === 4 ? index(nx, ny) : index(x, y),
+          to: ring && y === 4 ? index(x, y) : index(nx, ny),
+          both: !ring,
+          for: under ? ['unloaded'] : ['loaded', 'unloaded', 'people'],
         });
       }
     }
@@ -39,9 +44,29 @@ export function toyFloor(width, height) {
   });
   return {
     map: {
-      name: 'Toy floor', bounds: [-1, -1, width + 1, height + 1], footprint_m: 0.9, nodes, lanes, stations, racks,
-      obstacles: [[[-1, height], [width + 1, height], [width + 1, height + 1], [-1, height + 1]]],
-      walkable: [[[-0.6, -0.6], [width + 0.6, -0.6], [width + 0.6, height], [-0.6, height]]],
+      name: 'Toy floor',
+      bounds: [-1, -1, width + 1, height + 1],
+      footprint_m: 0.9,
+      nodes,
+      lanes,
+      stations,
+      racks,
+      obstacles: [
+        [
+          [-1, height],
+          [width + 1, height],
+          [width + 1, height + 1],
+          [-1, height + 1],
+        ],
+      ],
+      walkable: [
+        [
+          [-0.6, -0.6],
+          [width + 0.6, -0.6],
+          [width + 0.6, height],
+          [-0.6, height],
+        ],
+      ],
     },
     neighbours: neighbours(nodes.length, lanes),
   };

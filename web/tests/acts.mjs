@@ -2,7 +2,17 @@
 // Asks why, looks at timelines, closes an area, hands in a table of jobs. Run it with a scenario that has jobs.
 import { mkdir } from 'node:fs/promises';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, assertAccessible, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
+import {
+  PATIENCE,
+  assert,
+  assertAccessible,
+  check,
+  finish,
+  isRefusal,
+  listen,
+  openBrowser,
+  until,
+} from './chromium.mjs';
 
 const url = process.argv[2];
 if (!url) {
@@ -24,7 +34,9 @@ const closures = page.getByRole('region', { name: 'Closed areas' });
 const timelines = page.getByRole('region', { name: 'Timelines', exact: true });
 
 await page.goto(url);
-await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, {
+  timeout: PATIENCE,
+});
 const map = await ask('/v1/map');
 
 await check('A job that comes after another says so, to the root', async () => {
@@ -50,7 +62,9 @@ await check('A robot that waits says for what, in its card', async () => {
   const jobs = [];
   for (const { id: rack } of map.racks.slice(0, 2)) {
     const data = { kind: 'deliver', rack, station, pick_s: 3600, priority: 9 };
-    jobs.push((await (await context.request.post(new URL('/v1/jobs', url).href, { data })).json()).id);
+    const answer = await (await context.request.post(new URL('/v1/jobs', url).href, { data })).json();
+    assert(answer.id, `no job for ${rack}: ${answer.detail}`);
+    jobs.push(answer.id);
   }
   let id = null;
   await until('a robot that waits', async () => {
@@ -91,14 +105,20 @@ await check('Timelines show who holds the places of what is drawn, and a click c
   await page.waitForTimeout(1_200);
   await page.screenshot({ path: `${SHOTS}timelines.png` });
   // Bars come and go: read and click in one go.
-  const by = await bars.first().evaluate((bar) => { bar.click(); return bar.dataset.by; });
+  const by = await bars.first().evaluate((bar) => {
+    bar.click();
+    return bar.dataset.by;
+  });
   await page.locator('.card').getByRole('heading', { name: by, exact: true }).waitFor({ timeout: PATIENCE });
   return words;
 });
 await check('Timelines are reached by keys, and there is a table of them', async () => {
   await page.getByRole('application', { name: 'Timelines of the area' }).focus();
   for (const key of ['ArrowDown', 'ArrowRight', 'ArrowDown', '+']) await page.keyboard.press(key);
-  await timelines.getByRole('status').filter({ hasText: /^\S+: / }).waitFor({ timeout: PATIENCE });
+  await timelines
+    .getByRole('status')
+    .filter({ hasText: /^\S+: / })
+    .waitFor({ timeout: PATIENCE });
   await assertAccessible(page, 'timelines');
   await timelines.getByLabel('As a table').check();
   const rows = await timelines.getByRole('region', { name: 'Table of timelines' }).getByRole('row').count();
@@ -133,20 +153,26 @@ await check('An area is drawn by keys alone, announced, and opened from the list
   await closures.getByRole('button', { name: 'Close a polygon' }).focus();
   await page.keyboard.press('Enter');
   await page.getByRole('application', { name: 'Drawing on the floor' }).waitFor({ timeout: PATIENCE });
-  for (const key of ['Enter', 'ArrowRight', 'ArrowRight', 'Enter', 'ArrowUp', 'ArrowUp', 'Enter', 'Enter']) await page.keyboard.press(key);
+  for (const key of ['Enter', 'ArrowRight', 'ArrowRight', 'Enter', 'ArrowUp', 'ArrowUp', 'Enter', 'Enter'])
+    await page.keyboard.press(key);
   await closures.getByLabel('Why').fill('cleaning');
   await closures.getByLabel('Begins in, minutes').fill('30');
   await closures.getByLabel('Lasts, minutes').fill('5');
   await page.keyboard.press('Enter');
   await closures.getByText(/c\d+ is announced/).waitFor({ timeout: PATIENCE });
-  await closures.getByRole('button', { name: /^Open c\d+ again$/ }).first().click();
+  await closures
+    .getByRole('button', { name: /^Open c\d+ again$/ })
+    .first()
+    .click();
   await closures.getByText(/is open again/).waitFor({ timeout: PATIENCE });
 });
 await check('A table of jobs is read line by line, and only what is right is sent', async () => {
   await button('Many jobs from a table').click();
   const dialog = page.getByRole('dialog');
   const [rack, station] = [map.racks.at(-1).id, map.stations[0].id];
-  await dialog.getByLabel('Or paste it here').fill(`kind,rack,station\ndeliver,${rack},${station}\ndeliver,no-such-rack,${station}\nreturn,${rack},\n`);
+  await dialog
+    .getByLabel('Or paste it here')
+    .fill(`kind,rack,station\ndeliver,${rack},${station}\ndeliver,no-such-rack,${station}\nreturn,${rack},\n`);
   await dialog.getByText('There is no rack “no-such-rack”.').waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}csv.png` });
   await dialog.getByRole('button', { name: 'Submit 2 jobs' }).click();
@@ -161,8 +187,13 @@ await check('One click stops all robots, everybody sees it, and they go on only 
   await button('Stop all robots').click();
   const banner = page.getByText('All robots are stopped by hand', { exact: true });
   await banner.waitFor({ timeout: PATIENCE });
-  await page.getByRole('region', { name: 'Alarms' }).getByText(/stopped by hand/).waitFor({ timeout: PATIENCE });
-  await until('a floor on which all robots stand', async () => (await ask('/v1/robots')).items.every((r) => r.speed === 0));
+  await page
+    .getByRole('region', { name: 'Alarms' })
+    .getByText(/stopped by hand/)
+    .waitFor({ timeout: PATIENCE });
+  await until('a floor on which all robots stand', async () =>
+    (await ask('/v1/robots')).items.every((r) => r.speed === 0),
+  );
   await page.waitForTimeout(400);
   await page.screenshot({ path: `${SHOTS}stopped.png` });
   await assertAccessible(page, 'stopped');
@@ -215,14 +246,23 @@ await check('A waiting job gets another priority in its card', async () => {
   await table.getByRole('button', { name: second.id, exact: true }).click({ timeout: PATIENCE });
   const card = page.getByRole('region', { name: 'Job', exact: true });
   await card.getByLabel('Priority, 0 to 9').selectOption('9');
-  await table.locator(`[data-job="${second.id}"]`).getByRole('cell', { name: '9', exact: true }).waitFor({ timeout: PATIENCE });
+  await table
+    .locator(`[data-job="${second.id}"]`)
+    .getByRole('cell', { name: '9', exact: true })
+    .waitFor({ timeout: PATIENCE });
   assert((await ask(`/v1/jobs/${second.id}`)).priority === 9, 'the server has another priority');
   await card.getByRole('button', { name: 'Close' }).click();
   for (const job of [second, first]) await context.request.delete(new URL(`/v1/jobs/${job.id}`, url).href);
 });
 await check('A person is sent where somebody clicks', async () => {
-  const worker = await (await context.request.post(new URL('/v1/workers', url).href, { data: { name: 'acts-test' } })).json();
-  await page.getByRole('combobox', { name: 'Find on the floor' }).or(page.getByLabel('Find on the floor')).first().waitFor();
+  const worker = await (
+    await context.request.post(new URL('/v1/workers', url).href, { data: { name: 'acts-test' } })
+  ).json();
+  await page
+    .getByRole('combobox', { name: 'Find on the floor' })
+    .or(page.getByLabel('Find on the floor'))
+    .first()
+    .waitFor();
   await page.waitForTimeout(1_000);
   await page.getByLabel('Find on the floor').fill(worker.id);
   await page.keyboard.press('Enter');
@@ -231,7 +271,11 @@ await check('A person is sent where somebody clicks', async () => {
   await page.getByRole('application', { name: 'Drawing on the floor' }).press('Enter');
   await card.getByLabel(/What to do at/).fill('count racks');
   await card.getByRole('button', { name: /^Send to/ }).click();
-  await card.getByText(/a\d+: on the way/).or(card.getByRole('alert')).first().waitFor({ timeout: PATIENCE });
+  await card
+    .getByText(/a\d+: on the way/)
+    .or(card.getByRole('alert'))
+    .first()
+    .waitFor({ timeout: PATIENCE });
   const words = (await card.getByRole('status').innerText()) + (await card.getByRole('alert').allInnerTexts()).join('');
   await card.getByRole('button', { name: 'Close' }).click();
   assert(/a\d+:/.test(words), words);
@@ -249,5 +293,7 @@ await check('The page fits a phone without scrolling sideways', async () => {
 });
 await page.screenshot({ path: `${SHOTS}acts-phone.png`, fullPage: true });
 await check('axe finds nothing wrong (phone, light)', () => assertAccessible(page, 'phone'));
-await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+await check('Nothing was complained about in the console', () =>
+  assert(complaints.length === 0, complaints.join(' | ')),
+);
 await finish(browser);

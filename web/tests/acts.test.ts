@@ -4,14 +4,24 @@ import { buildClosure } from '../src/places/closureform';
 import { readJobs, type Known } from '../src/jobs/csv';
 import { lookAgain, lookAt, lookWords, marks, place, rows, when } from '../src/timelines/gantt';
 import { around, corner, rectangle } from '../src/floor/scene/sketch';
-import type { Point, Strip } from '../src/wire/types';
+import type { Point, Strip } from '../src/wire';
 
 const NOW = new Date('2031-01-31T12:00:00Z');
-const KNOWN: Known = { rack: new Set(['K1', 'K2']), station: new Set(['W1']), node: new Set(['A1']), robot: new Set(['robot-1']) };
+const KNOWN: Known = {
+  rack: new Set(['K1', 'K2']),
+  station: new Set(['W1']),
+  node: new Set(['A1']),
+  robot: new Set(['robot-1']),
+};
 
 describe('drawing', () => {
   it('makes an upright rectangle of two corners in any order', () => {
-    expect(rectangle([3, 1], [1, 2])).toEqual([[1, 1], [3, 1], [3, 2], [1, 2]]);
+    expect(rectangle([3, 1], [1, 2])).toEqual([
+      [1, 1],
+      [3, 1],
+      [3, 2],
+      [1, 2],
+    ]);
     expect(around(rectangle([3, 1], [1, 2]))).toEqual([1, 1, 3, 2]);
   });
   it('takes a rectangle without area for a slip of the hand', () => {
@@ -19,7 +29,11 @@ describe('drawing', () => {
     expect(corner('rectangle', [[1, 1]], [2, 5]).kind).toBe('done');
   });
   it('closes a polygon at its first corner, but not before it has three', () => {
-    const three: Point[] = [[0, 0], [2, 0], [2, 2]];
+    const three: Point[] = [
+      [0, 0],
+      [2, 0],
+      [2, 2],
+    ];
     expect(corner('polygon', three, [0.01, 0])).toEqual({ kind: 'done', outline: three });
     expect(corner('polygon', three.slice(0, 2), [0, 0.01])).toEqual({ kind: 'more', corners: three.slice(0, 2) });
     expect(corner('polygon', three, [0, 2])).toEqual({ kind: 'more', corners: [...three, [0, 2]] });
@@ -46,8 +60,17 @@ describe('closing an area', () => {
   });
   it('recurs every day from one time of day to another, in the time of the page', () => {
     const at = new Date(2031, 0, 31, 23, 50);
-    const built = buildClosure({ ...BLANK, reason: 'mopping', binds: 'people', begins: '5', lasts: '20', daily: true }, outline, at);
-    expect(built).toMatchObject({ area: { binds: 'people', recurs: { from: '23:55', to: '00:15', utc_offset: Intl.DateTimeFormat().resolvedOptions().timeZone } } });
+    const built = buildClosure(
+      { ...BLANK, reason: 'mopping', binds: 'people', begins: '5', lasts: '20', daily: true },
+      outline,
+      at,
+    );
+    expect(built).toMatchObject({
+      area: {
+        binds: 'people',
+        recurs: { from: '23:55', to: '00:15', utc_offset: Intl.DateTimeFormat().resolvedOptions().timeZone },
+      },
+    });
     expect(built.kind === 'ready' && built.area.until).toBeUndefined();
     const open = buildClosure({ ...BLANK, reason: 'mopping', daily: true }, outline, at);
     expect(open.kind === 'wrong' && Object.keys(open.errors)).toEqual(['lasts']);
@@ -56,29 +79,48 @@ describe('closing an area', () => {
 
 describe('jobs from a table', () => {
   it('says why a text is no table', () => {
-    const why = (text: string): string => { const read = readJobs(text, KNOWN, NOW); return read.kind === 'unreadable' ? read.why : ''; };
+    const why = (text: string): string => {
+      const read = readJobs(text, KNOWN, NOW);
+      return read.kind === 'unreadable' ? read.why : '';
+    };
     expect(why('kind,rack\n')).toBe('There is no job below the first line.');
     expect(why('kind,rack,Rack\nreturn,K1,K2\n')).toBe('Two columns are named “Rack”: keep one.');
     expect(why('kind,rack\nreturn,"K1\n')).toContain('Line 2');
     expect(why('kind,rack\nreturn,R\uFFFDgal\n')).toContain('UTF-8');
   });
   it('takes a key, and refuses the same one twice', () => {
-    const read = readJobs(`kind,rack,key\nreturn,K1,o-1\nreturn,K2,o-1\nreturn,K2,\nreturn,K2,${'é'.repeat(128)}\n`, KNOWN, NOW);
+    const read = readJobs(
+      `kind,rack,key\nreturn,K1,o-1\nreturn,K2,o-1\nreturn,K2,\nreturn,K2,${'é'.repeat(128)}\n`,
+      KNOWN,
+      NOW,
+    );
     if (read.kind !== 'table') throw new Error(read.why);
     expect(read.lines.map((l) => [l.key?.slice(0, 3) ?? null, l.job === null, l.errors.join(' ')])).toEqual([
-      ['o-1', false, ''], ['o-1', true, 'Line 2 has the key “o-1” already.'], [null, false, ''], ['ééé', true, 'The key is longer than 255 characters.'],
+      ['o-1', false, ''],
+      ['o-1', true, 'Line 2 has the key “o-1” already.'],
+      [null, false, ''],
+      ['ééé', true, 'The key is longer than 255 characters.'],
     ]);
     const more = readJobs('kind;rack;;\nreturn;K1;;\nreturn;K2;x\n', KNOWN, NOW);
     expect(more.kind === 'table' && more.lines.map((l) => l.errors)).toEqual([[], ['3 cells, but 2 columns.']]);
   });
   it('makes a job of each line that is right', () => {
-    const read = readJobs('kind,rack,station,priority,pick_s,reference\nDeliver,K1,W1,5,12,"order 4711, line 1"\nreturn,K2,,,,\n', KNOWN, NOW);
+    const read = readJobs(
+      'kind,rack,station,priority,pick_s,reference\nDeliver,K1,W1,5,12,"order 4711, line 1"\nreturn,K2,,,,\n',
+      KNOWN,
+      NOW,
+    );
     expect(read.kind === 'table' && read.lines.map((l) => l.job)).toEqual([
-      { kind: 'deliver', rack: 'K1', station: 'W1', priority: 5, pick_s: 12, reference: 'order 4711, line 1' }, { kind: 'return', rack: 'K2', priority: 0 },
+      { kind: 'deliver', rack: 'K1', station: 'W1', priority: 5, pick_s: 12, reference: 'order 4711, line 1' },
+      { kind: 'return', rack: 'K2', priority: 0 },
     ]);
   });
   it('says for each line what is wrong, and makes no job of it', () => {
-    const read = readJobs('kind,rack,station,robot\ndeliver,K9,W1,\nfly,K1,,\npark,,,robot-1\ndeliver,K1,,robot-1\n', KNOWN, NOW);
+    const read = readJobs(
+      'kind,rack,station,robot\ndeliver,K9,W1,\nfly,K1,,\npark,,,robot-1\ndeliver,K1,,robot-1\n',
+      KNOWN,
+      NOW,
+    );
     if (read.kind !== 'table') throw new Error(read.why);
     expect(read.lines.map((l) => [l.line, l.job === null, l.errors.join(' ')])).toEqual([
       [2, true, 'There is no rack “K9”.'],
@@ -89,14 +131,18 @@ describe('jobs from a table', () => {
   });
   it('refuses a table without columns that it knows', () => {
     expect(readJobs('K1,W1\n', KNOWN, NOW).kind).toBe('unreadable');
-    expect(readJobs('kind,colour\ndeliver,red\n', KNOWN, NOW)).toMatchObject({ why: expect.stringContaining('“colour”') });
+    expect(readJobs('kind,colour\ndeliver,red\n', KNOWN, NOW)).toMatchObject({
+      why: expect.stringContaining('“colour”'),
+    });
     expect(readJobs('', KNOWN, NOW).kind).toBe('unreadable');
   });
 });
 
 describe('the picture of what the planner sees', () => {
   const strip: Strip = {
-    id: 'R1', x: 0, y: 0,
+    id: 'R1',
+    x: 0,
+    y: 0,
     holds: [
       { by: 'robot-1', kind: 'robot', from_s: -2, to_s: 3, granted: true, conflict: false },
       { by: 'robot-2', kind: 'robot', from_s: 5, to_s: null, granted: false, conflict: false },
@@ -130,10 +176,20 @@ describe('the picture of what the planner sees', () => {
     expect(when(-1, 2)).toBe('from now to +2.0 s');
   });
   it('keeps looking at the same holder while bars come and go, and at the place where nobody is left', () => {
-    const of = (holds: Strip['holds']) => rows([{ ...strip, conditions: [], holds }, { ...strip, id: 'R2', conditions: [], holds: [] }], 60);
+    const of = (holds: Strip['holds']) =>
+      rows(
+        [
+          { ...strip, conditions: [], holds },
+          { ...strip, id: 'R2', conditions: [], holds: [] },
+        ],
+        60,
+      );
     const [first, second] = strip.holds;
     const before = of(strip.holds);
-    const look = lookAt(before[0]!, before[0]!.bars.findIndex((b) => b.by === 'robot-2'));
+    const look = lookAt(
+      before[0]!,
+      before[0]!.bars.findIndex((b) => b.by === 'robot-2'),
+    );
     expect(lookAgain(of([second!]), look)).toMatchObject({ row: 'R1', index: 0, bar: { by: 'robot-2' } });
     expect(lookAgain(of([first!]), look)?.bar?.by, 'what took its place').toBe(first!.by);
     expect(lookWords(lookAgain(of([]), look)!)).toMatch(/^R1: free/);

@@ -16,28 +16,54 @@ import { learnNames, learnNumbers } from '../src/words';
 import { snapshot } from './samples';
 
 const alarm = (id: string, more: Partial<Alarm> = {}): Alarm => ({
-  id, kind: 'robot_silent', severity: 'warning', subject_kind: 'robot', subject: 'robot-3', text: `${id}: robot-3 sends no reports.`,
-  remedy: 'Check its radio.', x: 1, y: 2, waiting: 0, since_s: 6, acknowledged_by: null, ...more,
+  id,
+  kind: 'robot_silent',
+  severity: 'warning',
+  subject_kind: 'robot',
+  subject: 'robot-3',
+  text: `${id}: robot-3 sends no reports.`,
+  remedy: 'Check its radio.',
+  x: 1,
+  y: 2,
+  waiting: 0,
+  since_s: 6,
+  acknowledged_by: null,
+  ...more,
 });
 
 function means(stored: Record<string, string> = {}, allows = true) {
   const log: string[] = [];
   let now = 0;
   const all: Means = {
-    beep: (severity) => { log.push(`beep ${severity}`); },
+    beep: (severity) => {
+      log.push(`beep ${severity}`);
+    },
     ask: () => Promise.resolve(allows),
-    notify: (title, _, tag) => { log.push(`notify ${tag}: ${title}`); },
+    notify: (title, _, tag) => {
+      log.push(`notify ${tag}: ${title}`);
+    },
     load: (key) => stored[key] ?? null,
-    store: (key, value) => { stored[key] = value; },
+    store: (key, value) => {
+      stored[key] = value;
+    },
     now: () => now,
   };
-  return { all, log, stored, later: (ms: number) => { now += ms; } };
+  return {
+    all,
+    log,
+    stored,
+    later: (ms: number) => {
+      now += ms;
+    },
+  };
 }
 
 describe('which alarms call for a person', () => {
   test('the title counts those that nobody looks after, and no notices', () => {
     expect(titleOf([])).toBe('Giveway');
-    expect(titleOf([alarm('al1'), alarm('al2', { severity: 'notice' }), alarm('al3', { acknowledged_by: 'Ben' })])).toBe('(1) Giveway');
+    expect(
+      titleOf([alarm('al1'), alarm('al2', { severity: 'notice' }), alarm('al3', { acknowledged_by: 'Ben' })]),
+    ).toBe('(1) Giveway');
   });
   test('an alarm calls once, and again only if it becomes critical', () => {
     expect(fresh([alarm('al1')], new Map())).toHaveLength(1);
@@ -49,7 +75,9 @@ describe('which alarms call for a person', () => {
     expect(showsOf(alarm('a'))).toEqual({ kind: 'pick', picked: { kind: 'robot', id: 'robot-3' } });
     expect(showsOf(alarm('a', { subject_kind: 'job', subject: 'j4' }))).toEqual({ kind: 'job', id: 'j4' });
     expect(showsOf(alarm('a', { subject_kind: 'floor', subject: null }))).toEqual({ kind: 'place', at: [1, 2] });
-    expect(showsOf(alarm('a', { subject_kind: 'server', subject: null, x: null, y: null }))).toEqual({ kind: 'nothing' });
+    expect(showsOf(alarm('a', { subject_kind: 'server', subject: null, x: null, y: null }))).toEqual({
+      kind: 'nothing',
+    });
     // As a recording of an earlier version has it.
     expect(showsOf({ id: 'journal', text: 'The journal is slow.', since_s: 1 })).toEqual({ kind: 'nothing' });
   });
@@ -101,21 +129,45 @@ describe('the list of alarms', () => {
     const reduced = reduce(EMPTY, snapshot({ time_s: 10, alarms }));
     const mirror: Mirror = reduced.kind === 'gap' ? EMPTY : reduced.mirror;
     const [asked, picked, drawn]: [string[], Picked[], Drawing[]] = [[], [], []];
-    const done = (what: string) => (id: string): Promise<Answer<null>> => { asked.push(`${what} ${id}`); return Promise.resolve({ kind: 'ok', value: null }); };
+    const done =
+      (what: string) =>
+      (id: string): Promise<Answer<null>> => {
+        asked.push(`${what} ${id}`);
+        return Promise.resolve({ kind: 'ok', value: null });
+      };
     const api = {
-      acknowledge: (id: string, by: string): Promise<Answer<AlarmRecord>> => { asked.push(`${id} by ${by}`); return Promise.resolve({ kind: 'unreachable' }); },
-      clear: (id: string, by: string) => done(`clear by ${by}`)(id), narrow: (id: string) => done('narrow')(id),
-      pause: done('pause'), resume: done('resume'), maintain: done('maintain'), workAgain: done('back'), retire: done('retire'),
+      acknowledge: (id: string, by: string): Promise<Answer<AlarmRecord>> => {
+        asked.push(`${id} by ${by}`);
+        return Promise.resolve({ kind: 'unreachable' });
+      },
+      clear: (id: string, by: string) => done(`clear by ${by}`)(id),
+      narrow: (id: string) => done('narrow')(id),
+      pause: done('pause'),
+      resume: done('resume'),
+      maintain: done('maintain'),
+      workAgain: done('back'),
+      retire: done('retire'),
     };
     const props = {
-      mirror, source: { tense: 'now', api } as const, signals: new Signals(means(stored).all),
-      notices: new Notices(), onDraw: (drawing: Drawing) => { drawn.push(drawing); }, onAll: () => {},
-      onPick: (one: Picked) => { picked.push(one); }, onJob: () => {}, onPlace: () => {},
+      mirror,
+      source: { tense: 'now', api } as const,
+      signals: new Signals(means(stored).all),
+      notices: new Notices(),
+      onDraw: (drawing: Drawing) => {
+        drawn.push(drawing);
+      },
+      onAll: () => {},
+      onPick: (one: Picked) => {
+        picked.push(one);
+      },
+      onJob: () => {},
+      onPlace: () => {},
     };
     const target = document.createElement('div');
     const mounted = mount(Alarms, { target, props });
     flushSync();
-    const button = (words: string) => [...target.querySelectorAll('button')].find((one) => one.textContent?.startsWith(words));
+    const button = (words: string) =>
+      [...target.querySelectorAll('button')].find((one) => one.textContent?.startsWith(words));
     return { target, asked, picked, drawn, button, close: () => unmount(mounted) };
   }
 
@@ -135,7 +187,10 @@ describe('the list of alarms', () => {
     shown.button('Acknowledge')!.click();
     expect(shown.asked).toEqual(['al1 by Ana']);
     // A refusal is said with the alarm that was acknowledged.
-    const refusals = () => { flushSync(); return [...shown.target.querySelectorAll('li')].map((li) => li.querySelector('[role=alert]')?.textContent); };
+    const refusals = () => {
+      flushSync();
+      return [...shown.target.querySelectorAll('li')].map((li) => li.querySelector('[role=alert]')?.textContent);
+    };
     await expect.poll(refusals).toEqual(['The server cannot be reached.', undefined]);
     await shown.close();
   });
@@ -148,7 +203,13 @@ describe('the list of alarms', () => {
     await none.close();
   });
   test('what helps is a button of the alarm itself, for those who may', async () => {
-    const lost = alarm('al1', { kind: 'worker_lost', subject_kind: 'worker', subject: 'w1', text: 'worker-7e31 (w1) is lost: 3 robots wait.', acts: ['clear_worker', 'narrow_worker'] });
+    const lost = alarm('al1', {
+      kind: 'worker_lost',
+      subject_kind: 'worker',
+      subject: 'w1',
+      text: 'worker-7e31 (w1) is lost: 3 robots wait.',
+      acts: ['clear_worker', 'narrow_worker'],
+    });
     learnNumbers([{ id: 'w1', name: 'worker-7e31' }]);
     learnNames(new Map([['worker-7e31', 'picker-7']]));
     const shown = list([lost], { 'giveway.name': 'Ana' });
@@ -161,11 +222,15 @@ describe('the list of alarms', () => {
     shown.drawn[0]!.onDone([[1, 2]]);
     expect(shown.asked[1]).toBe('narrow w1');
     await shown.close();
-    await learnRights(() => Promise.resolve({ name: 'Eva', role: 'viewer', subject: null, by: 'session', expires: null, may: [] }));
+    await learnRights(() =>
+      Promise.resolve({ name: 'Eva', role: 'viewer', subject: null, by: 'session', expires: null, may: [] }),
+    );
     const viewer = list([lost]);
     expect([...viewer.target.querySelectorAll('li button')].map((b) => b.textContent)).toEqual(['picker-7']);
     await viewer.close();
-    await learnRights(() => Promise.resolve({ name: 'Eva', role: 'admin', subject: null, by: 'nothing', expires: null }));
+    await learnRights(() =>
+      Promise.resolve({ name: 'Eva', role: 'admin', subject: null, by: 'nothing', expires: null }),
+    );
     learnNumbers([]);
     learnNames(new Map());
   });
@@ -174,39 +239,90 @@ describe('the list of alarms', () => {
     const signals = new Signals(one.all);
     signals.setSound(true);
     one.log.length = 0;
-    const group = alarm('al9', { severity: 'critical', subject: null, subject_kind: 'floor', members: [{ id: 'al1', subject: 'robot-1', acknowledged_by: null }] });
+    const group = alarm('al9', {
+      severity: 'critical',
+      subject: null,
+      subject_kind: 'floor',
+      members: [{ id: 'al1', subject: 'robot-1', acknowledged_by: null }],
+    });
     signals.note([group]);
     signals.note([alarm('al1')]);
     expect(one.log).toEqual(['beep critical']);
-    expect(titleOf([alarm('al1', { shelved_until: '2027-01-31T06:00:00Z' })]), 'what is put aside calls nobody').toBe('Giveway');
+    expect(titleOf([alarm('al1', { shelved_until: '2027-01-31T06:00:00Z' })]), 'what is put aside calls nobody').toBe(
+      'Giveway',
+    );
   });
 });
 
 describe('the alarm page', () => {
   const record = (id: string, more: Partial<AlarmRecord> = {}): AlarmRecord => ({
-    id, kind: 'robot_silent', severity: 'warning', state: 'active', subject: { kind: 'robot', id: 'robot-3' }, text: 'robot-3 sends no reports.', code: 'robot_silent', args: {}, remedy: { code: null, args: {}, text: '' },
-    x: null, y: null, waiting: 0, since: '2027-01-31T06:00:00Z', acknowledged: null, shelved: null, notes: [], acts: [], group: null, members: [], cleared: null, ...more,
+    id,
+    kind: 'robot_silent',
+    severity: 'warning',
+    state: 'active',
+    subject: { kind: 'robot', id: 'robot-3' },
+    text: 'robot-3 sends no reports.',
+    code: 'robot_silent',
+    args: {},
+    remedy: { code: null, args: {}, text: '' },
+    x: null,
+    y: null,
+    waiting: 0,
+    since: '2027-01-31T06:00:00Z',
+    acknowledged: null,
+    shelved: null,
+    notes: [],
+    acts: [],
+    group: null,
+    members: [],
+    cleared: null,
+    ...more,
   });
   const aside = { by: 'Ben', at: '2027-01-31T06:00:00Z', until: '2027-01-31T09:00:00Z', reason: 'radio' };
   const ids = (alarms: readonly AlarmRecord[]) => alarms.map((one) => one.id);
 
   test('finds alarms by what is written in them, by notes and by members', () => {
-    const member = { id: 'al5', subject: { kind: 'robot' as const, id: 'robot-77' }, text: '', x: null, y: null, since: '', acknowledged_by: null };
-    const all = [record('al1'), record('al2', { notes: [{ by: 'Ben', at: '', text: 'loose wheel' }] }), record('al3', { members: [member] }), record('al4', { shelved: aside })];
+    const member = {
+      id: 'al5',
+      subject: { kind: 'robot' as const, id: 'robot-77' },
+      text: '',
+      x: null,
+      y: null,
+      since: '',
+      acknowledged_by: null,
+    };
+    const all = [
+      record('al1'),
+      record('al2', { notes: [{ by: 'Ben', at: '', text: 'loose wheel' }] }),
+      record('al3', { members: [member] }),
+      record('al4', { shelved: aside }),
+    ];
     expect(ids(wantedAlarms(all, 'all', 'WHEEL'))).toEqual(['al2']);
     expect(ids(wantedAlarms(all, 'all', 'robot-77'))).toEqual(['al3']);
     expect(ids(wantedAlarms(all, 'calls', ''))).toEqual(['al1', 'al2', 'al3']);
     expect(ids(wantedAlarms(all, 'shelved', ''))).toEqual(['al4']);
   });
   test('the worst come first, and what is put aside comes last, however it is sorted', () => {
-    const all = [record('al1', { severity: 'critical', shelved: aside }), record('al2'), record('al3', { severity: 'critical' }), record('al10', { since: '2027-01-31T05:00:00Z' })];
+    const all = [
+      record('al1', { severity: 'critical', shelved: aside }),
+      record('al2'),
+      record('al3', { severity: 'critical' }),
+      record('al10', { since: '2027-01-31T05:00:00Z' }),
+    ];
     expect(ids(sortedAlarms(all, { by: 'severity', way: 'down' }))).toEqual(['al3', 'al10', 'al2', 'al1']);
     expect(ids(sortedAlarms(all, { by: 'since', way: 'up' }))).toEqual(['al10', 'al3', 'al2', 'al1']);
   });
   test('the hand-over says of each alarm who looks after it, and what was found out', () => {
-    const noted = record('al1', { acknowledged: { by: 'Ana', at: '2027-01-31T06:01:00Z' }, notes: [{ by: 'Ana', at: '2027-01-31T06:05:00Z', text: 'no power' }] });
+    const noted = record('al1', {
+      acknowledged: { by: 'Ana', at: '2027-01-31T06:01:00Z' },
+      notes: [{ by: 'Ana', at: '2027-01-31T06:05:00Z', text: 'no power' }],
+    });
     const over = record('al2', { cleared: '2027-01-31T07:00:00Z' });
-    const text = handover([noted, record('al3', { severity: 'critical', shelved: aside })], [over], new Date('2027-01-31T08:00:00Z'));
+    const text = handover(
+      [noted, record('al3', { severity: 'critical', shelved: aside })],
+      [over],
+      new Date('2027-01-31T08:00:00Z'),
+    );
     const lines = text.split('\n');
     expect(lines[2]).toMatch(/^Warning: robot-3 sends no reports\./);
     expect(text).toMatch(/acknowledged by Ana\n.*Ana: no power/);
@@ -214,33 +330,81 @@ describe('the alarm page', () => {
     expect(text).toContain('1 alarm ended in the last 8 hours.');
   });
   test('shows groups that open, and sends what somebody does with the name that is known', async () => {
-    const member = { id: 'al5', subject: { kind: 'robot' as const, id: 'robot-77' }, text: 'robot-77 sends no reports.', x: 1, y: 2, since: '2027-01-31T06:00:00Z', acknowledged_by: 'Ben' };
-    const items = [record('al9', { severity: 'critical', subject: { kind: 'floor', id: 'floor' }, text: '7 of 9 robots send no reports: robot-77.', members: [member] })];
+    const member = {
+      id: 'al5',
+      subject: { kind: 'robot' as const, id: 'robot-77' },
+      text: 'robot-77 sends no reports.',
+      x: 1,
+      y: 2,
+      since: '2027-01-31T06:00:00Z',
+      acknowledged_by: 'Ben',
+    };
+    const items = [
+      record('al9', {
+        severity: 'critical',
+        subject: { kind: 'floor', id: 'floor' },
+        text: '7 of 9 robots send no reports: robot-77.',
+        members: [member],
+      }),
+    ];
     const asked: unknown[] = [];
-    const answer = (what: string) => (...more: unknown[]) => { asked.push([what, ...more]); return Promise.resolve({ kind: 'ok' as const, value: items[0]! }); };
+    const answer =
+      (what: string) =>
+      (...more: unknown[]) => {
+        asked.push([what, ...more]);
+        return Promise.resolve({ kind: 'ok' as const, value: items[0]! });
+      };
     const api = {
-      alarms: () => Promise.resolve({ kind: 'ok' as const, value: { items, next: null } }), acknowledge: answer('acknowledge'), shelve: answer('shelve'), unshelve: answer('unshelve'), noteAlarm: answer('note'),
+      alarms: () => Promise.resolve({ kind: 'ok' as const, value: { items, next: null } }),
+      acknowledge: answer('acknowledge'),
+      shelve: answer('shelve'),
+      unshelve: answer('unshelve'),
+      noteAlarm: answer('note'),
     } as never;
     const target = document.createElement('div');
-    const page = mount(AlarmPage, { target, props: {
-      api, signals: new Signals(means({ 'giveway.name': 'Ana' }).all), notices: new Notices(), onPick: () => {}, onJob: () => {}, onPlace: () => {}, onDraw: () => {},
-    } });
-    const button = (words: string) => [...target.querySelectorAll('button')].find((one) => one.textContent?.startsWith(words));
-    await expect.poll(() => { flushSync(); return button('1 robot') !== undefined; }).toBe(true);
+    const page = mount(AlarmPage, {
+      target,
+      props: {
+        api,
+        signals: new Signals(means({ 'giveway.name': 'Ana' }).all),
+        notices: new Notices(),
+        onPick: () => {},
+        onJob: () => {},
+        onPlace: () => {},
+        onDraw: () => {},
+      },
+    });
+    const button = (words: string) =>
+      [...target.querySelectorAll('button')].find((one) => one.textContent?.startsWith(words));
+    await expect
+      .poll(() => {
+        flushSync();
+        return button('1 robot') !== undefined;
+      })
+      .toBe(true);
     expect(target.textContent).not.toContain('robot-77 sends no reports.');
     button('1 robot')!.click();
     flushSync();
-    expect(target.querySelector('.inside')!.textContent!.replaceAll(/\s+/g, ' ')).toContain('robot-77 robot-77 sends no reports.');
+    expect(target.querySelector('.inside')!.textContent!.replaceAll(/\s+/g, ' ')).toContain(
+      'robot-77 robot-77 sends no reports.',
+    );
     button('Acknowledge al9')!.click();
     const [note, reason] = [...target.querySelectorAll<HTMLInputElement>('.forms input')];
-    for (const [input, text] of [[note!, 'no power'], [reason!, 'being mended']] as const) {
+    for (const [input, text] of [
+      [note!, 'no power'],
+      [reason!, 'being mended'],
+    ] as const) {
       input.value = text;
       input.dispatchEvent(new Event('input', { bubbles: true }));
       flushSync();
       input.closest('form')!.dispatchEvent(new Event('submit', { bubbles: true, cancelable: true }));
       flushSync();
     }
-    expect(asked).toEqual([['acknowledge', 'al9', 'Ana'], ['note', 'al9', 'Ana', 'no power'], ['shelve', 'al9', { by: 'Ana', for_s: 3600, reason: 'being mended' }]]);
+    expect(asked).toEqual([
+      ['acknowledge', 'al9', 'Ana'],
+      ['note', 'al9', 'Ana', 'no power'],
+      ['shelve', 'al9', { by: 'Ana', for_s: 3600, reason: 'being mended' }],
+    ]);
     await unmount(page);
   });
 });

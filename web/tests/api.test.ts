@@ -3,7 +3,10 @@ import { afterEach, expect, test, vi } from 'vitest';
 import { Api } from '../src/wire';
 
 const answer = (body: string, status: number, type: string): void => {
-  vi.stubGlobal('fetch', vi.fn(() => Promise.resolve(new Response(body, { status, headers: { 'content-type': type } }))));
+  vi.stubGlobal(
+    'fetch',
+    vi.fn(() => Promise.resolve(new Response(body, { status, headers: { 'content-type': type } }))),
+  );
 };
 afterEach(() => {
   vi.unstubAllGlobals();
@@ -39,7 +42,10 @@ test('while the past is shown, only the stop of all robots is sent to the presen
 });
 test('what is taken without a word back is done, whichever status says so', async () => {
   for (const status of [202, 204]) {
-    vi.stubGlobal('fetch', vi.fn(() => Promise.resolve(new Response(null, { status }))));
+    vi.stubGlobal(
+      'fetch',
+      vi.fn(() => Promise.resolve(new Response(null, { status }))),
+    );
     expect(await new Api().seenAt('w1', { x: 1, y: 2, accuracy_m: 0.2 })).toEqual({ kind: 'ok', value: null });
   }
 });

@@ -3,13 +3,31 @@ import { expect, test } from 'vitest';
 import { cellAt } from '../src/places/cellthen';
 import { readReel } from '../src/replay/frames';
 
-const line = (n: number, state: string, done: number) => ({ n, slot: 'C3', tote: 'B', quantity: 2, item: null, by: 'either', state, done });
-const cell = (lines: unknown[], ends_s: number[] | null) => ({ lines, ends_s, warnings: [], arm: null, ends: { visits: 3, held: 1, off_s: 2 } });
+const line = (n: number, state: string, done: number) => ({
+  n,
+  slot: 'C3',
+  tote: 'B',
+  quantity: 2,
+  item: null,
+  by: 'either',
+  state,
+  done,
+});
+const cell = (lines: unknown[], ends_s: number[] | null) => ({
+  lines,
+  ends_s,
+  warnings: [],
+  arm: null,
+  ends: { visits: 3, held: 1, off_s: 2 },
+});
 const reel = readReel([
   '{"reel":1,"name":"cells","start":null,"map":null}',
   '{"at":0,"key":{}}',
-  `{"at":0,"cells":${JSON.stringify({ S1: cell([line(1, 'lit', 0), line(2, 'open', 0)], [20, 30, 40]), S2: cell([], null) })}}`,
-  `{"at":4,"cells":${JSON.stringify({ S1: cell([line(1, 'done', 2), line(2, 'lit', 1)], [16, 18, 25]) })}}`,
+  JSON.stringify({
+    at: 0,
+    cells: { S1: cell([line(1, 'lit', 0), line(2, 'open', 0)], [20, 30, 40]), S2: cell([], null) },
+  }),
+  JSON.stringify({ at: 4, cells: { S1: cell([line(1, 'done', 2), line(2, 'lit', 1)], [16, 18, 25]) } }),
 ]);
 
 test('a cell is as it was when it had changed last, and its end is counted from the moment that is shown', () => {

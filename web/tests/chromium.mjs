@@ -6,12 +6,20 @@ import { chromium } from 'playwright-core';
 const AXE = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
 const ARGS = [
-  '--headless', '--no-sandbox', '--disable-gpu', '--use-angle=swiftshader', '--enable-unsafe-swiftshader',
-  '--disable-background-networking', '--disable-component-update', '--disable-sync', '--no-first-run',
+  '--headless',
+  '--no-sandbox',
+  '--disable-gpu',
+  '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader',
+  '--disable-background-networking',
+  '--disable-component-update',
+  '--disable-sync',
+  '--no-first-run',
 ];
 
 export async function openBrowser() {
-  const executablePath = process.env.CHROMIUM ?? ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
+  const executablePath =
+    process.env.CHROMIUM ?? ['/usr/bin/chromium-headless-shell', '/usr/bin/chromium'].find((path) => existsSync(path));
   if (!executablePath) {
     console.error('No Chromium: install the Debian package chromium-headless-shell, or set CHROMIUM to one.');
     process.exit(2);
@@ -32,7 +40,12 @@ export async function check(sentence, run) {
     console.log(`pass: ${sentence}${more ? ` (${more})` : ''}`);
   } catch (error) {
     failed += 1;
-    console.log(`FAIL: ${sentence}: ${String(error.message ?? error).split('\n').slice(0, 4).join(' | ')}`);
+    console.log(
+      `FAIL: ${sentence}: ${String(error.message ?? error)
+        .split('\n')
+        .slice(0, 4)
+        .join(' | ')}`,
+    );
   }
 }
 
@@ -40,7 +53,8 @@ export function assert(truth, why) {
   if (!truth) throw new Error(why);
 }
 
-/** Notes what a page writes to its console as an error, or throws. The browser itself logs some things that a test means. */
+/** Notes what a page writes to its console as an error, or throws. The browser itself logs some things that a test
+ *  means. */
 export function listen(page, complaints, meant = () => false) {
   page.on('console', (message) => {
     if (message.type() === 'error' && !meant(message)) complaints.push(message.text());
@@ -60,18 +74,37 @@ export async function assertAccessible(page, look) {
   // Evaluated from outside the page, as its Content-Security-Policy lets no script be added.
   await page.evaluate(AXE);
   const { violations } = await page.evaluate(() => globalThis.axe.run());
-  const where = (nodes) => nodes.slice(0, 3).map((n) => `${n.target.join(' ')} ${n.failureSummary ?? ''}`).join('; ');
+  const where = (nodes) =>
+    nodes
+      .slice(0, 3)
+      .map((n) => `${n.target.join(' ')} ${n.failureSummary ?? ''}`)
+      .join('; ');
   assert(violations.length === 0, `${look}: ${violations.map((v) => `${v.id}: ${where(v.nodes)}`).join(' | ')}`);
 }
 
 /** That the bar on top is one line, and that nothing in it is cut off but the name of who is signed in. */
 export async function assertOneLine(page, look) {
-  const bar = await page.locator('header').first().evaluate((header) => {
-    const parts = [...header.children].filter((e) => getComputedStyle(e).position !== 'absolute' && e.getClientRects().length > 0 && e.tagName !== 'DIALOG');
-    const middles = parts.map((e) => e.getBoundingClientRect()).filter(({ height }) => height > 0).map(({ top, bottom }) => (top + bottom) / 2);
-    const cut = parts.filter((e) => e.scrollWidth > e.clientWidth + 1 && !e.classList.contains('who') && getComputedStyle(e).display !== 'inline');
-    return { spread: Math.max(...middles) - Math.min(...middles), over: header.scrollWidth - header.clientWidth, cut: cut.map((e) => e.innerText) };
-  });
+  const bar = await page
+    .locator('header')
+    .first()
+    .evaluate((header) => {
+      const parts = [...header.children].filter(
+        (e) => getComputedStyle(e).position !== 'absolute' && e.getClientRects().length > 0 && e.tagName !== 'DIALOG',
+      );
+      const middles = parts
+        .map((e) => e.getBoundingClientRect())
+        .filter(({ height }) => height > 0)
+        .map(({ top, bottom }) => (top + bottom) / 2);
+      const cut = parts.filter(
+        (e) =>
+          e.scrollWidth > e.clientWidth + 1 && !e.classList.contains('who') && getComputedStyle(e).display !== 'inline',
+      );
+      return {
+        spread: Math.max(...middles) - Math.min(...middles),
+        over: header.scrollWidth - header.clientWidth,
+        cut: cut.map((e) => e.innerText),
+      };
+    });
   assert(bar.spread < 12 && bar.over <= 0 && bar.cut.length === 0, `${look}: the bar on top is ${JSON.stringify(bar)}`);
 }
 
@@ -79,7 +112,9 @@ export async function assertOneLine(page, look) {
 export async function until(what, so, seconds = 240) {
   for (let i = 0; i < 2 * seconds; i++) {
     if (await so()) return;
-    await new Promise((done) => { setTimeout(done, 500); });
+    await new Promise((done) => {
+      setTimeout(done, 500);
+    });
   }
   throw new Error(`${what} never comes`);
 }

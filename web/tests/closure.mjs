@@ -20,7 +20,11 @@ const scratch = mkdtempSync(`${tmpdir()}/giveway-closure-`);
 // The shipped scenario, in which a person on the dashboard closes an aisle.
 const scenario = JSON.parse(readFileSync(HERE('../../scenarios/closure.json'), 'utf8'));
 // Its robots are twice as fast here, so that less is waited for.
-Object.assign(scenario, { map: HERE('../../maps/thesis.json'), closures: [], fleet: { speed_mps: 2, accel_unloaded_mps2: 2, accel_loaded_mps2: 2, lift_s: 1 } });
+Object.assign(scenario, {
+  map: HERE('../../maps/thesis.json'),
+  closures: [],
+  fleet: { speed_mps: 2, accel_unloaded_mps2: 2, accel_loaded_mps2: 2, lift_s: 1 },
+});
 writeFileSync(`${scratch}/closure.json`, JSON.stringify(scenario));
 const { url, stop } = await serve(program, `${scratch}/closure.json`, scratch);
 const browser = await openBrowser();
@@ -41,20 +45,35 @@ const closures = page.getByRole('region', { name: 'Closed areas' });
 const data = (name) => page.locator('canvas[data-robots]').getAttribute(`data-${name}`);
 
 /** Watches the robots that the page draws for so many seconds, or until `enough` have been inside of the area. */
-const watch = (seconds, enough) => page.evaluate(([area, most, few]) => new Promise((done) => {
-  const [x0, y0, x1, y1] = area;
-  const { floor } = globalThis;
-  const [crossed, versions, began, deliveries] = [new Map(), new Set(), floor.time_s, floor.counters.robot_deliveries];
-  const look = () => {
-    versions.add(floor.version);
-    for (const { id, x, y } of floor.robots) {
-      if (x > x0 && x < x1 && y > y0 && y < y1) crossed.set(id, `${id} at ${x.toFixed(2)}, ${y.toFixed(2)}`);
-    }
-    if (floor.time_s - began < most && crossed.size < few) return void requestAnimationFrame(look);
-    done({ crossed: [...crossed.values()], pictures: versions.size, lasted: floor.time_s - began, deliveries: floor.counters.robot_deliveries - deliveries });
-  };
-  look();
-}), [AREA, seconds, enough]);
+const watch = (seconds, enough) =>
+  page.evaluate(
+    ([area, most, few]) =>
+      new Promise((done) => {
+        const [x0, y0, x1, y1] = area;
+        const { floor } = globalThis;
+        const [crossed, versions, began, deliveries] = [
+          new Map(),
+          new Set(),
+          floor.time_s,
+          floor.counters.robot_deliveries,
+        ];
+        const look = () => {
+          versions.add(floor.version);
+          for (const { id, x, y } of floor.robots) {
+            if (x > x0 && x < x1 && y > y0 && y < y1) crossed.set(id, `${id} at ${x.toFixed(2)}, ${y.toFixed(2)}`);
+          }
+          if (floor.time_s - began < most && crossed.size < few) return void requestAnimationFrame(look);
+          done({
+            crossed: [...crossed.values()],
+            pictures: versions.size,
+            lasted: floor.time_s - began,
+            deliveries: floor.counters.robot_deliveries - deliveries,
+          });
+        };
+        look();
+      }),
+    [AREA, seconds, enough],
+  );
 
 const map = await (await context.request.get(new URL('/v1/map', url).href)).json();
 /** Where a place of the map is on the screen, as the page shows it. */
@@ -67,7 +86,9 @@ async function onScreen(x, y) {
 }
 
 await page.goto(url);
-await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, {
+  timeout: PATIENCE,
+});
 
 await check('Before the closure, robots cross the area', async () => {
   const { crossed, lasted } = await watch(BEFORE_S, 3);
@@ -98,16 +119,29 @@ await check('The area is drawn on the dashboard and closed', async () => {
   await closures.getByLabel('Why').fill('a rack has fallen over');
   await closures.getByRole('button', { name: 'Close the area' }).click();
   await closures.getByText(/c\d+ is closed/).waitFor({ timeout: PATIENCE });
-  await page.waitForFunction(() => globalThis.floor.closures.some((c) => c.state === 'closed'), null, { timeout: PATIENCE });
+  await page.waitForFunction(() => globalThis.floor.closures.some((c) => c.state === 'closed'), null, {
+    timeout: PATIENCE,
+  });
   const { outline } = await page.evaluate(() => globalThis.floor.closures[0]);
-  const off = Math.max(...[0, 1].map((i) => Math.abs(Math.min(...outline.map((p) => p[i])) - AREA[i])), ...[0, 1].map((i) => Math.abs(Math.max(...outline.map((p) => p[i])) - AREA[i + 2])));
+  const off = Math.max(
+    ...[0, 1].map((i) => Math.abs(Math.min(...outline.map((p) => p[i])) - AREA[i])),
+    ...[0, 1].map((i) => Math.abs(Math.max(...outline.map((p) => p[i])) - AREA[i + 2])),
+  );
   assert(off < 0.1, `it is ${JSON.stringify(outline)}`);
 });
 await check('Robots that were inside, or on their way in with a grant, drive out', async () => {
-  const inside = map.nodes.map(({ x, y }, i) => (x > AREA[0] && x < AREA[2] && y > AREA[1] && y < AREA[3] ? i : -1)).filter((i) => i >= 0);
+  const inside = map.nodes
+    .map(({ x, y }, i) => (x > AREA[0] && x < AREA[2] && y > AREA[1] && y < AREA[3] ? i : -1))
+    .filter((i) => i >= 0);
   const began = await page.evaluate(() => globalThis.floor.time_s);
-  await page.waitForFunction(([[x0, y0, x1, y1], nodes]) => !globalThis.floor.robots.some(({ x, y, granted }) =>
-    (x > x0 && x < x1 && y > y0 && y < y1) || granted.some((node) => nodes.includes(node))), [AREA, inside], { timeout: PATIENCE });
+  await page.waitForFunction(
+    ([[x0, y0, x1, y1], nodes]) =>
+      !globalThis.floor.robots.some(
+        ({ x, y, granted }) => (x > x0 && x < x1 && y > y0 && y < y1) || granted.some((node) => nodes.includes(node)),
+      ),
+    [AREA, inside],
+    { timeout: PATIENCE },
+  );
   const took = (await page.evaluate(() => globalThis.floor.time_s)) - began;
   assert(took < OUT_S, `it takes ${took.toFixed(1)} s`);
   return `after ${took.toFixed(1)} s`;
@@ -117,10 +151,15 @@ await check('From then on no robot enters it, and deliveries go on', async () =>
   const { crossed, pictures, lasted, deliveries } = await watch(AFTER_S, 1);
   await half;
   assert(crossed.length === 0, `${crossed} after ${lasted.toFixed(0)} s`);
-  assert(pictures > AFTER_S && deliveries > 0, `${pictures} pictures and ${deliveries} deliveries in ${lasted.toFixed(0)} s`);
+  assert(
+    pictures > AFTER_S && deliveries > 0,
+    `${pictures} pictures and ${deliveries} deliveries in ${lasted.toFixed(0)} s`,
+  );
   return `${pictures} pictures and ${deliveries} deliveries in ${lasted.toFixed(0)} s`;
 });
-await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+await check('Nothing was complained about in the console', () =>
+  assert(complaints.length === 0, complaints.join(' | ')),
+);
 
 await stop();
 await finish(browser);

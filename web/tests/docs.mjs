@@ -17,21 +17,28 @@ const operations = Object.values(api.paths).flatMap((item) => Object.values(item
 
 await check('Every operation, every schema and every WebSocket has its place on /docs', async () => {
   const ids = new Set(await page.locator('[id]').evaluateAll((all) => all.map((one) => one.id)));
-  const wanted = [...operations.map((o) => o.operationId), ...Object.keys(api.components.schemas).map((name) => `schema-${name}`)];
+  const wanted = [
+    ...operations.map((o) => o.operationId),
+    ...Object.keys(api.components.schemas).map((name) => `schema-${name}`),
+  ];
   const missing = [...wanted, 'channel-live', 'channel-workerFeed'].filter((id) => !ids.has(id));
   assert(missing.length === 0, `${missing} are missing`);
   return `${operations.length} operations`;
 });
 await check('A link leads to what it names', async () => {
-  const broken = await page.locator('a[href^="#"]').evaluateAll((all) =>
-    all.map((a) => a.getAttribute('href').slice(1)).filter((id) => !document.getElementById(id)));
+  const broken = await page
+    .locator('a[href^="#"]')
+    .evaluateAll((all) => all.map((a) => a.getAttribute('href').slice(1)).filter((id) => !document.getElementById(id)));
   assert(broken.length === 0, `${[...new Set(broken)]} lead nowhere`);
 });
 await check('A search leaves what has the words', async () => {
   await page.getByRole('searchbox').fill('post cancel');
   assert((await page.locator('main .route:visible').count()) === 0, 'something is left');
   await page.getByRole('searchbox').fill('delete /v1/jobs');
-  assert((await page.locator('main .route:visible').evaluateAll((all) => all.map((one) => one.id))).join() === 'cancelJob', 'it is not left alone');
+  assert(
+    (await page.locator('main .route:visible').evaluateAll((all) => all.map((one) => one.id))).join() === 'cancelJob',
+    'it is not left alone',
+  );
   await page.getByRole('searchbox').fill('');
 });
 await check('The page loads nothing from elsewhere, breaks no rule of the server and is accessible', async () => {

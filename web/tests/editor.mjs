@@ -40,7 +40,10 @@ async function draw(name, from, to = from) {
 }
 
 async function downloaded() {
-  const [download] = await Promise.all([page.waitForEvent('download'), page.getByRole('button', { name: 'Download' }).click()]);
+  const [download] = await Promise.all([
+    page.waitForEvent('download'),
+    page.getByRole('button', { name: 'Download' }).click(),
+  ]);
   return { name: download.suggestedFilename(), map: JSON.parse(await readFile(await download.path(), 'utf8')) };
 }
 
@@ -51,7 +54,24 @@ await check('The editor opens empty, and says what is missing', async () => {
 });
 
 await check('A floor with two stations is drawn with the mouse and has no errors', async () => {
-  const aisles = [[[0, 0], [6, 0]], [[6, 0], [6, 3]], [[6, 3], [0, 3]], [[0, 3], [0, 0]]];
+  const aisles = [
+    [
+      [0, 0],
+      [6, 0],
+    ],
+    [
+      [6, 0],
+      [6, 3],
+    ],
+    [
+      [6, 3],
+      [0, 3],
+    ],
+    [
+      [0, 3],
+      [0, 0],
+    ],
+  ];
   for (const [a, b] of aisles) await draw('Aisle', a, b);
   await draw('Racks', [1, 1], [5, 2]);
   await draw('Station', [2, -1]);
@@ -110,7 +130,10 @@ await check('A place is selected, renamed and moved; keys undo it', async () => 
   await name.fill('corner');
   await name.press('Enter');
   let { map } = await downloaded();
-  assert(map.nodes.some((n) => n.id === 'corner' && n.x === 8), JSON.stringify(map.nodes.slice(-4)));
+  assert(
+    map.nodes.some((n) => n.id === 'corner' && n.x === 8),
+    JSON.stringify(map.nodes.slice(-4)),
+  );
   await sheet.focus();
   await page.keyboard.press('Control+z');
   await page.keyboard.press('Control+z');
@@ -134,14 +157,44 @@ await check('The keyboard alone draws an aisle', async () => {
 
 await check('A picture and a DXF drawing are drawn over', async () => {
   const input = page.getByLabel('Picture or DXF drawing');
-  await input.setInputFiles({ name: 'hall.svg', mimeType: 'image/svg+xml',
-    buffer: Buffer.from('<svg xmlns="http://www.w3.org/2000/svg" width="200" height="100"><rect width="200" height="100" fill="#8cf"/></svg>') });
+  await input.setInputFiles({
+    name: 'hall.svg',
+    mimeType: 'image/svg+xml',
+    buffer: Buffer.from(
+      '<svg xmlns="http://www.w3.org/2000/svg" width="200" height="100">' +
+        '<rect width="200" height="100" fill="#8cf"/></svg>',
+    ),
+  });
   await page.locator('image').waitFor({ timeout: PATIENCE });
   await page.getByLabel('Width, m').fill('12');
   await page.getByLabel('Width, m').press('Enter');
   assert((await page.locator('image').getAttribute('height')) === '6', 'its shape is another one');
-  await input.setInputFiles({ name: 'hall.dxf', mimeType: 'application/dxf',
-    buffer: Buffer.from(['0', 'SECTION', '2', 'ENTITIES', '0', 'LINE', '10', '0', '20', '0', '11', '6000', '21', '0', '0', 'ENDSEC', '0', 'EOF'].join('\n')) });
+  await input.setInputFiles({
+    name: 'hall.dxf',
+    mimeType: 'application/dxf',
+    buffer: Buffer.from(
+      [
+        '0',
+        'SECTION',
+        '2',
+        'ENTITIES',
+        '0',
+        'LINE',
+        '10',
+        '0',
+        '20',
+        '0',
+        '11',
+        '6000',
+        '21',
+        '0',
+        '0',
+        'ENDSEC',
+        '0',
+        'EOF',
+      ].join('\n'),
+    ),
+  });
   await page.getByLabel('Metres a unit').fill('0.001');
   await page.getByLabel('Metres a unit').press('Enter');
   assert((await page.locator('.dxf polyline').count()) === 1, 'no line');
@@ -165,7 +218,9 @@ await check('The map of the server is opened, and a file; what is no map is refu
   await writeFile(file, JSON.stringify({ ...map, name: 'from a file' }));
   await page.getByLabel('Open a file').setInputFiles(file);
   assert((await downloaded()).map.name === 'from a file', 'another map');
-  await page.getByLabel('Open a file').setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
+  await page
+    .getByLabel('Open a file')
+    .setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{}') });
   await page.getByRole('alert').filter({ hasText: 'This is no map file' }).waitFor();
   await page.getByRole('button', { name: 'Close' }).click();
 });

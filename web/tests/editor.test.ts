@@ -2,7 +2,21 @@
 import { describe, expect, test } from 'vitest';
 import { changes } from '../src/editor/diff';
 import { readDxf } from '../src/editor/dxf';
-import { along, drawBlock, drawLane, drawOutline, drawPlace, drawStation, erase, eraseArea, moveNode, nodeAt, renameNode, setKind, snapped } from '../src/editor/edit';
+import {
+  along,
+  drawBlock,
+  drawLane,
+  drawOutline,
+  drawPlace,
+  drawStation,
+  erase,
+  eraseArea,
+  moveNode,
+  nodeAt,
+  renameNode,
+  setKind,
+  snapped,
+} from '../src/editor/edit';
 import { EMPTY, kindsOf, readFile, writeFile, type FileCell, type MapFile } from '../src/editor/file';
 import { begin, put, redo, undo } from '../src/editor/history';
 import { whole, zoomed } from '../src/editor/view';
@@ -10,12 +24,18 @@ import files from '../fixtures/map.json';
 
 const spot = (x: number, y: number) => ({ x, y });
 const id = (map: MapFile, x: number, y: number): string => nodeAt(map, spot(x, y))!.id;
-const between = (map: MapFile, a: string, b: string) => map.lanes.filter((l) => (l.from === a && l.to === b) || (l.from === b && l.to === a));
+const between = (map: MapFile, a: string, b: string) =>
+  map.lanes.filter((l) => (l.from === a && l.to === b) || (l.from === b && l.to === a));
 
 describe('an aisle', () => {
   test('has a node at every point of the grid, and lanes both ways between them', () => {
     const map = drawLane(EMPTY, spot(0, 0), spot(3, 0), true, 1);
-    expect(map.nodes.map((n) => [n.x, n.y])).toEqual([[0, 0], [1, 0], [2, 0], [3, 0]]);
+    expect(map.nodes.map((n) => [n.x, n.y])).toEqual([
+      [0, 0],
+      [1, 0],
+      [2, 0],
+      [3, 0],
+    ]);
     expect(map.lanes).toHaveLength(3);
     expect(map.lanes.every((l) => l.both)).toBe(true);
   });
@@ -83,7 +103,12 @@ describe('a station', () => {
 });
 
 describe('what is drawn can be changed', () => {
-  const map = drawStation(drawBlock(drawLane(EMPTY, spot(0, 0), spot(3, 0), true, 1), spot(1, 1), spot(1, 1), 1), spot(2, 1), spot(2, 1), 1);
+  const map = drawStation(
+    drawBlock(drawLane(EMPTY, spot(0, 0), spot(3, 0), true, 1), spot(1, 1), spot(1, 1), 1),
+    spot(2, 1),
+    spot(2, 1),
+    1,
+  );
   test('a place goes with its lanes, its rack and its role', () => {
     const rest = erase(map, spot(1, 1), 0.3);
     expect([rest.storage, rest.racks, rest.nodes.length]).toEqual([[], [], map.nodes.length - 1]);
@@ -117,25 +142,56 @@ describe('what is drawn can be changed', () => {
 
 describe('map files', () => {
   test('are read as they are written, with what the editor does not draw', () => {
-    const map = { ...drawPlace(EMPTY, spot(0, 0.5), 'charger', 1), lanes: [{ from: 'n1', to: 'n1', length_m: 2, kinds: ['lifter'] }] };
+    const map = {
+      ...drawPlace(EMPTY, spot(0, 0.5), 'charger', 1),
+      lanes: [{ from: 'n1', to: 'n1', length_m: 2, kinds: ['lifter'] }],
+    };
     expect(readFile(writeFile(map))).toEqual(map);
   });
   test('keep the work cells of stations, which move with them, and the types of racks', () => {
     const map = drawPlace(drawLane(EMPTY, spot(0, 0), spot(4, 0), true, 1), spot(2, 1), 'station', 1);
     const cell: FileCell = {
-      workplace: [[1.5, 2], [2.5, 2], [2, 3]], opening: { outline: [[1.5, 1.6], [2.5, 1.6], [2, 1.7]], from_m: 0.2, to_m: 2 },
-      totes: [{ id: 'A', at: [1.5, 3, 0.9] }], arm: { base: [3, 2, 0.8], kind: 'ur5' },
+      workplace: [
+        [1.5, 2],
+        [2.5, 2],
+        [2, 3],
+      ],
+      opening: {
+        outline: [
+          [1.5, 1.6],
+          [2.5, 1.6],
+          [2, 1.7],
+        ],
+        from_m: 0.2,
+        to_m: 2,
+      },
+      totes: [{ id: 'A', at: [1.5, 3, 0.9] }],
+      arm: { base: [3, 2, 0.8], kind: 'ur5' },
     };
     const types = [{ id: 'shelf', columns: 4, heights_m: [0.4], width_m: 0.8 }];
     const whole: MapFile = { ...map, rack_types: types, stations: [{ ...map.stations[0]!, cell }] };
     expect(readFile(writeFile(whole))).toEqual(whole);
     const moved = moveNode(whole, map.stations[0]!.node, spot(2.5, 1)).stations[0]!.cell!;
     expect([moved.workplace, moved.opening.outline[0], moved.totes[0]!.at, moved.arm!.base]).toEqual([
-      [[2, 2], [3, 2], [2.5, 3]], [2, 1.6], [2, 3, 0.9], [3.5, 2, 0.8],
+      [
+        [2, 2],
+        [3, 2],
+        [2.5, 3],
+      ],
+      [2, 1.6],
+      [2, 3, 0.9],
+      [3.5, 2, 0.8],
     ]);
   });
   test('that are none are refused with a sentence', () => {
-    const wrong = ['{', '[]', '{"giveway_map":2}', '{"giveway_map":1,"nodes":3}', '{"giveway_map":1,"nodes":[{"id":1}]}', '{"giveway_map":1,"obstacles":[[1]]}'];
+    const wrong = [
+      '{',
+      '[]',
+      '{"giveway_map":2}',
+      '{"giveway_map":1,"nodes":3}',
+      '{"giveway_map":1,"nodes":[{"id":1}]}',
+      '{"giveway_map":1,"obstacles":[[1]]}',
+    ];
     for (const text of wrong) expect(readFile(text), text).toMatch(/^This /);
     expect(readFile(JSON.stringify(files))).toMatch(/no "giveway_map"/);
   });
@@ -144,7 +200,9 @@ describe('map files', () => {
     expect(changes(old, old)).toEqual([]);
     const fresh = moveNode(drawPlace(old, spot(0, 1), 'charger', 1), id(old, 2, 0), spot(3, 0));
     expect(changes(old, fresh).map((c) => [c.what, c.added.length, c.removed.length, c.changed.length])).toEqual([
-      ['nodes', 1, 0, 1], ['lanes', 1, 0, 0], ['chargers', 1, 0, 0],
+      ['nodes', 1, 0, 1],
+      ['lanes', 1, 0, 0],
+      ['chargers', 1, 0, 0],
     ]);
   });
 });
@@ -155,12 +213,87 @@ test('the grid catches what is near it, and without a grid places are kept to th
 });
 
 test('a DXF drawing gives its lines and polylines, and nothing of its blocks', () => {
-  const text = ['0', 'SECTION', '2', 'BLOCKS', '0', 'LINE', '10', '9', '20', '9', '11', '8', '21', '8', '0', 'ENDSEC', '0', 'SECTION', '2', 'ENTITIES',
-    '0', 'LINE', '8', '0', '10', '1', '20', '2', '30', '0', '11', '3', '21', '4', '31', '0',
-    '0', 'CIRCLE', '10', '5', '20', '5', '40', '1',
-    '0', 'LWPOLYLINE', '90', '3', '70', '1', '10', '0', '20', '0', '10', '4', '20', '0', '10', '4', '20', '2', '0', 'ENDSEC', '0', 'EOF'];
+  const text = [
+    '0',
+    'SECTION',
+    '2',
+    'BLOCKS',
+    '0',
+    'LINE',
+    '10',
+    '9',
+    '20',
+    '9',
+    '11',
+    '8',
+    '21',
+    '8',
+    '0',
+    'ENDSEC',
+    '0',
+    'SECTION',
+    '2',
+    'ENTITIES',
+    '0',
+    'LINE',
+    '8',
+    '0',
+    '10',
+    '1',
+    '20',
+    '2',
+    '30',
+    '0',
+    '11',
+    '3',
+    '21',
+    '4',
+    '31',
+    '0',
+    '0',
+    'CIRCLE',
+    '10',
+    '5',
+    '20',
+    '5',
+    '40',
+    '1',
+    '0',
+    'LWPOLYLINE',
+    '90',
+    '3',
+    '70',
+    '1',
+    '10',
+    '0',
+    '20',
+    '0',
+    '10',
+    '4',
+    '20',
+    '0',
+    '10',
+    '4',
+    '20',
+    '2',
+    '0',
+    'ENDSEC',
+    '0',
+    'EOF',
+  ];
   for (const end of ['\n', '\r\n']) {
-    expect(readDxf(text.join(end))).toEqual([[[1, 2], [3, 4]], [[0, 0], [4, 0], [4, 2], [0, 0]]]);
+    expect(readDxf(text.join(end))).toEqual([
+      [
+        [1, 2],
+        [3, 4],
+      ],
+      [
+        [0, 0],
+        [4, 0],
+        [4, 2],
+        [0, 0],
+      ],
+    ]);
   }
   expect(readDxf('not a drawing')).toEqual([]);
 });

@@ -4,7 +4,15 @@ import { describe, expect, test } from 'vitest';
 import { Stage } from '../src/floor/scene/scene';
 import { explain } from '../src/jobs/jobform';
 import { EMPTY, reduce } from '../src/wire/mirror';
-import { JOB_KINDS, JOB_STATES, ACTIVITIES, parseMessage, type FloorMap, type JobPage, type Problem } from '../src/wire/types';
+import {
+  JOB_KINDS,
+  JOB_STATES,
+  ACTIVITIES,
+  parseMessage,
+  type FloorMap,
+  type JobPage,
+  type Problem,
+} from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const files = import.meta.glob<string>('../fixtures/*.json', { eager: true, query: '?raw', import: 'default' });
@@ -18,7 +26,19 @@ const json = <T>(name: string): T => JSON.parse(read(name)) as T;
 describe('what the server writes', () => {
   test('the map is understood', () => {
     const map = json<FloorMap>('map');
-    expect(Object.keys(map)).toEqual(expect.arrayContaining(['name', 'bounds', 'footprint_m', 'nodes', 'lanes', 'stations', 'racks', 'obstacles', 'walkable']));
+    expect(Object.keys(map)).toEqual(
+      expect.arrayContaining([
+        'name',
+        'bounds',
+        'footprint_m',
+        'nodes',
+        'lanes',
+        'stations',
+        'racks',
+        'obstacles',
+        'walkable',
+      ]),
+    );
     for (const lane of map.lanes) expect(map.nodes[lane.from] && map.nodes[lane.to]).toBeDefined();
     for (const one of [...map.stations, ...map.racks]) expect(map.nodes[one.node]).toBeDefined();
     expect(() => new Stage(map)).not.toThrow();

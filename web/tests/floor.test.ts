@@ -6,14 +6,22 @@ import { shortTurn } from '../src/floor/scene/turn';
 import { fit, pan, toScreen, toWorld, zoomAt } from '../src/floor/scene/view';
 import { History } from '../src/page/history';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
-import type { FloorMap, Robot, Snapshot } from '../src/wire/types';
+import type { FloorMap, Robot, Snapshot } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const MAP: FloorMap = {
-  name: 'Four', bounds: [0, 0, 40, 20], footprint_m: 0.9,
+  name: 'Four',
+  bounds: [0, 0, 40, 20],
+  footprint_m: 0.9,
   nodes: [0, 1, 2, 9].map((x, i) => ({ id: `N${i}`, x, y: 0, kind: 'aisle' as const })),
-  lanes: [{ from: 0, to: 1, both: true, for: [] }, { from: 1, to: 2, both: true, for: [] }],
-  stations: [], racks: [], obstacles: [], walkable: [],
+  lanes: [
+    { from: 0, to: 1, both: true, for: [] },
+    { from: 1, to: 2, both: true, for: [] },
+  ],
+  stations: [],
+  racks: [],
+  obstacles: [],
+  walkable: [],
 };
 function mirror(robots: Robot[], more: Partial<Snapshot> = {}): Mirror {
   const reduced = reduce(EMPTY, snapshot({ robots, ...more }));
@@ -50,7 +58,11 @@ describe('the camera', () => {
   test('a floor that stands upright is turned in a picture that lies, and only if that is worth it', () => {
     const standing = [0, 0, 14, 40] as const;
     const turned = fit(standing, 1400, 500);
-    expect([turned.turned, fit(MAP.bounds, 1400, 500).turned, fit([0, 0, 20, 20.5], 800, 700).turned]).toEqual([true, undefined, undefined]);
+    expect([turned.turned, fit(MAP.bounds, 1400, 500).turned, fit([0, 0, 20, 20.5], 800, 700).turned]).toEqual([
+      true,
+      undefined,
+      undefined,
+    ]);
     const places = standing.map((_, i) => [standing[i < 2 ? 0 : 2], standing[i % 2 ? 1 : 3]] as const);
     for (const [x, y] of places) {
       const [px, py] = toScreen(turned, x, y);
@@ -79,7 +91,18 @@ describe('the scene', () => {
   test('a robot is drawn as wide as robots of its kind are', () => {
     const kinds = [
       { name: 'shuttle', footprint: { circle_m: 0.22 }, footprint_loaded: null },
-      { name: 'mover', footprint: { polygon_m: [[0.38, 0.22], [0.38, -0.22], [-0.32, -0.22], [-0.32, 0.22]] }, footprint_loaded: null },
+      {
+        name: 'mover',
+        footprint: {
+          polygon_m: [
+            [0.38, 0.22],
+            [0.38, -0.22],
+            [-0.32, -0.22],
+            [-0.32, 0.22],
+          ],
+        },
+        footprint_loaded: null,
+      },
       { name: 'box', footprint: { square_m: 0.5 }, footprint_loaded: null },
       { name: 'usual', footprint: null, footprint_loaded: null },
     ] satisfies FloorMap['kinds'];
@@ -114,7 +137,16 @@ describe('the scene', () => {
 
   test('a carried rack is where its robot is', () => {
     const stage = new Stage(MAP);
-    stage.take(mirror([robot('r1', { x: 3, y: 2 })], { racks: [{ id: 'K1', node: null, robot: 'r1' }, { id: 'K2', node: 1, robot: null }] }), 0, 'jump');
+    stage.take(
+      mirror([robot('r1', { x: 3, y: 2 })], {
+        racks: [
+          { id: 'K1', node: null, robot: 'r1' },
+          { id: 'K2', node: 1, robot: null },
+        ],
+      }),
+      0,
+      'jump',
+    );
     stage.at(1);
     expect([...stage.scene.rackX]).toEqual([3, 1]);
     expect([...stage.scene.rackOn]).toEqual([0, -1]);
@@ -165,7 +197,11 @@ describe('people on the floor', () => {
 
   test('whoever is absent or was never seen is not on the floor', () => {
     const stage = new Stage(MAP);
-    const workers = [worker('w1', { x: null, y: null }), worker('w2', { presence: 'absent' }), worker('w3', { presence: 'lost' })];
+    const workers = [
+      worker('w1', { x: null, y: null }),
+      worker('w2', { presence: 'absent' }),
+      worker('w3', { presence: 'lost' }),
+    ];
     stage.take(seen({ workers }), 0, 'jump');
     expect(stage.scene.people.map((p) => p.title)).toEqual(['w3 (lost)']);
     expect(personNear(stage.scene.people, 0.5, 0, 1)).toBe(0);

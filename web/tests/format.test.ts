@@ -4,10 +4,21 @@ import { quantity } from '../src/language';
 import { PAST, type Answer } from '../src/wire';
 import { learn, learnMore, trouble } from '../src/words';
 import {
-  clock, count, doing, listed, longSpan, metres, micros, percent, roughly, roundSpan, span, timeOfDay,
+  clock,
+  count,
+  doing,
+  listed,
+  longSpan,
+  metres,
+  micros,
+  percent,
+  roughly,
+  roundSpan,
+  span,
+  timeOfDay,
 } from '../src/words/format';
 import { linkWords } from '../src/words/linkwords';
-import type { Doing } from '../src/wire/types';
+import type { Doing } from '../src/wire';
 
 describe('formatting', () => {
   test('plan times take the unit that fits', () => {
@@ -45,7 +56,10 @@ describe('formatting', () => {
 });
 
 describe('in other languages', () => {
-  afterEach(async () => { await learn('en'); await learnMore(); });
+  afterEach(async () => {
+    await learn('en');
+    await learnMore();
+  });
 
   test('numbers and units are written as each language has them', () => {
     const all = (n: number, unit: Parameters<typeof quantity>[2], decimals: number): string[] =>
@@ -57,15 +71,27 @@ describe('in other languages', () => {
   test('times are said in the language of the page', async () => {
     expect([longSpan(3_600), longSpan(86_400), longSpan(900)]).toEqual(['1 hour', '1 day', '15 min']);
     await learn('de');
-    expect([span(75), roundSpan(7_200), longSpan(3_600), listed(['a', 'b'])]).toEqual(['1 min 15 s', '2 h', '1 Stunde', 'a, b']);
+    expect([span(75), roundSpan(7_200), longSpan(3_600), listed(['a', 'b'])]).toEqual([
+      '1 min 15 s',
+      '2 h',
+      '1 Stunde',
+      'a, b',
+    ]);
     await learn('zh');
-    expect([span(75), roughly(3_700), longSpan(86_400), listed(['a', 'b'])]).toEqual(['1分钟15秒', '1小时', '1天', 'a，b']);
+    expect([span(75), roughly(3_700), longSpan(86_400), listed(['a', 'b'])]).toEqual([
+      '1分钟15秒',
+      '1小时',
+      '1天',
+      'a，b',
+    ]);
   });
 });
 
 describe('what went wrong with a request', () => {
-  const refused = (title: string, detail?: string): Answer<never> =>
-    ({ kind: 'refused', problem: { title, status: 502, ...(detail === undefined ? {} : { detail }) } });
+  const refused = (title: string, detail?: string): Answer<never> => ({
+    kind: 'refused',
+    problem: { title, status: 502, ...(detail === undefined ? {} : { detail }) },
+  });
 
   test('is said as the server says it, and in own words where it says nothing', () => {
     expect(trouble({ kind: 'ok', value: 1 })).toBeNull();

@@ -7,10 +7,18 @@ import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
 import {
-  PATIENCE, assert, assertAccessible, check, finish, isLostLink, listen, openBrowser, until,
+  PATIENCE,
+  assert,
+  assertAccessible,
+  check,
+  finish,
+  isLostLink,
+  listen,
+  openBrowser,
+  until,
 } from './chromium.mjs';
 import { Headset, bench } from './picker.mjs';
-import { serve } from './serve.mjs';
+import { QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -22,7 +30,7 @@ const SHOTS = HERE('./shots/');
 const MAP = HERE('../../maps/stations.json');
 await mkdir(SHOTS, { recursive: true });
 const scratch = mkdtempSync(`${tmpdir()}/giveway-hands-`);
-const scenario = { giveway_scenario: 1, name: 'hands', robots: 4, period_ms: 50, jobs: 'none', map: MAP };
+const scenario = { giveway_scenario: 1, name: 'hands', robots: 4, period_ms: 50, jobs: 'none', map: MAP, fleet: QUICK };
 writeFileSync(`${scratch}/hands.json`, JSON.stringify(scenario));
 let server = await serve(program, `${scratch}/hands.json`, scratch);
 const { url } = server;
@@ -90,10 +98,15 @@ const whileWrong = async (slot, run) => {
 const cm = (m) => `${Math.round(Math.abs(m) * 100)} cm ${m < 0 ? 'before' : 'behind'} the face`;
 
 const job = await post('/v1/jobs', {
-  kind: 'deliver', rack: S1.racks[0].id, station: 'S1', pick_s: 900,
+  kind: 'deliver',
+  rack: S1.racks[0].id,
+  station: 'S1',
+  pick_s: 900,
   lines: [
-    { slot: 'C3', quantity: 1, tote: second }, { slot: 'A2', quantity: 1, tote: first },
-    { slot: 'D4', quantity: 1, tote: third }, { slot: 'B3', quantity: 2, tote: second },
+    { slot: 'C3', quantity: 1, tote: second },
+    { slot: 'A2', quantity: 1, tote: first },
+    { slot: 'D4', quantity: 1, tote: third },
+    { slot: 'B3', quantity: 2, tote: second },
     { slot: 'C2', quantity: 1, tote: first },
   ],
 });
@@ -166,7 +179,7 @@ await check('What is wrong can be read from afar and hides nothing, in both them
     assert(name.top + name.height * 0.8 <= cross.top, `the cross covers the name: ${JSON.stringify(boxes)}`);
     assert(big.height > 100, `the name is ${big.height} px high`);
     assert((await page.locator('.named').innerText()).includes('B2'), 'the name is not there');
-    assert(await page.locator('[data-reach="B2"]').count() === 0, 'the slot has another outline, too');
+    assert((await page.locator('[data-reach="B2"]').count()) === 0, 'the slot has another outline, too');
   });
 });
 await check('The card of the station shows lines, the lit one, the end, and the warning while it is on', async () => {
@@ -196,10 +209,12 @@ await check('The headset goes with a piece in the hand: nothing is confirmed, an
   await headset.grasps('A2');
   await headset.dies();
   await page.waitForTimeout(4_000);
-  assert(await page.locator('[data-reach]').count() === 0, 'the page still shows where the hand goes');
+  assert((await page.locator('[data-reach]').count()) === 0, 'the page still shows where the hand goes');
   assert((await states()).slice(0, 2).join() === 'done 1,lit 0', (await states()).join());
   await isLit('A2');
-  await page.getByText('Hands are not followed now: confirm with the button', { exact: true }).waitFor({ timeout: PATIENCE });
+  await page
+    .getByText('Hands are not followed now: confirm with the button', { exact: true })
+    .waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}station-without-headset.png` });
   await page.keyboard.press('Enter');
   await becomes(2, 'done 1');
@@ -229,7 +244,9 @@ await check('A headset that comes back confirms again', async () => {
 });
 const ALL = 'done 1,done 1,done 1,lit 1,open 0';
 await check('A server that is killed while a hand holds a piece is said, and the page comes back alone', async () => {
-  await page.evaluate(() => { globalThis.isSamePage = true; });
+  await page.evaluate(() => {
+    globalThis.isSamePage = true;
+  });
   await headset.grasps('B3');
   await server.kill();
   await page.getByText('No connection for').waitFor({ timeout: PATIENCE });

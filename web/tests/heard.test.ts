@@ -1,5 +1,5 @@
-// What a worker hears and reads: the task with its place, each thing once, in the worker's language; and names that do not
-// cover each other.
+// What a worker hears and reads: the task with its place, each thing once, in the worker's language; and names that do
+// not cover each other.
 import { afterEach, describe, expect, test, vi } from 'vitest';
 import { Announcer, type Topic } from '../src/headset/announcer';
 import { show, taskText, type Guidance, type Standing, type Task } from '../src/headset/guide';
@@ -8,13 +8,24 @@ import { partsOf } from '../src/headset/sheet';
 import { marksOf, placesOf } from '../src/headset/signin';
 import { Voice, voiceFor } from '../src/headset/voice';
 import { learn } from '../src/headset/words';
-import type { FloorMap } from '../src/wire/types';
+import type { FloorMap } from '../src/wire';
 
 const WELL: Standing = { age_ms: 100, link: 'live', tracking: 'tracked', aligned: true };
 const COUNT: Task = { id: 'a1', what: 'Count K1', place: 'G6-7' };
 const PICK: Task = { id: 'a2', what: 'Pick 3 boxes', place: 'R102' };
 const guidance = (more: Partial<Guidance> = {}): Guidance => ({
-  state: 'following', reason: null, version: 1, path: [[0, 0], [3, 4]], next: [3, 4], eta_s: 65, assignment: 'a1', near: [], ...more,
+  state: 'following',
+  reason: null,
+  version: 1,
+  path: [
+    [0, 0],
+    [3, 4],
+  ],
+  next: [3, 4],
+  eta_s: 65,
+  assignment: 'a1',
+  near: [],
+  ...more,
 });
 
 /** A worker's minutes: what comes, and what is heard of it. */
@@ -23,7 +34,15 @@ class Ears {
   #announcer = new Announcer();
   #now = 0;
   #topic: Topic | null = null;
-  come(more: Partial<Guidance>, { task = null, finished = null, ended = null, at = {} }: Partial<Pick<Topic, 'task' | 'finished' | 'ended'>> & { at?: Partial<Standing> } = {}): void {
+  come(
+    more: Partial<Guidance>,
+    {
+      task = null,
+      finished = null,
+      ended = null,
+      at = {},
+    }: Partial<Pick<Topic, 'task' | 'finished' | 'ended'>> & { at?: Partial<Standing> } = {},
+  ): void {
     const g = guidance(more);
     this.#topic = { shown: show(g, { ...WELL, ...at }, task), assignment: g.assignment, task, finished, ended };
     this.wait(250);
@@ -95,11 +114,16 @@ describe('what a worker hears', () => {
     const cause = { kind: 'robot_crosses', robot: 'robot-7', closure: null };
     for (const wait_s of [4, 3.2, 2.1, 0.9]) ears.come({ state: 'stop', cause, wait_s, path: [] }, { task: COUNT });
     ears.come({}, { task: COUNT });
-    expect(ears.heard).toEqual(['Count K1 at G6-7.', 'WAIT 4 sec. robot-7 crosses your path: wait a moment, this way is still the fastest.']);
+    expect(ears.heard).toEqual([
+      'Count K1 at G6-7.',
+      'WAIT 4 sec. robot-7 crosses your path: wait a moment, this way is still the fastest.',
+    ]);
     ears.come({ state: 'stop', cause: { kind: 'robot_comes', robot: 'robot-7', closure: null } }, { task: COUNT });
     ears.come({}, { task: COUNT });
     ears.come({ state: 'stop', cause: { kind: 'robot_comes', robot: 'robot-7', closure: null } }, { task: COUNT });
-    expect(ears.heard.slice(2), 'a second stop is a new one').toEqual(Array(2).fill('STOP. robot-7 is coming close: stand still.'));
+    expect(ears.heard.slice(2), 'a second stop is a new one').toEqual(
+      Array(2).fill('STOP. robot-7 is coming close: stand still.'),
+    );
   });
   test('whoever walks along the edge of the path is told once that it is over there', () => {
     const ears = new Ears();
@@ -118,7 +142,8 @@ describe('what a worker hears', () => {
     ears.come({}, { task: COUNT, at: { link: 'lost' } });
     ears.come({}, { task: COUNT });
     expect(ears.heard.slice(1)).toEqual([
-      'No connection. No guidance. Robots do not know where you are: look out for yourself.', 'Connected again.',
+      'No connection. No guidance. Robots do not know where you are: look out for yourself.',
+      'Connected again.',
     ]);
   });
   test('a tap says again what stands now', () => {
@@ -155,12 +180,16 @@ describe('languages', () => {
   test('a cause that this page does not know is said in the words of the server', () => {
     const cause = { kind: 'of_tomorrow', robot: null, closure: null };
     expect(show(guidance({ state: 'stop', cause, reason: 'the floor is wet' }), WELL).detail).toBe('The floor is wet.');
-    expect(show(guidance({ cause: { kind: 'round_closure', robot: null, closure: 'oil' }, reason: 'x' }), WELL).detail)
-      .toBe('The way leads round a closed area: oil. 5.0 m · 1:05');
+    expect(
+      show(guidance({ cause: { kind: 'round_closure', robot: null, closure: 'oil' }, reason: 'x' }), WELL).detail,
+    ).toBe('The way leads round a closed area: oil. 5.0 m · 1:05');
   });
   test('a long task is cut on the board, and one without words leads to its place', () => {
     expect(taskText({ id: 'a', what: ' ', place: 'A1' })).toBe('Go to A1');
-    expect(show(guidance({ arrived: true }), WELL, { id: 'a1', what: '', place: 'A1' })).toMatchObject({ title: 'You are there', detail: 'A1.' });
+    expect(show(guidance({ arrived: true }), WELL, { id: 'a1', what: '', place: 'A1' })).toMatchObject({
+      title: 'You are there',
+      detail: 'A1.',
+    });
     const text = taskText({ id: 'a', what: 'x'.repeat(500), place: 'A1' });
     expect(text).toBe(`${'x'.repeat(79)}… at A1`);
   });
@@ -169,12 +198,21 @@ describe('languages', () => {
     const chinese = partsOf('请站住，慢慢环顾四周。', 'zh');
     expect(chinese.length).toBeGreaterThan(3);
     expect(chinese.join('')).toBe('请站住，慢慢环顾四周。');
-    expect(chinese.some((part) => /^[，。]/.test(part)), 'no line begins with a comma').toBe(false);
+    expect(
+      chinese.some((part) => /^[，。]/.test(part)),
+      'no line begins with a comma',
+    ).toBe(false);
   });
 });
 
 describe('a voice', () => {
-  const voice = (lang: string, localService = true): SpeechSynthesisVoice => ({ lang, localService, default: false, name: lang, voiceURI: lang });
+  const voice = (lang: string, localService = true): SpeechSynthesisVoice => ({
+    lang,
+    localService,
+    default: false,
+    name: lang,
+    voiceURI: lang,
+  });
   test('is one of the language, without a network first; none where there is only another', () => {
     const all = [voice('en-US'), voice('de-DE', false), voice('de_AT')];
     expect(voiceFor(all, 'de')?.lang).toBe('de_AT');
@@ -184,9 +222,20 @@ describe('a voice', () => {
   test('speaks the language, is silenced by a stop, and can be switched off', () => {
     const spoken: string[] = [];
     let cancelled = 0;
-    vi.stubGlobal('SpeechSynthesisUtterance', class { lang = ''; voice = null; constructor(readonly text: string) {} });
+    vi.stubGlobal(
+      'SpeechSynthesisUtterance',
+      class {
+        lang = '';
+        voice = null;
+        constructor(readonly text: string) {}
+      },
+    );
     vi.stubGlobal('speechSynthesis', {
-      pending: false, getVoices: () => [voice('en-GB')], cancel: () => { cancelled += 1; },
+      pending: false,
+      getVoices: () => [voice('en-GB')],
+      cancel: () => {
+        cancelled += 1;
+      },
       speak: ({ lang, text }: { lang: string; text: string }) => spoken.push(`${lang}: ${text}`),
     });
     const mouth = new Voice();
@@ -204,9 +253,15 @@ describe('a voice', () => {
 });
 
 describe('names near each other', () => {
-  const meet = (a: Box, b: Box): boolean => a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
+  const meet = (a: Box, b: Box): boolean =>
+    a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
   test('stand apart on a map, the most important one where it belongs', () => {
-    const wishes = [[100, 100], [104, 102], [98, 110], [120, 100]].map(([x, y]) => around([x!, y!], 12, 90, 18));
+    const wishes = [
+      [100, 100],
+      [104, 102],
+      [98, 110],
+      [120, 100],
+    ].map(([x, y]) => around([x!, y!], 12, 90, 18));
     const boxes = placed(wishes);
     expect(boxes[0]).toEqual(wishes[0]![0]);
     expect(boxes.every((box) => box !== null)).toBe(true);
@@ -218,13 +273,25 @@ describe('names near each other', () => {
     expect(placed([[wish]], [{ x: 5, y: 5, width: 1, height: 1 }])).toEqual([null]);
   });
   test('are lifted over each other in the room, also where the view wraps around', () => {
-    const lifted = lifts([{ left: 3.1, up: 0 }, { left: -3.1, up: 0.01 }, { left: 3.12, up: -0.02 }, { left: 0, up: 0 }], 0.26, 0.05);
+    const lifted = lifts(
+      [
+        { left: 3.1, up: 0 },
+        { left: -3.1, up: 0.01 },
+        { left: 3.12, up: -0.02 },
+        { left: 0, up: 0 },
+      ],
+      0.26,
+      0.05,
+    );
     expect(lifted).toEqual([0, expect.closeTo(0.04), expect.closeTo(0.12), 0]);
   });
 });
 
 test('the marks of a map are those that it lists, else what stands fast; nodes can be marks besides', () => {
-  const nodes = [{ id: 'A1', x: 0, y: 0, kind: 'aisle' }, { id: 'S1', x: 3, y: 0, kind: 'station' }];
+  const nodes = [
+    { id: 'A1', x: 0, y: 0, kind: 'aisle' },
+    { id: 'S1', x: 3, y: 0, kind: 'station' },
+  ];
   const map = { nodes } as unknown as FloorMap;
   expect(marksOf(map).map((p) => p.name)).toEqual(['S1']);
   const marks = [{ name: 'M1', x: 1.5, y: 2 }];

@@ -23,7 +23,10 @@ describe('the job form', () => {
   });
 
   test('an empty field is named beside itself', () => {
-    expect(build(form({ rack: 'K1', station: '  ' }), NOW)).toEqual({ kind: 'wrong', errors: { station: 'Name a station.' } });
+    expect(build(form({ rack: 'K1', station: '  ' }), NOW)).toEqual({
+      kind: 'wrong',
+      errors: { station: 'Name a station.' },
+    });
   });
 
   test('minutes become a deadline on the clock', () => {
@@ -32,17 +35,28 @@ describe('the job form', () => {
   });
 
   test.each(['-1', '10', '1.5', 'high', ''])('a priority of "%s" is refused', (priority) => {
-    expect(build(form({ rack: 'K1', station: 'P1', priority }), NOW)).toMatchObject({ kind: 'wrong', errors: { priority: expect.any(String) } });
+    expect(build(form({ rack: 'K1', station: 'P1', priority }), NOW)).toMatchObject({
+      kind: 'wrong',
+      errors: { priority: expect.any(String) },
+    });
   });
 
   test.each(['0', '-5', 'soon', '99999'])('a deadline in "%s" minutes is refused', (deadline) => {
-    expect(build(form({ rack: 'K1', station: 'P1', deadline }), NOW)).toMatchObject({ kind: 'wrong', errors: { deadline: expect.any(String) } });
+    expect(build(form({ rack: 'K1', station: 'P1', deadline }), NOW)).toMatchObject({
+      kind: 'wrong',
+      errors: { deadline: expect.any(String) },
+    });
   });
 });
 
 describe('a refusal by the server', () => {
   test('goes beside the field it names', () => {
-    const problem = { title: 'Bad', status: 422, detail: 'One field.', errors: [{ field: 'rack', detail: 'There is no rack K9.' }] };
+    const problem = {
+      title: 'Bad',
+      status: 422,
+      detail: 'One field.',
+      errors: [{ field: 'rack', detail: 'There is no rack K9.' }],
+    };
     expect(explain(problem, 'deliver')).toEqual({ fields: { rack: 'There is no rack K9.' }, form: null });
   });
 
@@ -79,6 +93,11 @@ describe('suggestions', () => {
     const names = ['A10', 'B1', 'K1', 'K10', 'K2'];
     expect(suggest(names, 'k1')).toEqual(['K1', 'K10']);
     expect(suggest(names, '1')).toEqual(['A10', 'B1', 'K1', 'K10']);
-    expect(suggest(Array.from({ length: 5_000 }, (_, i) => `N${i}`), 'n')).toHaveLength(40);
+    expect(
+      suggest(
+        Array.from({ length: 5_000 }, (_, i) => `N${i}`),
+        'n',
+      ),
+    ).toHaveLength(40);
   });
 });

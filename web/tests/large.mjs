@@ -31,7 +31,8 @@ const status = page.locator('section', { has: page.getByRole('heading', { name: 
 // In processor time of the page's main thread.
 const devtools = await page.context().newCDPSession(page);
 await devtools.send('Performance.enable', { timeDomain: 'threadTicks' });
-const worked = async () => 1000 * (await devtools.send('Performance.getMetrics')).metrics.find((m) => m.name === 'TaskDuration').value;
+const worked = async () =>
+  1000 * (await devtools.send('Performance.getMetrics')).metrics.find((m) => m.name === 'TaskDuration').value;
 
 /** What the page works while `run` runs, in all and per frame, milliseconds; and how many frames a second it shows. */
 async function cost(run) {
@@ -75,7 +76,9 @@ async function drag([x0, y0], [x1, y1], steps = 90) {
 
 const tool = (name) => page.getByRole('navigation', { name: 'Tools' }).getByRole('button', { name }).click();
 function fast({ moving, ending }) {
-  const said = `${moving.perFrame.toFixed(1)} ms of processor time a frame, ${ending.ms.toFixed(0)} ms at the end; ${moving.rate.toFixed(0)} frames a second`;
+  const said =
+    `${moving.perFrame.toFixed(1)} ms of processor time a frame, ${ending.ms.toFixed(0)} ms at the end; ` +
+    `${moving.rate.toFixed(0)} frames a second`;
   assert(moving.perFrame <= FRAME_MS && ending.ms <= END_MS, said);
   return said;
 }

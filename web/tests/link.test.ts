@@ -20,7 +20,11 @@ class World {
       if (this.refuse) throw new Error('no socket');
       const socket: FakeSocket = { since, events, state: 'open' };
       this.sockets.push(socket);
-      return { close: () => { socket.state = 'closed'; } };
+      return {
+        close: () => {
+          socket.state = 'closed';
+        },
+      };
     },
     clock: {
       now: () => this.time,
@@ -29,7 +33,9 @@ class World {
         this.#timers.push(timer);
         return timer;
       },
-      cancel: (timer) => { this.#timers = this.#timers.filter((t) => t !== timer); },
+      cancel: (timer) => {
+        this.#timers = this.#timers.filter((t) => t !== timer);
+      },
     },
     random: () => 1,
     onState: (state) => this.states.push(state.kind),

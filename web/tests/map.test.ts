@@ -1,5 +1,5 @@
-// The map first: names that keep clear of each other, margins for them, the floor from afar, finding by a part of a name,
-// addresses, the share of the map, and taking back what was done.
+// The map first: names that keep clear of each other, margins for them, the floor from afar, finding by a part of a
+// name, addresses, the share of the map, and taking back what was done.
 import { describe, expect, test, vi } from 'vitest';
 import { alarmedOf, Composer, FAR_BELOW, NAMES_FROM } from '../src/floor/paint/compose';
 import { unusual } from '../src/floor/paint/heatmap';
@@ -18,15 +18,28 @@ import { EMPTY, reduce, type Alarm, type FloorMap, type Job, type Mirror, type S
 import { robot, snapshot, worker } from './samples';
 
 const MAP: FloorMap = {
-  name: 'Row', bounds: [0, 0, 40, 20], footprint_m: 0.9,
+  name: 'Row',
+  bounds: [0, 0, 40, 20],
+  footprint_m: 0.9,
   nodes: [
-    { id: 'A1', x: 1, y: 1, kind: 'aisle' }, { id: 'S1', x: 2, y: 1, kind: 'storage' }, { id: 'W', x: 0.5, y: 10, kind: 'station' },
+    { id: 'A1', x: 1, y: 1, kind: 'aisle' },
+    { id: 'S1', x: 2, y: 1, kind: 'storage' },
+    { id: 'W', x: 0.5, y: 10, kind: 'station' },
     { id: 'E', x: 39.5, y: 19.8, kind: 'station' },
   ],
   lanes: [{ from: 0, to: 1, both: true, for: [] }],
-  stations: [{ id: 'W1', node: 2, queue: [] }, { id: 'E1', node: 3, queue: [] }], racks: [], obstacles: [], walkable: [],
+  stations: [
+    { id: 'W1', node: 2, queue: [] },
+    { id: 'E1', node: 3, queue: [] },
+  ],
+  racks: [],
+  obstacles: [],
+  walkable: [],
 };
-const PALETTE: Palette = { of: new Proxy({}, { get: () => 'rgb(1, 2, 3)' }) as Palette['of'], looks: LOOKS.map((_, i) => `rgb(${i}, 0, 0)`) };
+const PALETTE: Palette = {
+  of: new Proxy({}, { get: () => 'rgb(1, 2, 3)' }) as Palette['of'],
+  looks: LOOKS.map((_, i) => `rgb(${i}, 0, 0)`),
+};
 const NOBODY = { robot: -1, person: -1, place: null, look: -1 };
 
 function mirrorOf(more: Partial<Snapshot>): Mirror {
@@ -34,7 +47,15 @@ function mirrorOf(more: Partial<Snapshot>): Mirror {
   if (reduced.kind === 'gap') throw new Error('no gap in a snapshot');
   return reduced.mirror;
 }
-const alarm = (subject: string): Alarm => ({ id: 'al1', text: 'It is silent.', since_s: 0, kind: 'robot_silent', severity: 'warning', subject_kind: 'robot', subject });
+const alarm = (subject: string): Alarm => ({
+  id: 'al1',
+  text: 'It is silent.',
+  since_s: 0,
+  kind: 'robot_silent',
+  severity: 'warning',
+  subject_kind: 'robot',
+  subject,
+});
 
 describe('names keep clear of each other', () => {
   const view: View = { x: 20, y: 5, scale: 40, width: 720, height: 400 };
@@ -68,24 +89,57 @@ describe('names keep clear of each other', () => {
   });
   test('what is chosen comes first, then what has an alarm, then people, then other robots', () => {
     expect(written({ robots }, { ...NOBODY, robot: 3 }, [alarm('r3')])).toEqual(['r4', 'r3']);
-    expect(written({ robots, workers: [worker('anna', { x: 20, y: 5 })] }, NOBODY, [alarm('r3')])).toEqual(['r3', 'anna']);
-    expect(written({ robots, workers: [worker('anna', { x: 20, y: 5 }), worker('ben', { x: 20, y: 5 })] })).toEqual(['anna', 'ben']);
+    expect(written({ robots, workers: [worker('anna', { x: 20, y: 5 })] }, NOBODY, [alarm('r3')])).toEqual([
+      'r3',
+      'anna',
+    ]);
+    expect(written({ robots, workers: [worker('anna', { x: 20, y: 5 }), worker('ben', { x: 20, y: 5 })] })).toEqual([
+      'anna',
+      'ben',
+    ]);
   });
   test('stations come before robots, robots before racks, racks before places', () => {
     const stage = new Stage(MAP);
-    stage.take(mirrorOf({ robots: [robot('r1', { x: 3, y: 1 })], racks: [{ id: 'K1', node: 1, robot: null }], stations: [{ id: 'W1', robot: null, queue: [], served: 0 }] }), 0, 'jump');
+    stage.take(
+      mirrorOf({
+        robots: [robot('r1', { x: 3, y: 1 })],
+        racks: [{ id: 'K1', node: 1, robot: null }],
+        stations: [{ id: 'W1', robot: null, queue: [], served: 0 }],
+      }),
+      0,
+      'jump',
+    );
     const composer = new Composer(PALETTE);
     composer.compose(stage.scene, { x: 2, y: 5, scale: 70, width: 900, height: 900 }, NOBODY, []);
-    expect(composer.words.list.slice(0, composer.words.count).map((word) => word.text)).toEqual(['W1  0/0', 'r1', 'K1', 'A1', 'S1']);
+    expect(composer.words.list.slice(0, composer.words.count).map((word) => word.text)).toEqual([
+      'W1  0/0',
+      'r1',
+      'K1',
+      'A1',
+      'S1',
+    ]);
   });
   test('a robot with an alarm has its name at every scale, others from where they can be told apart', () => {
-    expect(written({ robots: [robot('r1', { x: 20, y: 5 }), robot('r2', { x: 22, y: 5 })] }, NOBODY, [alarm('r2')], NAMES_FROM - 1)).toEqual(['r2']);
-    expect(written({ robots: [robot('r1', { x: 20, y: 5 }), robot('r2', { x: 22, y: 5 })] }, NOBODY, [], NAMES_FROM)).toEqual(['r1', 'r2']);
+    expect(
+      written(
+        { robots: [robot('r1', { x: 20, y: 5 }), robot('r2', { x: 22, y: 5 })] },
+        NOBODY,
+        [alarm('r2')],
+        NAMES_FROM - 1,
+      ),
+    ).toEqual(['r2']);
+    expect(
+      written({ robots: [robot('r1', { x: 20, y: 5 }), robot('r2', { x: 22, y: 5 })] }, NOBODY, [], NAMES_FROM),
+    ).toEqual(['r1', 'r2']);
   });
 });
 
 describe('the whole floor', () => {
-  test.each([[1400, 700], [820, 500], [390, 300]])('leaves room for the titles at its edge at %i × %i', (width, height) => {
+  test.each([
+    [1400, 700],
+    [820, 500],
+    [390, 300],
+  ])('leaves room for the titles at its edge at %i × %i', (width, height) => {
     const view = fit(MAP.bounds, width, height, titlesOf(MAP));
     const { below, px } = stationTitle(view.scale);
     for (const { x, y, half_px } of titlesOf(MAP)) {
@@ -130,16 +184,25 @@ describe('from afar', () => {
       expect(sheet.count, look).toBe(1);
       expect(sheet.marks[2]! * tiny.scale, look).toBeGreaterThanOrEqual(3);
     }
-    const kindOf = (activity: (typeof LOOKS)[number]) => kinds(composed({ robots: [robot('r', { activity })] }, far).sheets.robots);
+    const kindOf = (activity: (typeof LOOKS)[number]) =>
+      kinds(composed({ robots: [robot('r', { activity })] }, far).sheets.robots);
     expect([kindOf('driving'), kindOf('waiting'), kindOf('failed')]).toEqual([[KIND.disc], [KIND.box], [KIND.box]]);
   });
   test('cells show where several wait, also left of and below the origin', () => {
     const waiting = (id: string, x: number, y: number) => robot(id, { x, y, activity: 'waiting' });
-    const many = [waiting('r1', -1, -1), waiting('r2', -2, -1), waiting('r3', 20, 10), robot('r4', { x: 20, y: 10, activity: 'driving' })];
+    const many = [
+      waiting('r1', -1, -1),
+      waiting('r2', -2, -1),
+      waiting('r3', 20, 10),
+      robot('r4', { x: 20, y: 10, activity: 'driving' }),
+    ];
     const { crowds } = composed({ robots: many }, far).sheets;
     expect(crowds.count).toBe(1);
     const [x, y, size] = [crowds.marks[0]!, crowds.marks[1]!, crowds.marks[2]!];
-    for (const at of [[-1, -1], [-2, -1]] as const) {
+    for (const at of [
+      [-1, -1],
+      [-2, -1],
+    ] as const) {
       expect(Math.abs(at[0] - x)).toBeLessThanOrEqual(size / 2);
       expect(Math.abs(at[1] - y)).toBeLessThanOrEqual(size / 2);
     }
@@ -149,9 +212,21 @@ describe('from afar', () => {
 
 describe('finding', () => {
   const mirror = mirrorOf({
-    robots: [robot('robot-1', { job: 'j7' }), robot('robot-17'), robot('old', { state: 'gone' })], workers: [worker('w1', { name: 'Anna Berg' })],
-    stations: [{ id: 'W1', robot: null, queue: [], served: 0 }], racks: [{ id: 'K17', node: 1, robot: null }],
-    closures: [{ id: 'c1', outline: [[0, 0], [1, 0], [1, 1]], reason: 'Oil in aisle 3' }],
+    robots: [robot('robot-1', { job: 'j7' }), robot('robot-17'), robot('old', { state: 'gone' })],
+    workers: [worker('w1', { name: 'Anna Berg' })],
+    stations: [{ id: 'W1', robot: null, queue: [], served: 0 }],
+    racks: [{ id: 'K17', node: 1, robot: null }],
+    closures: [
+      {
+        id: 'c1',
+        outline: [
+          [0, 0],
+          [1, 0],
+          [1, 1],
+        ],
+        reason: 'Oil in aisle 3',
+      },
+    ],
   });
   const all = namesOn(mirror, MAP);
   const ids = (text: string): string[] => matching(all, text).map((one) => `${one.kind} ${one.id}`);
@@ -179,7 +254,10 @@ describe('finding', () => {
     expect(ids('  ')).toEqual([]);
   });
   test('one kind does not hide the others', () => {
-    const many = mirrorOf({ robots: Array.from({ length: 40 }, (_, i) => robot(`x${i}`)), racks: [{ id: 'K-x', node: 1, robot: null }] });
+    const many = mirrorOf({
+      robots: Array.from({ length: 40 }, (_, i) => robot(`x${i}`)),
+      racks: [{ id: 'K-x', node: 1, robot: null }],
+    });
     const kinds = matching(namesOn(many, MAP), 'x').map((one) => one.kind);
     expect(kinds).toContain('rack');
     expect(kinds.length).toBeLessThanOrEqual(12);
@@ -187,19 +265,31 @@ describe('finding', () => {
 });
 
 describe('addresses', () => {
-  test.each(['', '#robot/robot-17', '#worker/picker-7', '#job/j12', '#station/W1', '#rack/K%2F1', '#tab/robots', '#robot/r&job/j1&tab/audit', '#wall'])(
-    '%s says what it is made of', (hash) => {
-      const { address, unknown } = addressOf(hash);
-      expect(unknown).toEqual([]);
-      expect(hashOf(address)).toBe(hash);
-    });
+  test.each([
+    '',
+    '#robot/robot-17',
+    '#worker/picker-7',
+    '#job/j12',
+    '#station/W1',
+    '#rack/K%2F1',
+    '#tab/robots',
+    '#robot/r&job/j1&tab/audit',
+    '#wall',
+  ])('%s says what it is made of', (hash) => {
+    const { address, unknown } = addressOf(hash);
+    expect(unknown).toEqual([]);
+    expect(hashOf(address)).toBe(hash);
+  });
   test('ids keep their own signs', () => {
     const address = { ...HOME, picked: { kind: 'rack' as const, id: 'a&b/c d' } };
     expect(addressOf(hashOf(address)).address).toEqual(address);
   });
   test('what says nothing is named', () => {
     expect(addressOf('#robot').unknown).toEqual(['robot']);
-    expect(addressOf('#tab/nonsense&robot/r1')).toEqual({ address: { ...HOME, picked: { kind: 'robot', id: 'r1' } }, unknown: ['tab/nonsense'] });
+    expect(addressOf('#tab/nonsense&robot/r1')).toEqual({
+      address: { ...HOME, picked: { kind: 'robot', id: 'r1' } },
+      unknown: ['tab/nonsense'],
+    });
     expect(addressOf('#robot/%E0%A4%A').unknown).toHaveLength(1);
     expect(addressOf('#toString/x&tab/toString').unknown).toHaveLength(2);
   });
@@ -215,8 +305,13 @@ describe('addresses', () => {
 describe('the share of the map', () => {
   test('stays within bounds, whatever is pressed', () => {
     expect([within(5), within(99), within(50.4)]).toEqual([LEAST, MOST, 50]);
-    expect([afterKey(USUAL, 'ArrowUp'), afterKey(USUAL, 'ArrowDown'), afterKey(USUAL, 'Home'), afterKey(USUAL, 'End'), afterKey(USUAL, 'x')])
-      .toEqual([USUAL - 2, USUAL + 2, LEAST, MOST, null]);
+    expect([
+      afterKey(USUAL, 'ArrowUp'),
+      afterKey(USUAL, 'ArrowDown'),
+      afterKey(USUAL, 'Home'),
+      afterKey(USUAL, 'End'),
+      afterKey(USUAL, 'x'),
+    ]).toEqual([USUAL - 2, USUAL + 2, LEAST, MOST, null]);
     expect(afterKey(LEAST, 'ArrowUp')).toBe(LEAST);
   });
 });
@@ -239,27 +334,64 @@ describe('taking back what was done', () => {
   test('happens once, and says why it could not', async () => {
     const notices = new Notices();
     let undone = 0;
-    notices.did('done', () => { undone += 1; return Promise.resolve(null); });
+    notices.did('done', () => {
+      undone += 1;
+      return Promise.resolve(null);
+    });
     await Promise.all([notices.undo(), notices.undo()]);
     expect([undone, notices.notice]).toEqual([1, null]);
     notices.did('done', () => Promise.resolve('The robot has left.'));
     await notices.undo();
-    expect(notices.notice).toMatchObject({ words: 'It could not be undone. The robot has left.', wrong: true, undo: null });
+    expect(notices.notice).toMatchObject({
+      words: 'It could not be undone. The robot has left.',
+      wrong: true,
+      undo: null,
+    });
   });
   test('of several robots tells those that did it the opposite', async () => {
     const told: string[] = [];
-    const api = { resume: (id: string) => { told.push(id); return Promise.resolve({ kind: 'ok', value: null }); } } as unknown as ActsApi;
-    const [pause, charge] = [ROBOT_ACTS.find((act) => act.id === 'pause')!, ROBOT_ACTS.find((act) => act.id === 'charge')!];
+    const api = {
+      resume: (id: string) => {
+        told.push(id);
+        return Promise.resolve({ kind: 'ok', value: null });
+      },
+    } as unknown as ActsApi;
+    const [pause, charge] = [
+      ROBOT_ACTS.find((act) => act.id === 'pause')!,
+      ROBOT_ACTS.find((act) => act.id === 'charge')!,
+    ];
     expect(await undoOf(pause, api, ['r1', 'r2'])!()).toBeNull();
     expect(told).toEqual(['r1', 'r2']);
     expect(undoOf(charge, api, ['r1'])).toBeNull();
     expect(undoOf(pause, api, [])).toBeNull();
   });
   test('of an opened area closes it with the same reason and end', () => {
-    const outline: [number, number][] = [[0, 0], [1, 0], [1, 1]];
-    expect(closedAgain({ id: 'c1', outline, reason: 'oil', state: 'closed', from: '2031-01-31T12:00:00Z', until: null, binds: 'both' })).toEqual({ outline, reason: 'oil', binds: 'both' });
-    expect(closedAgain({ id: 'c1', outline, reason: 'oil', state: 'announced', from: '2031-01-31T12:00:00Z', until: '2031-01-31T13:00:00Z' }))
-      .toEqual({ outline, reason: 'oil', binds: 'robots', from: '2031-01-31T12:00:00Z', until: '2031-01-31T13:00:00Z' });
+    const outline: [number, number][] = [
+      [0, 0],
+      [1, 0],
+      [1, 1],
+    ];
+    expect(
+      closedAgain({
+        id: 'c1',
+        outline,
+        reason: 'oil',
+        state: 'closed',
+        from: '2031-01-31T12:00:00Z',
+        until: null,
+        binds: 'both',
+      }),
+    ).toEqual({ outline, reason: 'oil', binds: 'both' });
+    expect(
+      closedAgain({
+        id: 'c1',
+        outline,
+        reason: 'oil',
+        state: 'announced',
+        from: '2031-01-31T12:00:00Z',
+        until: '2031-01-31T13:00:00Z',
+      }),
+    ).toEqual({ outline, reason: 'oil', binds: 'robots', from: '2031-01-31T12:00:00Z', until: '2031-01-31T13:00:00Z' });
   });
 });
 
@@ -277,8 +409,15 @@ describe('names and unusual waiting', () => {
     expect([side('none'), side('below'), side('none'), side('above'), side('none')]).toEqual([20, -20, -20, 20, 20]);
   });
   test('waiting is unusual where a place has more than its usual share of it, however much is going on', () => {
-    const page = (...amounts: number[]) => ({ kind: 'waiting' as const, from: '', to: '', size: 1, cells: amounts.map((amount, x) => ({ x, y: 0, node: null, amount })) });
-    const found = (now: number[], before: number[]) => unusual(page(...now), page(...before))?.cells.map((c) => [c.x, c.amount]);
+    const page = (...amounts: number[]) => ({
+      kind: 'waiting' as const,
+      from: '',
+      to: '',
+      size: 1,
+      cells: amounts.map((amount, x) => ({ x, y: 0, node: null, amount })),
+    });
+    const found = (now: number[], before: number[]) =>
+      unusual(page(...now), page(...before))?.cells.map((c) => [c.x, c.amount]);
     expect(found([1000, 100], [5000, 500]), 'as always').toEqual([]);
     expect(found([10_000, 1000], [500, 50]), 'ten times as much everywhere').toEqual([]);
     expect(found([1000, 500], [5000, 500])).toEqual([[1, expect.closeTo(363.6, 1)]]);

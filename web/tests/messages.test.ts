@@ -1,5 +1,6 @@
-// The messages of the pages: every language has them all, with the same placeholders; calls give what they need; and what is
-// seen on a page in several languages stands in its messages, not in its source. It reads the sources and runs none of them.
+// The messages of the pages: every language has them all, with the same placeholders; calls give what they need; and
+// what is seen on a page in several languages stands in its messages, not in its source. It reads the sources and runs
+// none of them.
 import { parse as parseMessage, type MessageFormatElement } from '@formatjs/icu-messageformat-parser';
 import { parse as parseSvelte } from 'svelte/compiler';
 import ts from 'typescript';
@@ -32,7 +33,8 @@ function placeholders(tree: readonly MessageFormatElement[], found = new Set<str
   for (const part of tree) {
     if (part.type === 0 || part.type === 7) continue;
     found.add(part.value);
-    if ('options' in part && part.options) for (const { value } of Object.values(part.options)) placeholders(value, found);
+    if ('options' in part && part.options)
+      for (const { value } of Object.values(part.options)) placeholders(value, found);
   }
   return found;
 }
@@ -46,7 +48,8 @@ function differences(english: Texts, other: Texts): string[] {
     if (b === undefined) wrong.push(`${key} is missing`);
     else if (a === undefined) wrong.push(`${key} is not in English`);
     else if (b.trim() === '') wrong.push(`${key} is empty`);
-    else if (wanted(a).join() !== wanted(b).join()) wrong.push(`${key} has {${wanted(b).join()}} instead of {${wanted(a).join()}}`);
+    else if (wanted(a).join() !== wanted(b).join())
+      wrong.push(`${key} has {${wanted(b).join()}} instead of {${wanted(a).join()}}`);
   }
   return wrong;
 }
@@ -65,23 +68,44 @@ function pluralsMissing(language: string, tree: readonly MessageFormatElement[])
 
 /** Keys of messages, which scripts hand on to where they are said. */
 const keys = new Set([...rooms.values()].flatMap((languages) => Object.keys(languages.get('en') ?? {})));
-const isWord = (text: string): boolean => /\p{L}{2}/u.test(NAMES.reduce((rest, name) => rest.replaceAll(name, ''), text));
-const SEEN = ['aria-label', 'aria-description', 'aria-roledescription', 'aria-valuetext', 'title', 'placeholder', 'alt', 'label', 'hint', 'prompt'];
+const isWord = (text: string): boolean =>
+  /\p{L}{2}/u.test(NAMES.reduce((rest, name) => rest.replaceAll(name, ''), text));
+const SEEN = [
+  'aria-label',
+  'aria-description',
+  'aria-roledescription',
+  'aria-valuetext',
+  'title',
+  'placeholder',
+  'alt',
+  'label',
+  'hint',
+  'prompt',
+];
 
 /** Texts that an expression in a component can come to; what it compares with or hands on to a function is none. */
 function textsOf(node: Record<string, unknown> | null | undefined): string[] {
-  const all = (...names: string[]): string[] => names.flatMap((name) => textsOf(node?.[name] as Record<string, unknown>));
+  const all = (...names: string[]): string[] =>
+    names.flatMap((name) => textsOf(node?.[name] as Record<string, unknown>));
   switch (node?.['type']) {
-    case 'Literal': return typeof node['value'] === 'string' ? [node['value']] : [];
-    case 'TemplateLiteral': return [
-      ...(node['quasis'] as { value: { cooked: string } }[]).map((quasi) => quasi.value.cooked),
-      ...(node['expressions'] as Record<string, unknown>[]).flatMap(textsOf),
-    ];
-    case 'ConditionalExpression': return all('consequent', 'alternate');
-    case 'LogicalExpression': return all('left', 'right');
-    case 'BinaryExpression': return node['operator'] === '+' ? all('left', 'right') : [];
-    case 'TSAsExpression': case 'TSNonNullExpression': return all('expression');
-    default: return [];
+    case 'Literal':
+      return typeof node['value'] === 'string' ? [node['value']] : [];
+    case 'TemplateLiteral':
+      return [
+        ...(node['quasis'] as { value: { cooked: string } }[]).map((quasi) => quasi.value.cooked),
+        ...(node['expressions'] as Record<string, unknown>[]).flatMap(textsOf),
+      ];
+    case 'ConditionalExpression':
+      return all('consequent', 'alternate');
+    case 'LogicalExpression':
+      return all('left', 'right');
+    case 'BinaryExpression':
+      return node['operator'] === '+' ? all('left', 'right') : [];
+    case 'TSAsExpression':
+    case 'TSNonNullExpression':
+      return all('expression');
+    default:
+      return [];
   }
 }
 
@@ -93,7 +117,12 @@ function hardCodedInSvelte(source: string): string[] {
     if (typeof node !== 'object' || node === null) return;
     const { type, name, value, data, expression } = node as Record<string, unknown>;
     if (type === 'Text' && typeof data === 'string' && isWord(data)) found.push(data.trim());
-    if (type === 'ExpressionTag') found.push(...textsOf(expression as Record<string, unknown>).filter(isWord).map((text) => text.trim()));
+    if (type === 'ExpressionTag')
+      found.push(
+        ...textsOf(expression as Record<string, unknown>)
+          .filter(isWord)
+          .map((text) => text.trim()),
+      );
     if (type === 'Attribute' || type === 'StyleDirective') {
       if (!SEEN.includes(String(name))) return;
       return walk(value);
@@ -111,7 +140,9 @@ function hardCodedInScript(source: string): string[] {
   const seen = ['textContent', 'ariaLabel', 'placeholder', 'title', 'alt', 'innerText', 'label', 'prompt', 'words'];
   const textOf = (node: ts.Node): string => {
     if (ts.isStringLiteralLike(node)) return node.text;
-    return ts.isTemplateExpression(node) ? [node.head, ...node.templateSpans.map((s) => s.literal)].map((p) => p.text).join(' ') : '';
+    return ts.isTemplateExpression(node)
+      ? [node.head, ...node.templateSpans.map((s) => s.literal)].map((p) => p.text).join(' ')
+      : '';
   };
   const isCallOfT = (node: ts.Node): node is ts.CallExpression =>
     ts.isCallExpression(node) && ts.isIdentifier(node.expression) && node.expression.text === 't';
@@ -139,10 +170,15 @@ function callsIn(source: string): { key: string | null; values: string[] | null 
   const walk = (node: ts.Node): void => {
     if (ts.isCallExpression(node) && ts.isIdentifier(node.expression) && node.expression.text === 't') {
       const [key, values] = node.arguments;
-      const given = values && ts.isObjectLiteralExpression(values) ? values.properties.map((p) => p.name?.getText() ?? '') : [];
+      const given =
+        values && ts.isObjectLiteralExpression(values) ? values.properties.map((p) => p.name?.getText() ?? '') : [];
       const keys = key && ts.isConditionalExpression(key) ? [key.whenTrue, key.whenFalse] : [key];
       const isKnown = !values || ts.isObjectLiteralExpression(values);
-      for (const one of keys) found.push({ key: one && ts.isStringLiteralLike(one) ? one.text : null, values: isKnown ? given.sort() : null });
+      for (const one of keys)
+        found.push({
+          key: one && ts.isStringLiteralLike(one) ? one.text : null,
+          values: isKnown ? given.sort() : null,
+        });
     }
     ts.forEachChild(node, walk);
   };
@@ -151,7 +187,9 @@ function callsIn(source: string): { key: string | null; values: string[] | null 
 }
 /** The scripts of a component, and what stands in braces, as one script. */
 const scriptOf = (path: string, source: string): string =>
-  path.endsWith('.ts') ? source : [...source.matchAll(/\bt\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)/g)].map(([call]) => call).join(';\n');
+  path.endsWith('.ts')
+    ? source
+    : [...source.matchAll(/\bt\((?:[^()]|\((?:[^()]|\([^()]*\))*\))*\)/g)].map(([call]) => call).join(';\n');
 
 describe.each([...rooms])('the messages of %s', (room, languages) => {
   const english = languages.get('en') ?? {};
@@ -161,22 +199,30 @@ describe.each([...rooms])('the messages of %s', (room, languages) => {
   });
   test.each([...languages])('%s has every message with its placeholders and plurals', (language, texts) => {
     expect(differences(english, texts)).toEqual([]);
-    const plurals = Object.entries(texts).flatMap(([key, text]) => pluralsMissing(language, parseMessage(text)).map((form) => `${key} lacks ${form}`));
+    const plurals = Object.entries(texts).flatMap(([key, text]) =>
+      pluralsMissing(language, parseMessage(text)).map((form) => `${key} lacks ${form}`),
+    );
     expect(plurals).toEqual([]);
   });
   test('each call gives what its message needs', () => {
-    const wrong = own.flatMap(([path, source]) => callsIn(scriptOf(path, source)).flatMap(({ key, values }) => {
-      const text = key === null ? undefined : english[key];
-      if (text === undefined || values === null) return [];
-      return wanted(text).join() === values.join() ? [] : [`${path}: ${key} needs {${wanted(text).join()}}, not {${values.join()}}`];
-    }));
+    const wrong = own.flatMap(([path, source]) =>
+      callsIn(scriptOf(path, source)).flatMap(({ key, values }) => {
+        const text = key === null ? undefined : english[key];
+        if (text === undefined || values === null) return [];
+        return wanted(text).join() === values.join()
+          ? []
+          : [`${path}: ${key} needs {${wanted(text).join()}}, not {${values.join()}}`];
+      }),
+    );
     expect(wrong).toEqual([]);
   });
   test('each message is used', () => {
     const all = own.map(([, source]) => source).join('\n');
-    const made = [...all.matchAll(/`([^`$]*)\$\{[^}]*\}([^`$]*)`/g)].map(([, before, after]) => [before ?? '', after ?? ''] as const)
+    const made = [...all.matchAll(/`([^`$]*)\$\{[^}]*\}([^`$]*)`/g)]
+      .map(([, before, after]) => [before ?? '', after ?? ''] as const)
       .filter(([before, after]) => /\w\.$/.test(before) || /^\.\w/.test(after));
-    const isMade = (key: string): boolean => made.some(([before, after]) => key.startsWith(before) && key.endsWith(after));
+    const isMade = (key: string): boolean =>
+      made.some(([before, after]) => key.startsWith(before) && key.endsWith(after));
     expect(Object.keys(english).filter((key) => !all.includes(`'${key}'`) && !isMade(key))).toEqual([]);
   });
 });
@@ -188,7 +234,14 @@ function loadedWith(path: string, found = new Set<string>()): ReadonlySet<string
   if (source === undefined || found.has(path)) return found;
   found.add(path);
   for (const [, names, from] of source.matchAll(/^\s*(?:import|export) (?!type\b)([^;]*?)from '(\.[^']*)';/gm)) {
-    if (/^\{[^}]*\} $/.test(names!) && names!.replace(/[{}]/g, '').split(',').every((name) => /^\s*type\b|^\s*$/.test(name))) continue;
+    if (
+      /^\{[^}]*\} $/.test(names!) &&
+      names!
+        .replace(/[{}]/g, '')
+        .split(',')
+        .every((name) => /^\s*type\b|^\s*$/.test(name))
+    )
+      continue;
     const at = new URL(from!, `http://h/${path.replace('../', '')}`).pathname.replace(/^\//, '../');
     for (const one of [at, `${at}.ts`, `${at}/index.ts`]) loadedWith(one, found);
   }
@@ -200,42 +253,71 @@ test('messages that are fetched later are said by nothing that the dashboard loa
   expect(early.has('../src/jobs/JobsTable.svelte') && early.has('../src/floor/Floor.svelte')).toBe(true);
   expect(early.has('../src/page/PickedCard.svelte')).toBe(false);
   expect(ofPanels.length).toBeGreaterThan(0);
-  expect(ofPanels.flatMap((key) => [...early].filter((path) => sources[path]!.includes(`'${key}'`)).map((path) => `${key}: ${path}`))).toEqual([]);
+  expect(
+    ofPanels.flatMap((key) =>
+      [...early].filter((path) => sources[path]!.includes(`'${key}'`)).map((path) => `${key}: ${path}`),
+    ),
+  ).toEqual([]);
 });
 
 describe('visible texts', () => {
   const translated = [...new Set(Object.keys(sources).map(roomOf))].filter((room) => !ENGLISH.includes(room));
   test.each(translated)('all of %s are messages', (room) => {
     const own = Object.entries(sources).filter(([path]) => roomOf(path) === room);
-    const found = own.flatMap(([path, source]) => (path.endsWith('.svelte') ? hardCodedInSvelte(source) : hardCodedInScript(source)).map((text) => `${path}: ${text}`));
+    const found = own.flatMap(([path, source]) =>
+      (path.endsWith('.svelte') ? hardCodedInSvelte(source) : hardCodedInScript(source)).map(
+        (text) => `${path}: ${text}`,
+      ),
+    );
     expect(own.length).toBeGreaterThan(0);
     expect(found).toEqual([]);
   });
   test('a number of things is no number before a plural', () => {
-    const counts = Object.entries(sources).flatMap(([path, source]) => [...source.matchAll(/\{[^{}]*\.length\}\s+[a-z]+s\b/g)].map(([text]) => `${path}: ${text}`));
+    const counts = Object.entries(sources).flatMap(([path, source]) =>
+      [...source.matchAll(/\{[^{}]*\.length\}\s+[a-z]+s\b/g)].map(([text]) => `${path}: ${text}`),
+    );
     expect(counts).toEqual([]);
   });
   test('a text in a component is found, wherever a visitor meets it', () => {
     expect(hardCodedInSvelte('<p class="dim text">Robots <b>wait</b></p>')).toEqual(['Robots', 'wait']);
-    expect(hardCodedInSvelte('<button title="Stop all" aria-label={t("x")}>{t("stop")} · Giveway</button>')).toEqual(['Stop all']);
-    expect(hardCodedInSvelte('{#if a}<input placeholder="picker-7" type="text" />{:else}<i>none</i>{/if}')).toEqual(['none']);
+    expect(hardCodedInSvelte('<button title="Stop all" aria-label={t("x")}>{t("stop")} · Giveway</button>')).toEqual([
+      'Stop all',
+    ]);
+    expect(hardCodedInSvelte('{#if a}<input placeholder="picker-7" type="text" />{:else}<i>none</i>{/if}')).toEqual([
+      'none',
+    ]);
   });
   test('a text that an expression of a component comes to is found', () => {
     expect(hardCodedInSvelte("<p>{busy ? 'Closing' : t('closure.close')}</p>")).toEqual(['Closing']);
     expect(hardCodedInSvelte("<b title={`${n} robots`}>{kind === 'robot' ? '–' : n}</b>")).toEqual(['robots']);
-    expect(hardCodedInSvelte("<i data-kind={a ? 'worker' : 'robot'}>{quantity(n, 'min')}{t(a ? 'robot' : 'job')}</i>")).toEqual([]);
-    expect(hardCodedInSvelte("<script lang=\"ts\">\n  wrong = 'Say who you are.';\n</script>\n<p>{wrong}</p>")).toEqual(['Say who you are.']);
+    expect(
+      hardCodedInSvelte("<i data-kind={a ? 'worker' : 'robot'}>{quantity(n, 'min')}{t(a ? 'robot' : 'job')}</i>"),
+    ).toEqual([]);
+    expect(hardCodedInSvelte('<script lang="ts">\n  wrong = \'Say who you are.\';\n</script>\n<p>{wrong}</p>')).toEqual(
+      ['Say who you are.'],
+    );
   });
   test('a text in a script is found', () => {
     expect(hardCodedInScript("make('p', { className: 'dim small', textContent: 'Robots' })")).toEqual(['Robots']);
     expect(hardCodedInScript("x.textContent = a ? t('b') : `Mark ${n}`")).toEqual(['Mark  ']);
     expect(hardCodedInScript("const title = 'The path is over there';")).toEqual(['The path is over there']);
-    expect(hardCodedInScript("make('p', { textContent: t('sheet.mark', { name: 'A' }) }); throw new Error('This is not seen');")).toEqual([]);
+    expect(
+      hardCodedInScript(
+        "make('p', { textContent: t('sheet.mark', { name: 'A' }) }); throw new Error('This is not seen');",
+      ),
+    ).toEqual([]);
   });
   test('a missing message, another placeholder and a missing plural are found', () => {
-    expect(differences({ a: 'x {n}', b: 'y' }, { a: 'x {m}', c: 'z' })).toEqual(['a has {m} instead of {n}', 'b is missing', 'c is not in English']);
+    expect(differences({ a: 'x {n}', b: 'y' }, { a: 'x {m}', c: 'z' })).toEqual([
+      'a has {m} instead of {n}',
+      'b is missing',
+      'c is not in English',
+    ]);
     expect(pluralsMissing('de', parseMessage('{n, plural, other {#}}'))).toEqual(['one']);
-    expect(callsIn("t(a ? 'x' : 'y', { n: 1 })")).toEqual([{ key: 'x', values: ['n'] }, { key: 'y', values: ['n'] }]);
+    expect(callsIn("t(a ? 'x' : 'y', { n: 1 })")).toEqual([
+      { key: 'x', values: ['n'] },
+      { key: 'y', values: ['n'] },
+    ]);
   });
 });
 
@@ -245,7 +327,9 @@ describe('a count of one', () => {
   test('has its own verb, and its own noun', () => {
     const jobs = { waiting: 1, done: 1, cancelled: 1, failed: 1 };
     expect(one('en', 'jobs.then.counts', jobs)).toBe('1 waited for a robot, 1 was done, 1 cancelled, 1 failed');
-    expect(one('de', 'jobs.then.counts', jobs)).toBe('1 wartete auf einen Roboter, 1 war erledigt, 1 abgebrochen, 1 gescheitert');
+    expect(one('de', 'jobs.then.counts', jobs)).toBe(
+      '1 wartete auf einen Roboter, 1 war erledigt, 1 abgebrochen, 1 gescheitert',
+    );
     expect(one('es', 'jobs.then.counts', jobs)).toBe('1 esperaba un robot, 1 estaba hecho, 1 cancelado, 1 fallido');
     expect(one('en', 'csv.cells', { cells: 2, columns: 1 })).toBe('2 cells, but 1 column.');
     expect(one('de', 'robots.more', { count: 1 })).toBe('1 weiteren zeigen');
@@ -260,12 +344,27 @@ describe('languages', () => {
   });
   test('plurals and units are those of the language', () => {
     const say = (language: keyof typeof LANGUAGES, count: number): string =>
-      sayIn<string>(language, { m: parseMessage(rooms.get('headset')?.get(language)?.['sheet.count'] ?? '') })('m', { count });
+      sayIn<string>(language, { m: parseMessage(rooms.get('headset')?.get(language)?.['sheet.count'] ?? '') })('m', {
+        count,
+      });
     expect([say('en', 1), say('en', 2)]).toEqual(['1 mark, on one sheet.', '2 marks, each on its own sheet.']);
-    expect([say('de', 1), say('de', 1200)]).toEqual(['1 Marke auf einem Blatt.', '1.200 Marken, jede auf einem eigenen Blatt.']);
+    expect([say('de', 1), say('de', 1200)]).toEqual([
+      '1 Marke auf einem Blatt.',
+      '1.200 Marken, jede auf einem eigenen Blatt.',
+    ]);
     expect(say('zh', 3)).toBe('3 个标记，每个一张纸。');
-    expect((['en', 'de', 'es', 'zh'] as const).map((one) => metres(one, 4.25))).toEqual(['4.3 m', '4,3 m', '4,3 m', '4.3米']);
+    expect((['en', 'de', 'es', 'zh'] as const).map((one) => metres(one, 4.25))).toEqual([
+      '4.3 m',
+      '4,3 m',
+      '4,3 m',
+      '4.3米',
+    ]);
     expect(metres('de', 0.5)).toBe('50 cm');
-    expect((['en', 'de', 'es', 'zh'] as const).map((one) => seconds(one, 12))).toEqual(['12 sec', '12 Sek.', '12 s', '12秒']);
+    expect((['en', 'de', 'es', 'zh'] as const).map((one) => seconds(one, 12))).toEqual([
+      '12 sec',
+      '12 Sek.',
+      '12 s',
+      '12秒',
+    ]);
   });
 });

@@ -35,7 +35,10 @@ const [START, TASK] = ['G3-7', 'G12-7'];
 /** That way leads to the door, and up to the last turn to the station's queue as well: either is right. */
 const BEHIND = ['G0-14', 'G0-0'];
 const AHEAD = [[5, 7]];
-const ASTRAY = [[0, 7], [0, 13.6]];
+const ASTRAY = [
+  [0, 7],
+  [0, 13.6],
+];
 const NAME = 'picker-7';
 const WALK_MPS = 1.2;
 const MINUTE_S = 60;
@@ -59,7 +62,9 @@ await headset.addInitScript(() => {
     let before = performance.now();
     for (const [tx, ty] of places) {
       while (Math.hypot(tx - x, ty - y) > 0.01) {
-        await new Promise((done) => { requestAnimationFrame(done); });
+        await new Promise((done) => {
+          requestAnimationFrame(done);
+        });
         const now = performance.now();
         const most = dataset.shown === 'stop' ? 0 : (speed * Math.min(200, now - before)) / 1000;
         before = now;
@@ -94,16 +99,20 @@ const find = async (id) => {
 };
 /** The destinations that the card of the person shows, most likely first, with their shares in per cent. */
 const likely = async () => {
-  const rows = await card.locator('.chances > div').evaluateAll((all) => all.map((row) => {
-    const [name, , share] = [...row.children].map((cell) => cell.textContent.trim());
-    return { name, share: Number.parseInt(share, 10) };
-  }));
+  const rows = await card.locator('.chances > div').evaluateAll((all) =>
+    all.map((row) => {
+      const [name, , share] = [...row.children].map((cell) => cell.textContent.trim());
+      return { name, share: Number.parseInt(share, 10) };
+    }),
+  );
   return rows.sort((a, b) => b.share - a.share);
 };
 
 await page.goto(url);
 const map = await ask('/v1/map');
-await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, {
+  timeout: PATIENCE,
+});
 /** What the page was told in this minute, picture by picture: `t` in seconds of the floor. */
 const story = () => page.evaluate(() => globalThis.story);
 const when = async (what, so) => {
@@ -112,7 +121,9 @@ const when = async (what, so) => {
     if (found) return found;
     await page.waitForTimeout(100);
   }
-  throw new Error(`${what} is not shown; the page was told ${JSON.stringify((await story()).at(-1))}, the card says ${await card.innerText().catch(() => 'nothing')}`);
+  const told = JSON.stringify((await story()).at(-1));
+  const said = await card.innerText().catch(() => 'nothing');
+  throw new Error(`${what} is not shown; the page was told ${told}, the card says ${said}`);
 };
 let worker = '';
 let began = 0;
@@ -128,7 +139,11 @@ await check('A headset comes to the floor, gets a task, and the dashboard shows 
   worker = (await ask('/v1/workers')).items[0].id;
   await ask(`/v1/workers/${worker}/assignments`, { place: TASK, stay_s: 600 });
   await headset.locator('#headset[data-shown="following"]').waitFor({ timeout: PATIENCE });
-  await page.waitForFunction((id) => globalThis.floor.workers.some((w) => w.id === id && w.state === 'following'), worker, { timeout: PATIENCE });
+  await page.waitForFunction(
+    (id) => globalThis.floor.workers.some((w) => w.id === id && w.state === 'following'),
+    worker,
+    { timeout: PATIENCE },
+  );
   await find(worker);
   await card.getByText(/^On the path for/).waitFor({ timeout: PATIENCE });
   await page.evaluate((id) => {
@@ -137,8 +152,18 @@ await check('A headset comes to the floor, gets a task, and the dashboard shows 
     const look = () => {
       const { floor } = globalThis;
       const { state, goals, x, y } = floor.workers.find((w) => w.id === id);
-      const yields = floor.robots.filter((r) => r.why?.code === 'gives_way' && r.why.args.worker === id).map((r) => r.id);
-      if (floor.version !== version) globalThis.story.push({ t: floor.time_s, state, goal: goals[0] ?? null, yields, at: [x, y], deviations: floor.counters.deviations });
+      const yields = floor.robots
+        .filter((r) => r.why?.code === 'gives_way' && r.why.args.worker === id)
+        .map((r) => r.id);
+      if (floor.version !== version)
+        globalThis.story.push({
+          t: floor.time_s,
+          state,
+          goal: goals[0] ?? null,
+          yields,
+          at: [x, y],
+          deviations: floor.counters.deviations,
+        });
       version = floor.version;
       requestAnimationFrame(look);
     };
@@ -173,19 +198,25 @@ await check('It shows a robot that gives way, with the reason', async () => {
     if (id === undefined) return null;
     await find(id);
     const text = robot.getByText(new RegExp(`(giving|gives) way to .*(${worker}|${NAME})`)).first();
-    return text.waitFor({ timeout: 1_500 }).then(async () => `${id}: ${(await text.innerText()).trim()}`, () => null);
+    return text.waitFor({ timeout: 1_500 }).then(
+      async () => `${id}: ${(await text.innerText()).trim()}`,
+      () => null,
+    );
   });
   await page.screenshot({ path: `${SHOTS}minute-yields.png` });
   await find(worker);
   return words;
 });
 await astray;
-await page.waitForFunction((end) => globalThis.floor.time_s >= end, began + MINUTE_S, { timeout: 2 * MINUTE_S * 1_000 });
+await page.waitForFunction((end) => globalThis.floor.time_s >= end, began + MINUTE_S, {
+  timeout: 2 * MINUTE_S * 1_000,
+});
 
 // Where the first check failed, nothing was told, and those below say what they miss.
 const told = (await story()) ?? [];
 const deviated = told.find((s) => s.state === 'deviating' || s.state === 'redirected');
-/** How much the probability of the likeliest changed within half a second of a moment; nothing if another was likelier. */
+/** How much the probability of the likeliest changed within half a second of a moment; nothing if another was
+ *  likelier. */
 const change = (s) => {
   const near = told.filter((other) => Math.abs(other.t - s.t) <= 0.5);
   const isSame = near.every(({ goal }) => goal && goal.x === s.goal.x && goal.y === s.goal.y);
@@ -193,10 +224,16 @@ const change = (s) => {
   return isSame && isBetween ? Math.max(...near.map(({ goal }) => Math.abs(goal.p - s.goal.p))) : Infinity;
 };
 /** The moment at which one of the places behind was the likeliest and its probability changed least. */
-const steady = told.filter((s) => behind(s) && s.t > deviated?.t)
+const steady = told
+  .filter((s) => behind(s) && s.t > deviated?.t)
   .map((s) => ({ ...s, change: change(s) }))
   .sort((a, b) => a.change - b.change)[0];
-const yielding = told.find((s, i) => s.t > (deviated?.t ?? Infinity) && s.yields[0] && [i - 3, i + 3].every((k) => told[k]?.yields.includes(s.yields[0])));
+const yielding = told.find(
+  (s, i) =>
+    s.t > (deviated?.t ?? Infinity) &&
+    s.yields[0] &&
+    [i - 3, i + 3].every((k) => told[k]?.yields.includes(s.yields[0])),
+);
 
 const slider = page.getByRole('slider', { name: 'Moment' });
 const seek = async (t) => {
@@ -208,14 +245,23 @@ const seek = async (t) => {
 };
 await check('The replay has a bookmark of the same deviation, at the same second', async () => {
   await page.getByRole('button', { name: 'Replay', exact: true }).click();
-  const mark = page.getByRole('region', { name: 'Bookmarks' }).getByRole('button', { name: /Off the path/ }).first();
+  const mark = page
+    .getByRole('region', { name: 'Bookmarks' })
+    .getByRole('button', { name: /Off the path/ })
+    .first();
   await mark.waitFor({ timeout: PATIENCE });
   const words = (await mark.innerText()).replaceAll(/\s+/g, ' ');
   const { bookmarks } = await ask('/v1/past');
   const first = bookmarks.find((one) => one.kind === 'deviation' && one.who.includes(worker));
-  assert(deviated && Math.abs(first.at_s - deviated.t) < 1, `the bookmark is of ${first.at_s} s, the page was told at ${deviated?.t} s`);
+  assert(
+    deviated && Math.abs(first.at_s - deviated.t) < 1,
+    `the bookmark is of ${first.at_s} s, the page was told at ${deviated?.t} s`,
+  );
   await mark.click();
-  await page.getByRole('button', { name: 'Pause', exact: true }).click({ timeout: 3_000 }).catch(() => {});
+  await page
+    .getByRole('button', { name: 'Pause', exact: true })
+    .click({ timeout: 3_000 })
+    .catch(() => {});
   await seek(first.at_s + 0.5);
   await card.getByText(/^(Off the path|On a new path) for/).waitFor({ timeout: PATIENCE });
   await card.getByText('you left the path', { exact: true }).first().waitFor({ timeout: PATIENCE });
@@ -227,24 +273,31 @@ await check('Before it, the worker was on the path', async () => {
   await card.getByText(/^On the path for/).waitFor({ timeout: PATIENCE });
 });
 await check('It shows the same goal with the same probability at the same moment', async () => {
-  const seen = () => JSON.stringify(told.filter((s) => s.t > deviated?.t).map((s) => [s.t, s.goal?.x, s.goal?.y, s.goal?.p]));
+  const seen = () =>
+    JSON.stringify(told.filter((s) => s.t > deviated?.t).map((s) => [s.t, s.goal?.x, s.goal?.y, s.goal?.p]));
   assert(steady?.change < 0.2, `none of ${BEHIND} was the likeliest for a second: ${seen()}`);
   const off = 6 + 100 * steady.change;
   await seek(steady.t);
   const name = behind(steady);
   const shown = await when(`${name} at ${Math.round(100 * steady.goal.p)} %`, async () =>
-    (await likely()).slice(0, 2).find((one) => one.name === name && Math.abs(one.share - 100 * steady.goal.p) <= off));
+    (await likely()).slice(0, 2).find((one) => one.name === name && Math.abs(one.share - 100 * steady.goal.p) <= off),
+  );
   return `${shown.name}: ${shown.share} % at ${steady.t} s, ${Math.round(100 * steady.goal.p)} % live`;
 });
 await check('It shows the same robot giving way at the same moment', async () => {
   assert(yielding, 'no robot gave way for long');
   await seek(yielding.t);
   await find(yielding.yields[0]);
-  const text = page.getByRole('region', { name: 'Robot', exact: true }).getByText(new RegExp(`(giving|gives) way to .*(${worker}|${NAME})`)).first();
+  const text = page
+    .getByRole('region', { name: 'Robot', exact: true })
+    .getByText(new RegExp(`(giving|gives) way to .*(${worker}|${NAME})`))
+    .first();
   await text.waitFor({ timeout: PATIENCE });
   return `${yielding.yields[0]}: ${(await text.innerText()).trim()}`;
 });
-await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+await check('Nothing was complained about in the console', () =>
+  assert(complaints.length === 0, complaints.join(' | ')),
+);
 
 await stop();
 await finish(browser);

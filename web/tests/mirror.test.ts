@@ -1,7 +1,7 @@
 // The reducer: what a snapshot makes, what a patch changes, and what is refused.
 import { describe, expect, test } from 'vitest';
 import { EMPTY, reduce, row, type Mirror } from '../src/wire/mirror';
-import { parseMessage, type Message, type Patch } from '../src/wire/types';
+import { parseMessage, type Message, type Patch } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const begun = (): Mirror => mirrorOf(reduce(EMPTY, snapshot({ version: 7, robots: [robot('r1'), robot('r2')] })));
@@ -49,7 +49,16 @@ describe('the mirror', () => {
 
   test('the old mirror is never changed', () => {
     const old = begun();
-    reduce(old, patch({ robots: [{ id: 'r1', x: 5 }, { id: 'r3', x: 1 }], jobs: { waiting: 9 } }));
+    reduce(
+      old,
+      patch({
+        robots: [
+          { id: 'r1', x: 5 },
+          { id: 'r3', x: 1 },
+        ],
+        jobs: { waiting: 9 },
+      }),
+    );
     expect(row(old.robots, 'r1')?.x).toBe(0);
     expect(row(old.robots, 'r3')).toBeUndefined();
     expect(old.jobs.waiting).toBe(0);
@@ -70,7 +79,9 @@ describe('the mirror', () => {
   });
 
   test('counters, jobs and alarms not in a patch stay as they were', () => {
-    const one = mirrorOf(reduce(begun(), patch({ jobs: { waiting: 4 }, alarms: [{ id: 'a', text: 't', since_s: 1 }] })));
+    const one = mirrorOf(
+      reduce(begun(), patch({ jobs: { waiting: 4 }, alarms: [{ id: 'a', text: 't', since_s: 1 }] })),
+    );
     const two = mirrorOf(reduce(one, { type: 'patch', base: 8, version: 9, counters: { encounters: 2 } }));
     expect(two.jobs.waiting).toBe(4);
     expect(two.alarms).toHaveLength(1);
@@ -79,14 +90,37 @@ describe('the mirror', () => {
 });
 
 describe('people in the mirror', () => {
-  const peopled = (): Mirror => mirrorOf(reduce(EMPTY, snapshot({
-    version: 7, workers: [worker('w1', { state: 'following', path: [[0, 0], [1, 0]] }), worker('w2')],
-  })));
+  const peopled = (): Mirror =>
+    mirrorOf(
+      reduce(
+        EMPTY,
+        snapshot({
+          version: 7,
+          workers: [
+            worker('w1', {
+              state: 'following',
+              path: [
+                [0, 0],
+                [1, 0],
+              ],
+            }),
+            worker('w2'),
+          ],
+        }),
+      ),
+    );
 
   test('a patch of a worker changes only the keys it carries', () => {
     const old = peopled();
-    const next = mirrorOf(reduce(old, patch({ workers: [{ id: 'w1', x: 3, presence: 'stale', reason: 'you left the path' }] })));
-    expect(row(next.workers, 'w1')).toMatchObject({ x: 3, presence: 'stale', state: 'following', reason: 'you left the path' });
+    const next = mirrorOf(
+      reduce(old, patch({ workers: [{ id: 'w1', x: 3, presence: 'stale', reason: 'you left the path' }] })),
+    );
+    expect(row(next.workers, 'w1')).toMatchObject({
+      x: 3,
+      presence: 'stale',
+      state: 'following',
+      reason: 'you left the path',
+    });
     expect(row(next.workers, 'w1')?.path).toBe(row(old.workers, 'w1')?.path);
     expect(next.workers.rows[1]).toBe(old.workers.rows[1]);
   });

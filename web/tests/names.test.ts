@@ -5,11 +5,17 @@ import type { Me, Who } from '../src/session';
 import { EMPTY, type Api, type Mirror, type Worker } from '../src/wire';
 
 const worker = (id: string): Worker => ({ id, name: `worker-${id}` }) as Worker;
-const floor = (...ids: string[]): Mirror =>
-  ({ ...EMPTY, workers: { rows: ids.map(worker), at: new Map(ids.map((id, i) => [id, i])) } });
+const floor = (...ids: string[]): Mirror => ({
+  ...EMPTY,
+  workers: { rows: ids.map(worker), at: new Map(ids.map((id, i) => [id, i])) },
+});
 const names = (mirror: Mirror): (string | null)[] => mirror.workers.rows.map((w) => w.name);
-const admin = (): Promise<Who> => Promise.resolve({ name: 'Eva', role: 'admin', subject: null, by: 'session', expires: null });
-const settled = (): Promise<void> => new Promise((done) => { setTimeout(done, 0); });
+const admin = (): Promise<Who> =>
+  Promise.resolve({ name: 'Eva', role: 'admin', subject: null, by: 'session', expires: null });
+const settled = (): Promise<void> =>
+  new Promise((done) => {
+    setTimeout(done, 0);
+  });
 
 test('names take the place of pseudonyms when the server has told them, page by page', async () => {
   const pages = [
@@ -46,7 +52,7 @@ test('an empty floor asks for no names', () => {
 });
 
 test('names are asked for by those who may see them alone, and by nobody of whom that is not known', async () => {
-  const whos: Who[] = ['unreachable', 'nobody', { ...(await admin() as Me), role: 'viewer' }, await admin()];
+  const whos: Who[] = ['unreachable', 'nobody', { ...((await admin()) as Me), role: 'viewer' }, await admin()];
   const [people, who] = [vi.fn(), vi.fn(() => Promise.resolve(whos.shift()!))];
   let now = 0;
   const known = new PeopleNames({ people } as unknown as Pick<Api, 'people'>, who, () => now);
@@ -61,8 +67,12 @@ test('names are asked for by those who may see them alone, and by nobody of whom
 });
 
 test('another worker who has the id of one who was erased does not get that name in a recording', async () => {
-  const people = vi.fn(() => Promise.resolve(
-    { kind: 'ok' as const, value: { items: [{ id: 'w1', pseudonym: 'worker-new', name: 'Ben' }], next: null } }));
+  const people = vi.fn(() =>
+    Promise.resolve({
+      kind: 'ok' as const,
+      value: { items: [{ id: 'w1', pseudonym: 'worker-new', name: 'Ben' }], next: null },
+    }),
+  );
   const known = new PeopleNames({ people } as unknown as Pick<Api, 'people'>, admin, () => 0);
   known.shown(floor('w1'));
   await settled();

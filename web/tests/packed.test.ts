@@ -7,16 +7,27 @@ class FakeSocket {
   binaryType = '';
   onmessage: (event: { data: string | ArrayBuffer }) => void = () => {};
   onclose: () => void = () => {};
-  constructor(readonly url: URL) { FakeSocket.last = this; }
+  constructor(readonly url: URL) {
+    FakeSocket.last = this;
+  }
   close(): void {}
 }
 
-afterEach(() => { vi.unstubAllGlobals(); });
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
 
 function open(): { socket: FakeSocket; heard: string[] } {
   vi.stubGlobal('WebSocket', FakeSocket);
   const heard: string[] = [];
-  new Api().openLive(null, { message: (text) => { heard.push(text); }, closed: () => { heard.push('closed'); } });
+  new Api().openLive(null, {
+    message: (text) => {
+      heard.push(text);
+    },
+    closed: () => {
+      heard.push('closed');
+    },
+  });
   return { socket: FakeSocket.last, heard };
 }
 

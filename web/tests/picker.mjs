@@ -20,7 +20,8 @@ export function bench(file, id) {
   const right = [-out[1], out[0]];
   const cells = [shelf.width_m / shelf.columns, shelf.width_m / 2];
   return {
-    racks, totes: cell.totes.map((tote) => tote.id),
+    racks,
+    totes: cell.totes.map((tote) => tote.id),
     onMap: ([r, o, z]) => [stands.x + right[0] * r + out[0] * o, stands.y + right[1] * r + out[1] * o, z],
     /** How far behind the rack's face a place is; negative before it. */
     deep: ([, o]) => shelf.face_m - o,
@@ -50,35 +51,39 @@ export class Headset {
   /** Connects, also once more. */
   async connect(url, worker) {
     await this.#page.goto(`${url}/openapi.json`);
-    await this.#page.evaluate(([id, first, ms]) => new Promise((ready) => {
-      const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/v1/workers/${id}/feed`);
-      const headset = { socket, cells: [], way: [first], sent: [] };
-      globalThis.headset = headset;
-      let [now, seq, isKnown] = [null, 0, false];
-      const say = (message) => {
-        if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
-      };
-      socket.onopen = () => say({ type: 'hello', versions: [2, 1], frame: 'map' });
-      socket.onmessage = ({ data }) => {
-        const message = JSON.parse(data);
-        const t = performance.now();
-        if (message.type === 'ping') say({ type: 'pong', id: message.id, t1: t, t2: t });
-        if (message.type === 'cell') headset.cells.push(message);
-        if (message.type === 'clock') isKnown = true;
-      };
-      setInterval(() => {
-        // No pose counts before the server knows the clock of the headset.
-        if (!isKnown) return;
-        now = headset.way.shift() ?? now;
-        seq += 1;
-        headset.sent.push({ at: Date.now(), deep: now.deep });
-        // A hand trembles: one that is exactly where it was is no hand.
-        const r = now.joints.map(([x, height, ...more]) => [x, height + (seq % 2) / 2000, ...more]);
-        const pose = { at: now.at, heading: 0, hands: { l: null, r } };
-        say({ type: 'pose', epoch: 1, seq, t: performance.now(), ...pose });
-        ready();
-      }, ms);
-    }), [worker, this.#pose(this.#hand), BEAT_MS]);
+    await this.#page.evaluate(
+      ([id, first, ms]) =>
+        new Promise((ready) => {
+          const socket = new WebSocket(`${location.origin.replace('http', 'ws')}/v1/workers/${id}/feed`);
+          const headset = { socket, cells: [], way: [first], sent: [] };
+          globalThis.headset = headset;
+          let [now, seq, isKnown] = [null, 0, false];
+          const say = (message) => {
+            if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+          };
+          socket.onopen = () => say({ type: 'hello', versions: [2, 1], frame: 'map' });
+          socket.onmessage = ({ data }) => {
+            const message = JSON.parse(data);
+            const t = performance.now();
+            if (message.type === 'ping') say({ type: 'pong', id: message.id, t1: t, t2: t });
+            if (message.type === 'cell') headset.cells.push(message);
+            if (message.type === 'clock') isKnown = true;
+          };
+          setInterval(() => {
+            // No pose counts before the server knows the clock of the headset.
+            if (!isKnown) return;
+            now = headset.way.shift() ?? now;
+            seq += 1;
+            headset.sent.push({ at: Date.now(), deep: now.deep });
+            // A hand trembles: one that is exactly where it was is no hand.
+            const r = now.joints.map(([x, height, ...more]) => [x, height + (seq % 2) / 2000, ...more]);
+            const pose = { at: now.at, heading: 0, hands: { l: null, r } };
+            say({ type: 'pose', epoch: 1, seq, t: performance.now(), ...pose });
+            ready();
+          }, ms);
+        }),
+      [worker, this.#pose(this.#hand), BEAT_MS],
+    );
   }
 
   /** It goes without a goodbye, as one with an empty battery does. */
@@ -100,22 +105,28 @@ export class Headset {
   async moves(...legs) {
     const smooth = (t) => t * t * (3 - 2 * t);
     const way = legs.flatMap(([to, seconds]) => {
-      const [n, from] = [Math.round(seconds * 1000 / BEAT_MS), this.#hand];
+      const [n, from] = [Math.round((seconds * 1000) / BEAT_MS), this.#hand];
       this.#hand = to;
       return Array.from({ length: n }, (_, i) => from.map((k, axis) => k + (to[axis] - k) * smooth((i + 1) / n)));
     });
-    await this.#page.evaluate((poses) => new Promise((done) => {
-      const { way: left } = globalThis.headset;
-      left.push(...poses);
-      const look = setInterval(() => {
-        if (left.length > 0) return;
-        clearInterval(look);
-        done();
-      }, 5);
-    }), way.map((at) => this.#pose(at)));
+    await this.#page.evaluate(
+      (poses) =>
+        new Promise((done) => {
+          const { way: left } = globalThis.headset;
+          left.push(...poses);
+          const look = setInterval(() => {
+            if (left.length > 0) return;
+            clearInterval(look);
+            done();
+          }, 5);
+        }),
+      way.map((at) => this.#pose(at)),
+    );
   }
   #into = (slot) => [
-    [this.#bench.slot(slot, -0.35), 0.6], [this.#bench.slot(slot, 0.12), 0.5], [this.#bench.slot(slot, 0.12), 0.5],
+    [this.#bench.slot(slot, -0.35), 0.6],
+    [this.#bench.slot(slot, 0.12), 0.5],
+    [this.#bench.slot(slot, 0.12), 0.5],
   ];
   enters(slot) {
     return this.moves(...this.#into(slot));

@@ -1,11 +1,22 @@
 // A map is published from the editor, in a real browser: node tests/publish.mjs PATH_TO_GIVEWAY
-// What changes is shown with its place, the dashboard goes on with the new map, a second editor is warned, what stands in
-// the way is marked, and a server with tokens wants somebody to sign in.
+// What changes is shown with its place, the dashboard goes on with the new map, a second editor is warned, what stands
+// in the way is marked, and a server with tokens wants somebody to sign in.
 import { mkdirSync, mkdtempSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, assertAccessible, check, finish, isLostLink, isRefusal, listen, openBrowser, until } from './chromium.mjs';
+import {
+  PATIENCE,
+  assert,
+  assertAccessible,
+  check,
+  finish,
+  isLostLink,
+  isRefusal,
+  listen,
+  openBrowser,
+  until,
+} from './chromium.mjs';
 import { serve } from './serve.mjs';
 
 const program = process.argv[2];
@@ -25,7 +36,9 @@ const isMeant = (message) => isRefusal(message) || isLostLink(message) || /statu
 
 /** An editor in a browser of its own. */
 async function open(url) {
-  const page = await (await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'light' })).newPage();
+  const page = await (
+    await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'light' })
+  ).newPage();
   listen(page, complaints, isMeant);
   await page.goto(new URL('/editor', url).href);
   const sheet = page.getByRole('application');
@@ -33,11 +46,15 @@ async function open(url) {
   const panel = page.getByRole('group', { name: 'Publish this map' });
   const section = page.locator('section', { has: page.getByRole('heading', { name: 'Put it to use' }) });
   return {
-    page, panel,
+    page,
+    panel,
     said: section.getByRole('status'),
     load: async () => {
       await page.getByRole('button', { name: 'Open the server’s map' }).click();
-      await page.getByText(/^\d+ places, /).filter({ hasNotText: /^0 places/ }).waitFor({ timeout: PATIENCE });
+      await page
+        .getByText(/^\d+ places, /)
+        .filter({ hasNotText: /^0 places/ })
+        .waitFor({ timeout: PATIENCE });
       await page.getByRole('button', { name: 'Fit' }).click();
     },
     press: async (name, [x, y]) => {
@@ -60,8 +77,12 @@ const first = await open(server.url);
 const second = await open(server.url);
 const dashboard = await (await browser.newContext({ viewport: { width: 1400, height: 900 } })).newPage();
 listen(dashboard, complaints, isMeant);
-const robots = () => dashboard.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
-const delivered = async () => (await (await fetch(new URL('/metrics', server.url))).text()).match(/^giveway_robot_deliveries\D* (\d+)/m)?.[1];
+const robots = () =>
+  dashboard.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, {
+    timeout: PATIENCE,
+  });
+const delivered = async () =>
+  (await (await fetch(new URL('/metrics', server.url))).text()).match(/^giveway_robot_deliveries\D* (\d+)/m)?.[1];
 
 await check('What publishing would change is listed, and marked on the sheet', async () => {
   await dashboard.goto(server.url);
@@ -84,7 +105,10 @@ await check('It is published, and the editor says which version it is', async ()
   await first.panel.getByRole('button', { name: 'Publish now' }).click();
   await first.said.getByText(/^Published as version 1 \([0-9a-f]{8}\)\./).waitFor({ timeout: PATIENCE });
   const after = await map();
-  assert(after.version !== before.version && after.nodes.length === before.nodes.length + 1, `${after.nodes.length} places`);
+  assert(
+    after.version !== before.version && after.nodes.length === before.nodes.length + 1,
+    `${after.nodes.length} places`,
+  );
   await assertAccessible(first.page, 'the editor after publishing');
 });
 
@@ -94,7 +118,10 @@ await check('The dashboard goes on with the new map, and robots go on working', 
   await until('a live dashboard', async () => (await dashboard.locator('[data-link="live"]').count()) > 0, 30);
   await robots();
   await dashboard.getByLabel('Find on the floor').fill(added);
-  await dashboard.getByRole('option', { name: new RegExp(added) }).first().waitFor({ timeout: PATIENCE });
+  await dashboard
+    .getByRole('option', { name: new RegExp(added) })
+    .first()
+    .waitFor({ timeout: PATIENCE });
   const before = Number((await delivered()) ?? 0);
   await until('a delivery', async () => Number((await delivered()) ?? 0) > before, 120);
 });
@@ -114,7 +141,10 @@ await check('What stands in the way is marked in its place, and cannot be publis
   const rack = racks[5];
   await first.press('Erase', [nodes[rack.node].x, nodes[rack.node].y]);
   await first.compare();
-  await first.panel.getByRole('heading', { name: /What is in the way|What would be lost/ }).first().waitFor();
+  await first.panel
+    .getByRole('heading', { name: /What is in the way|What would be lost/ })
+    .first()
+    .waitFor();
   const one = first.panel.getByRole('button', { name: new RegExp(`(In the way|Lost).*${rack.id}`) }).first();
   await one.click();
   assert((await first.page.locator('circle.mark.shown').count()) > 0, 'it is not marked');

@@ -1,12 +1,23 @@
 // The past in a real browser: a page that is a file, a recording on the screen, and a server that keeps what happened:
-// node tests/replay.mjs PROGRAM. It records a run with a person who leaves the path, and starts and kills servers itself.
+// node tests/replay.mjs PROGRAM. It records a run with a person who leaves the path, and starts and kills servers
+// itself.
 import { execFile, spawn } from 'node:child_process';
 import { mkdir, mkdtemp, readFile, rm, stat, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 import { promisify } from 'node:util';
-import { PATIENCE, assert, assertAccessible, check, finish, isLostLink, listen, openBrowser, until } from './chromium.mjs';
+import {
+  PATIENCE,
+  assert,
+  assertAccessible,
+  check,
+  finish,
+  isLostLink,
+  listen,
+  openBrowser,
+  until,
+} from './chromium.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -25,7 +36,11 @@ const folder = await mkdtemp(join(tmpdir(), 'giveway-replay-'));
 const file = (name) => join(folder, name);
 const giveway = (...words) => promisify(execFile)(program, words);
 const browser = await openBrowser();
-const context = await browser.newContext({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark', acceptDownloads: true });
+const context = await browser.newContext({
+  viewport: { width: 1440, height: 900 },
+  colorScheme: 'dark',
+  acceptDownloads: true,
+});
 const complaints = [];
 let page = await open();
 
@@ -35,14 +50,26 @@ const bookmarks = () => page.getByRole('region', { name: 'Bookmarks' });
 const charts = () => page.getByRole('region', { name: 'Charts', exact: true });
 const badge = () => page.getByText('this is the past');
 /** The moment that is shown, in seconds of the day. */
-const moment = async () => (await bar().locator('output b').innerText()).split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
-const drawn = () => page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+const moment = async () =>
+  (await bar().locator('output b').innerText()).split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
+const drawn = () =>
+  page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
 const version = () => page.evaluate(() => Number(document.querySelector('canvas')?.dataset.version));
 
 await check('A run is recorded, and made into a reel and into a page', async () => {
-  await giveway('sim', here('../../scenarios/people-1.json'), '--duration', String(SECONDS), '--no-bound', '--record', file('run.jsonl.gz'));
+  await giveway(
+    'sim',
+    here('../../scenarios/people-1.json'),
+    '--duration',
+    String(SECONDS),
+    '--no-bound',
+    '--record',
+    file('run.jsonl.gz'),
+  );
   await giveway('replay', file('run.jsonl.gz'), '--reel', file('run.reel'), '--page', file('run.html'));
-  const [recording, reel, html] = await Promise.all(['run.jsonl.gz', 'run.reel', 'run.html'].map(async (name) => (await stat(file(name))).size));
+  const [recording, reel, html] = await Promise.all(
+    ['run.jsonl.gz', 'run.reel', 'run.html'].map(async (name) => (await stat(file(name))).size),
+  );
   return `recording ${recording}, reel ${reel}, page ${html} bytes`;
 });
 
@@ -53,10 +80,15 @@ await check('The page opens from the file and plays, without asking any network'
   await drawn();
   await badge().waitFor({ timeout: PATIENCE });
   const [t, v] = [await moment(), await version()];
-  await page.waitForTimeout(2_500);
-  assert((await moment()) > t && (await version()) > v, `it stands at ${await moment()} s`);
-  assert(asked.every((url) => /^(file|data|blob):/.test(url)), asked.join(' '));
-  assert((await page.getByRole('button', { name: /Stop all robots|Submit/ }).count()) === 0, 'there is a button for the present');
+  await until('a later moment', async () => (await moment()) > t && (await version()) > v, PATIENCE / 1_000);
+  assert(
+    asked.every((url) => /^(file|data|blob):/.test(url)),
+    asked.join(' '),
+  );
+  assert(
+    (await page.getByRole('button', { name: /Stop all robots|Submit/ }).count()) === 0,
+    'there is a button for the present',
+  );
 });
 await check('Space stands still, arrow keys go five seconds, and the end is the end', async () => {
   await page.locator('body').press('Space');
@@ -71,15 +103,23 @@ await check('Space stands still, arrow keys go five seconds, and the end is the 
   assert((await moment()) === 0, `the beginning is ${await moment()}`);
 });
 await check('A bookmark leads to the deviation, and shows who it was', async () => {
-  const first = bookmarks().getByRole('button', { name: /Off the path/ }).first();
+  const first = bookmarks()
+    .getByRole('button', { name: /Off the path/ })
+    .first();
   const words = (await first.innerText()).replaceAll(/\s+/g, ' ');
   await first.click();
-  const at = words.split(' ')[0].split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
+  const at = words
+    .split(' ')[0]
+    .split(':')
+    .reduce((sum, n) => sum * 60 + Number(n), 0);
   assert(Math.abs((await moment()) - (at - 5)) <= 1, `${words}, but it is ${await moment()}`);
   await page.getByRole('region', { name: 'Person', exact: true }).waitFor({ timeout: PATIENCE });
   await button('Play').click();
-  await page.waitForTimeout(6_000);
-  await page.getByRole('region', { name: 'Person', exact: true }).getByText(/Off the path|On a new path|Told to stop/).first().waitFor({ timeout: PATIENCE });
+  await page
+    .getByRole('region', { name: 'Person', exact: true })
+    .getByText(/Off the path|On a new path|Told to stop/)
+    .first()
+    .waitFor({ timeout: PATIENCE });
   await page.screenshot({ path: `${SHOTS}replay-file.png` });
   const before = await moment();
   await button('Next bookmark').click();
@@ -99,9 +139,15 @@ await check('The jobs of then are listed, and why their robots waited, down to t
     if (!(await waits().isVisible())) continue;
     words = (await waits().innerText()).replaceAll(/\s+/g, ' ');
     await waits().getByRole('button').click();
-    await chain.nth(1).waitFor({ timeout: 5000 }).catch(() => null);
+    await chain
+      .nth(1)
+      .waitFor({ timeout: 5000 })
+      .catch(() => null);
   }
-  assert((await chain.count()) >= 2, `no robot waits for one that waits, at none of forty moments; the last is ${words}`);
+  assert(
+    (await chain.count()) >= 2,
+    `no robot waits for one that waits, at none of forty moments; the last is ${words}`,
+  );
   await page.screenshot({ path: `${SHOTS}replay-jobs.png` });
   return `${words}: ${await chain.count()} links`;
 });
@@ -124,9 +170,17 @@ await check('Jobs that waited are listed below those under way, as of a moment',
   assert(/^Jobs that waited for a robot: \d+ \(the list is as of \d\d:\d\d:\d\d/.test(heading), heading);
   const words = (await waited.first().innerText()).replaceAll(/\s+/g, ' ');
   assert(/^j\d+ \w+ \S+ → \S+ \d \d\d:\d\d:\d\d/.test(words), words);
-  const under = new Set(await page.getByRole('table', { name: 'Jobs under way then' }).locator('tbody tr').evaluateAll((all) => all.map((row) => row.dataset.job)));
+  const under = new Set(
+    await page
+      .getByRole('table', { name: 'Jobs under way then' })
+      .locator('tbody tr')
+      .evaluateAll((all) => all.map((row) => row.dataset.job)),
+  );
   const names = await waited.evaluateAll((all) => all.map((row) => row.dataset.waited));
-  assert(names.every((name) => !under.has(name)), 'a job is under way and waits');
+  assert(
+    names.every((name) => !under.has(name)),
+    'a job is under way and waits',
+  );
   await waited.first().scrollIntoViewIfNeeded();
   await page.screenshot({ path: `${SHOTS}replay-waiting.png` });
   return `${heading.replaceAll('\n', ' ')}: ${words}`;
@@ -161,7 +215,10 @@ await page.close();
 await check('Five minutes with a fleet whose robots meet people are made into a page', async () => {
   // The published method foresees people, and meets them more often than Giveway does.
   const scenario = JSON.parse(await readFile(here('../../scenarios/people-3.json'), 'utf8'));
-  await writeFile(file('long.json'), JSON.stringify({ ...scenario, arm: 'phir', drain_s: 0, map: here('../../maps/thesis.json') }));
+  await writeFile(
+    file('long.json'),
+    JSON.stringify({ ...scenario, arm: 'phir', drain_s: 0, map: here('../../maps/thesis.json') }),
+  );
   await giveway('sim', file('long.json'), '--duration', String(LONG), '--no-bound', '--reel', file('long.reel'));
   await giveway('replay', file('long.reel'), '--page', file('long.html'));
   page = await open();
@@ -205,13 +262,17 @@ await axe('a file with encounters, dark');
 await check('A map of heat shows where robots met people in what is in sight', async () => {
   await page.getByText('Layers', { exact: true }).click();
   await page.getByLabel('where robots met people').check();
-  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.cells) > 0, null, { timeout: PATIENCE });
+  await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.cells) > 0, null, {
+    timeout: PATIENCE,
+  });
   const cells = await page.locator('canvas').first().getAttribute('data-cells');
   await page.getByRole('group', { name: 'Meaning of the colours' }).waitFor({ timeout: PATIENCE });
   await axe('a file with a map of heat');
   await page.getByLabel('where robots waited').check();
   await page.getByText('Only a running server knows').waitFor({ timeout: PATIENCE });
-  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, { timeout: PATIENCE });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.cells === '0', null, {
+    timeout: PATIENCE,
+  });
   await page.getByLabel('none', { exact: true }).check();
   await page.getByText('Layers', { exact: true }).click();
   return `${cells} places`;
@@ -233,23 +294,32 @@ await check('Seeking among 800 robots shows the moment at once', async () => {
   await page.goto(pathToFileURL(file('many.html')).href);
   await drawn();
   await button('Pause').click();
-  const took = await page.evaluate(async (seconds) => {
-    const [slider, canvas] = [document.querySelector('input[type="range"]'), document.querySelector('canvas')];
-    const turn = () => new Promise((done) => { requestAnimationFrame(done); });
-    const times = [];
-    // Forth and back, never to where it is: a third of the time at least lies between.
-    for (let i = 0; i < 20; i++) {
-      const shown = canvas.dataset.version;
-      slider.value = String((i * 11 + 3) % (seconds - 1));
-      const began = performance.now();
-      slider.dispatchEvent(new Event('input', { bubbles: true }));
-      while (canvas.dataset.version === shown && performance.now() - began < 5_000) await turn();
-      times.push(performance.now() - began);
-    }
-    return times.sort((a, b) => a - b);
-  }, MANY);
+  // How long a seek takes is told, and depends on the machine; that each of them ends is asserted.
+  const [took, stuck] = await page.evaluate(
+    async ([seconds, patience]) => {
+      const [slider, canvas] = [document.querySelector('input[type="range"]'), document.querySelector('canvas')];
+      const turn = () =>
+        new Promise((done) => {
+          requestAnimationFrame(done);
+        });
+      const times = [];
+      let stuck = 0;
+      // Forth and back, never to where it is: a third of the time at least lies between.
+      for (let i = 0; i < 20; i++) {
+        const shown = canvas.dataset.version;
+        slider.value = String((i * 11 + 3) % (seconds - 1));
+        const began = performance.now();
+        slider.dispatchEvent(new Event('input', { bubbles: true }));
+        while (canvas.dataset.version === shown && performance.now() - began < patience) await turn();
+        if (canvas.dataset.version === shown) stuck += 1;
+        times.push(performance.now() - began);
+      }
+      return [times.sort((a, b) => a - b), stuck];
+    },
+    [MANY, PATIENCE],
+  );
   const robots = await page.evaluate(() => document.querySelector('canvas').dataset.robots);
-  assert(robots === '800' && took.at(-1) < 5_000, `${robots} robots, the longest seek took ${took.at(-1).toFixed(0)} ms`);
+  assert(robots === '800' && stuck === 0, `${robots} robots, and ${stuck} of ${took.length} seeks showed nothing else`);
   await page.close();
   return `median ${took[10].toFixed(0)} ms, longest ${took.at(-1).toFixed(0)} ms of 20`;
 });
@@ -260,24 +330,45 @@ await check('A recording opens as a replay whose scrubber grows to all of it', a
   await page.goto(server.url);
   await badge().waitFor({ timeout: PATIENCE });
   await drawn();
-  await page.waitForFunction((most) => Number(document.querySelector('input[type="range"]')?.max) >= most, SECONDS - 1, { timeout: PATIENCE });
-  await bookmarks().getByRole('button', { name: /Encounter|Off the path/ }).last().click();
-  await page.waitForTimeout(1_500);
-  assert((await moment()) > 60, `it is ${await moment()}`);
+  await page.waitForFunction(
+    (most) => Number(document.querySelector('input[type="range"]')?.max) >= most,
+    SECONDS - 1,
+    { timeout: PATIENCE },
+  );
+  await bookmarks()
+    .getByRole('button', { name: /Encounter|Off the path/ })
+    .last()
+    .click();
+  await until('the second minute', async () => (await moment()) > 60, PATIENCE / 1_000);
   await page.screenshot({ path: `${SHOTS}replay-recording.png` });
   await then('Charts');
   await chartsShow();
   await then('Encounters');
-  await page.getByRole('region', { name: 'Encounters', exact: true }).getByText(/\d+ shown/).waitFor({ timeout: PATIENCE });
+  await page
+    .getByRole('region', { name: 'Encounters', exact: true })
+    .getByText(/\d+ shown/)
+    .waitFor({ timeout: PATIENCE });
   await then('Jobs');
-  await page.getByRole('table', { name: 'Jobs that waited then' }).locator('tbody tr').first().waitFor({ timeout: PATIENCE });
+  await page
+    .getByRole('table', { name: 'Jobs that waited then' })
+    .locator('tbody tr')
+    .first()
+    .waitFor({ timeout: PATIENCE });
   await button('Back to playback').click();
   await badge().waitFor({ state: 'detached', timeout: PATIENCE });
   await page.close();
 });
 await server.kill();
 
-const SERVE = ['serve', '--scenario', here('../../scenarios/lab.json'), '--listen', '127.0.0.1:0', '--database', file('db.sqlite')];
+const SERVE = [
+  'serve',
+  '--scenario',
+  here('../../scenarios/lab.json'),
+  '--listen',
+  '127.0.0.1:0',
+  '--database',
+  file('db.sqlite'),
+];
 server = await start(...SERVE);
 page = await open();
 await page.goto(server.url);
@@ -289,7 +380,7 @@ await check('A running server shows its own past, in which nothing can be change
   await page.waitForTimeout(4_000);
   await button('Replay').click();
   await badge().waitFor({ timeout: PATIENCE });
-  await bookmarks().getByText("all robots were stopped by hand").first().waitFor({ timeout: PATIENCE });
+  await bookmarks().getByText('all robots were stopped by hand').first().waitFor({ timeout: PATIENCE });
   assert((await page.getByRole('button', { name: 'Submit' }).count()) === 0, 'jobs can be handed in');
   await page.waitForTimeout(1_000);
   await page.screenshot({ path: `${SHOTS}replay-server.png` });
@@ -333,17 +424,22 @@ await check('Back to live is live', async () => {
   await button('Back to live').click();
   await badge().waitFor({ state: 'detached', timeout: PATIENCE });
   const before = await version();
-  await page.waitForTimeout(1_000);
-  assert((await version()) > before, 'nothing moves');
+  await until('something that moves', async () => (await version()) > before, PATIENCE / 1_000);
   assert(await button('Stop all robots').isEnabled(), 'the stop stays dead');
 });
 await check('The address opens a span of the past, and stands at its end', async () => {
-  await page.evaluate(() => { location.hash = '#replay?from=2&to=4'; });
+  await page.evaluate(() => {
+    location.hash = '#replay?from=2&to=4';
+  });
   await badge().waitFor({ timeout: PATIENCE });
   await button('Play').waitFor({ timeout: PATIENCE });
-  const { min, max, value } = await page.getByRole('slider', { name: 'Moment' }).evaluate((input) => ({ min: input.min, max: input.max, value: input.value }));
+  const { min, max, value } = await page
+    .getByRole('slider', { name: 'Moment' })
+    .evaluate((input) => ({ min: input.min, max: input.max, value: input.value }));
   assert(Number(min) === 2 && Number(max) === 4 && Math.abs(Number(value) - 4) < 0.3, `${min} to ${max} at ${value}`);
-  await page.evaluate(() => { location.hash = ''; });
+  await page.evaluate(() => {
+    location.hash = '';
+  });
   await badge().waitFor({ state: 'detached', timeout: PATIENCE });
 });
 await check('A saved reel opens in the page; another file is refused in words', async () => {
@@ -365,9 +461,13 @@ await check('A reel that is dropped onto the page plays, with the map it was mad
   }, base64);
   await page.dispatchEvent('main', 'drop', { dataTransfer: dropped });
   await badge().waitFor({ timeout: PATIENCE });
-  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '20', null, { timeout: PATIENCE });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '20', null, {
+    timeout: PATIENCE,
+  });
   await button('Back to live').click();
-  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '2', null, { timeout: PATIENCE });
+  await page.waitForFunction(() => document.querySelector('canvas')?.dataset.robots === '2', null, {
+    timeout: PATIENCE,
+  });
 });
 await check('What a killed server kept is there when it is back', async () => {
   await server.kill();
@@ -379,10 +479,12 @@ await check('What a killed server kept is there when it is back', async () => {
   await page.goto(`${server.url}/#replay?from=${from_s}&to=${Math.min(0, to_s)}`);
   await badge().waitFor({ timeout: PATIENCE });
   await drawn();
-  await bookmarks().getByText("all robots were stopped by hand").first().waitFor({ timeout: PATIENCE });
+  await bookmarks().getByText('all robots were stopped by hand').first().waitFor({ timeout: PATIENCE });
   return `${(to_s - from_s).toFixed(1)} s`;
 });
-await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+await check('Nothing was complained about in the console', () =>
+  assert(complaints.length === 0, complaints.join(' | ')),
+);
 
 await server.kill();
 await rm(folder, { recursive: true, force: true });
@@ -395,11 +497,19 @@ async function then(what) {
 
 /** Charts with a line for deliveries and one for the moment that is shown; what they say. */
 async function chartsShow() {
-  await charts().locator('[data-chart="deliveries"] polyline').first().waitFor({ state: 'attached', timeout: PATIENCE });
+  await charts()
+    .locator('[data-chart="deliveries"] polyline')
+    .first()
+    .waitFor({ state: 'attached', timeout: PATIENCE });
   assert((await charts().locator('figure').count()) === 6, 'charts are missing');
   assert((await charts().locator('.moment').count()) === 6, 'the moment is not marked');
-  const values = await charts().locator('[data-chart="deliveries"] [data-value], [data-chart="people"] [data-value]').allInnerTexts();
-  assert(values.every((value) => /^[\d,.]+$/.test(value)), `it says ${values.join(', ')}`);
+  const values = await charts()
+    .locator('[data-chart="deliveries"] [data-value], [data-chart="people"] [data-value]')
+    .allInnerTexts();
+  assert(
+    values.every((value) => /^[\d,.]+$/.test(value)),
+    `it says ${values.join(', ')}`,
+  );
   return values.join(', ');
 }
 
@@ -409,7 +519,10 @@ async function encounterGoes() {
   const row = list.locator('[data-encounter]').last();
   await row.waitFor({ timeout: PATIENCE });
   const words = (await row.innerText()).replaceAll(/\s+/g, ' ');
-  const at = words.split(' ')[0].split(':').reduce((sum, n) => sum * 60 + Number(n), 0);
+  const at = words
+    .split(' ')[0]
+    .split(':')
+    .reduce((sum, n) => sum * 60 + Number(n), 0);
   await page.locator('body').press('End');
   await row.getByRole('button', { name: /^Replay/ }).click();
   assert(Math.abs((await moment()) - Math.max(0, at - 5)) <= 1.5, `${words}, but it is ${await moment()}`);
@@ -425,8 +538,13 @@ async function encounterGoes() {
 
 /** Starts the program, and reads where it is from its first line. */
 async function start(...words) {
-  const child = spawn(program, words, { env: { ...process.env, RUST_LOG: 'warn' }, stdio: ['ignore', 'pipe', 'inherit'] });
-  const ended = new Promise((done) => { child.on('exit', done); });
+  const child = spawn(program, words, {
+    env: { ...process.env, RUST_LOG: 'warn' },
+    stdio: ['ignore', 'pipe', 'inherit'],
+  });
+  const ended = new Promise((done) => {
+    child.on('exit', done);
+  });
   process.on('exit', () => child.kill('SIGKILL'));
   const url = await new Promise((found, failed) => {
     let text = '';
@@ -437,7 +555,13 @@ async function start(...words) {
     });
     child.on('exit', (code) => failed(new Error(`${words[0]} ended with ${code}: ${text}`)));
   });
-  return { url, kill: async () => { child.kill('SIGKILL'); await ended; } };
+  return {
+    url,
+    kill: async () => {
+      child.kill('SIGKILL');
+      await ended;
+    },
+  };
 }
 
 async function open() {

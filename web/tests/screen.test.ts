@@ -7,20 +7,41 @@ import { readReel } from '../src/replay/frames';
 import { EMPTY, type FloorMap, type Mirror } from '../src/wire';
 import { robot, snapshot } from './samples';
 
-const map: FloorMap = { name: 'then', bounds: [0, 0, 9, 9], footprint_m: 1, nodes: [], lanes: [], stations: [], racks: [], obstacles: [], walkable: [] };
-const recording = (): FileRecording => new FileRecording(readReel([
-  JSON.stringify({ reel: 1, name: 'lab', start: null, map }),
-  `{"at":0,"key":${JSON.stringify(snapshot({ robots: [robot('r1')] }))}}`,
-]));
+const map: FloorMap = {
+  name: 'then',
+  bounds: [0, 0, 9, 9],
+  footprint_m: 1,
+  nodes: [],
+  lanes: [],
+  stations: [],
+  racks: [],
+  obstacles: [],
+  walkable: [],
+};
+const recording = (): FileRecording =>
+  new FileRecording(
+    readReel([
+      JSON.stringify({ reel: 1, name: 'lab', start: null, map }),
+      `{"at":0,"key":${JSON.stringify(snapshot({ robots: [robot('r1')] }))}}`,
+    ]),
+  );
 /** A server that never answers. */
-const silent = { map: () => new Promise(() => {}), kinds: () => new Promise(() => {}), openLive: () => ({ close: () => {} }) } as unknown as LiveApi;
+const silent = {
+  map: () => new Promise(() => {}),
+  kinds: () => new Promise(() => {}),
+  openLive: () => ({ close: () => {} }),
+} as unknown as LiveApi;
 const at = (time_s: number): Mirror => ({ ...EMPTY, version: time_s, time_s });
 
 test('the floor sees one of present and past, and the present again from where it is by then', () => {
   const [tenses, seen]: [string[], [number, string][]] = [[], []];
   const live = new Live(silent);
-  const screen = new Screen(live, (tense) => { tenses.push(tense); });
-  screen.watch((mirror, how) => { seen.push([mirror.time_s, how]); });
+  const screen = new Screen(live, (tense) => {
+    tenses.push(tense);
+  });
+  screen.watch((mirror, how) => {
+    seen.push([mirror.time_s, how]);
+  });
   live.onMirror(at(1), 'glide');
   expect([screen.link.kind, screen.map.kind]).toEqual(['connecting', 'loading']);
 
@@ -31,7 +52,11 @@ test('the floor sees one of present and past, and the present again from where i
   screen.goLive();
   live.onMirror(at(3), 'glide');
   // The link has shown nothing of its own yet, so the jump is to an empty floor.
-  expect(seen).toEqual([[1, 'glide'], [0, 'jump'], [3, 'glide']]);
+  expect(seen).toEqual([
+    [1, 'glide'],
+    [0, 'jump'],
+    [3, 'glide'],
+  ]);
   expect([screen.replay, screen.map.kind, tenses]).toEqual([null, 'loading', ['then', 'now']]);
 });
 test('what was remembered of the present is not said of the past, nor the other way round', () => {
@@ -46,8 +71,12 @@ test('who left the floor hears of nothing, and does not silence who came after',
   const live = new Live(silent);
   const screen = new Screen(live, () => {});
   const [first, second]: [number[], number[]] = [[], []];
-  const leave = screen.watch((mirror) => { first.push(mirror.time_s); });
-  screen.watch((mirror) => { second.push(mirror.time_s); });
+  const leave = screen.watch((mirror) => {
+    first.push(mirror.time_s);
+  });
+  screen.watch((mirror) => {
+    second.push(mirror.time_s);
+  });
   leave();
   live.onMirror(at(4), 'glide');
   expect([first, second]).toEqual([[], [4]]);

@@ -2,18 +2,32 @@
 import { spawn } from 'node:child_process';
 import { rmSync } from 'node:fs';
 
+/** For the `fleet` of a scenario: robots that are quick, where a test waits for what they bring. */
+export const QUICK = { speed_mps: 3, speed_loaded_mps: 3, accel_unloaded_mps2: 3, accel_loaded_mps2: 3, lift_s: 0.5 };
+
 /**
- * Starts the program with a scenario, or with what it shows by itself where that is null, and with a database in a folder
- * that is removed when it is stopped. One that was killed can be started again on the same database and port.
+ * Starts the program with a scenario, or with what it shows by itself where that is null, and with a database in a
+ * folder that is removed when it is stopped. One that was killed can be started again on the same database and port.
  */
 export async function serve(program, scenario, scratch, port = 0) {
   const server = spawn(program, [
-    'serve', ...(scenario === null ? [] : ['--scenario', scenario]), '--listen', `127.0.0.1:${port}`, '--database', `${scratch}/db.sqlite`,
+    'serve',
+    ...(scenario === null ? [] : ['--scenario', scenario]),
+    '--listen',
+    `127.0.0.1:${port}`,
+    '--database',
+    `${scratch}/db.sqlite`,
   ]);
   let log = '';
-  server.stderr.on('data', (text) => { log += text; });
-  server.stdout.on('data', (text) => { log += text; });
-  const ended = new Promise((done) => { server.once('exit', done); });
+  server.stderr.on('data', (text) => {
+    log += text;
+  });
+  server.stdout.on('data', (text) => {
+    log += text;
+  });
+  const ended = new Promise((done) => {
+    server.once('exit', done);
+  });
   const ends = async (signal) => {
     server.kill(signal);
     await ended;
@@ -28,7 +42,9 @@ export async function serve(program, scenario, scratch, port = 0) {
     };
     if (url) return { url, stop, kill: () => ends('SIGKILL') };
     if (server.exitCode !== null) break;
-    await new Promise((done) => { setTimeout(done, 200); });
+    await new Promise((done) => {
+      setTimeout(done, 200);
+    });
   }
   console.error(`The server did not start:\n${log}`);
   server.kill();

@@ -6,7 +6,10 @@ import { providerName, sentBackIn, wayBack, wayToProvider } from '../src/session
 
 const answers = (...list: (readonly [number, object])[]): void => {
   const all = list.map(([status, body]) => new Response(JSON.stringify(body), { status }));
-  vi.stubGlobal('fetch', vi.fn(() => Promise.resolve(all.shift()!)));
+  vi.stubGlobal(
+    'fetch',
+    vi.fn(() => Promise.resolve(all.shift()!)),
+  );
 };
 afterEach(() => {
   vi.unstubAllGlobals();
@@ -18,7 +21,15 @@ test('the way to the page that signs in leads back to where one was', () => {
   expect(wayBack(new URL(at, 'http://h').search, 'http://h')).toBe('/?replay=x&t=3#a');
 });
 test('the way back never leaves this server', () => {
-  for (const back of ['//evil.example', 'https://evil.example/', '/\\evil.example', 'javascript:alert(1)', 'x', '/sign-in', '']) {
+  for (const back of [
+    '//evil.example',
+    'https://evil.example/',
+    '/\\evil.example',
+    'javascript:alert(1)',
+    'x',
+    '/sign-in',
+    '',
+  ]) {
     expect(wayBack(`?${new URLSearchParams({ back })}`, 'http://h'), back).toBe('/');
   }
   expect(wayBack('', 'http://h')).toBe('/');
@@ -45,7 +56,10 @@ test('the page leads to the identity provider, and says what is wrong with it', 
   answers([200, { name: 'Keycloak' }], [200, { address: 'https://login.example/authorize?x=1' }]);
   expect(await providerName()).toBe('Keycloak');
   expect(await wayToProvider('/?t=3')).toEqual({ address: 'https://login.example/authorize?x=1' });
-  expect(vi.mocked(fetch).mock.calls[1]).toMatchObject(['/v1/session/oidc', { method: 'POST', body: '{"back":"/?t=3"}' }]);
+  expect(vi.mocked(fetch).mock.calls[1]).toMatchObject([
+    '/v1/session/oidc',
+    { method: 'POST', body: '{"back":"/?t=3"}' },
+  ]);
   answers([503, { detail: 'Keycloak does not answer.' }], [500, {}], [404, {}]);
   expect(await wayToProvider('/')).toEqual({ refusal: { kind: 'said', text: 'Keycloak does not answer.' } });
   expect(await wayToProvider('/')).toEqual({ refusal: { kind: 'status', status: 500 } });

@@ -10,17 +10,25 @@ import { cssOf, inkOf, KIND, Sheet, STRIDE } from '../src/floor/paint/sheet';
 import { fit } from '../src/floor/scene/view';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
 import { Story } from '../src/cards/changes';
-import type { FloorMap, Snapshot } from '../src/wire/types';
+import type { FloorMap, Snapshot } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const MAP: FloorMap = {
-  name: 'Row', bounds: [0, 0, 20, 10], footprint_m: 0.9,
+  name: 'Row',
+  bounds: [0, 0, 20, 10],
+  footprint_m: 0.9,
   nodes: [
-    { id: 'A', x: 1, y: 1, kind: 'aisle' }, { id: 'S', x: 2, y: 1, kind: 'storage' }, { id: 'C', x: 9, y: 1, kind: 'charger' },
-    { id: 'P', x: 5, y: 5, kind: 'station' }, { id: 'Q', x: 6, y: 5, kind: 'queue' },
+    { id: 'A', x: 1, y: 1, kind: 'aisle' },
+    { id: 'S', x: 2, y: 1, kind: 'storage' },
+    { id: 'C', x: 9, y: 1, kind: 'charger' },
+    { id: 'P', x: 5, y: 5, kind: 'station' },
+    { id: 'Q', x: 6, y: 5, kind: 'queue' },
   ],
   lanes: [{ from: 0, to: 1, both: true, for: [] }],
-  stations: [{ id: 'P1', node: 3, queue: [4] }], racks: [{ id: 'K1', node: 1 }], obstacles: [], walkable: [],
+  stations: [{ id: 'P1', node: 3, queue: [4] }],
+  racks: [{ id: 'K1', node: 1 }],
+  obstacles: [],
+  walkable: [],
 };
 // Any colour will do, as long as each name has its own.
 let used = 0;
@@ -158,19 +166,57 @@ describe('heat', () => {
 
 describe('what is where', () => {
   const floor: Partial<Snapshot> = {
-    robots: [robot('r1', { x: 1, y: 1 })], workers: [worker('w1', { x: 15, y: 8 })], racks: [{ id: 'K1', node: 1, robot: null }],
-    stations: [{ id: 'P1', robot: null, queue: [], served: 3 }], closures: [{ id: 'c1', outline: [[10, 4], [14, 4], [14, 7], [10, 7]], reason: 'spill' }],
+    robots: [robot('r1', { x: 1, y: 1 })],
+    workers: [worker('w1', { x: 15, y: 8 })],
+    racks: [{ id: 'K1', node: 1, robot: null }],
+    stations: [{ id: 'P1', robot: null, queue: [], served: 3 }],
+    closures: [
+      {
+        id: 'c1',
+        outline: [
+          [10, 4],
+          [14, 4],
+          [14, 7],
+          [10, 7],
+        ],
+        reason: 'spill',
+      },
+    ],
   };
   const mirror = mirrorOf(floor);
   const { scene } = stageOf(floor);
 
   test('everything on the floor can be pointed at, and found again', () => {
-    const points = [[1, 1], [15, 8], [2, 1], [5, 5], [6, 5], [9, 1], [12, 5]] as const;
+    const points = [
+      [1, 1],
+      [15, 8],
+      [2, 1],
+      [5, 5],
+      [6, 5],
+      [9, 1],
+      [12, 5],
+    ] as const;
     const picked = points.map(([x, y]) => thingAt(MAP, mirror, scene, x, y, 0.01));
-    expect(picked.map((p) => p && `${p.kind} ${p.id}`)).toEqual(['robot r1', 'worker w1', 'rack K1', 'station P1', 'station P1', 'place C', 'closure c1']);
+    expect(picked.map((p) => p && `${p.kind} ${p.id}`)).toEqual([
+      'robot r1',
+      'worker w1',
+      'rack K1',
+      'station P1',
+      'station P1',
+      'place C',
+      'closure c1',
+    ]);
     expect(thingAt(MAP, mirror, scene, 18, 2, 0.01)).toBeNull();
     const found = picked.map((p) => placeOf(MAP, mirror, scene, p!));
-    expect(found).toEqual([[1, 1], [15, 8], [2, 1], [5, 5], [5, 5], [9, 1], [12, 5.5]]);
+    expect(found).toEqual([
+      [1, 1],
+      [15, 8],
+      [2, 1],
+      [5, 5],
+      [5, 5],
+      [9, 1],
+      [12, 5.5],
+    ]);
   });
 
   test('keys go round through what is in sight', () => {
@@ -182,7 +228,13 @@ describe('what is where', () => {
   });
 
   test('inside is inside, also of a shape with a bay', () => {
-    const bay: [number, number][] = [[0, 0], [4, 0], [4, 4], [2, 1], [0, 4]];
+    const bay: [number, number][] = [
+      [0, 0],
+      [4, 0],
+      [4, 4],
+      [2, 1],
+      [0, 4],
+    ];
     expect([isInside(bay, 0.5, 1), isInside(bay, 2, 3), isInside(bay, 3.5, 1)]).toEqual([true, false, true]);
   });
 });
@@ -191,15 +243,28 @@ describe('a story', () => {
   test('it tells what changed, newest first, and nothing else', () => {
     const story = new Story();
     story.places = MAP.nodes;
-    let mirror = mirrorOf({ robots: [robot('r1'), robot('r2')], racks: [{ id: 'K1', node: 1, robot: null }], workers: [worker('w1')] });
+    let mirror = mirrorOf({
+      robots: [robot('r1'), robot('r2')],
+      racks: [{ id: 'K1', node: 1, robot: null }],
+      workers: [worker('w1')],
+    });
     story.note(mirror);
     const next = (patch: object): void => {
-      const reduced = reduce(mirror, { type: 'patch', base: mirror.version!, version: mirror.version! + 1, time_s: 61, ...patch });
+      const reduced = reduce(mirror, {
+        type: 'patch',
+        base: mirror.version!,
+        version: mirror.version! + 1,
+        time_s: 61,
+        ...patch,
+      });
       if (reduced.kind === 'gap') throw new Error('gap');
       story.note((mirror = reduced.mirror));
     };
     next({ robots: [{ id: 'r1', activity: 'driving', state: 'busy', doing: 'to_rack' }], moves: [1, 500, 0] });
-    next({ racks: [{ id: 'K1', node: null, robot: 'r1' }], workers: [{ id: 'w1', state: 'deviating', reason: 'you left the path' }] });
+    next({
+      racks: [{ id: 'K1', node: null, robot: 'r1' }],
+      workers: [{ id: 'w1', state: 'deviating', reason: 'you left the path' }],
+    });
     next({ racks: [{ id: 'K1', node: 1, robot: null }], robots: [{ id: 'r1', why: 'giving way to worker w1' }] });
     const told = (kind: 'robot' | 'rack' | 'worker', id: string) => story.of({ kind, id }).map((line) => line.text);
     expect(told('robot', 'r1')).toEqual(['giving way to worker w1', 'driving to its rack', 'driving']);

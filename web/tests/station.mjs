@@ -5,9 +5,18 @@ import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
 import {
-  PATIENCE, assert, assertAccessible, check, finish, isLostLink, isRefusal, listen, openBrowser, until,
+  PATIENCE,
+  assert,
+  assertAccessible,
+  check,
+  finish,
+  isLostLink,
+  isRefusal,
+  listen,
+  openBrowser,
+  until,
 } from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -19,7 +28,15 @@ const SHOTS = HERE('./shots/');
 const MAP = HERE('../../maps/stations.json');
 await mkdir(SHOTS, { recursive: true });
 const scratch = mkdtempSync(`${tmpdir()}/giveway-station-`);
-const scenario = { giveway_scenario: 1, name: 'cells', robots: 4, period_ms: 100, jobs: 'none', map: MAP };
+const scenario = {
+  giveway_scenario: 1,
+  name: 'cells',
+  robots: 4,
+  period_ms: 100,
+  jobs: 'none',
+  map: MAP,
+  fleet: QUICK,
+};
 writeFileSync(`${scratch}/cells.json`, JSON.stringify(scenario));
 
 // A rack with slots, and what is taken from it: five lines, each confirmed in another way.
@@ -71,18 +88,22 @@ const isLit = async (name) => {
   await page.waitForTimeout(600);
 };
 /** A scanner types faster than Playwright may on a busy machine. */
-const scan = (text) => page.evaluate((all) => {
-  for (const key of [...all, 'Enter']) {
-    document.body.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true, cancelable: true }));
-  }
-}, text);
+const scan = (text) =>
+  page.evaluate((all) => {
+    for (const key of [...all, 'Enter']) {
+      document.body.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true, cancelable: true }));
+    }
+  }, text);
 const fits = async (look) => {
   const over = await page.evaluate(() => {
     const { scrollWidth, scrollHeight } = document.documentElement;
     const main = document.querySelector('main');
     return [scrollWidth - innerWidth, scrollHeight - innerHeight, main.scrollHeight - main.clientHeight];
   });
-  assert(over.every((px) => px <= 0), `${look} is too large by ${over.join(', ')} px`);
+  assert(
+    over.every((px) => px <= 0),
+    `${look} is too large by ${over.join(', ')} px`,
+  );
 };
 const looks = async (name) => {
   for (const colorScheme of ['light', 'dark']) {
@@ -124,17 +145,23 @@ await check('When the rack is there, the first slot and its tote are lit, and th
 });
 await check('The face is to scale', async () => {
   // Both at once: the rack may be drawn anew at any time.
-  const boxes = await page.evaluate(() => ['A1', 'B2'].map((name) => {
-    const { x, y, height } = document.querySelector(`.slot[data-name="${name}"] .ground`).getBoundingClientRect();
-    return { x, y, height };
-  }));
+  const boxes = await page.evaluate(() =>
+    ['A1', 'B2'].map((name) => {
+      const { x, y, height } = document.querySelector(`.slot[data-name="${name}"] .ground`).getBoundingClientRect();
+      return { x, y, height };
+    }),
+  );
   const [dx, dy] = [boxes[1].x - boxes[0].x, boxes[0].y + boxes[0].height / 2 - boxes[1].y - boxes[1].height / 2];
   assert(dx > 0 && dy > 0, 'B2 is not to the right of A1 and above it');
-  const wanted = face.width_m / face.columns / ((face.heights_m[1] - face.heights_m[0]) || 1);
+  const wanted = face.width_m / face.columns / (face.heights_m[1] - face.heights_m[0] || 1);
   // The lowest row may end at the floor, below which nothing is drawn.
   assert(Math.abs(dx / dy / wanted - 1) < 0.15, `${(dx / dy).toFixed(2)} instead of ${wanted.toFixed(2)}`);
 });
-for (const [width, height] of [[1920, 1080], [768, 1024], [1280, 800]]) {
+for (const [width, height] of [
+  [1920, 1080],
+  [768, 1024],
+  [1280, 800],
+]) {
   await check(`At ${width} × ${height} nothing has to be scrolled, in both themes`, async () => {
     await page.setViewportSize({ width, height });
     await looks(`lit-${width}`);
@@ -155,7 +182,7 @@ await check('A scan of another slot is a mistake that is seen and heard, and con
   const before = await page.evaluate(() => globalThis.tones);
   await scan('B3');
   await page.locator('#station[data-mistake="wrong_slot"]').waitFor({ timeout: PATIENCE });
-  assert(await slot('B3').locator('.cross').count() === 1, 'the wrong slot has no cross');
+  assert((await slot('B3').locator('.cross').count()) === 1, 'the wrong slot has no cross');
   assert((await page.getByRole('alert').first().innerText()).includes('B3'), 'it is not said');
   await page.screenshot({ path: `${SHOTS}station-mistake.png` });
   assert((await page.evaluate(() => globalThis.tones)) > before, 'it makes no sound');
@@ -197,7 +224,7 @@ await check('A server that was killed is said plainly, and nothing can be presse
   await server.kill();
   await page.getByText('No connection for').waitFor({ timeout: PATIENCE });
   await page.getByText('What you see is old').waitFor({ timeout: PATIENCE });
-  assert(await act('done').isDisabled() && await act('pause').isDisabled(), 'buttons can be pressed');
+  assert((await act('done').isDisabled()) && (await act('pause').isDisabled()), 'buttons can be pressed');
   await looks('old');
   return page.locator('.old').innerText();
 });

@@ -10,19 +10,39 @@ import { signInAt } from '../src/station/server';
 import { readStation, type Line, type Station, type Visit } from '../src/station/state';
 import type { SocketEvents } from '../src/wire';
 
-const line = (n: number, slot: string, state: Line['state'], more: Partial<Line> = {}): Line =>
-  ({ n, slot, quantity: 2, tote: 'A', item: null, by: 'either', state, done: 0, ...more });
-const visit = (...lines: Line[]): Visit =>
-  ({ job: 'j1', rack: 'K1', robot: 'r1', since: null, face: null, lines, pieces_left: 0, expected_end: null });
+const line = (n: number, slot: string, state: Line['state'], more: Partial<Line> = {}): Line => ({
+  n,
+  slot,
+  quantity: 2,
+  tote: 'A',
+  item: null,
+  by: 'either',
+  state,
+  done: 0,
+  ...more,
+});
+const visit = (...lines: Line[]): Visit => ({
+  job: 'j1',
+  rack: 'K1',
+  robot: 'r1',
+  since: null,
+  face: null,
+  lines,
+  pieces_left: 0,
+  expected_end: null,
+});
 const station = (more: Partial<Station> = {}): Station => ({
   ...readStation('{"now":"2026-01-01T00:00:00Z","id":"S1"}')!,
   totes: ['A', 'tub-7', 'B'].map((id, i) => ({ id, right_m: (i - 1) / 2, out_m: 1 })),
-  visit: visit(line(1, 'C3', 'lit', { tote: 'B' }), line(2, 'B2', 'open')), ...more,
+  visit: visit(line(1, 'C3', 'lit', { tote: 'B' }), line(2, 'B2', 'open')),
+  ...more,
 });
 
 describe('lines', () => {
   const now = visit(
-    line(1, 'A1', 'done', { done: 2 }), line(2, 'B1', 'lit', { done: 1 }), line(3, 'A1', 'open'),
+    line(1, 'A1', 'done', { done: 2 }),
+    line(2, 'B1', 'lit', { done: 1 }),
+    line(3, 'A1', 'open'),
     line(4, 'C1', 'short'),
   );
   test('the lit line, the one after it and what is left are told apart', () => {
@@ -34,7 +54,11 @@ describe('lines', () => {
     expect(nextOf(visit(line(1, 'A1', 'undone'), line(2, 'B1', 'lit'), line(3, 'C1', 'open')))?.n).toBe(1);
   });
   test('a slot with several lines is marked by the most urgent of them', () => {
-    expect([...slotMarks(now)]).toEqual([['A1', 'next'], ['B1', 'lit'], ['C1', 'short']]);
+    expect([...slotMarks(now)]).toEqual([
+      ['A1', 'next'],
+      ['B1', 'lit'],
+      ['C1', 'short'],
+    ]);
   });
   test('what is said to last counts down between two messages, and never below nothing', () => {
     expect([countdown(14.2, 700), countdown(1, 5_000)]).toEqual([13.5, 0]);
@@ -43,7 +67,9 @@ describe('lines', () => {
 
 describe('undo', () => {
   let changes: Changes;
-  beforeEach(() => { changes = new Changes(); });
+  beforeEach(() => {
+    changes = new Changes();
+  });
   const hear = (...lines: Line[]): number | undefined => {
     changes.hear(visit(...lines));
     return changes.target(visit(...lines))?.n;
@@ -171,7 +197,8 @@ describe('the drawing', () => {
   });
   test('totes are below the rack, left and right as they stand, and one behind another below it', () => {
     const { totes, view, body } = draw(face, [
-      { id: 'right', right_m: 0.9, out_m: 1 }, { id: 'left', right_m: -0.9, out_m: 1 },
+      { id: 'right', right_m: 0.9, out_m: 1 },
+      { id: 'left', right_m: -0.9, out_m: 1 },
       { id: 'behind', right_m: 0.8, out_m: 1.5 },
     ]);
     const [left, right, behind] = totes;
@@ -216,17 +243,26 @@ describe('the link', () => {
       open: (events) => {
         const socket = { events, isOpen: true };
         sockets.push(socket);
-        return { close: () => { socket.isOpen = false; } };
+        return {
+          close: () => {
+            socket.isOpen = false;
+          },
+        };
       },
       clock: {
-        now: () => time, after: (ms, run) => {
+        now: () => time,
+        after: (ms, run) => {
           const timer = { at: time + ms, run };
           timers.push(timer);
           return timer;
         },
-        cancel: (timer) => { timers = timers.filter((one) => one !== timer); },
+        cancel: (timer) => {
+          timers = timers.filter((one) => one !== timer);
+        },
       },
-      random: () => 1, hear: (text) => readStation(text)?.now ?? null, onLost: (wasOpen) => lost.push(wasOpen),
+      random: () => 1,
+      hear: (text) => readStation(text)?.now ?? null,
+      onLost: (wasOpen) => lost.push(wasOpen),
     });
     link.start();
   });

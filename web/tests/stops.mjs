@@ -4,7 +4,17 @@ import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { mkdir } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { fileURLToPath } from 'node:url';
-import { PATIENCE, assert, assertAccessible, check, finish, isRefusal, listen, openBrowser, until } from './chromium.mjs';
+import {
+  PATIENCE,
+  assert,
+  assertAccessible,
+  check,
+  finish,
+  isRefusal,
+  listen,
+  openBrowser,
+  until,
+} from './chromium.mjs';
 import { serve } from './serve.mjs';
 
 const program = process.argv[2];
@@ -50,7 +60,10 @@ const stops = () => panel.getByRole('list', { name: 'Stations' }).getByRole('lis
 const choice = panel.getByRole('combobox', { name: 'Give the job to another robot' });
 const give = panel.getByRole('button', { name: 'Give it' });
 const open = async (id) => {
-  await page.getByRole('region', { name: 'Table of jobs' }).getByRole('button', { name: id, exact: true }).click({ timeout: PATIENCE });
+  await page
+    .getByRole('region', { name: 'Table of jobs' })
+    .getByRole('button', { name: id, exact: true })
+    .click({ timeout: PATIENCE });
   await panel.getByRole('heading', { name: `Job ${id}`, exact: true }).waitFor({ timeout: PATIENCE });
 };
 const looks = async (name) => {
@@ -63,7 +76,9 @@ const looks = async (name) => {
 };
 
 await page.goto(url);
-await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, { timeout: PATIENCE });
+await page.waitForFunction(() => Number(document.querySelector('canvas')?.dataset.robots) > 0, null, {
+  timeout: PATIENCE,
+});
 const robots = (await ask('/v1/robots')).items;
 const kindOf = (id) => robots.find((r) => r.id === id).kind;
 
@@ -86,19 +101,31 @@ await check('A delivery to two stations is submitted as one text, and its panel 
   await station.fill(`${first} > ${second}`);
   await form.getByRole('button', { name: 'Submit job' }).click();
   toBoth = await form.getByRole('link').textContent({ timeout: PATIENCE });
-  assert((await jobOf(toBoth)).stops.map((s) => s.station).join() === `${first},${second}`, JSON.stringify(await jobOf(toBoth)));
+  assert(
+    (await jobOf(toBoth)).stops.map((s) => s.station).join() === `${first},${second}`,
+    JSON.stringify(await jobOf(toBoth)),
+  );
   await open(toBoth);
   const shown = await stops();
   assert(shown.join() === `${first}, to come,${second}, to come`, shown.join());
   return `${toBoth}: ${shown.join('; ')}`;
 });
 await check('The panel says which station was served, and when', async () => {
-  await until(`${toBoth} at ${first}`, async () => { const j = await jobOf(toBoth); return j.state === 'picking' && j.station === first; });
+  await until(`${toBoth} at ${first}`, async () => {
+    const j = await jobOf(toBoth);
+    return j.state === 'picking' && j.station === first;
+  });
   await post(`/v1/stations/${first}/done`);
   await until(`${first} served`, async () => (await stops())[0].startsWith(`${first}, served`), 20);
   const shown = await stops();
-  assert(new RegExp(`^${first}, served at .*\\d\\d:\\d\\d`).test(shown[0]) && shown[1] === `${second}, to come`, shown.join());
-  await until(`${toBoth} at ${second}`, async () => { const j = await jobOf(toBoth); return j.state === 'picking' && j.station === second; });
+  assert(
+    new RegExp(`^${first}, served at .*\\d\\d:\\d\\d`).test(shown[0]) && shown[1] === `${second}, to come`,
+    shown.join(),
+  );
+  await until(`${toBoth} at ${second}`, async () => {
+    const j = await jobOf(toBoth);
+    return j.state === 'picking' && j.station === second;
+  });
   await panel.getByText(`${second}, being served`, { exact: true }).waitFor({ timeout: PATIENCE });
   return (await stops()).join('; ');
 });
@@ -108,23 +135,29 @@ await check('axe finds nothing wrong with the stations of a job, in both themes'
 let waits;
 const chosen = (await jobOf(toBoth)).robot;
 const other = await post('/v1/jobs', { kind: 'deliver', rack: shelves[1], station: first });
-await check('A waiting job cannot be given to a robot that cannot carry its rack, which is said beside the choice', async () => {
-  await until(`${other.id} at ${first}`, async () => (await jobOf(other.id)).state === 'picking');
-  waits = (await post('/v1/jobs', { kind: 'deliver', rack: shelves[2], station: first })).id;
-  await open(waits);
-  assert((await jobOf(waits)).state === 'waiting', 'it does not wait');
-  const wrong = robots.find((r) => r.kind === 'shuttle').id;
-  await choice.selectOption(wrong);
-  await give.click();
-  const error = panel.getByRole('alert');
-  await error.waitFor({ timeout: PATIENCE });
-  const words = await error.innerText();
-  assert(words.split(/\s+/).length >= 3 && !/[{}[\]:]/.test(words), `these are no words: ${words}`);
-  assert((await choice.getAttribute('aria-invalid')) === 'true', 'the choice is not marked as wrong');
-  assert((await choice.getAttribute('aria-describedby')) === (await error.getAttribute('id')), 'the choice does not name what is wrong with it');
-  assert((await jobOf(waits)).only === null, 'it was given all the same');
-  return words;
-});
+await check(
+  'A waiting job cannot be given to a robot that cannot carry its rack, which is said beside the choice',
+  async () => {
+    await until(`${other.id} at ${first}`, async () => (await jobOf(other.id)).state === 'picking');
+    waits = (await post('/v1/jobs', { kind: 'deliver', rack: shelves[2], station: first })).id;
+    await open(waits);
+    assert((await jobOf(waits)).state === 'waiting', 'it does not wait');
+    const wrong = robots.find((r) => r.kind === 'shuttle').id;
+    await choice.selectOption(wrong);
+    await give.click();
+    const error = panel.getByRole('alert');
+    await error.waitFor({ timeout: PATIENCE });
+    const words = await error.innerText();
+    assert(words.split(/\s+/).length >= 3 && !/[{}[\]:]/.test(words), `these are no words: ${words}`);
+    assert((await choice.getAttribute('aria-invalid')) === 'true', 'the choice is not marked as wrong');
+    assert(
+      (await choice.getAttribute('aria-describedby')) === (await error.getAttribute('id')),
+      'the choice does not name what is wrong with it',
+    );
+    assert((await jobOf(waits)).only === null, 'it was given all the same');
+    return words;
+  },
+);
 await check('axe finds nothing wrong with a choice that was refused, in both themes', () => looks('reassign-refused'));
 await check('A waiting job is given to another robot, which panel and server name', async () => {
   assert((await choice.locator('option').first().innerText()) === 'any robot', 'it says that a robot has it');
@@ -134,7 +167,10 @@ await check('A waiting job is given to another robot, which panel and server nam
   await panel.getByText(`chosen: ${chosen}`).waitFor({ timeout: PATIENCE });
   const job = await jobOf(waits);
   assert(job.only === chosen && job.robot === null && job.state === 'waiting', JSON.stringify(job));
-  await panel.getByText(new RegExp(`waits for ${chosen}|${chosen} .*${toBoth}`)).first().waitFor({ timeout: PATIENCE });
+  await panel
+    .getByText(new RegExp(`waits for ${chosen}|${chosen} .*${toBoth}`))
+    .first()
+    .waitFor({ timeout: PATIENCE });
   return `${waits}: ${(await panel.getByRole('region', { name: 'Why it waits' }).innerText()).replaceAll(/\s+/g, ' ')}`;
 });
 await check('axe finds nothing wrong with a choice that was made, in both themes', () => looks('reassign'));
@@ -144,13 +180,19 @@ await check('It waits for that robot although another one is free before, and th
   await post(`/v1/stations/${first}/done`);
   await until(`${other.id} done`, async () => (await jobOf(other.id)).state === 'done');
   await until(`${free} without a job`, async () => (await ask(`/v1/robots/${free}`)).job === null, 60);
-  assert((await jobOf(waits)).only === chosen && (await jobOf(waits)).robot === null, JSON.stringify(await jobOf(waits)));
+  assert(
+    (await jobOf(waits)).only === chosen && (await jobOf(waits)).robot === null,
+    JSON.stringify(await jobOf(waits)),
+  );
   await post(`/v1/stations/${second}/done`);
   await until(`${toBoth} done`, async () => (await jobOf(toBoth)).state === 'done');
   await until(`${waits} with a robot`, async () => (await jobOf(waits)).robot !== null);
   assert((await jobOf(waits)).robot === chosen, JSON.stringify(await jobOf(waits)));
   await panel.getByRole('definition').getByRole('button', { name: chosen, exact: true }).waitFor({ timeout: PATIENCE });
-  assert((await choice.locator('option').allInnerTexts()).every((name) => name !== chosen), 'it can be given to the robot that has it');
+  assert(
+    (await choice.locator('option').allInnerTexts()).every((name) => name !== chosen),
+    'it can be given to the robot that has it',
+  );
   assert((await choice.inputValue()) === '', `the choice is still ${await choice.inputValue()}`);
   await page.screenshot({ path: `${SHOTS}reassign-taken.png` });
   return `${chosen}, not ${free}`;

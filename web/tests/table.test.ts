@@ -5,8 +5,14 @@ import { readTable } from '../src/jobs/table';
 
 function read(text: string): unknown {
   const table = readTable(text);
-  if ('kind' in table) { const { kind, ...rest } = table; return { fault: kind, ...rest }; }
-  return { columns: table.columns, rows: table.rows.map(({ surplus, ...row }) => (surplus === 0 ? row : { ...row, surplus })) };
+  if ('kind' in table) {
+    const { kind, ...rest } = table;
+    return { fault: kind, ...rest };
+  }
+  return {
+    columns: table.columns,
+    rows: table.rows.map(({ surplus, ...row }) => (surplus === 0 ? row : { ...row, surplus })),
+  };
 }
 
 test.each(cases)('the page reads $about as the program does', ({ text, read: wanted }) => {

@@ -1,5 +1,6 @@
-// What a dashboard is told, for a test to read: its pages keep the state of the floor from the messages of their own live
-// link, so that a test knows the same robots and people that the page draws. docs/api.md says what the messages mean.
+// What a dashboard is told, for a test to read: its pages keep the state of the floor from the messages of their own
+// live link, so that a test knows the same robots and people that the page draws. docs/api.md says what the messages
+// mean.
 
 /** Lets every page of a context keep that state in `globalThis.floor`. */
 export async function tap(context) {

@@ -1,13 +1,13 @@
 // Five tasks of a new user, from the words on the screen alone: node tests/tasks.mjs PATH_TO_GIVEWAY
-// Everything is found by its visible text or by its accessible name, as a screen reader says it; nothing by the structure of
-// the page. Why does this robot wait? Close an aisle. Which jobs were late yesterday? Take a robot out of service. Draw a
-// floor with two stations and run it.
+// Everything is found by its visible text or by its accessible name, as a screen reader says it; nothing by the
+// structure of the page. Why does this robot wait? Close an aisle. Which jobs were late yesterday? Take a robot out of
+// service. Draw a floor with two stations and run it.
 import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { PATIENCE, assert, check, finish, listen, openBrowser, until } from './chromium.mjs';
-import { serve } from './serve.mjs';
+import { QUICK, serve } from './serve.mjs';
 
 const program = process.argv[2];
 if (!program) {
@@ -16,11 +16,20 @@ if (!program) {
 }
 const HERE = (path) => fileURLToPath(new URL(path, import.meta.url));
 const scratch = mkdtempSync(join(tmpdir(), 'giveway-tasks-'));
-const scenario = { ...JSON.parse(readFileSync(HERE('../../scenarios/lab.json'), 'utf8')), map: HERE('../../maps/lab.json'), jobs: 'none' };
+const scenario = {
+  ...JSON.parse(readFileSync(HERE('../../scenarios/lab.json'), 'utf8')),
+  map: HERE('../../maps/lab.json'),
+  jobs: 'none',
+  fleet: QUICK,
+};
 writeFileSync(join(scratch, 'tasks.json'), JSON.stringify(scenario));
 const server = await serve(program, join(scratch, 'tasks.json'), scratch);
 const ask = async (method, path, body) => {
-  const answer = await fetch(new URL(path, server.url), { method, headers: { 'content-type': 'application/json' }, ...(body ? { body: JSON.stringify(body) } : {}) });
+  const answer = await fetch(new URL(path, server.url), {
+    method,
+    headers: { 'content-type': 'application/json' },
+    ...(body ? { body: JSON.stringify(body) } : {}),
+  });
   return answer.status === 204 ? null : answer.json();
 };
 
@@ -28,7 +37,11 @@ const ask = async (method, path, body) => {
 const deliver = (rack, more) => ask('POST', '/v1/jobs', { kind: 'deliver', rack, station: 'P', ...more });
 const isAt = async (activity) => (await ask('GET', '/v1/robots')).items.some((robot) => robot.activity === activity);
 await until('robots', async () => (await ask('GET', '/v1/robots')).items.length === 2, 60);
-const order = await deliver('K3', { pick_s: 1, reference: 'order 4711', deadline: new Date(Date.now() + 1_000).toISOString() });
+const order = await deliver('K3', {
+  pick_s: 1,
+  reference: 'order 4711',
+  deadline: new Date(Date.now() + 1_000).toISOString(),
+});
 await until('the late delivery', async () => (await ask('GET', `/v1/jobs/${order.id}`)).state === 'done', 180);
 await deliver('K1', { pick_s: 900 });
 await deliver('K9', { pick_s: 900 });
@@ -39,11 +52,15 @@ const context = await browser.newContext({ viewport: { width: 1440, height: 900 
 const page = await context.newPage();
 const complaints = [];
 listen(page, complaints);
-const tab = (name) => page.getByRole('group', { name: 'What is shown below the floor' }).getByRole('button', { name, exact: true });
+const tab = (name) =>
+  page.getByRole('group', { name: 'What is shown below the floor' }).getByRole('button', { name, exact: true });
 
 await check('A robot that waits is found among all robots, and says for what and for how long', async () => {
   await page.goto(server.url);
-  await page.getByRole('list', { name: 'Robots by state' }).getByRole('button', { name: /^Queueing.* 1$/ }).click({ timeout: PATIENCE });
+  await page
+    .getByRole('list', { name: 'Robots by state' })
+    .getByRole('button', { name: /^Queueing.* 1$/ })
+    .click({ timeout: PATIENCE });
   const robots = page.getByRole('region', { name: 'Robots', exact: true });
   await robots.getByRole('button', { name: /^robot-\d$/ }).click();
   const why = page.getByRole('region', { name: 'Why it waits' });
@@ -74,13 +91,19 @@ await check('The late jobs of yesterday are in the report, each with its referen
   listen(tomorrow, complaints);
   await tomorrow.clock.setFixedTime(new Date(Date.now() + 24 * 3_600_000));
   await tomorrow.goto(server.url);
-  await tomorrow.getByRole('group', { name: 'What is shown below the floor' }).getByRole('button', { name: 'Report', exact: true }).click();
+  await tomorrow
+    .getByRole('group', { name: 'What is shown below the floor' })
+    .getByRole('button', { name: 'Report', exact: true })
+    .click();
   const report = tomorrow.getByRole('region', { name: 'Report', exact: true });
   await report.getByLabel('Of which time').selectOption('Yesterday');
   const late = report.getByRole('table', { name: 'Late jobs' });
   await late.getByRole('cell', { name: 'order 4711' }).waitFor({ timeout: PATIENCE });
   await late.getByRole('button', { name: order.id }).click();
-  await tomorrow.getByRole('region', { name: 'Job', exact: true }).getByRole('heading', { name: new RegExp(order.id) }).waitFor({ timeout: PATIENCE });
+  await tomorrow
+    .getByRole('region', { name: 'Job', exact: true })
+    .getByRole('heading', { name: new RegExp(order.id) })
+    .waitFor({ timeout: PATIENCE });
   await tomorrow.close();
 });
 
@@ -98,7 +121,8 @@ await check('A floor with two stations is drawn, and half an hour on it is run',
   await page.getByRole('heading', { name: 'Map editor' }).waitFor({ timeout: PATIENCE });
   await page.getByRole('button', { name: 'New' }).click();
   await plan.focus();
-  const tool = (name) => page.getByRole('navigation', { name: 'Tools' }).getByRole('button', { name, exact: false }).click();
+  const tool = (name) =>
+    page.getByRole('navigation', { name: 'Tools' }).getByRole('button', { name, exact: false }).click();
   const here = () => page.getByRole('main').getByText(/^-?\d+\.\d\d, -?\d+\.\d\d m: /);
   /** Draws with the keyboard: what the page says is where the cursor is, in metres. */
   const goTo = async ([x, y]) => {
@@ -107,7 +131,9 @@ await check('A floor with two stations is drawn, and half an hour on it is run',
     for (let i = 0; i < 60; i++) {
       const [, left, up] = /(-?\d+\.\d\d), (-?\d+\.\d\d) m/.exec(await here().innerText());
       if (Number(left) === x && Number(up) === y) return;
-      await page.keyboard.press(Number(left) < x ? 'ArrowRight' : Number(left) > x ? 'ArrowLeft' : Number(up) < y ? 'ArrowUp' : 'ArrowDown');
+      await page.keyboard.press(
+        Number(left) < x ? 'ArrowRight' : Number(left) > x ? 'ArrowLeft' : Number(up) < y ? 'ArrowUp' : 'ArrowDown',
+      );
     }
     throw new Error(`the cursor does not get to ${x}, ${y}`);
   };
@@ -119,7 +145,25 @@ await check('A floor with two stations is drawn, and half an hour on it is run',
     await goTo(to);
     await page.keyboard.press('Enter');
   };
-  for (const [a, b] of [[[0, 0], [6, 0]], [[6, 0], [6, 3]], [[6, 3], [0, 3]], [[0, 3], [0, 0]]]) await draw('Aisle', a, b);
+  for (const [a, b] of [
+    [
+      [0, 0],
+      [6, 0],
+    ],
+    [
+      [6, 0],
+      [6, 3],
+    ],
+    [
+      [6, 3],
+      [0, 3],
+    ],
+    [
+      [0, 3],
+      [0, 0],
+    ],
+  ])
+    await draw('Aisle', a, b);
   await draw('Racks', [1, 1], [5, 2]);
   await draw('Station', [2, -1], [2, -1]);
   await draw('Station', [3, 4], [4, 4]);
@@ -131,7 +175,9 @@ await check('A floor with two stations is drawn, and half an hour on it is run',
   await page.getByLabel('Robots', { exact: true }).fill('2');
   await page.getByRole('button', { name: 'Try it' }).click();
   await page.getByText('Deliveries an hour').waitFor({ timeout: PATIENCE });
-  const perHour = /Deliveries an hour\s+(\d+)/.exec(await page.getByRole('complementary', { name: 'About this map' }).innerText())?.[1];
+  const perHour = /Deliveries an hour\s+(\d+)/.exec(
+    await page.getByRole('complementary', { name: 'About this map' }).innerText(),
+  )?.[1];
   assert(Number(perHour) > 10, `${perHour} deliveries an hour`);
   return `${perHour} deliveries an hour`;
 });

@@ -1,7 +1,7 @@
 // Thin patches: numbers by row must end in the rows that plain patches end in.
 import { describe, expect, test } from 'vitest';
 import { EMPTY, reduce, type Mirror } from '../src/wire/mirror';
-import type { Patch, Snapshot } from '../src/wire/types';
+import type { Patch, Snapshot } from '../src/wire';
 import { robot, snapshot, worker } from './samples';
 
 const begin = (more: Partial<Snapshot>): Mirror => {
@@ -16,7 +16,9 @@ const apply = (mirror: Mirror, patch: Partial<Patch>): Mirror => {
 };
 
 describe('a thin patch', () => {
-  const three = begin({ robots: [robot('a'), robot('b', { x: 1.234, y: -0.5, granted: [1, 2], held: [3, 4] }), robot('c')] });
+  const three = begin({
+    robots: [robot('a'), robot('b', { x: 1.234, y: -0.5, granted: [1, 2], held: [3, 4] }), robot('c')],
+  });
 
   test('moves robots by millimetres, and a thousand steps lose nothing', () => {
     let mirror = three;
@@ -39,15 +41,42 @@ describe('a thin patch', () => {
   });
 
   test('says where people are, or that nobody knows', () => {
-    const one = begin({ workers: [worker('w1', { path: [[0, 0], [1, 0], [2, 0]] })] });
+    const one = begin({
+      workers: [
+        worker('w1', {
+          path: [
+            [0, 0],
+            [1, 0],
+            [2, 0],
+          ],
+        }),
+      ],
+    });
     const next = apply(one, { walks: [0, 500, 0, -1571, 110], paths: [[0, 2, 500, 0]] });
-    expect(next.workers.rows[0]).toMatchObject({ x: 0.5, y: 0, heading: -1.571, speed: 1.1, path: [[0.5, 0], [1, 0], [2, 0]] });
+    expect(next.workers.rows[0]).toMatchObject({
+      x: 0.5,
+      y: 0,
+      heading: -1.571,
+      speed: 1.1,
+      path: [
+        [0.5, 0],
+        [1, 0],
+        [2, 0],
+      ],
+    });
     const gone = apply(next, { walks: [0, null, null, null, 0], paths: [[0, 0]] });
     expect(gone.workers.rows[0]).toMatchObject({ x: null, heading: null, path: [] });
   });
 
   test('goes together with rows, and rows that are not there are passed over', () => {
-    const next = apply(three, { robots: [{ id: 'a', state: 'busy' }, { id: 'd', x: 5 }], moves: [0, 1_000, 0, 1, 5, 5, 77, 1, 1], ways: [[78, 0, 0, 0]] });
+    const next = apply(three, {
+      robots: [
+        { id: 'a', state: 'busy' },
+        { id: 'd', x: 5 },
+      ],
+      moves: [0, 1_000, 0, 1, 5, 5, 77, 1, 1],
+      ways: [[78, 0, 0, 0]],
+    });
     expect(next.robots.rows[0]).toMatchObject({ state: 'busy', x: 1 });
     expect([next.robots.rows[1], next.robots.rows[2]]).toMatchObject([{ x: 1.234 }, { x: 0.005, y: 0.005 }]);
     expect(next.robots.rows.map((r) => r.id)).toEqual(['a', 'b', 'c', 'd']);

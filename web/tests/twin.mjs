@@ -44,7 +44,9 @@ const shot = (name) => page.screenshot({ path: `${SHOTS}twin-${name}.png` });
 const soon = async (what, so) => {
   for (const began = Date.now(); Date.now() - began < PATIENCE;) {
     if (await so()) return;
-    await new Promise((done) => { setTimeout(done, 100); });
+    await new Promise((done) => {
+      setTimeout(done, 100);
+    });
   }
   throw new Error(`${what} never comes`);
 };
@@ -76,17 +78,23 @@ await check('Whoever walks in it is a worker for the server, there and with that
   });
   const { heading } = await me();
   const facing = Number(await reads('heading'));
-  assert(Math.abs(Math.atan2(Math.sin(heading - facing), Math.cos(heading - facing))) < 0.05, `the server has ${heading}, it looks to ${facing}`);
+  assert(
+    Math.abs(Math.atan2(Math.sin(heading - facing), Math.cos(heading - facing))) < 0.05,
+    `the server has ${heading}, it looks to ${facing}`,
+  );
 });
 await check('Keys walk as fast as people do, and not through racks', async () => {
   const canvas = page.locator('canvas');
   await canvas.focus();
   const before = await at();
+  // By the clock of the page, which goes on while a busy machine is late with the key.
+  const now = () => page.evaluate(() => performance.now() / 1_000);
+  const began = await now();
   await page.keyboard.down('w');
   await page.waitForTimeout(2_000);
   await page.keyboard.up('w');
-  const gone = apart(before, await at());
-  assert(gone > 0.3 && gone < 3.5, `in two seconds it went ${gone.toFixed(2)} m`);
+  const [gone, seconds] = [apart(before, await at()), (await now()) - began];
+  assert(gone > 0.3 && gone < 1.75 * seconds, `in ${seconds.toFixed(1)} s it went ${gone.toFixed(2)} m`);
   const inside = ([x, y], [[x0, y0], , [x1, y1]]) => x > x0 && x < x1 && y > y0 && y < y1;
   // From here the racks are ahead: into them for as long as it takes.
   await page.keyboard.down('w');
@@ -112,7 +120,7 @@ await check('A task is shown as the path on the floor, and drags look along it',
   const middle = [box.x + box.width / 2, box.y + box.height / 2];
   /** The heading, once what was done has reached the picture: a busy page is frames behind. */
   const settled = async () => {
-    for (let last = NaN; ; ) {
+    for (let last = NaN; ;) {
       await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
       const now = Number(await reads('heading'));
       if (now === last) return now;
@@ -152,20 +160,29 @@ await check('A task is shown as the path on the floor, and drags look along it',
   return `200 pixels turn by ${turn.toFixed(2)}; ${await reads('path')} points`;
 });
 await check('The narrow view shows 30° by 17.5°, and nothing outside of it', async () => {
-  await page.locator('.pad').evaluate((pad) => { pad.style.visibility = 'hidden'; });
+  await page.locator('.pad').evaluate((pad) => {
+    pad.style.visibility = 'hidden';
+  });
   await page.getByRole('button', { name: /Narrow view/ }).click();
   await page.waitForTimeout(300);
   await shot('narrow');
   const { width, height, left, right, top, bottom } = await lit(page);
   // The longer side of the window shows 80°.
   const ahead = Math.max(width, height) / 2 / Math.tan((40 * Math.PI) / 180);
-  const seen = [(right - left + 1) / 2, (bottom - top + 1) / 2].map((half) => (Math.atan(half / ahead) * 360) / Math.PI);
-  assert(seen.every((angle, i) => Math.abs(angle - NARROW[i]) < 0.4), `it shows ${seen.map((a) => a.toFixed(1)).join('° by ')}°`);
+  const seen = [(right - left + 1) / 2, (bottom - top + 1) / 2].map(
+    (half) => (Math.atan(half / ahead) * 360) / Math.PI,
+  );
+  assert(
+    seen.every((angle, i) => Math.abs(angle - NARROW[i]) < 0.4),
+    `it shows ${seen.map((a) => a.toFixed(1)).join('° by ')}°`,
+  );
   await page.locator('canvas').focus();
   await page.keyboard.press('n');
   await page.waitForTimeout(300);
   assert((await reads('narrow')) === 'false' && (await lit(page)).share > 0.99, 'it stays narrow');
-  await page.locator('.pad').evaluate((pad) => { pad.style.visibility = ''; });
+  await page.locator('.pad').evaluate((pad) => {
+    pad.style.visibility = '';
+  });
   return `${seen.map((a) => a.toFixed(1)).join('° by ')}°`;
 });
 await check('A finger walks with the pad, on a phone whose page is no wider than it is', async () => {
@@ -212,10 +229,19 @@ await vr.addInitScript(() => {
 const sees = (name) => vr.locator('#headset').getAttribute(`data-${name}`);
 const stands = async () => (await sees('at')).split(',').map(Number);
 const seen = async () => (await ask('/v1/workers')).items.find((w) => w.name === 'trainee');
-const frames = (count) => vr.evaluate((n) => new Promise((done) => {
-  const next = () => { n -= 1; if (n < 0) done(); else requestAnimationFrame(next); };
-  next();
-}), count);
+const frames = (count) =>
+  vr.evaluate(
+    (n) =>
+      new Promise((done) => {
+        const next = () => {
+          n -= 1;
+          if (n < 0) done();
+          else requestAnimationFrame(next);
+        };
+        next();
+      }),
+    count,
+  );
 await check('A VR headset is in the twin where the window was, and the server has it there', async () => {
   await vr.goto(new URL('/headset', url).href);
   await vr.getByLabel('Name of the wearer').fill('trainee');
@@ -225,9 +251,12 @@ await check('A VR headset is in the twin where the window was, and the server ha
   const before = await stands();
   await vr.getByRole('button', { name: 'Enter VR' }).click();
   await vr.locator('#headset[data-twin="vr"]').waitFor({ timeout: PATIENCE });
-  assert((await vr.evaluate(() => globalThis.headset.activeSession.enabledFeatures !== null)), 'there is no session');
+  assert(await vr.evaluate(() => globalThis.headset.activeSession.enabledFeatures !== null), 'there is no session');
   assert(apart(before, await stands()) < 0.01, `from ${before} it came to ${await stands()}`);
-  await soon('the trainee', async () => (await seen())?.presence === 'tracked' && apart([(await seen()).x, (await seen()).y], before) < 0.1);
+  await soon(
+    'the trainee',
+    async () => (await seen())?.presence === 'tracked' && apart([(await seen()).x, (await seen()).y], before) < 0.1,
+  );
   await frames(5);
   await vr.screenshot({ path: `${SHOTS}twin-vr.png` });
   return `at ${before}, ${await sees('robots')} robots`;
@@ -237,7 +266,9 @@ await check('A step of the wearer is a step on the map, and the left stick walks
   await vr.evaluate(async () => {
     for (let i = 0; i < 20; i++) {
       globalThis.headset.position.z -= 0.02;
-      await new Promise((done) => { requestAnimationFrame(done); });
+      await new Promise((done) => {
+        requestAnimationFrame(done);
+      });
     }
   });
   await frames(3);
@@ -272,7 +303,10 @@ await check('A button narrows the view of both eyes', async () => {
   assert((await sees('narrow')) === 'true', 'it is not narrow');
   await vr.screenshot({ path: `${SHOTS}twin-vr-narrow.png` });
   const after = await lit(vr, 'screen');
-  assert(after.share < before.share * 0.25 && after.halves.every((share) => share > 0), `of ${before.share} of the picture, ${after.share} is left: ${after.halves}`);
+  assert(
+    after.share < before.share * 0.25 && after.halves.every((share) => share > 0),
+    `of ${before.share} of the picture, ${after.share} is left: ${after.halves}`,
+  );
   return `${(after.share * 100).toFixed(1)} % of the picture`;
 });
 await check('When the device is recentred, the wearer stays where they were on the map', async () => {
@@ -289,7 +323,9 @@ await check('After VR, the window goes on from there', async () => {
   await vr.locator('#headset[data-twin="window"]').waitFor({ timeout: PATIENCE });
   assert(apart(before, await stands()) < 0.05, `from ${before} it came to ${await stands()}`);
 });
-await check('Nothing was complained about in the console', () => assert(complaints.length === 0, complaints.join(' | ')));
+await check('Nothing was complained about in the console', () =>
+  assert(complaints.length === 0, complaints.join(' | ')),
+);
 
 await stop();
 await finish(browser);
@@ -320,11 +356,26 @@ async function lit(one, what = 'canvas') {
       for (let x = rim; x < width - rim; x++) {
         const i = 4 * (y * width + x);
         if (data[i] + data[i + 1] + data[i + 2] === 0) continue;
-        [left, right, top, bottom, count] = [Math.min(left, x), Math.max(right, x), Math.min(top, y), Math.max(bottom, y), count + 1];
+        [left, right, top, bottom, count] = [
+          Math.min(left, x),
+          Math.max(right, x),
+          Math.min(top, y),
+          Math.max(bottom, y),
+          count + 1,
+        ];
         if (x < width / 2) leftHalf += 1;
       }
     }
     const all = (width - 2 * rim) * (height - 2 * rim);
-    return { width, height, left, right, top, bottom, share: count / all, halves: [(2 * leftHalf) / all, (2 * (count - leftHalf)) / all] };
+    return {
+      width,
+      height,
+      left,
+      right,
+      top,
+      bottom,
+      share: count / all,
+      halves: [(2 * leftHalf) / all, (2 * (count - leftHalf)) / all],
+    };
   }, png.toString('base64'));
 }

@@ -9,23 +9,66 @@ import { canStand, isInside, triangles } from '../src/headset/polygon';
 import { Shapes, STRIDE, type Colour } from '../src/headset/shapes';
 import { box } from '../src/headset/solids';
 import { driveOf, driveOfPad } from '../src/headset/steer';
-import { drag, EYE_M, fromMap, headingOf, matricesOf, onMap, perspective, poseOf, seated, shifted, step, turned, WALK_MPS, type Eye } from '../src/headset/walk';
+import {
+  drag,
+  EYE_M,
+  fromMap,
+  headingOf,
+  matricesOf,
+  onMap,
+  perspective,
+  poseOf,
+  seated,
+  shifted,
+  step,
+  turned,
+  WALK_MPS,
+  type Eye,
+} from '../src/headset/walk';
 import { ACTIVITIES, EMPTY, reduce, type FloorMap, type Mirror, type Snapshot } from '../src/wire';
 
 const close = (v: readonly number[]) => [...v].map((n) => expect.closeTo(n, 5) as number);
 const corners = (shapes: Shapes): Vec3[] => {
   const c = shapes.corners;
-  return Array.from({ length: c.length / STRIDE }, (_, i) => [c[i * STRIDE]!, c[i * STRIDE + 1]!, c[i * STRIDE + 2]!] as const);
+  return Array.from(
+    { length: c.length / STRIDE },
+    (_, i) => [c[i * STRIDE]!, c[i * STRIDE + 1]!, c[i * STRIDE + 2]!] as const,
+  );
 };
-const apply = (m: ArrayLike<number>, [x, y, z]: Vec3): number[] => [0, 1, 2].map((i) => m[i]! * x + m[4 + i]! * y + m[8 + i]! * z + m[12 + i]!);
+const apply = (m: ArrayLike<number>, [x, y, z]: Vec3): number[] =>
+  [0, 1, 2].map((i) => m[i]! * x + m[4 + i]! * y + m[8 + i]! * z + m[12 + i]!);
 const degrees = (half: number): number => (2 * Math.atan(half) * 180) / Math.PI;
 
 /** A hall of 8 m by 4 m with a block of racks in the middle, and a charger outside of where people go. */
 const map: FloorMap = {
-  name: 'test', bounds: [0, 0, 8, 4], footprint_m: 0.9,
-  nodes: [{ id: 'A', x: 1, y: 1, kind: 'aisle' }, { id: 'B', x: 7, y: 1, kind: 'station' }, { id: 'S', x: 4, y: 2, kind: 'storage' }, { id: 'C', x: 9, y: 1, kind: 'charger' }],
-  lanes: [{ from: 0, to: 1, both: true, for: ['people'] }], stations: [], racks: [],
-  obstacles: [[[3, 1.5], [5, 1.5], [5, 2.5], [3, 2.5]]], walkable: [[[0, 0], [8, 0], [8, 4], [0, 4]]],
+  name: 'test',
+  bounds: [0, 0, 8, 4],
+  footprint_m: 0.9,
+  nodes: [
+    { id: 'A', x: 1, y: 1, kind: 'aisle' },
+    { id: 'B', x: 7, y: 1, kind: 'station' },
+    { id: 'S', x: 4, y: 2, kind: 'storage' },
+    { id: 'C', x: 9, y: 1, kind: 'charger' },
+  ],
+  lanes: [{ from: 0, to: 1, both: true, for: ['people'] }],
+  stations: [],
+  racks: [],
+  obstacles: [
+    [
+      [3, 1.5],
+      [5, 1.5],
+      [5, 2.5],
+      [3, 2.5],
+    ],
+  ],
+  walkable: [
+    [
+      [0, 0],
+      [8, 0],
+      [8, 4],
+      [0, 4],
+    ],
+  ],
 };
 const free = (at: Vec2): boolean => canStand(map, at);
 const still = { ahead: 0, left: 0, turn: 0 };
@@ -86,7 +129,10 @@ describe('the eye as a pose', () => {
   test('a point ahead is in the middle of the window; the longer side sees 80°', () => {
     const { inverse } = matricesOf([0, 0, 0], [0, 0, 0, 1]);
     expect(aim([0, 0, -5], inverse, perspective(1600, 900))).toEqual({ kind: 'in view', x: 0, y: 0 });
-    for (const [width, height] of [[1600, 900], [400, 800]] as const) {
+    for (const [width, height] of [
+      [1600, 900],
+      [400, 800],
+    ] as const) {
       const seen = sight(perspective(width, height), false);
       expect(degrees(Math.max(...seen))).toBeCloseTo(80);
       expect(seen[0] / seen[1]).toBeCloseTo(width / height);
@@ -139,8 +185,23 @@ describe('the narrow view', () => {
       return count;
     };
     const [x, y] = NARROW;
-    for (const [i, j] of [[0, 0], [0.99, 0.98], [-0.99, 0.97], [0.3, -0.99]] as const) expect(covers(i * x, j * y), `${i}, ${j}`).toBe(0);
-    for (const [i, j] of [[1.01, 0.1], [-1.01, 0.2], [0.1, 1.02], [0.2, -1.02], [4, 4.1], [-6, 3], [5, -9]] as const) expect(covers(i * x, j * y), `${i}, ${j}`).toBe(1);
+    for (const [i, j] of [
+      [0, 0],
+      [0.99, 0.98],
+      [-0.99, 0.97],
+      [0.3, -0.99],
+    ] as const)
+      expect(covers(i * x, j * y), `${i}, ${j}`).toBe(0);
+    for (const [i, j] of [
+      [1.01, 0.1],
+      [-1.01, 0.2],
+      [0.1, 1.02],
+      [0.2, -1.02],
+      [4, 4.1],
+      [-6, 3],
+      [5, -9],
+    ] as const)
+      expect(covers(i * x, j * y), `${i}, ${j}`).toBe(1);
   });
   test('a point that the window shows and the narrow view does not gets an arrow', () => {
     const { inverse } = matricesOf([0, 0, 0], [0, 0, 0, 1]);
@@ -159,18 +220,48 @@ describe('outlines', () => {
   const size = (t: readonly [Vec2, Vec2, Vec2][]): number =>
     t.reduce((sum, [a, b, c]) => sum + Math.abs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2, 0);
   test('a corner that points inwards is left out, whichever way round the outline goes', () => {
-    const angle: Vec2[] = [[0, 0], [4, 0], [4, 1], [1, 1], [1, 3], [0, 3]];
+    const angle: Vec2[] = [
+      [0, 0],
+      [4, 0],
+      [4, 1],
+      [1, 1],
+      [1, 3],
+      [0, 3],
+    ];
     for (const outline of [angle, [...angle].reverse()]) {
       const found = triangles(outline);
       expect(found).toHaveLength(4);
       expect(size(found)).toBeCloseTo(6);
-      for (const [a, b, c] of found) expect(isInside(angle, [(a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3])).toBe(true);
+      for (const [a, b, c] of found)
+        expect(isInside(angle, [(a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3])).toBe(true);
     }
   });
   test('points in a row and crossings end', () => {
-    expect(size(triangles([[0, 0], [1, 0], [2, 0], [2, 2], [0, 2]]))).toBeCloseTo(4);
-    expect(triangles([[0, 0], [2, 2], [2, 0], [0, 2]]).length).toBeLessThan(3);
-    expect(triangles([[0, 0], [1, 1]])).toEqual([]);
+    expect(
+      size(
+        triangles([
+          [0, 0],
+          [1, 0],
+          [2, 0],
+          [2, 2],
+          [0, 2],
+        ]),
+      ),
+    ).toBeCloseTo(4);
+    expect(
+      triangles([
+        [0, 0],
+        [2, 2],
+        [2, 0],
+        [0, 2],
+      ]).length,
+    ).toBeLessThan(3);
+    expect(
+      triangles([
+        [0, 0],
+        [1, 1],
+      ]),
+    ).toEqual([]);
   });
   test('a person needs room for the whole body', () => {
     expect(free([1, 1])).toBe(true);
@@ -183,12 +274,54 @@ describe('outlines', () => {
 describe('the hall', () => {
   const c: Colour = [1, 1, 1, 1];
   const ink: HallInk = {
-    sky: c, floor: c, edge: c, lane: c, blocked: c, closed: [1, 0, 0, 1], places: { charger: [0, 1, 0, 1] }, frame: c, goods: [c, c],
-    states: Object.fromEntries([...ACTIVITIES, 'gone'].map((one) => [one, c])) as HallInk['states'], nose: c, person: c, region: c,
+    sky: c,
+    floor: c,
+    edge: c,
+    lane: c,
+    blocked: c,
+    closed: [1, 0, 0, 1],
+    places: { charger: [0, 1, 0, 1] },
+    frame: c,
+    goods: [c, c],
+    states: Object.fromEntries([...ACTIVITIES, 'gone'].map((one) => [one, c])) as HallInk['states'],
+    nose: c,
+    person: c,
+    region: c,
   };
-  const row = { heading: 0, speed: 0, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null, rack: null, job: null, battery: 1, granted: [], held: [], why: null, passes: null, replanned: null };
+  const row = {
+    heading: 0,
+    speed: 0,
+    state: 'idle',
+    doing: 'idle',
+    kind: 'robot',
+    maintenance: false,
+    leaving: false,
+    fault: null,
+    rack: null,
+    job: null,
+    battery: 1,
+    granted: [],
+    held: [],
+    why: null,
+    passes: null,
+    replanned: null,
+  };
   const floor = (more: object): Mirror => {
-    const told = { type: 'snapshot', version: 1, time_s: 0, simulated: true, stations: [], closures: [], jobs: EMPTY.jobs, counters: EMPTY.counters, alarms: [], robots: [], racks: [], workers: [], ...more };
+    const told = {
+      type: 'snapshot',
+      version: 1,
+      time_s: 0,
+      simulated: true,
+      stations: [],
+      closures: [],
+      jobs: EMPTY.jobs,
+      counters: EMPTY.counters,
+      alarms: [],
+      robots: [],
+      racks: [],
+      workers: [],
+      ...more,
+    };
     const reduced = reduce(EMPTY, told as unknown as Snapshot);
     if (reduced.kind === 'gap') throw new Error('a gap');
     return reduced.mirror;
@@ -204,10 +337,16 @@ describe('the hall', () => {
     expect(corners(shapes).length).toBe(5 * 6);
   });
   test('closed areas lie on the ground, announced ones do not, and chargers have a floor', () => {
-    const outline = [[1, 1], [2, 1], [2, 2]];
+    const outline = [
+      [1, 1],
+      [2, 1],
+      [2, 2],
+    ];
     const red = (state: string): number => {
       const all = ground(map, [{ id: 'c1', outline, state, reason: '' } as never], ink).corners;
-      return Array.from({ length: all.length / STRIDE }, (_, i) => all[i * STRIDE + 4]!).filter((green, i) => green === 0 && all[i * STRIDE + 3] === 1).length;
+      return Array.from({ length: all.length / STRIDE }, (_, i) => all[i * STRIDE + 4]!).filter(
+        (green, i) => green === 0 && all[i * STRIDE + 3] === 1,
+      ).length;
     };
     expect(red('closed')).toBe(3 + 3 * 6);
     expect(red('announced')).toBe(0);
@@ -217,7 +356,10 @@ describe('the hall', () => {
     const standing = floor({ racks: [{ id: 'K1', node: 2, robot: null }] });
     expect(boundsOf(racks(map, standing, [1, 1], ink)).slice(0, 2)).toEqual(close([3.58, 4.42]));
     expect(racks(map, standing, [100, 1], ink).isEmpty, 'far away').toBe(true);
-    const carried = floor({ racks: [{ id: 'K1', node: null, robot: 'r1' }], robots: [{ ...row, id: 'r1', x: 1, y: 3, rack: 'K1' }] });
+    const carried = floor({
+      racks: [{ id: 'K1', node: null, robot: 'r1' }],
+      robots: [{ ...row, id: 'r1', x: 1, y: 3, rack: 'K1' }],
+    });
     expect(racks(map, carried, [1, 1], ink).isEmpty).toBe(true);
     const glide = new Glide();
     glide.take(carried, 0);
@@ -226,8 +368,27 @@ describe('the hall', () => {
     expect(boundsOf(shapes)[3], 'as high as a rack').toBeGreaterThan(1.9);
   });
   test('the wearer does not see themselves, nor who is not there', () => {
-    const person = { name: '', speed: 0, heading: 0, accuracy: 0, regions: [1, 2, 3], state: 'idle', reason: null, path: [], assignment: null, goals: [], undecided: 1, elsewhere: 0 };
-    const people = floor({ workers: [{ ...person, id: 'w1', x: 1, y: 1, presence: 'tracked' }, { ...person, id: 'w2', x: 2, y: 1, presence: 'tracked' }, { ...person, id: 'w3', x: 3, y: 1, presence: 'absent' }] });
+    const person = {
+      name: '',
+      speed: 0,
+      heading: 0,
+      accuracy: 0,
+      regions: [1, 2, 3],
+      state: 'idle',
+      reason: null,
+      path: [],
+      assignment: null,
+      goals: [],
+      undecided: 1,
+      elsewhere: 0,
+    };
+    const people = floor({
+      workers: [
+        { ...person, id: 'w1', x: 1, y: 1, presence: 'tracked' },
+        { ...person, id: 'w2', x: 2, y: 1, presence: 'tracked' },
+        { ...person, id: 'w3', x: 3, y: 1, presence: 'absent' },
+      ],
+    });
     const glide = new Glide();
     glide.take(people, 0);
     expect(movers(map, people, (id) => glide.where(id, 0), [1, 1], 'w1', ink).people).toBe(1);
@@ -235,11 +396,23 @@ describe('the hall', () => {
   test('a robot is as large as its kind', () => {
     expect(halfOf(null, 0.9)).toEqual([0.45, 0.45]);
     expect(halfOf({ circle_m: 0.3 }, 0.9)).toEqual([0.3, 0.3]);
-    expect(halfOf({ polygon_m: [[1, 0.2], [-0.5, 0.2], [-0.5, -0.4]] }, 0.9)).toEqual([1, 0.4]);
+    expect(
+      halfOf(
+        {
+          polygon_m: [
+            [1, 0.2],
+            [-0.5, 0.2],
+            [-0.5, -0.4],
+          ],
+        },
+        0.9,
+      ),
+    ).toEqual([1, 0.4]);
   });
   test('what moves glides from where it was drawn, the short way round, and jumps if it was carried off', () => {
     const glide = new Glide();
-    const put = (x: number, heading: number, now: number) => glide.take(floor({ robots: [{ ...row, id: 'r1', x, y: 0, heading }] }), now);
+    const put = (x: number, heading: number, now: number) =>
+      glide.take(floor({ robots: [{ ...row, id: 'r1', x, y: 0, heading }] }), now);
     put(0, 3, 1000);
     put(1, -3, 1100);
     const half = glide.where('r1', 1150)!;

@@ -9,8 +9,11 @@ const because = (kind: Replanned['kind'], id: string | null): Replanned => ({ ki
 
 test('robots that went another way for a person are named, in a recording as well as now', () => {
   const robots = [
-    robot('r1', { replanned: because('worker', 'w1') }), robot('r2', { replanned: because('worker', 'w2') }),
-    robot('r3', { replanned: because('closure', 'w1') }), robot('r4'), robot('r5', { replanned: because('worker', 'w1') }),
+    robot('r1', { replanned: because('worker', 'w1') }),
+    robot('r2', { replanned: because('worker', 'w2') }),
+    robot('r3', { replanned: because('closure', 'w1') }),
+    robot('r4'),
+    robot('r5', { replanned: because('worker', 'w1') }),
   ];
   const reduced = reduce(EMPTY, snapshot({ robots, workers: [worker('w1'), worker('w3')] }));
   if (reduced.kind === 'gap') throw new Error('a snapshot never leaves a gap');
@@ -18,7 +21,10 @@ test('robots that went another way for a person are named, in a recording as wel
     const target = document.createElement('div');
     const frame = { kept: 'chosen', lines: [], since: 'replay', onCentre: () => {}, onClose: () => {} } as const;
     const source = { tense: 'then', replay: {} } as never;
-    const mounted = mount(WorkerPanel, { target, props: { id, mirror: reduced.mirror, places: [], since: null, samples: [], frame, source, onDraw: () => {} } });
+    const mounted = mount(WorkerPanel, {
+      target,
+      props: { id, mirror: reduced.mirror, places: [], since: null, samples: [], frame, source, onDraw: () => {} },
+    });
     flushSync();
     const text = target.textContent ?? '';
     void unmount(mounted);

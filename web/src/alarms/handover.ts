@@ -1,4 +1,5 @@
-// What one shift tells the next: alarms that are active, who looks after each, what was found out, and what is put aside.
+// What one shift tells the next: alarms that are active, who looks after each, what was found out, and what is put
+// aside.
 import type { AlarmRecord } from '../wire';
 import { said, t, timeOfDay } from '../words';
 import { SEVERITY_WORDS } from './shown';
@@ -9,15 +10,22 @@ export function handover(active: readonly AlarmRecord[], over: readonly AlarmRec
   const lines = [t('handover.title', { time: timeOfDay(now.toISOString()) }), ''];
   if (active.length === 0) lines.push(t('alarm.none'));
   for (const alarm of sortedAlarms(active, { by: 'severity', way: 'down' })) {
-    lines.push(`${SEVERITY_WORDS[alarm.severity]}: ${said(alarm)} ${t('handover.since', { time: timeOfDay(alarm.since) })}`);
+    lines.push(
+      `${SEVERITY_WORDS[alarm.severity]}: ${said(alarm)} ${t('handover.since', { time: timeOfDay(alarm.since) })}`,
+    );
     if (alarm.acknowledged) lines.push(`  ${t('alarm.acknowledged.by', { name: alarm.acknowledged.by })}`);
     else if (alarm.severity !== 'notice') lines.push(`  ${t('handover.nobody')}`);
-    if (alarm.shelved) lines.push(`  ${t('alarm.shelved.until', { time: timeOfDay(alarm.shelved.until), name: alarm.shelved.by, reason: alarm.shelved.reason })}`);
+    if (alarm.shelved) {
+      const { until, by: name, reason } = alarm.shelved;
+      lines.push(`  ${t('alarm.shelved.until', { time: timeOfDay(until), name, reason })}`);
+    }
     for (const note of alarm.notes) lines.push(`  ${timeOfDay(note.at)} ${note.by}: ${note.text}`);
   }
   lines.push('', t('handover.over', { count: over.length }));
   for (const alarm of over.filter((one) => one.notes.length > 0)) {
-    lines.push(`${said(alarm)} ${t('handover.from-to', { from: timeOfDay(alarm.since), to: timeOfDay(alarm.cleared) })}`);
+    lines.push(
+      `${said(alarm)} ${t('handover.from-to', { from: timeOfDay(alarm.since), to: timeOfDay(alarm.cleared) })}`,
+    );
     for (const note of alarm.notes) lines.push(`  ${timeOfDay(note.at)} ${note.by}: ${note.text}`);
   }
   return lines.join('\n');

@@ -3,13 +3,18 @@ import type { Picked } from '../floor';
 import type { Alarm, AlarmRecord, Severity, SubjectKind } from '../wire';
 import { wordsBy } from '../words';
 
-export const SEVERITY_WORDS = wordsBy<Severity>({ critical: 'alarm.critical', warning: 'alarm.warning', notice: 'alarm.notice' });
+export const SEVERITY_WORDS = wordsBy<Severity>({
+  critical: 'alarm.critical',
+  warning: 'alarm.warning',
+  notice: 'alarm.notice',
+});
 
 /** Recordings of earlier versions do not say how bad an alarm was. */
 export const severityOf = (alarm: Alarm): Severity => alarm.severity ?? 'warning';
 
 /** Whether somebody should look after it and nobody does yet. */
-export const calls = (alarm: Alarm): boolean => severityOf(alarm) !== 'notice' && !alarm.acknowledged_by && !alarm.shelved_until;
+export const calls = (alarm: Alarm): boolean =>
+  severityOf(alarm) !== 'notice' && !alarm.acknowledged_by && !alarm.shelved_until;
 
 /** The title of the tab, with how many alarms call for a person. */
 export function titleOf(alarms: readonly Alarm[]): string {
@@ -27,7 +32,11 @@ export function fresh(alarms: readonly Alarm[], known: ReadonlyMap<string, Sever
 }
 
 /** What a click on the subject does: choose it on the floor, open a job, show a place; or there is nothing to show. */
-export type Shows = { kind: 'pick'; picked: Picked } | { kind: 'job'; id: string } | { kind: 'place'; at: [number, number] } | { kind: 'nothing' };
+export type Shows =
+  | { kind: 'pick'; picked: Picked }
+  | { kind: 'job'; id: string }
+  | { kind: 'place'; at: [number, number] }
+  | { kind: 'nothing' };
 
 interface Shown {
   kind: SubjectKind | undefined;
@@ -38,7 +47,10 @@ interface Shown {
 
 function shows({ kind, id, x, y }: Shown): Shows {
   switch (kind) {
-    case 'robot': case 'worker': case 'station': case 'closure':
+    case 'robot':
+    case 'worker':
+    case 'station':
+    case 'closure':
       if (id) return { kind: 'pick', picked: { kind, id } };
       break;
     case 'job':
@@ -49,8 +61,11 @@ function shows({ kind, id, x, y }: Shown): Shows {
   return typeof x === 'number' && typeof y === 'number' ? { kind: 'place', at: [x, y] } : { kind: 'nothing' };
 }
 
-export const showsOf = (alarm: Alarm): Shows => shows({ kind: alarm.subject_kind, id: alarm.subject, x: alarm.x, y: alarm.y });
-export const showsOfRecord = (alarm: Pick<AlarmRecord, 'subject' | 'x' | 'y'>): Shows => shows({ kind: alarm.subject.kind, id: alarm.subject.id, x: alarm.x, y: alarm.y });
+export const showsOf = (alarm: Alarm): Shows =>
+  shows({ kind: alarm.subject_kind, id: alarm.subject, x: alarm.x, y: alarm.y });
+export const showsOfRecord = (alarm: Pick<AlarmRecord, 'subject' | 'x' | 'y'>): Shows =>
+  shows({ kind: alarm.subject.kind, id: alarm.subject.id, x: alarm.x, y: alarm.y });
 
 /** Seconds from one time of the server to another one. */
-export const secondsBetween = (from: string, to: string): number => (new Date(to).getTime() - new Date(from).getTime()) / 1_000;
+export const secondsBetween = (from: string, to: string): number =>
+  (new Date(to).getTime() - new Date(from).getTime()) / 1_000;

@@ -94,11 +94,24 @@ function browserMeans(): Means {
     },
     ask: async () => typeof Notification !== 'undefined' && (await Notification.requestPermission()) === 'granted',
     notify: (title, body, tag) => {
-      if (typeof Notification !== 'undefined' && Notification.permission === 'granted') new Notification(title, { body, tag });
+      if (typeof Notification !== 'undefined' && Notification.permission === 'granted')
+        new Notification(title, { body, tag });
     },
     // Storage may be forbidden; the choice then lasts as long as the page.
-    load: (key) => { try { return localStorage.getItem(key); } catch { return null; } },
-    store: (key, value) => { try { localStorage.setItem(key, value); } catch { /* see above */ } },
+    load: (key) => {
+      try {
+        return localStorage.getItem(key);
+      } catch {
+        return null;
+      }
+    },
+    store: (key, value) => {
+      try {
+        localStorage.setItem(key, value);
+      } catch {
+        /* see above */
+      }
+    },
     now: () => performance.now(),
   };
 }

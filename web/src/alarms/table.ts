@@ -17,22 +17,39 @@ const WEIGHT: Readonly<Record<Severity, number>> = { critical: 2, warning: 1, no
 const natural = new Intl.Collator('en', { numeric: true });
 
 /** What somebody reads as the subject of an alarm. */
-export const subjectOf = ({ subject }: Pick<AlarmRecord, 'subject'>): string => (subject.kind === 'worker' ? personName(subject.id) : subject.id);
+export const subjectOf = ({ subject }: Pick<AlarmRecord, 'subject'>): string =>
+  subject.kind === 'worker' ? personName(subject.id) : subject.id;
 
 const fits = (alarm: AlarmRecord, filter: AlarmFilter): boolean => {
   switch (filter) {
-    case 'all': return true;
-    case 'calls': return alarm.cleared === null && alarm.severity !== 'notice' && alarm.acknowledged === null && alarm.shelved === null;
-    case 'critical': return alarm.severity === 'critical';
-    case 'shelved': return alarm.shelved !== null;
+    case 'all':
+      return true;
+    case 'calls':
+      return (
+        alarm.cleared === null && alarm.severity !== 'notice' && alarm.acknowledged === null && alarm.shelved === null
+      );
+    case 'critical':
+      return alarm.severity === 'critical';
+    case 'shelved':
+      return alarm.shelved !== null;
   }
 };
 
 /** Those that a filter lets through and that have every word of a search in them, or in a member. */
 export function wantedAlarms(alarms: readonly AlarmRecord[], filter: AlarmFilter, search: string): AlarmRecord[] {
-  const words = search.toLowerCase().split(/\s+/).filter((word) => word !== '');
+  const words = search
+    .toLowerCase()
+    .split(/\s+/)
+    .filter((word) => word !== '');
   return alarms.filter((alarm) => {
-    const cells = [alarm.id, subjectOf(alarm), said(alarm), alarm.acknowledged?.by, ...alarm.members.map(subjectOf), ...alarm.notes.map((n) => n.text)];
+    const cells = [
+      alarm.id,
+      subjectOf(alarm),
+      said(alarm),
+      alarm.acknowledged?.by,
+      ...alarm.members.map(subjectOf),
+      ...alarm.notes.map((n) => n.text),
+    ];
     const text = cells.filter(Boolean).join(' ').toLowerCase();
     return fits(alarm, filter) && words.every((word) => text.includes(word));
   });
@@ -43,10 +60,14 @@ export function sortedAlarms(alarms: readonly AlarmRecord[], { by, way }: AlarmO
   const sign = way === 'up' ? 1 : -1;
   const compare = (a: AlarmRecord, b: AlarmRecord): number => {
     switch (by) {
-      case 'since': return a.since < b.since ? -1 : a.since > b.since ? 1 : 0;
-      case 'severity': return WEIGHT[a.severity] - WEIGHT[b.severity];
-      case 'subject': return natural.compare(subjectOf(a), subjectOf(b));
-      case 'acknowledged': return natural.compare(a.acknowledged?.by ?? '', b.acknowledged?.by ?? '');
+      case 'since':
+        return a.since < b.since ? -1 : a.since > b.since ? 1 : 0;
+      case 'severity':
+        return WEIGHT[a.severity] - WEIGHT[b.severity];
+      case 'subject':
+        return natural.compare(subjectOf(a), subjectOf(b));
+      case 'acknowledged':
+        return natural.compare(a.acknowledged?.by ?? '', b.acknowledged?.by ?? '');
     }
   };
   const aside = (a: AlarmRecord): number => (a.cleared === null && a.shelved !== null ? 1 : 0);

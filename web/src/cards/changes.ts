@@ -1,8 +1,31 @@
 // What happened to each thing since the page was opened, in a few lines: what a mirror says now that the
 // one before did not. It remembers only what changed, and no more than the last lines of it.
 import { sameSaid } from '../language';
-import { activityWords, clock, doing, GUIDANCE_WORDS, number, percent, PRESENCE_WORDS, replanCause, said, t, within } from '../words';
-import { activityOf, type Goal, type MapNode, type Mirror, type Rack, type Robot, row, type Station, type Table, type Worker } from '../wire';
+import {
+  activityWords,
+  clock,
+  doing,
+  GUIDANCE_WORDS,
+  number,
+  percent,
+  PRESENCE_WORDS,
+  replanCause,
+  said,
+  t,
+  within,
+} from '../words';
+import {
+  activityOf,
+  type Goal,
+  type MapNode,
+  type Mirror,
+  type Rack,
+  type Robot,
+  row,
+  type Station,
+  type Table,
+  type Worker,
+} from '../wire';
 import type { Picked } from '../floor';
 
 export interface Line {
@@ -76,7 +99,9 @@ function robotLines(a: Robot, b: Robot): (string | null)[] {
     a.doing === b.doing ? null : doing(b.doing),
     a.job === b.job || b.job === null ? null : t('story.job', { job: b.job }),
     sameSaid(a.why, b.why) ? null : b.why === null ? t('story.continues') : said(b.why),
-    b.replanned === null || a.replanned?.at === b.replanned.at ? null : t('story.replanned', { cause: replanCause(b.replanned) }),
+    b.replanned === null || a.replanned?.at === b.replanned.at
+      ? null
+      : t('story.replanned', { cause: replanCause(b.replanned) }),
   ];
 }
 
@@ -91,8 +116,11 @@ function workerLines(a: Worker, b: Worker): (string | null)[] {
 
 function stationLines(a: Station, b: Station): (string | null)[] {
   return [
-    a.robot === b.robot ? null
-      : b.robot === null ? t('story.station.left', { robot: a.robot ?? '?' }) : t('story.station.arrived', { robot: b.robot }),
+    a.robot === b.robot
+      ? null
+      : b.robot === null
+        ? t('story.station.left', { robot: a.robot ?? '?' })
+        : t('story.station.arrived', { robot: b.robot }),
     a.queue.length === b.queue.length ? null : t('story.station.queue', { count: b.queue.length }),
   ];
 }

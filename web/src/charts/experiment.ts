@@ -59,9 +59,14 @@ function interval(x: unknown): [number, number] | null {
   return low === undefined || low === null || high === undefined || high === null ? null : [low, high];
 }
 
-function entries<T>(of: Record<string, unknown>, make: (figure: Record<string, unknown>) => T): [string, Record<string, T>][] {
+function entries<T>(
+  of: Record<string, unknown>,
+  make: (figure: Record<string, unknown>) => T,
+): [string, Record<string, T>][] {
   return Object.entries(of).map(([name, figures]) => [
     name,
-    Object.fromEntries(Object.entries(isObject(figures) ? figures : {}).flatMap(([key, f]) => (isObject(f) ? [[key, make(f)]] : []))),
+    Object.fromEntries(
+      Object.entries(isObject(figures) ? figures : {}).flatMap(([key, f]) => (isObject(f) ? [[key, make(f)]] : [])),
+    ),
   ]);
 }

@@ -29,7 +29,12 @@ export function scaleOf(marks: readonly number[], kind: 'linear' | 'log'): (valu
 const TIME_STEPS_S = [15, 30, 60, 120, 300, 600, 900, 1_800, 3_600, 7_200, 10_800, 21_600, 43_200, 86_400];
 
 /** Round times between two, in milliseconds, at most `most` of them; local, so that midnight is one. */
-export function timeTicks(from: number, to: number, most = 4, zoneMs = -60_000 * new Date(from).getTimezoneOffset()): number[] {
+export function timeTicks(
+  from: number,
+  to: number,
+  most = 4,
+  zoneMs = -60_000 * new Date(from).getTimezoneOffset(),
+): number[] {
   const step = 1_000 * (TIME_STEPS_S.find((s) => (to - from) / (1_000 * s) <= most) ?? 86_400);
   const first = Math.ceil((from + zoneMs) / step) * step - zoneMs;
   const found: number[] = [];

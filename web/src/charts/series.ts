@@ -26,9 +26,12 @@ export interface Chart {
 
 /** A bucket that was seen for less than this says nothing about a rate, seconds. */
 const LEAST_S = 4;
-const perHour = (count: (b: Figures) => number) => (b: Figures) => (b.covered_s < LEAST_S ? null : (3_600 * count(b)) / b.covered_s);
-const perMinute = (count: (b: Figures) => number) => (b: Figures) => (b.covered_s < LEAST_S ? null : (60 * count(b)) / b.covered_s);
-const average = (seconds: (b: Figures) => number) => (b: Figures) => (b.covered_s < LEAST_S ? null : seconds(b) / b.covered_s);
+const perHour = (count: (b: Figures) => number) => (b: Figures) =>
+  b.covered_s < LEAST_S ? null : (3_600 * count(b)) / b.covered_s;
+const perMinute = (count: (b: Figures) => number) => (b: Figures) =>
+  b.covered_s < LEAST_S ? null : (60 * count(b)) / b.covered_s;
+const average = (seconds: (b: Figures) => number) => (b: Figures) =>
+  b.covered_s < LEAST_S ? null : seconds(b) / b.covered_s;
 
 const ROBOTS = 'var(--chart-1)';
 const PEOPLE = 'var(--chart-2)';
@@ -37,42 +40,99 @@ const number = (value: number): string => significant(value, 3);
 
 export const CHARTS: readonly Chart[] = [
   {
-    id: 'deliveries', about: 'floor', title: 'deliveries', unit: 'charts.unit.per-hour', scale: 'linear', format: number,
+    id: 'deliveries',
+    about: 'floor',
+    title: 'deliveries',
+    unit: 'charts.unit.per-hour',
+    scale: 'linear',
+    format: number,
     lines: [
       { id: 'robots', name: 'charts.line.robots', ink: ROBOTS, dash: null, of: perHour((b) => b.robot_deliveries) },
       { id: 'people', name: 'charts.line.people', ink: PEOPLE, dash: '5 3', of: perHour((b) => b.human_deliveries) },
-      { id: 'total', name: 'charts.line.total', ink: ALL, dash: '1 2', of: perHour((b) => b.robot_deliveries + b.human_deliveries) },
+      {
+        id: 'total',
+        name: 'charts.line.total',
+        ink: ALL,
+        dash: '1 2',
+        of: perHour((b) => b.robot_deliveries + b.human_deliveries),
+      },
     ],
   },
   {
-    id: 'encounters', about: 'floor', title: 'encounters', unit: 'charts.unit.per-worker-minute', scale: 'linear', format: number,
+    id: 'encounters',
+    about: 'floor',
+    title: 'encounters',
+    unit: 'charts.unit.per-worker-minute',
+    scale: 'linear',
+    format: number,
     // Without anybody on the floor there is no rate, rather than a rate of zero.
-    lines: [{ id: 'encounters', name: 'charts.line.encounters', ink: PEOPLE, dash: null, of: (b) => (b.worker_s < LEAST_S ? null : (60 * b.encounters) / b.worker_s) }],
+    lines: [
+      {
+        id: 'encounters',
+        name: 'charts.line.encounters',
+        ink: PEOPLE,
+        dash: null,
+        of: (b) => (b.worker_s < LEAST_S ? null : (60 * b.encounters) / b.worker_s),
+      },
+    ],
   },
   {
-    id: 'interruptions', about: 'floor', title: 'charts.interruptions', unit: 'charts.unit.per-minute', scale: 'linear', format: number,
+    id: 'interruptions',
+    about: 'floor',
+    title: 'charts.interruptions',
+    unit: 'charts.unit.per-minute',
+    scale: 'linear',
+    format: number,
     lines: [
-      { id: 'interruptions', name: 'charts.line.interruptions', ink: PEOPLE, dash: null, of: perMinute((b) => b.interruptions) },
+      {
+        id: 'interruptions',
+        name: 'charts.line.interruptions',
+        ink: PEOPLE,
+        dash: null,
+        of: perMinute((b) => b.interruptions),
+      },
       { id: 'replans', name: 'charts.line.replans', ink: ROBOTS, dash: '5 3', of: perMinute((b) => b.replans) },
     ],
   },
   {
-    id: 'waiting', about: 'floor', title: 'charts.waiting', unit: 'charts.unit.average', scale: 'linear', format: number,
-    lines: [{ id: 'waiting robots', name: 'charts.line.waiting', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) }],
+    id: 'waiting',
+    about: 'floor',
+    title: 'charts.waiting',
+    unit: 'charts.unit.average',
+    scale: 'linear',
+    format: number,
+    lines: [
+      { id: 'waiting robots', name: 'charts.line.waiting', ink: ROBOTS, dash: null, of: average((b) => b.waiting_s) },
+    ],
   },
   {
-    id: 'lines', about: 'floor', title: 'charts.lines', unit: 'charts.unit.per-hour', scale: 'linear', format: number,
+    id: 'lines',
+    about: 'floor',
+    title: 'charts.lines',
+    unit: 'charts.unit.per-hour',
+    scale: 'linear',
+    format: number,
     lines: [
       { id: 'lines', name: 'charts.line.lines', ink: ALL, dash: null, of: perHour((b) => b.lines) },
       { id: 'mistakes', name: 'charts.line.mistakes', ink: PEOPLE, dash: '5 3', of: perHour((b) => b.wrong_reaches) },
     ],
   },
   {
-    id: 'idle', about: 'floor', title: 'charts.idle', unit: 'charts.unit.average', scale: 'linear', format: number,
+    id: 'idle',
+    about: 'floor',
+    title: 'charts.idle',
+    unit: 'charts.unit.average',
+    scale: 'linear',
+    format: number,
     lines: [{ id: 'idle stations', name: 'charts.line.idle', ink: PEOPLE, dash: null, of: average((b) => b.idle_s) }],
   },
   {
-    id: 'plans', about: 'system', title: 'charts.search', unit: 'charts.unit.log', scale: 'log', format: micros,
+    id: 'plans',
+    about: 'system',
+    title: 'charts.search',
+    unit: 'charts.unit.log',
+    scale: 'log',
+    format: micros,
     lines: [
       { id: 'median', name: 'charts.line.median', ink: ROBOTS, dash: null, of: (b) => b.plan_us_p50 },
       { id: '95 %', name: 'charts.line.p95', ink: ALL, dash: '5 3', of: (b) => b.plan_us_p95 },
@@ -80,12 +140,32 @@ export const CHARTS: readonly Chart[] = [
     ],
   },
   {
-    id: 'steps', about: 'system', title: 'charts.step', unit: 'charts.unit.log', scale: 'log', format: micros,
-    lines: [{ id: 'longest step', name: 'charts.line.longest-step', ink: ROBOTS, dash: null, of: (b) => b.step_us_max }],
+    id: 'steps',
+    about: 'system',
+    title: 'charts.step',
+    unit: 'charts.unit.log',
+    scale: 'log',
+    format: micros,
+    lines: [
+      { id: 'longest step', name: 'charts.line.longest-step', ink: ROBOTS, dash: null, of: (b) => b.step_us_max },
+    ],
   },
   {
-    id: 'people', about: 'floor', title: 'charts.people', unit: 'charts.unit.average', scale: 'linear', format: number,
-    lines: [{ id: 'people on the floor', name: 'charts.line.people-here', ink: PEOPLE, dash: null, of: average((b) => b.worker_s) }],
+    id: 'people',
+    about: 'floor',
+    title: 'charts.people',
+    unit: 'charts.unit.average',
+    scale: 'linear',
+    format: number,
+    lines: [
+      {
+        id: 'people on the floor',
+        name: 'charts.line.people-here',
+        ink: PEOPLE,
+        dash: null,
+        of: average((b) => b.worker_s),
+      },
+    ],
   },
 ];
 
@@ -117,7 +197,8 @@ export function gridOf(page: HistoryPage, span_s: number): Grid {
   return { from, to, step, at, buckets: at.map((t) => by.get(t) ?? null), ofDay: true };
 }
 
-export const valuesOf = (line: Line, grid: Grid): (number | null)[] => grid.buckets.map((b) => (b === null ? null : line.of(b)));
+export const valuesOf = (line: Line, grid: Grid): (number | null)[] =>
+  grid.buckets.map((b) => (b === null ? null : line.of(b)));
 
 /** Runs of neighbours that have values: first and last index of each. */
 export function runs(values: readonly (number | null)[]): [first: number, last: number][] {

@@ -59,7 +59,10 @@ export interface Messages {
   info: { description?: string };
   channels: Record<string, { address: string; description?: string }>;
   operations: Record<string, { action: string; channel: Ref; messages: Ref[] }>;
-  components: { schemas: Record<string, Schema>; messages: Record<string, { name: string; summary?: string; payload: Schema }> };
+  components: {
+    schemas: Record<string, Schema>;
+    messages: Record<string, { name: string; summary?: string; payload: Schema }>;
+  };
 }
 
 /** The last part of a reference. */
@@ -76,7 +79,11 @@ export interface Route {
 
 /** All operations by their first tag, in the order of the document's tags. */
 export function byTag(api: Description): { tag: string; description: string; routes: Route[] }[] {
-  const groups = (api.tags ?? []).map((t) => ({ tag: t.name, description: t.description ?? '', routes: [] as Route[] }));
+  const groups = (api.tags ?? []).map((t) => ({
+    tag: t.name,
+    description: t.description ?? '',
+    routes: [] as Route[],
+  }));
   for (const [path, item] of Object.entries(api.paths)) {
     for (const [method, operation] of Object.entries(item)) {
       const tag = operation.tags?.[0] ?? 'other';

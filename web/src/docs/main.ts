@@ -18,7 +18,8 @@ async function show(host: HTMLElement): Promise<void> {
     // The target of the address was not there when the browser looked for it.
     document.getElementById(decodeURIComponent(location.hash.slice(1)))?.scrollIntoView();
   } catch (error) {
-    host.textContent = `The description of the API cannot be shown: ${error instanceof Error ? error.message : String(error)}`;
+    const why = error instanceof Error ? error.message : String(error);
+    host.textContent = `The description of the API cannot be shown: ${why}`;
   }
 }
 

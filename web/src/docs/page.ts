@@ -27,11 +27,16 @@ function route({ method, path, operation }: Route): HTMLElement {
     };
     parts.push(table(parameters.map(row)));
   }
-  if (operation.requestBody) parts.push(make('h4', {}, 'Body'), make('p', {}, ...content(operation.requestBody.content)));
+  if (operation.requestBody)
+    parts.push(make('h4', {}, 'Body'), make('p', {}, ...content(operation.requestBody.content)));
   parts.push(make('h4', {}, 'Answers'));
   const answer = ([status, one]: [string, Answer]) => [code(status), one.description, content(one.content)];
   parts.push(table(Object.entries(operation.responses).map(answer)));
-  return make('section', { class: 'route', id: operation.operationId, 'data-find': find(method, path, operation.summary) }, ...parts);
+  return make(
+    'section',
+    { class: 'route', id: operation.operationId, 'data-find': find(method, path, operation.summary) },
+    ...parts,
+  );
 }
 
 function find(...texts: (string | undefined)[]): string {
@@ -40,24 +45,40 @@ function find(...texts: (string | undefined)[]): string {
 
 function channel(messages: Messages, name: string): HTMLElement {
   const { address, description } = messages.channels[name]!;
-  const parts: Node[] = [make('h3', {}, make('span', { class: 'method' }, 'WS'), ' ', code(address)), words(description ?? '')];
+  const parts: Node[] = [
+    make('h3', {}, make('span', { class: 'method' }, 'WS'), ' ', code(address)),
+    words(description ?? ''),
+  ];
   for (const operation of Object.values(messages.operations)) {
     if (nameOf(operation.channel.$ref) !== name) continue;
     parts.push(make('h4', {}, operation.action === 'send' ? 'The server sends' : 'The client sends'));
     for (const ref of operation.messages) {
       const message = messages.components.messages[nameOf(ref.$ref)]!;
       const known = message.payload.$ref ? messages.components.schemas[nameOf(message.payload.$ref)]! : message.payload;
-      parts.push(make('details', {}, make('summary', {}, code(message.name), ' ', message.summary ?? ''), ...body(known)));
+      parts.push(
+        make('details', {}, make('summary', {}, code(message.name), ' ', message.summary ?? ''), ...body(known)),
+      );
     }
   }
-  return make('section', { class: 'route', id: `channel-${name}`, 'data-find': find('ws', address, description) }, ...parts);
+  return make(
+    'section',
+    { class: 'route', id: `channel-${name}`, 'data-find': find('ws', address, description) },
+    ...parts,
+  );
 }
 
 function schemas(api: Description, messages: Messages): HTMLElement[] {
   const all = { ...messages.components.schemas, ...api.components.schemas };
   const one = ([name, schema]: [string, Schema]) =>
-    make('section', { class: 'schema', id: `schema-${name}`, 'data-find': find(name) }, make('h3', {}, name), ...body(schema));
-  return Object.entries(all).sort(([a], [b]) => a.localeCompare(b)).map(one);
+    make(
+      'section',
+      { class: 'schema', id: `schema-${name}`, 'data-find': find(name) },
+      make('h3', {}, name),
+      ...body(schema),
+    );
+  return Object.entries(all)
+    .sort(([a], [b]) => a.localeCompare(b))
+    .map(one);
 }
 
 /** Hides what does not have all words that are searched for. */
@@ -72,11 +93,19 @@ export function filter(host: ParentNode, text: string): void {
 /** The page: its navigation, and its text. */
 export function page(api: Description, messages: Messages): HTMLElement[] {
   const groups = byTag(api);
-  const main = make('main', {},
+  const main = make(
+    'main',
+    {},
     make('h1', {}, `${api.info.title} ${api.info.version}: API`),
     words(api.info.description ?? ''),
-    make('p', {}, link('/openapi.json', '/openapi.json'), ' (OpenAPI 3.1) and ', link('/asyncapi.json', '/asyncapi.json'),
-      ' (AsyncAPI 3.0) are made for programs: generate a client from them.'),
+    make(
+      'p',
+      {},
+      link('/openapi.json', '/openapi.json'),
+      ' (OpenAPI 3.1) and ',
+      link('/asyncapi.json', '/asyncapi.json'),
+      ' (AsyncAPI 3.0) are made for programs: generate a client from them.',
+    ),
     ...groups.flatMap((g) => [make('h2', { id: `tag-${g.tag}` }, g.tag), words(g.description), ...g.routes.map(route)]),
     make('h2', { id: 'websockets' }, 'WebSockets'),
     words(messages.info.description ?? ''),
@@ -84,12 +113,26 @@ export function page(api: Description, messages: Messages): HTMLElement[] {
     make('h2', { id: 'schemas' }, 'Schemas'),
     ...schemas(api, messages),
   );
-  const search = make('input', { type: 'search', placeholder: 'Search', 'aria-label': 'Search operations and schemas' }) as HTMLInputElement;
+  const search = make('input', {
+    type: 'search',
+    placeholder: 'Search',
+    'aria-label': 'Search operations and schemas',
+  }) as HTMLInputElement;
   const item = (r: Route) =>
-    make('li', { 'data-find': find(r.method, r.path, r.operation.summary) }, link(`#${r.operation.operationId}`, `${r.method.toUpperCase()} ${r.path}`));
-  const nav = make('nav', { 'aria-label': 'Operations' }, search,
+    make(
+      'li',
+      { 'data-find': find(r.method, r.path, r.operation.summary) },
+      link(`#${r.operation.operationId}`, `${r.method.toUpperCase()} ${r.path}`),
+    );
+  const nav = make(
+    'nav',
+    { 'aria-label': 'Operations' },
+    search,
     ...groups.flatMap((g) => [link(`#tag-${g.tag}`, g.tag), make('ul', {}, ...g.routes.map(item))]),
-    link('#websockets', 'WebSockets'), make('ul', {}), link('#schemas', 'Schemas'));
+    link('#websockets', 'WebSockets'),
+    make('ul', {}),
+    link('#schemas', 'Schemas'),
+  );
   search.addEventListener('input', () => {
     filter(nav, search.value);
     filter(main, search.value);

@@ -5,11 +5,14 @@ import { code, link, make, words, prose } from './html';
 /** Bounds and examples of a value, in words. */
 function bounds(schema: Schema): string {
   const parts: string[] = [];
-  if (schema.minimum !== undefined && schema.maximum !== undefined) parts.push(`${schema.minimum} to ${schema.maximum}`);
+  if (schema.minimum !== undefined && schema.maximum !== undefined)
+    parts.push(`${schema.minimum} to ${schema.maximum}`);
   else if (schema.minimum !== undefined) parts.push(`${schema.minimum} or more`);
   else if (schema.maximum !== undefined) parts.push(`up to ${schema.maximum}`);
-  if (schema.maxLength !== undefined) parts.push(`up to ${schema.maxLength} ${schema.maxLength === 1 ? 'character' : 'characters'}`);
-  if (schema.maxItems !== undefined && schema.maxItems !== schema.minItems) parts.push(`up to ${schema.maxItems} ${schema.maxItems === 1 ? 'item' : 'items'}`);
+  if (schema.maxLength !== undefined)
+    parts.push(`up to ${schema.maxLength} ${schema.maxLength === 1 ? 'character' : 'characters'}`);
+  if (schema.maxItems !== undefined && schema.maxItems !== schema.minItems)
+    parts.push(`up to ${schema.maxItems} ${schema.maxItems === 1 ? 'item' : 'items'}`);
   if (schema.example !== undefined) parts.push(`such as ${JSON.stringify(schema.example)}`);
   return parts.join('; ');
 }
@@ -26,7 +29,8 @@ export function typeOf(schema: Schema | boolean | undefined): (Node | string)[] 
   return types.flatMap((type, i): (Node | string)[] => {
     const before = i > 0 ? [' or '] : [];
     if (type !== 'array') return [...before, type];
-    const length = schema.minItems !== undefined && schema.minItems === schema.maxItems ? `${schema.minItems} × ` : 'list of ';
+    const length =
+      schema.minItems !== undefined && schema.minItems === schema.maxItems ? `${schema.minItems} × ` : 'list of ';
     return [...before, length, ...typeOf(schema.items)];
   });
 }
@@ -49,7 +53,8 @@ export function body(schema: Schema): Node[] {
   if (fields.length === 0) parts.push(make('p', { class: 'type' }, ...typeOf(schema)));
   else {
     const based = (schema.allOf ?? []).filter((one) => one.$ref);
-    if (based.length > 0) parts.push(make('p', {}, 'All of ', ...based.flatMap((one) => [...typeOf(one), ', ']), 'and:'));
+    if (based.length > 0)
+      parts.push(make('p', {}, 'All of ', ...based.flatMap((one) => [...typeOf(one), ', ']), 'and:'));
     parts.push(table(fields.map((f) => [code(f.name), mark(f.required), typeOf(f.schema), told(f.schema)])));
   }
   return parts;
@@ -71,6 +76,9 @@ type Cell = Node | string | (Node | string)[];
 
 /** A table without a head: what the columns are can be seen. */
 export function table(rows: Cell[][]): HTMLElement {
-  const cells = (row: Cell[]): HTMLElement[] => row.map((cell) => make('td', {}, ...[cell].flat().flatMap((part) => (typeof part === 'string' ? prose(part) : [part]))));
+  const cells = (row: Cell[]): HTMLElement[] =>
+    row.map((cell) =>
+      make('td', {}, ...[cell].flat().flatMap((part) => (typeof part === 'string' ? prose(part) : [part]))),
+    );
   return make('table', {}, make('tbody', {}, ...rows.map((row) => make('tr', {}, ...cells(row)))));
 }

@@ -1,7 +1,12 @@
 // What is different between two maps, by names: what the next start of a server would carry over.
 import type { FileLane, MapFile } from './file';
 
-export interface Change { readonly what: string; readonly added: string[]; readonly removed: string[]; readonly changed: string[] }
+export interface Change {
+  readonly what: string;
+  readonly added: string[];
+  readonly removed: string[];
+  readonly changed: string[];
+}
 
 function compared<T>(what: string, old: readonly T[], fresh: readonly T[], name: (one: T) => string): Change {
   const [before, after] = [old, fresh].map((list) => new Map(list.map((one) => [name(one), JSON.stringify(one)])));

@@ -1,7 +1,20 @@
 // What the tools do to a map file: each takes one and gives another, so that undoing is going back to the one before.
-import { kindsOf, type Corner, type FileCell, type FileLane, type FileNode, type Kind, type MapFile, type Place, type User } from './file';
+import {
+  kindsOf,
+  type Corner,
+  type FileCell,
+  type FileLane,
+  type FileNode,
+  type Kind,
+  type MapFile,
+  type Place,
+  type User,
+} from './file';
 
-export interface Spot { readonly x: number; readonly y: number }
+export interface Spot {
+  readonly x: number;
+  readonly y: number;
+}
 
 const ROBOTS: readonly User[] = ['loaded', 'unloaded'];
 const NEAR_M = 0.02;
@@ -57,18 +70,23 @@ function withLanes(map: MapFile, lanes: readonly FileLane[]): MapFile {
   return { ...map, lanes: [...map.lanes.filter((l) => !drawn.has(key(l))), ...drawn.values()] };
 }
 
-/** The places along a straight line, a pitch apart; only its ends where there is no grid, or where it leaves the grid. */
+/** The places along a straight line, a pitch apart; only its ends where there is no grid, or where it leaves the
+ *  grid. */
 export function along(a: Spot, b: Spot, pitch: number | null): Spot[] {
   const [dx, dy] = [b.x - a.x, b.y - a.y];
   if (pitch === null || (Math.abs(dx) > NEAR_M && Math.abs(dy) > NEAR_M)) return [a, b];
   const steps = Math.max(1, Math.round(Math.hypot(dx, dy) / pitch));
-  return Array.from({ length: steps + 1 }, (_, i) => ({ x: round(a.x + (dx * i) / steps), y: round(a.y + (dy * i) / steps) }));
+  return Array.from({ length: steps + 1 }, (_, i) => ({
+    x: round(a.x + (dx * i) / steps),
+    y: round(a.y + (dy * i) / steps),
+  }));
 }
 
 /** How far two places may be apart to be neighbours, metres. */
 const reach = (pitch: number | null): number => (pitch ?? 1) * 1.05;
 
-/** Joins places to the open floor beside them: storage for robots alone, and storage to storage for those without a rack. */
+/** Joins places to the open floor beside them: storage for robots alone, and storage to storage for those without a
+ *  rack. */
 function joined(map: MapFile, ids: readonly string[], pitch: number | null): MapFile {
   const kinds = kindsOf(map);
   const at = new Map(map.nodes.map((n) => [n.id, n]));
@@ -107,9 +125,16 @@ function joinedBeside(map: MapFile, ids: readonly string[], pitch: number | null
   const kinds = kindsOf(map);
   const open = ids.filter((id) => kinds.get(id) === 'aisle' || kinds.get(id) === 'exit');
   const spots = new Map(map.nodes.map((n) => [n.id, n]));
-  const beside = map.nodes.filter((n) => !['aisle', 'queue', 'exit'].includes(kinds.get(n.id)!)
-    && open.some((id) => Math.hypot(n.x - spots.get(id)!.x, n.y - spots.get(id)!.y) <= reach(pitch)));
-  return joined(map, beside.map((n) => n.id), pitch);
+  const beside = map.nodes.filter(
+    (n) =>
+      !['aisle', 'queue', 'exit'].includes(kinds.get(n.id)!) &&
+      open.some((id) => Math.hypot(n.x - spots.get(id)!.x, n.y - spots.get(id)!.y) <= reach(pitch)),
+  );
+  return joined(
+    map,
+    beside.map((n) => n.id),
+    pitch,
+  );
 }
 
 /** A lane, two-way or in the direction in which it was drawn, with a node at every pitch. */
@@ -125,7 +150,8 @@ export function drawBlock(map: MapFile, a: Spot, b: Spot, pitch: number | null):
   const [x0, y0] = [Math.min(a.x, b.x), Math.min(a.y, b.y)];
   const [columns, rows] = [Math.round(Math.abs(a.x - b.x) / step), Math.round(Math.abs(a.y - b.y) / step)];
   const spots: Spot[] = [];
-  for (let j = 0; j <= rows; j++) for (let i = 0; i <= columns; i++) spots.push({ x: round(x0 + i * step), y: round(y0 + j * step) });
+  for (let j = 0; j <= rows; j++)
+    for (let i = 0; i <= columns; i++) spots.push({ x: round(x0 + i * step), y: round(y0 + j * step) });
   const [wider, ids] = withNodes(map, spots);
   // Lanes of open floor that was there do not belong between racks.
   const inside = new Set(ids);
@@ -146,7 +172,10 @@ function withoutRoles(map: MapFile, ids: ReadonlySet<string>): MapFile {
   const rest = (list: readonly string[]): string[] => list.filter((id) => !ids.has(id));
   return {
     ...map,
-    storage: rest(map.storage), chargers: rest(map.chargers), parking: rest(map.parking), exits: rest(map.exits),
+    storage: rest(map.storage),
+    chargers: rest(map.chargers),
+    parking: rest(map.parking),
+    exits: rest(map.exits),
     racks: map.racks.filter((r) => !ids.has(r.node)),
     stations: map.stations.filter((s) => !ids.has(s.node)).map((s) => (s.queue ? { ...s, queue: rest(s.queue) } : s)),
   };
@@ -155,21 +184,31 @@ function withoutRoles(map: MapFile, ids: ReadonlySet<string>): MapFile {
 /** A node for something: a charger, a parking place, a door, a storage place, or open floor again. */
 export function setKind(map: MapFile, id: string, kind: Exclude<Kind, 'queue'>, pitch: number | null): MapFile {
   const plain = withoutRoles(map, new Set([id]));
-  const add = (key: 'storage' | 'chargers' | 'parking' | 'exits'): MapFile => ({ ...plain, [key]: [...plain[key], id] });
+  const add = (key: 'storage' | 'chargers' | 'parking' | 'exits'): MapFile => ({
+    ...plain,
+    [key]: [...plain[key], id],
+  });
   const made = (): MapFile => {
     switch (kind) {
-      case 'storage': return add('storage');
-      case 'charger': return add('chargers');
-      case 'parking': return add('parking');
-      case 'exit': return add('exits');
-      case 'station': return { ...plain, stations: [...plain.stations, { id: stationName(plain), node: id, pick_s: 8 }] };
-      case 'aisle': return plain;
+      case 'storage':
+        return add('storage');
+      case 'charger':
+        return add('chargers');
+      case 'parking':
+        return add('parking');
+      case 'exit':
+        return add('exits');
+      case 'station':
+        return { ...plain, stations: [...plain.stations, { id: stationName(plain), node: id, pick_s: 8 }] };
+      case 'aisle':
+        return plain;
     }
   };
   return joined(made(), [id], pitch);
 }
 
-const stationName = (map: MapFile): string => freeName(new Set(map.stations.map((s) => s.id)), 'W', map.stations.length + 1);
+const stationName = (map: MapFile): string =>
+  freeName(new Set(map.stations.map((s) => s.id)), 'W', map.stations.length + 1);
 
 /** A place of a kind where there may be no node yet. */
 export function drawPlace(map: MapFile, at: Spot, kind: Exclude<Kind, 'queue'>, pitch: number | null): MapFile {
@@ -192,9 +231,14 @@ export function drawStation(map: MapFile, a: Spot, b: Spot, pitch: number | null
   next = { ...next, stations: [...next.stations, { id: stationName(next), node, queue, pick_s: 8 }] };
   const kinds = kindsOf(next);
   const at = new Map(next.nodes.map((n) => [n.id, n]));
-  const open = (id: string): string[] => next.nodes
-    .filter((n) => ['aisle', 'exit'].includes(kinds.get(n.id)!) && Math.hypot(n.x - at.get(id)!.x, n.y - at.get(id)!.y) <= reach(pitch))
-    .map((n) => n.id);
+  const open = (id: string): string[] =>
+    next.nodes
+      .filter(
+        (n) =>
+          ['aisle', 'exit'].includes(kinds.get(n.id)!) &&
+          Math.hypot(n.x - at.get(id)!.x, n.y - at.get(id)!.y) <= reach(pitch),
+      )
+      .map((n) => n.id);
   const last = queue[queue.length - 1]!;
   const lanes: FileLane[] = [
     ...ids.slice(1).map((from, i): FileLane => ({ from, to: ids[i]!, for: ROBOTS })),
@@ -208,7 +252,12 @@ export function drawStation(map: MapFile, a: Spot, b: Spot, pitch: number | null
 export function drawOutline(map: MapFile, a: Spot, b: Spot, list: 'obstacles' | 'walkable'): MapFile {
   if (Math.abs(a.x - b.x) < NEAR_M || Math.abs(a.y - b.y) < NEAR_M) return map;
   const [x0, x1, y0, y1] = [Math.min(a.x, b.x), Math.max(a.x, b.x), Math.min(a.y, b.y), Math.max(a.y, b.y)];
-  const outline: Corner[] = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+  const outline: Corner[] = [
+    [x0, y0],
+    [x1, y0],
+    [x1, y1],
+    [x0, y1],
+  ];
   return { ...map, [list]: [...map[list], outline] };
 }
 
@@ -258,7 +307,8 @@ export function erase(map: MapFile, at: Spot, within: number): MapFile {
 /** Without everything in a rectangle. */
 export function eraseArea(map: MapFile, a: Spot, b: Spot): MapFile {
   const [x0, x1, y0, y1] = [Math.min(a.x, b.x), Math.max(a.x, b.x), Math.min(a.y, b.y), Math.max(a.y, b.y)];
-  const inside = (x: number, y: number): boolean => x >= x0 - NEAR_M && x <= x1 + NEAR_M && y >= y0 - NEAR_M && y <= y1 + NEAR_M;
+  const inside = (x: number, y: number): boolean =>
+    x >= x0 - NEAR_M && x <= x1 + NEAR_M && y >= y0 - NEAR_M && y <= y1 + NEAR_M;
   const rest = withoutNodes(map, new Set(map.nodes.filter((n) => inside(n.x, n.y)).map((n) => n.id)));
   const keep = (o: readonly Corner[]): boolean => !o.every(([x, y]) => inside(x, y));
   return { ...rest, obstacles: rest.obstacles.filter(keep), walkable: rest.walkable.filter(keep) };
@@ -277,8 +327,8 @@ function movedCell(cell: FileCell, dx: number, dy: number): FileCell {
   };
 }
 
-/** A node elsewhere, if no other is there, and with a station its cell; lanes that had a length of their own become straight
- *  again. */
+/** A node elsewhere, if no other is there, and with a station its cell; lanes that had a length of their own become
+ *  straight again. */
 export function moveNode(map: MapFile, id: string, to: Spot): MapFile {
   const [there, from] = [nodeAt(map, to), map.nodes.find((n) => n.id === id)];
   if (there !== null || !from) return map;
@@ -303,8 +353,13 @@ export function renameNode(map: MapFile, id: string, name: string): MapFile {
   return {
     ...map,
     nodes: map.nodes.map((n) => (n.id === id ? { ...n, id: name } : n)),
-    lanes: map.lanes.map((l) => (joins(l, id, l.from === id ? l.to : l.from) ? { ...l, from: swap(l.from), to: swap(l.to) } : l)),
-    storage: all(map.storage), chargers: all(map.chargers), parking: all(map.parking), exits: all(map.exits),
+    lanes: map.lanes.map((l) =>
+      joins(l, id, l.from === id ? l.to : l.from) ? { ...l, from: swap(l.from), to: swap(l.to) } : l,
+    ),
+    storage: all(map.storage),
+    chargers: all(map.chargers),
+    parking: all(map.parking),
+    exits: all(map.exits),
     racks: map.racks.map((r) => ({ ...r, node: swap(r.node) })),
     stations: map.stations.map((s) => ({ ...s, node: swap(s.node), ...(s.queue ? { queue: all(s.queue) } : {}) })),
   };

@@ -1,7 +1,11 @@
 // What was before, to go back to it: maps are never changed, so each state is kept as it was.
 const MOST = 200;
 
-export interface Steps<T> { readonly past: readonly T[]; readonly now: T; readonly future: readonly T[] }
+export interface Steps<T> {
+  readonly past: readonly T[];
+  readonly now: T;
+  readonly future: readonly T[];
+}
 
 export const begin = <T>(now: T): Steps<T> => ({ past: [], now, future: [] });
 
@@ -12,7 +16,9 @@ export function put<T>(steps: Steps<T>, now: T): Steps<T> {
 
 export function undo<T>({ past, now, future }: Steps<T>): Steps<T> {
   const before = past[past.length - 1];
-  return before === undefined ? { past, now, future } : { past: past.slice(0, -1), now: before, future: [now, ...future] };
+  return before === undefined
+    ? { past, now, future }
+    : { past: past.slice(0, -1), now: before, future: [now, ...future] };
 }
 
 export function redo<T>({ past, now, future }: Steps<T>): Steps<T> {

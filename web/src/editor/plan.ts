@@ -1,5 +1,5 @@
-// What of a map is drawn as pixels: lanes and places, thousands in a large hall. They are put in order once for each map,
-// and painted as far as they are in sight.
+// What of a map is drawn as pixels: lanes and places, thousands in a large hall. They are put in order once for each
+// map, and painted as far as they are in sight.
 import { kindsOf, type Kind, type MapFile } from './file';
 import type { Sight } from './view';
 
@@ -16,8 +16,10 @@ export interface Plan {
   readonly places: ReadonlyMap<PlaceLook, Float64Array>;
 }
 
-const isUnder = (users: readonly string[] | undefined): boolean => users !== undefined && !users.includes('loaded') && users.includes('unloaded');
-const isFoot = (users: readonly string[] | undefined): boolean => users !== undefined && users.length === 1 && users[0] === 'people';
+const isUnder = (users: readonly string[] | undefined): boolean =>
+  users !== undefined && !users.includes('loaded') && users.includes('unloaded');
+const isFoot = (users: readonly string[] | undefined): boolean =>
+  users !== undefined && users.length === 1 && users[0] === 'people';
 
 export function planOf(map: MapFile, kinds = kindsOf(map)): Plan {
   const at = new Map(map.nodes.map((n) => [n.id, n]));
@@ -50,12 +52,25 @@ export type Inks = (name: string) => string;
 
 /** How a place looks: its filling, its edge. */
 const PLACES: Record<PlaceLook, readonly [fill: string, edge: string | null]> = {
-  aisle: ['parking', null], storage: ['slot', 'rack-edge'], rack: ['rack', 'rack-edge'], station: ['station', null],
-  queue: ['floor', 'queue'], charger: ['charger', null], parking: ['floor', 'parking'], exit: ['exit', null],
+  aisle: ['parking', null],
+  storage: ['slot', 'rack-edge'],
+  rack: ['rack', 'rack-edge'],
+  station: ['station', null],
+  queue: ['floor', 'queue'],
+  charger: ['charger', null],
+  parking: ['floor', 'parking'],
+  exit: ['exit', null],
 };
 
 /** Paints what is in sight. One unit of the canvas is a pixel; `size` is the side of a place, metres. */
-export function paint(ink: CanvasRenderingContext2D, plan: Plan, sight: Sight, width: number, size: number, inks: Inks): void {
+export function paint(
+  ink: CanvasRenderingContext2D,
+  plan: Plan,
+  sight: Sight,
+  width: number,
+  size: number,
+  inks: Inks,
+): void {
   const scale = width / sight.w;
   const [x0, x1, y0, y1] = [sight.x - size, sight.x + sight.w + size, -sight.y - sight.h - size, -sight.y + size];
   const [px, py] = [(x: number): number => (x - sight.x) * scale, (y: number): number => (-y - sight.y) * scale];
@@ -112,9 +127,11 @@ export function paint(ink: CanvasRenderingContext2D, plan: Plan, sight: Sight, w
 
 /** A head in the middle of each lane that has one direction. */
 function arrowheads(
-  ink: CanvasRenderingContext2D, plan: Plan,
+  ink: CanvasRenderingContext2D,
+  plan: Plan,
   segments: (list: Float64Array, draw: (ax: number, ay: number, bx: number, by: number) => void) => void,
-  side: number, inks: Inks,
+  side: number,
+  inks: Inks,
 ): void {
   ink.beginPath();
   segments(plan.arrows, (ax, ay, bx, by) => {

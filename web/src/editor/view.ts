@@ -2,7 +2,12 @@
 import { boundsOf, type MapFile } from './file';
 import type { Spot } from './edit';
 
-export interface Sight { readonly x: number; readonly y: number; readonly w: number; readonly h: number }
+export interface Sight {
+  readonly x: number;
+  readonly y: number;
+  readonly w: number;
+  readonly h: number;
+}
 
 const MARGIN_M = 2;
 

@@ -3,7 +3,10 @@ import type { Encounter, Mark } from '../wire';
 
 /** The encounters among bookmarks, as they are listed, with the bookmark of each by its number; and how many bookmarks
  *  say too little, which older versions wrote. */
-export function metIn(marks: readonly Mark[], start: number | null): { items: Encounter[]; marks: readonly Mark[]; bare: number } {
+export function metIn(
+  marks: readonly Mark[],
+  start: number | null,
+): { items: Encounter[]; marks: readonly Mark[]; bare: number } {
   const met = marks.filter((mark) => mark.kind === 'encounter');
   const known = met.filter((mark) => mark.encounter !== undefined);
   const items = known.map((mark, id): Encounter => {

@@ -3,7 +3,10 @@ import type { Encounter, Reaction } from '../wire';
 import { wordsBy } from '../words';
 
 export const REACTION_WORDS = wordsBy<Reaction>({
-  kept: 'encounter.kept', slowed: 'encounter.slowed', held: 'encounter.held', rerouted: 'encounter.rerouted',
+  kept: 'encounter.kept',
+  slowed: 'encounter.slowed',
+  held: 'encounter.held',
+  rerouted: 'encounter.rerouted',
   stopped: 'encounter.stopped',
 });
 export const SORTS = ['began', 'closest', 'robot_speed', 'worker_speed', 'delay_s'] as const;

@@ -15,7 +15,10 @@ export class PastEncounters implements EncountersShown {
   #replay: Replay;
   #met = $derived.by(() => {
     const { marks, left, right, recording } = this.#replay;
-    return metIn(marks.filter((m) => m.at_s >= left && m.at_s <= right), recording.start);
+    return metIn(
+      marks.filter((m) => m.at_s >= left && m.at_s <= right),
+      recording.start,
+    );
   });
 
   constructor(replay: Replay) {
@@ -41,7 +44,12 @@ export class PastEncounters implements EncountersShown {
 
   again(e: Encounter): Again {
     const mark = this.#met.marks[e.id];
-    return { kind: 'go', go: () => { if (mark) this.#replay.goTo(mark); } };
+    return {
+      kind: 'go',
+      go: () => {
+        if (mark) this.#replay.goTo(mark);
+      },
+    };
   }
 
   keep(): () => void {

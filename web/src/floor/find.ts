@@ -1,5 +1,5 @@
-// Finding things on the floor by a part of their name: without case, and with the parts of a name in any order. Pure: it
-// is given all that there is.
+// Finding things on the floor by a part of their name: without case, and with the parts of a name in any order. Pure:
+// it is given all that there is.
 import { onFloor, type FloorMap, type Job, type MapNode, type Mirror } from '../wire';
 import { STATE_WORDS, t, wordsBy } from '../words';
 import type { Picked } from './scene/picked';
@@ -20,8 +20,13 @@ const MOST = 12;
 /** Of one kind, while others match as well. */
 const MOST_OF_KIND = 5;
 const NODE_WORDS = wordsBy<MapNode['kind']>({
-  storage: 'place.storage', charger: 'place.charger', parking: 'place.parking', exit: 'place.exit', queue: 'place.queue',
-  station: 'station', aisle: 'place.aisle',
+  storage: 'place.storage',
+  charger: 'place.charger',
+  parking: 'place.parking',
+  exit: 'place.exit',
+  queue: 'place.queue',
+  station: 'station',
+  aisle: 'place.aisle',
 });
 
 /** Everything that has a name, what moves first. A job is known if a robot has it; the server knows the others. */
@@ -29,14 +34,19 @@ export function namesOn(mirror: Mirror, map: FloorMap | null): Found[] {
   const all: Found[] = [];
   const robots = onFloor(mirror);
   for (const r of robots) all.push({ kind: 'robot', id: r.id, name: r.id, word: t('robot'), more: '' });
-  for (const { id, name } of mirror.workers.rows) if (name !== '') all.push({ kind: 'worker', id, name, word: t('person'), more: name === id ? '' : id });
-  for (const s of mirror.stations.rows) all.push({ kind: 'station', id: s.id, name: s.id, word: t('station'), more: '' });
+  for (const { id, name } of mirror.workers.rows)
+    if (name !== '') all.push({ kind: 'worker', id, name, word: t('person'), more: name === id ? '' : id });
+  for (const s of mirror.stations.rows)
+    all.push({ kind: 'station', id: s.id, name: s.id, word: t('station'), more: '' });
   for (const { id, robot } of mirror.racks.rows) {
     all.push({ kind: 'rack', id, name: id, word: t('job.rack'), more: robot === null ? '' : t('rack.on', { robot }) });
   }
-  for (const r of robots) if (r.job !== null) all.push({ kind: 'job', id: r.job, name: r.job, word: t('job'), more: r.id });
-  for (const { id, reason } of mirror.closures) all.push({ kind: 'closure', id, name: id, word: t('happened.closure'), more: reason });
-  for (const n of map?.nodes ?? []) if (n.kind !== 'station') all.push({ kind: 'place', id: n.id, name: n.id, word: NODE_WORDS[n.kind], more: '' });
+  for (const r of robots)
+    if (r.job !== null) all.push({ kind: 'job', id: r.job, name: r.job, word: t('job'), more: r.id });
+  for (const { id, reason } of mirror.closures)
+    all.push({ kind: 'closure', id, name: id, word: t('happened.closure'), more: reason });
+  for (const n of map?.nodes ?? [])
+    if (n.kind !== 'station') all.push({ kind: 'place', id: n.id, name: n.id, word: NODE_WORDS[n.kind], more: '' });
   return all;
 }
 

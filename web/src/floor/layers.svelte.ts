@@ -8,7 +8,10 @@ import { trouble } from '../words';
 import { cellsOf, heatOfPlaces, unusual, type Cell } from './paint/heatmap';
 
 const EVERY_MS = 10_000;
-export const PERIODS = [{ word: 'layers.hour', s: 3_600 }, { word: 'layers.day', s: 86_400 }] as const;
+export const PERIODS = [
+  { word: 'layers.hour', s: 3_600 },
+  { word: 'layers.day', s: 86_400 },
+] as const;
 /** Which moments ahead are drawn: one of them, or all, one over the other. */
 export const LONGEST_S = 4;
 export const AHEADS = ['all', 'none', 1, 2, LONGEST_S] as const;
@@ -34,7 +37,9 @@ export class Layers {
    *  what ends it. */
   keep(source: Source<'heat'>, from: number, to: number): () => void {
     void this.heat;
-    return source.tense === 'now' ? this.#keepNow(source.api) : untrack(() => this.#keepThen(source.replay.recording, from, to));
+    return source.tense === 'now'
+      ? this.#keepNow(source.api)
+      : untrack(() => this.#keepThen(source.replay.recording, from, to));
   }
 
   #keepNow(api: Pick<Api, 'heat'>): () => void {
@@ -71,7 +76,10 @@ export class Layers {
       this.trouble = trouble(now);
       if (now.kind !== 'ok') return EVERY_MS;
       const { from } = now.value;
-      const before = await api.heat('waiting', { from: new Date(Date.parse(from) - 1_000 * BEFORE_S).toISOString(), to: from });
+      const before = await api.heat('waiting', {
+        from: new Date(Date.parse(from) - 1_000 * BEFORE_S).toISOString(),
+        to: from,
+      });
       if (over()) return null;
       this.trouble = trouble(before);
       if (before.kind !== 'ok') return EVERY_MS;
@@ -81,10 +89,16 @@ export class Layers {
     });
   }
 
-  /** Of seconds of a recording: where robots met people from the bookmarks, where they waited from the server that recorded it. */
+  /** Of seconds of a recording: where robots met people from the bookmarks, where they waited from the server that
+   *  recorded it. */
   #keepThen(recording: Recording, from: number, to: number): () => void {
     const kind = this.heat === 'unusual' ? 'none' : this.heat;
-    const put = (cells: readonly Cell[], borders: readonly number[], from: string | null, wrong: string | null): void => {
+    const put = (
+      cells: readonly Cell[],
+      borders: readonly number[],
+      from: string | null,
+      wrong: string | null,
+    ): void => {
       [this.cells, this.borders, this.from, this.trouble, this.#cellsOf] = [cells, borders, from, wrong, kind];
     };
     // What is there stays until there is something newer, unless it was something else.
@@ -104,6 +118,8 @@ export class Layers {
         put(cells, borders, known?.from ?? null, typeof page === 'string' ? page : null);
       });
     }
-    return () => { gone = true; };
+    return () => {
+      gone = true;
+    };
   }
 }

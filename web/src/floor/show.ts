@@ -74,23 +74,29 @@ export class Show {
     this.view = this.#whole(300, 150);
     this.#composer = new Composer(palette);
     this.#drawn = {
-      view: this.view, ground: { picture: document.createElement('canvas'), view: this.view },
-      sheets: Object.values(this.#composer.sheets), words: this.#composer.words,
+      view: this.view,
+      ground: { picture: document.createElement('canvas'), view: this.view },
+      sheets: Object.values(this.#composer.sheets),
+      words: this.#composer.words,
     };
     const { host } = options;
     const canvas = painter.element;
     canvas.dataset['painter'] = painter.kind;
     canvas.setAttribute('aria-hidden', 'true');
     host.prepend(canvas);
-    listen(host, {
-      pan: (dx, dy) => this.#pan(dx, dy),
-      zoom: (factor, px, py) => this.zoom(factor, px, py),
-      fit: () => this.fit(),
-      full: () => options.onFull(),
-      hover: (at) => options.onHover(at && lively(this.#pickedAt(...at))),
-      choose: (at) => options.onChoose(at && this.#pickedAt(...at)),
-      step: (step) => options.onChoose(thingBeside(options.map, this.#stage.scene, this.view, this.#chosen, step)),
-    }, this.#gone.signal);
+    listen(
+      host,
+      {
+        pan: (dx, dy) => this.#pan(dx, dy),
+        zoom: (factor, px, py) => this.zoom(factor, px, py),
+        fit: () => this.fit(),
+        full: () => options.onFull(),
+        hover: (at) => options.onHover(at && lively(this.#pickedAt(...at))),
+        choose: (at) => options.onChoose(at && this.#pickedAt(...at)),
+        step: (step) => options.onChoose(thingBeside(options.map, this.#stage.scene, this.view, this.#chosen, step)),
+      },
+      this.#gone.signal,
+    );
     this.#observer = new ResizeObserver(() => this.#measure());
     this.#observer.observe(host);
     this.#measure();
@@ -253,9 +259,13 @@ export class Show {
     const kept = this.#drawn.ground.view;
     const zoom = this.view.scale / kept.scale;
     const [right, up] = onPicture(kept, this.view.x - kept.x, this.view.y - kept.y);
-    return zoom > 0.6 && zoom < 2.5 && Boolean(kept.turned) === Boolean(this.view.turned) &&
+    return (
+      zoom > 0.6 &&
+      zoom < 2.5 &&
+      Boolean(kept.turned) === Boolean(this.view.turned) &&
       Math.abs(right) * 2 + this.view.width / this.view.scale <= kept.width / kept.scale &&
-      Math.abs(up) * 2 + this.view.height / this.view.scale <= kept.height / kept.scale;
+      Math.abs(up) * 2 + this.view.height / this.view.scale <= kept.height / kept.scale
+    );
   }
 
   #freshenGround(): void {
@@ -289,4 +299,4 @@ export class Show {
 
 /** Racks and places are everywhere: their cards come when asked for, not wherever the pointer passes. */
 const lively = (picked: Picked | null): Picked | null =>
-  (picked?.kind === 'rack' || picked?.kind === 'place' ? null : picked);
+  picked?.kind === 'rack' || picked?.kind === 'place' ? null : picked;

@@ -46,15 +46,19 @@ export function fit(marks: readonly Mark[]): Fit {
   const theta = Math.atan2(sine, cosine);
   const [c, s] = [Math.cos(theta), Math.sin(theta)];
   const alignment: Alignment = { theta, shift: [cb[0] - c * ca[0] + s * ca[1], cb[1] - s * ca[0] - c * ca[1]] };
-  const rms_m = Math.sqrt(marks.reduce((sum, m) => sum + distance(toMap(alignment, m.device), m.map) ** 2, 0) / marks.length);
+  const rms_m = Math.sqrt(
+    marks.reduce((sum, m) => sum + distance(toMap(alignment, m.device), m.map) ** 2, 0) / marks.length,
+  );
   if (rms_m > RMS_MAX_M) return { kind: 'misfit', text: t('mark.off', { distance: metres(rms_m) }) };
   return { kind: 'fits', alignment, rms_m };
 }
 
 const middle = (points: readonly Vec2[]): Vec2 => [
-  points.reduce((sum, p) => sum + p[0], 0) / points.length, points.reduce((sum, p) => sum + p[1], 0) / points.length,
+  points.reduce((sum, p) => sum + p[0], 0) / points.length,
+  points.reduce((sum, p) => sum + p[1], 0) / points.length,
 ];
-const spread = (points: readonly Vec2[], centre: Vec2): number => Math.sqrt(points.reduce((sum, p) => sum + distance(p, centre) ** 2, 0));
+const spread = (points: readonly Vec2[], centre: Vec2): number =>
+  Math.sqrt(points.reduce((sum, p) => sum + distance(p, centre) ** 2, 0));
 
 /** A place on the map that can be a mark. */
 export interface Place {
@@ -83,7 +87,8 @@ export function suggest(places: readonly Place[]): [Place, Place] | null {
 export function beside(places: readonly Place[], [a, b]: readonly [Place, Place]): Place | null {
   const [dx, dy] = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
   const off = (p: Place): number => Math.abs(dx * (p.at[1] - a.at[1]) - dy * (p.at[0] - a.at[0])) / Math.hypot(dx, dy);
-  const worth = (p: Place): number => Math.min(off(p), GOOD_BASELINE_M / 2) - Math.max(distance(p.at, a.at), distance(p.at, b.at)) / 4;
+  const worth = (p: Place): number =>
+    Math.min(off(p), GOOD_BASELINE_M / 2) - Math.max(distance(p.at, a.at), distance(p.at, b.at)) / 4;
   const fit = places.filter((p) => off(p) >= BASELINE_MIN_M);
   return fit.reduce<Place | null>((best, p) => (best === null || worth(p) > worth(best) ? p : best), null);
 }
@@ -119,7 +124,9 @@ export function mark(now: Marking, event: MarkEvent): Marking {
       const all = [...taken, { name, device: event.at, map: event.map }];
       if (all.length < names.length) return { ...now, taken: all };
       const fitted = fit(all);
-      return fitted.kind === 'fits' ? { kind: 'asking', names, taken: all } : { kind: 'refused', names, taken: all, text: fitted.text };
+      return fitted.kind === 'fits'
+        ? { kind: 'asking', names, taken: all }
+        : { kind: 'refused', names, taken: all, text: fitted.text };
     }
     case 'aligned':
       return now.kind === 'asking' || now.kind === 'done' ? { kind: 'done', names, taken, rms_m: event.rms_m } : now;

@@ -1,5 +1,5 @@
-// What a worker hears, and when: the task with its place, "you are there", "done", the next one, and warnings. Each is said
-// once; what was said can be said again. It makes sentences and no sound.
+// What a worker hears, and when: the task with its place, "you are there", "done", the next one, and warnings. Each is
+// said once; what was said can be said again. It makes sentences and no sound.
 import { joined, taskText, type Ended, type Shown, type Task } from './guide';
 import { t } from './words';
 
@@ -53,7 +53,11 @@ export class Announcer {
     const hasTask = task !== null && task.id === assignment;
     if (!isGuided(shown) || shown.kind === 'idle' || !hasTask) return sentences(shown);
     const more = shown.kind === 'following' ? shown.why : sentences(shown);
-    return joined(t('sentence', { text: taskText(task) }), shown.arrived ? t('sentence', { text: t('task.there') }) : '', more);
+    return joined(
+      t('sentence', { text: taskText(task) }),
+      shown.arrived ? t('sentence', { text: t('task.there') }) : '',
+      more,
+    );
   }
 
   #warning(shown: Shown, now: number): string {
@@ -73,7 +77,9 @@ export class Announcer {
     if (!isUrgent && now - (this.#saidAt.get(key) ?? -Infinity) < SAME_MS) return '';
     this.#saidAt.set(key, now);
     // The task itself is told apart from the warning.
-    return shown.kind === 'redirected' || shown.kind === 'deviating' ? joined(t('sentence', { text: shown.title }), shown.why) : sentences(shown);
+    return shown.kind === 'redirected' || shown.kind === 'deviating'
+      ? joined(t('sentence', { text: shown.title }), shown.why)
+      : sentences(shown);
   }
 
   #work(topic: Topic, now: number): string {

@@ -42,7 +42,8 @@ export function multiply(a: Mat4, b: Mat4): Float32Array {
   const out = new Float32Array(16);
   for (let c = 0; c < 4; c += 1) {
     for (let r = 0; r < 4; r += 1) {
-      out[c * 4 + r] = a[r]! * b[c * 4]! + a[r + 4]! * b[c * 4 + 1]! + a[r + 8]! * b[c * 4 + 2]! + a[r + 12]! * b[c * 4 + 3]!;
+      out[c * 4 + r] =
+        a[r]! * b[c * 4]! + a[r + 4]! * b[c * 4 + 1]! + a[r + 8]! * b[c * 4 + 2]! + a[r + 12]! * b[c * 4 + 3]!;
     }
   }
   return out;

@@ -22,7 +22,11 @@ export class Hall implements Backdrop {
   #glide = new Glide();
   #mirror: Mirror = EMPTY;
   #self = '';
-  #meshes: { ground: Mesh | null; racks: Mesh | null; movers: Mesh | null } = { ground: null, racks: null, movers: null };
+  #meshes: { ground: Mesh | null; racks: Mesh | null; movers: Mesh | null } = {
+    ground: null,
+    racks: null,
+    movers: null,
+  };
   #closures: readonly Closure[] | null = null;
   #racked: { rows: Mirror['racks']; from: Vec2 } | null = null;
 

@@ -32,7 +32,8 @@ const [FRAME_M, RING_M, THICK_M] = [0.12, 0.2, 0.02];
 
 /** The head's ray and the hands of a sample. */
 export const reaching = ({ pos, quat, hands }: Sample): Reaching => ({
-  gaze: { kind: 'head', origin: pos, dir: rotate(quat, [0, 0, -1]) }, hands: { l: hands?.l ?? null, r: hands?.r ?? null },
+  gaze: { kind: 'head', origin: pos, dir: rotate(quat, [0, 0, -1]) },
+  hands: { l: hands?.l ?? null, r: hands?.r ?? null },
 });
 
 /** Frames that can be seen from everywhere round what is lit, in the colour of alarm where a hand is wrong. */
@@ -44,7 +45,10 @@ export function lights(shapes: Shapes, cell: CellLights, alignment: Alignment, f
 }
 
 function frame(shapes: Shapes, [x, y, z]: Vec3, ink: Ink['next']): void {
-  for (const [dx, dz] of [[1, 0], [0, 1]] as const) {
+  for (const [dx, dz] of [
+    [1, 0],
+    [0, 1],
+  ] as const) {
     const at = (wide: number, high: number): Vec3 => [x + wide * dx, y + high, z + wide * dz];
     const [out, inner] = [FRAME_M, FRAME_M - THICK_M];
     for (const side of [-1, 1]) {
@@ -60,8 +64,12 @@ export function cellWords(cell: CellLights | null): readonly [title: string, det
   const seen = cell.hands ? t('cell.hands') : '';
   if (cell.warning) {
     const { kind, slot, tote } = cell.warning;
-    const take = cell.slot && cell.tote ? t('cell.take', { pieces: cell.pieces, slot: cell.slot.id, tote: cell.tote.id }) : '';
-    return [kind === 'wrong_slot' ? t('cell.wrong.slot', { slot: slot ?? '' }) : t('cell.wrong.tote', { tote: tote ?? '' }), take];
+    const take =
+      cell.slot && cell.tote ? t('cell.take', { pieces: cell.pieces, slot: cell.slot.id, tote: cell.tote.id }) : '';
+    return [
+      kind === 'wrong_slot' ? t('cell.wrong.slot', { slot: slot ?? '' }) : t('cell.wrong.tote', { tote: tote ?? '' }),
+      take,
+    ];
   }
   if (!cell.slot || !cell.tote) return [t('cell.wait', { station: cell.station }), seen];
   return [t('cell.take', { pieces: cell.pieces, slot: cell.slot.id, tote: cell.tote.id }), seen];

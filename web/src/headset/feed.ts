@@ -131,9 +131,11 @@ export class Feed {
     this.#become({ kind: 'connecting' });
     [this.#heardAt, this.#open, this.#last] = [clock.now(), false, ''];
     const turn = ++this.#turn;
-    const mine = <T extends unknown[]>(run: (...all: T) => void) => (...all: T): void => {
-      if (turn === this.#turn) run(...all);
-    };
+    const mine =
+      <T extends unknown[]>(run: (...all: T) => void) =>
+      (...all: T): void => {
+        if (turn === this.#turn) run(...all);
+      };
     try {
       this.#line = open({
         opened: mine(() => {
@@ -169,7 +171,12 @@ export class Feed {
       case 'aligned':
         return this.#tell({ kind: 'aligned', epoch: Number(m['epoch']), fit: m as unknown as Aligned });
       case 'refused':
-        return this.#tell({ kind: 'refused', reason: asSaid(m['reason']) ?? '', remedy: asSaid(m['remedy']) ?? '', aligned: m['aligned'] === true });
+        return this.#tell({
+          kind: 'refused',
+          reason: asSaid(m['reason']) ?? '',
+          remedy: asSaid(m['remedy']) ?? '',
+          aligned: m['aligned'] === true,
+        });
       case 'guidance':
         return this.#tell({ kind: 'guidance', guidance: m as unknown as Guidance });
       case 'cell':

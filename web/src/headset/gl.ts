@@ -12,11 +12,15 @@ export interface Sprite {
   piece: readonly [x: number, y: number, width: number, height: number];
 }
 
-const FLAT_PARTS = [['at', 3], ['ink', 4]] as const;
+const FLAT_PARTS = [
+  ['at', 3],
+  ['ink', 4],
+] as const;
 const FLAT_VERTEX = `attribute vec3 at; attribute vec4 ink; uniform mat4 matrix; varying vec4 colour;
 void main() { gl_Position = matrix * vec4(at, 1.0); colour = vec4(ink.rgb * ink.a, ink.a); }`;
 const FLAT_FRAGMENT = `precision mediump float; varying vec4 colour; void main() { gl_FragColor = colour; }`;
-const SOLID_VERTEX = `attribute vec3 at; attribute vec4 ink; uniform mat4 matrix; varying vec4 colour; varying float far;
+const SOLID_VERTEX = `attribute vec3 at; attribute vec4 ink; uniform mat4 matrix;
+varying vec4 colour; varying float far;
 void main() { gl_Position = matrix * vec4(at, 1.0); colour = ink; far = gl_Position.w; }`;
 const SOLID_FRAGMENT = `precision mediump float; varying vec4 colour; varying float far; uniform vec4 haze;
 void main() {
@@ -116,11 +120,21 @@ export class Painter {
     const { gl } = this;
     const [width, height] = this.#size;
     const corner = (i: number, j: number): number[] => [
-      ...[0, 1, 2].map((k) => c[k]! + r[k]! * i + u[k]! * j), (x + (w * (i + 1)) / 2) / width, (y + (h * (1 - j)) / 2) / height,
+      ...[0, 1, 2].map((k) => c[k]! + r[k]! * i + u[k]! * j),
+      (x + (w * (i + 1)) / 2) / width,
+      (y + (h * (1 - j)) / 2) / height,
     ];
     const corners = new Float32Array([...corner(-1, -1), ...corner(1, -1), ...corner(-1, 1), ...corner(1, 1)]);
     this.#fill(this.#buffer, corners, gl.STREAM_DRAW);
-    this.#use(this.#sheet, matrix, [['at', 3], ['uv', 2]], 5);
+    this.#use(
+      this.#sheet,
+      matrix,
+      [
+        ['at', 3],
+        ['uv', 2],
+      ],
+      5,
+    );
     gl.bindTexture(gl.TEXTURE_2D, this.#texture);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
   }
@@ -147,7 +161,10 @@ export class Painter {
 
 function program(gl: WebGLRenderingContext, vertex: string, fragment: string): WebGLProgram {
   const made = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]] as const) {
+  for (const [kind, text] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ] as const) {
     const shader = gl.createShader(kind);
     if (!shader || !made) throw new Error('WebGL could not create a shader');
     gl.shaderSource(shader, text);
@@ -155,6 +172,7 @@ function program(gl: WebGLRenderingContext, vertex: string, fragment: string): W
     gl.attachShader(made, shader);
   }
   gl.linkProgram(made);
-  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(made) ?? 'WebGL could not link the shader program');
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS))
+    throw new Error(gl.getProgramInfoLog(made) ?? 'WebGL could not link the shader program');
   return made;
 }

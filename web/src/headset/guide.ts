@@ -99,7 +99,8 @@ export function show(g: Guidance | null, at: Standing, task: Task | null = null)
     const key = at.link === 'connecting' && at.age_ms === null ? 'connecting' : 'offline';
     return { ...NOTHING, kind: 'offline', tone: 'warn', title: t(key), detail: t(`${key}.detail`) };
   }
-  if (at.tracking === 'lost') return { ...NOTHING, kind: 'lost', tone: 'warn', title: t('lost'), detail: t('lost.detail') };
+  if (at.tracking === 'lost')
+    return { ...NOTHING, kind: 'lost', tone: 'warn', title: t('lost'), detail: t('lost.detail') };
   if (!at.aligned) return { ...NOTHING, kind: 'marks', tone: 'notice', title: t('marks'), detail: t('marks.detail') };
   return following(g, at, task);
 }
@@ -107,7 +108,10 @@ export function show(g: Guidance | null, at: Standing, task: Task | null = null)
 /** A phone does not know where its wearer is: what it showed last is of use, if it says how old that is. */
 function kept(g: Guidance, age_ms: number, task: Task | null): Shown {
   const mine = task?.id === g.assignment ? task : null;
-  const detail = joined(mine ? t('sentence', { text: taskText(mine) }) : '', t('offline.kept', { time: duration(age_ms / 1000) }));
+  const detail = joined(
+    mine ? t('sentence', { text: taskText(mine) }) : '',
+    t('offline.kept', { time: duration(age_ms / 1000) }),
+  );
   return { ...NOTHING, kind: 'offline', tone: 'warn', title: t('offline'), detail, path: g.path, next: g.next };
 }
 
@@ -123,20 +127,44 @@ function following(g: Guidance, at: Standing, task: Task | null): Shown {
   const said = toDo === '' ? '' : t('sentence', { text: toDo });
   switch (g.state) {
     case 'deviating':
-      return { ...floor, kind: 'deviating', tone: 'warn', title: t('deviating'), detail: joined(why || t('cause.left_path'), guess) };
+      return {
+        ...floor,
+        kind: 'deviating',
+        tone: 'warn',
+        title: t('deviating'),
+        detail: joined(why || t('cause.left_path'), guess),
+      };
     case 'redirected':
-      return { ...floor, kind: 'redirected', tone: 'notice', title: t('redirected'), detail: joined(why, said, way, guess) };
+      return {
+        ...floor,
+        kind: 'redirected',
+        tone: 'notice',
+        title: t('redirected'),
+        detail: joined(why, said, way, guess),
+      };
     case 'following':
       if (arrived) {
         // Whoever is there needs no "go to".
         const here = mine && mine.what.trim() === '' ? t('sentence', { text: mine.place }) : said;
         return { ...floor, kind: 'following', tone: 'calm', title: t('task.there'), detail: joined(why, here, guess) };
       }
-      return { ...floor, kind: 'following', tone: 'calm', title: toDo || t('following'), detail: joined(why, way, guess) };
+      return {
+        ...floor,
+        kind: 'following',
+        tone: 'calm',
+        title: toDo || t('following'),
+        detail: joined(why, way, guess),
+      };
     default: {
       // Whoever is to wait is told why: the place of the task is closed, or the building is evacuated.
       const title = why ? t('idle.wait') : t('idle');
-      return { ...floor, kind: 'idle', tone: why ? 'notice' : 'calm', title, detail: joined(why || t('idle.detail'), guess) };
+      return {
+        ...floor,
+        kind: 'idle',
+        tone: why ? 'notice' : 'calm',
+        title,
+        detail: joined(why || t('idle.detail'), guess),
+      };
     }
   }
 }
@@ -150,8 +178,20 @@ export function taskText({ what, place }: Task): string {
 
 /** The kinds of causes that this page has sentences for; a newer server may know more. */
 const CAUSES = [
-  'left_path', 'robot_comes', 'robot_in_the_way', 'robot_waits', 'robot_passes', 'robot_crosses', 'place_unsure', 'cuts_off',
-  'round_closure', 'leaves_closure', 'place_closed', 'evacuation', 'no_way', 'not_tracked',
+  'left_path',
+  'robot_comes',
+  'robot_in_the_way',
+  'robot_waits',
+  'robot_passes',
+  'robot_crosses',
+  'place_unsure',
+  'cuts_off',
+  'round_closure',
+  'leaves_closure',
+  'place_closed',
+  'evacuation',
+  'no_way',
+  'not_tracked',
 ] as const;
 
 /** A phone has no marks to touch: its wearer taps the map. */

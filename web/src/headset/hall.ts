@@ -3,7 +3,18 @@ import type { Vec2 } from './frame';
 import { isInside } from './polygon';
 import { Shapes, type Colour } from './shapes';
 import { area, beside, box, column, edge, line, placeAt } from './solids';
-import { activityOf, type Activity, type Closure, type FloorMap, type Footprint, type Mirror, type NodeKind, type Robot, type RobotKind, type Worker } from '../wire';
+import {
+  activityOf,
+  type Activity,
+  type Closure,
+  type FloorMap,
+  type Footprint,
+  type Mirror,
+  type NodeKind,
+  type Robot,
+  type RobotKind,
+  type Worker,
+} from '../wire';
 
 export interface HallInk {
   /** Around and above the floor, and in the distance. */
@@ -44,10 +55,16 @@ const away = (a: Vec2, b: Vec2): number => Math.hypot(a[0] - b[0], a[1] - b[1]);
 export function ground(map: FloorMap, closures: readonly Closure[], ink: HallInk): Shapes {
   const shapes = new Shapes();
   const r = map.footprint_m / 2 + 0.05;
-  const square = (x: number, y: number): Vec2[] => [[x - r, y - r], [x + r, y - r], [x + r, y + r], [x - r, y + r]];
+  const square = (x: number, y: number): Vec2[] => [
+    [x - r, y - r],
+    [x + r, y - r],
+    [x + r, y + r],
+    [x - r, y + r],
+  ];
   for (const outline of map.walkable) area(shapes, outline, ink.floor);
   // Places where only robots go lie outside of what people can walk on.
-  for (const n of map.nodes) if (!map.walkable.some((o) => isInside(o, [n.x, n.y]))) area(shapes, square(n.x, n.y), ink.floor);
+  for (const n of map.nodes)
+    if (!map.walkable.some((o) => isInside(o, [n.x, n.y]))) area(shapes, square(n.x, n.y), ink.floor);
   for (const outline of map.walkable) edge(shapes, outline, 0.05, ink.edge);
   for (const outline of map.obstacles) area(shapes, outline, ink.blocked);
   for (const n of map.nodes) {
@@ -68,21 +85,37 @@ export function ground(map: FloorMap, closures: readonly Closure[], ink: HallInk
 }
 
 /** A number of a name, so that each rack has goods of its own. */
-const numberOf = (name: string): number => [...name].reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7);
+const numberOf = (name: string): number =>
+  [...name].reduce((sum, letter) => (sum * 31 + letter.charCodeAt(0)) % 9973, 7);
 
-function rack(shapes: Shapes, id: string, { at, heading }: Mover, half: number, lift: number, near: boolean, ink: HallInk): void {
+function rack(
+  shapes: Shapes,
+  id: string,
+  { at, heading }: Mover,
+  half: number,
+  lift: number,
+  near: boolean,
+  ink: HallInk,
+): void {
   const part = (along: number, left: number, l: number, w: number, from: number, to: number, colour: Colour): void =>
-    box(shapes, { at: beside(at, heading, along, left), heading, half: [l, w], from: from + lift, to: to + lift }, colour);
+    box(
+      shapes,
+      { at: beside(at, heading, along, left), heading, half: [l, w], from: from + lift, to: to + lift },
+      colour,
+    );
   const seed = numberOf(id);
   const goods = (i: number): Colour => ink.goods[(seed + i) % ink.goods.length] ?? ink.frame;
   if (!near) return part(0, 0, half, half, DECK_M, RACK_M, goods(0));
-  for (const side of [-1, 1]) for (const end of [-1, 1]) part(end * (half - 0.03), side * (half - 0.03), 0.03, 0.03, 0, RACK_M, ink.frame);
+  for (const side of [-1, 1])
+    for (const end of [-1, 1]) part(end * (half - 0.03), side * (half - 0.03), 0.03, 0.03, 0, RACK_M, ink.frame);
   SHELF_HEIGHTS.forEach((height, i) => {
     part(0, 0, half, half, height - BOARD_M, height, ink.frame);
     // One wide carton, or two; not all are full.
     const tall = 0.28 + 0.05 * ((seed >> i) % 4);
     if ((seed + i) % 3 === 0) part(0, 0, half - 0.1, half - 0.1, height, height + tall, goods(i));
-    else for (const end of [-1, 1]) part(end * half * 0.48, 0, half * 0.4, half - 0.1, height, height + tall + 0.04 * end, goods(i + end));
+    else
+      for (const end of [-1, 1])
+        part(end * half * 0.48, 0, half * 0.4, half - 0.1, height, height + tall + 0.04 * end, goods(i + end));
   });
   part(0, 0, half, half, RACK_M - BOARD_M, RACK_M, ink.frame);
 }
@@ -110,9 +143,18 @@ export function halfOf(footprint: Footprint | null | undefined, usual: number): 
 }
 
 /** A robot, with the rack that it carries. */
-export function robot(shapes: Shapes, it: Robot, mover: Mover, near: boolean, sizes: { kinds: readonly RobotKind[]; usual: number }, ink: HallInk): void {
+export function robot(
+  shapes: Shapes,
+  it: Robot,
+  mover: Mover,
+  near: boolean,
+  sizes: { kinds: readonly RobotKind[]; usual: number },
+  ink: HallInk,
+): void {
   const { at, heading } = mover;
-  const [l, w] = halfOf(sizes.kinds.find((k) => k.name === it.kind)?.footprint, sizes.usual).map((half) => half * 0.92) as [number, number];
+  const [l, w] = halfOf(sizes.kinds.find((k) => k.name === it.kind)?.footprint, sizes.usual).map(
+    (half) => half * 0.92,
+  ) as [number, number];
   const colour = ink.states[activityOf(it)];
   box(shapes, { at, heading, half: [l, w], from: 0.04, to: 0.27 }, colour);
   box(shapes, { at, heading, half: [l * 0.6, w * 0.6], from: 0.27, to: 0.31 }, ink.frame);
@@ -126,7 +168,8 @@ export function robot(shapes: Shapes, it: Robot, mover: Mover, near: boolean, si
 export function person(shapes: Shapes, it: Pick<Worker, 'regions'>, { at, heading }: Mover, ink: HallInk): void {
   const [stop] = it.regions;
   if (stop > 0) shapes.ring(placeAt(at, 0.01), stop - 0.04, stop, ink.region);
-  for (const side of [-1, 1]) column(shapes, beside(at, heading, 0, side * 0.1), { foot: 0.07, top: 0.09, from: 0, to: 0.82 }, ink.frame);
+  for (const side of [-1, 1])
+    column(shapes, beside(at, heading, 0, side * 0.1), { foot: 0.07, top: 0.09, from: 0, to: 0.82 }, ink.frame);
   column(shapes, at, { foot: 0.2, top: 0.24, from: 0.8, to: 1.42 }, ink.person);
   column(shapes, at, { foot: 0.07, top: 0.07, from: 1.42, to: 1.5 }, ink.nose);
   column(shapes, at, { foot: 0.12, top: 0.12, from: 1.5, to: 1.72 }, ink.nose);
@@ -136,7 +179,14 @@ export function person(shapes: Shapes, it: Pick<Worker, 'regions'>, { at, headin
 }
 
 /** What moves, as far as somebody at `from` sees it. */
-export function movers(map: FloorMap, mirror: Mirror, where: (id: string) => Mover | undefined, from: Vec2, self: string, ink: HallInk): { shapes: Shapes; robots: number; people: number } {
+export function movers(
+  map: FloorMap,
+  mirror: Mirror,
+  where: (id: string) => Mover | undefined,
+  from: Vec2,
+  self: string,
+  ink: HallInk,
+): { shapes: Shapes; robots: number; people: number } {
   const shapes = new Shapes();
   const sizes = { kinds: map.kinds ?? [], usual: map.footprint_m };
   let [robots, people] = [0, 0];

@@ -22,7 +22,10 @@ export function inkOf(name: string): string {
 
 /** A colour for WebGL, by its name in app.css. */
 function colourOf(name: string): Colour {
-  const numbers = inkOf(name).match(/[\d.]+/g)?.map(Number) ?? [];
+  const numbers =
+    inkOf(name)
+      .match(/[\d.]+/g)
+      ?.map(Number) ?? [];
   const [r = 255, g = 255, b = 255, a = 1] = numbers;
   return [r / 255, g / 255, b / 255, a];
 }
@@ -31,7 +34,13 @@ function colourOf(name: string): Colour {
 export function roomInk(): Ink {
   const of = (name: string): Colour => colourOf(`xr-${name}`);
   return {
-    path: of('path'), chevron: of('chevron'), next: of('next'), robot: of('robot'), close: of('close'), mark: of('mark'), stop: of('stop'),
+    path: of('path'),
+    chevron: of('chevron'),
+    next: of('next'),
+    robot: of('robot'),
+    close: of('close'),
+    mark: of('mark'),
+    stop: of('stop'),
     outside: of('outside'),
   };
 }
@@ -40,10 +49,27 @@ export function roomInk(): Ink {
 export function hallInk(): HallInk {
   const of = colourOf;
   return {
-    sky: of('twin-sky'), floor: of('map-floor'), edge: of('map-edge'), lane: of('map-lane'), blocked: of('twin-blocked'), closed: of('map-closed'),
-    places: { station: of('map-station'), queue: of('map-queue'), charger: of('map-charger'), parking: of('map-parking'), exit: of('map-exit') },
-    frame: of('twin-frame'), goods: ['twin-goods-1', 'twin-goods-2', 'twin-goods-3'].map(of),
-    states: Object.fromEntries([...ACTIVITIES.map((one) => [one, of(`state-${one}`)]), ['gone', of('state-idle')]]) as HallInk['states'],
-    nose: of('twin-nose'), person: of('map-person'), region: of('map-region'),
+    sky: of('twin-sky'),
+    floor: of('map-floor'),
+    edge: of('map-edge'),
+    lane: of('map-lane'),
+    blocked: of('twin-blocked'),
+    closed: of('map-closed'),
+    places: {
+      station: of('map-station'),
+      queue: of('map-queue'),
+      charger: of('map-charger'),
+      parking: of('map-parking'),
+      exit: of('map-exit'),
+    },
+    frame: of('twin-frame'),
+    goods: ['twin-goods-1', 'twin-goods-2', 'twin-goods-3'].map(of),
+    states: Object.fromEntries([
+      ...ACTIVITIES.map((one) => [one, of(`state-${one}`)]),
+      ['gone', of('state-idle')],
+    ]) as HallInk['states'],
+    nose: of('twin-nose'),
+    person: of('map-person'),
+    region: of('map-region'),
   };
 }

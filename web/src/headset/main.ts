@@ -25,7 +25,8 @@ const server = new Server();
 /** So far a device goes that finds its way by what is around its start, metres. */
 const NARROW_TRACKING_M = 15;
 const clock = {
-  now: () => performance.now(), after: (ms: number, run: () => void) => setTimeout(run, ms),
+  now: () => performance.now(),
+  after: (ms: number, run: () => void) => setTimeout(run, ms),
   cancel: (timer: unknown) => clearTimeout(timer as number),
 };
 const textOf = (error: unknown): string => (error instanceof Error ? error.message : String(error));
@@ -38,17 +39,25 @@ async function signIn(ended = ''): Promise<void> {
   if (!host) return;
   if (map.kind !== 'ok') return locked(map, () => signIn());
   host.dataset['screen'] = 'sign-in';
-  host.replaceChildren(signInForm({
-    map: map.value, workers: workers.kind === 'ok' ? workers.value.items : [], canSee, ended,
-    begin: (chosen) => begin(map.value, chosen), again: () => void signIn(),
-  }));
+  host.replaceChildren(
+    signInForm({
+      map: map.value,
+      workers: workers.kind === 'ok' ? workers.value.items : [],
+      canSee,
+      ended,
+      begin: (chosen) => begin(map.value, chosen),
+      again: () => void signIn(),
+    }),
+  );
 }
 
 function locked(answer: Parameters<typeof lockedForm>[0], then: () => Promise<void>): void {
-  host?.replaceChildren(lockedForm(answer, (token) => {
-    if (token !== null) server.token = token;
-    void then();
-  }));
+  host?.replaceChildren(
+    lockedForm(answer, (token) => {
+      if (token !== null) server.token = token;
+      void then();
+    }),
+  );
 }
 
 /** Opens a view. Answers with what went wrong, if anything. */
@@ -71,8 +80,14 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
   let id = '';
   let over = false;
   const wearer: Wearer = new Wearer({
-    frame: 'device', poses: 'tracked', clock, random: Math.random, marks, open: (events) => server.open(id, events),
-    task: (assignment) => server.task(id, assignment), onChange: () => refresh(),
+    frame: 'device',
+    poses: 'tracked',
+    clock,
+    random: Math.random,
+    marks,
+    open: (events) => server.open(id, events),
+    task: (assignment) => server.task(id, assignment),
+    onChange: () => refresh(),
   });
   const screen = new Screen(host, wearer);
   const refresh = (): void => {
@@ -101,7 +116,16 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
         const shown = wearer.shown();
         const [title, detail] = board(shown, wearer);
         const marking = wearer.marking.kind === 'taking' || wearer.marking.kind === 'refused';
-        return { shown, alignment: wearer.alignment, marking, narrow: false, board: 'eyes', cell: wearer.cell, title, detail };
+        return {
+          shown,
+          alignment: wearer.alignment,
+          marking,
+          narrow: false,
+          board: 'eyes',
+          cell: wearer.cell,
+          title,
+          detail,
+        };
       },
       wantsHands: () => wearer.pump.wantsHands,
       drew: (target: Aim | null) => {
@@ -117,10 +141,26 @@ async function seeRoom(hired: ReturnType<Server['hire']>, marks: readonly Place[
   const leave = make('button', { textContent: t('room.close') });
   leave.addEventListener('click', () => void view.leave());
   host.dataset['screen'] = 'room';
-  host.replaceChildren(make('main', { className: 'room' }, screen.banner, screen.note, screen.stop,
-    make('p', { className: 'dim', textContent: t('room.seen', { name }) }),
-    ...(view.wide ? [] : [make('p', { className: 'dim', textContent: t('room.narrow-tracking', { distance: metres(NARROW_TRACKING_M) }) })]),
-    make('div', { className: 'row wrap' }, leave, ...screen.talk), canvas));
+  host.replaceChildren(
+    make(
+      'main',
+      { className: 'room' },
+      screen.banner,
+      screen.note,
+      screen.stop,
+      make('p', { className: 'dim', textContent: t('room.seen', { name }) }),
+      ...(view.wide
+        ? []
+        : [
+            make('p', {
+              className: 'dim',
+              textContent: t('room.narrow-tracking', { distance: metres(NARROW_TRACKING_M) }),
+            }),
+          ]),
+      make('div', { className: 'row wrap' }, leave, ...screen.talk),
+      canvas,
+    ),
+  );
   const worker = await hired;
   if (over) return '';
   if (worker.kind !== 'ok') {
@@ -140,7 +180,13 @@ async function enterTwin(map: FloorMap, worker: { id: string; name: string }, st
   const [{ Twin }, kinds] = await Promise.all([import('./twin'), server.kinds()]);
   try {
     const twin = new Twin({
-      host, server, map: { ...map, kinds: kinds.kind === 'ok' ? kinds.value : [] }, worker, start: start.at, clock, safety: t('safety'),
+      host,
+      server,
+      map: { ...map, kinds: kinds.kind === 'ok' ? kinds.value : [] },
+      worker,
+      start: start.at,
+      clock,
+      safety: t('safety'),
       left: () => leave(worker.id, worker.name),
     });
     await twin.open();
@@ -163,14 +209,27 @@ async function left(id: string, name: string, wrong = ''): Promise<void> {
     });
   });
   host.dataset['screen'] = 'left';
-  host.replaceChildren(make('main', {}, make('div', { className: 'panel sign' }, make('h1', { textContent: t('left.heading') }),
-    make('p', { textContent: t('left.text', { name }) }),
-    error, make('div', { className: 'row wrap' }, gone, again))));
+  host.replaceChildren(
+    make(
+      'main',
+      {},
+      make(
+        'div',
+        { className: 'panel sign' },
+        make('h1', { textContent: t('left.heading') }),
+        make('p', { textContent: t('left.text', { name }) }),
+        error,
+        make('div', { className: 'row wrap' }, gone, again),
+      ),
+    ),
+  );
 }
 
 /** Says that nobody is there any more. Robots go on keeping away unless the server has heard it. */
 function leave(id: string, name: string): void {
-  void server.clear(id, name).then((answer) => (answer.kind === 'ok' ? signIn(t('left.said', { name })) : left(id, name, refusalWords(answer))));
+  void server
+    .clear(id, name)
+    .then((answer) => (answer.kind === 'ok' ? signIn(t('left.said', { name })) : left(id, name, refusalWords(answer))));
 }
 
 /** The map on a phone, which is fetched only where it is used. */
@@ -179,8 +238,14 @@ async function phone(map: FloorMap, id: string, name: string): Promise<void> {
   if (!host) return;
   const canvas = make('canvas', { className: 'map', role: 'img', ariaLabel: t('phone.map') });
   const wearer: Wearer = new Wearer({
-    frame: 'map', poses: 'placed', clock, random: Math.random, marks: [], open: (events) => server.open(id, events),
-    task: (assignment) => server.task(id, assignment), onChange: () => refresh(),
+    frame: 'map',
+    poses: 'placed',
+    clock,
+    random: Math.random,
+    marks: [],
+    open: (events) => server.open(id, events),
+    task: (assignment) => server.task(id, assignment),
+    onChange: () => refresh(),
   });
   const screen = new Screen(host, wearer);
   const where = make('p', { className: 'where' });
@@ -207,7 +272,8 @@ async function phone(map: FloorMap, id: string, name: string): Promise<void> {
     const for_s = wearer.placed ? Math.ceil((PLACED_MS - (clock.now() - wearer.placed.since)) / 1000) : 0;
     write(where, wearer.placed ? t('phone.placed', { time: seconds(for_s) }) : t(seen ? 'phone.tag' : 'phone.unknown'));
     const lines = shown.near.map((r) =>
-      t(r.closest_s === null ? 'phone.robot' : 'phone.robot.closing', { robot: r.id, distance: metres(r.distance) }));
+      t(r.closest_s === null ? 'phone.robot' : 'phone.robot.closing', { robot: r.id, distance: metres(r.distance) }),
+    );
     if (near.dataset['lines'] !== lines.join()) {
       near.dataset['lines'] = lines.join();
       near.replaceChildren(...lines.map((textContent) => make('li', { textContent })));
@@ -236,9 +302,28 @@ async function phone(map: FloorMap, id: string, name: string): Promise<void> {
     leave(id, name);
   });
   host.dataset['screen'] = 'phone';
-  host.replaceChildren(make('main', { className: 'phone' }, screen.banner, canvas, where, near, screen.note, screen.stop,
-    make('div', { className: 'row wrap' }, make('span', { className: 'dim grow', textContent: name }), back, done, ...screen.talk, gone),
-    make('p', { className: 'safety', textContent: t('safety') })));
+  host.replaceChildren(
+    make(
+      'main',
+      { className: 'phone' },
+      screen.banner,
+      canvas,
+      where,
+      near,
+      screen.note,
+      screen.stop,
+      make(
+        'div',
+        { className: 'row wrap' },
+        make('span', { className: 'dim grow', textContent: name }),
+        back,
+        done,
+        ...screen.talk,
+        gone,
+      ),
+      make('p', { className: 'safety', textContent: t('safety') }),
+    ),
+  );
   wearer.start();
   const mark = placesOf(map).find((p) => p.name === scanned);
   scanned = null;
@@ -255,4 +340,6 @@ async function sheets(): Promise<void> {
   host.replaceChildren(markSheets(map.value, () => void sheets()));
 }
 
-void learn().then(learnSaid).then(() => (location.pathname.endsWith('/marks') ? sheets() : signIn()));
+void learn()
+  .then(learnSaid)
+  .then(() => (location.pathname.endsWith('/marks') ? sheets() : signIn()));

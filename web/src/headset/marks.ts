@@ -1,5 +1,5 @@
-// The sheets of a map's marks, to be printed and laid on the floor: a cross for the place, the name, and a code that leads
-// a phone to this page.
+// The sheets of a map's marks, to be printed and laid on the floor: a cross for the place, the name, and a code that
+// leads a phone to this page.
 import { encode } from 'uqr';
 import { make } from './dom';
 import { languageField, marksOf } from './signin';
@@ -13,16 +13,24 @@ const QUIET = 4;
 
 export function markSheets(map: FloorMap, again: () => void): HTMLElement {
   const marks = marksOf(map);
-  const print = make('button', { type: 'button', className: 'main', textContent: t('sheet.print'), disabled: marks.length === 0 });
+  const print = make('button', {
+    type: 'button',
+    className: 'main',
+    textContent: t('sheet.print'),
+    disabled: marks.length === 0,
+  });
   print.addEventListener('click', () => globalThis.print());
   const isListed = (map.marks ?? []).length > 0;
   const about = marks.length === 0 ? t('sheet.none') : isListed ? '' : t('sheet.all');
-  const bar = make('div', { className: 'panel sign bar' },
+  const bar = make(
+    'div',
+    { className: 'panel sign bar' },
     make('h1', { textContent: t('sheet.heading', { map: map.name }) }),
     languageField(again),
     make('p', { textContent: t('sheet.count', { count: marks.length }) }),
     ...(about === '' ? [] : [make('p', { className: 'dim', textContent: about })]),
-    make('div', { className: 'row wrap' }, print, make('a', { href: '/headset', textContent: t('sheet.back') })));
+    make('div', { className: 'row wrap' }, print, make('a', { href: '/headset', textContent: t('sheet.back') })),
+  );
   return make('main', { className: 'sheets' }, bar, ...marks.map(sheet));
 }
 
@@ -30,13 +38,16 @@ function sheet(mark: Place): HTMLElement {
   const [x, y] = mark.at;
   const address = `${location.origin}/headset?mark=${encodeURIComponent(mark.name)}`;
   const title = t('sheet.mark', { name: mark.name });
-  return make('section', { className: 'sheet', ariaLabel: title },
+  return make(
+    'section',
+    { className: 'sheet', ariaLabel: title },
     make('p', { className: 'up', textContent: `↑ ${t('sheet.up')}` }),
     cross(),
     make('h2', { textContent: title }),
     make('p', { textContent: t('sheet.place', { x: coordinate(x), y: coordinate(y) }) }),
     make('div', { className: 'scan' }, code(address), make('p', { textContent: t('sheet.scan') })),
-    make('p', { textContent: t('sheet.floor') }));
+    make('p', { textContent: t('sheet.floor') }),
+  );
 }
 
 function drawing(size: number, name: string): SVGSVGElement {
@@ -64,6 +75,11 @@ function cross(): SVGSVGElement {
 export function code(address: string): SVGSVGElement {
   const { data, size } = encode(address, { ecc: 'M', border: 0 });
   const svg = drawing(size + 2 * QUIET, 'code');
-  path(svg, data.flatMap((row, y) => row.flatMap((isDark, x) => (isDark ? [`M${x + QUIET} ${y + QUIET}h1v1h-1z`] : []))).join(''));
+  path(
+    svg,
+    data
+      .flatMap((row, y) => row.flatMap((isDark, x) => (isDark ? [`M${x + QUIET} ${y + QUIET}h1v1h-1z`] : [])))
+      .join(''),
+  );
   return svg;
 }

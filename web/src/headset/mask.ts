@@ -19,7 +19,8 @@ export function sight(projection: Mat4, narrow: boolean): Vec2 {
   return narrow ? [Math.min(whole[0], NARROW[0]), Math.min(whole[1], NARROW[1])] : whole;
 }
 
-/** The projection for a field of view: straight ahead, although an eye looks past its middle, as it is for both eyes. */
+/** The projection for a field of view: straight ahead, although an eye looks past its middle, as it is for both
+ *  eyes. */
 export function straight(projection: Mat4, seen: Vec2): Float32Array {
   const out = Float32Array.from(projection);
   [out[0], out[5], out[8], out[9]] = [1 / seen[0], 1 / seen[1], 0, 0];
@@ -31,7 +32,8 @@ export function mask(ink: Colour): Shapes {
   const shapes = new Shapes();
   const [x, y] = NARROW;
   const at = (right: number, up: number): Vec3 => [right * MASK_M, up * MASK_M, -MASK_M];
-  const part = (x0: number, y0: number, x1: number, y1: number): void => shapes.quad(at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1), ink);
+  const part = (x0: number, y0: number, x1: number, y1: number): void =>
+    shapes.quad(at(x0, y0), at(x1, y0), at(x1, y1), at(x0, y1), ink);
   part(-WIDE, y, WIDE, WIDE);
   part(-WIDE, -WIDE, WIDE, -y);
   part(-WIDE, -y, -x, y);

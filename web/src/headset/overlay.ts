@@ -1,4 +1,5 @@
-// What a wearer sees of guidance, over the room, a twin of it, or nothing: drawn for one eye or two from one description.
+// What a wearer sees of guidance, over the room, a twin of it, or nothing: drawn for one eye or two from one
+// description.
 import { aim, multiply, type Aim, type Mat4 } from './arrow';
 import { lights, type CellLights } from './cell';
 import { toDevice, toMap, type Alignment, type Vec2, type Vec3 } from './frame';
@@ -70,13 +71,22 @@ export class Overlay {
   }
 
   /** A frame with a pose. Answers where the next point is. */
-  draw(target: WebGLFramebuffer | null, head: Head, sights: readonly Eyesight[], scene: Scene, pointed: Vec3 | null): Aim | null {
+  draw(
+    target: WebGLFramebuffer | null,
+    head: Head,
+    sights: readonly Eyesight[],
+    scene: Scene,
+    pointed: Vec3 | null,
+  ): Aim | null {
     const { shown, alignment, marking, narrow, board, cell, title, detail } = scene;
     const first = sights[0];
     if (!first) return null;
     const half = sight(first.projection, narrow);
     const from = alignment ? toMap(alignment, head.at) : null;
-    const next = alignment && shown.next ? aim(toDevice(alignment, shown.next, head.floor + POST_M), head.inverse, straight(first.projection, half)) : null;
+    const next =
+      alignment && shown.next
+        ? aim(toDevice(alignment, shown.next, head.floor + POST_M), head.inverse, straight(first.projection, half))
+        : null;
     const things = alignment && from ? room(shown, alignment, head.floor, from, this.#ink) : new Shapes();
     if (cell && alignment) lights(things, cell, alignment, head.floor, this.#ink);
     const inRoom = things.corners;
@@ -84,8 +94,19 @@ export class Overlay {
     const before = eyes(shown, next, half, this.#ink).corners;
     const masked = narrow ? mask(this.#ink.outside).corners : new Float32Array();
     const near = shown.near.slice(0, MOST_LABELS);
-    this.#write({ tone: shown.tone, title, detail, labels: near.map((r) => ({ text: `${r.id} ${metres(r.distance)}`, close: r.distance < CLOSE_M })) });
-    const labels = alignment && from ? labelsAt(near.map((robot) => toDevice(alignment, robotAt(from, robot), head.floor + LABEL_M)), head.at) : [];
+    this.#write({
+      tone: shown.tone,
+      title,
+      detail,
+      labels: near.map((r) => ({ text: `${r.id} ${metres(r.distance)}`, close: r.distance < CLOSE_M })),
+    });
+    const labels =
+      alignment && from
+        ? labelsAt(
+            near.map((robot) => toDevice(alignment, robotAt(from, robot), head.floor + LABEL_M)),
+            head.at,
+          )
+        : [];
     this.painter.begin(target, this.#backdrop?.sky);
     [this.#eyes, this.#half] = [[], half];
     for (const { port, projection, toEye } of sights) {
@@ -105,7 +126,10 @@ export class Overlay {
   }
 
   /** Without a pose there is no room, but what is before the eyes stays: above all STOP. */
-  drawBlind(target: WebGLFramebuffer | null, { shown, title, detail }: Pick<Scene, 'shown' | 'title' | 'detail'>): void {
+  drawBlind(
+    target: WebGLFramebuffer | null,
+    { shown, title, detail }: Pick<Scene, 'shown' | 'title' | 'detail'>,
+  ): void {
     this.#write({ tone: shown.tone, title, detail, labels: [] });
     this.painter.begin(target, this.#backdrop?.sky);
     const before = eyes(shown, null, this.#half, this.#ink).corners;
@@ -125,7 +149,13 @@ export class Overlay {
     const [dx, dz] = [head[0] - at[0], head[2] - at[2]];
     const d = Math.max(NEAREST_LABEL_M, Math.hypot(dx, dz));
     const size = LABEL_WIDE * d;
-    this.painter.sprite({ matrix, centre: at, right: [(dz / d) * size, 0, (-dx / d) * size], up: [0, LABEL_HIGH * d, 0], piece: labelPiece(i) });
+    this.painter.sprite({
+      matrix,
+      centre: at,
+      right: [(dz / d) * size, 0, (-dx / d) * size],
+      up: [0, LABEL_HIGH * d, 0],
+      piece: labelPiece(i),
+    });
   }
 
   #board(shown: Shown, half: Vec2, matrix: Mat4, where: Scene['board']): void {
@@ -134,14 +164,23 @@ export class Overlay {
     const wide = stop ? Math.min(half[0] * 0.8, 0.6) : Math.min(half[0] * 0.55, where === 'window' ? 0.24 : 0.44);
     const high = (wide * BOARD_PIECE[3]) / BOARD_PIECE[2];
     const low = where === 'window' ? half[1] * (1 - EDGE) - high : half[1] * 0.62;
-    this.painter.sprite({ matrix, centre: [0, stop ? 0 : -low, -1], right: [wide, 0, 0], up: [0, high, 0], piece: BOARD_PIECE });
+    this.painter.sprite({
+      matrix,
+      centre: [0, stop ? 0 : -low, -1],
+      right: [wide, 0, 0],
+      up: [0, high, 0],
+      piece: BOARD_PIECE,
+    });
   }
 }
 
 /** Where labels stand so that none covers another from the head: those behind are lifted over those before them. */
 function labelsAt(wished: readonly Vec3[], head: Vec3): Vec3[] {
   const far = ([x, , z]: Vec3): number => Math.max(NEAREST_LABEL_M, Math.hypot(x - head[0], z - head[2]));
-  const bearings = wished.map((at) => ({ left: Math.atan2(head[0] - at[0], head[2] - at[2]), up: (at[1] - head[1]) / far(at) }));
+  const bearings = wished.map((at) => ({
+    left: Math.atan2(head[0] - at[0], head[2] - at[2]),
+    up: (at[1] - head[1]) / far(at),
+  }));
   const lifted = lifts(bearings, 2 * LABEL_WIDE, 2 * LABEL_HIGH);
   return wished.map((at, i) => [at[0], at[1] + (lifted[i] ?? 0) * far(at), at[2]]);
 }

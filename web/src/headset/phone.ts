@@ -34,14 +34,19 @@ export function lens(map: FloorMap, self: Self | null, width: number, height: nu
   const scale = Math.max(whole, Math.min(width, height) / (2 * AROUND_M));
   const within = (v: number, low: number, high: number, half: number): number =>
     high - low <= 2 * half ? (low + high) / 2 : Math.min(high - half, Math.max(low + half, v));
-  return { centre: [within(self.at[0], x0, x1, width / 2 / scale), within(self.at[1], y0, y1, height / 2 / scale)], scale };
+  return {
+    centre: [within(self.at[0], x0, x1, width / 2 / scale), within(self.at[1], y0, y1, height / 2 / scale)],
+    scale,
+  };
 }
 
 export const onCanvas = (l: Lens, p: Vec2 | Point, width: number, height: number): Vec2 => [
-  width / 2 + (p[0] - l.centre[0]) * l.scale, height / 2 - (p[1] - l.centre[1]) * l.scale,
+  width / 2 + (p[0] - l.centre[0]) * l.scale,
+  height / 2 - (p[1] - l.centre[1]) * l.scale,
 ];
 export const onMap = (l: Lens, p: Vec2, width: number, height: number): Vec2 => [
-  l.centre[0] + (p[0] - width / 2) / l.scale, l.centre[1] - (p[1] - height / 2) / l.scale,
+  l.centre[0] + (p[0] - width / 2) / l.scale,
+  l.centre[1] - (p[1] - height / 2) / l.scale,
 ];
 
 /** Which way to go from here, on the map: radians; none where there is no path. */
@@ -50,7 +55,13 @@ export function wayAhead(self: Vec2, shown: Shown): number | null {
   return ahead ? Math.atan2(ahead[1] - self[1], ahead[0] - self[0]) : null;
 }
 
-export function drawMap(canvas: HTMLCanvasElement, map: FloorMap, self: Self | null, shown: Shown, ink: (name: string) => string): Lens {
+export function drawMap(
+  canvas: HTMLCanvasElement,
+  map: FloorMap,
+  self: Self | null,
+  shown: Shown,
+  ink: (name: string) => string,
+): Lens {
   const ratio = Math.min(3, devicePixelRatio || 1);
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   if (canvas.width !== Math.round(width * ratio)) canvas.width = Math.round(width * ratio);
@@ -64,8 +75,11 @@ export function drawMap(canvas: HTMLCanvasElement, map: FloorMap, self: Self | n
   c.fillRect(0, 0, width, height);
   ground(c, map, at, l.scale, ink);
   way(c, shown, self ? fromFeet(shown, self.at) : shown.path, at, ink);
-  const named = (robot: Shown['near'][number], from: Vec2): Named =>
-    ({ at: at(robotAt(from, robot)), text: `${robot.id} ${metres(robot.distance)}`, close: robot.distance < CLOSE_M });
+  const named = (robot: Shown['near'][number], from: Vec2): Named => ({
+    at: at(robotAt(from, robot)),
+    text: `${robot.id} ${metres(robot.distance)}`,
+    close: robot.distance < CLOSE_M,
+  });
   const robots = self ? shown.near.map((robot) => named(robot, self.at)) : [];
   const radius = Math.max(10, 0.5 * l.scale);
   for (const robot of robots) ring(c, robot.at, radius, ink(robot.close ? 'map-stop' : 'map-granted'));
@@ -142,9 +156,22 @@ function ring(c: CanvasRenderingContext2D, [x, y]: Vec2, radius: number, colour:
 }
 
 /** Names of robots, the nearest first, then of stations; a name that finds no room is left out. */
-function names(c: CanvasRenderingContext2D, robots: readonly Named[], places: readonly Named[], radius: number, self: Vec2 | null, ink: Ink): void {
+function names(
+  c: CanvasRenderingContext2D,
+  robots: readonly Named[],
+  places: readonly Named[],
+  radius: number,
+  self: Vec2 | null,
+  ink: Ink,
+): void {
   c.font = '600 13px system-ui, sans-serif';
-  [c.textAlign, c.textBaseline, c.lineWidth, c.strokeStyle, c.fillStyle] = ['center', 'middle', 4, ink('map-halo'), ink('map-label')];
+  [c.textAlign, c.textBaseline, c.lineWidth, c.strokeStyle, c.fillStyle] = [
+    'center',
+    'middle',
+    4,
+    ink('map-halo'),
+    ink('map-label'),
+  ];
   const wide = (text: string): number => c.measureText(text).width + 6;
   const square = ([x, y]: Vec2, half: number): Box => ({ x: x - half, y: y - half, width: 2 * half, height: 2 * half });
   const taken = self ? [square(self, SELF_PX)] : [];
@@ -152,7 +179,9 @@ function names(c: CanvasRenderingContext2D, robots: readonly Named[], places: re
   const wishes = all.map(({ at, text }, i): Box[] => {
     const width = wide(text);
     const middle: Box = { x: at[0] - width / 2, y: at[1] - NAME_PX / 2, width, height: NAME_PX };
-    return i < robots.length ? around(at, radius + 2, width, NAME_PX) : [middle, ...around(at, NAME_PX, width, NAME_PX)];
+    return i < robots.length
+      ? around(at, radius + 2, width, NAME_PX)
+      : [middle, ...around(at, NAME_PX, width, NAME_PX)];
   });
   placed(wishes, taken).forEach((box, i) => {
     const text = all[i]?.text ?? '';
@@ -162,7 +191,13 @@ function names(c: CanvasRenderingContext2D, robots: readonly Named[], places: re
   });
 }
 
-function selfMark(c: CanvasRenderingContext2D, [x, y]: Vec2, heading: number | null, way: number | null, ink: Ink): void {
+function selfMark(
+  c: CanvasRenderingContext2D,
+  [x, y]: Vec2,
+  heading: number | null,
+  way: number | null,
+  ink: Ink,
+): void {
   const wedge = (angle: number, from: number, to: number, half: number, fill: string): void => {
     c.save();
     c.translate(x, y);

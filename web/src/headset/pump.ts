@@ -63,8 +63,14 @@ export class Pump {
     if (!this.aligned || waiting > FULL_BYTES || sample.t - this.#sentAt < spacing) return null;
     this.#sentAt = sample.t;
     return {
-      type: 'pose', epoch: this.epoch, seq: ++this.#seq, t: sample.t, pos: sample.pos, quat: sample.quat,
-      quality: sample.emulated ? 'emulated' : 'tracked', ...(this.wantsHands ? reaching(sample) : {}),
+      type: 'pose',
+      epoch: this.epoch,
+      seq: ++this.#seq,
+      t: sample.t,
+      pos: sample.pos,
+      quat: sample.quat,
+      quality: sample.emulated ? 'emulated' : 'tracked',
+      ...(this.wantsHands ? reaching(sample) : {}),
     };
   }
 

@@ -26,7 +26,10 @@ export class Screen {
   #wrong = '';
   #light: WakeLockSentinel | null = null;
 
-  constructor(readonly root: HTMLElement, readonly wearer: Wearer) {
+  constructor(
+    readonly root: HTMLElement,
+    readonly wearer: Wearer,
+  ) {
     const again = make('button', { type: 'button', textContent: t('voice.again') });
     again.addEventListener('click', () => this.again());
     this.#voiceButton.addEventListener('click', () => {
@@ -46,8 +49,13 @@ export class Screen {
     if (pattern.length > 0) navigator.vibrate?.(pattern);
     this.#kind = shown.kind;
     Object.assign(this.root.dataset, {
-      shown: shown.kind, link: this.wearer.feed.kind, marking: this.wearer.marking.kind, sent: String(this.wearer.sent),
-      epoch: String(this.wearer.pump.epoch), near: String(shown.near.length), path: String(shown.path.length),
+      shown: shown.kind,
+      link: this.wearer.feed.kind,
+      marking: this.wearer.marking.kind,
+      sent: String(this.wearer.sent),
+      epoch: String(this.wearer.pump.epoch),
+      near: String(shown.near.length),
+      path: String(shown.path.length),
     });
     this.banner.dataset['tone'] = shown.tone;
     write(this.title, title);
@@ -57,7 +65,11 @@ export class Screen {
     write(this.note, notice === null ? '' : `${t('server.says')} ${notice}`);
     if (this.stop.hidden === (shown.kind === 'stop')) {
       this.stop.hidden = shown.kind !== 'stop';
-      this.stop.replaceChildren(...(shown.kind === 'stop' ? [make('strong', { textContent: t('stop') }), make('span', { className: 'why' })] : []));
+      this.stop.replaceChildren(
+        ...(shown.kind === 'stop'
+          ? [make('strong', { textContent: t('stop') }), make('span', { className: 'why' })]
+          : []),
+      );
     }
     const why = this.stop.querySelector<HTMLElement>('.why');
     if (why) write(why, shown.detail);
@@ -132,7 +144,10 @@ export function board(shown: Shown, wearer: Wearer): readonly [title: string, de
   const { names, taken } = marking;
   switch (marking.kind) {
     case 'taking':
-      return [t('mark.take', { count: taken.length + 1, all: names.length, name: names[taken.length] ?? '' }), t('mark.take.detail')];
+      return [
+        t('mark.take', { count: taken.length + 1, all: names.length, name: names[taken.length] ?? '' }),
+        t('mark.take.detail'),
+      ];
     case 'asking':
       return [t('mark.asking'), ''];
     case 'refused':
@@ -148,4 +163,5 @@ export function board(shown: Shown, wearer: Wearer): readonly [title: string, de
 }
 
 /** Why being done was not taken, to stand before what comes next. */
-export const refusal = ({ notTaken }: Wearer): string => (notTaken === null ? '' : t('task.refused', { why: notTaken }));
+export const refusal = ({ notTaken }: Wearer): string =>
+  notTaken === null ? '' : t('task.refused', { why: notTaken });

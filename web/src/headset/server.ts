@@ -4,7 +4,8 @@ import type { Line, LineEvents } from './feed';
 import type { Task } from './guide';
 import type { FloorMap, Problem, RobotKind, Worker } from '../wire';
 
-export type Answer<T> = { kind: 'ok'; value: T } | { kind: 'locked' } | { kind: 'refused'; text: string } | { kind: 'unreachable' };
+export type Answer<T> =
+  { kind: 'ok'; value: T } | { kind: 'locked' } | { kind: 'refused'; text: string } | { kind: 'unreachable' };
 
 const TOKEN = 'giveway.token';
 const PATIENCE_MS = 15_000;
@@ -23,7 +24,10 @@ export class Server {
   worker = (id: string) => this.#ask<Worker>('GET', `/v1/workers/${encodeURIComponent(id)}`);
   /** What an assignment of a worker is about; null where the server does not say. */
   task = async (worker: string, assignment: string): Promise<Task | null> => {
-    const answer = await this.#ask<{ items: Task[] }>('GET', `/v1/workers/${encodeURIComponent(worker)}/assignments?limit=50`);
+    const answer = await this.#ask<{ items: Task[] }>(
+      'GET',
+      `/v1/workers/${encodeURIComponent(worker)}/assignments?limit=50`,
+    );
     return answer.kind === 'ok' ? (answer.value.items.find(({ id }) => id === assignment) ?? null) : null;
   };
   /** The same name is the same worker. */
@@ -46,13 +50,21 @@ export class Server {
     if (this.token) headers['Authorization'] = `Bearer ${this.token}`;
     if (body) headers['Content-Type'] = 'application/json';
     try {
-      const response = await fetch(path, { method, headers, signal: AbortSignal.timeout(PATIENCE_MS), ...(body ? { body: JSON.stringify(body) } : {}) });
+      const response = await fetch(path, {
+        method,
+        headers,
+        signal: AbortSignal.timeout(PATIENCE_MS),
+        ...(body ? { body: JSON.stringify(body) } : {}),
+      });
       if (response.status === 401) return { kind: 'locked' };
       if (response.status === 204) return { kind: 'ok', value: null as T };
       if (response.ok) return { kind: 'ok', value: (await response.json()) as T };
       const problem = (await response.json().catch(() => ({}))) as Partial<Problem>;
       const { detail, title, ...sentence } = problem;
-      return { kind: 'refused', text: said({ ...sentence, text: detail ?? title ?? `the server answered ${response.status}` }) };
+      return {
+        kind: 'refused',
+        text: said({ ...sentence, text: detail ?? title ?? `the server answered ${response.status}` }),
+      };
     } catch {
       return { kind: 'unreachable' };
     }

@@ -67,7 +67,10 @@ export class Shapes {
   post(foot: Vec3, height: number, ink: Colour): void {
     const [x, y, z] = foot;
     const [thin, wide, top] = [0.012, 0.09, y + height];
-    for (const [dx, dz] of [[1, 0], [0, 1]] as const) {
+    for (const [dx, dz] of [
+      [1, 0],
+      [0, 1],
+    ] as const) {
       const side = (w: number, h: number): Vec3 => [x + w * dx, h, z + w * dz];
       this.quad(side(-thin, y), side(thin, y), side(thin, top), side(-thin, top), ink);
       this.quad(side(-wide, top), side(0, top - wide * 1.4), side(wide, top), side(0, top + wide * 1.4), ink);
@@ -86,15 +89,29 @@ export function ribbon(shapes: Shapes, path: readonly Vec3[], ink: Pick<Ink, 'pa
     const [ux, uz] = [dx / length, dz / length];
     const h = RIBBON_M / 2;
     const at = (along: number, across: number, lift = 0): Vec3 => [
-      a[0] + ux * along - uz * across, a[1] + ((b[1] - a[1]) * along) / length + lift, a[2] + uz * along + ux * across,
+      a[0] + ux * along - uz * across,
+      a[1] + ((b[1] - a[1]) * along) / length + lift,
+      a[2] + uz * along + ux * across,
     ];
     // Each piece reaches half a width over its end, so that corners are closed.
     const end = i + 2 < path.length ? length + h : length;
     shapes.quad(at(i === 0 ? 0 : -h, -h), at(end, -h), at(end, h), at(i === 0 ? 0 : -h, h), ink.path);
     for (; walked < length; walked += CHEVRON_EVERY_M) {
       const [tip, back, wing, lift] = [walked + 0.1, walked - 0.04, h * 0.7, 0.004];
-      shapes.quad(at(tip, 0, lift), at(back, wing, lift), at(back - 0.07, wing, lift), at(tip - 0.07, 0, lift), ink.chevron);
-      shapes.quad(at(tip, 0, lift), at(back, -wing, lift), at(back - 0.07, -wing, lift), at(tip - 0.07, 0, lift), ink.chevron);
+      shapes.quad(
+        at(tip, 0, lift),
+        at(back, wing, lift),
+        at(back - 0.07, wing, lift),
+        at(tip - 0.07, 0, lift),
+        ink.chevron,
+      );
+      shapes.quad(
+        at(tip, 0, lift),
+        at(back, -wing, lift),
+        at(back - 0.07, -wing, lift),
+        at(tip - 0.07, 0, lift),
+        ink.chevron,
+      );
     }
     walked -= length;
   }
@@ -102,7 +119,8 @@ export function ribbon(shapes: Shapes, path: readonly Vec3[], ink: Pick<Ink, 'pa
 
 /** Where a robot nearby is on the map, as seen by somebody at `from`. */
 export const robotAt = (from: Vec2, robot: NearRobot): Vec2 => [
-  from[0] + robot.distance * Math.cos(robot.bearing_map), from[1] + robot.distance * Math.sin(robot.bearing_map),
+  from[0] + robot.distance * Math.cos(robot.bearing_map),
+  from[1] + robot.distance * Math.sin(robot.bearing_map),
 ];
 
 /** The path from the wearer's feet on. Far from it no line is drawn to it, which could lead through a rack. */

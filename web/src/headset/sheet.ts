@@ -13,7 +13,12 @@ type Piece = readonly [x: number, y: number, width: number, height: number];
 export const MOST_LABELS = 6;
 const [WIDTH, BOARD, LABEL] = [1024, 304, 96] as const;
 export const BOARD_PIECE: Piece = [0, 0, WIDTH, BOARD];
-export const labelPiece = (i: number): Piece => [(i % 2) * (WIDTH / 2), BOARD + Math.floor(i / 2) * LABEL, WIDTH / 2, LABEL];
+export const labelPiece = (i: number): Piece => [
+  (i % 2) * (WIDTH / 2),
+  BOARD + Math.floor(i / 2) * LABEL,
+  WIDTH / 2,
+  LABEL,
+];
 /** Not more often: writing is slow. */
 const EVERY_MS = 150;
 
@@ -61,9 +66,18 @@ export class Sheet {
   }
 }
 
-const font = (px: number, weight: number): string => `${weight} ${px}px system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', sans-serif`;
+const font = (px: number, weight: number): string =>
+  `${weight} ${px}px system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', sans-serif`;
 
-function fit(c: CanvasRenderingContext2D, text: string, px: number, weight: number, room: number, x: number, y: number): void {
+function fit(
+  c: CanvasRenderingContext2D,
+  text: string,
+  px: number,
+  weight: number,
+  room: number,
+  x: number,
+  y: number,
+): void {
   c.font = font(px, weight);
   const wide = c.measureText(text).width;
   if (wide > room) c.font = font((px * room) / wide, weight);

@@ -65,7 +65,8 @@ export function placesOf(map: FloorMap): Place[] {
   return [...first, ...map.nodes.filter((n) => !named.has(n.id)).map((n): Place => ({ name: n.id, at: [n.x, n.y] }))];
 }
 
-/** The address asks for the twin at once: somebody wants to walk in without more ado. Once, since who leaves it has seen it. */
+/** The address asks for the twin at once: somebody wants to walk in without more ado. Once, since who leaves it has
+ *  seen it. */
 let walksIn = new URLSearchParams(location.search).has('twin');
 
 const option = (name: string): HTMLOptionElement => make('option', { value: name, textContent: name });
@@ -99,13 +100,24 @@ export function signInForm(options: SignInOptions): HTMLElement {
   const first = isOld ? old.marks : (proposed ?? []).map((p) => p.name);
 
   const name = make('input', {
-    id: 'name', name: 'name', required: true, maxLength: 64, autocomplete: 'off', value: old.name, placeholder: 'picker-7',
+    id: 'name',
+    name: 'name',
+    required: true,
+    maxLength: 64,
+    autocomplete: 'off',
+    value: old.name,
+    placeholder: 'picker-7',
   });
   name.setAttribute('list', 'names');
   const names = make('datalist', { id: 'names' }, ...workers.map((w) => make('option', { value: w.name })));
   const none = make('option', { value: '', textContent: t('sign.mark.none') });
   const marks = [0, 1, 2].map((i) => {
-    const select = make('select', { id: `mark-${i}`, name: `mark-${i}` }, ...(i === 2 ? [none] : []), ...places.map((p) => option(p.name)));
+    const select = make(
+      'select',
+      { id: `mark-${i}`, name: `mark-${i}` },
+      ...(i === 2 ? [none] : []),
+      ...places.map((p) => option(p.name)),
+    );
     select.value = first[i] ?? (i === 2 ? '' : (places[i]?.name ?? ''));
     return select;
   });
@@ -116,19 +128,35 @@ export function signInForm(options: SignInOptions): HTMLElement {
   const twin = make('button', { type: 'button', textContent: t('sign.twin.enter'), disabled: standing.length === 0 });
   const room = make('button', { type: 'submit', className: 'main', textContent: t('sign.room'), disabled: !canSee });
   const flat = make('button', { type: 'button', textContent: t('sign.phone'), className: canSee ? '' : 'main' });
-  const form = make('form', { className: 'panel sign' },
+  const form = make(
+    'form',
+    { className: 'panel sign' },
     make('h1', { textContent: t('sign.heading') }),
     languageField(options.again),
     make('p', { className: 'safety', textContent: t('safety') }),
-    field(t('sign.name'), name, t('sign.name.help')), names,
-    canSee ? markFields(marks) : make('p', { className: 'dim', textContent: `${whyNoRoom()} ${t('sign.phone.instead')}` }),
-    error, make('div', { className: 'row wrap' }, flat, ...(canSee ? [room] : [])),
-    make('fieldset', {}, make('legend', { textContent: t('sign.twin') }),
+    field(t('sign.name'), name, t('sign.name.help')),
+    names,
+    canSee
+      ? markFields(marks)
+      : make('p', { className: 'dim', textContent: `${whyNoRoom()} ${t('sign.phone.instead')}` }),
+    error,
+    make('div', { className: 'row wrap' }, flat, ...(canSee ? [room] : [])),
+    make(
+      'fieldset',
+      {},
+      make('legend', { textContent: t('sign.twin') }),
       make('p', { className: 'dim', textContent: t('sign.twin.help') }),
-      field(t('sign.twin.start'), start), make('div', { className: 'row' }, twin)),
+      field(t('sign.twin.start'), start),
+      make('div', { className: 'row' }, twin),
+    ),
     make('p', { className: 'dim small', textContent: t('sign.privacy') }),
-    make('p', { className: 'small links' }, make('a', { href: '/headset/marks', textContent: t('sign.marks.sheets') }),
-      make('a', { href: '/', textContent: t('sign.dashboard') })));
+    make(
+      'p',
+      { className: 'small links' },
+      make('a', { href: '/headset/marks', textContent: t('sign.marks.sheets') }),
+      make('a', { href: '/', textContent: t('sign.dashboard') }),
+    ),
+  );
 
   const go = async (view: SignedIn['view']): Promise<void> => {
     const chosen = marks.map((m) => m.value).filter((m) => m !== '');
@@ -138,7 +166,9 @@ export function signInForm(options: SignInOptions): HTMLElement {
     voice.wake();
     keep({ name: name.value.trim(), marks: chosen, start: start.value });
     error.textContent = await begin({
-      view, name: name.value.trim(), marks: chosen.map((m) => known.get(m)!),
+      view,
+      name: name.value.trim(),
+      marks: chosen.map((m) => known.get(m)!),
       start: standing.find((p) => p.name === start.value) ?? standing[0] ?? null,
     });
   };
@@ -160,9 +190,13 @@ const whyNoRoom = (): string => t(isSecureContext ? 'sign.room.no-xr' : 'sign.ro
 
 function markFields(marks: readonly HTMLSelectElement[]): HTMLElement {
   const labels = [t('sign.mark.first'), t('sign.mark.second'), t('sign.mark.third')];
-  return make('fieldset', {}, make('legend', { textContent: t('sign.marks') }),
+  return make(
+    'fieldset',
+    {},
+    make('legend', { textContent: t('sign.marks') }),
     make('p', { className: 'dim', textContent: t('sign.marks.help') }),
-    ...marks.map((mark, i) => field(labels[i] ?? '', mark)));
+    ...marks.map((mark, i) => field(labels[i] ?? '', mark)),
+  );
 }
 
 /** What the server answered instead of what was wanted. */
@@ -170,16 +204,32 @@ export const refusalWords = (answer: Exclude<Answer<unknown>, { kind: 'ok' }>): 
   answer.kind === 'refused' ? answer.text : t(answer.kind === 'locked' ? 'refused.locked' : 'refused.unreachable');
 
 /** Asks for the token, or to try again. */
-export function lockedForm(answer: Exclude<Answer<unknown>, { kind: 'ok' }>, again: (token: string | null) => void): HTMLElement {
+export function lockedForm(
+  answer: Exclude<Answer<unknown>, { kind: 'ok' }>,
+  again: (token: string | null) => void,
+): HTMLElement {
   const wantsToken = answer.kind === 'locked';
   const token = make('input', { id: 'token', type: 'password', required: true, autocomplete: 'off' });
-  const form = make('form', { className: 'panel sign' },
+  const form = make(
+    'form',
+    { className: 'panel sign' },
     make('h1', { textContent: t(wantsToken ? 'locked.heading' : 'silent.heading') }),
     languageField(() => again(null)),
-    make('p', { className: wantsToken ? 'dim' : 'error', textContent: wantsToken ? t('locked.help') : refusalWords(answer) }),
+    make('p', {
+      className: wantsToken ? 'dim' : 'error',
+      textContent: wantsToken ? t('locked.help') : refusalWords(answer),
+    }),
     ...(wantsToken ? [field(t('locked.token'), token)] : []),
-    make('div', { className: 'row' },
-      make('button', { type: 'submit', className: 'main', textContent: t(wantsToken ? 'locked.continue' : 'silent.retry') })));
+    make(
+      'div',
+      { className: 'row' },
+      make('button', {
+        type: 'submit',
+        className: 'main',
+        textContent: t(wantsToken ? 'locked.continue' : 'silent.retry'),
+      }),
+    ),
+  );
   form.addEventListener('submit', (event) => {
     event.preventDefault();
     again(wantsToken ? token.value.trim() : null);

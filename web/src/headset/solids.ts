@@ -28,17 +28,35 @@ export const beside = (at: Vec2, heading: number, along: number, left: number): 
 
 /** A box without a bottom. */
 export function box(shapes: Shapes, { at, heading, half: [l, w], from, to }: Box, ink: Colour): void {
-  const corners = ([[l, w], [-l, w], [-l, -w], [l, -w]] as const).map(([a, b]) => beside(at, heading, a, b));
+  const corners = (
+    [
+      [l, w],
+      [-l, w],
+      [-l, -w],
+      [l, -w],
+    ] as const
+  ).map(([a, b]) => beside(at, heading, a, b));
   corners.forEach((a, i) => {
     const b = corners[(i + 1) % 4]!;
-    shapes.quad(placeAt(a, from), placeAt(b, from), placeAt(b, to), placeAt(a, to), shade(ink, i % 2 === 0 ? SIDE : END));
+    shapes.quad(
+      placeAt(a, from),
+      placeAt(b, from),
+      placeAt(b, to),
+      placeAt(a, to),
+      shade(ink, i % 2 === 0 ? SIDE : END),
+    );
   });
   const [p, q, r, s] = corners.map((c) => placeAt(c, to)) as [Vec3, Vec3, Vec3, Vec3];
   shapes.quad(p, q, r, s, ink);
 }
 
 /** A round column, narrower at the top where `top` is less than `foot`. */
-export function column(shapes: Shapes, at: Vec2, { foot, top, from, to }: { foot: number; top: number; from: number; to: number }, ink: Colour): void {
+export function column(
+  shapes: Shapes,
+  at: Vec2,
+  { foot, top, from, to }: { foot: number; top: number; from: number; to: number },
+  ink: Colour,
+): void {
   const sides = 10;
   const on = (i: number, r: number, height: number): Vec3 => {
     const angle = (2 * Math.PI * i) / sides;
@@ -61,7 +79,13 @@ export function line(shapes: Shapes, a: Vec2 | Point, b: Vec2 | Point, width: nu
   const length = Math.hypot(b[0] - a[0], b[1] - a[1]);
   if (length === 0) return;
   const [x, y] = [((a[1] - b[1]) / length) * (width / 2), ((b[0] - a[0]) / length) * (width / 2)];
-  shapes.quad(placeAt([a[0] + x, a[1] + y], 0), placeAt([b[0] + x, b[1] + y], 0), placeAt([b[0] - x, b[1] - y], 0), placeAt([a[0] - x, a[1] - y], 0), ink);
+  shapes.quad(
+    placeAt([a[0] + x, a[1] + y], 0),
+    placeAt([b[0] + x, b[1] + y], 0),
+    placeAt([b[0] - x, b[1] - y], 0),
+    placeAt([a[0] - x, a[1] - y], 0),
+    ink,
+  );
 }
 
 /** A line along an outline. */

@@ -16,8 +16,16 @@ export interface SteerEvents {
 }
 
 const KEYS: Record<string, Partial<Drive>> = {
-  w: { ahead: 1 }, arrowup: { ahead: 1 }, s: { ahead: -1 }, arrowdown: { ahead: -1 }, a: { left: 1 }, d: { left: -1 },
-  arrowleft: { turn: 1 }, arrowright: { turn: -1 }, q: { turn: 1 }, e: { turn: -1 },
+  w: { ahead: 1 },
+  arrowup: { ahead: 1 },
+  s: { ahead: -1 },
+  arrowdown: { ahead: -1 },
+  a: { left: 1 },
+  d: { left: -1 },
+  arrowleft: { turn: 1 },
+  arrowright: { turn: -1 },
+  q: { turn: 1 },
+  e: { turn: -1 },
 };
 /** Within so much of the pad's half nothing happens: a finger is not exact. */
 const DEAD = 0.15;
@@ -59,15 +67,22 @@ export function steer(host: HTMLElement, events: SteerEvents): Steer {
     if (before) events.drag(event.clientX - before.x, event.clientY - before.y);
   });
   const knob = pad.firstElementChild as HTMLElement;
-  follow(pad, (event) => {
-    const box = pad.getBoundingClientRect();
-    const at = [(event.clientX - box.left) / (box.width / 2) - 1, (event.clientY - box.top) / (box.height / 2) - 1] as const;
-    thumb = driveOfPad(at);
-    knob.style.translate = `${within(at[0]) * 70}% ${within(at[1]) * 70}%`;
-  }, () => {
-    thumb = { ahead: 0, left: 0, turn: 0 };
-    knob.style.translate = '0 0';
-  });
+  follow(
+    pad,
+    (event) => {
+      const box = pad.getBoundingClientRect();
+      const at = [
+        (event.clientX - box.left) / (box.width / 2) - 1,
+        (event.clientY - box.top) / (box.height / 2) - 1,
+      ] as const;
+      thumb = driveOfPad(at);
+      knob.style.translate = `${within(at[0]) * 70}% ${within(at[1]) * 70}%`;
+    },
+    () => {
+      thumb = { ahead: 0, left: 0, turn: 0 };
+      knob.style.translate = '0 0';
+    },
+  );
 
   const drive = (): Drive => {
     const keys = driveOf(down);
@@ -77,7 +92,11 @@ export function steer(host: HTMLElement, events: SteerEvents): Steer {
 }
 
 /** Follows one pointer from its press to its release. */
-function follow(on: HTMLElement, moved: (event: PointerEvent, before: { x: number; y: number } | null) => void, released: () => void = () => {}): void {
+function follow(
+  on: HTMLElement,
+  moved: (event: PointerEvent, before: { x: number; y: number } | null) => void,
+  released: () => void = () => {},
+): void {
   let last: { id: number; x: number; y: number } | null = null;
   on.addEventListener('pointerdown', (event) => {
     if (last !== null || event.button !== 0) return;

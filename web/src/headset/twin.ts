@@ -1,5 +1,5 @@
-// The twin: the floor as the server sees it, in a window of the page or around the wearer of a VR headset. Whoever walks
-// in it is a worker like any other.
+// The twin: the floor as the server sees it, in a window of the page or around the wearer of a VR headset. Whoever
+// walks in it is a worker like any other.
 import { hallInk, inkOf, roomInk } from './ink';
 import { make } from './dom';
 import { toMap, type Alignment, type Quat, type Vec2, type Vec3 } from './frame';
@@ -10,7 +10,22 @@ import { canStand } from './polygon';
 import { board, Screen } from './screen';
 import type { Server } from './server';
 import { steer } from './steer';
-import { drag, headingOf, LONG_SIDE, matricesOf, onMap, perspective, poseOf, seated, shifted, step, turned, walked, type Eye, type Free } from './walk';
+import {
+  drag,
+  headingOf,
+  LONG_SIDE,
+  matricesOf,
+  onMap,
+  perspective,
+  poseOf,
+  seated,
+  shifted,
+  step,
+  turned,
+  walked,
+  type Eye,
+  type Free,
+} from './walk';
 import { Wearer, type WearerOptions } from './wearer';
 import { t } from './words';
 import { offers, RoomView } from './xr';
@@ -67,13 +82,22 @@ export class Twin {
     this.#hall = new Hall(map, hallInk());
     this.#overlay = new Overlay(new Painter(this.#canvas), roomInk(), inkOf, this.#hall);
     this.#wearer = new Wearer({
-      frame: 'map', poses: 'tracked', clock, random: Math.random, marks: [], open: (events) => server.open(worker.id, events),
-      task: (assignment) => server.task(worker.id, assignment), onChange: () => this.#refresh(),
+      frame: 'map',
+      poses: 'tracked',
+      clock,
+      random: Math.random,
+      marks: [],
+      open: (events) => server.open(worker.id, events),
+      task: (assignment) => server.task(worker.id, assignment),
+      onChange: () => this.#refresh(),
     });
     this.#screen = new Screen(host, this.#wearer);
     const api = new Api();
     this.#link = new Link({
-      open: (since, events) => api.openLive(since, events), clock, random: Math.random, onState: () => {},
+      open: (since, events) => api.openLive(since, events),
+      clock,
+      random: Math.random,
+      onState: () => {},
       onMirror: (mirror) => this.#hall.take(mirror, worker.id, performance.now()),
     });
   }
@@ -82,13 +106,19 @@ export class Twin {
   async open(): Promise<void> {
     const { host, map, worker, safety, left } = this.#o;
     const hands = steer(this.#canvas, {
-      drag: (dx, dy) => { this.#eye = drag(this.#eye, dx, dy, this.#metresPerPixel()); },
+      drag: (dx, dy) => {
+        this.#eye = drag(this.#eye, dx, dy, this.#metresPerPixel());
+      },
       done: () => {
         if (!this.#wearer.done()) this.#screen.again();
       },
       narrow: () => this.#toggle(),
     });
-    const enter = make('button', { type: 'button', textContent: t('twin.vr'), hidden: !(await offers('immersive-vr')) });
+    const enter = make('button', {
+      type: 'button',
+      textContent: t('twin.vr'),
+      hidden: !(await offers('immersive-vr')),
+    });
     const gone = make('button', { type: 'button', textContent: t('left.gone') });
     this.#narrowButton.addEventListener('click', () => this.#toggle());
     this.#doneButton.addEventListener('click', () => this.#wearer.done());
@@ -101,22 +131,46 @@ export class Twin {
     const { banner, note, stop, talk } = this.#screen;
     // The board and STOP are drawn into the picture; here they are for those who do not see it.
     host.dataset['screen'] = 'twin';
-    host.replaceChildren(make('main', { className: 'twin' }, make('div', { className: 'hidden' }, banner, stop),
-      make('div', { className: 'window' }, this.#canvas, hands.pad),
-      make('div', { className: 'row wrap' }, make('span', { className: 'dim grow', textContent: t('twin.on', { name: worker.name, map: map.name }) }),
-        this.#doneButton, ...talk, this.#narrowButton, enter, gone),
-      real, note, this.#error, make('p', { className: 'dim small', textContent: t('twin.help') }), make('p', { className: 'safety', textContent: safety })));
+    host.replaceChildren(
+      make(
+        'main',
+        { className: 'twin' },
+        make('div', { className: 'hidden' }, banner, stop),
+        make('div', { className: 'window' }, this.#canvas, hands.pad),
+        make(
+          'div',
+          { className: 'row wrap' },
+          make('span', { className: 'dim grow', textContent: t('twin.on', { name: worker.name, map: map.name }) }),
+          this.#doneButton,
+          ...talk,
+          this.#narrowButton,
+          enter,
+          gone,
+        ),
+        real,
+        note,
+        this.#error,
+        make('p', { className: 'dim small', textContent: t('twin.help') }),
+        make('p', { className: 'safety', textContent: safety }),
+      ),
+    );
     const watch = new ResizeObserver(() => this.#measure());
     watch.observe(this.#canvas);
     const beat = setInterval(() => {
       this.#wearer.tick();
       real.hidden = this.#hall.mirror.source !== 'real';
     }, BEAT_MS);
-    let frame = requestAnimationFrame(function next(this: Twin, t: number) {
-      frame = requestAnimationFrame(next.bind(this));
-      this.#frame(t, hands.drive());
-    }.bind(this));
-    this.#ends.push(() => watch.disconnect(), () => clearInterval(beat), () => cancelAnimationFrame(frame));
+    let frame = requestAnimationFrame(
+      function next(this: Twin, t: number) {
+        frame = requestAnimationFrame(next.bind(this));
+        this.#frame(t, hands.drive());
+      }.bind(this),
+    );
+    this.#ends.push(
+      () => watch.disconnect(),
+      () => clearInterval(beat),
+      () => cancelAnimationFrame(frame),
+    );
     this.#measure();
     this.#link.start();
     this.#wearer.start();
@@ -149,7 +203,15 @@ export class Twin {
 
   #scene(alignment: Alignment | null): Scene {
     const [title, detail] = this.#words();
-    return { shown: this.#wearer.shown(), alignment, marking: false, narrow: this.#narrow, board: this.#vr === null ? 'window' : 'eyes', title, detail };
+    return {
+      shown: this.#wearer.shown(),
+      alignment,
+      marking: false,
+      narrow: this.#narrow,
+      board: this.#vr === null ? 'window' : 'eyes',
+      title,
+      detail,
+    };
   }
 
   // --- In the window ---
@@ -164,8 +226,13 @@ export class Twin {
     const { width, height } = this.#canvas;
     const { matrix, inverse } = matricesOf(pos, quat);
     this.#hall.prepare(this.#overlay.painter, this.#eye.at, performance.now());
-    const aim = this.#overlay.draw(null, { at: pos, matrix, inverse, floor: 0 },
-      [{ port: { x: 0, y: 0, width, height }, projection: perspective(width, height), toEye: inverse }], this.#scene(ON_MAP), null);
+    const aim = this.#overlay.draw(
+      null,
+      { at: pos, matrix, inverse, floor: 0 },
+      [{ port: { x: 0, y: 0, width, height }, projection: perspective(width, height), toEye: inverse }],
+      this.#scene(ON_MAP),
+      null,
+    );
     this.#drew('window', this.#eye.at, aim?.kind ?? 'none');
   }
 
@@ -174,8 +241,14 @@ export class Twin {
     const { robots, people, version } = this.#hall.drawn;
     // What is seen, for tests and for the curious.
     Object.assign(this.#o.host.dataset, {
-      twin: where, at: at.map((v) => v.toFixed(2)).join(), heading: this.#eye.heading.toFixed(2), narrow: String(this.#narrow), aim,
-      robots: String(robots), people: String(people), version: String(version),
+      twin: where,
+      at: at.map((v) => v.toFixed(2)).join(),
+      heading: this.#eye.heading.toFixed(2),
+      narrow: String(this.#narrow),
+      aim,
+      robots: String(robots),
+      people: String(people),
+      version: String(version),
     });
   }
 
@@ -195,7 +268,13 @@ export class Twin {
 
   async #enter(): Promise<void> {
     if (this.#vr !== null) return;
-    const vr = { view: null as RoomView | null, rig: null as Alignment | null, snapped: false, pressed: false, at: performance.now() };
+    const vr = {
+      view: null as RoomView | null,
+      rig: null as Alignment | null,
+      snapped: false,
+      pressed: false,
+      at: performance.now(),
+    };
     this.#vr = vr;
     this.#error.textContent = '';
     let last: { head: Vec3; quat: Quat } | null = null;
@@ -206,7 +285,11 @@ export class Twin {
           vr.rig ??= seated(sample.pos, headingOf(sample.quat) ?? this.#eye.heading, this.#eye.at, this.#eye.heading);
           const pose = onMap(vr.rig, sample.pos, sample.quat);
           const at = toMap(vr.rig, sample.pos);
-          this.#eye = { ...this.#eye, at, heading: (headingOf(sample.quat) ?? this.#eye.heading - vr.rig.theta) + vr.rig.theta };
+          this.#eye = {
+            ...this.#eye,
+            at,
+            heading: (headingOf(sample.quat) ?? this.#eye.heading - vr.rig.theta) + vr.rig.theta,
+          };
           this.#wearer.frame({ ...sample, ...pose });
           this.#hall.prepare(this.#overlay.painter, at, performance.now());
         },
@@ -218,7 +301,9 @@ export class Twin {
         },
         held: () => {},
         // The origin of the device jumped: the wearer did not, and stays where they were on the map.
-        reset: () => { vr.rig = null; },
+        reset: () => {
+          vr.rig = null;
+        },
         woke: () => this.#wearer.woke(),
         ended: () => {
           this.#vr = null;
@@ -245,7 +330,12 @@ export class Twin {
     for (const { gamepad, handedness } of sources) {
       const [x, y] = stickOf(gamepad?.axes ?? []);
       if (handedness === 'right') turn = x;
-      else if (Math.hypot(x, y) > DEAD) vr.rig = shifted(vr.rig, head, walked(this.#eye.at, this.#eye.heading, { ahead: -y, left: -x }, dt, this.#free));
+      else if (Math.hypot(x, y) > DEAD)
+        vr.rig = shifted(
+          vr.rig,
+          head,
+          walked(this.#eye.at, this.#eye.heading, { ahead: -y, left: -x }, dt, this.#free),
+        );
       pressed ||= gamepad?.buttons[NARROW_BUTTON]?.pressed === true;
     }
     if (Math.abs(turn) > 0.6 && !vr.snapped) vr.rig = turned(vr.rig, head, -Math.sign(turn) * SNAP);
@@ -256,7 +346,9 @@ export class Twin {
 }
 
 /** A stick is axes 2 and 3 where there is a touchpad as well, and 0 and 1 where there is none. */
-const stickOf = (axes: readonly number[]): readonly [number, number] => (axes.length >= 4 ? [axes[2] ?? 0, axes[3] ?? 0] : [axes[0] ?? 0, axes[1] ?? 0]);
+const stickOf = (axes: readonly number[]): readonly [number, number] =>
+  axes.length >= 4 ? [axes[2] ?? 0, axes[3] ?? 0] : [axes[0] ?? 0, axes[1] ?? 0];
 
 /** To begin with, the wearer looks along the floor's longer way: to the middle of it. */
-const towards = ([x, y]: Vec2, { bounds: [x0, y0, x1, y1] }: FloorMap): number => Math.atan2((y0 + y1) / 2 - y, (x0 + x1) / 2 - x);
+const towards = ([x, y]: Vec2, { bounds: [x0, y0, x1, y1] }: FloorMap): number =>
+  Math.atan2((y0 + y1) / 2 - y, (x0 + x1) / 2 - x);

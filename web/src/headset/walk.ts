@@ -38,7 +38,13 @@ export function step(eye: Eye, drive: Drive, dt: number, free: Free): Eye {
 }
 
 /** Where a walker who faces `heading` gets to. */
-export function walked(at: Vec2, heading: number, { ahead, left }: Pick<Drive, 'ahead' | 'left'>, dt: number, free: Free): Vec2 {
+export function walked(
+  at: Vec2,
+  heading: number,
+  { ahead, left }: Pick<Drive, 'ahead' | 'left'>,
+  dt: number,
+  free: Free,
+): Vec2 {
   const asked = Math.hypot(ahead, left);
   if (asked === 0) return at;
   const length = (Math.min(1, asked) / asked) * WALK_MPS * Math.min(dt, LONGEST_STEP_S);
@@ -46,13 +52,25 @@ export function walked(at: Vec2, heading: number, { ahead, left }: Pick<Drive, '
   const [dx, dy] = [(c * ahead - s * left) * length, (s * ahead + c * left) * length];
   // Whoever stands where nobody can stand may leave in any direction.
   const may = (to: Vec2): boolean => free(to) || !free(at);
-  return ([[at[0] + dx, at[1] + dy], [at[0] + dx, at[1]], [at[0], at[1] + dy]] as const).find(may) ?? at;
+  return (
+    (
+      [
+        [at[0] + dx, at[1] + dy],
+        [at[0] + dx, at[1]],
+        [at[0], at[1] + dy],
+      ] as const
+    ).find(may) ?? at
+  );
 }
 
 /** Turns the eye as if the floor were dragged: pixels of a window of so many metres of view one metre ahead. */
 export function drag(eye: Eye, dx: number, dy: number, metresPerPixel: number): Eye {
   const pitch = eye.pitch + Math.atan(dy * metresPerPixel);
-  return { ...eye, heading: eye.heading + Math.atan(dx * metresPerPixel), pitch: Math.max(-STEEPEST, Math.min(STEEPEST, pitch)) };
+  return {
+    ...eye,
+    heading: eye.heading + Math.atan(dx * metresPerPixel),
+    pitch: Math.max(-STEEPEST, Math.min(STEEPEST, pitch)),
+  };
 }
 
 export const product = (a: Quat, b: Quat): Quat => [
@@ -75,7 +93,11 @@ export function matricesOf(pos: Vec3, quat: Quat): { matrix: Float32Array; inver
   const axes = [rotate(quat, [1, 0, 0]), rotate(quat, [0, 1, 0]), rotate(quat, [0, 0, 1])] as const;
   const matrix = new Float32Array([...axes.flatMap((a) => [...a, 0]), ...pos, 1]);
   const dot = (a: Vec3): number => a[0] * pos[0] + a[1] * pos[1] + a[2] * pos[2];
-  const inverse = new Float32Array([...[0, 1, 2].flatMap((i) => [...axes.map((a) => a[i]!), 0]), ...axes.map((a) => -dot(a)), 1]);
+  const inverse = new Float32Array([
+    ...[0, 1, 2].flatMap((i) => [...axes.map((a) => a[i]!), 0]),
+    ...axes.map((a) => -dot(a)),
+    1,
+  ]);
   return { matrix, inverse };
 }
 
@@ -84,7 +106,11 @@ export function perspective(width: number, height: number): Float32Array {
   const long = Math.max(width, height);
   const out = new Float32Array(16);
   [out[0], out[5], out[10], out[11], out[14]] = [
-    long / width / LONG_SIDE, long / height / LONG_SIDE, (FAR_M + NEAR_M) / (NEAR_M - FAR_M), -1, (2 * FAR_M * NEAR_M) / (NEAR_M - FAR_M),
+    long / width / LONG_SIDE,
+    long / height / LONG_SIDE,
+    (FAR_M + NEAR_M) / (NEAR_M - FAR_M),
+    -1,
+    (2 * FAR_M * NEAR_M) / (NEAR_M - FAR_M),
   ];
   return out;
 }
@@ -109,7 +135,8 @@ export function shifted(rig: Alignment, head: Vec3, at: Vec2): Alignment {
 }
 
 /** The frame turned around the head. */
-export const turned = (rig: Alignment, head: Vec3, by: number): Alignment => shifted({ ...rig, theta: rig.theta + by }, head, toMap(rig, head));
+export const turned = (rig: Alignment, head: Vec3, by: number): Alignment =>
+  shifted({ ...rig, theta: rig.theta + by }, head, toMap(rig, head));
 
 /** The pose of a headset, on the map. */
 export function onMap(rig: Alignment, head: Vec3, quat: Quat): { pos: Vec3; quat: Quat } {

@@ -73,7 +73,8 @@ export class Wearer {
     this.#options = options;
     const names = options.marks.map((m) => m.name);
     // In the frame of the map there is nothing to align.
-    this.marking = options.frame === 'map' ? { kind: 'done', names, taken: [], rms_m: 0 } : { kind: 'taking', names, taken: [] };
+    this.marking =
+      options.frame === 'map' ? { kind: 'done', names, taken: [], rms_m: 0 } : { kind: 'taking', names, taken: [] };
     this.#feed = new Feed({
       ...options,
       onState: (state) => {
@@ -128,7 +129,8 @@ export class Wearer {
     this.#options.onChange();
   }
 
-  /** The wearer confirms: the mark that is due, here; or, once the marks fit, that the work is done. False for neither. */
+  /** The wearer confirms: the mark that is due, here; or, once the marks fit, that the work is done. False for
+   *  neither. */
   confirm(at: Vec3): boolean {
     if (this.marking.kind === 'done') return this.done();
     const due = this.#options.marks[this.marking.taken.length];
@@ -193,7 +195,11 @@ export class Wearer {
     const tracking = this.#options.poses === 'placed' ? 'none' : this.pump.isLost(now) ? 'lost' : this.#quality;
     const link: Standing['link'] = this.feed.kind;
     const age_ms = this.#heardAt === null ? null : now - this.#heardAt;
-    return show(this.guidance, { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null }, this.task);
+    return show(
+      this.guidance,
+      { age_ms, link, tracking, aligned: this.#options.frame === 'map' || this.alignment !== null },
+      this.task,
+    );
   }
 
   /** What the server finds wrong with what it gets. It says so every two seconds while it lasts. */
@@ -291,7 +297,8 @@ export class Wearer {
   #mark(event: MarkEvent): void {
     const before = this.marking;
     this.marking = mark(before, event);
-    if (this.marking.kind === 'asking' && this.marking !== before) this.#feed.anchors(this.marking.taken satisfies readonly Mark[]);
+    if (this.marking.kind === 'asking' && this.marking !== before)
+      this.#feed.anchors(this.marking.taken satisfies readonly Mark[]);
     this.#options.onChange();
   }
 }

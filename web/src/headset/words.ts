@@ -1,7 +1,14 @@
 // The words of this page, in the language of its wearer.
 import type english from './messages/en.json';
 import {
-  coordinate as coordinateIn, duration, messagesOf, metres as metresIn, seconds as secondsIn, spoken, type Compiled, type Language,
+  coordinate as coordinateIn,
+  duration,
+  messagesOf,
+  metres as metresIn,
+  seconds as secondsIn,
+  spoken,
+  type Compiled,
+  type Language,
 } from '../language';
 
 export type Key = keyof typeof english;

@@ -69,16 +69,31 @@ export class RoomView {
     }
   }
 
-  private constructor(session: XRSession, space: XRReferenceSpace, floor: XRReferenceSpace, wide: boolean, overlay: Overlay, events: Events) {
+  private constructor(
+    session: XRSession,
+    space: XRReferenceSpace,
+    floor: XRReferenceSpace,
+    wide: boolean,
+    overlay: Overlay,
+    events: Events,
+  ) {
     [this.#session, this.#space, this.#floorSpace, this.wide] = [session, space, floor, wide];
     [this.#overlay, this.#events] = [overlay, events];
     space.addEventListener('reset', () => events.reset());
     session.addEventListener('end', () => events.ended());
-    session.addEventListener('visibilitychange', () => { if (session.visibilityState === 'visible') events.woke(); });
-    session.addEventListener('selectstart', () => { this.#pressedAt = performance.now(); });
+    session.addEventListener('visibilitychange', () => {
+      if (session.visibilityState === 'visible') events.woke();
+    });
+    session.addEventListener('selectstart', () => {
+      this.#pressedAt = performance.now();
+    });
     // A press that was cancelled ends without a select. Not all runtimes keep to the order of the specification.
-    session.addEventListener('select', () => { this.#isMeant = true; });
-    session.addEventListener('selectend', (event) => { if (this.#isMeant) this.#selected(event); });
+    session.addEventListener('select', () => {
+      this.#isMeant = true;
+    });
+    session.addEventListener('selectend', (event) => {
+      if (this.#isMeant) this.#selected(event);
+    });
     session.requestAnimationFrame(this.#frame);
   }
 
@@ -122,17 +137,26 @@ export class RoomView {
     }
     const { position: p, orientation: q } = pose.transform;
     const head: Vec3 = [p.x, p.y, p.z];
-    const floor = this.#space === this.#floorSpace ? 0 : frame.getPose(this.#floorSpace, this.#space)?.transform.position.y;
+    const floor =
+      this.#space === this.#floorSpace ? 0 : frame.getPose(this.#floorSpace, this.#space)?.transform.position.y;
     this.#floor = floor ?? this.#floor;
     const feet: Vec3 = [p.x, this.#floor, p.z];
-    const pointing = [...this.#session.inputSources].map((source) => this.#ray(frame, source)).find((hit) => hit !== null);
+    const pointing = [...this.#session.inputSources]
+      .map((source) => this.#ray(frame, source))
+      .find((hit) => hit !== null);
     this.#pointed = { at: pointing ?? feet };
     // Behind a menu of the system, the wearer does something else.
     const emulated = pose.emulatedPosition || this.#session.visibilityState !== 'visible';
     this.#events.inputs?.(this.#session.inputSources);
     const predicted = frame.predictedDisplayTime;
     const hands = this.#events.wantsHands?.() ? { hands: this.#hands(frame) } : {};
-    this.#events.sample({ t: typeof predicted === 'number' && predicted > 0 ? predicted : t, pos: head, quat: [q.x, q.y, q.z, q.w], emulated, ...hands });
+    this.#events.sample({
+      t: typeof predicted === 'number' && predicted > 0 ? predicted : t,
+      pos: head,
+      quat: [q.x, q.y, q.z, q.w],
+      emulated,
+      ...hands,
+    });
     this.#draw(pose, layer, head);
   };
 
@@ -157,6 +181,8 @@ export class RoomView {
       return port ? [{ port, projection: view.projectionMatrix, toEye: view.transform.inverse.matrix }] : [];
     });
     const head = { at, matrix: pose.transform.matrix, inverse: pose.transform.inverse.matrix, floor: this.#floor };
-    this.#events.drew(this.#overlay.draw(layer.framebuffer, head, sights, this.#events.scene(), this.#pointed?.at ?? null));
+    this.#events.drew(
+      this.#overlay.draw(layer.framebuffer, head, sights, this.#events.scene(), this.#pointed?.at ?? null),
+    );
   }
 }

@@ -15,7 +15,18 @@ export interface CsvLine {
 }
 export type CsvRead = { kind: 'table'; lines: CsvLine[] } | { kind: 'unreadable'; why: string };
 
-export const COLUMNS = ['kind', 'rack', 'station', 'node', 'robot', 'priority', 'deadline_min', 'pick_s', 'reference', 'key'] as const;
+export const COLUMNS = [
+  'kind',
+  'rack',
+  'station',
+  'node',
+  'robot',
+  'priority',
+  'deadline_min',
+  'pick_s',
+  'reference',
+  'key',
+] as const;
 export const EXAMPLE = 'kind,rack,station,priority\ndeliver,K1,W1,5\nreturn,K2,,0\n';
 export const MOST_LINES = 1_000;
 const LONGEST_PICK_S = 3_600;
@@ -37,27 +48,45 @@ export function readJobs(text: string, known: Known, now: Date): CsvRead {
   const used = (i: number): boolean => names[i] !== '' || table.rows.some((r) => r.cells[i] !== '');
   const strange = names.filter((n, i) => used(i) && !(COLUMNS as readonly string[]).includes(n));
   if (!names.includes('kind') || strange.length > 0) {
-    const which = strange.length > 0 ? t('csv.column.unknown', { columns: strange.map((s) => `“${s}”`).join(', ') }) : '';
-    return { kind: 'unreadable', why: [t('csv.columns.wrong', { columns: COLUMNS.join(', ') }), which].filter(Boolean).join(' ') };
+    const which =
+      strange.length > 0 ? t('csv.column.unknown', { columns: strange.map((s) => `“${s}”`).join(', ') }) : '';
+    return {
+      kind: 'unreadable',
+      why: [t('csv.columns.wrong', { columns: COLUMNS.join(', ') }), which].filter(Boolean).join(' '),
+    };
   }
-  if (table.rows.length > MOST_LINES) return { kind: 'unreadable', why: t('csv.many', { count: table.rows.length, most: MOST_LINES }) };
+  if (table.rows.length > MOST_LINES)
+    return { kind: 'unreadable', why: t('csv.many', { count: table.rows.length, most: MOST_LINES }) };
   const keys = new Map<string, number>();
   return { kind: 'table', lines: table.rows.map((r) => readLine(r, names, known, now, keys)) };
 }
 
 function whyNot(fault: TableFault): string {
   switch (fault.kind) {
-    case 'empty': return t('csv.empty');
-    case 'no rows': return t('csv.none');
-    case 'twice': return t('csv.twice', { name: fault.name });
-    case 'unclosed': return t('csv.unclosed', { line: fault.line });
-    case 'not text': return t('csv.encoding');
+    case 'empty':
+      return t('csv.empty');
+    case 'no rows':
+      return t('csv.none');
+    case 'twice':
+      return t('csv.twice', { name: fault.name });
+    case 'unclosed':
+      return t('csv.unclosed', { line: fault.line });
+    case 'not text':
+      return t('csv.encoding');
   }
 }
 
-function readLine(row: TableRow, names: readonly string[], known: Known, now: Date, keys: Map<string, number>): CsvLine {
+function readLine(
+  row: TableRow,
+  names: readonly string[],
+  known: Known,
+  now: Date,
+  keys: Map<string, number>,
+): CsvLine {
   const found: Record<string, string> = {};
-  names.forEach((name, i) => { found[name] = row.cells[i] ?? ''; });
+  names.forEach((name, i) => {
+    found[name] = row.cells[i] ?? '';
+  });
   const errors: string[] = [];
   if (row.surplus > 0) errors.push(t('csv.cells', { cells: row.surplus, columns: names.length }));
   const key = found['key'] || null;
@@ -65,14 +94,22 @@ function readLine(row: TableRow, names: readonly string[], known: Known, now: Da
     const before = keys.get(key);
     if (before !== undefined) errors.push(t('csv.key.twice', { key, line: before }));
     else keys.set(key, row.line);
-    if (new TextEncoder().encode(key).length > LONGEST_KEY_BYTES) errors.push(t('csv.key', { most: LONGEST_KEY_BYTES }));
+    if (new TextEncoder().encode(key).length > LONGEST_KEY_BYTES)
+      errors.push(t('csv.key', { most: LONGEST_KEY_BYTES }));
   }
   const kind = (found['kind'] ?? '').toLowerCase() as JobKind;
   const at = { line: row.line, cells: found, key };
-  if (!JOB_KINDS.includes(kind)) return { ...at, job: null, errors: [t('csv.kind', { kind: found['kind'] ?? '', kinds: JOB_KINDS.join(', ') })] };
+  if (!JOB_KINDS.includes(kind))
+    return { ...at, job: null, errors: [t('csv.kind', { kind: found['kind'] ?? '', kinds: JOB_KINDS.join(', ') })] };
   const values: FormValues = {
-    ...BLANK, kind, rack: found['rack'] ?? '', station: found['station'] ?? '', node: found['node'] ?? '',
-    robot: found['robot'] ?? '', priority: found['priority'] || '0', deadline: found['deadline_min'] ?? '',
+    ...BLANK,
+    kind,
+    rack: found['rack'] ?? '',
+    station: found['station'] ?? '',
+    node: found['node'] ?? '',
+    robot: found['robot'] ?? '',
+    priority: found['priority'] || '0',
+    deadline: found['deadline_min'] ?? '',
   };
   const built = build(values, now);
   if (built.kind === 'wrong') errors.push(...Object.values(built.errors));

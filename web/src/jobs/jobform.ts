@@ -19,17 +19,36 @@ export interface FormValues {
 export type Built = { kind: 'ready'; job: NewJob } | { kind: 'wrong'; errors: FieldErrors };
 
 export const FIELDS: Record<JobKind, readonly Field[]> = {
-  deliver: ['rack', 'station'], return: ['rack'], relocate: ['rack', 'node'],
-  charge: ['robot'], park: ['robot'], go: ['robot', 'node'],
+  deliver: ['rack', 'station'],
+  return: ['rack'],
+  relocate: ['rack', 'node'],
+  charge: ['robot'],
+  park: ['robot'],
+  go: ['robot', 'node'],
 };
-const MISSING = wordsBy<Field>({ rack: 'job.name.rack', station: 'job.name.station', node: 'job.name.node', robot: 'job.name.robot' });
+const MISSING = wordsBy<Field>({
+  rack: 'job.name.rack',
+  station: 'job.name.station',
+  node: 'job.name.node',
+  robot: 'job.name.robot',
+});
 
 export const BLANK: FormValues = {
-  kind: 'deliver', rack: '', station: '', node: '', robot: '', priority: '0', deadline: '',
+  kind: 'deliver',
+  rack: '',
+  station: '',
+  node: '',
+  robot: '',
+  priority: '0',
+  deadline: '',
 };
 
 /** The stations in a text such as “S1 > S2”. */
-export const stationsOf = (text: string): string[] => text.split('>').map((s) => s.trim()).filter((s) => s !== '');
+export const stationsOf = (text: string): string[] =>
+  text
+    .split('>')
+    .map((s) => s.trim())
+    .filter((s) => s !== '');
 
 /** Checks only what the page can know; whether a rack exists is the server's to say. */
 export function build(values: FormValues, now: Date): Built {

@@ -107,12 +107,14 @@ export class Jobs {
   }
 
   async #refreshOwn(newest: Job[]): Promise<void> {
-    this.own = await Promise.all(this.own.map(async (job) => {
-      const seen = newest.find((j) => j.id === job.id);
-      if (seen || isOver(job.state)) return seen ?? job;
-      const answer = await this.#api.job(job.id);
-      return answer.kind === 'ok' ? answer.value : job;
-    }));
+    this.own = await Promise.all(
+      this.own.map(async (job) => {
+        const seen = newest.find((j) => j.id === job.id);
+        if (seen || isOver(job.state)) return seen ?? job;
+        const answer = await this.#api.job(job.id);
+        return answer.kind === 'ok' ? answer.value : job;
+      }),
+    );
   }
 
   #plan(ms: number): void {

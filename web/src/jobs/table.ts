@@ -31,8 +31,9 @@ const PADDING = /^[ \t\u00A0\uFEFF]+|[ \t\u00A0\uFEFF]+$/g;
 const trimmed = (cell: string): string => cell.replace(PADDING, '');
 
 /**
- * Lines end with LF, CR LF or CR; a byte order mark is passed over; the separator is the most frequent one in the header. A cell in quotes
- * may have separators, line ends and, doubled, quotes (RFC 4180). White space around a cell does not count.
+ * Lines end with LF, CR LF or CR; a byte order mark is passed over; the separator is the most frequent one in the
+ * header. A cell in quotes may have separators, line ends and, doubled, quotes (RFC 4180). White space around a cell
+ * does not count.
  */
 export function readTable(given: string): Table | TableFault {
   if (/[\0\uFFFD]/.test(given)) return { kind: 'not text' };
@@ -49,7 +50,11 @@ export function readTable(given: string): Table | TableFault {
   if (rest.length === 0) return { kind: 'no rows' };
   const row = ({ line, cells }: { line: number; cells: string[] }): TableRow => {
     const kept = withoutEmptyEnd(cells, columns.length);
-    return { line, cells: columns.map((_, i) => kept[i] ?? ''), surplus: kept.length > columns.length ? kept.length : 0 };
+    return {
+      line,
+      cells: columns.map((_, i) => kept[i] ?? ''),
+      surplus: kept.length > columns.length ? kept.length : 0,
+    };
   };
   return { columns, rows: rest.map(row) };
 }
@@ -67,7 +72,7 @@ function separatorOf(text: string): string {
   let counts = SEPARATORS.map(() => 0);
   let [quoted, hasText] = [false, false];
   for (const c of text) {
-    const i = SEPARATORS.indexOf(c as typeof SEPARATORS[number]);
+    const i = SEPARATORS.indexOf(c as (typeof SEPARATORS)[number]);
     if (!quoted && c === '\n') {
       if (hasText) break;
       counts = SEPARATORS.map(() => 0);
@@ -87,14 +92,23 @@ function split(text: string, separator: string): { line: number; cells: string[]
   let cell = '';
   let [line, began] = [1, 1];
   let quoted: number | null = null;
-  const endCell = (): void => { row.push(trimmed(cell)); cell = ''; };
+  const endCell = (): void => {
+    row.push(trimmed(cell));
+    cell = '';
+  };
   for (let i = 0; i <= text.length; i++) {
     const c = text[i] ?? '\n';
     if (quoted !== null) {
       if (c === '\n') line += 1;
       if (c !== '"') cell += c;
-      else if (text[i + 1] === '"') { cell += '"'; i += 1; } else quoted = null;
-    } else if (c === '"' && trimmed(cell) === '') { quoted = line; cell = ''; } else if (c === separator) endCell();
+      else if (text[i + 1] === '"') {
+        cell += '"';
+        i += 1;
+      } else quoted = null;
+    } else if (c === '"' && trimmed(cell) === '') {
+      quoted = line;
+      cell = '';
+    } else if (c === separator) endCell();
     else if (c === '\n') {
       endCell();
       if (row.some((one) => one !== '')) lines.push({ line: began, cells: row });

@@ -4,5 +4,17 @@ export { chooseLanguage, LANGUAGES, languageFor, spoken, type Language } from '.
 export { asSaid, learnSaid, said, sameSaid, type Said, type SaidArg } from './said';
 export { messagesOf, sayIn, type Compiled, type PageMessages, type Say, type Values } from './say';
 export {
-  atMost, coordinate, duration, explained, listed, metres, number, quantity, seconds, significant, spelt, together, type Unit,
+  atMost,
+  coordinate,
+  duration,
+  explained,
+  listed,
+  metres,
+  number,
+  quantity,
+  seconds,
+  significant,
+  spelt,
+  together,
+  type Unit,
 } from './measure';

@@ -25,12 +25,23 @@ export const significant = (language: Language, n: number, digits: number): stri
 
 const unit = (language: Language, name: string, n: number, decimals: number, length: Length): string =>
   formatter(language, {
-    style: 'unit', unit: name, unitDisplay: length, minimumFractionDigits: decimals, maximumFractionDigits: decimals,
+    style: 'unit',
+    unit: name,
+    unitDisplay: length,
+    minimumFractionDigits: decimals,
+    maximumFractionDigits: decimals,
   }).format(n);
 
 /** Units by their symbols; those that Chinese writes in words by what Intl calls them. */
 const UNITS = {
-  'µs': null, ms: null, s: 'second', min: 'minute', h: 'hour', m: 'meter', km: 'kilometer', 'm/s': 'meter-per-second',
+  µs: null,
+  ms: null,
+  s: 'second',
+  min: 'minute',
+  h: 'hour',
+  m: 'meter',
+  km: 'kilometer',
+  'm/s': 'meter-per-second',
   '%': 'percent',
 } as const;
 export type Unit = keyof typeof UNITS;
@@ -44,16 +55,20 @@ export function quantity(language: Language, n: number, symbol: Unit, decimals =
 }
 
 /** Quantities that make one together, such as minutes and seconds. */
-export const together = (language: Language, parts: readonly string[]): string => parts.join(language === 'zh' ? '' : ' ');
+export const together = (language: Language, parts: readonly string[]): string =>
+  parts.join(language === 'zh' ? '' : ' ');
 
 /** Things one after the other, in a line. */
-export const listed = (language: Language, parts: readonly string[]): string => parts.join(language === 'zh' ? '，' : ', ');
+export const listed = (language: Language, parts: readonly string[]): string =>
+  parts.join(language === 'zh' ? '，' : ', ');
 
 /** Something, and what there is to say about it. */
-export const explained = (language: Language, what: string, more: string): string => `${what}${language === 'zh' ? '：' : ': '}${more}`;
+export const explained = (language: Language, what: string, more: string): string =>
+  `${what}${language === 'zh' ? '：' : ': '}${more}`;
 
 /** Hours or days, spelt out. */
-export const spelt = (language: Language, n: number, name: 'hour' | 'day'): string => unit(language, name, n, 0, 'long');
+export const spelt = (language: Language, n: number, name: 'hour' | 'day'): string =>
+  unit(language, name, n, 0, 'long');
 
 /** How far, to the accuracy that a walker needs. */
 export function metres(language: Language, m: number, length: Length = 'short'): string {

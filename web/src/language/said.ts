@@ -1,6 +1,6 @@
-// What the server says to people: why something waits, what is wrong and what to do, why something is refused. It comes with a
-// code and what stands in its places; `said/` has each code in every language but English, which comes with it. A page in
-// English loads nothing for it. A test of the server compares these files with its list of codes.
+// What the server says to people: why something waits, what is wrong and what to do, why something is refused. It comes
+// with a code and what stands in its places; `said/` has each code in every language but English, which comes with it.
+// A page in English loads nothing for it. A test of the server compares these files with its list of codes.
 import { spoken } from './choice';
 import { atMost, listed } from './measure';
 
@@ -17,7 +17,8 @@ const PLACE = /\{(\w+)\}/g;
 
 let texts: Texts = {};
 
-/** Loads the sentences in the language of the page; there is nothing to load in English. The page works without them. */
+/** Loads the sentences in the language of the page; there is nothing to load in English. The page works without
+ *  them. */
 export async function learnSaid(): Promise<void> {
   const language = spoken();
   texts = {};
@@ -56,5 +57,7 @@ const englishOf = (sentence: Said | string | null): string | null =>
 /** A sentence from a message; null where there is none. */
 export function asSaid(value: unknown): Said | string | null {
   if (typeof value === 'string') return value;
-  return typeof value === 'object' && value !== null && typeof (value as Said).text === 'string' ? (value as Said) : null;
+  return typeof value === 'object' && value !== null && typeof (value as Said).text === 'string'
+    ? (value as Said)
+    : null;
 }

@@ -1,6 +1,6 @@
-// The part of the address behind #, of the present: what is chosen on the floor, the job whose card is open, the tab below
-// the floor, or the view for a screen on the wall. `#robot/robot-17&tab/robots` says two of these. The past has addresses of
-// its own (replay/route.ts).
+// The part of the address behind #, of the present: what is chosen on the floor, the job whose card is open, the tab
+// below the floor, or the view for a screen on the wall. `#robot/robot-17&tab/robots` says two of these. The past has
+// addresses of its own (replay/route.ts).
 import { PICKED_KINDS, type Picked } from '../floor';
 import { BELOW_KEYS } from '../replay';
 import { onFloor, row, type FloorMap, type Mirror } from '../wire';
@@ -22,7 +22,10 @@ export const HOME: Address = { picked: null, job: null, tab: 'jobs', wall: false
 export function addressOf(hash: string): { address: Address; unknown: string[] } {
   const unknown: string[] = [];
   let address = HOME;
-  for (const part of hash.replace(/^#/, '').split('&').filter((one) => one !== '')) {
+  for (const part of hash
+    .replace(/^#/, '')
+    .split('&')
+    .filter((one) => one !== '')) {
     const next = withPart(address, part);
     if (next === null) unknown.push(part);
     else address = next;
@@ -55,12 +58,18 @@ export function hashOf({ picked, job, tab, wall }: Address): string {
 /** Whether there is such a thing on the floor. */
 export function isThere({ kind, id }: Picked, mirror: Mirror, map: FloorMap): boolean {
   switch (kind) {
-    case 'robot': return onFloor(mirror).some((r) => r.id === id);
-    case 'worker': return row(mirror.workers, id) !== undefined;
-    case 'station': return row(mirror.stations, id) !== undefined;
-    case 'rack': return row(mirror.racks, id) !== undefined;
-    case 'closure': return mirror.closures.some((c) => c.id === id);
-    case 'place': return map.nodes.some((n) => n.id === id);
+    case 'robot':
+      return onFloor(mirror).some((r) => r.id === id);
+    case 'worker':
+      return row(mirror.workers, id) !== undefined;
+    case 'station':
+      return row(mirror.stations, id) !== undefined;
+    case 'rack':
+      return row(mirror.racks, id) !== undefined;
+    case 'closure':
+      return mirror.closures.some((c) => c.id === id);
+    case 'place':
+      return map.nodes.some((n) => n.id === id);
   }
 }
 

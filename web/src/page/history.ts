@@ -1,4 +1,5 @@
-// Deliveries per hour over the last ten minutes: of the present from what the server kept, of the past from what was shown.
+// Deliveries per hour over the last ten minutes: of the present from what the server kept, of the past from what was
+// shown.
 import type { Bucket } from '../wire';
 
 export const SPAN_S = 600;

@@ -3,7 +3,8 @@
 import { learnMore } from '../words';
 
 /** A part and its messages. */
-export const fetched = async <T>(part: Promise<{ default: T }>): Promise<T> => (await Promise.all([part, learnMore()]))[0].default;
+export const fetched = async <T>(part: Promise<{ default: T }>): Promise<T> =>
+  (await Promise.all([part, learnMore()]))[0].default;
 
 /** A part whose messages are there from the beginning. */
 const part = <T>(one: Promise<{ default: T }>): Promise<T> => one.then((found) => found.default);

@@ -29,7 +29,9 @@ export class Live {
       cancel: (timer) => clearTimeout(timer as ReturnType<typeof setTimeout>),
     },
     random: Math.random,
-    onState: (state) => { this.link = state; },
+    onState: (state) => {
+      this.link = state;
+    },
     onMirror: (mirror, kind) => {
       if (kind === 'snapshot') this.#follow(mirror.map);
       this.#learnKinds(mirror);
@@ -75,7 +77,8 @@ export class Live {
   /** Another map was published while the server was away: rows name places of that one from here on. */
   #follow(version: string | null): void {
     const { map } = this;
-    if (version === null || map.kind !== 'ready' || map.value.version === undefined || map.value.version === version) return;
+    if (version === null || map.kind !== 'ready' || map.value.version === undefined || map.value.version === version)
+      return;
     this.map = { kind: 'loading' };
     void this.#loadMap();
   }

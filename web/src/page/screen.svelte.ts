@@ -25,7 +25,9 @@ export class Screen implements Stream {
   constructor(live: Live, onTense: (tense: 'now' | 'then') => void) {
     this.#live = live;
     this.#onTense = onTense;
-    live.onMirror = (mirror, how) => { if (!this.replay) this.#show(mirror, how); };
+    live.onMirror = (mirror, how) => {
+      if (!this.replay) this.#show(mirror, how);
+    };
   }
 
   /** A recording without a map of its own is of this floor. */
@@ -44,7 +46,9 @@ export class Screen implements Stream {
 
   watch(see: See): () => void {
     this.#see = see;
-    return () => { if (this.#see === see) this.#see = () => {}; };
+    return () => {
+      if (this.#see === see) this.#see = () => {};
+    };
   }
 
   /** Shows the past: from a moment on, up to another one where that is given. */

@@ -29,12 +29,21 @@ export function storeShare(share: number): void {
 /** What a key makes of it; null for keys that mean nothing here. */
 export function afterKey(share: number, key: string): number | null {
   switch (key) {
-    case 'ArrowUp': case 'ArrowLeft': return within(share - 2);
-    case 'ArrowDown': case 'ArrowRight': return within(share + 2);
-    case 'PageUp': return within(share - 10);
-    case 'PageDown': return within(share + 10);
-    case 'Home': return LEAST;
-    case 'End': return MOST;
-    default: return null;
+    case 'ArrowUp':
+    case 'ArrowLeft':
+      return within(share - 2);
+    case 'ArrowDown':
+    case 'ArrowRight':
+      return within(share + 2);
+    case 'PageUp':
+      return within(share - 10);
+    case 'PageDown':
+      return within(share + 10);
+    case 'Home':
+      return LEAST;
+    case 'End':
+      return MOST;
+    default:
+      return null;
   }
 }

@@ -1,10 +1,14 @@
-// Somebody who comes to the floor, walks a few steps and whose headset then falls silent: what a lost person means, to be seen.
+// Somebody who comes to the floor, walks a few steps and whose headset then falls silent: what a lost person means, to
+// be seen.
 import type { Answer, Api, FloorMap, MapNode } from '../wire';
 
 /** One step a second. */
 const STEP_MS = 1_000;
 const STEPS = 5;
-const wait = (ms: number): Promise<void> => new Promise((done) => { setTimeout(done, ms); });
+const wait = (ms: number): Promise<void> =>
+  new Promise((done) => {
+    setTimeout(done, ms);
+  });
 
 /** Places one after the other along lanes that people may walk, from the middle of the floor on. */
 export function stroll(map: FloorMap, steps: number): MapNode[] {
@@ -16,8 +20,10 @@ export function stroll(map: FloorMap, steps: number): MapNode[] {
   const way = [first];
   while (way.length < steps) {
     const here = map.nodes.indexOf(way.at(-1)!);
-    const next = map.lanes.flatMap((lane) => (lane.from === here ? [lane.to] : lane.both && lane.to === here ? [lane.from] : []))
-      .map((n) => map.nodes[n]!).find((node) => node.kind === 'aisle' && !way.includes(node));
+    const next = map.lanes
+      .flatMap((lane) => (lane.from === here ? [lane.to] : lane.both && lane.to === here ? [lane.from] : []))
+      .map((n) => map.nodes[n]!)
+      .find((node) => node.kind === 'aisle' && !way.includes(node));
     if (!next) break;
     way.push(next);
   }

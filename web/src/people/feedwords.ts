@@ -24,7 +24,11 @@ export function feedWords({ before, now, apart_s }: Looks, lost: number | null):
   const words: Word[] = [];
   if (before && apart_s > 0.2) {
     const hz = Math.max(0, now.feed.taken - before.feed.taken) / apart_s;
-    words.push({ name: t('feed.rate'), text: t('feed.rate.value', { rate: number(hz, hz < 10 ? 1 : 0) }), well: hz >= SLOW_HZ });
+    words.push({
+      name: t('feed.rate'),
+      text: t('feed.rate.value', { rate: number(hz, hz < 10 ? 1 : 0) }),
+      well: hz >= SLOW_HZ,
+    });
   }
   if (now.age_s !== null) {
     const time = quantity(now.age_s, 's', now.age_s < 10 ? 2 : 0);
@@ -35,21 +39,33 @@ export function feedWords({ before, now, apart_s }: Looks, lost: number | null):
     const time = quantity(now.clock_error_ms, 'ms', now.clock_error_ms < 10 ? 1 : 0);
     words.push({ name: t('feed.clock'), text: t('feed.clock.value', { time }), well: now.clock_error_ms < 100 });
   } else {
-    words.push({ name: t('feed.clock'), text: t(now.connected ? 'feed.clock.unknown' : 'feed.clock.server'), well: true });
+    words.push({
+      name: t('feed.clock'),
+      text: t(now.connected ? 'feed.clock.unknown' : 'feed.clock.server'),
+      well: true,
+    });
   }
   const { taken, late, jumps, absurd } = now.feed;
   const refused = late + jumps + absurd;
   const parts = [
-    late > 0 ? t('feed.refused.late', { count: late }) : '', jumps > 0 ? t('feed.refused.jumps', { count: jumps }) : '',
+    late > 0 ? t('feed.refused.late', { count: late }) : '',
+    jumps > 0 ? t('feed.refused.jumps', { count: jumps }) : '',
     absurd > 0 ? t('feed.refused.absurd', { count: absurd }) : '',
   ].filter(Boolean);
   const share = refused / Math.max(1, taken + refused);
   words.push({
-    name: t('feed.refused'), well: share < 0.1,
-    text: refused === 0 ? t('feed.refused.none', { all: taken }) : t('feed.refused.value', {
-      share: share < 0.01 ? t('under', { most: percent(0.01) }) : percent(share), all: taken + refused, parts: listed(parts),
-    }),
+    name: t('feed.refused'),
+    well: share < 0.1,
+    text:
+      refused === 0
+        ? t('feed.refused.none', { all: taken })
+        : t('feed.refused.value', {
+            share: share < 0.01 ? t('under', { most: percent(0.01) }) : percent(share),
+            all: taken + refused,
+            parts: listed(parts),
+          }),
   });
-  if (lost !== null) words.push({ name: t('feed.unseen'), text: t('feed.unseen.value', { share: percent(lost) }), well: lost < 0.05 });
+  if (lost !== null)
+    words.push({ name: t('feed.unseen'), text: t('feed.unseen.value', { share: percent(lost) }), well: lost < 0.05 });
   return words;
 }

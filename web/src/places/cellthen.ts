@@ -22,7 +22,9 @@ export function cellAt(lists: readonly Listed[], t: number, id: string): Station
   const seen = lists.findLast((list) => list.at <= t && id in rowsOf(list));
   if (!seen) return null;
   const { lines, ends_s, ...rest } = rowsOf(seen)[id]!;
-  const left = lines.filter(({ state }) => state !== 'done' && state !== 'short').reduce((sum, { quantity, done }) => sum + quantity - done, 0);
+  const left = lines
+    .filter(({ state }) => state !== 'done' && state !== 'short')
+    .reduce((sum, { quantity, done }) => sum + quantity - done, 0);
   const [p10, p50, p90] = (ends_s ?? [0, 0, 0]).map((s) => Math.max(0, s - t)) as [number, number, number];
   const visit = lines.length === 0 ? null : { lines, pieces_left: left, expected_end: ends_s && { p10, p50, p90 } };
   return { ...rest, has_cell: true, visit };

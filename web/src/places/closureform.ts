@@ -15,7 +15,11 @@ export interface ClosureValues {
 export type ClosureErrors = Partial<Record<keyof ClosureValues, string>>;
 export type BuiltClosure = { kind: 'ready'; area: NewClosure } | { kind: 'wrong'; errors: ClosureErrors };
 
-export const BINDS_WORDS = wordsBy<Binds>({ both: 'closure.binds.both', robots: 'closure.binds.robots', people: 'closure.binds.people' });
+export const BINDS_WORDS = wordsBy<Binds>({
+  both: 'closure.binds.both',
+  robots: 'closure.binds.robots',
+  people: 'closure.binds.people',
+});
 
 const WEEK = 7 * 24 * 60;
 const DAY = 24 * 60;
@@ -38,7 +42,11 @@ export function buildClosure(values: ClosureValues, outline: readonly Point[], n
   }
   const at = (m: number) => new Date(now.getTime() + m * 60_000);
   if (values.daily) {
-    area.recurs = { from: clock(at(begins ?? 0)), to: clock(at((begins ?? 0) + (lasts ?? 0))), utc_offset: zone() ?? offset(now) };
+    area.recurs = {
+      from: clock(at(begins ?? 0)),
+      to: clock(at((begins ?? 0) + (lasts ?? 0))),
+      utc_offset: zone() ?? offset(now),
+    };
   } else {
     if (begins !== null && begins > 0) area.from = at(begins).toISOString();
     if (lasts !== null) area.until = at((begins ?? 0) + lasts).toISOString();
@@ -70,7 +78,10 @@ export function effectWords(effect: ClosingEffect): { words: string; grave: bool
   if (trapped.total > 0) add(t('closure.effect.trapped', { names: namesOf(trapped) }));
   if (waiting.total > 0) add(t('closure.effect.waiting', { count: waiting.total, names: namesOf(waiting) }));
   if (passing.total > 0) {
-    add(t('closure.effect.passing', { count: passing.total, names: namesOf(passing), time: timeOfDay(clear_at) }), false);
+    add(
+      t('closure.effect.passing', { count: passing.total, names: namesOf(passing), time: timeOfDay(clear_at) }),
+      false,
+    );
   }
   return lines;
 }
@@ -85,7 +96,10 @@ function namesOf({ total, first }: Affected): string {
 /** The request that closes an area again as it was. */
 export function closedAgain({ outline, reason, binds, from, until, state }: Closure): NewClosure {
   return {
-    outline: [...outline], reason, binds: binds ?? 'robots',
-    ...(state === 'announced' && from ? { from } : {}), ...(until ? { until } : {}),
+    outline: [...outline],
+    reason,
+    binds: binds ?? 'robots',
+    ...(state === 'announced' && from ? { from } : {}),
+    ...(until ? { until } : {}),
   };
 }

@@ -157,7 +157,9 @@ export class ServerRecording implements Recording {
     }
     if (pieces.length !== this.#joined.pieces.length || pieces.some((piece, i) => piece !== this.#joined.pieces[i])) {
       // Each begins with a key frame, from before the end of the one that it follows.
-      const frames = pieces.flatMap((piece, i) => (i === 0 ? piece.frames : piece.frames.filter((frame) => frame.at > pieces[i - 1]!.to)));
+      const frames = pieces.flatMap((piece, i) =>
+        i === 0 ? piece.frames : piece.frames.filter((frame) => frame.at > pieces[i - 1]!.to),
+      );
       this.#joined = { pieces, frames };
     }
     return this.#joined.frames;

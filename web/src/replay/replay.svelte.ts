@@ -38,7 +38,12 @@ export class Replay {
   #frame = 0;
   #timer: ReturnType<typeof setInterval> | undefined;
 
-  constructor(recording: Recording, from: number | null, to: number | null, give: (mirror: Mirror, how: 'glide' | 'jump') => void) {
+  constructor(
+    recording: Recording,
+    from: number | null,
+    to: number | null,
+    give: (mirror: Mirror, how: 'glide' | 'jump') => void,
+  ) {
     this.recording = recording;
     this.#give = give;
     this.#until = to;
@@ -132,7 +137,8 @@ export class Replay {
 
   #follow(): void {
     if (this.reach === 0) this.left = this.begin;
-    else if (this.t < this.left || this.t > this.left + this.reach) this.left = this.t - this.reach * (this.t < this.left ? 0.5 : 0.1);
+    else if (this.t < this.left || this.t > this.left + this.reach)
+      this.left = this.t - this.reach * (this.t < this.left ? 0.5 : 0.1);
   }
 
   #look(): void {

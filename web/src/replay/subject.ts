@@ -6,7 +6,8 @@ export interface Subject {
   id: string;
 }
 
-/** The one that a bookmark names first. The moment that is shown need not have it: a worker may come to the floor later. */
+/** The one that a bookmark names first. The moment that is shown need not have it: a worker may come to the floor
+ *  later. */
 export function subjectOf(mark: Mark, shown: Mirror): Subject | null {
   const id = mark.who[0];
   if (id === undefined) return null;

@@ -4,9 +4,13 @@ import type { Api, Job } from '../wire';
 /** So many pages of jobs are looked through. */
 const MOST_PAGES = 10;
 
-export interface Late { readonly jobs: readonly Job[]; readonly complete: boolean }
+export interface Late {
+  readonly jobs: readonly Job[];
+  readonly complete: boolean;
+}
 
-/** Deliveries that were done after their deadline, from one time to another, the latest first; null where the server does not say. */
+/** Deliveries that were done after their deadline, from one time to another, the latest first; null where the server
+ *  does not say. */
 export async function lateJobs(api: Pick<Api, 'jobsDone'>, from: string, to: string): Promise<Late | null> {
   const found: Job[] = [];
   let cursor: string | null = null;
@@ -23,7 +27,14 @@ export async function lateJobs(api: Pick<Api, 'jobsDone'>, from: string, to: str
 
 function isLate(job: Job, from: string, to: string): boolean {
   const done = Date.parse(job.updated);
-  return job.kind === 'deliver' && job.deadline !== null && done > Date.parse(job.deadline) && done >= Date.parse(from) && done < Date.parse(to);
+  return (
+    job.kind === 'deliver' &&
+    job.deadline !== null &&
+    done > Date.parse(job.deadline) &&
+    done >= Date.parse(from) &&
+    done < Date.parse(to)
+  );
 }
 
-export const lateBy_s = (job: Job): number => (job.deadline === null ? 0 : (Date.parse(job.updated) - Date.parse(job.deadline)) / 1_000);
+export const lateBy_s = (job: Job): number =>
+  job.deadline === null ? 0 : (Date.parse(job.updated) - Date.parse(job.deadline)) / 1_000;

@@ -19,22 +19,44 @@ const inService = (robot: Robot): boolean => !robot.maintenance && !robot.leavin
 
 export const ROBOT_ACTS: readonly RobotAct[] = [
   {
-    id: 'pause', act: 'pause_robot', fits: (robot) => activityOf(robot) !== 'paused', tell: (api, id) => api.pause(id), undo: 'resume',
+    id: 'pause',
+    act: 'pause_robot',
+    fits: (robot) => activityOf(robot) !== 'paused',
+    tell: (api, id) => api.pause(id),
+    undo: 'resume',
   },
   {
-    id: 'resume', act: 'resume_robot', fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed', tell: (api, id) => api.resume(id), undo: 'pause',
+    id: 'resume',
+    act: 'resume_robot',
+    fits: (robot) => activityOf(robot) === 'paused' || activityOf(robot) === 'failed',
+    tell: (api, id) => api.resume(id),
+    undo: 'pause',
   },
   {
-    id: 'charge', act: 'submit_job', fits: inService, tell: (api, id) => api.submit({ kind: 'charge', robot: id, priority: 0 }, newKey()),
+    id: 'charge',
+    act: 'submit_job',
+    fits: inService,
+    tell: (api, id) => api.submit({ kind: 'charge', robot: id, priority: 0 }, newKey()),
   },
   {
-    id: 'park', act: 'submit_job', fits: inService, tell: (api, id) => api.submit({ kind: 'park', robot: id, priority: 0 }, newKey()),
+    id: 'park',
+    act: 'submit_job',
+    fits: inService,
+    tell: (api, id) => api.submit({ kind: 'park', robot: id, priority: 0 }, newKey()),
   },
   {
-    id: 'out', act: 'start_maintenance', fits: inService, tell: (api, id) => api.maintain(id), undo: 'back',
+    id: 'out',
+    act: 'start_maintenance',
+    fits: inService,
+    tell: (api, id) => api.maintain(id),
+    undo: 'back',
   },
   {
-    id: 'back', act: 'end_maintenance', fits: (robot) => !inService(robot), tell: (api, id) => api.workAgain(id), undo: 'out',
+    id: 'back',
+    act: 'end_maintenance',
+    fits: (robot) => !inService(robot),
+    tell: (api, id) => api.workAgain(id),
+    undo: 'out',
   },
 ];
 
@@ -76,6 +98,10 @@ export async function tellAll(act: RobotAct, api: ActsApi, ids: readonly string[
   if (refused.length === 0) return { words: t(`robots.${act.id}.done`, { count: ids.length }), wrong: false, done };
   const some = refused.slice(0, MOST_REASONS).join(' ');
   const more = refused.length - MOST_REASONS;
-  const words = [t('robots.refused', { count: refused.length, all: ids.length }), some, more > 0 ? t('robots.refused.more', { count: more }) : ''];
+  const words = [
+    t('robots.refused', { count: refused.length, all: ids.length }),
+    some,
+    more > 0 ? t('robots.refused.more', { count: more }) : '',
+  ];
   return { words: words.filter(Boolean).join(' '), wrong: true, done };
 }

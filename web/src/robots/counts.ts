@@ -4,7 +4,8 @@ import { ACTIVITIES, activityOf, ageOf, type Activity, type Mirror } from '../wi
 export interface ActivityCount {
   readonly activity: (typeof ACTIVITIES)[number];
   readonly robots: number;
-  /** For how long the one has been at it that has been the longest; null where no robot is, or where that is not known. */
+  /** For how long the one has been at it that has been the longest; null where no robot is, or where that is not
+   *  known. */
   readonly longest_s: number | null;
 }
 
@@ -15,7 +16,10 @@ export function countsOf(mirror: Pick<Mirror, 'robots' | 'time_s' | 'started'>):
     const activity = activityOf(robot);
     const sum = sums.get(activity) ?? { robots: 0, longest_s: null };
     const age = ageOf(mirror, robot);
-    sums.set(activity, { robots: sum.robots + 1, longest_s: age === null ? sum.longest_s : Math.max(sum.longest_s ?? 0, age) });
+    sums.set(activity, {
+      robots: sum.robots + 1,
+      longest_s: age === null ? sum.longest_s : Math.max(sum.longest_s ?? 0, age),
+    });
   }
   return ACTIVITIES.map((activity) => ({ activity, ...(sums.get(activity) ?? { robots: 0, longest_s: null }) }));
 }

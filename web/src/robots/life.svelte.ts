@@ -1,4 +1,5 @@
-// What the server knows of one robot: asked while its card is open, so that it does not depend on how long this page was.
+// What the server knows of one robot: asked while its card is open, so that it does not depend on how long this page
+// was.
 import { poll } from '../parts';
 import type { Api, RobotDetail, RobotEvent } from '../wire';
 import { replanCause, said, t, wordsBy, trouble } from '../words';
@@ -60,27 +61,44 @@ function unique(events: readonly RobotEvent[]): RobotEvent[] {
 }
 
 const CHANGES: Readonly<Record<string, string>> = wordsBy({
-  joined: 'robot.change.joined', failed: 'robot.change.failed', repaired: 'robot.change.repaired', fenced: 'robot.change.fenced',
-  paused: 'robot.change.paused', resumed: 'robot.change.resumed', fleet_stopped: 'robot.change.fleet_stopped',
-  fleet_resumed: 'robot.change.fleet_resumed', out_of_service: 'robot.change.out_of_service',
-  back_in_service: 'robot.change.back_in_service', leaving: 'robot.change.leaving', left: 'robot.change.left',
+  joined: 'robot.change.joined',
+  failed: 'robot.change.failed',
+  repaired: 'robot.change.repaired',
+  fenced: 'robot.change.fenced',
+  paused: 'robot.change.paused',
+  resumed: 'robot.change.resumed',
+  fleet_stopped: 'robot.change.fleet_stopped',
+  fleet_resumed: 'robot.change.fleet_resumed',
+  out_of_service: 'robot.change.out_of_service',
+  back_in_service: 'robot.change.back_in_service',
+  leaving: 'robot.change.leaving',
+  left: 'robot.change.left',
   returned: 'robot.change.returned',
 });
 
 /** The first nodes of a way. */
 const MOST_NODES = 5;
-const way = (nodes: readonly string[] = []): string => nodes.slice(0, MOST_NODES).join(' ') + (nodes.length > MOST_NODES ? ' …' : '');
+const way = (nodes: readonly string[] = []): string =>
+  nodes.slice(0, MOST_NODES).join(' ') + (nodes.length > MOST_NODES ? ' …' : '');
 
 /** What happened, in words; a newer server may say something this page has no words for. */
 export function eventWords(e: RobotEvent): string {
   switch (e.kind) {
-    case 'job': return `${e.text ?? t('robot.job')} ${e.id ?? ''}: ${e.what}`;
-    case 'alarm': return e.ended === null ? alarmWords(e) : t('robot.alarm.over', { alarm: alarmWords(e) });
-    case 'replan': return `${t('story.replanned', { cause: e.cause ? replanCause(e.cause) : e.what })}: ${way(e.was)} → ${way(e.now)}`;
-    case 'change': return CHANGES[e.what] ?? e.what.replaceAll('_', ' ');
+    case 'job':
+      return `${e.text ?? t('robot.job')} ${e.id ?? ''}: ${e.what}`;
+    case 'alarm':
+      return e.ended === null ? alarmWords(e) : t('robot.alarm.over', { alarm: alarmWords(e) });
+    case 'replan': {
+      const cause = e.cause ? replanCause(e.cause) : e.what;
+      return `${t('story.replanned', { cause })}: ${way(e.was)} → ${way(e.now)}`;
+    }
+    case 'change':
+      return CHANGES[e.what] ?? e.what.replaceAll('_', ' ');
   }
 }
 
 function alarmWords({ text, code, args, what }: RobotEvent): string {
-  return text === null ? what : said({ text, ...(code === undefined ? {} : { code }), ...(args === undefined ? {} : { args }) });
+  return text === null
+    ? what
+    : said({ text, ...(code === undefined ? {} : { code }), ...(args === undefined ? {} : { args }) });
 }

@@ -32,22 +32,41 @@ const natural = new Intl.Collator('en', { numeric: true });
 export function linesOf(mirror: Mirror, places: readonly MapNode[]): RobotLine[] {
   const alarms = new Map<string, Alarm[]>();
   for (const alarm of mirror.alarms) {
-    if (alarm.subject_kind === 'robot' && alarm.subject) alarms.set(alarm.subject, [...(alarms.get(alarm.subject) ?? []), alarm]);
+    if (alarm.subject_kind === 'robot' && alarm.subject)
+      alarms.set(alarm.subject, [...(alarms.get(alarm.subject) ?? []), alarm]);
   }
   return onFloor(mirror).map((robot) => ({
-    id: robot.id, kind: robot.kind, activity: activityOf(robot), age_s: ageOf(mirror, robot), job: robot.job,
+    id: robot.id,
+    kind: robot.kind,
+    activity: activityOf(robot),
+    age_s: ageOf(mirror, robot),
+    job: robot.job,
     // What is granted begins where the robot is.
     place: places[robot.granted[0] ?? robot.held[0] ?? -1]?.id ?? null,
-    battery: robot.battery, alarms: alarms.get(robot.id) ?? [], why: robot.why === null ? null : said(robot.why), robot,
+    battery: robot.battery,
+    alarms: alarms.get(robot.id) ?? [],
+    why: robot.why === null ? null : said(robot.why),
+    robot,
   }));
 }
 
 /** The lines that are at something and have every word of a search in one of their cells. */
 export function wantedOf(lines: readonly RobotLine[], only: Activity | null, search: string): RobotLine[] {
-  const words = search.toLowerCase().split(/\s+/).filter((word) => word !== '');
+  const words = search
+    .toLowerCase()
+    .split(/\s+/)
+    .filter((word) => word !== '');
   return lines.filter((line) => {
     if (only !== null && line.activity !== only) return false;
-    const cells = [line.id, line.kind, activityWords(line.activity), line.job, line.place, line.why, ...line.alarms.map((a) => said(a))];
+    const cells = [
+      line.id,
+      line.kind,
+      activityWords(line.activity),
+      line.job,
+      line.place,
+      line.why,
+      ...line.alarms.map((a) => said(a)),
+    ];
     const text = cells.filter(Boolean).join(' ').toLowerCase();
     return words.every((word) => text.includes(word));
   });
@@ -56,10 +75,14 @@ export function wantedOf(lines: readonly RobotLine[], only: Activity | null, sea
 export function sortedBy(lines: readonly RobotLine[], { by, way }: RobotOrder): RobotLine[] {
   const of = (line: RobotLine): string | number | null => {
     switch (by) {
-      case 'age': return line.age_s;
-      case 'alarms': return line.alarms.length;
-      case 'activity': return activityWords(line.activity);
-      default: return line[by];
+      case 'age':
+        return line.age_s;
+      case 'alarms':
+        return line.alarms.length;
+      case 'activity':
+        return activityWords(line.activity);
+      default:
+        return line[by];
     }
   };
   const sign = way === 'up' ? 1 : -1;
@@ -68,7 +91,10 @@ export function sortedBy(lines: readonly RobotLine[], { by, way }: RobotOrder): 
     const same = natural.compare(a.id, b.id);
     // What has none stands below what has one, whichever way it is sorted.
     if (left === null || right === null) return left === right ? same : left === null ? 1 : -1;
-    const order = typeof left === 'number' && typeof right === 'number' ? left - right : natural.compare(String(left), String(right));
+    const order =
+      typeof left === 'number' && typeof right === 'number'
+        ? left - right
+        : natural.compare(String(left), String(right));
     return sign * order || same;
   });
 }

@@ -7,7 +7,8 @@ import SignIn from './SignIn.svelte';
 
 applyTheme(storedTheme());
 const target = document.getElementById('sign-in');
-if (target) void learn().then(() => {
-  document.title = t('session.title');
-  mount(SignIn, { target });
-});
+if (target)
+  void learn().then(() => {
+    document.title = t('session.title');
+    mount(SignIn, { target });
+  });

@@ -27,7 +27,8 @@ const TOKEN = 'giveway.token';
 
 const ask = (method: string, body?: object): Promise<Response> =>
   fetch('/v1/session', {
-    method, signal: AbortSignal.timeout(PATIENCE_MS),
+    method,
+    signal: AbortSignal.timeout(PATIENCE_MS),
     ...(body ? { headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) } : {}),
   });
 
@@ -88,7 +89,10 @@ export async function providerName(): Promise<string | null> {
 export async function wayToProvider(back: string): Promise<{ address: string } | { refusal: Refusal }> {
   try {
     const answer = await fetch('/v1/session/oidc', {
-      method: 'POST', signal: AbortSignal.timeout(PATIENCE_MS), headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ back }),
+      method: 'POST',
+      signal: AbortSignal.timeout(PATIENCE_MS),
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify({ back }),
     });
     const said = (await answer.json().catch(() => ({}))) as { address?: string; detail?: string };
     if (answer.ok && said.address) return { address: said.address };
@@ -105,7 +109,7 @@ export type SentBack = (typeof SENT_BACK)[number];
 /** Why the server sent somebody back here; null if it sent nobody. What else an address says is never shown. */
 export function sentBackIn(search: string): SentBack | null {
   const word = new URLSearchParams(search).get('refused');
-  return word === null ? null : SENT_BACK.find((known) => known === word) ?? 'denied';
+  return word === null ? null : (SENT_BACK.find((known) => known === word) ?? 'denied');
 }
 
 /** Signs out; whether the server has said so. */
@@ -140,5 +144,7 @@ export function wayBack(search: string, origin: string): string {
   const back = new URLSearchParams(search).get('back') ?? '/';
   if (!URL.canParse(back, origin)) return '/';
   const url = new URL(back, origin);
-  return back.startsWith('/') && url.origin === origin && url.pathname !== '/sign-in' ? url.pathname + url.search + url.hash : '/';
+  return back.startsWith('/') && url.origin === origin && url.pathname !== '/sign-in'
+    ? url.pathname + url.search + url.hash
+    : '/';
 }

@@ -36,7 +36,8 @@ export class Asks {
     };
     this.box.replaceChildren(
       make('span', { textContent: t('asks', { count, slot, tote }) }),
-      button(t('asks.yes'), { done: count }), button(t('asks.no'), { short: true }),
+      button(t('asks.yes'), { done: count }),
+      button(t('asks.no'), { short: true }),
     );
   }
 }

@@ -50,13 +50,16 @@ export class Board {
       make('h1', { textContent: t('bar.station', { id }) }),
       ...(rack === null ? [] : [words('', t('bar.rack', { rack }))]),
       ...(robot === null ? [] : [words('', t('bar.robot', { robot }))]),
-      words('grow', t('bar.served', { count: served })), this.#left.next,
+      words('grow', t('bar.served', { count: served })),
+      this.#left.next,
     ]);
     this.#countDown(station, age_ms);
     // Not by its expected end, which is another one in every message.
     const shown = [visit?.lines, visit?.face, rack, visit === null, totes, reach, mistake];
     this.#once(this.rack, shown, () => [drawRack(station, mistake)]);
-    this.#once(this.big, [visit?.lines, visit?.rack, mistake, visit === null, hands_seen], () => this.#bigWords(station, mistake));
+    this.#once(this.big, [visit?.lines, visit?.rack, mistake, visit === null, hands_seen], () =>
+      this.#bigWords(station, mistake),
+    );
     this.#showLines(visit?.lines ?? []);
     this.paused.hidden = paused === null;
     write(this.paused, paused === null ? '' : t('paused', { time: clockTime(paused) }));
@@ -91,10 +94,15 @@ export class Board {
     }
     const then = next ? t('big.then', { count: leftOf(next), slot: next.slot, tote: next.tote }) : t('big.last');
     const arrow = make('span', { ariaHidden: 'true', textContent: '→' });
-    const take = make('p', { className: 'take' },
-      make('span', { className: 'count', textContent: t('big.count', { count: leftOf(lit) }) }), ' ',
-      make('span', { className: 'slot', textContent: lit.slot }), ' ',
-      make('span', { className: 'tote' }, arrow, ' ', t('big.tote', { tote: lit.tote })));
+    const take = make(
+      'p',
+      { className: 'take' },
+      make('span', { className: 'count', textContent: t('big.count', { count: leftOf(lit) }) }),
+      ' ',
+      make('span', { className: 'slot', textContent: lit.slot }),
+      ' ',
+      make('span', { className: 'tote' }, arrow, ' ', t('big.tote', { tote: lit.tote })),
+    );
     return [
       take,
       ...(lit.item === null ? [] : [words('item', lit.item)]),
@@ -127,8 +135,13 @@ export class Board {
 function lineOf(line: Line): HTMLElement {
   const { quantity: count, slot, tote, item, done, state } = line;
   const how = state === 'short' ? t('line.short', { done, count }) : t(`line.${state}`);
-  const element = make('li', {}, make('span', { className: 'what', textContent: t('line', { count, slot, tote }) }),
-    make('span', { className: 'item', textContent: item ?? '' }), make('span', { className: 'how', textContent: how }));
+  const element = make(
+    'li',
+    {},
+    make('span', { className: 'what', textContent: t('line', { count, slot, tote }) }),
+    make('span', { className: 'item', textContent: item ?? '' }),
+    make('span', { className: 'how', textContent: how }),
+  );
   element.dataset['state'] = state;
   if (isOver(line)) element.dataset['over'] = '';
   return element;
@@ -152,7 +165,7 @@ function nameOf({ is }: Mistake): HTMLElement {
 }
 
 const mistakeTitle = ({ kind, is }: Mistake): string =>
-  (kind === 'wrong_slot' ? t('mistake.slot', { is: is ?? '' }) : t('mistake.tote', { is: is ?? '' }));
+  kind === 'wrong_slot' ? t('mistake.slot', { is: is ?? '' }) : t('mistake.tote', { is: is ?? '' });
 const mistakeHelp = ({ kind, right }: Mistake): string => {
   if (right === null) return t('mistake.stop');
   return kind === 'wrong_slot' ? t('mistake.slot.right', { right }) : t('mistake.tote.right', { right });

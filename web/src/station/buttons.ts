@@ -8,7 +8,12 @@ export type Act = 'done' | 'plus' | 'short' | 'undo' | 'pause' | 'release';
 
 /** What keys do; letters are those of the English words on every keyboard. */
 const KEYS: Readonly<Record<string, Act>> = {
-  Enter: 'done', ' ': 'done', '+': 'plus', M: 'short', U: 'undo', P: 'pause',
+  Enter: 'done',
+  ' ': 'done',
+  '+': 'plus',
+  M: 'short',
+  U: 'undo',
+  P: 'pause',
 };
 export const actOf = (key: string): Act | null => KEYS[key.toUpperCase()] ?? KEYS[key] ?? null;
 
@@ -18,8 +23,12 @@ export function possible(station: Station, undo: Line | null): Readonly<Record<A
   const lit = litOf(visit);
   const isFree = visit !== null && visit.lines.length === 0;
   return {
-    done: lit !== null || isFree, plus: lit !== null && leftOf(lit) > 1, short: lit !== null, undo: undo !== null,
-    pause: true, release: visit !== null && !isFree,
+    done: lit !== null || isFree,
+    plus: lit !== null && leftOf(lit) > 1,
+    short: lit !== null,
+    undo: undo !== null,
+    pause: true,
+    release: visit !== null && !isFree,
   };
 }
 
@@ -29,7 +38,11 @@ export class Buttons {
 
   constructor(onAct: (act: Act) => void) {
     const keys: readonly (readonly [Act, Key | null])[] = [
-      ['done', 'key.done'], ['plus', 'key.plus'], ['short', 'key.short'], ['undo', 'key.undo'], ['pause', 'key.pause'],
+      ['done', 'key.done'],
+      ['plus', 'key.plus'],
+      ['short', 'key.short'],
+      ['undo', 'key.undo'],
+      ['pause', 'key.pause'],
       ['release', null],
     ];
     for (const [act, key] of keys) {

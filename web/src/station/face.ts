@@ -35,22 +35,29 @@ export function rowEdges(heights_m: readonly number[]): readonly (readonly [bott
 
 function slotsOf({ columns, heights_m, width_m }: Face): Box[] {
   const wide = width_m / columns;
-  return rowEdges(heights_m).flatMap(([bottom, top], row) => Array.from({ length: columns }, (_, column) => ({
-    name: `${String.fromCharCode(65 + column)}${row + 1}`,
-    x: column * wide - width_m / 2, y: -top, width: wide, height: top - bottom,
-  })));
+  return rowEdges(heights_m).flatMap(([bottom, top], row) =>
+    Array.from({ length: columns }, (_, column) => ({
+      name: `${String.fromCharCode(65 + column)}${row + 1}`,
+      x: column * wide - width_m / 2,
+      y: -top,
+      width: wide,
+      height: top - bottom,
+    })),
+  );
 }
 
 /** Totes below the rack, left and right as they stand; one that stands behind another is drawn below it. */
 function totesOf(totes: readonly Tote[], top: number): Box[] {
   const rows: number[][] = [];
-  return [...totes].sort((a, b) => a.out_m - b.out_m || a.right_m - b.right_m).map(({ id, right_m }) => {
-    let row = rows.findIndex((taken) => taken.every((x) => Math.abs(x - right_m) >= TOTE_WIDE_M + GAP_M / 2));
-    if (row < 0) row = rows.push([]) - 1;
-    rows[row]!.push(right_m);
-    const y = top + row * (TOTE_HIGH_M + GAP_M);
-    return { name: id, x: right_m - TOTE_WIDE_M / 2, y, width: TOTE_WIDE_M, height: TOTE_HIGH_M };
-  });
+  return [...totes]
+    .sort((a, b) => a.out_m - b.out_m || a.right_m - b.right_m)
+    .map(({ id, right_m }) => {
+      let row = rows.findIndex((taken) => taken.every((x) => Math.abs(x - right_m) >= TOTE_WIDE_M + GAP_M / 2));
+      if (row < 0) row = rows.push([]) - 1;
+      rows[row]!.push(right_m);
+      const y = top + row * (TOTE_HIGH_M + GAP_M);
+      return { name: id, x: right_m - TOTE_WIDE_M / 2, y, width: TOTE_WIDE_M, height: TOTE_HIGH_M };
+    });
 }
 
 /** A rack of which no slots are known is as large as a usual one. */
@@ -65,11 +72,13 @@ export function draw(face: Face | null, totes: readonly Tote[]): Drawing {
   const [top, end] = [Math.min(...slots.map(({ y }) => y)), Math.max(...all.map(({ y, height }) => y + height))];
   const body = { name: '', x: slots[0]!.x, y: top, width: (face ?? PLAIN).width_m, height: bottom - top };
   return {
-    body, slots: face ? slots : [], totes: below,
+    body,
+    slots: face ? slots : [],
+    totes: below,
     view: [left - GAP_M, top - GAP_M, right - left + 2 * GAP_M, end - top + 2 * GAP_M],
   };
 }
 
 /** How wide the outline of a slot is to which the hand goes with this probability, metres; none if it hardly does. */
 export const reachWidth = (probability: number): number =>
-  (probability < 0.05 ? 0 : 0.006 + 0.016 * Math.min(1, probability));
+  probability < 0.05 ? 0 : 0.006 + 0.016 * Math.min(1, probability);

@@ -19,8 +19,10 @@ async function look(): Promise<void> {
   if (id === '') return choose(host);
   const answer = await station(id);
   switch (answer.kind) {
-    case 'locked': return location.assign(signInAt(location));
-    case 'unknown': return choose(host);
+    case 'locked':
+      return location.assign(signInAt(location));
+    case 'unknown':
+      return choose(host);
     case 'refused':
       if (!page) refuse(host, refusalWords(answer));
       return;
@@ -43,7 +45,8 @@ async function choose(root: HTMLElement): Promise<void> {
   if (answer.kind !== 'ok') return refuse(root, refusalWords(answer));
   document.title = t('page.title.all');
   const links = answer.value.items.map((one) =>
-    make('li', {}, make('a', { href: `/station/${encodeURIComponent(one.id)}`, textContent: one.id })));
+    make('li', {}, make('a', { href: `/station/${encodeURIComponent(one.id)}`, textContent: one.id })),
+  );
   const none = make('p', { textContent: t('unknown.none') });
   const list = links.length === 0 ? none : make('ul', { ariaLabel: t('unknown.list') }, ...links);
   const heading = id === '' ? t('unknown.choose') : t('unknown.heading', { id });
@@ -55,8 +58,15 @@ async function choose(root: HTMLElement): Promise<void> {
 function refuse(root: HTMLElement, why: string): void {
   const again = make('button', { className: 'main', textContent: t('refused.again') });
   again.addEventListener('click', () => void look());
-  root.replaceChildren(make('main', { className: 'choose' }, make('h1', { textContent: t('refused.heading') }),
-    make('p', { role: 'alert', textContent: why }), again));
+  root.replaceChildren(
+    make(
+      'main',
+      { className: 'choose' },
+      make('h1', { textContent: t('refused.heading') }),
+      make('p', { role: 'alert', textContent: why }),
+      again,
+    ),
+  );
 }
 
 void learn().then(learnSaid).then(look);

@@ -56,10 +56,12 @@ export class StationPage {
     this.#link = new StationLink({
       open: (events) => openLive(options.id, events),
       clock: {
-        now: () => performance.now(), after: (ms, run) => setTimeout(run, ms),
+        now: () => performance.now(),
+        after: (ms, run) => setTimeout(run, ms),
         cancel: (timer) => clearTimeout(timer as number),
       },
-      random: Math.random, hear: (text) => this.#hear(text),
+      random: Math.random,
+      hear: (text) => this.#hear(text),
       onLost: () => {
         this.#show();
         options.onTrouble();
@@ -72,7 +74,9 @@ export class StationPage {
     const on = make('button', { type: 'button', textContent: t('sound.on') });
     on.addEventListener('click', () => on.blur());
     this.#soundOff.append(on);
-    this.#sound.onReady = () => { this.#soundOff.hidden = true; };
+    this.#sound.onReady = () => {
+      this.#soundOff.hidden = true;
+    };
     const { bar, rack, big, counts, lines, note, paused, spoken, alert, old } = this.#board;
     const help = make('footer', { className: 'help' }, make('span', { textContent: t('help') }), this.#soundOff);
     const side = make('div', { className: 'side' }, paused, this.#asks.box, big, note, counts, lines);
@@ -184,7 +188,8 @@ export class StationPage {
     if (!station || this.#link.isOld) return;
     const verdict = judge(text, station, this.#tote);
     switch (verdict?.kind) {
-      case 'piece': return void this.#piece(verdict.line);
+      case 'piece':
+        return void this.#piece(verdict.line);
       case 'right tote':
         [this.#tote, this.#slip] = [null, null];
         this.#note(t('scan.right', { tote: verdict.tote }));
@@ -193,8 +198,12 @@ export class StationPage {
         this.#slip = { mistake: verdict.mistake, until: performance.now() + MISTAKE_MS };
         this.#sound.mistake(performance.now());
         break;
-      case 'unknown': this.#note(t('scan.unknown', { text: verdict.text })); break;
-      case 'nothing': this.#note(t('scan.nothing')); break;
+      case 'unknown':
+        this.#note(t('scan.unknown', { text: verdict.text }));
+        break;
+      case 'nothing':
+        this.#note(t('scan.nothing'));
+        break;
     }
     this.#show();
   }
@@ -222,10 +231,14 @@ export class StationPage {
     if (act === 'release') return void this.#release(station);
     void this.#ask((): Promise<Answer<Changed | null>> => {
       switch (act) {
-        case 'short': return changeLine(id, lit!.n, { short: true });
-        case 'undo': return changeLine(id, undo!.n, { undo: true });
-        case 'pause': return say(id, station.paused === null ? 'pause' : 'resume');
-        default: return lit ? changeLine(id, lit.n, { done: leftOf(lit) }) : say(id, 'done');
+        case 'short':
+          return changeLine(id, lit!.n, { short: true });
+        case 'undo':
+          return changeLine(id, undo!.n, { undo: true });
+        case 'pause':
+          return say(id, station.paused === null ? 'pause' : 'resume');
+        default:
+          return lit ? changeLine(id, lit.n, { done: leftOf(lit) }) : say(id, 'done');
       }
     });
   }

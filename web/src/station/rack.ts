@@ -35,7 +35,7 @@ function wrongWords({ name, x, y, width, height }: Box): SVGElement[] {
   const isWide = width > height;
   const [left, down] = isWide ? [0.33, 0.5] : [0.5, 0.29];
   const [cx, cy, r] = isWide ? [0.73, 0.5, height * 0.2] : [0.5, 0.7, width * 0.22];
-  const size = Math.min(width * (isWide ? 0.75 : 1) / Math.max(2, name.length), height * (isWide ? 0.65 : 0.35));
+  const size = Math.min((width * (isWide ? 0.75 : 1)) / Math.max(2, name.length), height * (isWide ? 0.65 : 0.35));
   const across = `l${2 * r} ${2 * r} m0 ${-2 * r} l${-2 * r} ${2 * r}`;
   return [
     words(name, x + width * left, y + height * down + size * 0.36, size, 'name'),
@@ -79,22 +79,29 @@ export function drawRack(station: Station, mistake: Mistake | null): SVGElement 
   const { visit, totes, reach } = station;
   const [lit, next, marks] = [litOf(visit), nextOf(visit), slotMarks(visit)];
   const drawing = draw(visit?.face ?? null, totes);
-  const slots = drawing.slots.map((slot) => cell(slot, 'slot', {
-    mark: marks.get(slot.name) ?? 'plain', count: lit?.slot === slot.name ? leftOf(lit) : null,
-    isWrong: mistake?.kind === 'wrong_slot' && mistake.is === slot.name,
-  }));
-  const below = drawing.totes.map((tote) => cell(tote, 'tote', {
-    mark: lit?.tote === tote.name ? 'lit' : next?.tote === tote.name ? 'next' : 'plain', count: null,
-    isWrong: mistake?.kind === 'wrong_tote' && mistake.is === tote.name,
-  }));
-  const hands = (places: readonly Box[], kind: 'slot' | 'tote'): SVGElement[] => places.flatMap((place) => {
-    const probability = Math.max(0, ...reach.filter((one) => one[kind] === place.name).map((one) => one.probability));
-    const width = reachWidth(probability);
-    const more = { class: 'reach', 'stroke-width': width, 'data-reach': place.name };
-    // The frame of a wrong place says more.
-    const isWrong = mistake?.kind === `wrong_${kind}` && mistake.is === place.name;
-    return width === 0 || isWrong ? [] : [box(place, 0.008 + width / 2, more)];
-  });
+  const slots = drawing.slots.map((slot) =>
+    cell(slot, 'slot', {
+      mark: marks.get(slot.name) ?? 'plain',
+      count: lit?.slot === slot.name ? leftOf(lit) : null,
+      isWrong: mistake?.kind === 'wrong_slot' && mistake.is === slot.name,
+    }),
+  );
+  const below = drawing.totes.map((tote) =>
+    cell(tote, 'tote', {
+      mark: lit?.tote === tote.name ? 'lit' : next?.tote === tote.name ? 'next' : 'plain',
+      count: null,
+      isWrong: mistake?.kind === 'wrong_tote' && mistake.is === tote.name,
+    }),
+  );
+  const hands = (places: readonly Box[], kind: 'slot' | 'tote'): SVGElement[] =>
+    places.flatMap((place) => {
+      const probability = Math.max(0, ...reach.filter((one) => one[kind] === place.name).map((one) => one.probability));
+      const width = reachWidth(probability);
+      const more = { class: 'reach', 'stroke-width': width, 'data-reach': place.name };
+      // The frame of a wrong place says more.
+      const isWrong = mistake?.kind === `wrong_${kind}` && mistake.is === place.name;
+      return width === 0 || isWrong ? [] : [box(place, 0.008 + width / 2, more)];
+    });
   const { body } = drawing;
   // Where no slots are known, the rack has its name; where no rack is, a dashed line says where it will be.
   const outline = box(body, 0, { class: visit ? 'body' : 'body empty' });
@@ -103,7 +110,7 @@ export function drawRack(station: Station, mistake: Mistake | null): SVGElement 
   const label = lit ? t('face.take', { slot: lit.slot, tote: lit.tote }) : t('face');
   // Those that are lit are drawn over the edges of their neighbours, and what is wrong over all.
   const rank = ({ classList, dataset }: SVGElement): number =>
-    ('wrong' in dataset ? 2 : Number(classList.contains('lit')));
+    'wrong' in dataset ? 2 : Number(classList.contains('lit'));
   const inOrder = [...slots, ...below].sort((a, b) => rank(a) - rank(b));
   const seen = { viewBox: drawing.view.join(' '), role: 'img', 'aria-label': label, class: 'face' };
   const reaches = [...hands(drawing.slots, 'slot'), ...hands(drawing.totes, 'tote')];

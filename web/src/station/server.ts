@@ -47,7 +47,8 @@ export const station = (id: string): Promise<Answer<object>> => ask('GET', at(id
 export const changeLine = (id: string, n: number, change: Change): Promise<Answer<Changed>> =>
   ask('POST', `${at(id)}/lines/${n}`, change);
 /** The same of the line that was not confirmed when its rack left. */
-export const changeLast = (id: string, change: Change): Promise<Answer<Changed>> => ask('POST', `${at(id)}/last`, change);
+export const changeLast = (id: string, change: Change): Promise<Answer<Changed>> =>
+  ask('POST', `${at(id)}/last`, change);
 export const say = (id: string, word: 'done' | 'pause' | 'resume' | 'release'): Promise<Answer<null>> =>
   ask('POST', `${at(id)}/${word}`);
 

@@ -20,7 +20,10 @@ export class Sound {
   wake(): void {
     if (typeof AudioContext === 'undefined' || this.isReady) return;
     this.#context ??= new AudioContext();
-    void this.#context.resume().then(() => this.onReady(), () => {});
+    void this.#context.resume().then(
+      () => this.onReady(),
+      () => {},
+    );
   }
 
   /** A mistake was made. */

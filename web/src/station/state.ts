@@ -73,7 +73,22 @@ export function readStation(text: string): Station | null {
   if (typeof given !== 'object' || given === null) return null;
   if (typeof given.now !== 'string' || typeof given.id !== 'string') return null;
   return {
-    robot: null, queue: [], served: 0, picking: false, paused: null, has_cell: false, totes: [], visit: null, unconfirmed: null,
-    next: null, arm: null, hands_seen: false, reach: [], warnings: [], ...given, now: given.now, id: given.id,
+    robot: null,
+    queue: [],
+    served: 0,
+    picking: false,
+    paused: null,
+    has_cell: false,
+    totes: [],
+    visit: null,
+    unconfirmed: null,
+    next: null,
+    arm: null,
+    hands_seen: false,
+    reach: [],
+    warnings: [],
+    ...given,
+    now: given.now,
+    id: given.id,
   };
 }

@@ -28,16 +28,25 @@ export const place = (s: number, ahead: number): number =>
   Math.min(100, Math.max(0, ((s + BACK_S) / (ahead + BACK_S)) * 100));
 
 const EFFECT_WORDS = wordsBy<Condition['effect']>({
-  closed: 'timelines.closed', still: 'timelines.still', slow: 'timelines.slow', price: 'timelines.price',
+  closed: 'timelines.closed',
+  still: 'timelines.still',
+  slow: 'timelines.slow',
+  price: 'timelines.price',
 });
 
 export function when(from: number, to: number | null): string {
   const said = (s: number): string => (s <= 0 ? t('now') : `+${quantity(s, 's', 1)}`);
-  return to === null ? t('timelines.from', { from: said(from) }) : t('timelines.from-to', { from: said(from), to: said(to) });
+  return to === null
+    ? t('timelines.from', { from: said(from) })
+    : t('timelines.from-to', { from: said(from), to: said(to) });
 }
 
 export function holdWords(node: string, hold: Hold): string {
-  const how = hold.conflict ? 'timelines.hold.conflict' : hold.granted ? 'timelines.hold.granted' : 'timelines.hold.held';
+  const how = hold.conflict
+    ? 'timelines.hold.conflict'
+    : hold.granted
+      ? 'timelines.hold.granted'
+      : 'timelines.hold.held';
   return t(how, { node, by: called(hold.kind, hold.by), when: when(hold.from_s, hold.to_s) });
 }
 
@@ -45,8 +54,12 @@ export function conditionWords(node: string, c: Condition): string {
   const speed = (mps: number): string => quantity(mps, 'm/s', 1);
   const effect = EFFECT_WORDS[c.effect] ?? c.effect;
   const parts = [
-    c.kind === 'obstruction' ? t('timelines.because.obstruction', { effect }) : t('timelines.because', { effect, by: called(c.kind, c.by) }),
-    c.effect === 'slow' && c.limit_mps ? t('timelines.limit', { bare: speed(c.limit_mps[0]), loaded: speed(c.limit_mps[1]) }) : '',
+    c.kind === 'obstruction'
+      ? t('timelines.because.obstruction', { effect })
+      : t('timelines.because', { effect, by: called(c.kind, c.by) }),
+    c.effect === 'slow' && c.limit_mps
+      ? t('timelines.limit', { bare: speed(c.limit_mps[0]), loaded: speed(c.limit_mps[1]) })
+      : '',
     c.effect === 'price' && c.price_s !== null ? t('timelines.costs', { time: quantity(c.price_s, 's', 1) }) : '',
     when(c.from_s, c.to_s),
   ];
@@ -66,18 +79,42 @@ export function rows(strips: readonly Strip[], ahead: number, regions = false): 
   };
   return strips.map((strip) => {
     const conditions = strip.conditions.map((c): Bar => ({
-      by: c.by, kind: c.kind, look: c.effect, from_s: c.from_s, to_s: c.to_s, ...at(c.from_s, c.to_s), words: conditionWords(strip.id, c),
+      by: c.by,
+      kind: c.kind,
+      look: c.effect,
+      from_s: c.from_s,
+      to_s: c.to_s,
+      ...at(c.from_s, c.to_s),
+      words: conditionWords(strip.id, c),
     }));
     // Region 3 is wider, so that region 2 lies on it.
-    const stays = (regions ? strip.regions : []).toSorted((a, b) => b.region - a.region).map((s): Bar => ({
-      by: s.of, kind: s.kind, look: `region${s.region}`, from_s: s.from_s, to_s: s.to_s, ...at(s.from_s, s.to_s), words: regionWords(strip.id, s),
-    }));
+    const stays = (regions ? strip.regions : [])
+      .toSorted((a, b) => b.region - a.region)
+      .map((s): Bar => ({
+        by: s.of,
+        kind: s.kind,
+        look: `region${s.region}`,
+        from_s: s.from_s,
+        to_s: s.to_s,
+        ...at(s.from_s, s.to_s),
+        words: regionWords(strip.id, s),
+      }));
     const holds = strip.holds.map((h): Bar => ({
-      by: h.by, kind: h.kind, look: h.conflict ? 'conflict' : h.granted ? 'granted' : 'held', from_s: h.from_s, to_s: h.to_s,
-      ...at(h.from_s, h.to_s), words: holdWords(strip.id, h),
+      by: h.by,
+      kind: h.kind,
+      look: h.conflict ? 'conflict' : h.granted ? 'granted' : 'held',
+      from_s: h.from_s,
+      to_s: h.to_s,
+      ...at(h.from_s, h.to_s),
+      words: holdWords(strip.id, h),
     }));
     // What is only in conflict goes below what is held itself.
-    const bars = [...stays, ...conditions, ...holds.filter((b) => b.look === 'conflict'), ...holds.filter((b) => b.look !== 'conflict')];
+    const bars = [
+      ...stays,
+      ...conditions,
+      ...holds.filter((b) => b.look === 'conflict'),
+      ...holds.filter((b) => b.look !== 'conflict'),
+    ];
     return { id: strip.id, bars: bars.filter((b) => b.width > 0) };
   });
 }
@@ -102,7 +139,10 @@ export function lookAgain(all: readonly Row[], look: Look): Look | null {
   const { bar } = look;
   const theirs = bar ? row.bars.flatMap((b, i) => (b.by === bar.by && b.kind === bar.kind ? [i] : [])) : [];
   const away = (i: number): number => Math.abs(i - look.index);
-  return lookAt(row, theirs.reduce((best, i) => (away(i) < away(best) ? i : best), theirs[0] ?? look.index));
+  return lookAt(
+    row,
+    theirs.reduce((best, i) => (away(i) < away(best) ? i : best), theirs[0] ?? look.index),
+  );
 }
 
 export const lookWords = (look: Look): string => look.bar?.words ?? t('timelines.free', { node: look.row });

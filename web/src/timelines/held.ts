@@ -36,7 +36,14 @@ export class HeldThen {
   #shown: Shown | null = null;
 
   /** What held the places of an area from a little before `t` to `ahead` seconds after it, as far as that is read. */
-  around(frames: readonly Frame[], map: FloorMap, area: readonly number[], t: number, ahead: number, now = () => performance.now()): Around {
+  around(
+    frames: readonly Frame[],
+    map: FloorMap,
+    area: readonly number[],
+    t: number,
+    ahead: number,
+    now = () => performance.now(),
+  ): Around {
     const from = t - BACK_S;
     const of = this.#of;
     const same = of?.frames === frames && of.map === map && of.area === area.join();
@@ -51,7 +58,9 @@ export class HeldThen {
     const [x0 = 0, y0 = 0, x1 = 0, y1 = 0] = area;
     this.#of = { frames, map, area: area.join() };
     this.#places.clear();
-    map.nodes.forEach(({ id, x, y }, i) => { if (x >= x0 && x <= x1 && y >= y0 && y <= y1) this.#places.set(i, { id, x, y }); });
+    map.nodes.forEach(({ id, x, y }, i) => {
+      if (x >= x0 && x <= x1 && y >= y0 && y <= y1) this.#places.set(i, { id, x, y });
+    });
     [this.#holds, this.#read, this.#shown] = [[], from, seek(frames, from, null)];
     this.#last.clear();
     if (this.#shown && this.#shown.at <= from && from - this.#shown.at <= GAP_S) this.#take(from);
@@ -74,7 +83,9 @@ export class HeldThen {
   #take(at: number): void {
     for (const robot of this.#shown?.mirror.robots.rows ?? []) {
       robot.granted.forEach((node) => this.#note(node, robot.id, true, at));
-      robot.held.forEach((node) => { if (!robot.granted.includes(node)) this.#note(node, robot.id, false, at); });
+      robot.held.forEach((node) => {
+        if (!robot.granted.includes(node)) this.#note(node, robot.id, false, at);
+      });
     }
   }
 
@@ -92,13 +103,27 @@ export class HeldThen {
   }
 
   #strips(t: number, to: number): Strip[] {
-    const strips = new Map([...this.#places].map(([node, place]): [number, Strip] => [node, { ...place, holds: [], conditions: [], regions: [] }]));
+    const strips = new Map(
+      [...this.#places].map(([node, place]): [number, Strip] => [
+        node,
+        { ...place, holds: [], conditions: [], regions: [] },
+      ]),
+    );
     // What was only announced, to one robot after the other, lies below what was granted.
-    const inOrder = this.#holds.toSorted((a, b) => Math.max(a.from, this.#from) - Math.max(b.from, this.#from) || (a.by < b.by ? -1 : 1));
+    const inOrder = this.#holds.toSorted(
+      (a, b) => Math.max(a.from, this.#from) - Math.max(b.from, this.#from) || (a.by < b.by ? -1 : 1),
+    );
     for (const granted of [false, true]) {
       for (const held of inOrder) {
         if (held.granted !== granted || held.from > to) continue;
-        const hold: Hold = { by: held.by, kind: 'robot', from_s: Math.max(held.from, this.#from) - t, to_s: Math.min(held.to, to) - t, granted, conflict: false };
+        const hold: Hold = {
+          by: held.by,
+          kind: 'robot',
+          from_s: Math.max(held.from, this.#from) - t,
+          to_s: Math.min(held.to, to) - t,
+          granted,
+          conflict: false,
+        };
         strips.get(held.node)?.holds.push(hold);
       }
     }

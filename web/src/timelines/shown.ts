@@ -39,7 +39,11 @@ async function askNow(api: Pick<Api, 'timelines'>, area: Area, ahead: number): P
   const nothing: Timelines = { at: '', ahead_s: ahead, nodes: [] };
   // What was refused is not shown as it was before.
   const seen = answer.kind === 'ok' ? answer.value : answer.kind === 'refused' ? nothing : null;
-  return { seen, wrong: trouble(answer), pause_ms: answer.kind === 'refused' && answer.problem.status === 422 ? null : EVERY_MS };
+  return {
+    seen,
+    wrong: trouble(answer),
+    pause_ms: answer.kind === 'refused' && answer.problem.status === 422 ? null : EVERY_MS,
+  };
 }
 
 /** Timelines around the moment that a replay shows. */

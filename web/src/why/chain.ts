@@ -15,7 +15,10 @@ export function chainOf(mirror: Mirror, id: string): Link[] {
   for (let robot = row(mirror.robots, id); robot && !met.has(robot.id); robot = namedIn(robot.why, mirror)) {
     met.add(robot.id);
     if (chain.length === 0 && robot.why === null) return [];
-    chain.push({ who: robot.id, text: robot.why !== null ? said(robot.why) : (robot.speed > 0.01 ? t('why.was.drives') : doing(robot.doing)) });
+    chain.push({
+      who: robot.id,
+      text: robot.why !== null ? said(robot.why) : robot.speed > 0.01 ? t('why.was.drives') : doing(robot.doing),
+    });
   }
   return chain;
 }
@@ -23,10 +26,17 @@ export function chainOf(mirror: Mirror, id: string): Link[] {
 /** The robot that a reason names. */
 function namedIn(why: Robot['why'], mirror: Mirror): Robot | undefined {
   // Recordings of earlier versions have words alone.
-  const names = typeof why === 'string' ? why.split(/[\s,;:]+/) : why === null ? [] : textsIn(Object.values(why.args ?? {}));
+  const names =
+    typeof why === 'string' ? why.split(/[\s,;:]+/) : why === null ? [] : textsIn(Object.values(why.args ?? {}));
   return names.map((name) => row(mirror.robots, name)).find((found) => found !== undefined);
 }
 
 /** The texts in the places of a sentence, and of sentences within it. */
 const textsIn = (args: readonly SentenceArg[]): string[] =>
-  args.flatMap((arg) => (typeof arg === 'string' ? [arg] : typeof arg === 'number' ? [] : textsIn('text' in arg ? Object.values(arg.args ?? {}) : arg)));
+  args.flatMap((arg) =>
+    typeof arg === 'string'
+      ? [arg]
+      : typeof arg === 'number'
+        ? []
+        : textsIn('text' in arg ? Object.values(arg.args ?? {}) : arg),
+  );

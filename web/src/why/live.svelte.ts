@@ -42,9 +42,12 @@ function stepOf({ who, kind, text: sentence, ahead, by, by_kind, until, until_s 
   const text = said(sentence);
   // Robots, jobs and workers that are waited for are links of the chain themselves.
   const beside = by !== null && by_kind !== null && by_kind !== 'robot' && by_kind !== 'job' && by_kind !== 'worker';
-  const soon = until_s !== null && until_s >= 1 ? t('why.until', { time: timeOfDay(until), span: span(until_s) }) : t('why.soon');
+  const soon =
+    until_s !== null && until_s >= 1 ? t('why.until', { time: timeOfDay(until), span: span(until_s) }) : t('why.soon');
   return {
-    who, kind, text: ahead > 1 ? t('why.ahead', { text, count: ahead }) : text,
+    who,
+    kind,
+    text: ahead > 1 ? t('why.ahead', { text, count: ahead }) : text,
     until: until === null || until_s === null ? null : soon,
     by: beside ? { kind: by_kind, id: by } : null,
   };

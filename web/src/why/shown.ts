@@ -31,6 +31,7 @@ export function whyOf(source: Source<'why'>, kind: 'robot' | 'job', id: string, 
   if (source.tense === 'now') return new LiveWhy(source.api, kind, id);
   const links = chainOf(mirror(), id);
   // A chain of one says no more than the words of the robot itself.
-  const chain = links.length < 2 ? [] : links.map((link): WhyStep => ({ ...link, kind: 'robot', until: null, by: null }));
+  const chain =
+    links.length < 2 ? [] : links.map((link): WhyStep => ({ ...link, kind: 'robot', until: null, by: null }));
   return { label: t('jobs.then.waited'), title: t('jobs.then.waited'), chain, wrong: null, keep: () => () => {} };
 }

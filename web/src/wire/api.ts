@@ -1,17 +1,22 @@
 // Requests to the public API. Every answer is a value, never an exception: done, refused with a reason,
-// or unreachable. The browser adds the cookie of the session; the page is told when the server wants somebody to sign in.
+// or unreachable. The browser adds the cookie of the session; the page is told when the server wants somebody to sign
+// in.
 import type { Socket, SocketEvents } from './link';
 import type { Past, Sum } from './past';
 import type { ShiftReport } from './report';
-import type {
-  AlarmPage, AlarmRecord, AuditPage, ClosingEffect, Closure, EncounterPage, FloorMap, HeatKind, HeatPage, HistoryPage, Job, JobBatch, JobPage, JobState, NewClosure, NewJob,
-  Problem, RobotDetail, RobotHistoryPage, RobotKind, StationDetail, Timelines, Why, WorkerDetail,
-} from './types';
+import type { AlarmPage, AlarmRecord } from './alarms';
+import type { AuditPage } from './audit';
+import type { ClosingEffect, Closure, NewClosure } from './closures';
+import type { EncounterPage, HeatKind, HeatPage, HistoryPage } from './history';
+import type { Job, JobBatch, JobPage, JobState, NewJob } from './jobs';
+import type { FloorMap, RobotKind } from './map';
+import type { RobotDetail, RobotHistoryPage } from './robots';
+import type { Problem } from './sentence';
+import type { StationDetail } from './station';
+import type { Timelines, Why } from './why';
+import type { WorkerDetail } from './workers';
 
-export type Answer<T> =
-  | { kind: 'ok'; value: T }
-  | { kind: 'refused'; problem: Problem }
-  | { kind: 'unreachable' };
+export type Answer<T> = { kind: 'ok'; value: T } | { kind: 'refused'; problem: Problem } | { kind: 'unreachable' };
 
 const PATIENCE_MS = 15_000;
 /** Why nothing is changed while the past is shown. */
@@ -46,18 +51,27 @@ export class Api {
   workAgain = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}/maintenance`);
   robot = (id: string) => this.#ask<RobotDetail>('GET', `/v1/robots/${encodeURIComponent(id)}`);
   /** What happened to a robot, newest first: a page of it. */
-  robotHistory = (id: string, cursor: string | null) =>
-    this.#ask<RobotHistoryPage>('GET', `/v1/robots/${encodeURIComponent(id)}/history?${new URLSearchParams({ limit: '20', ...(cursor === null ? {} : { cursor }) })}`);
+  robotHistory = (id: string, cursor: string | null) => {
+    const query = new URLSearchParams({ limit: '20', ...(cursor === null ? {} : { cursor }) });
+    return this.#ask<RobotHistoryPage>('GET', `/v1/robots/${encodeURIComponent(id)}/history?${query}`);
+  };
   retire = (robot: string) => this.#ask<null>('DELETE', `/v1/robots/${encodeURIComponent(robot)}`);
   stationDetail = (id: string) => this.#ask<StationDetail>('GET', `/v1/stations/${encodeURIComponent(id)}`);
   station = (id: string, says: 'done' | 'short' | 'pause' | 'resume') =>
     this.#ask<null>('POST', `/v1/stations/${encodeURIComponent(id)}/${says}`);
-  clear = (worker: string, by: string) => this.#ask<null>('POST', `/v1/workers/${encodeURIComponent(worker)}/clear`, {}, { by });
+  clear = (worker: string, by: string) =>
+    this.#ask<null>('POST', `/v1/workers/${encodeURIComponent(worker)}/clear`, {}, { by });
   narrow = (worker: string, where: { by: string; at: readonly [number, number]; within_m: number }) =>
     this.#ask<null>('POST', `/v1/workers/${encodeURIComponent(worker)}/narrow`, {}, where);
-  prioritise = (id: string, priority: number) => this.#ask<Job>('PATCH', `/v1/jobs/${encodeURIComponent(id)}`, {}, { priority });
+  prioritise = (id: string, priority: number) =>
+    this.#ask<Job>('PATCH', `/v1/jobs/${encodeURIComponent(id)}`, {}, { priority });
   assign = (worker: string, task: { place: string; what: string; stay_s: number }, key: string) =>
-    this.#ask<{ id: string }>('POST', `/v1/workers/${encodeURIComponent(worker)}/assignments`, { 'Idempotency-Key': key }, task);
+    this.#ask<{ id: string }>(
+      'POST',
+      `/v1/workers/${encodeURIComponent(worker)}/assignments`,
+      { 'Idempotency-Key': key },
+      task,
+    );
 
   timelines([x0, y0, x1, y1]: readonly number[], ahead: number): Promise<Answer<Timelines>> {
     const query = new URLSearchParams({ x0: `${x0}`, y0: `${y0}`, x1: `${x1}`, y1: `${y1}`, ahead_s: `${ahead}` });
@@ -68,7 +82,8 @@ export class Api {
   past = (since: number | null) => this.#ask<Past>('GET', since === null ? '/v1/past' : `/v1/past?from=${since}`);
 
   /** Running sums of a span, one for so many seconds. */
-  figures = (from: number, to: number, step: number) => this.#ask<{ sums: Sum[] }>('GET', `/v1/past/figures?from=${from}&to=${to}&step=${step}`);
+  figures = (from: number, to: number, step: number) =>
+    this.#ask<{ sums: Sum[] }>('GET', `/v1/past/figures?from=${from}&to=${to}&step=${step}`);
 
   /** The frames of a span. */
   async reel(from: number, to: number, map: 'with map' | 'without map'): Promise<Answer<Blob>> {
@@ -78,20 +93,28 @@ export class Api {
   alarms = (query: Record<string, string>) => this.#ask<AlarmPage>('GET', `/v1/alarms?${new URLSearchParams(query)}`);
   /** People in order of joining, for those who may see names. */
   people = (cursor: string | null) =>
-    this.#ask<{ items: { id: string; pseudonym: string; name: string }[]; next: string | null }>('GET', `/v1/people?${new URLSearchParams({ limit: '500', ...(cursor === null ? {} : { cursor }) })}`);
+    this.#ask<{ items: { id: string; pseudonym: string; name: string }[]; next: string | null }>(
+      'GET',
+      `/v1/people?${new URLSearchParams({ limit: '500', ...(cursor === null ? {} : { cursor }) })}`,
+    );
   audit = (query: Record<string, string>) => this.#ask<AuditPage>('GET', `/v1/audit?${new URLSearchParams(query)}`);
-  acknowledge = (id: string, by: string) => this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/acknowledge`, {}, { by });
+  acknowledge = (id: string, by: string) =>
+    this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/acknowledge`, {}, { by });
   enrol = (name: string) => this.#ask<{ id: string; name: string }>('POST', '/v1/workers', {}, { name });
   seenAt = (worker: string, at: { x: number; y: number; accuracy_m: number }) =>
     this.#ask<unknown>('POST', `/v1/workers/${encodeURIComponent(worker)}/position`, {}, at);
   shelve = (id: string, body: { by: string; for_s: number; reason: string }) =>
     this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/shelve`, {}, body);
   unshelve = (id: string) => this.#ask<AlarmRecord>('DELETE', `/v1/alarms/${encodeURIComponent(id)}/shelve`);
-  noteAlarm = (id: string, by: string, text: string) => this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/notes`, {}, { by, text });
+  noteAlarm = (id: string, by: string, text: string) =>
+    this.#ask<AlarmRecord>('POST', `/v1/alarms/${encodeURIComponent(id)}/notes`, {}, { by, text });
   worker = (id: string) => this.#ask<WorkerDetail>('GET', `/v1/workers/${encodeURIComponent(id)}`);
-  history = (query: Record<string, string>) => this.#ask<HistoryPage>('GET', `/v1/history?${new URLSearchParams(query)}`);
-  heat = (kind: HeatKind, query: Record<string, string>) => this.#ask<HeatPage>('GET', `/v1/heat?${new URLSearchParams({ kind, ...query })}`);
-  encounters = (query: Record<string, string>) => this.#ask<EncounterPage>('GET', `/v1/encounters?${new URLSearchParams(query)}`);
+  history = (query: Record<string, string>) =>
+    this.#ask<HistoryPage>('GET', `/v1/history?${new URLSearchParams(query)}`);
+  heat = (kind: HeatKind, query: Record<string, string>) =>
+    this.#ask<HeatPage>('GET', `/v1/heat?${new URLSearchParams({ kind, ...query })}`);
+  encounters = (query: Record<string, string>) =>
+    this.#ask<EncounterPage>('GET', `/v1/encounters?${new URLSearchParams(query)}`);
 
   report = (query: Record<string, string>) => this.#ask<ShiftReport>('GET', `/v1/report?${new URLSearchParams(query)}`);
   /** The same as a table: a line for each figure. */
@@ -99,7 +122,8 @@ export class Api {
     this.#ask<Blob>('GET', `/v1/report?${new URLSearchParams({ ...query, format: 'csv' })}`, { Accept: 'text/csv' });
 
   /** Where the table of encounters is as a file. */
-  encountersFile = (query: Record<string, string>) => `/v1/encounters?${new URLSearchParams({ ...query, format: 'csv' })}`;
+  encountersFile = (query: Record<string, string>) =>
+    `/v1/encounters?${new URLSearchParams({ ...query, format: 'csv' })}`;
 
   /** Jobs newest first; with `part`, those whose reference has it in it, three characters or more. */
   jobs(state: JobState | 'any', cursor: string | null, part = ''): Promise<Answer<JobPage>> {
@@ -125,7 +149,8 @@ export class Api {
   }
 
   /** Jobs that a customer calls so, newest first. */
-  jobsCalled = (reference: string) => this.#ask<JobPage>('GET', `/v1/jobs?${new URLSearchParams({ limit: '5', reference })}`);
+  jobsCalled = (reference: string) =>
+    this.#ask<JobPage>('GET', `/v1/jobs?${new URLSearchParams({ limit: '5', reference })}`);
 
   submit(job: NewJob, key: string): Promise<Answer<Job>> {
     return this.#ask<Job>('POST', '/v1/jobs', { 'Idempotency-Key': key }, job);
@@ -170,16 +195,24 @@ export class Api {
     return this.#send<T>(method, path, headers, body);
   }
 
-  async #send<T>(method: string, path: string, headers: Record<string, string> = {}, body?: object): Promise<Answer<T>> {
+  async #send<T>(
+    method: string,
+    path: string,
+    headers: Record<string, string> = {},
+    body?: object,
+  ): Promise<Answer<T>> {
     const all: Record<string, string> = { Accept: 'application/json', ...headers };
     if (body) all['Content-Type'] = 'application/json';
     try {
       const response = await fetch(path, {
-        method, headers: all, signal: AbortSignal.timeout(PATIENCE_MS),
+        method,
+        headers: all,
+        signal: AbortSignal.timeout(PATIENCE_MS),
         ...(body ? { body: JSON.stringify(body) } : {}),
       });
       // Done, with nothing to tell: 204, or 202 without a body.
-      if (response.status === 204 || (response.ok && !response.headers.has('content-type'))) return { kind: 'ok', value: null as T };
+      if (response.status === 204 || (response.ok && !response.headers.has('content-type')))
+        return { kind: 'ok', value: null as T };
       if (response.ok) {
         const isFile = /^(application\/gzip|text\/csv)\b/.test(response.headers.get('content-type') ?? '');
         return { kind: 'ok', value: (await (isFile ? response.blob() : response.json())) as T };

@@ -1,6 +1,17 @@
 // The wire: what travels between a page and the server, the requests, the live link and the copy of the floor it keeps.
 // It knows no other room, and no word that a person reads but why a request failed.
-export * from './types';
+export * from './map';
+export * from './sentence';
+export * from './robots';
+export * from './workers';
+export * from './closures';
+export * from './alarms';
+export * from './audit';
+export * from './feed';
+export * from './jobs';
+export * from './why';
+export * from './station';
+export * from './history';
 export { ACTS, type Act } from './acts';
 export * from './past';
 export * from './report';

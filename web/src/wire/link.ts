@@ -2,7 +2,7 @@
 // version it has, asks for a new snapshot when a patch does not fit, and backs off when the server is
 // away. Socket, clock and chance come from outside, so that tests own them.
 import { EMPTY, reduce, type Mirror } from './mirror';
-import { parseMessage } from './types';
+import { parseMessage } from './feed';
 
 export type LinkState =
   /** Something else is shown than what comes: the past. */

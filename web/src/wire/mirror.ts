@@ -1,8 +1,9 @@
 // The page's copy of the floor: a pure reducer over snapshots and patches. Untouched rows keep their
 // identity from one version to the next. It opens no socket and reads no clock.
-import type {
-  Activity, Alarm, Changed, Closure, Counters, JobCounts, Message, WorkerForecast, Patch, Rack, Robot, RobotState, Station, Worker,
-} from './types';
+import type { Alarm } from './alarms';
+import type { Closure } from './closures';
+import type { Activity, Changed, Counters, JobCounts, Message, Patch, Rack, Robot, RobotState, Station } from './feed';
+import type { WorkerForecast, Worker } from './workers';
 
 export interface Table<T> {
   readonly rows: readonly T[];
@@ -32,10 +33,16 @@ export const onFloor = (mirror: Mirror): readonly Robot[] => mirror.robots.rows.
 
 /** What earlier versions recorded, in the words of today. */
 const OF_STATE: Record<RobotState, Activity> = {
-  idle: 'idle', busy: 'driving', free: 'driving', interrupted: 'waiting', failed: 'failed', gone: 'gone',
+  idle: 'idle',
+  busy: 'driving',
+  free: 'driving',
+  interrupted: 'waiting',
+  failed: 'failed',
+  gone: 'gone',
 };
 /** What a robot is at. */
-export const activityOf = (robot: Pick<Robot, 'activity' | 'state'>): Activity => robot.activity ?? OF_STATE[robot.state];
+export const activityOf = (robot: Pick<Robot, 'activity' | 'state'>): Activity =>
+  robot.activity ?? OF_STATE[robot.state];
 
 /** For how long a robot has been at what it is at, seconds; null where a recording does not say. */
 export function ageOf(mirror: Pick<Mirror, 'time_s' | 'started'>, robot: Pick<Robot, 'since'>): number | null {
@@ -48,26 +55,76 @@ export type Reduced = { kind: 'snapshot' | 'patched'; mirror: Mirror } | { kind:
 
 const NO_JOBS: JobCounts = { waiting: 0, active: 0, done: 0, cancelled: 0, failed: 0 };
 const NO_COUNTERS: Counters = {
-  robot_deliveries: 0, human_deliveries: 0, deliveries_per_hour: 0, encounters: 0,
-  deviations: 0, interruptions: 0, plan_us_p50: 0, plan_us_p99: 0, step_us_p99: 0,
+  robot_deliveries: 0,
+  human_deliveries: 0,
+  deliveries_per_hour: 0,
+  encounters: 0,
+  deviations: 0,
+  interruptions: 0,
+  plan_us_p50: 0,
+  plan_us_p99: 0,
+  step_us_p99: 0,
 };
 const BLANK_ROBOT: Robot = {
-  id: '', x: 0, y: 0, heading: 0, speed: 0, activity: null, since: null, state: 'idle', doing: 'idle', kind: 'robot', maintenance: false, leaving: false, fault: null,
-  rack: null, job: null, battery: 1, granted: [], held: [], why: null, passes: null, replanned: null,
+  id: '',
+  x: 0,
+  y: 0,
+  heading: 0,
+  speed: 0,
+  activity: null,
+  since: null,
+  state: 'idle',
+  doing: 'idle',
+  kind: 'robot',
+  maintenance: false,
+  leaving: false,
+  fault: null,
+  rack: null,
+  job: null,
+  battery: 1,
+  granted: [],
+  held: [],
+  why: null,
+  passes: null,
+  replanned: null,
 };
 const BLANK_RACK: Rack = { id: '', node: null, robot: null };
 const BLANK_STATION: Station = { id: '', robot: null, queue: [], served: 0, picking: false, paused: null };
 const BLANK_WORKER: Worker = {
-  id: '', name: '', presence: 'absent', x: null, y: null, heading: null, speed: 0, accuracy: 0, area: [],
-  regions: [0, 0, 0], state: 'idle', reason: null, path: [], assignment: null, goals: [], undecided: 1,
+  id: '',
+  name: '',
+  presence: 'absent',
+  x: null,
+  y: null,
+  heading: null,
+  speed: 0,
+  accuracy: 0,
+  area: [],
+  regions: [0, 0, 0],
+  state: 'idle',
+  reason: null,
+  path: [],
+  assignment: null,
+  goals: [],
+  undecided: 1,
   elsewhere: 0,
 };
 
 export const EMPTY: Mirror = {
-  version: null, time_s: 0, started: null, map: null, source: 'unknown',
-  robots: tableOf([], BLANK_ROBOT), racks: tableOf([], BLANK_RACK), stations: tableOf([], BLANK_STATION),
-  workers: tableOf([], BLANK_WORKER), closures: [], forecasts: [],
-  jobs: NO_JOBS, counters: NO_COUNTERS, alarms: [],
+  version: null,
+  time_s: 0,
+  started: null,
+  map: null,
+  source: 'unknown',
+  robots: tableOf([], BLANK_ROBOT),
+  racks: tableOf([], BLANK_RACK),
+  stations: tableOf([], BLANK_STATION),
+  workers: tableOf([], BLANK_WORKER),
+  closures: [],
+  forecasts: [],
+  jobs: NO_JOBS,
+  counters: NO_COUNTERS,
+  alarms: [],
 };
 
 export function reduce(mirror: Mirror, message: Message): Reduced {
@@ -114,7 +171,9 @@ function patched(old: Mirror, patch: Patch): Mirror {
     stations: merge(old.stations, patch.stations, BLANK_STATION),
     workers,
     closures: patch.closures ?? old.closures,
-    forecasts: patch.ahead ? patch.ahead.map((numbers) => forecastOf(numbers, workers)) : (patch.forecasts ?? old.forecasts),
+    forecasts: patch.ahead
+      ? patch.ahead.map((numbers) => forecastOf(numbers, workers))
+      : (patch.forecasts ?? old.forecasts),
     jobs: overlay(old.jobs, patch.jobs),
     counters: overlay(old.counters, patch.counters),
     alarms: patch.alarms ?? old.alarms,
@@ -126,7 +185,9 @@ function tableOf<T extends { id: string }>(rows: readonly Changed<T>[] | undefin
 }
 
 function merge<T extends { id: string }>(
-  old: Table<T>, changes: readonly Changed<T>[] | undefined, blank: T,
+  old: Table<T>,
+  changes: readonly Changed<T>[] | undefined,
+  blank: T,
 ): Table<T> {
   if (!changes || changes.length === 0) return old;
   const rows = old.rows.slice();
@@ -207,7 +268,10 @@ function forecastOf([row = -1, ...n]: readonly number[], workers: Table<Worker>)
 }
 
 /** Rows that may be changed: each is copied once, and rows of the older mirror stay as they were. */
-function ownRows<T extends { id: string }>(table: Table<T>, old: Table<T>): { table: Table<T>; row(i: number): T | undefined } {
+function ownRows<T extends { id: string }>(
+  table: Table<T>,
+  old: Table<T>,
+): { table: Table<T>; row(i: number): T | undefined } {
   const rows = table.rows.slice();
   const row = (i: number): T | undefined => {
     const known = rows[i];

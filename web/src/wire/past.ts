@@ -1,5 +1,6 @@
 // What the server and a reel say of the past: spans, bookmarks, running sums.
-import type { Encounter, Sentence } from './types';
+import type { Encounter } from './history';
+import type { Sentence } from './sentence';
 
 /** What is kept of the past, in seconds from the server's start. */
 export interface Past {

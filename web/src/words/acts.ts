@@ -1,4 +1,5 @@
-// What people do, in one list of words: the button that does it, what undo takes back, the audit and the report say the same.
+// What people do, in one list of words: the button that does it, what undo takes back, the audit and the report say the
+// same.
 import type { Act } from '../wire';
 import { t } from './say';
 

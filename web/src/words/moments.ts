@@ -4,14 +4,23 @@ import { wordsBy } from './say';
 import type { MarkKind } from '../wire';
 
 export const MARK_WORDS = wordsBy<MarkKind>({
-  deviation: 'happened.deviation', encounter: 'happened.encounter', replan: 'happened.replan', stop: 'happened.stop', failure: 'happened.failure',
-  closure: 'happened.closure', alarm: 'happened.alarm',
+  deviation: 'happened.deviation',
+  encounter: 'happened.encounter',
+  replan: 'happened.replan',
+  stop: 'happened.stop',
+  failure: 'happened.failure',
+  closure: 'happened.closure',
+  alarm: 'happened.alarm',
 });
 
 /** The time of day here, or the floor's own clock in a simulation. */
 export function moment(start: number | null, t: number): string {
   if (start === null) return clock(t);
-  return new Date((start + t) * 1_000).toLocaleTimeString(dates(), { hour: '2-digit', minute: '2-digit', second: '2-digit' });
+  return new Date((start + t) * 1_000).toLocaleTimeString(dates(), {
+    hour: '2-digit',
+    minute: '2-digit',
+    second: '2-digit',
+  });
 }
 
 /** The day, where that is not today's. */

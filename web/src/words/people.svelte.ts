@@ -1,5 +1,5 @@
-// How people are called on this page. A name is chosen once, by the right of whoever looks: all that is shown asks here, so
-// nobody has a name, a pseudonym and a number at the same time.
+// How people are called on this page. A name is chosen once, by the right of whoever looks: all that is shown asks
+// here, so nobody has a name, a pseudonym and a number at the same time.
 import { said as saidIn, type Said } from '../language';
 
 /** Names by pseudonym, for those who may see names. A pseudonym stands for one person for ever, on whatever floor. */
@@ -31,10 +31,13 @@ export function withNames(text: string): string {
     const pseudonym = numbers.get(id!);
     if (pseudonym !== undefined) named = named.replaceAll(`${pseudonym} (${id})`, nameOf(pseudonym));
   }
-  named = named.replace(/\bworker (w\d+)\b/g, (words, id: string) => (numbers.has(id) ? `worker ${personName(id)}` : words));
+  named = named.replace(/\bworker (w\d+)\b/g, (words, id: string) =>
+    numbers.has(id) ? `worker ${personName(id)}` : words,
+  );
   for (const [pseudonym, name] of names) if (pseudonym !== name) named = named.replaceAll(pseudonym, name);
   return named;
 }
 
 /** What the server said, in the language of the reader, with people by their names. */
-export const said = (sentence: Said | string): string => withNames(saidIn(sentence)).replaceAll('worker worker-', 'worker-');
+export const said = (sentence: Said | string): string =>
+  withNames(saidIn(sentence)).replaceAll('worker worker-', 'worker-');

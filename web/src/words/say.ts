@@ -13,7 +13,9 @@ export const { learn, learnMore, t } = messagesOf<MessageKey>(
 
 /** Words by a state, said when they are read: the language is known only then. */
 export function wordsBy<K extends string>(keys: Record<K, MessageKey>): Readonly<Record<K, string>> {
-  const said = Object.entries<MessageKey>(keys).map(([state, key]) => [state, { get: () => t(key), enumerable: true }] as const);
+  const said = Object.entries<MessageKey>(keys).map(
+    ([state, key]) => [state, { get: () => t(key), enumerable: true }] as const,
+  );
   return Object.defineProperties({}, Object.fromEntries(said)) as Record<K, string>;
 }
 /** A word that begins a line, within one: only its first letter is smaller, as German has nouns. */

@@ -124,16 +124,25 @@ export class Canvas2dPainter implements Painter {
       const { path } = run;
       const r = w / 2;
       switch (kind) {
-        case KIND.disc: path.moveTo(x + r, y); path.arc(x, y, r, 0, TAU); break;
-        case KIND.ring: path.moveTo(x + r - more / 2, y); path.arc(x, y, r - more / 2, 0, TAU); break;
-        case KIND.frame: path.rect(x - r + more / 2, y - (h - more) / 2, w - more, h - more); break;
+        case KIND.disc:
+          path.moveTo(x + r, y);
+          path.arc(x, y, r, 0, TAU);
+          break;
+        case KIND.ring:
+          path.moveTo(x + r - more / 2, y);
+          path.arc(x, y, r - more / 2, 0, TAU);
+          break;
+        case KIND.frame:
+          path.rect(x - r + more / 2, y - (h - more) / 2, w - more, h - more);
+          break;
         case KIND.dashes: {
           const [dx, dy] = [r * Math.cos(turn), r * Math.sin(turn)];
           path.moveTo(x - dx, y - dy);
           path.lineTo(x + dx, y + dy);
           break;
         }
-        default: addBox(path, x, y, w, h, turn);
+        default:
+          addBox(path, x, y, w, h, turn);
       }
     }
     if (run) out(this.#finish(run));
@@ -142,9 +151,18 @@ export class Canvas2dPainter implements Painter {
   #finish({ kind, dye, width, more, path }: Run): () => void {
     const ink = this.#ink;
     const colour = this.#colour(dye);
-    if (width === 0) return () => { ink.fillStyle = colour; ink.fill(path); };
+    if (width === 0)
+      return () => {
+        ink.fillStyle = colour;
+        ink.fill(path);
+      };
     const dash = kind === KIND.dashes ? [more * DASH, more * (1 - DASH)] : [];
-    return () => { ink.strokeStyle = colour; ink.lineWidth = width; ink.setLineDash(dash); ink.stroke(path); };
+    return () => {
+      ink.strokeStyle = colour;
+      ink.lineWidth = width;
+      ink.setLineDash(dash);
+      ink.stroke(path);
+    };
   }
 
   #single(kind: Kind, x: number, y: number, w: number, h: number, turn: number, more: number, dye: number): void {
@@ -166,35 +184,62 @@ export class Canvas2dPainter implements Painter {
     const r = w / 2;
     ink.beginPath();
     switch (kind) {
-      case KIND.box: ink.fillRect(-r, -h / 2, w, h); return;
+      case KIND.box:
+        ink.fillRect(-r, -h / 2, w, h);
+        return;
       case KIND.cross:
-        ink.moveTo(-r, -r); ink.lineTo(r, r); ink.moveTo(-r, r); ink.lineTo(r, -r);
-        ink.lineWidth = more; ink.stroke();
+        ink.moveTo(-r, -r);
+        ink.lineTo(r, r);
+        ink.moveTo(-r, r);
+        ink.lineTo(r, -r);
+        ink.lineWidth = more;
+        ink.stroke();
         return;
       case KIND.person:
         outlinePerson(ink, r / PERSON_REACH);
-        if (more === 0) { ink.fill(); return; }
-        ink.lineWidth = more; ink.stroke();
+        if (more === 0) {
+          ink.fill();
+          return;
+        }
+        ink.lineWidth = more;
+        ink.stroke();
         return;
       case KIND.dashring: {
-        const dash = TAU * r / RING_DASHES;
+        const dash = (TAU * r) / RING_DASHES;
         ink.setLineDash([dash * DASH, dash * (1 - DASH)]);
-        ink.arc(0, 0, r - more / 2, 0, TAU); ink.lineWidth = more; ink.stroke(); ink.setLineDash([]);
+        ink.arc(0, 0, r - more / 2, 0, TAU);
+        ink.lineWidth = more;
+        ink.stroke();
+        ink.setLineDash([]);
         return;
       }
       case KIND.hatch:
-        ink.arc(0, 0, r, 0, TAU); ink.clip(); ink.beginPath();
-        for (let d = -2 * r; d < 2 * r; d += more * Math.SQRT2) { ink.moveTo(d - r, r); ink.lineTo(d + r, -r); }
-        ink.lineWidth = 1.2 / this.#scale; ink.stroke();
+        ink.arc(0, 0, r, 0, TAU);
+        ink.clip();
+        ink.beginPath();
+        for (let d = -2 * r; d < 2 * r; d += more * Math.SQRT2) {
+          ink.moveTo(d - r, r);
+          ink.lineTo(d + r, -r);
+        }
+        ink.lineWidth = 1.2 / this.#scale;
+        ink.stroke();
         return;
       case KIND.arc: {
         const width = r * ARC_WIDTH;
-        ink.arc(0, 0, r - width / 2, Math.PI / 2, Math.PI / 2 - TAU * more, true); ink.lineWidth = width; ink.stroke();
+        ink.arc(0, 0, r - width / 2, Math.PI / 2, Math.PI / 2 - TAU * more, true);
+        ink.lineWidth = width;
+        ink.stroke();
         return;
       }
       case KIND.bolt:
-        ink.moveTo(0.3 * r, r); ink.lineTo(-0.6 * r, -0.12 * r); ink.lineTo(0, -0.12 * r); ink.lineTo(-0.3 * r, -r);
-        ink.lineTo(0.6 * r, 0.12 * r); ink.lineTo(0, 0.12 * r); ink.closePath(); ink.fill();
+        ink.moveTo(0.3 * r, r);
+        ink.lineTo(-0.6 * r, -0.12 * r);
+        ink.lineTo(0, -0.12 * r);
+        ink.lineTo(-0.3 * r, -r);
+        ink.lineTo(0.6 * r, 0.12 * r);
+        ink.lineTo(0, 0.12 * r);
+        ink.closePath();
+        ink.fill();
         return;
       case KIND.heat: {
         ink.scale(1, h / w);
@@ -204,14 +249,15 @@ export class Canvas2dPainter implements Painter {
           bell.addColorStop(part, cssOf(((Math.round((colour >>> 24) * shade) << 24) | (colour & 0xffffff)) >>> 0));
         }
         ink.fillStyle = bell;
-        ink.arc(0, 0, r, 0, TAU); ink.fill();
+        ink.arc(0, 0, r, 0, TAU);
+        ink.fill();
       }
     }
   }
 
   #colour(ink: number): string {
     let css = this.#css.get(ink);
-    if (css === undefined) this.#css.set(ink, css = cssOf(ink));
+    if (css === undefined) this.#css.set(ink, (css = cssOf(ink)));
     return css;
   }
 }

@@ -1,6 +1,6 @@
 // What the floor looks like: puts the scene onto sheets, layer by layer, and only those that changed.
-// Ways and resting racks change with a patch; robots, people and words with every frame. From afar a robot is one mark in
-// the colour of its state, without its route; names come where there is room for them (labels.ts).
+// Ways and resting racks change with a patch; robots, people and words with every frame. From afar a robot is one mark
+// in the colour of its state, without its route; names come where there is room for them (labels.ts).
 import { t, timeOfDay } from '../../words';
 import type { Cell } from './heatmap';
 import { around } from '../scene/sketch';
@@ -31,16 +31,26 @@ export interface Note {
 
 /** From when on robots will keep out of the areas that are announced. */
 export function announced(closures: readonly Closure[]): Note[] {
-  return closures.filter((c) => c.state === 'announced').map(({ outline, from }) => {
-    const [x0, , x1, y1] = around(outline);
-    return { text: t('floor.closes', { time: timeOfDay(from ?? null).slice(0, 5) }), x: (x0 + x1) / 2, y: y1 };
-  });
+  return closures
+    .filter((c) => c.state === 'announced')
+    .map(({ outline, from }) => {
+      const [x0, , x1, y1] = around(outline);
+      return { text: t('floor.closes', { time: timeOfDay(from ?? null).slice(0, 5) }), x: (x0 + x1) / 2, y: y1 };
+    });
 }
 
 /** Sizes in metres; gauge and ring go around a robot's mark. */
 export const SIZE = {
-  rack: 0.42, carried: 0.46, gauge: 0.12, ring: 0.28, person: 0.4, place: 0.72,
-  granted: 0.12, held: 0.07, ahead: 0.1, area: 0.9,
+  rack: 0.42,
+  carried: 0.46,
+  gauge: 0.12,
+  ring: 0.28,
+  person: 0.4,
+  place: 0.72,
+  granted: 0.12,
+  held: 0.07,
+  ahead: 0.1,
+  area: 0.9,
 } as const;
 /** Pixels per metre below which the floor is seen from afar. */
 export const FAR_BELOW = 10;
@@ -56,8 +66,18 @@ const CROWD_PX = 30;
 const CROWD_FROM = 2;
 /** Least radii in pixels: what needs a person stays visible on a whole floor. */
 const LEAST: Record<Look, number> = {
-  idle: 2.2, driving: 2.4, handling: 2.4, picking: 2.4, queueing: 2.4, charging: 2.2, waiting: 4, paused: 4, stopped: 4, out_of_service: 3,
-  offline: 5, failed: 5,
+  idle: 2.2,
+  driving: 2.4,
+  handling: 2.4,
+  picking: 2.4,
+  queueing: 2.4,
+  charging: 2.2,
+  waiting: 4,
+  paused: 4,
+  stopped: 4,
+  out_of_service: 3,
+  offline: 5,
+  failed: 5,
 };
 /** Looks in whose middle the floor is seen. */
 const HOLLOW: readonly Look[] = ['idle', 'picking', 'queueing', 'out_of_service', 'offline'];
@@ -78,7 +98,8 @@ export interface Alarmed {
   station: ReadonlySet<string>;
 }
 export function alarmedOf(alarms: readonly Alarm[]): Alarmed {
-  const of = (kind: keyof Alarmed): Set<string> => new Set(alarms.flatMap((a) => (a.subject_kind === kind && a.subject ? [a.subject] : [])));
+  const of = (kind: keyof Alarmed): Set<string> =>
+    new Set(alarms.flatMap((a) => (a.subject_kind === kind && a.subject ? [a.subject] : [])));
   return { robot: of('robot'), worker: of('worker'), station: of('station') };
 }
 
@@ -86,13 +107,32 @@ type Inks = ReturnType<typeof inksOf>;
 
 function inksOf({ of: c, looks }: Palette) {
   return {
-    looks: looks.map((css) => inkOf(css)), faint: inkOf(c.gauge, 0.4),
-    rack: inkOf(c.rack), rackEdge: inkOf(c['rack-edge']), carried: inkOf(c.carried), under: inkOf(c.carried, 0.16),
-    granted: inkOf(c.granted), held: inkOf(c.held), tick: inkOf(c.tick), floor: inkOf(c.floor),
-    gauge: inkOf(c.gauge), track: inkOf(c.edge), low: inkOf(c.low), halo: inkOf(c.halo), label: inkOf(c.label),
-    chosen: inkOf(c.chosen), person: inkOf(c.person), pale: inkOf(c.person, 0.35), ahead: inkOf(c.ahead),
-    region: inkOf(c.region), stopping: inkOf(c.region, 0.3), keeping: inkOf(c.region, 0.55), slowing: inkOf(c.region, 0.9),
-    off: inkOf(c.off), stop: inkOf(c.stop), heat: inkOf(c.heat),
+    looks: looks.map((css) => inkOf(css)),
+    faint: inkOf(c.gauge, 0.4),
+    rack: inkOf(c.rack),
+    rackEdge: inkOf(c['rack-edge']),
+    carried: inkOf(c.carried),
+    under: inkOf(c.carried, 0.16),
+    granted: inkOf(c.granted),
+    held: inkOf(c.held),
+    tick: inkOf(c.tick),
+    floor: inkOf(c.floor),
+    gauge: inkOf(c.gauge),
+    track: inkOf(c.edge),
+    low: inkOf(c.low),
+    halo: inkOf(c.halo),
+    label: inkOf(c.label),
+    chosen: inkOf(c.chosen),
+    person: inkOf(c.person),
+    pale: inkOf(c.person, 0.35),
+    ahead: inkOf(c.ahead),
+    region: inkOf(c.region),
+    stopping: inkOf(c.region, 0.3),
+    keeping: inkOf(c.region, 0.55),
+    slowing: inkOf(c.region, 0.9),
+    off: inkOf(c.off),
+    stop: inkOf(c.stop),
+    heat: inkOf(c.heat),
     crowds: [0.25, 0.37, 0.5].map((opacity) => inkOf(looks[WAITING]!, opacity)),
     levels: (['heat-1', 'heat-2', 'heat-3', 'heat-4', 'heat-5'] as const).map((name) => inkOf(c[name], 0.78)),
   };
@@ -100,7 +140,16 @@ function inksOf({ of: c, looks }: Palette) {
 
 export class Composer {
   /** From the floor up. */
-  readonly sheets = { racks: new Sheet(), amounts: new Sheet(), crowds: new Sheet(), heat: new Sheet(), regions: new Sheet(), ways: new Sheet(), robots: new Sheet(), people: new Sheet() };
+  readonly sheets = {
+    racks: new Sheet(),
+    amounts: new Sheet(),
+    crowds: new Sheet(),
+    heat: new Sheet(),
+    regions: new Sheet(),
+    ways: new Sheet(),
+    robots: new Sheet(),
+    people: new Sheet(),
+  };
   readonly words = new Words();
   /** A map of heat; empty where none is shown. */
   cells: readonly Cell[] = [];
@@ -110,7 +159,15 @@ export class Composer {
   #labels = new Labels(this.words);
   #crowds = new Map<number, number>();
   #inks: Inks;
-  #done = { racks: -1, ways: -1, edges: -1, chosen: -1, hair: 0, forecasts: null as readonly Forecast[] | null, cells: null as readonly Cell[] | null };
+  #done = {
+    racks: -1,
+    ways: -1,
+    edges: -1,
+    chosen: -1,
+    hair: 0,
+    forecasts: null as readonly Forecast[] | null,
+    cells: null as readonly Cell[] | null,
+  };
 
   constructor(palette: Palette) {
     this.#inks = inksOf(palette);
@@ -128,8 +185,17 @@ export class Composer {
     if (done.forecasts !== forecasts) this.#heat(forecasts);
     if (done.cells !== this.cells) this.#amounts();
     if (done.racks !== scene.rackTurn || done.edges !== edges) this.#racks(scene, edges);
-    if (done.ways !== scene.wayTurn || done.hair !== hair || done.chosen !== chosen.robot) this.#ways(scene, hair, chosen.robot);
-    Object.assign(done, { racks: scene.rackTurn, ways: scene.wayTurn, edges, chosen: chosen.robot, hair, forecasts, cells: this.cells });
+    if (done.ways !== scene.wayTurn || done.hair !== hair || done.chosen !== chosen.robot)
+      this.#ways(scene, hair, chosen.robot);
+    Object.assign(done, {
+      racks: scene.rackTurn,
+      ways: scene.wayTurn,
+      edges,
+      chosen: chosen.robot,
+      hair,
+      forecasts,
+      cells: this.cells,
+    });
     this.#waitTogether(scene, view.scale);
     this.#regions(scene.people, hair, chosen.person);
     this.#robots(scene, view, chosen);
@@ -146,7 +212,8 @@ export class Composer {
   #amounts(): void {
     const sheet = this.sheets.amounts;
     sheet.begin();
-    for (const { x, y, size, level } of this.cells) sheet.put(KIND.box, x, y, size, size, this.#inks.levels[level] ?? 0);
+    for (const { x, y, size, level } of this.cells)
+      sheet.put(KIND.box, x, y, size, size, this.#inks.levels[level] ?? 0);
   }
 
   #racks(scene: Scene, edges: number): void {
@@ -161,8 +228,8 @@ export class Composer {
     }
   }
 
-  /** What is held is dashed, what is granted is solid: a robot may be anywhere on the latter at once. From afar only the
-   *  route of the chosen robot is there. */
+  /** What is held is dashed, what is granted is solid: a robot may be anywhere on the latter at once. From afar only
+   *  the route of the chosen robot is there. */
   #ways(scene: Scene, hair: number, chosen: number): void {
     const ink = this.#inks;
     const sheet = this.sheets.ways;
@@ -195,8 +262,15 @@ export class Composer {
     const sheet = this.sheets.regions;
     sheet.begin();
     for (let i = 0; i < people.length; i++) {
-      const { x, y, area, regions: [stop, out, slow], path } = people[i]!;
-      for (const [ax, ay] of area) sheet.put(KIND.hatch, ax, ay, SIZE.area, SIZE.area, ink.keeping, 0, Math.max(0.3, 6 * hair));
+      const {
+        x,
+        y,
+        area,
+        regions: [stop, out, slow],
+        path,
+      } = people[i]!;
+      for (const [ax, ay] of area)
+        sheet.put(KIND.hatch, ax, ay, SIZE.area, SIZE.area, ink.keeping, 0, Math.max(0.3, 6 * hair));
       // Of a person who is lost, the places say it better than circles: they end at racks and walls.
       if (area.length === 0) {
         sheet.put(KIND.dashring, x, y, 2 * slow, 2 * slow, ink.slowing, 0, 1.5 * hair);
@@ -226,7 +300,16 @@ export class Composer {
     }
     if (chosen.robot >= 0) {
       const around = 2 * Math.max(scene.reach[chosen.robot]! + SIZE.ring, 8 * hair);
-      sheet.put(KIND.ring, scene.x[chosen.robot]!, scene.y[chosen.robot]!, around, around, ink.chosen, 0, Math.max(0.09, 2 * hair));
+      sheet.put(
+        KIND.ring,
+        scene.x[chosen.robot]!,
+        scene.y[chosen.robot]!,
+        around,
+        around,
+        ink.chosen,
+        0,
+        Math.max(0.09, 2 * hair),
+      );
     }
     const far = scale < FAR_BELOW;
     // Like after like, so that a painter can draw a run of them at once.
@@ -237,9 +320,10 @@ export class Composer {
         else this.#body(scene, i, scale, chosen.look);
       }
     }
-    if (!far) for (let i = 0; i < scene.robots; i++) {
-      if (chosen.look < 0 || scene.look[i] === chosen.look) this.#tick(scene, i, hair);
-    }
+    if (!far)
+      for (let i = 0; i < scene.robots; i++) {
+        if (chosen.look < 0 || scene.look[i] === chosen.look) this.#tick(scene, i, hair);
+      }
     for (let i = 0; i < scene.robots; i++) this.#battery(scene, i, scale);
     if (far) return;
     const edge = Math.max(0.09, hair);
@@ -284,7 +368,14 @@ export class Composer {
       // Rows may be negative: the nearest whole number of columns, and what is left.
       const column = Math.round(key / 65_536);
       const row = key - column * 65_536;
-      sheet.put(KIND.box, (column + 0.5) * size, (row + 0.5) * size, size, size, crowds[Math.min(robots - CROWD_FROM, crowds.length - 1)]!);
+      sheet.put(
+        KIND.box,
+        (column + 0.5) * size,
+        (row + 0.5) * size,
+        size,
+        size,
+        crowds[Math.min(robots - CROWD_FROM, crowds.length - 1)]!,
+      );
     }
   }
 
@@ -303,7 +394,9 @@ export class Composer {
       sheet.put(KIND.ring, x, y, d, d, colour, 0, 0.25 * r);
     };
     switch (LOOKS[look]!) {
-      case 'driving': sheet.put(KIND.disc, x, y, d, d, colour); break;
+      case 'driving':
+        sheet.put(KIND.disc, x, y, d, d, colour);
+        break;
       case 'handling':
         sheet.put(KIND.disc, x, y, d, d, colour);
         sheet.put(KIND.frame, x, y, r, r, ink.tick, 0, 0.18 * r);
@@ -364,8 +457,15 @@ export class Composer {
     const reach = scene.reach[i]!;
     const from = (hollow ? 0.7 : 0.16) * reach;
     const to = (hollow ? 1.3 : 0.95) * reach;
-    this.sheets.robots.line(KIND.box, x + dx * from, y + dy * from, x + dx * to, y + dy * to,
-      Math.max(0.1, hair), hollow ? ink.looks[look]! : ink.tick);
+    this.sheets.robots.line(
+      KIND.box,
+      x + dx * from,
+      y + dy * from,
+      x + dx * to,
+      y + dy * to,
+      Math.max(0.1, hair),
+      hollow ? ink.looks[look]! : ink.tick,
+    );
   }
 
   #battery(scene: Scene, i: number, scale: number): void {
@@ -394,7 +494,8 @@ export class Composer {
       const ring = 2 * Math.max(SIZE.person + SIZE.ring, 12 * hair);
       if (i === chosen) sheet.put(KIND.ring, x, y, ring, ring, ink.chosen, 0, 2 * hair);
       sheet.put(KIND.person, x, y, 1.25 * size, 1.25 * size, ink.halo, heading);
-      if (presence !== 'lost') sheet.put(KIND.person, x, y, size, size, presence === 'tracked' ? ink.person : ink.pale, heading);
+      if (presence !== 'lost')
+        sheet.put(KIND.person, x, y, size, size, presence === 'tracked' ? ink.person : ink.pale, heading);
       if (presence !== 'tracked') sheet.put(KIND.person, x, y, size, size, ink.person, heading, 0.2 * r);
       if (state !== 'deviating' && state !== 'redirected' && state !== 'stop') continue;
       // A flag beside the mark: a diamond for a way that was left, a square for somebody told to stop.
@@ -413,7 +514,8 @@ export class Composer {
     const labels = this.#labels;
     const { scale } = view;
     const { alarmed } = this;
-    const robot = (i: number): boolean => labels.beside(scene.ids[i]!, scene.x[i]!, scene.y[i]!, Math.max(scale * 0.72, 13), WORD_PX);
+    const robot = (i: number): boolean =>
+      labels.beside(scene.ids[i]!, scene.x[i]!, scene.y[i]!, Math.max(scale * 0.72, 13), WORD_PX);
     const person = (p: Person): boolean => labels.beside(p.title, p.x, p.y, Math.max(scale * 0.75, 16), WORD_PX);
     const { below, px } = stationTitle(scale);
     const station = (s: Scene['stations'][number]): boolean => labels.put(s.title, s.x, s.y, below, px);
@@ -423,9 +525,13 @@ export class Composer {
     if (alarmed.robot.size > 0) {
       for (let i = 0; i < scene.robots; i++) if (i !== chosen.robot && alarmed.robot.has(scene.ids[i]!)) robot(i);
     }
-    scene.people.forEach((p, i) => { if (i !== chosen.person && alarmed.worker.has(p.id)) person(p); });
+    scene.people.forEach((p, i) => {
+      if (i !== chosen.person && alarmed.worker.has(p.id)) person(p);
+    });
     for (const s of scene.stations) if (alarmed.station.has(s.id)) station(s);
-    scene.people.forEach((p, i) => { if (i !== chosen.person && !alarmed.worker.has(p.id)) person(p); });
+    scene.people.forEach((p, i) => {
+      if (i !== chosen.person && !alarmed.worker.has(p.id)) person(p);
+    });
     for (const s of scene.stations) if (!alarmed.station.has(s.id)) station(s);
     for (const n of this.notes) labels.put(n.text, n.x, n.y, -9, 12);
     if (scale >= NAMES_FROM) {
@@ -435,7 +541,8 @@ export class Composer {
       for (let i = 0; i < scene.racks; i++) {
         const [x, y] = [scene.rackX[i]!, scene.rackY[i]!];
         // A robot below the rack is worth more than the rack's name.
-        if (scene.rackOn[i]! < 0 && nearlyInSight(view, x, y) && robotNear(scene, x, y, 0.6) < 0) labels.put(scene.rackIds[i]!, x, y, 0, WORD_PX);
+        if (scene.rackOn[i]! < 0 && nearlyInSight(view, x, y) && robotNear(scene, x, y, 0.6) < 0)
+          labels.put(scene.rackIds[i]!, x, y, 0, WORD_PX);
       }
     }
     if (scale >= NODE_NAMES_FROM) {

@@ -8,14 +8,22 @@ type Ink = CanvasRenderingContext2D;
 
 const HATCH_PX = 8;
 
-export function drawGround(
-  ink: Ink, map: FloorMap, closures: readonly Closure[], view: View, palette: Palette,
-): void {
+export function drawGround(ink: Ink, map: FloorMap, closures: readonly Closure[], view: View, palette: Palette): void {
   const c = palette.of;
   ink.fillStyle = c.void;
   ink.fillRect(0, 0, view.width, view.height);
   const [x0, y0, x1, y1] = map.bounds;
-  const floors: Point[][] = map.walkable.length > 0 ? map.walkable : [[[x0, y0], [x1, y0], [x1, y1], [x0, y1]]];
+  const floors: Point[][] =
+    map.walkable.length > 0
+      ? map.walkable
+      : [
+          [
+            [x0, y0],
+            [x1, y0],
+            [x1, y1],
+            [x0, y1],
+          ],
+        ];
   fillShapes(ink, floors, view, c.floor, c.edge);
   fillShapes(ink, map.obstacles, view, c.wall, c.edge);
   drawLanes(ink, map, view, palette);
@@ -135,13 +143,29 @@ function drawPlaces(ink: Ink, map: FloorMap, view: View, palette: Palette): void
     const [px, py] = toScreen(view, node.x, node.y);
     if (px < -s || py < -s || px > view.width + s || py > view.height + s) continue;
     switch (node.kind) {
-      case 'storage': box(ink, px, py, s * 0.43, s * 0.08, null, c.slot); break;
-      case 'queue': disc(ink, px, py, s * 0.3, c.queue); break;
-      case 'charger': box(ink, px, py, s * 0.4, s * 0.1, null, c.charger); bolt(ink, px, py, s * 0.3, c.charger); break;
-      case 'parking': box(ink, px, py, s * 0.4, s * 0.1, null, c.parking); word(ink, 'P', px, py, s * 0.42, c.parking); break;
-      case 'exit': box(ink, px, py, s * 0.4, s * 0.1, null, c.exit); word(ink, '⇥', px, py, s * 0.42, c.exit); break;
-      case 'aisle': if (s > 12) box(ink, px, py, s * 0.035, 0, c.lane, null); break;
-      case 'station': break;
+      case 'storage':
+        box(ink, px, py, s * 0.43, s * 0.08, null, c.slot);
+        break;
+      case 'queue':
+        disc(ink, px, py, s * 0.3, c.queue);
+        break;
+      case 'charger':
+        box(ink, px, py, s * 0.4, s * 0.1, null, c.charger);
+        bolt(ink, px, py, s * 0.3, c.charger);
+        break;
+      case 'parking':
+        box(ink, px, py, s * 0.4, s * 0.1, null, c.parking);
+        word(ink, 'P', px, py, s * 0.42, c.parking);
+        break;
+      case 'exit':
+        box(ink, px, py, s * 0.4, s * 0.1, null, c.exit);
+        word(ink, '⇥', px, py, s * 0.42, c.exit);
+        break;
+      case 'aisle':
+        if (s > 12) box(ink, px, py, s * 0.035, 0, c.lane, null);
+        break;
+      case 'station':
+        break;
     }
   }
 }
@@ -166,11 +190,25 @@ function drawStations(ink: Ink, map: FloorMap, view: View, palette: Palette): vo
   }
 }
 
-function box(ink: Ink, x: number, y: number, half: number, round: number, fill: string | null, line: string | null): void {
+function box(
+  ink: Ink,
+  x: number,
+  y: number,
+  half: number,
+  round: number,
+  fill: string | null,
+  line: string | null,
+): void {
   ink.beginPath();
   ink.roundRect(x - half, y - half, 2 * half, 2 * half, round);
-  if (fill) { ink.fillStyle = fill; ink.fill(); }
-  if (line) { ink.strokeStyle = line; ink.stroke(); }
+  if (fill) {
+    ink.fillStyle = fill;
+    ink.fill();
+  }
+  if (line) {
+    ink.strokeStyle = line;
+    ink.stroke();
+  }
 }
 
 function disc(ink: Ink, x: number, y: number, r: number, line: string): void {

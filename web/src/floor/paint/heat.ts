@@ -32,7 +32,9 @@ export function forecastsOf(workerForecasts: readonly WorkerForecast[], ahead: n
   return workerForecasts.map(({ worker, parts }) => ({
     worker,
     // The farthest first: what comes soonest is narrow and lies on top.
-    parts: parts.filter((c) => ahead === 'all' || c.after_s === ahead).toSorted((a, b) => b.after_s - a.after_s)
+    parts: parts
+      .filter((c) => ahead === 'all' || c.after_s === ahead)
+      .toSorted((a, b) => b.after_s - a.after_s)
       .map(({ x, y, sx, sy, tilt, p }) => ({ x, y, sxx: sx * sx, sxy: tilt * sx * sy, syy: sy * sy, weight: p })),
   }));
 }
@@ -62,7 +64,15 @@ export function putHeat(sheet: Sheet, forecasts: readonly Forecast[], ink: numbe
       const { long, short, turn } = axes(part);
       const byte = Math.round(255 * strength(part));
       if (byte < 2 || !Number.isFinite(part.x + part.y + turn)) continue;
-      sheet.put(KIND.heat, part.x, part.y, 2 * REACH * long, 2 * REACH * short, ((byte << 24) | (ink & 0xffffff)) >>> 0, turn);
+      sheet.put(
+        KIND.heat,
+        part.x,
+        part.y,
+        2 * REACH * long,
+        2 * REACH * short,
+        ((byte << 24) | (ink & 0xffffff)) >>> 0,
+        turn,
+      );
     }
   }
 }

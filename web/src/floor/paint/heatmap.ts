@@ -21,7 +21,10 @@ const BORDERS: Record<HeatKind, readonly number[]> = {
 /** The lower ends of the classes: the largest amount is in the last one. */
 export function borders(kind: HeatKind, most: number): number[] {
   const all = BORDERS[kind];
-  const last = Math.max(LEVELS - 1, all.findLastIndex((b) => b <= most));
+  const last = Math.max(
+    LEVELS - 1,
+    all.findLastIndex((b) => b <= most),
+  );
   return all.slice(last - LEVELS + 1, last + 1);
 }
 
@@ -38,8 +41,8 @@ const LEAST_BEFORE_S = 300;
 /** A place is unusual where it has this many times its usual share of all waiting. */
 const TIMES = 2;
 
-/** Where robots waited beyond what is usual there: its share of all waiting is compared with its share before, so that it does
- *  not matter how much was going on. Null where too little is known of before. */
+/** Where robots waited beyond what is usual there: its share of all waiting is compared with its share before, so that
+ *  it does not matter how much was going on. Null where too little is known of before. */
 export function unusual(now: HeatPage, before: HeatPage): HeatPage | null {
   const sum = ({ cells }: HeatPage): number => cells.reduce((all, cell) => all + cell.amount, 0);
   const [total, earlier] = [sum(now), sum(before)];

@@ -1,6 +1,6 @@
 // Names on the floor that keep clear of each other: a name that would cover one put before it is left out. The order in
-// which a composer puts them is therefore their precedence. No canvas measures here: a name is taken to be a little wider
-// than it is.
+// which a composer puts them is therefore their precedence. No canvas measures here: a name is taken to be a little
+// wider than it is.
 import type { FloorMap } from '../../wire';
 import { toScreen, type FixedName, type View } from '../scene/view';
 import type { Words } from './sheet';
@@ -38,7 +38,8 @@ export class Labels {
     for (const boxes of this.#rows) if (boxes) boxes.length = 0;
   }
 
-  /** Puts a name `below` pixels below (x, y), unless it is out of sight or would cover another one. Says whether it did. */
+  /** Puts a name `below` pixels below (x, y), unless it is out of sight or would cover another one. Says whether it
+   *  did. */
   put(text: string, x: number, y: number, below: number, px: number, pale = false): boolean {
     const { width, height } = this.#view;
     const [cx, cy] = toScreen(this.#view, x, y);
@@ -59,7 +60,8 @@ export class Labels {
     return true;
   }
 
-  /** Puts a name below a mark or, if there is no room, above it; and leaves it on that side as long as there is room. */
+  /** Puts a name below a mark or, if there is no room, above it; and leaves it on that side as long as there is
+   *  room. */
   beside(text: string, x: number, y: number, apart: number, px: number): boolean {
     const side = this.#sides.get(text) ?? 1;
     if (this.put(text, x, y, side * apart, px)) return true;

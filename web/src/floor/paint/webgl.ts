@@ -109,8 +109,13 @@ class WebglPainter implements Painter {
     const [halfX, halfY] = [view.width / 2 / view.scale, view.height / 2 / view.scale];
     gl.useProgram(this.#floor.is);
     const [right, up] = onPicture(view, kept.x - view.x, kept.y - view.y);
-    gl.uniform4f(this.#floor.at.place, right / halfX, up / halfY,
-      kept.width / 2 / kept.scale / halfX, kept.height / 2 / kept.scale / halfY);
+    gl.uniform4f(
+      this.#floor.at.place,
+      right / halfX,
+      up / halfY,
+      kept.width / 2 / kept.scale / halfX,
+      kept.height / 2 / kept.scale / halfY,
+    );
     gl.uniform1i(this.#floor.at.picture, 0);
     gl.bindVertexArray(null);
     gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
@@ -167,7 +172,16 @@ class WebglPainter implements Painter {
       for (const letter of text) {
         const glyph = this.#glyphs.of(letter);
         const [gx, gy] = toWorld(view, left - Glyphs.INSET * px + cell / 2, top + cell / 2);
-        letters.put(GLYPH as Kind, gx, gy, cell / view.scale, cell / view.scale, pale ? this.#pale : this.#label, 0, glyph.cell);
+        letters.put(
+          GLYPH as Kind,
+          gx,
+          gy,
+          cell / view.scale,
+          cell / view.scale,
+          pale ? this.#pale : this.#label,
+          0,
+          glyph.cell,
+        );
         left += glyph.advance * px;
       }
     }
@@ -181,16 +195,21 @@ interface Program<Name extends string> {
 
 function program<Name extends string>(gl: GL, vertex: string, fragment: string, names: readonly Name[]): Program<Name> {
   const is = gl.createProgram();
-  for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]] as const) {
+  for (const [type, text] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ] as const) {
     const shader = gl.createShader(type);
     if (!shader) throw new Error('the WebGL context is lost');
     gl.shaderSource(shader, text);
     gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader) ?? 'a shader was refused');
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS))
+      throw new Error(gl.getShaderInfoLog(shader) ?? 'a shader was refused');
     gl.attachShader(is, shader);
   }
   gl.linkProgram(is);
-  if (!gl.getProgramParameter(is, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(is) ?? 'a shader program was refused');
+  if (!gl.getProgramParameter(is, gl.LINK_STATUS))
+    throw new Error(gl.getProgramInfoLog(is) ?? 'a shader program was refused');
   const at = Object.fromEntries(names.map((name) => [name, gl.getUniformLocation(is, name)]));
   return { is, at: at as Program<Name>['at'] };
 }

@@ -46,8 +46,14 @@ export class People {
     });
     this.list = rows.map((w, i) => {
       return {
-        id: w.id, title: titleOf(w), ...this.#from[i]!, presence: w.presence, state: w.state,
-        area: w.area, regions: w.regions, path: w.path,
+        id: w.id,
+        title: titleOf(w),
+        ...this.#from[i]!,
+        presence: w.presence,
+        state: w.state,
+        area: w.area,
+        regions: w.regions,
+        path: w.path,
       };
     });
   }
@@ -70,7 +76,10 @@ export function personNear(people: readonly Person[], x: number, y: number, reac
   let least = reach;
   people.forEach((p, i) => {
     const far = Math.hypot(p.x - x, p.y - y);
-    if (far <= least) { best = i; least = far; }
+    if (far <= least) {
+      best = i;
+      least = far;
+    }
   });
   return best;
 }

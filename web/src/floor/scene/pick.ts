@@ -7,7 +7,12 @@ import { inSight, type View } from './view';
 
 /** The thing at a point: people before robots, what moves before what stands, small before large. */
 export function thingAt(
-  map: FloorMap, mirror: Mirror | null, scene: Scene, x: number, y: number, pixel: number,
+  map: FloorMap,
+  mirror: Mirror | null,
+  scene: Scene,
+  x: number,
+  y: number,
+  pixel: number,
 ): Picked | null {
   const reach = Math.max(0.6, 12 * pixel);
   const person = scene.people[personNear(scene.people, x, y, reach)];
@@ -37,12 +42,16 @@ export function placeOf(map: FloorMap, mirror: Mirror | null, scene: Scene, { ki
     return node ? [node.x, node.y] : null;
   };
   const inScene = (i: number, xs: Float32Array, ys: Float32Array): Point | null =>
-    (i < 0 || Number.isNaN(xs[i]!) ? null : [xs[i]!, ys[i]!]);
+    i < 0 || Number.isNaN(xs[i]!) ? null : [xs[i]!, ys[i]!];
   switch (kind) {
-    case 'robot': return inScene(scene.ids.indexOf(id), scene.x, scene.y);
-    case 'rack': return inScene(scene.rackIds.indexOf(id), scene.rackX, scene.rackY);
-    case 'station': return nodeAt(map.stations.find((s) => s.id === id)?.node);
-    case 'place': return nodeAt(map.nodes.findIndex((n) => n.id === id));
+    case 'robot':
+      return inScene(scene.ids.indexOf(id), scene.x, scene.y);
+    case 'rack':
+      return inScene(scene.rackIds.indexOf(id), scene.rackX, scene.rackY);
+    case 'station':
+      return nodeAt(map.stations.find((s) => s.id === id)?.node);
+    case 'place':
+      return nodeAt(map.nodes.findIndex((n) => n.id === id));
     case 'worker': {
       const person = scene.people.find((p) => p.id === id);
       return person ? [person.x, person.y] : null;
@@ -64,7 +73,8 @@ export function thingBeside(map: FloorMap, scene: Scene, view: View, from: Picke
     const at = map.nodes[node];
     if (at && seen(at.x, at.y)) all.push({ kind: 'station', id });
   }
-  for (let i = 0; i < scene.robots; i++) if (seen(scene.x[i]!, scene.y[i]!)) all.push({ kind: 'robot', id: scene.ids[i]! });
+  for (let i = 0; i < scene.robots; i++)
+    if (seen(scene.x[i]!, scene.y[i]!)) all.push({ kind: 'robot', id: scene.ids[i]! });
   if (all.length === 0) return null;
   const at = all.findIndex((one) => one.kind === from?.kind && one.id === from.id);
   return all[at < 0 ? (step > 0 ? 0 : all.length - 1) : (at + step + all.length) % all.length] ?? null;
@@ -76,7 +86,10 @@ function nodeNear(map: FloorMap, x: number, y: number, reach: number): number {
   for (let i = 0; i < map.nodes.length; i++) {
     const n = map.nodes[i]!;
     const far = (n.x - x) ** 2 + (n.y - y) ** 2;
-    if (far < least) { best = i; least = far; }
+    if (far < least) {
+      best = i;
+      least = far;
+    }
   }
   return best;
 }

@@ -1,6 +1,15 @@
 // Everything that moves, as typed arrays that a painter can draw without asking elsewhere. `take` turns a
 // mirror into arrays (about ten times a second); `at` moves them between two patches (every frame).
-import { ACTIVITIES, activityOf, type FloorMap, type Footprint, type MapNode, type Mirror, type Robot, row } from '../../wire';
+import {
+  ACTIVITIES,
+  activityOf,
+  type FloorMap,
+  type Footprint,
+  type MapNode,
+  type Mirror,
+  type Robot,
+  row,
+} from '../../wire';
 import { People, type Person } from './people';
 import { shortTurn } from './turn';
 
@@ -89,7 +98,11 @@ export class Stage {
       // One that has left is nowhere: nothing is drawn, met or picked there.
       const [x, y] = r.state === 'gone' ? [NaN, NaN] : [r.x, r.y];
       const near = Math.abs(x - s.x[i]!) <= JUMP_M && Math.abs(y - s.y[i]!) <= JUMP_M;
-      if (!same || !near) { s.x[i] = x; s.y[i] = y; s.heading[i] = r.heading; }
+      if (!same || !near) {
+        s.x[i] = x;
+        s.y[i] = y;
+        s.heading[i] = r.heading;
+      }
       this.#from[k] = s.x[i]!;
       this.#from[k + 1] = s.y[i]!;
       this.#from[k + 2] = s.heading[i]!;
@@ -160,7 +173,13 @@ export class Stage {
       const node = this.#map.nodes[station.node];
       if (!node) return [];
       const waiting = row(mirror.stations, station.id)?.queue.length ?? 0;
-      return { id: station.id, x: node.x, y: node.y, waiting, title: `${station.id}  ${waiting}/${station.queue.length}` };
+      return {
+        id: station.id,
+        x: node.x,
+        y: node.y,
+        waiting,
+        title: `${station.id}  ${waiting}/${station.queue.length}`,
+      };
     });
   }
 
@@ -206,9 +225,15 @@ export class Stage {
     this.#from = new Float32Array(3 * robots);
     this.#to = new Float32Array(3 * robots);
     this.scene = {
-      ...scene, robots,
-      x: new Float32Array(robots), y: new Float32Array(robots), heading: new Float32Array(robots),
-      look: new Uint8Array(robots), battery: new Float32Array(robots), reach: new Float32Array(robots), ids: new Array<string>(robots).fill(''),
+      ...scene,
+      robots,
+      x: new Float32Array(robots),
+      y: new Float32Array(robots),
+      heading: new Float32Array(robots),
+      look: new Uint8Array(robots),
+      battery: new Float32Array(robots),
+      reach: new Float32Array(robots),
+      ids: new Array<string>(robots).fill(''),
     };
     this.#racks = null;
   }
@@ -229,7 +254,10 @@ export function robotNear(scene: Scene, x: number, y: number, reach: number): nu
     const dx = scene.x[i]! - x;
     const dy = scene.y[i]! - y;
     const sq = dx * dx + dy * dy;
-    if (sq <= bestSq) { best = i; bestSq = sq; }
+    if (sq <= bestSq) {
+      best = i;
+      bestSq = sq;
+    }
   }
   return best;
 }
@@ -252,7 +280,9 @@ function goesOn(x0: number, y0: number, a: MapNode, b: MapNode): boolean {
 function flat(lists: readonly number[][]): Paths {
   const from = new Uint32Array(lists.length + 1);
   let sum = 0;
-  lists.forEach((list, i) => { from[i + 1] = (sum += list.length) / 4; });
+  lists.forEach((list, i) => {
+    from[i + 1] = (sum += list.length) / 4;
+  });
   const at = new Float32Array(sum);
   lists.forEach((list, i) => at.set(list, 4 * from[i]!));
   return { at, from };
@@ -261,9 +291,25 @@ function flat(lists: readonly number[][]): Paths {
 function blank(): Scene {
   const none = (): Paths => ({ at: new Float32Array(0), from: new Uint32Array(1) });
   return {
-    robots: 0, x: new Float32Array(0), y: new Float32Array(0), heading: new Float32Array(0),
-    look: new Uint8Array(0), battery: new Float32Array(0), reach: new Float32Array(0), ids: [],
-    racks: 0, rackTurn: 0, rackIds: [], rackX: new Float32Array(0), rackY: new Float32Array(0), rackOn: new Int32Array(0),
-    wayTurn: 0, granted: none(), held: none(), stations: [], nodes: [], people: [],
+    robots: 0,
+    x: new Float32Array(0),
+    y: new Float32Array(0),
+    heading: new Float32Array(0),
+    look: new Uint8Array(0),
+    battery: new Float32Array(0),
+    reach: new Float32Array(0),
+    ids: [],
+    racks: 0,
+    rackTurn: 0,
+    rackIds: [],
+    rackX: new Float32Array(0),
+    rackY: new Float32Array(0),
+    rackOn: new Int32Array(0),
+    wayTurn: 0,
+    granted: none(),
+    held: none(),
+    stations: [],
+    nodes: [],
+    people: [],
   };
 }

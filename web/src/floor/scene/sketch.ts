@@ -18,7 +18,12 @@ const round = (n: number): number => Math.round(n * 100) / 100;
 export function rectangle(a: Point, b: Point): Point[] {
   const [x0, x1] = [Math.min(a[0], b[0]), Math.max(a[0], b[0])].map(round) as [number, number];
   const [y0, y1] = [Math.min(a[1], b[1]), Math.max(a[1], b[1])].map(round) as [number, number];
-  return [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+  return [
+    [x0, y0],
+    [x1, y0],
+    [x1, y1],
+    [x0, y1],
+  ];
 }
 
 /** The upright rectangle around an outline: x0, y0, x1, y1. */
@@ -30,7 +35,9 @@ export function around(outline: readonly Point[]): [number, number, number, numb
 
 /** What another corner makes of a drawing: more corners, or the finished shape. */
 export function corner(
-  kind: Drawing['kind'], so: readonly Point[], at: Point,
+  kind: Drawing['kind'],
+  so: readonly Point[],
+  at: Point,
 ): { kind: 'more'; corners: Point[] } | { kind: 'done'; outline: Point[] } {
   const [first] = so;
   if (kind === 'point') return { kind: 'done', outline: [[round(at[0]), round(at[1])]] };

@@ -7,7 +7,8 @@ export interface View {
   scale: number;
   width: number;
   height: number;
-  /** A quarter turn: what is up on the map is to the right, so that a long floor uses a picture that lies the other way. */
+  /** A quarter turn: what is up on the map is to the right, so that a long floor uses a picture that lies the other
+   *  way. */
   turned?: boolean;
 }
 export type Bounds = readonly [x0: number, y0: number, x1: number, y1: number];
@@ -43,12 +44,21 @@ const ROUNDS = 4;
 const WORTH_TURNING = 1.1;
 
 /** Metres on the map as metres to the right and up on the picture. */
-export const onPicture = ({ turned }: Pick<View, 'turned'>, dx: number, dy: number): [right: number, up: number] => (turned ? [dy, -dx] : [dx, dy]);
+export const onPicture = ({ turned }: Pick<View, 'turned'>, dx: number, dy: number): [right: number, up: number] =>
+  turned ? [dy, -dx] : [dx, dy];
 /** And back. */
-export const onMap = ({ turned }: Pick<View, 'turned'>, right: number, up: number): [dx: number, dy: number] => (turned ? [-up, right] : [right, up]);
+export const onMap = ({ turned }: Pick<View, 'turned'>, right: number, up: number): [dx: number, dy: number] =>
+  turned ? [-up, right] : [right, up];
 
-/** The whole floor with the names at its edge, above `foot` pixels that are left free; turned if it is much larger so. */
-export function fit(bounds: Bounds, width: number, height: number, names: readonly FixedName[] = [], foot = FOOT_PX): View {
+/** The whole floor with the names at its edge, above `foot` pixels that are left free; turned if it is much larger
+ *  so. */
+export function fit(
+  bounds: Bounds,
+  width: number,
+  height: number,
+  names: readonly FixedName[] = [],
+  foot = FOOT_PX,
+): View {
   const upright = fitUpright(bounds, width, height, names, foot);
   const turn = { turned: true };
   const [left, top] = onPicture(turn, bounds[0], bounds[1]);
@@ -73,13 +83,27 @@ function fitUpright(bounds: Bounds, width: number, height: number, names: readon
     scale = Math.min(across, upright, LARGEST_SCALE);
     const room = (most: number, wanted: number[], least = FIT_MARGIN_PX): number =>
       Math.max(least, Math.min(most, Math.max(0, ...wanted) + NAME_GAP_PX));
-    left = room(MOST_FOR_NAMES * width, names.map((n) => n.half_px - (n.x - x0) * scale));
-    right = room(MOST_FOR_NAMES * width, names.map((n) => n.half_px - (x1 - n.x) * scale), TOOLS_PX);
-    top = room(MOST_FOR_NAMES * height, names.map((n) => n.up_px + n.up_m * scale - (y1 - n.y) * scale));
+    left = room(
+      MOST_FOR_NAMES * width,
+      names.map((n) => n.half_px - (n.x - x0) * scale),
+    );
+    right = room(
+      MOST_FOR_NAMES * width,
+      names.map((n) => n.half_px - (x1 - n.x) * scale),
+      TOOLS_PX,
+    );
+    top = room(
+      MOST_FOR_NAMES * height,
+      names.map((n) => n.up_px + n.up_m * scale - (y1 - n.y) * scale),
+    );
   }
   top += Math.min(HEAD_PX, Math.max(0, height - top - FIT_MARGIN_PX - foot - (y1 - y0) * scale));
   return {
-    x: (x0 + x1) / 2 - (left - right) / 2 / scale, y: (y0 + y1) / 2 + (top - FIT_MARGIN_PX - foot) / 2 / scale, scale, width, height,
+    x: (x0 + x1) / 2 - (left - right) / 2 / scale,
+    y: (y0 + y1) / 2 + (top - FIT_MARGIN_PX - foot) / 2 / scale,
+    scale,
+    width,
+    height,
   };
 }
 

@@ -1,0 +1,40 @@
+// One robot with what the live feed leaves out, and what happened to it.
+import type { AlarmRecord } from './alarms';
+import type { Replanned } from './feed';
+import type { SentenceArg } from './sentence';
+
+/** One robot with what the feed leaves out. */
+export interface RobotDetail {
+  id: string;
+  /** When its last report came in, RFC 3339; null if none has since the server started. */
+  heard: string | null;
+  silent_s: number | null;
+  /** Since the server started. */
+  driven_m: number;
+  started: string;
+  jobs_done: number;
+  jobs_failed: number;
+  alarms: AlarmRecord[];
+}
+/** Something that happened to a robot. */
+export interface RobotEvent {
+  at: string;
+  kind: 'job' | 'alarm' | 'change' | 'replan';
+  /** The job or the alarm. */
+  id: string | null;
+  /** The state of the job, the kind of the alarm, or the change in a word. */
+  what: string;
+  text: string | null;
+  /** Of an alarm, which sentence the text is. */
+  code?: string;
+  args?: Record<string, SentenceArg>;
+  ended: string | null;
+  /** Of a replan: because of whom or what, and the nodes ahead before and since. */
+  cause?: Pick<Replanned, 'kind' | 'id'>;
+  was?: string[];
+  now?: string[];
+}
+export interface RobotHistoryPage {
+  items: RobotEvent[];
+  next: string | null;
+}
