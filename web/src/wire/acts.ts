@@ -1,4 +1,4 @@
-// What people and machines do, in the words of the server (src/api/acts.rs), in its order.
+// What people and machines do, in the words of the server (src/api/access/acts.rs), in its order.
 
 export const ACTS = [
   'stop_fleet', 'resume_fleet', 'evacuate', 'end_evacuation', 'close_area', 'open_area', 'pause_robot', 'resume_robot',
