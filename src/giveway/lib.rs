@@ -109,7 +109,7 @@
 //! One loop turns the fleet: [`drive::Drive::turn`]`(now, heard)` takes in what was heard, steps the fleet, and says
 //! what is to be written down and sent (`drive/lib.rs` shows it on one screen). The server is sockets, a clock and a
 //! database around it (`server/control.rs`), a simulation a floor in memory and a journal that may fail
-//! (`sim/host.rs`). All that is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
+//! (`sim/run/host.rs`). All that is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
 //!
 //! Robots, and everything that is simulated, are behind links (`server/links/`): what they say comes as inputs, what
 //! leaves goes out as one [`drive::LinkOutput`]. A simulated floor reads the ledger, as any client of the API can, and
@@ -120,7 +120,8 @@
 //! room remembers is its own (`HumanState`, `Yielding`, `Traffic`). What it may know of another room is passed to it as
 //! an argument: people and dispatch know `state` alone, traffic asks dispatch for places in storage, yielding plans
 //! with traffic and knows people, `waits` and `read` see these rooms, and none of them calls those two.
-//! `tests/walls/rooms.rs` has the table and enforces it, as it does for the rooms of `api` and of its handlers.
+//! `tests/walls/rooms.rs` has the table and enforces it, as it does for the rooms of `sim`, of `api` and of
+//! its handlers.
 //!
 //! 1. **Absorb** (`requests/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the
 //!    scene, where the report that was *seen* last counts. Requests become facts or refusals.
@@ -358,16 +359,16 @@
 //! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
 //! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/floor/timelines.rs` |
 //! | safety regions in the timelines | `fleet/read/safety_regions.rs`; radii: `aware/regions.rs` |
-//! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
+//! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew/`; `sim/crew/sensor.rs` |
 //! | a key of scenario files | `sim/scenario/`, `docs/scenarios.md` |
 //! | alarms: what is one, what it suppresses, its life | `alarm/`; `store/alarms.rs`, `api/state/alarms.rs` |
 //! | alarms: groups; what people do about one | `alarm/groups.rs`; `alarm/care.rs`, `alarm/register/mod.rs` |
 //! | what an act is called; what a role may do | `api/access/acts.rs`, `roles.rs`; `web/src/words/acts.ts` |
-//! | a floor that has worked before a server begins | `sim/warm_up.rs`; `server/start.rs` |
+//! | a floor that has worked before a server begins | `sim/run/warm_up.rs`; `server/start.rs` |
 //! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog/` |
 //! | what the swarm draws, how it shrinks, prints | `sim/swarm/draw.rs`, `maps.rs`; `shrink.rs`; `cli/swarm.rs` |
 //! | what a recording holds | `sim/recording/` |
-//! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers/` |
+//! | what simulated robots, radios, customers do | `sim/robot/`, `sim/link.rs`, `sim/customers/` |
 //! | an endpoint, a wire type | `api/http/`, `api/dto/names.rs`; its words: `api/wire/words.rs`; `web/src/` |
 //! | what `/openapi.json`, `/asyncapi.json`, `/docs` say | `api/http/describe/`; `web/src/docs/` |
 //! | what may be changed about a job; many jobs at once | `fleet/requests/change.rs`; `api/http/orders/batch.rs` |

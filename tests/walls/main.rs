@@ -307,7 +307,7 @@ fn the_overview_names_files_that_are_there() {
         path.starts_with("vda5050") || folders.iter().any(|f| root.join(f).join(path).exists())
     };
     assert_eq!(not_there(&text, known), [""; 0]);
-    let planted = "//! | a | `api/http/`, `gone.rs`; `sim/run.rs`, `away.rs` |";
+    let planted = "//! | a | `api/http/`, `gone.rs`; `sim/random.rs`, `away.rs` |";
     assert_eq!(not_there(planted, known), ["api/http/gone.rs", "sim/away.rs"]);
 }
 

@@ -75,11 +75,50 @@ const HTTP: Layers = &[
     ("people", &["shared"]),
 ];
 
+/// From chance and the scenario over people, robots and what is measured to the world, its laws, and the loop around it.
+/// Randomness, numbers of askers and radio are rooms of one file.
+const SIM: Layers = &[
+    ("random", &[]),
+    ("askers", &[]),
+    ("scenario", &[]),
+    ("link", &["random", "scenario"]),
+    ("walker", &["random", "scenario"]),
+    ("picker", &["random", "askers", "scenario"]),
+    ("robot", &["walker"]),
+    ("arm", &["random", "scenario", "picker"]),
+    ("crew", &["random", "askers", "scenario", "link", "walker"]),
+    ("customers", &["random", "askers", "scenario"]),
+    ("incidents", &["random", "askers", "scenario"]),
+    ("measure", &["walker"]),
+    (
+        "world",
+        &[
+            "random",
+            "askers",
+            "scenario",
+            "link",
+            "walker",
+            "picker",
+            "robot",
+            "arm",
+            "crew",
+            "customers",
+            "incidents",
+            "measure",
+        ],
+    ),
+    ("laws", &["arm", "world"]),
+    ("recording", &["scenario", "measure"]),
+    ("run", &["random", "askers", "scenario", "walker", "customers", "measure", "world", "laws"]),
+    ("swarm", &["random", "scenario", "walker", "measure", "laws", "run"]),
+];
+
 /// All folders that are divided into rooms. In the fleet, `carry` and `read` may name what it shows to the outside: they
 /// are asked from there.
-const HOUSES: [House; 3] = [
+const HOUSES: [House; 4] = [
     House { place: &["fleet"], folder: "src/fleet/", rooms: FLEET, outer: &["carry", "read"] },
     House { place: &["api"], folder: "src/api/", rooms: API, outer: &[] },
+    House { place: &["sim"], folder: "src/sim/", rooms: SIM, outer: &[] },
     House { place: &["api", "http"], folder: "src/api/http/", rooms: HTTP, outer: &[] },
 ];
 
@@ -141,15 +180,18 @@ const DOORS: [(&str, &str, &[&str]); 2] = [
 /// Methods that types of the standard library and of tokio have.
 const STD: [&str; 9] = ["clear", "insert", "remove", "extend", "push", "get", "at", "take", "subscribe"];
 
-/// Folders of the fleet that are no rooms: its tests, and modules that stand beside it.
-const NO_ROOMS: [&str; 3] = ["src/fleet/tests/", "src/fleet/alarm/", "src/fleet/history/"];
+/// Folders that are no rooms: tests, and modules that stand beside the fleet.
+const NO_ROOMS: [&str; 4] = ["src/fleet/tests/", "src/fleet/alarm/", "src/fleet/history/", "src/sim/tests/"];
 
 impl House {
-    /// The room of a file, if it is in one.
+    /// The room of a file, if it is in one. A room may be one file.
     fn room_of<'a>(&self, path: &'a str) -> Option<&'a str> {
         let rest = path.strip_prefix(self.folder)?;
-        let (room, file) = rest.split_once('/')?;
-        let is_test = file.ends_with("tests.rs") || file.contains("tests/");
+        let Some((room, file)) = rest.split_once('/') else {
+            let name = rest.strip_suffix(".rs")?;
+            return self.rooms.iter().any(|(room, _)| *room == name).then_some(name);
+        };
+        let is_test = file.ends_with("tests.rs") || file.contains("tests/") || file.contains("tests_");
         (!is_test && !NO_ROOMS.iter().any(|folder| path.starts_with(folder))).then_some(room)
     }
 
@@ -319,6 +361,10 @@ fn an_import_that_goes_up_is_found_in_every_house() {
     let found = planted(&[("src/api/http/floor/x.rs", "use crate::Api;\n")]);
     assert_eq!(found, ["src/api/http/floor/x.rs:1: api/http names Api, which the whole api shows"]);
     assert_eq!(planted(&[("src/api/http/x.rs", "use crate::http::orders::jobs;\n")]), [""; 0], "a layer");
+    let found = planted(&[("src/sim/walker/x.rs", "use crate::world::World;\n")]);
+    assert_eq!(found, ["src/sim/walker/x.rs:1: sim/walker names sim/world, which it may not know"]);
+    let found = planted(&[("src/sim/link.rs", "use crate::world::World;\n")]);
+    assert_eq!(found, ["src/sim/link.rs:1: sim/link names sim/world, which it may not know"], "one file");
     let found = planted(&[("src/api/attic/x.rs", "")]);
     assert_eq!(found, ["src/api/attic/x.rs:1: room attic has no place in tests/walls/rooms.rs"]);
 }

@@ -19,8 +19,8 @@ pub use mark::{Mark, MarkKind, Met, is_notable};
 pub use rotation::{Limits, Rotation};
 pub use sum::{RunningTotals, Sum, thinned};
 
-use super::live::{Frame, thin};
 use crate::dto::building::map_text;
+use crate::live::{Frame, thin};
 use crate::wire::text::round3;
 use giveway_fleet::{Fact, FloorNote, ReplanCause};
 use giveway_floor::time::{Span, Time};

@@ -21,7 +21,7 @@ use giveway_fleet::history::{History, LoopTimes};
 use giveway_fleet::{Fleet, View};
 use giveway_floor::text::sentence::alarms as sentence;
 use giveway_floor::time::{Span, Time};
-use giveway_sim::replay::{Player, Turn};
+use giveway_sim::{Player, Turn};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;

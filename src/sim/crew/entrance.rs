@@ -2,7 +2,7 @@
 //!
 //! Main function: [`entrance`]. Refuses: to let anybody step out in front of a robot that could not stop.
 
-use super::walker::{APART_M, PersonNear, RobotNear};
+use crate::walker::{APART_M, PersonNear, RobotNear};
 use giveway_floor::geometry::Point;
 use giveway_floor::warehouse::walkway::Walkways;
 

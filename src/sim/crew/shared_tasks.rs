@@ -2,8 +2,8 @@
 //!
 //! Main type: [`SharedTasks`]. Refuses: to say who is to do it.
 
-use super::random::Stream;
-use super::scenario::Assignments;
+use crate::random::Stream;
+use crate::scenario::Assignments;
 use giveway_fleet::{AssignmentRequest, Ledger};
 use giveway_floor::id::{AssignmentId, NodeId};
 use giveway_floor::time::Span;

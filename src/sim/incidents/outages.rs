@@ -3,9 +3,9 @@
 //! Main type: [`Outages`]. A stop of a station and its end are said to the fleet as operators say them. Of a
 //! charger the fleet hears from the robot on it alone. Refuses: to draw a number where a scenario has no such faults.
 
-use super::askers::OUTAGES;
-use super::random::Stream;
-use super::scenario::Faults;
+use crate::askers::OUTAGES;
+use crate::random::Stream;
+use crate::scenario::Faults;
 use giveway_fleet::{Input, Request, StationOrder, Token};
 use giveway_floor::id::{NodeId, StationId};
 use giveway_floor::time::{Span, Time};
@@ -27,7 +27,7 @@ struct Outage<T> {
 
 /// All stations and chargers, and which of them are out of order.
 #[derive(Debug)]
-pub(super) struct Outages {
+pub(crate) struct Outages {
     chargers: Vec<Outage<NodeId>>,
     stations: Vec<Outage<StationId>>,
     charger_outages_per_hour: f64,

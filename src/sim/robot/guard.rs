@@ -5,7 +5,7 @@
 //! field it counts the robot's own way only, not that people walk. A robot beside its line turns as it drives, so it
 //! also looks sideways. Refuses: to slow down for comfort, and to look back: driving away from people is allowed.
 
-use super::walker::BODY_M;
+use crate::walker::BODY_M;
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::time::{Span, Time};
 

@@ -3,11 +3,14 @@
 //! Main type: [`RobotBody`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it
 //! was told, and it can always stop before the end of it. Refuses: to know where others are.
 
+mod beside;
+pub(crate) mod beside_log;
+mod guard;
 mod passing;
 
-use super::beside::BesideLine;
-use super::guard::Guard;
-use super::walker::BODY_M;
+use crate::robot::beside::BesideLine;
+use crate::robot::guard::Guard;
+use crate::walker::BODY_M;
 use giveway_fleet::{Act, Command, Fault, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
 use giveway_floor::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
 use giveway_floor::id::{NodeId, RackId, RobotId};
@@ -44,7 +47,7 @@ struct Target {
 
 /// One robot.
 #[derive(Debug)]
-pub(super) struct RobotBody {
+pub(crate) struct RobotBody {
     pub id: RobotId,
     pub pose: Pose,
     pub speed_mps: f64,

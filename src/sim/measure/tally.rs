@@ -23,7 +23,7 @@ pub struct JobTally {
 
 /// What became of all jobs.
 #[derive(Debug, Default)]
-pub(super) struct Tallies {
+pub(crate) struct Tallies {
     open: BTreeMap<JobId, &'static str>,
     kinds: BTreeMap<&'static str, JobTally>,
 }

@@ -3,10 +3,12 @@
 //! Main types: [`SimArms`], [`ArmFigures`]. Each has its own protective stop, which sees the picker's true limbs and
 //! nothing of what was planned. Refuses: to read anything of the fleet but which line a piece is for, to count it.
 
-use super::arm::{ArmStep, SimulatedArm, StopRule};
-use super::picker::ArmSeen;
-use super::random::Stream;
-use super::scenario::WorkCells;
+pub mod simulated_arm;
+
+use crate::arm::simulated_arm::{ArmStep, SimulatedArm, StopRule};
+use crate::picker::ArmSeen;
+use crate::random::Stream;
+use crate::scenario::WorkCells;
 use giveway_cell::PickFace;
 use giveway_cell::arm::{
     ArmGrip, ArmKind, ArmOrder, ArmReport, ArmSaid, Capsule, GripAct, Gripped, base_of, rest,
@@ -289,7 +291,8 @@ impl SimArmPost {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Scenario, Simulation};
+    use crate::run::Simulation;
+    use crate::scenario::Scenario;
     use giveway_cell::LineChange;
     use giveway_cell::arm::ArmMode;
     use giveway_fleet::{Fact, JobFact};
@@ -298,7 +301,7 @@ mod tests {
 
     /// Long visits: with the usual short ones an arm puts down a piece in ten minutes or so.
     fn scenario(mode: ArmMode, seconds: i64) -> Scenario {
-        let mut scenario = Scenario::parse(include_str!("../../scenarios/stations.json")).unwrap();
+        let mut scenario = Scenario::parse(include_str!("../../../scenarios/stations.json")).unwrap();
         (scenario.robots, scenario.duration, scenario.drain) = (14, Span::from_secs(seconds), Span::ZERO);
         let cells = scenario.cells.as_mut().unwrap();
         cells.arms = vec!["S1".into(), "S2".into()];

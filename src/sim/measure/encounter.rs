@@ -4,7 +4,7 @@
 //! [`aware::Meter`]. How near is near is a matter of opinion, so all is also measured within each of [`RINGS_M`].
 //! Refuses: what the fleet believes.
 
-use super::walker::RobotNear;
+use crate::walker::RobotNear;
 use giveway_floor::geometry::Point;
 use giveway_floor::id::{Dense, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};

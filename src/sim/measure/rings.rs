@@ -3,7 +3,7 @@
 //! Main types: [`RingColumn`]. A figure within one radius says little: a policy whose robots stand where others drive
 //! looks good close by and bad farther out. Refuses: to choose the radius at which one policy looks best.
 
-use crate::encounter::EncounterFigures;
+use crate::measure::encounter::EncounterFigures;
 
 /// A figure within one radius. The time of workers on the floor and the way that robots drove meanwhile make runs
 /// comparable.
@@ -67,7 +67,7 @@ pub fn closest_quantiles<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::encounter::Ring;
+    use crate::measure::encounter::Ring;
     use giveway_floor::time::Span;
 
     fn figures() -> EncounterFigures {

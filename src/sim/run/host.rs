@@ -4,11 +4,11 @@
 //! from what is durable; clients repeat requests that it did not acknowledge. Refuses: to go on after
 //! a panic that nobody planted.
 
-use super::askers::SUPERVISORS;
 use super::journal::SimJournal;
-use super::laws::Violation;
-use super::random::Stream;
-use super::scenario::Faults;
+use crate::askers::SUPERVISORS;
+use crate::laws::Violation;
+use crate::random::Stream;
+use crate::scenario::Faults;
 use giveway_drive::{Drive, GuardedCall, Heard, JournalReport, JournalState, PLANTED, Released, Sent, Trap};
 use giveway_fleet::{
     Answer, Command, Fact, Fleet, FloorAction, Input, Ledger, Made, Request, StationOrder, Token,

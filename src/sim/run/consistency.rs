@@ -4,7 +4,7 @@
 //! chi-square distribution where the filter is consistent (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Refuses:
 //! to tell the fleet anything.
 
-use super::world::World;
+use crate::world::World;
 use giveway_fleet::Fleet;
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::id::WorkerId;
@@ -44,7 +44,7 @@ pub struct NeesFigures {
 
 impl Consistency {
     /// Compares what the fleet knows after a step with where people truly were.
-    pub(super) fn note(&mut self, now: Time, world: &World, fleet: &Fleet) {
+    pub(crate) fn note(&mut self, now: Time, world: &World, fleet: &Fleet) {
         for (worker, walker) in world.walkers().filter(|(_, w)| !w.is_gone()) {
             let trail = self.trails.entry(worker).or_default();
             trail.push_back((now, walker.way_at()));

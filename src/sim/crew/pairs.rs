@@ -3,7 +3,7 @@
 //! Main type: [`Pairs`]. The second of a pair works next to where the first does, so that they have their ways in
 //! common; each has assignments and a headset of its own. Refuses: to draw from the streams of workers who walk alone.
 
-use super::random::Stream;
+use crate::random::Stream;
 use giveway_floor::geometry::Point;
 
 /// Purpose of the stream, see [`Stream::new`].

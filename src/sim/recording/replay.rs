@@ -2,9 +2,9 @@
 //!
 //! Main types: [`Player`], [`Turn`]. Refuses: to simulate anything.
 
-use super::Digest;
-use super::recording::{Broken, Playback, Played};
-use super::scenario::Scenario;
+use crate::measure::digest::Digest;
+use crate::recording::{Broken, Playback, Played};
+use crate::scenario::Scenario;
 use giveway_fleet::{Fleet, Settings, Step};
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::formats;

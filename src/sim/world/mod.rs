@@ -9,22 +9,22 @@ mod motion_before;
 mod passing;
 mod starting;
 
-use super::announce::Announcements;
-use super::arms::SimArms;
-use super::askers::ROBOTS;
-use super::beside_log::BesideLog;
-use super::crew::{Crew, TrueWorker};
-use super::customers::{Customers, OrderFileLine};
-use super::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
-use super::leavers::{Leavers, may_be_taken};
-use super::link::{Link, LinkCounts, LinkFaults};
-use super::outages::Outages;
-use super::picker::{Pickers, has_lines};
-use super::pushes::{NEARBY_M, PushSurroundings};
-use super::random::Stream;
-use super::robot::RobotBody;
-use super::scenario::{Faults, Scenario};
-use super::walker::{RobotNear, Walker};
+use crate::arm::SimArms;
+use crate::askers::ROBOTS;
+use crate::crew::workers::{Crew, TrueWorker};
+use crate::customers::{Customers, OrderFileLine};
+use crate::incidents::announce::Announcements;
+use crate::incidents::leavers::{Leavers, may_be_taken};
+use crate::incidents::outages::Outages;
+use crate::incidents::pushes::{NEARBY_M, PushSurroundings};
+use crate::link::{Link, LinkCounts, LinkFaults};
+use crate::measure::encounter::{EncounterFigures, EncounterMeter, MeteredPerson};
+use crate::picker::{Pickers, has_lines};
+use crate::random::Stream;
+use crate::robot::RobotBody;
+use crate::robot::beside_log::BesideLog;
+use crate::scenario::{Faults, Scenario};
+use crate::walker::{RobotNear, Walker};
 use giveway_drive::LinkOutput;
 use giveway_fleet::{
     Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, Service, Telemetry, Token, most_dangerous,

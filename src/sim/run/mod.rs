@@ -3,17 +3,21 @@
 //! Main types: [`Simulation`], [`SimTurn`], [`Outcome`]. Refuses: clocks; turns are measured with a stopwatch that the
 //! caller passes in, which decides nothing.
 
-use super::consistency::Consistency;
-use super::customers::OrderFileLine;
-use super::detection::{Score, Watch};
-use super::digest::Digest;
-use super::encounter::EncounterFigures;
-use super::host::{Host, HostTurn};
-use super::laws::{CalmFigures, Laws, Violation, undrained};
-use super::scenario::Scenario;
-pub use super::tally::JobTally;
-use super::tally::Tallies;
-use super::world::World;
+pub mod consistency;
+mod host;
+mod journal;
+pub mod warm_up;
+
+use crate::customers::OrderFileLine;
+use crate::laws::{CalmFigures, Laws, Violation, undrained};
+use crate::measure::detection::{Score, Watch};
+use crate::measure::digest::Digest;
+use crate::measure::encounter::EncounterFigures;
+use crate::measure::tally::{JobTally, Tallies};
+use crate::run::consistency::Consistency;
+use crate::run::host::{Host, HostTurn};
+use crate::scenario::Scenario;
+use crate::world::World;
 use giveway_drive::{Drive, Released, Sent};
 use giveway_fleet::{Counts, Fact, Fleet, Input, Settings};
 use giveway_floor::time::{Span, Time};
@@ -119,8 +123,8 @@ impl Simulation {
         let settings = Settings { without_conflicts, stopwatch, ..scenario.site.settings() };
         let fleet = Fleet::new(warehouse.clone(), settings);
         // The bound on throughput is without people.
-        let alone =
-            without_conflicts.then(|| Scenario { workers: crate::Workers::default(), ..scenario.clone() });
+        let alone = without_conflicts
+            .then(|| Scenario { workers: crate::scenario::Workers::default(), ..scenario.clone() });
         let floor = alone.as_ref().unwrap_or(scenario);
         let world = World::new(warehouse, floor, lines, seed, fleet.ledger(), Time::ZERO);
         Simulation {

@@ -3,8 +3,8 @@
 //! Main type: [`Device`]. Faults act on the measurement only, never on the worker. Refuses: to say which poses are
 //! wrong.
 
-use super::random::Stream;
-use super::scenario::{Sensor, Source};
+use crate::random::Stream;
+use crate::scenario::{Sensor, Source};
 use giveway_floor::geometry::{Point, Pose, Vector, wrap_angle};
 use giveway_floor::id::WorkerId;
 use giveway_floor::time::{Span, Time};

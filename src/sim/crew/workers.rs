@@ -3,17 +3,15 @@
 //! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what any client
 //! may read over the API.
 
-use super::askers::CREW;
 use super::entrance::entrance;
-use super::link::{Link, LinkFaults};
 use super::pairs::{Pairs, next_to};
-use super::random::Stream;
-use super::scenario::{Assignments, SecondTag, TaskSharing, Workers};
-use super::scenario::{Faults, Scenario};
 use super::sensor::Device;
 use super::shared_tasks::{SharedTasks, unassigned};
-use super::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings};
-use super::walker::{WorkKnowledge, ease};
+use crate::askers::CREW;
+use crate::link::{Link, LinkFaults};
+use crate::random::Stream;
+use crate::scenario::{Assignments, Faults, Scenario, SecondTag, TaskSharing, Workers};
+use crate::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
 use giveway_fleet::{
     Assignment, AssignmentRequest, AssignmentState, Guidance, GuidanceReason, GuidanceState, Input, Ledger,
     Token, WorkerAction,
@@ -72,7 +70,7 @@ struct Member {
 
 /// All simulated workers.
 #[derive(Debug)]
-pub(super) struct Crew {
+pub(crate) struct Crew {
     workers: Workers,
     walkways: Walkways,
     doors: Vec<Point>,
@@ -506,8 +504,7 @@ fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways)
 mod tests {
     use super::*;
     use crate::scenario::Sensor;
-    use giveway_fleet::Fleet;
-    use giveway_fleet::{Request, Settings};
+    use giveway_fleet::{Fleet, Request, Settings};
     use giveway_floor::geometry::Vector;
     use giveway_floor::warehouse::thesis;
     use giveway_people::human::Presence;

@@ -8,7 +8,7 @@ use giveway_people::local::{DriveLimits, LocalMethod, Twist};
 
 /// What a robot may do beside the line, and what it does there.
 #[derive(Debug)]
-pub(super) struct BesideLine {
+pub(crate) struct BesideLine {
     /// Whether its kind may leave the line.
     pub may: bool,
     /// How it finds its way.

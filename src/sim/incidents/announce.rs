@@ -3,15 +3,15 @@
 //!
 //! Main type: [`Announcements`]. Refuses: to say it again to a fleet that was told before a restart.
 
-use super::askers::SUPERVISORS;
-use super::scenario::Scenario;
+use crate::askers::SUPERVISORS;
+use crate::scenario::Scenario;
 use giveway_fleet::{FloorAction, Input, Ledger, Token};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 
 /// What is still to be said, and when.
 #[derive(Debug)]
-pub(super) struct Announcements {
+pub(crate) struct Announcements {
     /// In the order in which they are said at one time.
     ahead: Vec<(Time, FloorAction)>,
     said: u64,

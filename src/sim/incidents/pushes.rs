@@ -3,7 +3,7 @@
 //! Main type: [`PushSurroundings`]. Refuses: to put a robot before one that drives; people would see that, and the
 //! fleet hears of it only after a report and an order.
 
-use super::random::Stream;
+use crate::random::Stream;
 use giveway_fleet::{OFF_ROUTE_M, RackAt};
 use giveway_floor::geometry::{Point, Segment, Vector, axis_distance};
 use giveway_floor::id::{IdVec, NodeId, RackId};
@@ -11,7 +11,7 @@ use giveway_floor::route::Kinematics;
 use giveway_floor::warehouse::Warehouse;
 
 /// Nobody pushes a robot farther than this, metres, if there is a place.
-pub(super) const NEARBY_M: f64 = 4.0;
+pub(crate) const NEARBY_M: f64 = 4.0;
 /// A place between nodes is so much farther from each than what counts as being there, metres.
 const BETWEEN_M: f64 = 0.05;
 /// It may be so far beside the lane, metres.
@@ -24,7 +24,7 @@ const PERSON_M: f64 = 1.2;
 const ROOM_M: f64 = 0.05;
 
 /// What is around a robot that is pushed.
-pub(super) struct PushSurroundings<'a> {
+pub(crate) struct PushSurroundings<'a> {
     pub warehouse: &'a Warehouse,
     pub racks: &'a IdVec<RackId, RackAt>,
     /// Where other robots are, and how fast.

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`BesideLog`]. Refuses: to judge; the laws do.
 
-use super::robot::RobotBody;
+use crate::robot::RobotBody;
 use giveway_floor::geometry::{Point, Pose};
 use giveway_floor::id::RobotId;
 use giveway_floor::time::Time;
@@ -10,7 +10,7 @@ use giveway_people::local::LocalMethod;
 
 /// How robots find their way beside the line, and what was noted of it.
 #[derive(Debug)]
-pub(super) struct BesideLog {
+pub(crate) struct BesideLog {
     /// The method of their local planner.
     pub method: LocalMethod,
     /// Where robots were beside the line at each instant since the last step.

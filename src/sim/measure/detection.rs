@@ -2,7 +2,7 @@
 //!
 //! Main types: [`Watch`] (collects what the fleet says), [`Score`]. Refuses: to tell the fleet anything.
 
-use super::walker::{CauseStretch, Log, WalkCause};
+use crate::walker::{CauseStretch, Log, WalkCause};
 use giveway_fleet::{EncounterFact, Fact, Fleet, Guidance, GuidanceReason, GuidanceState};
 use giveway_floor::geometry::Point;
 use giveway_floor::id::WorkerId;

@@ -3,8 +3,8 @@
 //! Main type: [`Leavers`]. Refuses: to take one away that the fleet has not let go to where it rests, unless it is
 //! broken.
 
-use super::askers::ROBOTS;
-use super::random::Stream;
+use crate::askers::ROBOTS;
+use crate::random::Stream;
 use giveway_fleet::{Input, Ledger, RobotAction, Service, Task, Token};
 use giveway_floor::id::{NodeId, RobotId};
 use giveway_floor::time::{Span, Time};
@@ -17,7 +17,7 @@ const AGAIN: Span = Span::from_secs(5);
 
 /// Which robots leave, and when they are brought back.
 #[derive(Debug)]
-pub(super) struct Leavers {
+pub(crate) struct Leavers {
     per_hour: f64,
     away: Span,
     random: Stream,
@@ -59,7 +59,7 @@ impl Leavers {
 }
 
 /// Whether a robot that is to leave can be switched off and taken away.
-pub(super) fn may_be_taken(ledger: &Ledger, robot: RobotId) -> bool {
+pub(crate) fn may_be_taken(ledger: &Ledger, robot: RobotId) -> bool {
     let (record, chain) = (&ledger.robots[robot], ledger.chain(robot));
     let rests = record.task == Task::Idle && chain.first() + 1 == chain.end();
     let empty = ledger.rack_on(robot).is_none();

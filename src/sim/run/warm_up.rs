@@ -3,9 +3,9 @@
 //! Main function: [`warm_up`]. What it gives is a past like any other: facts, which a journal takes, and figures.
 //! Refuses: laws and measurements, which are for the simulation.
 
-use super::customers::OrderFileLine;
-use super::scenario::Scenario;
-use super::world::World;
+use crate::customers::OrderFileLine;
+use crate::scenario::Scenario;
+use crate::world::World;
 use giveway_fleet::history::{History, LoopTimes};
 use giveway_fleet::{Fact, Fleet};
 use giveway_floor::time::{Span, Time};
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn a_floor_that_has_worked_has_people_deliveries_and_figures_and_its_facts_are_all_that_is_needed() {
-        let text = include_str!("../../scenarios/first.json");
+        let text = include_str!("../../../scenarios/first.json");
         let scenario = Scenario::parse(text).expect("it is read");
         let scenario = Scenario { warm_up: Span::from_secs(300), ..scenario };
         let (map, until) = (Arc::new(thesis()), Time(1_800_000_000_000_000));
