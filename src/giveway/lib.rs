@@ -65,8 +65,10 @@
 //!   learned from them. Pure.
 //! - `store`: the journal of steps, snapshots of the ledger, and the lists of jobs, assignments and encounters, in
 //!   SQLite.
-//! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own. `api/feed` takes the poses of
-//!   headsets: frames, clocks and thinning are pure there, and guidance bypasses all queues.
+//! - `api`: HTTP under `/v1`, the live feed, metrics, OpenAPI; wire types are its own. Its folders are rooms in an
+//!   order (`api/lib.rs`): values and problems (`wire`), callers (`access`), what travels (`dto`), feeds, the state
+//!   that handlers share, handlers. `api/feed` takes the poses of headsets: frames, clocks and thinning are pure
+//!   there, and guidance bypasses all queues.
 //! - `vda5050/`: to come. Real robots instead of simulated ones, behind the same [`fleet::Command`] and
 //!   [`fleet::Telemetry`].
 //! - `server`: settings, the only clock, the loop, what waits for the journal; one running core after another where the
@@ -107,7 +109,7 @@
 //! One loop turns the fleet: [`drive::Drive::turn`]`(now, heard)` takes in what was heard, steps the fleet, and says
 //! what is to be written down and sent (`drive/lib.rs` shows it on one screen). The server is sockets, a clock and a
 //! database around it (`server/control.rs`), a simulation a floor in memory and a journal that may fail
-//! (`sim/host.rs`). All that is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
+//! (`sim/run/host.rs`). All that is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
 //!
 //! Robots, and everything that is simulated, are behind links (`server/links/`): what they say comes as inputs, what
 //! leaves goes out as one [`drive::LinkOutput`]. A simulated floor reads the ledger, as any client of the API can, and
@@ -118,7 +120,8 @@
 //! room remembers is its own (`HumanState`, `Yielding`, `Traffic`). What it may know of another room is passed to it as
 //! an argument: people and dispatch know `state` alone, traffic asks dispatch for places in storage, yielding plans
 //! with traffic and knows people, `waits` and `read` see these rooms, and none of them calls those two.
-//! `tests/walls/rooms.rs` has the table and enforces it.
+//! `tests/walls/rooms.rs` has the table and enforces it, as it does for the rooms of `sim`, of `api` and of
+//! its handlers.
 //!
 //! 1. **Absorb** (`requests/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the
 //!    scene, where the report that was *seen* last counts. Requests become facts or refusals.
@@ -292,9 +295,9 @@
 //! | where racks are put, where robots rest | `fleet/state/stays.rs` |
 //! | what may happen to a job, and what its robot does | `fleet/state/life.rs` |
 //! | a request to the fleet and its answer | `fleet/state/request.rs`; carried out: `fleet/requests/absorb.rs` |
-//! | submit and cancel a job | `fleet/requests/jobs.rs`; `api/http/jobs.rs` |
+//! | submit and cancel a job | `fleet/requests/jobs.rs`; `api/http/orders/jobs.rs` |
 //! | charging thresholds, which robot leaves a charger | `fleet/dispatch/charging.rs` |
-//! | when a pick ends, a station that is paused | `fleet/requests/station.rs`; `api/http/stations.rs` |
+//! | when a pick ends, a station that is paused | `fleet/requests/station.rs`; `api/http/floor/stations.rs` |
 //! | which waiting job comes first (queue) | `fleet/state/index/queue.rs`; jobs after jobs: `waits.rs` |
 //! | what a fact changes; what is looked up | `fleet/state/ledger/evolve.rs`; `upkeep.rs`, `fleet/state/index/` |
 //! | how many of anything there may be (limits) | `fleet/state/settings.rs`; what users read: `docs/operate.md` |
@@ -306,24 +309,24 @@
 //! | a grant is revoked, a route is truncated | `fleet/traffic/revoke.rs`; `fleet/traffic/truncate.rs` |
 //! | delays, going on early, breakdowns | `timeline/delay.rs`, `advance.rs`; `fleet/traffic/truncate.rs` |
 //! | what broken robots and closures cut off | `fleet/state/cut_off.rs`; `fleet/dispatch/blocked.rs` |
-//! | people take a rack off a broken robot | `fleet/requests/racks.rs`; `api/http/robots.rs` (`take_rack`) |
+//! | people take a rack off a broken robot | `fleet/requests/racks.rs`; `api/http/fleet/robots.rs` (`take_rack`) |
 //! | faults of robots, e-stop; a blocked path | `fleet/state/fault.rs`; `fleet/traffic/obstruction.rs` |
 //! | a robot arm beside a picker: its lines, its ways | `fleet/requests/arm.rs`; `cell/arm/task.rs`, `site.rs` |
 //! | robots that people pushed elsewhere | `fleet/traffic/displaced.rs`; in words: `alarm/displaced.rs` |
 //! | robots that keep one another's goals | `fleet/traffic/goal_chain.rs` |
-//! | what closing an area would do | `fleet/read/closing.rs`; `api/http/closing.rs` |
+//! | what closing an area would do | `fleet/read/closing.rs`; `api/http/floor/closing.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog/` |
 //! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs`, `improbable.rs` |
-//! | maps: drawn, tried out | `api/http/maps.rs`, `api/trial.rs`, `server/links/trial.rs`; `web/src/editor/` |
-//! | a map that is published to the running server | `api/http/publish.rs`, `server/publish.rs`, `settle.rs` |
+//! | maps: drawn, tried | `api/http/floor/maps.rs`; `api/port/trial.rs`, `server/links/trial.rs`; `web/src/editor/` |
+//! | a map that is published to the running server | `api/http/floor/publish.rs`, `server/publish.rs`, `settle.rs` |
 //! | which map a start takes: the file's, the published one | `server/basis.rs`, `store/published.rs` |
 //! | what is different between two maps | `warehouse/differences.rs` |
 //! | where people walk | `warehouse/walkway/` |
 //! | which observations are believed; what a deviation is | `human/source.rs`; `human/deviation.rs` |
 //! | which of several sources is believed, and where else a worker may be | `human/track.rs` |
-//! | marks, frames of headsets, axes in another order | `api/feed/align.rs`, `course.rs`; tried out: `conventions.rs` |
+//! | marks, frames of headsets, axes in another order | `api/feed/intake/align.rs`, `course.rs`; `conventions.rs` |
 //! | poses are thinned (rate limit) | `api/feed/thin.rs` |
 //! | a headset that is silent, a worker who is lost | `human/source.rs`; `aware/effects.rs` (the region grows) |
 //! | how robots pass people beside their line | `local/`; `warehouse/corridor.rs`, `warehouse/check/corridor.rs` |
@@ -335,7 +338,8 @@
 //! | the published policies | `fleet/yielding/petkovic2021.rs` |
 //! | when a route is kept, and when changed | `aware/safe_space.rs` |
 //! | a closure reroutes robots | `fleet/traffic/closures.rs`; `fleet/state/closed_areas.rs` |
-//! | worker registration, worker's assignment | `fleet/requests/workers.rs`; `api/http/workers.rs`, `assignments.rs` |
+//! | worker registration | `fleet/requests/workers.rs`; `api/http/people/workers.rs` |
+//! | worker's assignment | `fleet/requests/workers.rs`; `api/http/orders/assignments.rs` |
 //! | people who let a robot pass | `fleet/people/lets_pass.rs` |
 //! | where workers are led, what they are told | `fleet/people/routing.rs`, `fleet/people/guidance.rs` |
 //! | how long a message to a worker stands, standoffs | `fleet/people/message.rs`; laws: `sim/laws/calm.rs` |
@@ -346,51 +350,51 @@
 //! | which object a person fetches | `lab/objects/`; nets: `lab/learning/picks/places.rs` |
 //! | where people will be (forecast) | `human/forecast.rs`, `human/motion/`; learned: `lab/learning/` |
 //! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/yielding/speed_limit.rs` |
-//! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/halt.rs` |
+//! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/fleet/halt.rs` |
 //! | a robot joins (registration), leaves | `fleet/requests/enrolment.rs`; `fleet/dispatch/leaving.rs` |
 //! | maintenance | `fleet/dispatch/maintenance.rs` |
 //! | kinds of robots, footprints | `warehouse/body.rs`, `footprint.rs`; `fleet/state/kind.rs` |
 //! | what changes when a kind is added | `fleet/state/ledger/refit.rs`; `Fleet::refit`; `timeline/refit.rs` |
 //! | conflicts where two kinds meet | the rule and its cost: `warehouse/body.rs` |
 //! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
-//! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/timelines.rs` |
+//! | occupancy (timelines) of an area | `fleet/read/occupancy.rs`; `api/http/floor/timelines.rs` |
 //! | safety regions in the timelines | `fleet/read/safety_regions.rs`; radii: `aware/regions.rs` |
-//! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew.rs`; `sim/sensor.rs` |
+//! | what simulated people do, and how they are seen | `sim/walker/`, `sim/crew/`; `sim/crew/sensor.rs` |
 //! | a key of scenario files | `sim/scenario/`, `docs/scenarios.md` |
-//! | alarms: what is one, what it suppresses, its life | `alarm/`; `store/alarms.rs`, `api/alarms.rs` |
+//! | alarms: what is one, what it suppresses, its life | `alarm/`; `store/alarms.rs`, `api/state/alarms.rs` |
 //! | alarms: groups; what people do about one | `alarm/groups.rs`; `alarm/care.rs`, `alarm/register/mod.rs` |
-//! | what an act is called; what a role may do | `api/acts.rs`, `web/src/words/acts.ts`; `api/roles.rs` |
-//! | a floor that has worked before a server begins | `sim/warm_up.rs`; `server/start.rs` |
+//! | what an act is called; what a role may do | `api/access/acts.rs`, `roles.rs`; `web/src/words/acts.ts` |
+//! | a floor that has worked before a server begins | `sim/run/warm_up.rs`; `server/start.rs` |
 //! | what every simulation must keep (laws) | `sim/laws/`; in the server: `server/watchdog/` |
 //! | what the swarm draws, how it shrinks, prints | `sim/swarm/draw.rs`, `maps.rs`; `shrink.rs`; `cli/swarm.rs` |
 //! | what a recording holds | `sim/recording/` |
-//! | what simulated robots, radios, customers do | `sim/robot.rs`, `sim/link.rs`, `sim/customers/` |
-//! | an endpoint, a wire type | `api/http/`, `api/dto.rs`; its words: `api/words.rs`; `web/src/` |
-//! | what `/openapi.json`, `/asyncapi.json`, `/docs` say | `api/http/openapi.rs`, `asyncapi.rs`; `web/src/docs/` |
-//! | what may be changed about a job; many jobs at once | `fleet/requests/change.rs`; `api/http/batch.rs` |
-//! | an error by its status: 400, 404, 409, 429, 503 | `api/error.rs`; refusals of the fleet: `api/refusal.rs` |
-//! | idempotency | `fleet/state/keys.rs`; whose a key is: `api/caller.rs`; `api/once.rs` |
+//! | what simulated robots, radios, customers do | `sim/robot/`, `sim/link.rs`, `sim/customers/` |
+//! | an endpoint, a wire type | `api/http/`, `api/dto/names.rs`; its words: `api/wire/words.rs`; `web/src/` |
+//! | what `/openapi.json`, `/asyncapi.json`, `/docs` say | `api/http/describe/`; `web/src/docs/` |
+//! | what may be changed about a job; many jobs at once | `fleet/requests/change.rs`; `api/http/orders/batch.rs` |
+//! | an error by its status: 400, 404, 409, 429, 503 | `api/wire/error.rs`; the fleet's: `api/dto/refusal.rs` |
+//! | idempotency | `fleet/state/keys.rs`; whose a key is: `api/access/caller.rs`; `api/http/once.rs` |
 //! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |
 //! | rows of lists (jobs, assignments, encounters) | `fleet/read/rows.rs`; read by `store/jobs.rs`, `people.rs` |
 //! | retention | `store/retention.rs`; idempotency keys: `fleet/state/keys.rs` |
 //! | what is kept of the past; its bookmarks | `api/recording/`, `server/recordings.rs`; `api/recording/mark.rs` |
-//! | a figure over time, how long it is kept | `history/`, `api/http/history.rs`, `migrations/` |
-//! | who is let in: tokens, sessions, an identity provider | `api/auth.rs`, `api/http/session.rs`; `api/oidc/` |
-//! | what becomes of wrong tokens and cookies | `api/secrets.rs`; the alarm: `server/tokens.rs` |
+//! | a figure over time, how long it is kept | `history/`, `api/http/past/history.rs`, `migrations/` |
+//! | who is let in: tokens, sessions, an identity provider | `api/access/auth.rs`, `api/http/access/`; `api/oidc/` |
+//! | what becomes of wrong tokens and cookies | `api/access/secrets.rs`; the alarm: `server/tokens.rs` |
 //! | how many connections, bytes that wait for clients | `server/budget.rs`, `metered.rs`, `connections.rs` |
-//! | how the server asks others (authorities, redirects) | `api/outgoing.rs`; where webhooks may be: `api/targets.rs` |
-//! | webhooks: delivery, retries, where they may be | `server/webhooks.rs`, `api/webhooks.rs`, `api/targets.rs` |
-//! | the audit: what is written down of a request | `api/audit.rs`; kept: `server/audit_keeper.rs`, `store/audit.rs` |
-//! | metrics | `api/metrics.rs`; what feeds them: `server/control.rs`, `server/measure.rs` |
+//! | how the server asks others (authorities, redirects) | `api/outgoing/mod.rs` |
+//! | webhooks: delivery, retries, where they may be | `server/webhooks.rs`; `api/outgoing/webhooks.rs`, `targets.rs` |
+//! | the audit: what is written down of a request | `api/access/audit.rs`; `server/audit_keeper.rs`, `store/audit.rs` |
+//! | metrics | `api/state/metrics.rs`; what feeds them: `server/control.rs`, `server/measure.rs` |
 //! | TLS, certificates | `server/tls.rs`, `server/certificate.rs` |
-//! | privacy: who sees names, pseudonyms, forgetting | `api/pseudonyms.rs`; `server/people.rs`, `store/people.rs` |
+//! | privacy: who sees names, pseudonyms | `api/access/pseudonyms.rs`; `server/people.rs`, `store/people.rs` |
 //! | backup, restore, check of a database | `cli/database.rs`; `store/check.rs` |
-//! | evacuation | `fleet/traffic/evacuation.rs`, `fleet/people/evacuate.rs`; `api/http/evacuation.rs` |
-//! | closures that recur | `fleet/state/recurring.rs`, `local_clock.rs`; `api/http/recurring.rs` |
-//! | sentences, and their translation | `text/sentence/mod.rs`, `api/sentence.rs`; `web/src/language/` |
-//! | the report of a shift | `fleet/read/shift.rs`, `api/shift/`; `web/src/report/` |
-//! | the heat map | `history/heat.rs`; `api/http/heat.rs` |
-//! | MassRobotics reports | `api/massrobotics.rs` |
+//! | evacuation | `fleet/traffic/evacuation.rs`, `fleet/people/evacuate.rs`; `api/http/floor/evacuation.rs` |
+//! | closures that recur | `fleet/state/recurring.rs`, `local_clock.rs`; `api/http/floor/recurring.rs` |
+//! | sentences, and their translation | `text/sentence/mod.rs`, `api/wire/sentence.rs`; `web/src/language/` |
+//! | the report of a shift | `fleet/read/shift.rs`, `api/dto/shift/`; `web/src/report/` |
+//! | the heat map | `history/heat.rs`; `api/http/past/heat.rs` |
+//! | MassRobotics reports | `api/feed/massrobotics.rs` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
 //! | what happens where a call of the fleet panics | `drive/rescue.rs`, `fleet/traffic/fence.rs` |

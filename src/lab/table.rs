@@ -8,11 +8,11 @@ use super::robot_time::RobotTime;
 use super::statistics::{Interval, Summary};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
-use giveway_people::aware::HumanAwarePolicy;
-use giveway_people::aware::NodeWindows;
-use giveway_sim::detection::Score;
-use giveway_sim::encounter::EncounterFigures;
-use giveway_sim::{CalmFigures, Causes, Demand, Deviations, Outcome, Scenario, Sensor, Simulation, Workers};
+use giveway_people::aware::{HumanAwarePolicy, NodeWindows};
+use giveway_sim::measure::detection::Score;
+use giveway_sim::{
+    CalmFigures, Causes, Demand, Deviations, EncounterFigures, Outcome, Scenario, Sensor, Simulation, Workers,
+};
 use giveway_site::Site;
 use std::sync::Arc;
 
@@ -252,7 +252,7 @@ mod tests {
                 sim.step();
             }
             let logs = sim.world.walkers().map(|(_, w)| w.log().segments().to_vec());
-            let scripted = logs.flatten().filter(|s| s.cause == giveway_sim::walker::WalkCause::Scripted);
+            let scripted = logs.flatten().filter(|s| s.cause == giveway_sim::WalkCause::Scripted);
             scripted.map(|s| s.from).collect::<Vec<_>>()
         };
         assert_eq!(deviations(HumanAwarePolicy::Nhir), deviations(HumanAwarePolicy::Giveway));

@@ -2,8 +2,8 @@
 //!
 //! Main types: [`Link`], [`LinkFaults`]. Refuses: to repeat what was lost; the sender must.
 
-use super::random::Stream;
-use super::scenario::Faults;
+use crate::random::Stream;
+use crate::scenario::Faults;
 use giveway_floor::time::{Span, Time};
 use std::collections::VecDeque;
 use std::ops::AddAssign;

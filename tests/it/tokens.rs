@@ -101,7 +101,7 @@ async fn tokens_with_wrong_fields_are_refused_and_those_that_expire_do() {
     }
     let expires = std::time::SystemTime::now() + Duration::from_millis(1500);
     let expires = expires.duration_since(std::time::UNIX_EPOCH).unwrap().as_micros();
-    let expires = giveway::api::text::time_text(giveway::time::Time(expires.try_into().unwrap()));
+    let expires = giveway::api::wire::text::time_text(giveway::time::Time(expires.try_into().unwrap()));
     let body = json!({"name": "guest", "role": "viewer", "expires": expires}).to_string();
     let token = text(&with(at, ADMIN, "POST", "/v1/tokens", &body).await.json(), "token");
     assert_eq!(with(at, &token, "GET", "/v1/robots", "").await.status, 200);

@@ -3,7 +3,7 @@
 use crate::authority::{Authority, serve_tls};
 use crate::helper::{Folder, config, delivery, floor, get, post, send, start};
 use axum::routing;
-use giveway::api::webhooks::{read_secret, signature};
+use giveway::api::outgoing::webhooks::{read_secret, signature};
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
 use std::net::SocketAddr;

@@ -6,14 +6,14 @@
 //! count beside the headset. Guidance is the newest or none: there is no queue. Refuses: to know what is right for a
 //! worker, and to choose between sources.
 
-use super::align::PointPair;
 use super::intake::Senses;
 use super::lights::CellTold;
-use super::pose::hand_points;
 use super::thin::RateLimiter;
-use super::wire::GazeKind;
-use crate::error::Problem;
-use crate::text::parse_worker_name;
+use crate::feed::intake::align::PointPair;
+use crate::feed::intake::pose::hand_points;
+use crate::wire::error::Problem;
+use crate::wire::text::parse_worker_name;
+use crate::wire::words::GazeKind;
 use giveway_cell::HandPoints;
 use giveway_fleet::{CellWarning, FeedCounts, Guidance, View};
 use giveway_floor::id::{Dense, IdVec, WorkerId};
@@ -60,7 +60,7 @@ pub struct HeardHands {
 }
 
 /// The middle of the head of who is seen, as well as it is known.
-pub(super) fn head_of(sighting: &Sighting, senses: &Senses) -> Place {
+pub(crate) fn head_of(sighting: &Sighting, senses: &Senses) -> Place {
     Place::from(senses.gaze.map_or([sighting.at.x, sighting.at.y, HEAD_M], |gaze| gaze.origin))
 }
 
@@ -389,8 +389,8 @@ impl Feeds {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pose::Gaze;
     use super::*;
+    use crate::feed::intake::pose::Gaze;
     use giveway_floor::geometry::Point;
     use giveway_people::human::Quality;
 

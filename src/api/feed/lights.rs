@@ -3,7 +3,7 @@
 //! Main types: [`CellTold`] (what is to be shown), [`CellLightsDto`] (as it is sent). Refuses: to judge hands, which
 //! the core does.
 
-use crate::cell::station::{CellWarningDto, warning_dto};
+use crate::dto::cell::station::{CellWarningDto, warning_dto};
 use giveway_fleet::{StationView, View, WrongReach};
 use giveway_floor::geometry::{Point, inside};
 use giveway_floor::id::{Dense, RackTypeId, StationId};

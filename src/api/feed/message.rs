@@ -4,8 +4,8 @@
 
 use super::lights::CellLightsDto;
 use super::wire::PoseFrame;
-use crate::guidance::GuidanceDto;
-use crate::sentence::SentenceSchema;
+use crate::dto::guidance::GuidanceDto;
+use crate::wire::sentence::SentenceSchema;
 use giveway_floor::text::Sentence;
 use serde::Serialize;
 use utoipa::ToSchema;

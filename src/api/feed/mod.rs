@@ -1,27 +1,21 @@
 //! Poses of people in, guidance out: the feed of headsets, tags and gateways.
 //!
-//! [`align`], [`clock`], [`course`], [`pose`], [`thin`], [`intake`], [`joints`], [`swap`] and [`warn`] are pure:
-//! numbers in, numbers out. [`wire`] is what headsets say, [`message`] what they are told, [`hub`] is where poses of
-//! all sources and guidance for all workers meet, [`lights`] is what is shown at a station, [`session`] is one
-//! connection. Refuses: to judge where people can be, which the core does, and queues.
+//! [`intake`] turns what devices say into sightings; it is pure, and so are [`thin`] and [`warn`]: numbers in, numbers
+//! out. [`wire`] is what headsets say, [`message`] what they are told, [`hub`] is where poses of all sources and
+//! guidance for all workers meet, [`lights`] is what is shown at a station, [`massrobotics`] reads reports of other
+//! devices. One connection is in `http/feeds/headset.rs`. Refuses: to judge where people can be, which the core does,
+//! and queues.
 
-pub mod align;
-pub mod clock;
-pub mod course;
 pub mod hub;
 pub mod intake;
-pub mod joints;
 pub mod lights;
+pub mod massrobotics;
 pub mod message;
-pub mod pose;
-pub mod session;
-pub mod swap;
+pub mod senses;
 pub mod thin;
-mod version;
+pub mod version;
 pub mod warn;
 pub mod wire;
 
-#[cfg(test)]
-mod conventions;
 #[cfg(test)]
 mod tests;

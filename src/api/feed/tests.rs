@@ -1,12 +1,19 @@
 //! A connection over a real socket, with the fleet played by the test.
 
 use super::hub::{Feeds, HeardSighting};
-use crate::alarms::Alarms;
-use crate::port::{Later, Moment, Question, Records, SharedHistory};
-use crate::{
-    Api, audit::AuditLog, auth::Gate, caller::Caller, live::Live, massrobotics::Interop, metrics::Metrics,
-    router,
-};
+use crate::access::audit::AuditLog;
+use crate::access::auth::Gate;
+use crate::access::caller::Caller;
+use crate::feed::massrobotics::Interop;
+use crate::live::Live;
+use crate::port::Later;
+use crate::port::moment::{Moment, SharedHistory};
+use crate::port::questions::Question;
+use crate::router;
+use crate::state::alarms::Alarms;
+use crate::state::api::Api;
+use crate::state::metrics::Metrics;
+use crate::state::records::Records;
 use futures_util::{SinkExt, StreamExt};
 use giveway_fleet::alarm::{Alarm, AlarmQuery};
 use giveway_fleet::{
@@ -107,8 +114,8 @@ impl TestServer {
             interop: Arc::new(Interop::default()),
             now: Arc::new(move || Time(ticks.fetch_add(1, Ordering::Relaxed))),
             metrics: metrics.clone(),
-            trials: crate::trial::Trials::default(),
-            maps: crate::publish::MapPort::default(),
+            trials: crate::port::trial::Trials::default(),
+            maps: crate::state::publish::MapPort::default(),
             gate: Arc::new(Gate::default()),
             oidc: None,
             tokens: None,

@@ -11,12 +11,12 @@ use serde_json::Value;
 pub const VERSIONS: [u32; 2] = [2, 1];
 
 /// The best version that both speak.
-pub(super) fn spoken(by_client: &[u32]) -> Option<u32> {
+pub(crate) fn spoken(by_client: &[u32]) -> Option<u32> {
     VERSIONS.into_iter().find(|version| by_client.contains(version))
 }
 
 /// A message as it travels in a version.
-pub(super) fn encoded(message: &FeedMessage, version: u32) -> String {
+pub(crate) fn encoded(message: &FeedMessage, version: u32) -> String {
     const PLAIN: &str = "messages are plain";
     if version > 1 {
         return serde_json::to_string(message).expect(PLAIN);

@@ -3,6 +3,7 @@
 //! Main types: [`HeadsetMessage`], [`PoseSaid`], [`AnchorSaid`]. Unknown keys are ignored, so that newer headsets can
 //! talk to older servers. Refuses: to judge numbers; [`super::intake`] does.
 
+use crate::wire::words::GazeKind;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -137,18 +138,6 @@ pub struct GazeSaid {
     pub origin: [f64; 3],
     /// Its direction.
     pub dir: [f64; 3],
-}
-
-/// What a gaze ray comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum GazeKind {
-    /// Straight ahead of the head.
-    Head,
-    /// Measured eyes.
-    Eye,
-    /// A model's estimate.
-    Estimated,
 }
 
 /// Joints of both hands: x, y, z in WebXR axes and radius, metres; usually 25 of them.

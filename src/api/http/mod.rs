@@ -1,63 +1,30 @@
-//! The routes: one file per resource, one list here, and the layers around them.
+//! The routes: one file per resource, one list here, and the layers around them. The rooms of handlers know [`shared`]
+//! and never each other.
 //!
 //! Main function: [`router`]. Every route under `/v1` is registered together with its description, so that
 //! `/openapi.json` cannot forget one. Refuses: answers that are no problem+json where something went wrong.
 
-mod alarms;
-mod assignments;
-mod asyncapi;
-mod audit;
-mod batch;
-mod closing;
-mod closures;
-mod encounters;
-mod evacuation;
-mod events;
-mod halt;
-mod health;
-mod heat;
-mod history;
-mod jobs;
-mod kinds;
-mod lists;
-mod lost;
-mod map;
-mod maps;
-mod new_job;
-mod oidc;
-mod openapi;
-mod page;
+mod access;
+mod describe;
+mod feeds;
+mod fleet;
+mod floor;
+mod once;
+pub(super) mod operate;
+mod orders;
 mod past;
 mod people;
-mod positions;
-mod publish;
-mod recurring;
-mod reports;
-mod robot_life;
-mod robots;
-mod session;
-mod shared_text;
-mod shift;
-pub(crate) mod stations;
-mod timelines;
-mod tokens;
-mod webhooks;
-mod why;
-mod workers;
+mod shared;
 
-pub use health::alive;
-pub use kinds::KindChecks;
-
-use super::audit::AuditEntry;
-use super::caller::Caller;
-use super::cell::socket;
-use super::error::Problem;
-use super::feed::session as feed_session;
-use super::metrics::HttpLabels;
-use super::peer::{Peer, Recognised, SharedBody};
-use super::roles::{Access, OIDC_CALLBACK, access_of, check_role, is_audited, subject_of};
-use super::secrets::SecretDoor;
-use super::{Api, once, ws};
+use crate::access::audit::AuditEntry;
+use crate::access::caller::Caller;
+use crate::access::peer::{Peer, Recognised, SharedBody};
+use crate::access::roles::{Access, OIDC_CALLBACK, access_of, check_role, is_audited, subject_of};
+use crate::http::shared::shared_text::SharedText;
+use crate::page::served;
+use crate::state::api::Api;
+use crate::state::metrics::HttpLabels;
+use crate::wire::error::{Problem, SecretDoor};
 use axum::extract::{MatchedPath, Request, State};
 use axum::http::{Extensions, HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Version, header};
 use axum::middleware::{self, Next};
@@ -66,7 +33,6 @@ use axum::routing::get;
 use axum::{Extension, Router};
 use giveway_floor::text::sentence::requests;
 use serde_json::Value;
-use shared_text::SharedText;
 use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -89,12 +55,12 @@ pub fn router(api: Api) -> (Router, Document) {
     let origins = api.gate.origins().to_vec();
     let router = v1
         .route_layer(middleware::from_fn_with_state(api.clone(), authorise))
-        .route("/openapi.json", served(openapi::described(&document)))
-        .route("/asyncapi.json", served(asyncapi::messages()))
-        .fallback(page::page)
+        .route("/openapi.json", served(describe::openapi::described(&document)))
+        .route("/asyncapi.json", served(describe::asyncapi::messages()))
+        .fallback(served::page)
         .method_not_allowed_fallback(wrong_method)
         .with_state(api.clone())
-        .layer(Extension(map::MapAnswer::of(&api.map)))
+        .layer(Extension(floor::map::MapAnswer::of(&api.map)))
         .layer(CompressionLayer::new().compress_when(worth_compressing()))
         .layer(CatchPanicLayer::custom(|_| Problem::internal().into_response()))
         .layer(middleware::from_fn_with_state(api, account));
@@ -148,99 +114,99 @@ fn is_not_shared(_: StatusCode, _: Version, _: &HeaderMap, extensions: &Extensio
 /// What is said of and at stations.
 fn station_routes() -> OpenApiRouter<Api> {
     OpenApiRouter::new()
-        .routes(routes!(stations::one))
-        .routes(routes!(socket::live_station))
-        .routes(routes!(stations::line))
-        .routes(routes!(stations::last))
-        .routes(routes!(stations::release))
-        .routes(routes!(stations::done))
-        .routes(routes!(stations::short))
-        .routes(routes!(stations::pause))
-        .routes(routes!(stations::resume))
+        .routes(routes!(floor::stations::one))
+        .routes(routes!(feeds::station::live_station))
+        .routes(routes!(floor::stations::line))
+        .routes(routes!(floor::stations::last))
+        .routes(routes!(floor::stations::release))
+        .routes(routes!(floor::stations::done))
+        .routes(routes!(floor::stations::short))
+        .routes(routes!(floor::stations::pause))
+        .routes(routes!(floor::stations::resume))
 }
 
 /// The routes that are described, each beside what it says of itself.
 fn routes() -> OpenApiRouter<Api> {
-    OpenApiRouter::with_openapi(openapi::Description::openapi())
-        .routes(routes!(health::health))
-        .routes(routes!(health::live))
-        .routes(routes!(health::ready))
-        .routes(routes!(alarms::list))
-        .routes(routes!(alarms::acknowledge))
-        .routes(routes!(alarms::shelve, alarms::unshelve))
-        .routes(routes!(alarms::write_note))
-        .routes(routes!(map::map, publish::publish))
-        .routes(routes!(publish::check))
-        .routes(routes!(maps::file))
-        .routes(routes!(maps::check))
-        .routes(routes!(maps::trial))
-        .routes(routes!(lists::racks))
-        .routes(routes!(lists::stations))
-        .routes(routes!(lists::robots, robots::register))
-        .routes(routes!(robot_life::get, robots::retire))
-        .routes(routes!(robot_life::history))
-        .routes(routes!(robots::take_rack))
-        .routes(routes!(robots::maintain, robots::work_again))
-        .routes(routes!(kinds::kinds))
-        .routes(routes!(kinds::put, kinds::remove))
-        .routes(routes!(why::robot))
-        .routes(routes!(why::job))
-        .routes(routes!(timelines::timelines))
-        .routes(routes!(jobs::list, jobs::submit))
-        .routes(routes!(batch::submit))
-        .routes(routes!(jobs::get, jobs::change, jobs::cancel))
-        .routes(routes!(jobs::reassign))
-        .routes(routes!(halt::fleet))
-        .routes(routes!(halt::stop))
-        .routes(routes!(halt::resume))
-        .routes(routes!(halt::pause))
-        .routes(routes!(halt::go_on))
+    OpenApiRouter::with_openapi(describe::openapi::Description::openapi())
+        .routes(routes!(operate::health::health))
+        .routes(routes!(operate::health::live))
+        .routes(routes!(operate::health::ready))
+        .routes(routes!(operate::alarms::list))
+        .routes(routes!(operate::alarms::acknowledge))
+        .routes(routes!(operate::alarms::shelve, operate::alarms::unshelve))
+        .routes(routes!(operate::alarms::write_note))
+        .routes(routes!(floor::map::map, floor::publish::publish))
+        .routes(routes!(floor::publish::check))
+        .routes(routes!(floor::maps::file))
+        .routes(routes!(floor::maps::check))
+        .routes(routes!(floor::maps::trial))
+        .routes(routes!(floor::lists::racks))
+        .routes(routes!(floor::lists::stations))
+        .routes(routes!(floor::lists::robots, fleet::robots::register))
+        .routes(routes!(fleet::robot_life::get, fleet::robots::retire))
+        .routes(routes!(fleet::robot_life::history))
+        .routes(routes!(fleet::robots::take_rack))
+        .routes(routes!(fleet::robots::maintain, fleet::robots::work_again))
+        .routes(routes!(fleet::kinds::kinds))
+        .routes(routes!(fleet::kinds::put, fleet::kinds::remove))
+        .routes(routes!(fleet::why::robot))
+        .routes(routes!(fleet::why::job))
+        .routes(routes!(floor::timelines::timelines))
+        .routes(routes!(orders::jobs::list, orders::jobs::submit))
+        .routes(routes!(orders::batch::submit))
+        .routes(routes!(orders::jobs::get, orders::jobs::change, orders::jobs::cancel))
+        .routes(routes!(orders::jobs::reassign))
+        .routes(routes!(fleet::halt::fleet))
+        .routes(routes!(fleet::halt::stop))
+        .routes(routes!(fleet::halt::resume))
+        .routes(routes!(fleet::halt::pause))
+        .routes(routes!(fleet::halt::go_on))
         .merge(station_routes())
-        .routes(routes!(workers::list, workers::hire))
-        .routes(routes!(workers::get))
-        .routes(routes!(people::list))
-        .routes(routes!(people::erase))
-        .routes(routes!(lost::clear))
-        .routes(routes!(lost::narrow))
-        .routes(routes!(feed_session::feed))
-        .routes(routes!(positions::one))
-        .routes(routes!(positions::many))
-        .routes(routes!(reports::post, reports::stream))
-        .routes(routes!(assignments::of_worker, assignments::assign))
-        .routes(routes!(assignments::all, assignments::assign_nearest))
-        .routes(routes!(assignments::get, assignments::cancel))
-        .routes(routes!(assignments::finish))
-        .routes(routes!(closures::list, closures::close))
-        .routes(routes!(closures::preview))
-        .routes(routes!(recurring::list))
-        .routes(routes!(closures::get, closures::reopen))
-        .routes(routes!(evacuation::get, evacuation::begin, evacuation::end))
-        .routes(routes!(encounters::list))
-        .routes(routes!(events::list))
-        .routes(routes!(webhooks::list, webhooks::add))
-        .routes(routes!(webhooks::remove))
-        .routes(routes!(webhooks::failures))
-        .routes(routes!(past::past))
-        .routes(routes!(past::figures))
-        .routes(routes!(past::recording))
-        .routes(routes!(history::history))
-        .routes(routes!(shift::report))
-        .routes(routes!(heat::heat))
+        .routes(routes!(people::workers::list, people::workers::hire))
+        .routes(routes!(people::workers::get))
+        .routes(routes!(people::pseudonyms::list))
+        .routes(routes!(people::pseudonyms::erase))
+        .routes(routes!(people::lost::clear))
+        .routes(routes!(people::lost::narrow))
+        .routes(routes!(feeds::headset::feed))
+        .routes(routes!(people::positions::one))
+        .routes(routes!(people::positions::many))
+        .routes(routes!(people::reports::post, people::reports::stream))
+        .routes(routes!(orders::assignments::of_worker, orders::assignments::assign))
+        .routes(routes!(orders::assignments::all, orders::assignments::assign_nearest))
+        .routes(routes!(orders::assignments::get, orders::assignments::cancel))
+        .routes(routes!(orders::assignments::finish))
+        .routes(routes!(floor::closures::list, floor::closures::close))
+        .routes(routes!(floor::closures::preview))
+        .routes(routes!(floor::recurring::list))
+        .routes(routes!(floor::closures::get, floor::closures::reopen))
+        .routes(routes!(floor::evacuation::get, floor::evacuation::begin, floor::evacuation::end))
+        .routes(routes!(past::encounters::list))
+        .routes(routes!(past::events::list))
+        .routes(routes!(operate::webhooks::list, operate::webhooks::add))
+        .routes(routes!(operate::webhooks::remove))
+        .routes(routes!(operate::webhooks::failures))
+        .routes(routes!(past::recordings::past))
+        .routes(routes!(past::recordings::figures))
+        .routes(routes!(past::recordings::recording))
+        .routes(routes!(past::history::history))
+        .routes(routes!(past::shift::report))
+        .routes(routes!(past::heat::heat))
         .merge(access_routes())
-        .routes(routes!(ws::live))
-        .routes(routes!(health::metrics))
+        .routes(routes!(feeds::floor::live))
+        .routes(routes!(operate::health::metrics))
 }
 
 /// Routes about who may do what, and who did.
 fn access_routes() -> OpenApiRouter<Api> {
     OpenApiRouter::new()
-        .routes(routes!(audit::list))
-        .routes(routes!(session::who, session::sign_in, session::sign_out))
-        .routes(routes!(oidc::provider, oidc::begin))
-        .routes(routes!(oidc::callback))
-        .routes(routes!(tokens::list, tokens::make))
-        .routes(routes!(tokens::revoke))
-        .routes(routes!(tokens::rotate))
+        .routes(routes!(access::audit::list))
+        .routes(routes!(access::session::who, access::session::sign_in, access::session::sign_out))
+        .routes(routes!(access::oidc::provider, access::oidc::begin))
+        .routes(routes!(access::oidc::callback))
+        .routes(routes!(access::tokens::list, access::tokens::make))
+        .routes(routes!(access::tokens::revoke))
+        .routes(routes!(access::tokens::rotate))
 }
 
 /// Lets requests in whose caller has the role that the route needs, tells the handler whose they are, and notes those
@@ -346,8 +312,8 @@ async fn wrong_method(request: Request) -> Problem {
 
 #[cfg(test)]
 mod tests {
-    use super::super::roles::RULES;
     use super::*;
+    use crate::access::roles::RULES;
     use std::collections::BTreeSet;
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! Main types: [`ForecastDto`], [`PartDto`]; [`packed`] is the thin form, which says the same. Refuses: to forecast.
 
-use crate::text::{round3, worker_name};
+use crate::wire::text::{round3, worker_name};
 use giveway_fleet::Expected;
 use giveway_floor::id::Dense;
 use giveway_floor::time::Span;

@@ -3,12 +3,12 @@
 //! Main type: [`Frame`]. Refuses: to know versions or readers.
 
 use super::forecast::{ForecastDto, forecasts};
-use crate::alarms;
-use crate::cell::shown::ShownCell;
-use crate::dto::{CountersDto, JobCountsDto, Names, RackDto, RobotDto, StationDto};
-use crate::people::WorkerDto;
-use crate::port::Moment;
-use crate::text::{round3, time_text};
+use crate::dto::alarms;
+use crate::dto::cell::shown::ShownCell;
+use crate::dto::names::{CountersDto, JobCountsDto, Names, RackDto, RobotDto, StationDto};
+use crate::dto::people::WorkerDto;
+use crate::port::moment::Moment;
+use crate::wire::text::{round3, time_text};
 use giveway_fleet::alarm::Alarm;
 use giveway_fleet::history::waits;
 use giveway_fleet::{Backlog, Presence};

@@ -13,8 +13,8 @@ pub(super) mod thin;
 pub use forecast::ForecastDto;
 pub use frame::Frame;
 
-use super::building::map_version;
-use super::port::Moment;
+use crate::dto::building::map_version;
+use crate::port::moment::Moment;
 use axum::extract::ws::{Message, Utf8Bytes};
 use bytes::Bytes;
 use flate2::Compression;

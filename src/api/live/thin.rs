@@ -6,8 +6,8 @@
 
 use super::forecast;
 use super::frame::{Frame, changes};
-use crate::dto::RobotDto;
-use crate::people::WorkerDto;
+use crate::dto::names::RobotDto;
+use crate::dto::people::WorkerDto;
 use serde_json::{Value, json};
 
 /// Keys of robots that travel as numbers.

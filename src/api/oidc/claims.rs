@@ -3,7 +3,7 @@
 //! Main functions: [`role_of`], [`name_of`]. Refuses: to verify anything; whoever calls has.
 
 use super::settings::OidcSettings;
-use crate::caller::{Caller, Role};
+use crate::access::caller::{Caller, Role};
 use serde_json::{Map, Value};
 
 /// The longest name, characters.

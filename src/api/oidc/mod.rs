@@ -11,9 +11,9 @@ mod settings;
 pub use pending::SIGN_ON_LIFE;
 pub use settings::OidcSettings;
 
-use super::auth::{fresh_token, hash_of};
-use super::caller::Role;
-use super::outgoing::{Outgoing, failure};
+use crate::access::auth::{fresh_token, hash_of};
+use crate::access::caller::Role;
+use crate::outgoing::{Outgoing, failure};
 use axum::http::Request;
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;

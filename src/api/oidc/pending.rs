@@ -3,7 +3,7 @@
 //! Main types: [`PendingSignOns`], [`PendingSignOn`]. Each is for one browser and for one return. They are kept in
 //! memory: after a restart of the server people begin again. Refuses: more than a thousand; the oldest end first.
 
-use crate::caller::TokenHash;
+use crate::access::caller::TokenHash;
 use giveway_floor::time::{Span, Time};
 use openidconnect::{Nonce, PkceCodeVerifier, RedirectUrl};
 use std::collections::BTreeMap;

@@ -3,9 +3,9 @@
 //! Main type: [`OidcSettings`]. Refuses: providers that are reached in the clear, except on this machine, and secrets
 //! in the settings file, which others may read.
 
-use crate::caller::Role;
-use crate::cookie::is_loopback;
-use crate::roles::OIDC_CALLBACK;
+use crate::access::caller::Role;
+use crate::access::cookie::is_loopback;
+use crate::access::roles::OIDC_CALLBACK;
 use axum::http::Uri;
 use openidconnect::ClientSecret;
 use serde::{Deserialize, Serialize};

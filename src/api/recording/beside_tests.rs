@@ -2,7 +2,7 @@
 
 use super::tests::{TestFolder, cut};
 use super::*;
-use crate::port::Moment;
+use crate::port::moment::Moment;
 use giveway_fleet::{
     Activity, Backlog, Counts, Doing, Encounter, EncounterFact, Fact, FloorNote, JobKind, Pending, Reaction,
     ReplanCause, RobotState, RobotView, Task, View, Why,

@@ -2,7 +2,7 @@
 //!
 //! Main function: [`line()`]. Refuses: to keep where hands were.
 
-use crate::cell::shown::ShownCell;
+use crate::dto::cell::shown::ShownCell;
 use crate::live::Frame;
 use serde_json::{Map, json};
 

@@ -5,7 +5,7 @@
 //! missing. Refuses: to keep frames in memory.
 
 use super::{Limits, Mark, Out, RecordedFrame, RunningTotals, Sum, header, lines, split};
-use crate::text::round3;
+use crate::wire::text::round3;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::Warehouse;
 use serde::{Deserialize, Serialize};

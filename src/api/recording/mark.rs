@@ -5,9 +5,9 @@
 //! Refuses: what happens all the time, such as robots that wait for one another.
 
 use crate::live::Frame;
-use crate::sentence::SentenceSchema;
-use crate::text::{closure_name, round3, worker_name};
-use crate::words::{PresenceDto, ReactionDto};
+use crate::wire::sentence::SentenceSchema;
+use crate::wire::text::{closure_name, round3, worker_name};
+use crate::wire::words::{PresenceDto, ReactionDto};
 use giveway_fleet::{
     AreaFact, Encounter, EncounterFact, Fact, FloorFact, FloorNote, Reaction, ReplanCause, RobotFact,
 };

@@ -1,7 +1,7 @@
 //! Recordings: frames of a fleet on file, so that what happened at 14:07 can be looked at again.
 //!
 //! Main types: [`Recording`] (frames and facts → lines), [`Mark`] (a bookmark), [`Sum`] (figures so far), [`Out`] (a
-//! file of them), [`Folder`] (many, by time), [`Rotation`] (writes a folder), [`page()`] (a page that needs no server).
+//! file of them), [`Folder`] (many, by time), [`Rotation`] (writes a folder).
 //! A recording is JSON lines, packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin
 //! live feed. Refuses: to compare frames in a way of its own, and to hold back the program that runs the fleet.
 
@@ -9,7 +9,6 @@ mod cells;
 mod file;
 mod folder;
 mod mark;
-mod page;
 mod pending;
 mod rotation;
 mod sum;
@@ -17,13 +16,12 @@ mod sum;
 pub use file::{Out, is_reel, lines};
 pub use folder::{Cut, Folder, PastSpan, Piece};
 pub use mark::{Mark, MarkKind, Met, is_notable};
-pub use page::page;
 pub use rotation::{Limits, Rotation};
 pub use sum::{RunningTotals, Sum, thinned};
 
-use super::building::map_text;
-use super::live::{Frame, thin};
-use super::text::round3;
+use crate::dto::building::map_text;
+use crate::live::{Frame, thin};
+use crate::wire::text::round3;
 use giveway_fleet::{Fact, FloorNote, ReplanCause};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;

@@ -3,7 +3,7 @@
 //! Main function: [`line()`]. Refuses: to say how many wait, which the frame does.
 
 use crate::live::Frame;
-use crate::text::{job_name, round3};
+use crate::wire::text::{job_name, round3};
 use giveway_fleet::{JobKind, JobParts, Pending};
 use giveway_floor::id::Dense;
 use giveway_floor::time::Time;

@@ -5,7 +5,7 @@
 //! fleet, which go on after a restart; seconds begin anew. Refuses: rates.
 
 use crate::live::Frame;
-use crate::text::round3;
+use crate::wire::text::round3;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 

@@ -1,8 +1,8 @@
 //! Recordings as readers see them: what a folder has of which time, and what is left of a file that was cut off.
 
 use super::*;
-use crate::alarms::Alarms;
-use crate::port::Moment;
+use crate::port::moment::Moment;
+use crate::state::alarms::Alarms;
 use giveway_fleet::alarm::AlarmKind;
 use giveway_fleet::{EncounterFact, Fleet, Settings, View};
 use giveway_floor::id::WorkerId;

@@ -59,7 +59,7 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 use giveway_floor::warehouse::Warehouse;
 use giveway_floor::warehouse::{lab, thesis};
-use giveway_sim::laws::Laws;
+use giveway_sim::Laws;
 use giveway_sim::{Demand, Faults, Habits, Scenario, Workers, World};
 use giveway_site::Site;
 use std::sync::Arc;

@@ -4,7 +4,8 @@
 
 use crate::server::FrameRecorder;
 use anyhow::Context;
-use giveway_api::recording::{Out, Recording, page};
+use giveway_api::page::single_file::page;
+use giveway_api::recording::{Out, Recording};
 use giveway_fleet::{Fact, Fleet};
 use giveway_floor::time::Time;
 use std::path::{Path, PathBuf};

@@ -10,7 +10,7 @@ use anyhow::Context;
 use clap::Args;
 use giveway_api::recording::is_reel;
 use giveway_floor::time::Time;
-use giveway_sim::replay::{Player, Turn};
+use giveway_sim::{Player, Turn};
 use serde_json::json;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};

@@ -2,8 +2,9 @@
 //!
 //! Main functions: [`of_run`], [`by_radius`], [`closest`]. Refuses: to measure.
 
-use giveway_sim::encounter::{EncounterFigures, RINGS_M};
-use giveway_sim::rings::{RingColumn, closest_quantiles};
+use giveway_sim::measure::encounter::RINGS_M;
+use giveway_sim::measure::rings::closest_quantiles;
+use giveway_sim::{EncounterFigures, RingColumn};
 use serde_json::{Map, Value, json};
 
 /// The radius as a key.

@@ -6,9 +6,9 @@
 use crate::server::{Config, Flags};
 use anyhow::{Context, bail, ensure};
 use clap::{Args, Subcommand};
-use giveway_api::auth::{fresh_token, hash_of};
-use giveway_api::caller::{Caller, MOST_TOKENS, Role};
-use giveway_api::text::{parse_token_name, time_text, token_name};
+use giveway_api::access::auth::{fresh_token, hash_of};
+use giveway_api::wire::text::{parse_token_name, time_text, token_name};
+use giveway_api::{Caller, MOST_TOKENS, Role};
 use giveway_floor::text::name_fault;
 use giveway_floor::time::{Span, Time};
 use giveway_store::{AuditRow, TokenDraft, TokenRow, TokenTable};

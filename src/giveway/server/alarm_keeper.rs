@@ -3,7 +3,7 @@
 //! Main function: [`keep_alarms`]. Where the database refuses, alarms go on in memory and are written later. Refuses:
 //! to make anything wait for it.
 
-use giveway_api::alarms::Alarms;
+use giveway_api::Alarms;
 use giveway_store::Store;
 use std::sync::Arc;
 use std::time::Duration;

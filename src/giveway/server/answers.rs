@@ -3,7 +3,7 @@
 //! Main type: [`AnswerKeeper`]. Which requests are being carried out is known to the process alone: after a restart
 //! nothing is. Refuses: to fail a request whose answer could not be kept; a repeat is told that nobody knows.
 
-use giveway_api::port::{AnswerPort, KeptAnswer, KeyedRequest, KnownRequest, Later};
+use giveway_api::{AnswerPort, KeptAnswer, KeyedRequest, KnownRequest, Later};
 use giveway_floor::time::Time;
 use giveway_store::{AnswerRow, Store, StoreError};
 use std::collections::BTreeSet;

@@ -3,7 +3,7 @@
 //! Main function: [`keep_audit`]. Requests that caused facts are in the journal's transaction already; here they get
 //! their outcome. Refuses: to let anything wait for it.
 
-use giveway_api::audit::AuditEntry;
+use giveway_api::AuditEntry;
 use giveway_store::{AuditRow, Store};
 use std::sync::Arc;
 use std::time::Duration;

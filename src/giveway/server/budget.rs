@@ -6,7 +6,7 @@
 //! that has been idle for longest; for bytes, the one that has taken nothing for longest, of the address with most
 //! bytes. Refuses: to let strangers use the descriptors of those who are known, and to close one that gets on.
 
-use giveway_api::secrets::network;
+use giveway_api::access::secrets::network;
 use std::collections::{BTreeMap, HashMap};
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -9,7 +9,7 @@ use super::tls::shake;
 use axum::Router;
 use axum::body::Body;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Request, Response, StatusCode, Version, header};
-use giveway_api::peer::{Peer, Recognised, SharedBody};
+use giveway_api::{Peer, Recognised, SharedBody};
 use hyper::body::Incoming;
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};

@@ -17,10 +17,7 @@ use super::measure::Measure;
 use super::recordings::BookmarkSender;
 use super::settle::SettleQueue;
 use super::watchdog::Watchdog;
-use giveway_api::alarms::Alarms;
-use giveway_api::feed::hub::{Feeds, HeardSighting};
-use giveway_api::metrics::Metrics;
-use giveway_api::port::{Moment, QUESTIONS_AT_ONCE, Question};
+use giveway_api::{Alarms, Feeds, HeardSighting, Metrics, Moment, QUESTIONS_AT_ONCE, Question};
 use giveway_drive::{Drive, DriveAlarm, GuardedCall, Heard, JournalReport, Sent, WrittenStep};
 use giveway_fleet::{CellWarning, Command, Input, SILENCE};
 use giveway_floor::time::{Span, Time};
@@ -293,7 +290,7 @@ mod tests {
     use crate::server::historian::historian;
     use crate::server::links::FloorSource;
     use crate::server::{inbox, journal};
-    use giveway_api::port::{QueuedRequest, SharedHistory};
+    use giveway_api::{QueuedRequest, SharedHistory};
     use giveway_drive::Trap;
     use giveway_fleet::{
         Answered, Fleet, FloorAction, JobAction, JobKind, JobRequest, Request, Telemetry, WorkerAction,

@@ -3,7 +3,7 @@
 //! Main function: [`watch_over`]. Refuses: to touch them.
 
 use super::clock::Clock;
-use giveway_api::alarms::Alarms;
+use giveway_api::Alarms;
 use giveway_fleet::alarm::AlarmKind;
 use giveway_floor::text::sentence::alarms as sentence;
 use giveway_store::Store;

@@ -4,7 +4,7 @@
 //! and the map of waiting a minute. Where the database refuses, figures go on in memory and are written later, as far
 //! back as they are kept. Refuses: to make the loop wait.
 
-use giveway_api::port::{Moment, SharedHistory};
+use giveway_api::{Moment, SharedHistory};
 use giveway_fleet::history::{HEAT_STEP, LoopTimes, TIERS, floor};
 use giveway_floor::time::{Span, Time};
 use giveway_store::Store;

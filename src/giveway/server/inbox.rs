@@ -4,9 +4,7 @@
 //! to say.
 
 use super::audit_keeper::row_of;
-use giveway_api::audit::AuditEntry;
-use giveway_api::feed::hub::{HeardHands, HeardSighting};
-use giveway_api::port::QueuedRequest;
+use giveway_api::{AuditEntry, HeardHands, HeardSighting, QueuedRequest};
 use giveway_cell::HandsSeen;
 use giveway_fleet::{Answered, CausedFacts, Input, Reply, Request, Token};
 use giveway_floor::geometry::{Point, inside};
@@ -140,8 +138,8 @@ impl Inbox {
 /// The audit entry of a request in tests.
 #[cfg(test)]
 pub fn local_request() -> Arc<AuditEntry> {
-    let caller = giveway_api::caller::Caller::this_machine();
-    let log = giveway_api::audit::AuditLog::new(0).0;
+    let caller = giveway_api::Caller::this_machine();
+    let log = giveway_api::AuditLog::new(0).0;
     Arc::new(log.begin(&caller, "POST /v1/fleet/stop".into(), None, giveway_floor::time::Time(7)))
 }
 

@@ -7,8 +7,7 @@
 
 use super::clock::Clock;
 use super::watchdog::Auditor;
-use giveway_api::alarms::Alarms;
-use giveway_api::metrics::Metrics;
+use giveway_api::{Alarms, Metrics};
 use giveway_drive::{JournalReport, JournalState};
 use giveway_fleet::alarm::AlarmKind;
 use giveway_fleet::{Fact, Ledger};

@@ -3,7 +3,7 @@
 //! Main type: [`Measure`]. Keeps the last minute of steps and ten minutes of deliveries. Refuses: to
 //! influence anything.
 
-use giveway_api::port::LoopFigures;
+use giveway_api::LoopFigures;
 use giveway_floor::time::{Span, Time};
 use std::collections::VecDeque;
 

@@ -2,7 +2,7 @@
 //!
 //! Main type: [`PastLists`]. Refuses: a database.
 
-use giveway_api::port::{Later, Records};
+use giveway_api::{Later, Records};
 use giveway_fleet::alarm::{Alarm, AlarmQuery};
 use giveway_fleet::{
     Assignment, AssignmentFact, AssignmentQuery, AssignmentRow, AssignmentState, EncounterFact,

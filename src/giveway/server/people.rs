@@ -2,9 +2,7 @@
 //!
 //! Main function: [`pseudonyms`]. Refuses: to write a name into the log.
 
-use giveway_api::caller::Role;
-use giveway_api::port::{Later, Now};
-use giveway_api::pseudonyms::{NamedPerson, PersonPort, Pseudonyms};
+use giveway_api::{Later, NamedPerson, Now, PersonPort, Pseudonyms, Role};
 use giveway_floor::id::WorkerId;
 use giveway_store::{PersonRow, Store, StoreError};
 use std::sync::Arc;

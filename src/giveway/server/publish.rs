@@ -7,10 +7,10 @@
 use super::audit_keeper::row_of;
 use super::basis::FloorBasis;
 use super::settle::SettleRequest;
-use giveway_api::audit::AuditEntry;
-use giveway_api::map_version;
-use giveway_api::port::Moment;
-use giveway_api::publish::{MapDone, MapOrder, MapOrigin, MapOutlook, MapPort, MapRefusal, MapRequest};
+use giveway_api::{
+    AuditEntry, MapDone, MapOrder, MapOrigin, MapOutlook, MapPort, MapRefusal, MapRequest, Moment,
+    map_version,
+};
 use giveway_fleet::carry::{Report, ReportEntry};
 use giveway_fleet::{RobotKind, Unsettled};
 use giveway_floor::time::Time;

@@ -5,10 +5,8 @@
 use super::ahead::LastForecasts;
 use super::measure::Measure;
 use super::queue::LastBacklog;
-use giveway_api::alarms::Alarms;
-use giveway_api::live::Frame;
-use giveway_api::port::Moment;
 use giveway_api::recording::EVERY;
+use giveway_api::{Alarms, Frame, Moment};
 use giveway_fleet::Fleet;
 use giveway_floor::time::Time;
 use std::sync::Arc;

@@ -6,9 +6,8 @@
 
 use super::clock::Clock;
 use super::queue::LastBacklog;
-use giveway_api::alarms::Alarms;
-use giveway_api::live::Live;
 use giveway_api::recording::{EVERY, Folder, Limits, Rotation, is_notable};
+use giveway_api::{Alarms, Live};
 use giveway_fleet::alarm::AlarmKind;
 use giveway_fleet::{Backlog, Fact, Fleet};
 use giveway_floor::text::sentence::alarms as sentence;
@@ -147,7 +146,7 @@ impl Keeper {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use giveway_api::port::Moment;
+    use giveway_api::Moment;
     use giveway_fleet::Settings;
     use giveway_floor::warehouse::lab;
     use std::fs;

@@ -2,9 +2,7 @@
 //!
 //! Main type: [`StoredRecords`]. Refuses: to write.
 
-use giveway_api::audit::{AuditEntry, AuditQuery};
-use giveway_api::caller::Role;
-use giveway_api::port::{Later, Records};
+use giveway_api::{AuditEntry, AuditQuery, Later, Records, Role};
 use giveway_fleet::alarm::{Alarm, AlarmQuery};
 use giveway_fleet::{
     AssignmentQuery, AssignmentRow, EncounterQuery, EncounterRow, EventQuery, EventRow, EventSpan, JobQuery,

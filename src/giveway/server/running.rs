@@ -14,16 +14,10 @@ use super::{
 };
 use anyhow::{Context, anyhow};
 use axum::Router;
-use giveway_api::alarms::Alarms;
-use giveway_api::audit::AuditLog;
-use giveway_api::auth::Gate;
-use giveway_api::caller::Caller;
-use giveway_api::feed::hub::Feeds;
-use giveway_api::live::Live;
-use giveway_api::metrics::Metrics;
-use giveway_api::port::{Moment, Now, QUESTIONS, Question};
-use giveway_api::webhooks::WebhookAccess;
-use giveway_api::{Api, KindChecks, router};
+use giveway_api::{
+    Alarms, Api, AuditLog, Caller, Feeds, Gate, KindChecks, Live, Metrics, Moment, Now, QUESTIONS, Question,
+    WebhookAccess, router,
+};
 use giveway_drive::Drive;
 use giveway_fleet::Fleet;
 use giveway_fleet::alarm::AlarmKind;

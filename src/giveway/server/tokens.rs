@@ -3,10 +3,9 @@
 //!
 //! Main type: [`TokenKeeper`]. Refuses: roles that this Giveway does not know; such a token does not hold.
 
-use giveway_api::alarms::Alarms;
-use giveway_api::auth::Gate;
-use giveway_api::caller::{NamedToken, Role, SessionHolder, TokenHash, WebSession};
-use giveway_api::port::{Later, Now, TokenPort};
+use giveway_api::{
+    Alarms, Gate, Later, NamedToken, Now, Role, SessionHolder, TokenHash, TokenPort, WebSession,
+};
 use giveway_fleet::alarm::AlarmKind;
 use giveway_floor::text::sentence::alarms as sentence;
 use giveway_floor::text::{Sentence, SentenceArg};

@@ -6,11 +6,10 @@
 //! to show users and passwords in addresses, and to let one webhook wait for another.
 
 use super::Outbound;
-use giveway_api::Api;
-use giveway_api::dto::Names;
 use giveway_api::outgoing::failure;
-use giveway_api::targets::masked;
-use giveway_api::webhooks::{FailedMessage, HookRequest, Taken, Webhook, message, read_secret, signature};
+use giveway_api::outgoing::targets::masked;
+use giveway_api::outgoing::webhooks::{message, read_secret, signature};
+use giveway_api::{Api, FailedMessage, HookRequest, Names, Taken, Webhook};
 use giveway_fleet::EventQuery;
 use giveway_fleet::alarm::AlarmKind;
 use giveway_floor::text::Sentence;

@@ -11,7 +11,7 @@ use giveway_cell::arm::{
     ArmControl, ArmGoal, ArmKind, ArmPlan, CYCLE_S, Capsule, HORIZON, Joints, TargetTable, WorkPlane,
     joint_distance, least_distance_m, overlap_probability,
 };
-use giveway_sim::arm::SimulatedArm;
+use giveway_sim::SimulatedArm;
 use giveway_sim::random::Stream;
 use nalgebra::{Isometry3, Point3, Vector3};
 use std::collections::VecDeque;

@@ -7,11 +7,9 @@ use crate::statistics::{Interval, Summary};
 use crate::table::{Column, RunRow, TableSetup};
 use clap::{Args, ValueEnum};
 use giveway_floor::warehouse::{Warehouse, room_for, thesis};
-use giveway_people::aware::HumanAwarePolicy;
-use giveway_people::aware::NodeWindows;
-use giveway_sim::detection::{Score, TO_GOAL_S};
-use giveway_sim::encounter::EncounterFigures;
-use giveway_sim::{Causes, Sensor, Source};
+use giveway_people::aware::{HumanAwarePolicy, NodeWindows};
+use giveway_sim::measure::detection::{Score, TO_GOAL_S};
+use giveway_sim::{Causes, EncounterFigures, Sensor, Source};
 use serde_json::{Map, Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -312,7 +310,7 @@ fn score(s: &Score) -> Value {
     let at = |q: f64| s.delays_s.get((s.delays_s.len() as f64 * q) as usize);
     let share = |n: u64, of: u64| (of > 0).then(|| n as f64 / of as f64);
     let is_deviation =
-        |word: &str| giveway_sim::walker::WalkCause::ALL.iter().any(|c| c.word() == word && c.is_deviation());
+        |word: &str| giveway_sim::WalkCause::ALL.iter().any(|c| c.word() == word && c.is_deviation());
     let (mut recall, mut false_alarms) = (Map::new(), Map::new());
     for (word, c) in &s.causes {
         if is_deviation(word) {

@@ -4,8 +4,8 @@
 
 use crate::statistics::{Interval, Summary};
 use giveway::cli::rings::{by_radius, closest, key};
-use giveway_sim::encounter::{EncounterFigures, RINGS_M};
-use giveway_sim::rings::RingColumn;
+use giveway_sim::measure::encounter::RINGS_M;
+use giveway_sim::{EncounterFigures, RingColumn};
 use serde_json::{Map, Value, json};
 
 /// The curve of many runs: means with standard deviations, closest distances of all encounters together.

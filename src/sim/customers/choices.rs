@@ -3,8 +3,8 @@
 //! Main type: [`Choices`]. Refuses: to draw anything where a
 //! scenario has no such customers, so that its runs stay as they were.
 
-use super::super::random::Stream;
-use super::super::scenario::Habits;
+use crate::random::Stream;
+use crate::scenario::Habits;
 use giveway_fleet::{
     Answer, FloorAction, JobAction, JobKind, JobRequest, Ledger, Made, Reply, Request, StationOrder, Token,
     Visiting,
@@ -272,8 +272,7 @@ impl Undone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use giveway_fleet::Fleet;
-    use giveway_fleet::Settings;
+    use giveway_fleet::{Fleet, Settings};
     use giveway_floor::id::RackId;
     use giveway_floor::warehouse::lab;
     use std::sync::Arc;

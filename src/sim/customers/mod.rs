@@ -5,17 +5,16 @@
 mod choices;
 
 use self::choices::Choices;
-use super::askers::CUSTOMERS;
-use super::random::Stream;
-use super::scenario::{Demand, LineDemand, Scenario};
+use crate::askers::CUSTOMERS;
+use crate::random::Stream;
+use crate::scenario::{Demand, LineDemand, Scenario};
 use giveway_cell::{OrderLine, PickedBy};
 use giveway_fleet::{Input, JobAction, JobKind, JobState, Ledger, Reply, Request, Token};
 use giveway_floor::id::{Dense, RackId, RobotId, StationId};
 use giveway_floor::text::{TextTable, TextTableRow};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
-use std::collections::BTreeMap;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The purpose of the stream of random numbers for order lines.
 const LINES: u64 = 60;

@@ -5,8 +5,8 @@
 //! asks nothing of what the fleet has worked out. Refuses: to judge robots that are told to stand, and those before
 //! which people or other robots stand: these are no lasting cuts.
 
-use super::super::world::World;
 use super::violation::{CARRIED, Violation};
+use crate::world::World;
 use giveway_fleet::{Fleet, JobState, RackAt, Task};
 use giveway_floor::id::{NodeId, RobotId};
 use giveway_floor::time::Time;
@@ -130,7 +130,8 @@ fn reached(w: &Warehouse, held: &BTreeSet<NodeId>, here: NodeId, goal: NodeId) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Scenario, Simulation};
+    use crate::run::Simulation;
+    use crate::scenario::Scenario;
     use giveway_floor::id::StationId;
     use giveway_floor::time::Span;
     use giveway_floor::warehouse::formats;

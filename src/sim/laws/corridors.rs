@@ -3,8 +3,8 @@
 //!
 //! Main type: [`CorridorLaws`]. Refuses: to judge robots that people pushed or drive, and those that stand.
 
-use super::super::world::World;
 use super::violation::Violation;
+use crate::world::World;
 use giveway_fleet::{Fleet, OFF_ROUTE_M};
 use giveway_floor::geometry::{Point, Pose, Segment};
 use giveway_floor::id::RobotId;

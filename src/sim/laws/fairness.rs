@@ -7,8 +7,8 @@
 //! operator chose one, are orders to that robot and have an order of their own. Refuses: to count the first jobs that
 //! pass: two robots may settle in one step what each of them alone would have done otherwise.
 
-use super::super::world::World;
 use super::violation::{PASSED_BY, Violation};
+use crate::world::World;
 use giveway_fleet::{
     CHAIN_BEHIND_MS, Fact, Fleet, Job, JobFact, JobState, RackAt, RobotChoice, Task, chain_saves_ms,
 };
@@ -217,7 +217,8 @@ fn extent_m(warehouse: &Warehouse) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Scenario, Simulation};
+    use crate::run::Simulation;
+    use crate::scenario::Scenario;
     use giveway_fleet::{FloorAction, Input, JobAction, JobKind, JobRequest};
     use giveway_floor::warehouse::formats;
     use std::sync::Arc;

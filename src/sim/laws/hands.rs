@@ -3,8 +3,8 @@
 //!
 //! Main type: [`HandLaws`]. Refuses: to blame the fleet for a hand that nobody has seen; the guard is there for that.
 
-use super::super::world::World;
 use super::violation::Violation;
+use crate::world::World;
 use giveway_fleet::Fleet;
 use giveway_floor::id::{RobotId, StationId};
 use giveway_floor::time::{Span, Time};

@@ -3,7 +3,7 @@
 //! Main type: [`JobLaws`]. Ends are compared with where racks and robots truly are. Refuses: to take a reason for true
 //! that the floor does not show.
 
-use super::super::world::World;
+use crate::world::World;
 
 use super::violation::{DELIVERS, OVERDUE, Violation};
 use giveway_fleet::alarm::Deliveries;

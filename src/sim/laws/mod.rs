@@ -22,7 +22,7 @@ pub use violation::{DELIVERS, KEPT, OVERDUE, PASSED_BY, STUCK, Violation};
 
 pub use calm::CalmFigures;
 
-use super::world::World;
+use crate::world::World;
 use calm::CalmLaws;
 use carried::CarryLaws;
 use corridors::CorridorLaws;

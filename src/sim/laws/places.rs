@@ -2,8 +2,8 @@
 //!
 //! Main type: [`PlaceLaws`]. Refuses: to judge robots that drive, and reports that are still on their way.
 
-use super::super::world::World;
 use super::violation::Violation;
+use crate::world::World;
 use giveway_fleet::Fleet;
 use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};

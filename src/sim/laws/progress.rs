@@ -4,8 +4,8 @@
 //! and one at a station whose picker is truly away for the picker, with those behind it. Refuses: to excuse a robot
 //! because it has any other reason; a line that stands is no excuse.
 
-use super::super::world::World;
 use super::violation::{STUCK, Violation};
+use crate::world::World;
 use giveway_fleet::{Edge, Fleet, Party, Task, Why};
 use giveway_floor::id::{NodeId, RobotId, StationId};
 use giveway_floor::time::{Span, Time};
@@ -104,7 +104,8 @@ fn waits_for_people(fleet: &Fleet, robot: RobotId, away: &[NodeId]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Scenario, Simulation};
+    use crate::run::Simulation;
+    use crate::scenario::Scenario;
     use giveway_floor::warehouse::stations;
     use std::sync::Arc;
 

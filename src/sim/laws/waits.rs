@@ -5,8 +5,8 @@
 //! the simulation has the person. The published policies do not promise that nothing waits for long, and are measured
 //! instead of held to it. Refuses: to excuse a person's wait because it was interrupted; it adds up in one spot.
 
-use super::super::world::World;
 use super::violation::{CIRCLE, KEPT, Violation};
+use crate::world::World;
 use giveway_fleet::{ChainEnd, Edge, Fleet, Party, untrue};
 use giveway_floor::geometry::Point;
 use giveway_floor::id::WorkerId;

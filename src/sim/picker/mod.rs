@@ -20,9 +20,9 @@ pub use person::SimPicker;
 pub use screen::{ShownLine, StationScreen};
 pub use work::{PickFigures, TrueLine, WarnedLead};
 
-use super::askers::PICKERS;
-use super::random::Stream;
-use super::scenario::WorkCells;
+use crate::askers::PICKERS;
+use crate::random::Stream;
+use crate::scenario::WorkCells;
 use beside_arm::BesideArm;
 use giveway_cell::arm::Capsule;
 use giveway_cell::{Flow, LineChange, PickFace};
@@ -92,7 +92,7 @@ pub struct PickerTime {
 impl Pickers {
     /// The people of a scenario. Stations whose racks have no types get none.
     pub(super) fn new(warehouse: &Warehouse, cells: &WorkCells, flow: Flow, seed: u64, now: Time) -> Pickers {
-        let stand = |(i, habits): (usize, super::PickerHabits)| {
+        let stand = |(i, habits): (usize, crate::scenario::PickerHabits)| {
             let (station, place) = warehouse.stations.pairs().find(|(_, s)| s.name == habits.station)?;
             let rack_type = warehouse.rack_types.iter().next()?;
             let face = PickFace::new(place.cell.as_ref()?, warehouse.nodes[place.node].at, rack_type);
@@ -261,7 +261,7 @@ pub(super) fn has_lines(ledger: &Ledger, robot: RobotId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Scenario;
+    use crate::scenario::Scenario;
     use giveway_cell::arm::least_distance_m;
     use giveway_floor::warehouse::stations;
 

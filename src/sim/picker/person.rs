@@ -13,7 +13,7 @@ use super::screen::{ShownLine, StationScreen};
 use super::watch::TruePicker;
 use super::work::{LineWork, PickFigures};
 use crate::random::Stream;
-use crate::{HandSide, PickerHabits};
+use crate::scenario::{HandSide, PickerHabits};
 use giveway_cell::arm::Capsule;
 use giveway_cell::{FacePlace, LineChange, PickFace};
 use giveway_fleet::{StationOrder, WrongReach};

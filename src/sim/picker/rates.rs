@@ -5,7 +5,7 @@ use super::screen::{ShownLine, StationScreen};
 use super::watch::{HandWatch, TruePicker, angles_of};
 use super::work::WarnedLead;
 use crate::random::Stream;
-use crate::{HandSensor, PickerHabits};
+use crate::scenario::{HandSensor, PickerHabits};
 use giveway_cell::{CellHands, CellHandsScene, FacePlace, LineChange, PickFace};
 use giveway_fleet::{StationOrder, WrongReach};
 use giveway_floor::id::{JobId, StationId};

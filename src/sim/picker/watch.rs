@@ -4,7 +4,7 @@
 //! they are. Of gaze it gives what its kind knows of it. Refuses: to change what is true.
 
 use crate::random::Stream;
-use crate::{HandSensor, SeenGaze};
+use crate::scenario::{HandSensor, SeenGaze};
 use giveway_cell::{FacePlace, HandPoints, HandsSeen, PickFace};
 use giveway_floor::id::StationId;
 use giveway_floor::time::{Span, Time};

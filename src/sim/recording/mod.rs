@@ -8,6 +8,7 @@ mod arm_row;
 mod hand_row;
 mod job_line;
 mod kind_row;
+pub mod replay;
 mod request_row;
 mod said_row;
 

@@ -4,10 +4,10 @@
 //! is cut down leaves everything else as it was. The text goes through the checks of every scenario file. Refuses:
 //! to run anything.
 
-use super::super::random::Stream;
-use super::super::scenario::Scenario;
 use super::case::{SwarmCase, SwarmMap, SwarmPart};
 use super::maps::draw_map;
+use crate::random::Stream;
+use crate::scenario::Scenario;
 use giveway_floor::id::{Dense, NodeId};
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::{NodeKind, Warehouse};

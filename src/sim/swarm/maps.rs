@@ -4,7 +4,7 @@
 //! parts of it are taken away or changed. Each goes through the checks of every map; one that they refuse is drawn
 //! again. Refuses: to mend a map.
 
-use super::super::random::Stream;
+use crate::random::Stream;
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::{Blocks, Draft, Users, Warehouse, kiva, lab, mixed, thesis};
 

@@ -3,11 +3,11 @@
 //! Main types: [`SwarmRun`], [`SwarmFailure`]. The laws are those of every simulation. Refuses: to go on after a
 //! failure, and to catch a panic; the caller does, and says so with [`SwarmRun::end`].
 
-use super::super::laws::Violation;
-use super::super::run::Simulation;
 use super::case::SwarmCase;
 use super::draw::SwarmSetup;
 use super::tally::SwarmTally;
+use crate::laws::Violation;
+use crate::run::Simulation;
 use giveway_fleet::{FloorAction, Input, JobAction, Request, RobotAction, StationOrder};
 use giveway_floor::time::Time;
 

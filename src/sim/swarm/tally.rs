@@ -2,7 +2,7 @@
 //!
 //! Main type: [`SwarmTally`]. Refuses: to judge.
 
-use super::super::tally::JobTally;
+use crate::measure::tally::JobTally;
 use giveway_floor::time::Span;
 use std::collections::BTreeMap;
 

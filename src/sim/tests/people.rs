@@ -1,7 +1,7 @@
 //! People in simulations: how their goals are recognised, and whether the filter of their motion knows how wrong it is.
 
 use super::*;
-use crate::consistency::NeesFigures;
+use crate::run::consistency::NeesFigures;
 use giveway_fleet::GuidanceReason;
 use giveway_floor::warehouse::kiva;
 use giveway_people::human::IntentState;

@@ -23,10 +23,10 @@ mod tests_people;
 pub use cause::{CauseStretch, Log, WalkCause};
 pub use legs::{RobotNear, WalkerSurroundings, ease};
 pub use person::{APART_M, BODY_M, PersonNear};
-pub use persona::{Persona, Traits};
+pub use persona::Traits;
 
-use super::random::Stream;
-use super::scenario::Workers;
+use crate::random::Stream;
+use crate::scenario::Workers;
 use giveway_floor::geometry::{Point, Pose, Vector};
 use giveway_floor::id::AssignmentId;
 use giveway_floor::time::{Span, Time};

@@ -1,6 +1,6 @@
 //! Walkers in the hall of the thesis, without a fleet.
 
-use super::persona::SPEEDS;
+use super::persona::{Persona, SPEEDS};
 use super::*;
 use crate::scenario::{Causes, Deviations, Personas, Rates};
 use giveway_floor::geometry::{Vector, axis_distance};

@@ -4,7 +4,7 @@
 
 use super::World;
 use super::motion_before::MotionBefore;
-use crate::arms::SimArms;
+use crate::arm::SimArms;
 use crate::picker::{Pickers, StandingRack};
 use giveway_fleet::{Input, Ledger};
 use giveway_floor::id::{RobotId, StationId};

@@ -1,5 +1,5 @@
 //! What goes wrong at a chosen moment with a chosen robot or worker, for experiments and tests; what a scenario's rates
-//! bring about is drawn in `world.rs`.
+//! bring about is drawn in `world/mod.rs`.
 //!
 //! Refuses: to choose.
 

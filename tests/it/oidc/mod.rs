@@ -5,8 +5,7 @@ mod provider;
 use crate::authority::Authority;
 use crate::helper::{Answer, Folder, config, floor, send};
 use crate::tokens::{ADMIN, with};
-use giveway::api::caller::Role;
-use giveway::api::oidc::OidcSettings;
+use giveway::api::{OidcSettings, Role};
 use giveway::server::{Config, Server};
 use openidconnect::ClientSecret;
 use provider::{CLIENT, Provider, SECRET, Trick};
@@ -136,7 +135,7 @@ async fn who_signs_in_with_the_provider_has_the_role_of_the_group_and_is_named_i
         (&me["name"], &me["role"], &me["by"]),
         (&json!("anna"), &json!("operator"), &json!("session"))
     );
-    let end = giveway::api::text::parse_time(me["expires"].as_str().unwrap()).unwrap();
+    let end = giveway::api::wire::text::parse_time(me["expires"].as_str().unwrap()).unwrap();
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs_f64();
     let hours = (end.as_secs_f64() - now) / 3600.0;
     assert!((1.9..2.1).contains(&hours), "a session ends after two hours: {hours}");

@@ -15,7 +15,7 @@ export type Fit =
   | { kind: 'more'; text: string }
   | { kind: 'misfit'; text: string };
 
-/** The limits of the server, src/api/feed/align.rs. */
+/** The limits of the server, src/api/feed/intake/align.rs. */
 const BASELINE_MIN_M = 1;
 const SCALE_TOLERANCE = 0.03;
 const RMS_MAX_M = 0.15;

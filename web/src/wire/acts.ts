@@ -1,4 +1,4 @@
-// What people and machines do, in the words of the server (src/api/acts.rs), in its order.
+// What people and machines do, in the words of the server (src/api/access/acts.rs), in its order.
 
 export const ACTS = [
   'stop_fleet',

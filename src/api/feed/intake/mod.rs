@@ -1,14 +1,27 @@
 //! From a message to a sighting: frame, clock, numbers.
 //!
-//! Main types: [`PoseIntake`] (what a connection knows), [`TakenPose`], [`PoseFault`]. Pure. What cannot be read into a
-//! place and a time stops here, with a reason; what can, goes on, late and repeated ones too: the core judges and
-//! counts those. Refuses: to decide whether somebody can be where a pose says.
+//! Main types: [`PoseIntake`] (what a connection knows), [`TakenPose`], [`PoseFault`]; [`align`] finds the frame,
+//! [`clock`] the time, [`course`] whether axes are right, [`pose`], [`joints`] and [`swap`] heads and hands. Pure. What
+//! cannot be read into a place and a time stops here, with a reason; what can, goes on, late and repeated ones too: the
+//! core judges and counts those. Refuses: to decide whether somebody can be where a pose says.
 
-use super::align::{Alignment, Misfit, PointPair};
-use super::clock::ClockSync;
-use super::course::Course;
-use super::pose::{self, Gaze, Hand, facing, plan, rotation};
+pub mod align;
+pub mod clock;
+pub mod course;
+pub mod joints;
+pub mod pose;
+pub mod swap;
+
+#[cfg(test)]
+mod conventions;
+#[cfg(test)]
+mod tests;
+
 use super::wire::{AnchorSaid, HandSaid, PoseFrame, PoseSaid, QualitySaid};
+use crate::feed::intake::align::{Alignment, Misfit, PointPair};
+use crate::feed::intake::clock::ClockSync;
+use crate::feed::intake::course::Course;
+use crate::feed::intake::pose::{Gaze, Hand, facing, plan, rotation};
 use giveway_floor::geometry::{FARTHEST_M, Point, Vector};
 use giveway_floor::id::WorkerId;
 use giveway_floor::text::Sentence;
@@ -426,6 +439,3 @@ fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
     let battery = said.battery.filter(|b| (0.0..=1.0).contains(b));
     Senses { gaze, ahead, hands, battery }
 }
-
-#[cfg(test)]
-mod tests;

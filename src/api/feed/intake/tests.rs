@@ -1,7 +1,7 @@
 //! Poses as devices send them, good and bad.
 
-use super::super::clock::Exchange;
 use super::*;
+use crate::feed::intake::clock::Exchange;
 use crate::feed::wire::HandsSaid;
 
 const NOW: Time = Time(1_800_000_000_000_000);

@@ -1,6 +1,6 @@
 //! Robots and a worker that move in steps: half a lane in a second.
 //!
-//! Main types: [`StepRobot`], [`FootWorker`]. A robot obeys orders as `sim/robot.rs` does, but is always on a node, or
+//! Main types: [`StepRobot`], [`FootWorker`]. A robot obeys orders as `sim/robot/` does, but is always on a node, or
 //! a number of eighths of a lane from it. It is never pushed and never breaks down.
 
 use crate::{Act, Command, Guidance, GuidanceState, Telemetry, Waypoint};

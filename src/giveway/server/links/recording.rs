@@ -11,23 +11,17 @@ use crate::server::measure::Measure;
 use crate::server::past::PastLists;
 use crate::server::recorder::FrameRecorder;
 use anyhow::Context;
-use giveway_api::alarms::Alarms;
-use giveway_api::audit::AuditLog;
-use giveway_api::auth::Gate;
-use giveway_api::caller::Caller;
-use giveway_api::feed::hub::Feeds;
-use giveway_api::live::Live;
-use giveway_api::massrobotics::Interop;
-use giveway_api::port::{Moment, QUESTIONS, Question, SharedHistory};
-use giveway_api::publish::MapPort;
 use giveway_api::recording::{Folder, Limits, Rotation};
-use giveway_api::{Api, KindChecks, router};
+use giveway_api::{
+    Alarms, Api, AuditLog, Caller, Feeds, Gate, Interop, KindChecks, Live, MapPort, Moment, QUESTIONS,
+    Question, SharedHistory, router,
+};
 use giveway_fleet::alarm::{AlarmKind, FloorWatch, LoopHealth};
 use giveway_fleet::history::{History, LoopTimes};
 use giveway_fleet::{Fleet, View};
 use giveway_floor::text::sentence::alarms as sentence;
 use giveway_floor::time::{Span, Time};
-use giveway_sim::replay::{Player, Turn};
+use giveway_sim::{Player, Turn};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 //!
 //! Main function: [`simulate`]. Refuses: to touch the fleet of the server, and to run longer than it may.
 
-use giveway_api::trial::{TrialFigures, TrialOrder, Trials};
+use giveway_api::{TrialFigures, TrialOrder, Trials};
 use giveway_fleet::history::waits;
 use giveway_fleet::{Fact, JobFact, JobState};
 use giveway_floor::id::{JobId, NodeId};

@@ -3,7 +3,7 @@
 //!
 //! Main type: [`Auditor`]. Refuses: to mend what contradicts itself.
 
-use giveway_api::alarms::Alarms;
+use giveway_api::Alarms;
 use giveway_drive::panic_text;
 use giveway_fleet::Ledger;
 use giveway_fleet::alarm::AlarmKind;

@@ -8,7 +8,7 @@ mod auditor;
 
 pub use auditor::Auditor;
 
-use giveway_api::alarms::Alarms;
+use giveway_api::Alarms;
 use giveway_fleet::alarm::{AlarmCondition, AlarmKind, AlarmSubject, FloorWatch, LoopHealth};
 use giveway_fleet::{Fleet, View, untrue};
 use giveway_floor::text::sentence::alarms;

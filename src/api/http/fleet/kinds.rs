@@ -1,0 +1,261 @@
+//! `GET /v1/kinds`, `PUT` and `DELETE /v1/kinds/{name}`: the kinds of robots that may join, those of the site and those
+//! that were added.
+//!
+//! Main types: [`KindDto`], [`NewKind`]. What is added is valid at once. Whether the map was drawn for a kind is found
+//! out aside (`state/kind_checks.rs`); all else the fleet decides. Refuses: to change kinds of the site, and kinds that
+//! robots are of.
+
+use crate::dto::refusal::{about_kinds, refused};
+use crate::state::api::Api;
+use crate::state::called::Called;
+use crate::wire::error::{FieldError, Problem};
+use crate::wire::extract::{JsonBody, PathPart};
+use axum::Json;
+use axum::http::StatusCode;
+use giveway_fleet::{Ask, Refusal, RobotKind, RobotKinds};
+use giveway_floor::text::sentence::requests;
+use giveway_floor::warehouse::Footprint;
+use giveway_site::{SiteError, read_kind};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The longest name of a kind.
+const LONGEST_NAME: usize = 50;
+
+/// A robot kind. Lengths are in metres, times in seconds.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct KindDto {
+    /// Its name: `kind` of POST /v1/robots.
+    #[schema(example = "shuttle")]
+    pub name: String,
+    /// Whether it was added, and so may be replaced or removed; false for kinds of the site or scenario.
+    pub added: bool,
+    /// Its outline without a rack; null if it is the square that the map gives.
+    pub footprint: Option<FootprintDto>,
+    /// Its outline with a rack; null if it is the square that the map gives.
+    pub footprint_loaded: Option<FootprintDto>,
+    /// Whether it turns to face the direction in which it drives.
+    pub turns: bool,
+    /// The types of racks that it carries; null for all.
+    pub carries: Option<Vec<String>>,
+    /// The heaviest rack that it carries, kilograms; null for any.
+    pub payload_kg: Option<f64>,
+    /// Whether it may leave the line of a lane that has a corridor, to pass people.
+    pub free_navigation: bool,
+    /// Top speed without a rack, metres per second.
+    pub speed_mps: f64,
+    /// Top speed with a rack.
+    pub speed_loaded_mps: f64,
+    /// Acceleration and braking without a rack, metres per second squared.
+    pub accel_unloaded_mps2: f64,
+    /// Acceleration and braking with a rack.
+    pub accel_loaded_mps2: f64,
+    /// How long it takes to lift a rack, or to set it down.
+    pub lift_s: f64,
+    /// Below this charge, 0 to 1, it takes no job.
+    pub critical: f64,
+    /// Hours of driving on a full charge.
+    pub driving_h: f64,
+}
+
+/// The figures of a robot kind, with the keys of `fleet` in scenarios; what is left out is as usual.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct NewKind {
+    /// Top speed without a rack, metres per second, 0.1 to 5.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(example = 2.0)]
+    speed_mps: Option<f64>,
+    /// Top speed with a rack, metres per second; `speed_mps` if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speed_loaded_mps: Option<f64>,
+    /// Acceleration and braking without a rack, metres per second squared, 0.05 to 5.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accel_unloaded_mps2: Option<f64>,
+    /// Acceleration and braking with a rack.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    accel_loaded_mps2: Option<f64>,
+    /// How long it takes to lift a rack, or to set it down, seconds, 0 to 60.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lift_s: Option<f64>,
+    /// When it charges.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    battery: Option<NewBattery>,
+    /// Its outline without a rack; the square of the map if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    footprint: Option<FootprintDto>,
+    /// Its outline with a rack; the square of the map if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    footprint_loaded: Option<FootprintDto>,
+    /// Whether it turns to face the direction in which it drives.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drive: Option<DriveDto>,
+    /// The types of racks that it carries; all if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    carries: Option<Vec<String>>,
+    /// The heaviest rack that it carries, kilograms; any if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    payload_kg: Option<f64>,
+    /// Whether it may leave the line of a lane that has a corridor, to pass people; false if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    free_navigation: Option<bool>,
+}
+
+/// When robots of a kind charge, in shares of a full charge; each from the one before to 1.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct NewBattery {
+    /// Below this a robot takes no job and charges before all others.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    critical: Option<f64>,
+    /// Below this an idle robot charges before it takes a job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    low: Option<f64>,
+    /// From this on a robot at a charger takes jobs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    enough: Option<f64>,
+    /// From this on an idle robot does not go to a charger.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    full: Option<f64>,
+    /// Whether idle robots above `low` use chargers that are free.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    opportunity: Option<bool>,
+    /// Hours of driving on a full charge, 0.01 to 1000.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    driving_h: Option<f64>,
+}
+
+/// How a robot drives.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DriveDto {
+    /// It turns to face the direction in which it drives.
+    Differential,
+    /// It drives in any direction.
+    Omnidirectional,
+}
+
+/// An outline around the point on which the robot turns.
+#[derive(Clone, Debug, Deserialize, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum FootprintDto {
+    /// The side of a square along the map's axes.
+    SquareM(f64),
+    /// The radius of a disc.
+    CircleM(f64),
+    /// Corners, x ahead and y to the left.
+    PolygonM(Vec<[f64; 2]>),
+}
+
+/// All robot kinds: those of the site or scenario with which the server was started, and those that were added.
+#[utoipa::path(get, path = "/v1/kinds", tag = "floor", operation_id = "listKinds", responses(
+    (status = 200, description = "All kinds", body = Vec<KindDto>),
+    (status = 503)))]
+pub async fn kinds(Called(api): Called) -> Json<Vec<KindDto>> {
+    let kinds = api.moment().view.all_kinds.clone();
+    Json(kinds.iter().map(|kind| KindDto::new(kind, !kinds.is_of_site(&kind.name))).collect())
+}
+
+/// Add a robot kind beside those of the site or scenario, or replace one that was added and that no robot is of.
+/// Robots of it may join at once.
+#[utoipa::path(put, path = "/v1/kinds/{name}", tag = "floor", operation_id = "putKind", request_body = NewKind,
+    params(("name" = String, Path, example = "shuttle")), responses(
+    (status = 201, description = "Robots of it may join, and that is durable", body = KindDto),
+    (status = 200, description = "It is so, in place of the one of its name, and that is durable", body = KindDto),
+    (status = 409, description = "The site or scenario has one of this name, or robots are of it"),
+    (status = 422, description = "A figure cannot be, or the map was not drawn for such robots"),
+    (status = 429, description = "There are as many as a floor may have")))]
+pub async fn put(
+    Called(api): Called,
+    PathPart(name): PathPart,
+    JsonBody(new): JsonBody<NewKind>,
+) -> Result<(StatusCode, Json<KindDto>), Problem> {
+    if let Some(wrong) = FieldError::of_plain_name(&name, LONGEST_NAME) {
+        return Err(Problem::invalid(vec![wrong]));
+    }
+    api.queue()?;
+    let figures = serde_json::to_string(&new).expect("figures are JSON");
+    let kind = read_kind(&name, &figures).map_err(|why| of_figures(&why))?;
+    let (building, kinds) = (api.moment().view.building.0.clone(), api.moment().view.all_kinds.clone());
+    if let Some(building) = building.filter(|_| is_to_be_checked(&kinds, &kind)) {
+        api.kind_checks.check(building, kind.clone()).await?;
+    }
+    let made = ask(&api, Ask::put_kind(kind.clone()), &name).await?;
+    let status = if made.new { StatusCode::CREATED } else { StatusCode::OK };
+    Ok((status, Json(KindDto::new(&kind, true))))
+}
+
+/// Remove a robot kind that was added and that no robot is of. No robot of it joins any more.
+#[utoipa::path(delete, path = "/v1/kinds/{name}", tag = "floor", operation_id = "removeKind",
+    params(("name" = String, Path, example = "shuttle")), responses(
+    (status = 204, description = "It is removed, and that is durable"),
+    (status = 404, description = "No kind of this name was added"),
+    (status = 409, description = "The site or scenario has it, or robots are of it")))]
+pub async fn remove(Called(api): Called, PathPart(name): PathPart) -> Result<StatusCode, Problem> {
+    ask(&api, Ask::remove_kind(name.clone()), &name).await?;
+    Ok(StatusCode::NO_CONTENT)
+}
+
+/// Whether the map is looked at for a kind: kinds of the site are refused, and the same kind once more changes
+/// nothing.
+fn is_to_be_checked(kinds: &RobotKinds, kind: &RobotKind) -> bool {
+    !kinds.is_of_site(&kind.name) && kinds.named(&kind.name) != Some(kind)
+}
+
+/// Asks the fleet; where it refuses, the kind is named.
+async fn ask<A>(api: &Api, ask: Ask<A>, name: &str) -> Result<A, Problem> {
+    api.answer_to(ask).await?.map_err(|why| match why {
+        Refusal::Kind(why) => about_kinds(why, name),
+        other => refused(&api.map, other),
+    })
+}
+
+/// A figure that cannot be, by its key.
+fn of_figures(why: &SiteError) -> Problem {
+    let (key, detail) = match why {
+        SiteError::Number { key, found, wanted } => {
+            let key = key.strip_prefix("kind.").unwrap_or(key).to_owned();
+            (key, format!("is {found}, but must be {wanted}"))
+        }
+        SiteError::Wrong { key, message } => ((*key).to_owned(), message.clone()),
+        SiteError::Syntax { message, .. } => ("kind".to_owned(), message.clone()),
+    };
+    Problem::invalid(vec![FieldError::new(key, requests::malformed(detail))])
+}
+
+impl KindDto {
+    fn new(k: &RobotKind, added: bool) -> KindDto {
+        let [footprint, footprint_loaded] =
+            k.footprints.each_ref().map(|f| f.as_ref().map(FootprintDto::from));
+        let figures = k.kinematics;
+        KindDto {
+            name: k.name.clone(),
+            added,
+            footprint,
+            footprint_loaded,
+            turns: figures.turn_radps.is_finite(),
+            carries: k.carries.clone(),
+            payload_kg: Some(k.payload_kg).filter(|kg| kg.is_finite()),
+            free_navigation: k.free_navigation,
+            speed_mps: figures.speed_mps,
+            speed_loaded_mps: figures.speed_loaded_mps,
+            accel_unloaded_mps2: figures.accel_unloaded_mps2,
+            accel_loaded_mps2: figures.accel_loaded_mps2,
+            lift_s: figures.lift.as_secs_f64(),
+            critical: k.charging.critical,
+            driving_h: k.charging.driving_h,
+        }
+    }
+}
+
+impl From<&Footprint> for FootprintDto {
+    fn from(f: &Footprint) -> FootprintDto {
+        match f {
+            Footprint::Square { side_m } => FootprintDto::SquareM(*side_m),
+            Footprint::Circle { radius_m } => FootprintDto::CircleM(*radius_m),
+            Footprint::Polygon { corners, .. } => {
+                FootprintDto::PolygonM(corners.iter().map(|c| [c.x, c.y]).collect())
+            }
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! `POST /v1/robots`, `DELETE /v1/robots/{id}` and maintenance: robots that join, go to maintenance and come back, and
+//! leave.
+//!
+//! Also what people do with the rack of a robot that cannot drive.
+//!
+//! Main types: [`NewRobot`], [`TakenRack`]. Refuses: to let a robot join where another one is, or is to be.
+
+use crate::http::shared::done::done;
+use crate::http::shared::named::{parse_robot, unknown};
+use crate::state::called::Called;
+use crate::wire::error::{FieldError, Problem};
+use crate::wire::extract::{JsonBody, PathPart};
+use axum::Json;
+use axum::http::StatusCode;
+use giveway_fleet::{Ask, Made, USUAL_KIND};
+use giveway_floor::text::sentence::requests;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The longest name of a robot.
+const LONGEST_NAME: usize = 64;
+
+/// A robot to join.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NewRobot {
+    /// Its name: letters, digits, `-`, `_` and `.`, 1 to 64 of them.
+    #[schema(example = "robot-51")]
+    name: String,
+    /// Its robot kind, one of GET /v1/kinds; \"robot\" if the site or scenario defines no kinds.
+    #[serde(default = "usual_kind")]
+    #[schema(example = "robot")]
+    kind: String,
+    /// Id of the node on which it stands.
+    #[schema(example = "C1-15")]
+    node: String,
+}
+
+/// Where people set a rack down.
+#[derive(Clone, Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TakenRack {
+    /// Id of the storage node on which it stands now.
+    #[schema(example = "s3")]
+    node: String,
+}
+
+/// A robot that has joined.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct JoinedDto {
+    /// Its name.
+    #[schema(example = "robot-51")]
+    pub id: String,
+}
+
+fn usual_kind() -> String {
+    USUAL_KIND.to_owned()
+}
+
+/// Register a robot that stands on a node that no other robot holds. The same name is the same robot.
+#[utoipa::path(post, path = "/v1/robots", tag = "floor",
+    operation_id = "registerRobot", request_body = NewRobot, responses(
+    (status = 201, description = "It has joined, and that is durable; GET /v1/robots shows it", body = JoinedDto),
+    (status = 200, description = "It had joined before, wherever it is by now", body = JoinedDto),
+    (status = 409, description = "Another robot holds the node"),
+    (status = 429)))]
+pub async fn register(
+    Called(api): Called,
+    JsonBody(new): JsonBody<NewRobot>,
+) -> Result<(StatusCode, Json<JoinedDto>), Problem> {
+    let name = new.name.trim().to_owned();
+    let mut wrong: Vec<FieldError> = FieldError::of_plain_name(&name, LONGEST_NAME).into_iter().collect();
+    let node = api.map.node_named(&new.node);
+    if node.is_none() {
+        wrong.push(FieldError::new("node", unknown("node", &new.node)));
+    }
+    let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
+    let Made { new, .. } = api.ask(Ask::register_robot(name.clone(), new.kind, node)).await?;
+    let status = if new { StatusCode::CREATED } else { StatusCode::OK };
+    Ok((status, Json(JoinedDto { id: name })))
+}
+
+/// Take a robot off the floor for good. It finishes what it has begun, gives back what it has not, and goes to a
+/// parking place. Switch it off there: once it has been silent for ten seconds it is gone and nothing is kept free for
+/// it. A broken one is gone then wherever it stands, if it has no rack on it. Jobs that name it fail. To bring it back,
+/// register it again under its name.
+#[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor", operation_id = "retireRobot",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 204, description = "It will leave, and that is durable"),
+    (status = 409, description = "It has left already")))]
+pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+    done(&api, Ask::retire(parse_robot(&api, &id)?)).await
+}
+
+/// Send a robot to maintenance. It finishes what it has begun, gives back what it has not, goes to a parking place and
+/// gets no jobs until `DELETE` lets it work again, even across a restart.
+#[utoipa::path(put, path = "/v1/robots/{id}/maintenance", tag = "floor", operation_id = "beginMaintenance",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 204, description = "It goes to maintenance, and that is durable")))]
+pub async fn maintain(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+    done(&api, Ask::begin_maintenance(parse_robot(&api, &id)?)).await
+}
+
+/// End a robot's maintenance, or let a robot stay that was to leave.
+#[utoipa::path(delete, path = "/v1/robots/{id}/maintenance", tag = "floor", operation_id = "endMaintenance",
+    params(("id" = String, Path, example = "robot-1")), responses(
+    (status = 204, description = "It works again")))]
+pub async fn work_again(Called(api): Called, PathPart(id): PathPart) -> Result<StatusCode, Problem> {
+    done(&api, Ask::end_maintenance(parse_robot(&api, &id)?)).await
+}
+
+/// Say that people took a rack off a robot that cannot drive, and where in storage it stands now. A delivery with this
+/// rack waits for another robot, and the robot can be taken off the floor.
+#[utoipa::path(post, path = "/v1/racks/{id}/taken", tag = "floor", operation_id = "takeRack", request_body = TakenRack,
+    params(("id" = String, Path, example = "rack-1")), responses(
+    (status = 204, description = "It stands there, and that is durable"),
+    (status = 404, description = "There is no such rack"),
+    (status = 409, description = "The rack is on no robot, its robot can drive, or the node is taken"),
+    (status = 422, description = "There is no such node, or it is not a storage node")))]
+pub async fn take_rack(
+    Called(api): Called,
+    PathPart(id): PathPart,
+    JsonBody(taken): JsonBody<TakenRack>,
+) -> Result<StatusCode, Problem> {
+    let no_rack = || Problem::unknown("rack", requests::no_such_thing("rack", &id, "/v1/racks"));
+    let rack = api.map.rack_named(&id).ok_or_else(no_rack)?;
+    let detail = || unknown("node", &taken.node);
+    let node = api.map.node_named(&taken.node);
+    let node = node.ok_or_else(|| Problem::invalid(vec![FieldError::new("node", detail())]))?;
+    done(&api, Ask::take_rack(rack, node)).await
+}

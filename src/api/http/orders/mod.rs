@@ -1,0 +1,8 @@
+//! Handlers for what customers order: jobs for robots, assignments for workers.
+//!
+//! Main type: [`new_job::NewJob`]. Refuses: to choose who carries it out.
+
+pub mod assignments;
+pub mod batch;
+pub mod jobs;
+pub mod new_job;

@@ -1,0 +1,21 @@
+//! What the API needs from the program that runs it, whoever asks: the clock, the fleet at one moment, answers to
+//! questions about it, answers to repeated requests, trials of maps.
+//!
+//! Main types: [`Now`], [`Later`], `moment::Moment`, `questions::Question`, `answers::AnswerPort`, `trial::Trials`. It
+//! is the lowest room: what needs to know the caller is in `access` and `state`. Refuses: to know what answers, and to
+//! know callers, words and HTTP.
+
+pub mod answers;
+pub mod moment;
+pub mod questions;
+pub mod trial;
+
+use giveway_floor::time::Time;
+use std::pin::Pin;
+use std::sync::Arc;
+
+/// An answer that comes later.
+pub type Later<'a, T> = Pin<Box<dyn Future<Output = T> + Send + 'a>>;
+
+/// Reads the clock of the program that runs the API.
+pub type Now = Arc<dyn Fn() -> Time + Send + Sync>;

@@ -1,0 +1,592 @@
+//! All simulated workers: they join, get their assignments, come in by a door, are seen, are told, and leave.
+//!
+//! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what any client
+//! may read over the API.
+
+use super::entrance::entrance;
+use super::pairs::{Pairs, next_to};
+use super::sensor::Device;
+use super::shared_tasks::{SharedTasks, unassigned};
+use crate::askers::CREW;
+use crate::link::{Link, LinkFaults};
+use crate::random::Stream;
+use crate::scenario::{Assignments, Faults, Scenario, SecondTag, TaskSharing, Workers};
+use crate::walker::{Errand, PersonNear, RobotNear, Shown, Walker, WalkerSurroundings, WorkKnowledge, ease};
+use giveway_fleet::{
+    Assignment, AssignmentRequest, AssignmentState, Guidance, GuidanceReason, GuidanceState, Input, Ledger,
+    Token, WorkerAction,
+};
+use giveway_floor::geometry::{Point, Pose};
+use giveway_floor::id::{AssignmentId, NodeId, WorkerId};
+use giveway_floor::time::{Span, Time};
+use giveway_floor::warehouse::walkway::Walkways;
+use giveway_floor::warehouse::{NodeKind, Warehouse};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// So many assignments of a worker are always open.
+const AHEAD: u64 = 2;
+/// Purpose of the streams that draw where each works, see [`Stream::new`].
+const TASKS: u64 = 20;
+/// Workers come in one after another, so far apart.
+const APART: Span = Span::from_secs(3);
+/// Who was on the floor before this world began is not put nearer than this to a robot, metres.
+const BESIDE_M: f64 = 1.0;
+/// What has not come through, either way, is sent again after this.
+const AGAIN: Span = Span::from_millis(300);
+/// Workers who are told that the headset does not know where it is have touched marks after this.
+const TOUCHES_MARKS: Span = Span::from_secs(15);
+
+/// One worker with device and radio.
+#[derive(Debug)]
+struct Member {
+    name: String,
+    id: Option<WorkerId>,
+    enters: Time,
+    /// Where the fleet knew it to be before this world began: it never left.
+    stays: Option<Point>,
+    leaves: Time,
+    walker: Option<Walker>,
+    device: Option<Device>,
+    /// What it wears besides.
+    tag: Option<Device>,
+    tasks: Stream,
+    asked: u64,
+    done: BTreeSet<AssignmentId>,
+    /// What the fleet wants it to be told, how often that changed, and when it was sent last.
+    told: Option<(u64, Guidance)>,
+    sent: Time,
+    heard: u64,
+    radio: Link<(u64, Guidance)>,
+    /// The other way: what it is done with, and when it last said so.
+    button: Link<AssignmentId>,
+    pressed: Time,
+    /// What it may do next, and places that everybody knows.
+    job: Option<Errand>,
+    known: Vec<Point>,
+    /// Since when it has been told that the headset does not know, or knows badly, where it is.
+    asked_for_marks: Option<Time>,
+}
+
+/// All simulated workers.
+#[derive(Debug)]
+pub(crate) struct Crew {
+    workers: Workers,
+    walkways: Walkways,
+    doors: Vec<Point>,
+    fronts: Vec<NodeId>,
+    /// Where those are.
+    places: Vec<Point>,
+    seed: u64,
+    /// When the scenario began: its times count from here.
+    start: Time,
+    asked: u64,
+    members: Vec<Member>,
+    pairs: Pairs,
+    shared: SharedTasks,
+    /// How often devices that have left had each kind of fault.
+    counts: [u64; 3],
+}
+
+/// A worker as it truly is.
+#[derive(Clone, Copy, Debug)]
+pub struct TrueWorker {
+    /// Its number.
+    pub worker: usize,
+    /// Where, and where the head faces.
+    pub pose: Pose,
+    /// How fast, metres per second.
+    pub speed_mps: f64,
+}
+
+impl Crew {
+    /// The workers of a scenario, all outside; nothing where it has none or the map has no floor for people.
+    pub fn new(warehouse: &Arc<Warehouse>, scenario: &Scenario, seed: u64, now: Time) -> Option<Crew> {
+        let workers = scenario.workers.clone();
+        if workers.count == 0 {
+            return None;
+        }
+        let walkways = Walkways::of(warehouse);
+        let door = |n: &NodeId| walkways.on_floor(warehouse.nodes[*n].at);
+        let mut doors: Vec<Point> =
+            warehouse.nodes_where(|k| k == NodeKind::Exit).iter().filter_map(door).collect();
+        doors.extend(walkways.nodes().iter().next().map(|n| n.at).filter(|_| doors.is_empty()));
+        if doors.is_empty() {
+            return None;
+        }
+        let fronts = fronts(warehouse, &workers.assignments, &walkways);
+        let member = |i: usize| Member::new(i, &workers, &scenario.faults, seed, now);
+        let mut members: Vec<Member> = (0..workers.count).map(member).collect();
+        let pairs = Pairs::draw(workers.pairs, workers.count, seed);
+        for (i, member) in members.iter_mut().enumerate() {
+            member.tasks = Stream::new(seed, TASKS, pairs.leader(i) as u64);
+        }
+        let places = fronts.iter().map(|n| warehouse.nodes[*n].at).collect();
+        let counts = [0; 3];
+        Some(Crew {
+            workers,
+            walkways,
+            doors,
+            fronts,
+            places,
+            seed,
+            start: now,
+            asked: 0,
+            members,
+            pairs,
+            shared: SharedTasks::new(seed),
+            counts,
+        })
+    }
+
+    /// What is asked of the fleet, and what the devices have sent, by `now`.
+    pub fn say(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
+        let mut inputs = Vec::new();
+        self.share(now, ledger, &mut inputs);
+        for i in 0..self.members.len() {
+            self.join(i, ledger, &mut inputs);
+            self.want_assignments(i, now, ledger, &mut inputs);
+            self.confirm(i, now, ledger, &mut inputs);
+            self.members[i].look_up(ledger, &self.doors, &self.walkways);
+            let member = &mut self.members[i];
+            if let Some(device) = &mut member.device {
+                inputs.extend(device.arrivals(now).into_iter().map(Input::Sighted));
+            }
+            if let Some(tag) = &mut member.tag {
+                inputs.extend(tag.arrivals(now).into_iter().map(Input::Sighted));
+            }
+            if let (Some(worker), Some(walker)) = (member.id, &member.walker)
+                && walker.is_gone()
+                && let Some(device) = member.device.take()
+            {
+                add(&mut self.counts, device.counts());
+                member.tag = None;
+                let by = self.members[i].name.clone();
+                inputs.push(self.ask(WorkerAction::Clear { worker, by }));
+            }
+        }
+        inputs
+    }
+
+    fn ask(&mut self, action: WorkerAction) -> Input {
+        self.asked += 1;
+        Input::ask(Token { asker: CREW, number: self.asked }, action)
+    }
+
+    /// A worker whom the fleet does not know joins; the number is known a step later.
+    fn join(&mut self, i: usize, ledger: &Ledger, inputs: &mut Vec<Input>) {
+        if self.members[i].id.is_none() {
+            let name = self.members[i].name.clone();
+            let known = ledger.workers.pairs().find(|(_, n)| **n == name);
+            self.members[i].id = known.map(|(w, _)| w);
+            let place = known.and_then(|(w, _)| ledger.on_floor.get(&w));
+            if let Some(place) = place {
+                self.members[i].stays = self.walkways.on_floor(place.at.into());
+                self.members[i].enters = self.start;
+            }
+            if known.is_none() {
+                inputs.push(self.ask(WorkerAction::Register(name)));
+            }
+        }
+    }
+
+    /// Keeps assignments waiting for whoever is near, and takes them back when the last worker leaves.
+    fn share(&mut self, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
+        if self.workers.tasks != TaskSharing::Nearest {
+            return;
+        }
+        let (begins, ends) = (self.members[0].enters, self.members[0].leaves);
+        if now >= ends {
+            let left: Vec<AssignmentId> = unassigned(ledger).collect();
+            let back = |assignment| self.ask(WorkerAction::Unassign(assignment));
+            inputs.extend(left.into_iter().map(back));
+        } else if now >= begins {
+            let (count, what) = (self.members.len(), &self.workers.assignments);
+            let new = self.shared.ask(count, what, &self.fronts, ledger);
+            let ask = |request| self.ask(WorkerAction::Assign { worker: None, request });
+            inputs.extend(new.into_iter().map(ask));
+        }
+    }
+
+    /// Keeps assignments open for a worker until it leaves, and takes them back then.
+    fn want_assignments(&mut self, i: usize, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
+        let Some(worker) = self.members[i].id else { return };
+        if now >= self.members[i].leaves {
+            let open = ledger.assignments.iter().filter(|(_, a)| a.worker == Some(worker));
+            let open: Vec<AssignmentId> = open.map(|(id, _)| *id).collect();
+            inputs.extend(open.into_iter().map(|assignment| self.ask(WorkerAction::Unassign(assignment))));
+            return;
+        }
+        let stay_s = match self.workers.assignments {
+            Assignments::Random { stay_s } | Assignments::List { stay_s, .. } => stay_s,
+            Assignments::None => return,
+        };
+        let member = &self.members[i];
+        let shares = self.workers.tasks == TaskSharing::Nearest;
+        if now < member.enters || self.fronts.is_empty() || shares {
+            return;
+        }
+        let open = ledger.assignments.iter();
+        let open =
+            open.filter(|(id, a)| a.worker == Some(worker) && !member.done.contains(id)).count() as u64;
+        for _ in open..AHEAD {
+            let member = &mut self.members[i];
+            let at = match self.workers.assignments {
+                Assignments::List { .. } => member.asked as usize % self.fronts.len(),
+                _ => member.tasks.below(self.fronts.len()),
+            };
+            // Both of a pair draw the same places; the second takes the next one.
+            let at = if self.pairs.leader(i) == i { at } else { next_to(at, &self.places) };
+            let place = self.fronts[at];
+            member.asked += 1;
+            // A restarted world may have asked for the same before: the key says so.
+            let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
+            let stay = Span::from_secs_f64(stay_s);
+            let request = AssignmentRequest { place, stay, what: "pick".into(), key: key.map(Into::into) };
+            inputs.push(self.ask(WorkerAction::Assign { worker: Some(worker), request }));
+        }
+    }
+
+    /// A worker says what it is done with, until the fleet knows.
+    fn confirm(&mut self, i: usize, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
+        let member = &mut self.members[i];
+        let Some(worker) = member.id else { return };
+        let open = |id: &AssignmentId| ledger.assignments.contains_key(id);
+        if let Some(id) = member.done.iter().copied().find(open).filter(|_| now - member.pressed >= AGAIN) {
+            member.pressed = now;
+            member.button.send(now, id);
+        }
+        if let Some(assignment) = member.button.receive(now).filter(open) {
+            inputs.push(self.ask(WorkerAction::Finish(worker, assignment)));
+        }
+    }
+
+    /// Sends what the fleet says to a worker.
+    pub fn tell(&mut self, now: Time, worker: WorkerId, guidance: Guidance) {
+        if let Some(member) = self.members.iter_mut().find(|m| m.id == Some(worker)) {
+            let number = member.told.as_ref().map_or(1, |(n, _)| n + 1);
+            member.radio.send(now, (number, guidance.clone()));
+            (member.told, member.sent) = (Some((number, guidance)), now);
+        }
+    }
+
+    /// Everybody lives for `dt` seconds, up to `now`.
+    pub fn tick(&mut self, now: Time, dt: f64, robots: &[RobotNear]) {
+        let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
+        let seen = |m: &Member| m.walker.as_ref().filter(|w| !w.is_gone()).map(|w| w.seen(now));
+        let mut people: Vec<Option<PersonNear>> = self.members.iter().map(seen).collect();
+        for (i, member) in self.members.iter_mut().enumerate() {
+            member.listen(now);
+            let others = || people.iter().flatten().filter(|p| p.who != i);
+            if member.walker.is_none() {
+                let door = self.doors[i % self.doors.len()];
+                let waits = now >= member.enters && now < member.leaves && member.id.is_some();
+                let beside = |at: &Point| robots.iter().any(|r| (r.at - at).norm() < BESIDE_M);
+                let stays = member.stays.filter(|at| !beside(at));
+                if waits && let Some(at) = stays.or_else(|| entrance(door, &self.walkways, others(), robots))
+                {
+                    member.walker =
+                        Some(Walker::new(&self.workers, self.seed, i as u64, at, self.start, now));
+                    member.device = Some(Device::new(self.workers.sensor_of(i), self.seed, i as u64, now));
+                    let second = |tag: SecondTag| Device::second(tag.sensor(), self.seed, i as u64, now);
+                    member.tag = self.workers.tag.map(second);
+                    member.heard = 0;
+                }
+            }
+            let (Some(walker), Some(worker)) = (&mut member.walker, member.id) else { continue };
+            if walker.is_gone() {
+                continue;
+            }
+            if now >= member.leaves {
+                let far = |d: &Point| (d - walker.pose(now).at).norm();
+                let door = self.doors.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b)));
+                walker.send_home(door.expect("checked in `new`"));
+            }
+            let job = member.job.filter(|j| !member.done.contains(&j.id));
+            let here = walker.way_at();
+            let near: Vec<PersonNear> = others().filter(|p| p.matters_to(here)).copied().collect();
+            let companion = self.pairs.mate(i).and_then(|mate| people[mate]);
+            let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i], companion };
+            let around = WalkerSurroundings { walkways: &self.walkways, robots, people: &near };
+            walker.tick(now, dt, &around, &work);
+            // Those who walk after this one see where it is now.
+            people[i] = Some(walker.seen(now)).filter(|_| !walker.is_gone());
+            member.done.extend(walker.finished.drain(..));
+            let (pose, walked_m) = (walker.pose(now), walker.walked_m());
+            member.touch_marks(now);
+            for device in member.device.iter_mut().chain(&mut member.tag) {
+                device.look(now, worker, pose, walked_m);
+            }
+        }
+    }
+
+    /// Their radios do this to messages from now on.
+    pub fn set_faults(&mut self, faults: LinkFaults) {
+        for member in &mut self.members {
+            member.radio.set_faults(faults);
+            member.button.set_faults(faults);
+        }
+    }
+
+    /// The headset of a worker sends nothing until then. Whether there is one.
+    pub fn silence(&mut self, worker: WorkerId, until: Time) -> bool {
+        let device = self.members.iter_mut().find(|m| m.id == Some(worker)).and_then(|m| m.device.as_mut());
+        device.map(|device| device.fall_silent(until)).is_some()
+    }
+
+    /// How often their devices had each kind of fault.
+    pub fn injected(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let mut counts = self.counts;
+        let devices = self.members.iter().filter_map(|m| m.device.as_ref());
+        devices.for_each(|device| add(&mut counts, device.counts()));
+        ["headset_silences", "headset_jumps", "headset_resets"].into_iter().zip(counts)
+    }
+
+    fn colleagues(&self, i: usize, now: Time) -> Vec<Point> {
+        self.present(now).filter(|p| p.worker != i).map(|p| p.pose.at).collect()
+    }
+
+    /// Those on the floor, as they truly are.
+    pub fn present(&self, now: Time) -> impl Iterator<Item = TrueWorker> {
+        let walkers = self.members.iter().enumerate().filter_map(|(i, m)| m.walker.as_ref().map(|w| (i, w)));
+        let present = walkers.filter(|(_, w)| !w.is_gone());
+        present.map(move |(worker, w)| TrueWorker { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
+    }
+
+    /// The truth about each worker that has been on the floor: its number in the fleet, and the walker.
+    pub fn walkers(&self) -> impl Iterator<Item = (WorkerId, &Walker)> {
+        self.members.iter().filter_map(|m| m.id.zip(m.walker.as_ref()))
+    }
+
+    /// Assignments that workers have truly completed.
+    pub fn completed(&self) -> u64 {
+        self.members.iter().map(|m| m.done.len() as u64).sum()
+    }
+}
+
+fn add(sums: &mut [u64; 3], counts: [u64; 3]) {
+    sums.iter_mut().zip(counts).for_each(|(sum, n)| *sum += n);
+}
+
+impl Member {
+    fn new(i: usize, workers: &Workers, faults: &Faults, seed: u64, now: Time) -> Member {
+        let who = i as u64;
+        let link = |purpose, delays| (Stream::new(seed, purpose, who), Stream::new(seed, delays, who));
+        let (radio, button) = (link(21, 23), link(22, 24));
+        let enters = now + Span::from_secs_f64(workers.enter_s) + APART * i as i64;
+        Member {
+            name: format!("worker-{}", i + 1),
+            id: None,
+            enters,
+            stays: None,
+            leaves: workers.leave_s.map_or(Time::MAX, |s| now + Span::from_secs_f64(s)),
+            walker: None,
+            device: None,
+            tag: None,
+            tasks: Stream::new(seed, TASKS, who),
+            asked: 0,
+            done: BTreeSet::new(),
+            told: None,
+            sent: now,
+            heard: 0,
+            radio: Link::new(faults.into(), radio.0, radio.1),
+            button: Link::new(faults.into(), button.0, button.1),
+            pressed: now,
+            job: None,
+            known: Vec::new(),
+            asked_for_marks: None,
+        }
+    }
+
+    /// A worker who has been told for a while that the headset does not know where it is touches marks again.
+    fn touch_marks(&mut self, now: Time) {
+        if self.asked_for_marks.is_some_and(|since| now - since >= TOUCHES_MARKS) {
+            self.asked_for_marks = None;
+            self.device.iter_mut().for_each(Device::begin_frame);
+        }
+    }
+
+    /// Takes guidance off the radio, and asks for it again where it did not come through.
+    fn listen(&mut self, now: Time) {
+        if let Some((number, _)) = &self.told
+            && *number > self.heard
+            && now - self.sent >= AGAIN
+        {
+            self.sent = now;
+            self.radio.send(now, self.told.clone().expect("just seen"));
+        }
+        while let Some((number, guidance)) = self.radio.receive(now) {
+            if number > self.heard {
+                self.heard = number;
+                if let Some(walker) = &mut self.walker {
+                    walker.hear(now, shown(&guidance));
+                }
+                let asked = matches!(
+                    guidance.reason,
+                    Some(GuidanceReason::NotTracked | GuidanceReason::PlaceUnsure(_))
+                );
+                self.asked_for_marks = asked.then(|| self.asked_for_marks.unwrap_or(now));
+            }
+        }
+    }
+
+    /// Looks up what there is to do, and where.
+    fn look_up(&mut self, ledger: &Ledger, doors: &[Point], walkways: &Walkways) {
+        self.job = self.next_job(ledger, walkways);
+        let Some(worker) = self.id else { return };
+        let mine = ledger.assignments.values().filter(|a| a.worker == Some(worker));
+        let places = mine.map(|a| ledger.warehouse().nodes[a.request.place].at);
+        self.known = doors.iter().copied().chain(places.filter_map(|p| stand(p, walkways))).collect();
+    }
+
+    /// What it is to do next: what the device shows, or else the first that is not done.
+    fn next_job(&self, ledger: &Ledger, walkways: &Walkways) -> Option<Errand> {
+        let worker = self.id?;
+        let all = &ledger.assignments;
+        // Told to leave or to wait outside, it looks for no work.
+        let reason = self.told.as_ref().and_then(|(_, g)| g.reason);
+        if matches!(
+            reason,
+            Some(
+                GuidanceReason::Evacuation
+                    | GuidanceReason::LeavesClosure(_)
+                    | GuidanceReason::PlaceClosed(_)
+            )
+        ) {
+            return None;
+        }
+        let shown = self.told.as_ref().and_then(|(_, g)| g.assignment);
+        let is_open = |id: &AssignmentId, a: &Assignment| {
+            a.worker == Some(worker) && !a.state.is_over() && !self.done.contains(id)
+        };
+        let shown = shown.and_then(|id| all.get_key_value(&id)).filter(|(id, a)| is_open(id, a));
+        let at_work = |a: &Assignment| a.state != AssignmentState::Waiting;
+        let first = || all.iter().find(|(id, a)| is_open(id, a) && at_work(a));
+        let any = || all.iter().find(|(id, a)| is_open(id, a));
+        let (id, assignment) = shown.or_else(first).or_else(any)?;
+        let place = ledger.warehouse().nodes[assignment.request.place].at;
+        let at = stand(place, walkways)?;
+        Some(Errand { id: *id, at, stay: assignment.request.stay })
+    }
+}
+
+fn shown(g: &Guidance) -> Shown {
+    Shown {
+        version: g.version,
+        path: g.path.clone(),
+        redirected: g.state == GuidanceState::Redirected,
+        stop: g.state == GuidanceState::Stop,
+        leave: matches!(g.reason, Some(GuidanceReason::Evacuation | GuidanceReason::LeavesClosure(_))),
+    }
+}
+
+/// Where somebody stands to reach a place.
+fn stand(place: Point, walkways: &Walkways) -> Option<Point> {
+    walkways.on_floor(place).map(|p| ease(p, walkways))
+}
+
+/// Nodes where there is something to do for people: storage places that can be reached on foot, or those named.
+fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways) -> Vec<NodeId> {
+    let named = |n: NodeId, places: &[String]| places.contains(&warehouse.nodes[n].name);
+    let all = match assignments {
+        Assignments::None => Vec::new(),
+        Assignments::Random { .. } => warehouse.nodes_where(|k| k == NodeKind::Storage),
+        Assignments::List { places, .. } => {
+            let place = |p: &String| warehouse.nodes.ids().find(|n| named(*n, std::slice::from_ref(p)));
+            places.iter().filter_map(place).collect()
+        }
+    };
+    let reached = |n: &NodeId| walkways.on_floor(warehouse.nodes[*n].at).is_some();
+    all.into_iter().filter(reached).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scenario::Sensor;
+    use giveway_fleet::{Fleet, Request, Settings};
+    use giveway_floor::geometry::Vector;
+    use giveway_floor::warehouse::thesis;
+    use giveway_people::human::Presence;
+
+    #[test]
+    fn nobody_steps_through_a_door_in_front_of_a_robot_that_could_not_stop() {
+        let warehouse = Arc::new(thesis());
+        let workers = Workers { count: 1, ..Workers::default() };
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let scenario = Scenario { workers, ..Scenario::parse(text).expect("it is one") };
+        let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
+        let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");
+        let mut now = Time::ZERO;
+        let mut live = |speed_mps: f64, far_m: f64, crew: &mut Crew| {
+            now += Span::from_millis(100);
+            let inputs = crew.say(now, fleet.ledger());
+            fleet.step(now, inputs);
+            let velocity = Vector::new(-speed_mps, 0.0);
+            let robot = RobotNear { at: crew.doors[0] + Vector::new(far_m, 0.0), velocity, half_m: 0.45 };
+            crew.tick(now, 0.1, &[robot]);
+            crew.present(now).count()
+        };
+        for _ in 0..50 {
+            assert_eq!(live(1.5, 4.0, &mut crew), 0, "it is there in three seconds");
+            assert_eq!(live(0.0, 1.0, &mut crew), 0, "it stands in the way");
+        }
+        assert_eq!(live(0.0, 4.0, &mut crew), 1, "one that stands elsewhere does not matter");
+    }
+
+    #[test]
+    fn a_worker_says_to_be_done_until_the_fleet_knows_whatever_the_radio_loses() {
+        let warehouse = Arc::new(thesis());
+        let workers = Workers { count: 1, enter_s: 0.0, ..Workers::default() };
+        let faults = Faults { message_loss: 0.7, message_delay_ms: 100, ..Faults::default() };
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let scenario = Scenario { workers, faults, ..Scenario::parse(text).expect("it is one") };
+        let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
+        let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");
+        let mut now = Time::ZERO;
+        let mut asked = 0;
+        let mut done = |crew: &mut Crew| {
+            now += Span::from_millis(100);
+            let inputs = crew.say(now, fleet.ledger());
+            let says_so = |i: &&Input| {
+                matches!(i, Input::Ask { request: Request::Worker(WorkerAction::Finish(..)), .. })
+            };
+            asked += inputs.iter().filter(says_so).count();
+            fleet.step(now, inputs);
+            let open: Vec<AssignmentId> = fleet.ledger().assignments.keys().copied().collect();
+            (fleet.ledger().counts.human_deliveries, open, asked)
+        };
+        let open = (0..10).map(|_| done(&mut crew).1).last().expect("ten times");
+        assert_eq!(open.len() as u64, AHEAD);
+        crew.members[0].done.insert(open[0]);
+        let told = (0..100).map(|_| done(&mut crew)).find(|(n, ..)| *n > 0).expect("it came through");
+        assert!(!told.1.contains(&open[0]));
+        let later = (0..20).map(|_| done(&mut crew)).last().expect("twenty times");
+        assert_eq!((later.0, later.2), (1, told.2), "said once, whatever was lost before");
+    }
+
+    #[test]
+    fn a_worker_whose_headset_is_off_the_map_touches_marks_and_is_seen_again() {
+        let warehouse = Arc::new(thesis());
+        let sensor = Sensor { drift: 50.0, ..Sensor::default() };
+        let workers = Workers { count: 1, enter_s: 0.0, sensor, ..Workers::default() };
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let scenario = Scenario { workers, ..Scenario::parse(text).expect("it is one") };
+        let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
+        let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");
+        let mut seen = Vec::new();
+        for i in 1..1200 {
+            let now = Time(i * 100_000);
+            let inputs = crew.say(now, fleet.ledger());
+            let step = fleet.step(now, inputs);
+            step.guidance.into_iter().for_each(|(worker, guidance)| crew.tell(now, worker, guidance));
+            crew.tick(now, 0.1, &[]);
+            let presence = fleet.view(now).workers.first().map(|w| w.presence);
+            if seen.last() != Some(&presence) {
+                seen.push(presence);
+            }
+        }
+        let found = |w: &[Option<Presence>]| w == [Some(Presence::Lost), Some(Presence::Tracked)];
+        assert!(seen.windows(2).filter(|w| found(w)).count() >= 2, "{seen:?}");
+    }
+}

@@ -1,0 +1,99 @@
+//! Where people push robots: onto a node nearby, or to a place between nodes, where no robot is about to come.
+//!
+//! Main type: [`PushSurroundings`]. Refuses: to put a robot before one that drives; people would see that, and the
+//! fleet hears of it only after a report and an order.
+
+use crate::random::Stream;
+use giveway_fleet::{OFF_ROUTE_M, RackAt};
+use giveway_floor::geometry::{Point, Segment, Vector, axis_distance};
+use giveway_floor::id::{IdVec, NodeId, RackId};
+use giveway_floor::route::Kinematics;
+use giveway_floor::warehouse::Warehouse;
+
+/// Nobody pushes a robot farther than this, metres, if there is a place.
+pub(crate) const NEARBY_M: f64 = 4.0;
+/// A place between nodes is so much farther from each than what counts as being there, metres.
+const BETWEEN_M: f64 = 0.05;
+/// It may be so far beside the lane, metres.
+const BESIDE_M: f64 = 0.2;
+/// Places that are tried.
+const TRIES: usize = 20;
+/// No robot is pushed nearer to a person, metres between centres.
+const PERSON_M: f64 = 1.2;
+/// Robots that only just touch are too near, metres.
+const ROOM_M: f64 = 0.05;
+
+/// What is around a robot that is pushed.
+pub(crate) struct PushSurroundings<'a> {
+    pub warehouse: &'a Warehouse,
+    pub racks: &'a IdVec<RackId, RackAt>,
+    /// Where other robots are, and how fast.
+    pub others: Vec<(Point, f64)>,
+    /// Where people are: nobody pushes a robot onto a person.
+    pub people: Vec<Point>,
+    pub kinematics: Kinematics,
+    /// How long another robot may drive on before it hears of a push, seconds.
+    pub blind_s: f64,
+}
+
+impl PushSurroundings<'_> {
+    /// A place near `at`, with the node nearest to it; nothing where none was found.
+    pub fn place_near(
+        &self,
+        (at, nearby_m): (Point, f64),
+        loaded: bool,
+        onto_node: bool,
+        random: &mut Stream,
+    ) -> Option<(Point, NodeId)> {
+        let nodes = self.warehouse.nodes_within(at, nearby_m);
+        if nodes.is_empty() {
+            return None;
+        }
+        let mut tries = (0..TRIES).map(|_| {
+            let node = nodes[random.below(nodes.len())];
+            if onto_node { self.warehouse.nodes[node].at } else { self.beside(node, random) }
+        });
+        let there = tries.find(|p| self.is_free(*p, loaded) && (onto_node || self.is_between(*p)))?;
+        let place = |n: NodeId| (self.warehouse.nodes[n].at - there).norm();
+        let nearest = nodes.into_iter().min_by(|a, b| place(*a).total_cmp(&place(*b)))?;
+        Some((there, nearest))
+    }
+
+    /// Somewhere on a lane that begins at a node, or a little beside it.
+    fn beside(&self, node: NodeId, random: &mut Stream) -> Point {
+        let ways: Vec<NodeId> = self.warehouse.ways(node).map(|(_, w)| w.to).collect();
+        let at = |n: NodeId| self.warehouse.nodes[n].at;
+        if ways.is_empty() {
+            return at(node);
+        }
+        let lane = Segment { a: at(node), b: at(ways[random.below(ways.len())]) };
+        let along = lane.b - lane.a;
+        let aside = Vector::new(-along.y, along.x) / along.norm().max(1e-9);
+        lane.point(random.between(0.3, 0.7)) + aside * random.between(-BESIDE_M, BESIDE_M)
+    }
+
+    fn is_between(&self, p: Point) -> bool {
+        self.warehouse.nodes_within(p, OFF_ROUTE_M + BETWEEN_M).is_empty()
+    }
+
+    /// Whether no robot comes here before it hears of it, and no rack stands where a rack is brought.
+    fn is_free(&self, p: Point, loaded: bool) -> bool {
+        let side = self.warehouse.footprint_m;
+        let of_robots =
+            self.others.iter().all(|(at, speed)| axis_distance(p, *at) >= side + self.reach(*speed));
+        let stored = |at: &RackAt| match at {
+            RackAt::Stored(n) => axis_distance(p, self.warehouse.nodes[*n].at) < side,
+            RackAt::On(_) => false,
+        };
+        let of_people = self.people.iter().all(|at| (p - at).norm() >= PERSON_M);
+        of_robots && of_people && !(loaded && self.racks.iter().any(stored))
+    }
+
+    /// How far a robot may come before it stands, metres: one that stands now speeds up and brakes as long.
+    fn reach(&self, speed_mps: f64) -> f64 {
+        let (top, accel) = (self.kinematics.top_mps(false), self.kinematics.accel_mps2(true));
+        let driving = top * self.blind_s + top * top / (2.0 * accel);
+        let standing = top.min(self.kinematics.accel_mps2(false) * self.blind_s) * self.blind_s;
+        ROOM_M + if speed_mps > 0.0 { driving } else { standing }
+    }
+}
