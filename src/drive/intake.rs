@@ -105,6 +105,7 @@ fn token_of_client(input: &Input) -> Option<Token> {
     match input {
         Input::Ask { token, .. } => Some(*token).filter(|token| token.asker == Asker::CLIENTS),
         Input::Telemetry(_)
+        | Input::Link(..)
         | Input::Sighted(_)
         | Input::Hands(_)
         | Input::Arm(_)

@@ -43,7 +43,7 @@ impl TestLoop {
         let join = |(i, node)| {
             Input::ask(
                 Token { asker: Asker(2), number: 0 },
-                RobotAction::Register { name: name(i), kind: kind(), node },
+                RobotAction::Register { name: name(i), kind: kind(), node, link: None },
             )
         };
         let joins = test.places.clone().into_iter().enumerate().map(join).collect();

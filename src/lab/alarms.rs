@@ -13,7 +13,7 @@ use giveway_floor::id::{Dense, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_sim::{Demand, Faults, Scenario, Simulation, Workers};
-use giveway_site::Site;
+use giveway_site::{Site, SiteLinks};
 use std::sync::Arc;
 
 /// The floor works for so long before something goes wrong; up to as long again, drawn from the seed.
@@ -291,9 +291,9 @@ impl HealthyFloor {
 }
 
 fn scenario(name: &str, (robots, workers): (usize, usize), duration: Span, seed: u64) -> Scenario {
-    let site = Site { name: name.into(), period: Span::from_millis(100), ..Site::default() };
+    let links = SiteLinks::simulated(robots);
+    let site = Site { name: name.into(), period: Span::from_millis(100), links, ..Site::default() };
     Scenario {
-        robots,
         duration,
         seed,
         demand: Demand::Backlog(robots),

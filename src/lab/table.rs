@@ -13,7 +13,7 @@ use giveway_sim::measure::detection::Score;
 use giveway_sim::{
     CalmFigures, Causes, Demand, Deviations, EncounterFigures, Outcome, Scenario, Sensor, Simulation, Workers,
 };
-use giveway_site::Site;
+use giveway_site::{Site, SiteLinks};
 use std::sync::Arc;
 
 /// When workers come in, seconds (Petković 2021, figure 4.8).
@@ -160,10 +160,10 @@ impl TableSetup {
             period: Span::from_millis(100),
             node_windows: self.node_windows,
             policy: arm,
+            links: SiteLinks::simulated(self.robots),
             ..Site::default()
         };
         Scenario {
-            robots: self.robots,
             duration: Span::from_secs_f64(self.seconds),
             seed,
             demand: Demand::Backlog(self.robots),

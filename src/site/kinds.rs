@@ -4,7 +4,8 @@
 //! name, figures that cannot be.
 
 use crate::check::{SiteError, check};
-use giveway_fleet::{Charging, RobotKind, USUAL_KIND};
+use crate::words;
+use giveway_fleet::{Capabilities, Charging, ObeyedLimits, RobotKind, USUAL_KIND};
 use giveway_floor::geometry::Point;
 use giveway_floor::route::Kinematics;
 use giveway_floor::text::name_fault;
@@ -28,6 +29,25 @@ pub struct KindFigures {
     carries: Option<Vec<String>>,
     payload_kg: Option<f64>,
     free_navigation: bool,
+    can: CapabilityFigures,
+}
+
+/// [`Capabilities`] as files name them.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct CapabilityFigures {
+    revocation: bool,
+    #[serde(deserialize_with = "words::limits")]
+    limits: ObeyedLimits,
+    drives_back: bool,
+    horizon_nodes: usize,
+}
+
+impl Default for CapabilityFigures {
+    fn default() -> CapabilityFigures {
+        let Capabilities { revocation, limits, drives_back, horizon_nodes } = Capabilities::default();
+        CapabilityFigures { revocation, limits, drives_back, horizon_nodes }
+    }
 }
 
 /// An outline as files name it.
@@ -153,6 +173,14 @@ impl Battery {
     }
 }
 
+impl CapabilityFigures {
+    fn read(&self, of: &str) -> Result<Capabilities, SiteError> {
+        let CapabilityFigures { revocation, limits, drives_back, horizon_nodes } = *self;
+        check(&format!("{of}.horizon_nodes"), horizon_nodes as f64, 0.0..=100.0, "from 0 to 100")?;
+        Ok(Capabilities { revocation, limits, drives_back, horizon_nodes })
+    }
+}
+
 impl KindFigures {
     fn kind(self, name: String, of: &str) -> Result<RobotKind, SiteError> {
         let kinematics = self.kinematics(of)?;
@@ -165,8 +193,18 @@ impl KindFigures {
         check(&format!("{of}.payload_kg"), payload_kg, 0.0..=f64::INFINITY, "0 or more")?;
         let turns = self.drive == DriveWord::Differential;
         let footprints = outlines.map(|(_, outline)| outline.as_ref().map(|o| o.footprint(turns)));
+        let capabilities = self.can.read(&format!("{of}.can"))?;
         let KindFigures { carries, free_navigation, .. } = self;
-        Ok(RobotKind { name, kinematics, charging, footprints, carries, payload_kg, free_navigation })
+        Ok(RobotKind {
+            name,
+            kinematics,
+            charging,
+            footprints,
+            carries,
+            payload_kg,
+            free_navigation,
+            capabilities,
+        })
     }
 
     fn kinematics(&self, of: &str) -> Result<Kinematics, SiteError> {

@@ -15,7 +15,7 @@ pub use kinds::{KindFigures, NamedKind, read_kind, read_kinds};
 
 use giveway_cell::Flow;
 use giveway_cell::arm::ArmMode;
-use giveway_fleet::{FloorLimits, RobotKind, Settings, fitted};
+use giveway_fleet::{FloorLimits, RobotKind, Settings, USUAL_LINK, fitted};
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::{Findings, Warehouse};
 use giveway_people::aware::{HumanAwarePolicy, NodeWindows};
@@ -73,6 +73,18 @@ pub struct SimLink {
     pub robots: usize,
 }
 
+impl SiteLinks {
+    /// A link to so many simulated robots.
+    pub fn simulated(robots: usize) -> SiteLinks {
+        SiteLinks { sim: Some(SimLink { robots }) }
+    }
+
+    /// The names of its links.
+    pub fn names(&self) -> Vec<String> {
+        self.sim.iter().map(|_| USUAL_LINK.to_owned()).collect()
+    }
+}
+
 impl Default for Site {
     /// A floor with robots of one kind, a map that is still to be named, and no links.
     fn default() -> Site {
@@ -118,6 +130,7 @@ impl Site {
             node_windows: self.node_windows,
             flow: self.flow,
             arm_mode: self.arm_mode,
+            links: self.links.names(),
             worker_price: self.worker_price,
             limits: self.limits,
             model: self.learned.clone(),

@@ -6,6 +6,7 @@
 
 use giveway_cell::Flow;
 use giveway_cell::arm::ArmMode;
+use giveway_fleet::ObeyedLimits;
 use giveway_people::aware::{HumanAwarePolicy, NodeWindows};
 use giveway_people::human::Method;
 use serde::de::Error;
@@ -48,6 +49,12 @@ pub fn method<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Method>, D::E
 /// How the fleet finds out when a worker takes a node.
 pub fn node_windows<'de, D: Deserializer<'de>>(from: D) -> Result<Option<NodeWindows>, D::Error> {
     read(from, &NODE_WINDOWS)
+}
+
+/// Which limits of its speed a robot obeys within what it was granted.
+pub fn limits<'de, D: Deserializer<'de>>(from: D) -> Result<ObeyedLimits, D::Error> {
+    find(&String::deserialize(from)?, &ObeyedLimits::ALL.map(|limits| (limits.word(), limits)))
+        .map_err(D::Error::custom)
 }
 
 /// What the fleet makes of order lines and hands at picking stations.

@@ -4,7 +4,7 @@
 //! Main functions: `write`, `read`, `outlines`; main type: [`RobotKindRecord`]. Refuses: to say beside the map what
 //! holds do not depend on.
 
-use giveway_fleet::{Charging, RobotKind};
+use giveway_fleet::{Capabilities, Charging, ObeyedLimits, RobotKind};
 use giveway_floor::geometry::Point;
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::Span;
@@ -50,6 +50,43 @@ pub(super) struct RobotKindRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     payload_kg: Option<f64>,
     free_navigation: bool,
+    #[serde(default, skip_serializing_if = "is_usual")]
+    capabilities: CapabilityRecord,
+}
+
+/// What robots of a kind can do.
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
+struct CapabilityRecord {
+    revocation: bool,
+    limits: String,
+    drives_back: bool,
+    horizon_nodes: usize,
+}
+
+impl Default for CapabilityRecord {
+    fn default() -> CapabilityRecord {
+        Capabilities::default().into()
+    }
+}
+
+fn is_usual(record: &CapabilityRecord) -> bool {
+    *record == CapabilityRecord::default()
+}
+
+impl From<Capabilities> for CapabilityRecord {
+    fn from(c: Capabilities) -> CapabilityRecord {
+        let Capabilities { revocation, limits, drives_back, horizon_nodes } = c;
+        CapabilityRecord { revocation, limits: limits.word().to_owned(), drives_back, horizon_nodes }
+    }
+}
+
+impl From<CapabilityRecord> for Capabilities {
+    fn from(r: CapabilityRecord) -> Capabilities {
+        let CapabilityRecord { revocation, limits, drives_back, horizon_nodes } = r;
+        // A word of a later version: nothing is relied on.
+        let limits = ObeyedLimits::of_word(&limits).unwrap_or(ObeyedLimits::Nothing);
+        Capabilities { revocation, limits, drives_back, horizon_nodes }
+    }
 }
 
 /// When robots of a kind charge.
@@ -83,6 +120,7 @@ impl From<&RobotKind> for RobotKindRecord {
             carries: kind.carries.clone(),
             payload_kg: bounded(kind.payload_kg),
             free_navigation: kind.free_navigation,
+            capabilities: kind.capabilities.into(),
         }
     }
 }
@@ -107,6 +145,7 @@ impl From<RobotKindRecord> for RobotKind {
             carries: r.carries,
             payload_kg: r.payload_kg.unwrap_or(f64::INFINITY),
             free_navigation: r.free_navigation,
+            capabilities: r.capabilities.into(),
         }
     }
 }

@@ -12,7 +12,7 @@ use super::line_record::LinesRecord;
 use super::people_record::{
     AssignmentRecord, AssignmentStateRecord, ClosureRecord, LastPlaceRecord, RecurringRecord,
 };
-use super::record::{is_usual_kind, usual_kind};
+use super::record::{is_usual_kind, is_usual_link, usual_kind, usual_link};
 use super::route_record::{StopRecord, VisitRecord};
 use giveway_fleet::{
     Assignment, ClientKey, Closure, Contradiction, Job, Keys, Ledger, Parts, Promises, RackAt, Robot,
@@ -78,6 +78,8 @@ struct RobotRecord {
     name: String,
     #[serde(default = "usual_kind", skip_serializing_if = "is_usual_kind")]
     kind: String,
+    #[serde(default = "usual_link", skip_serializing_if = "is_usual_link")]
+    link: String,
     task: TaskRecord,
     stops: Vec<StopRecord>,
     acted: Option<u64>,
@@ -320,6 +322,7 @@ impl From<&Robot> for RobotRecord {
         RobotRecord {
             name: r.name.clone(),
             kind: r.kind.clone(),
+            link: r.link.clone(),
             task: r.task.into(),
             stops: r.stops.iter().map(StopRecord::from).collect(),
             acted: r.acted,
@@ -347,6 +350,7 @@ impl From<RobotRecord> for Robot {
         Robot {
             name: r.name,
             kind: r.kind,
+            link: r.link,
             task: r.task.into(),
             stops: r.stops.into_iter().map(Stop::from).collect(),
             acted: r.acted,

@@ -8,7 +8,8 @@ use giveway_cell::LineChange;
 use giveway_fleet::{
     AreaFact, AssignmentFact, AssignmentRequest, AssignmentState, Booking, Closure, Encounter, EncounterFact,
     Fact, FloorFact, FloorNote, JobFact, JobKind, JobRequest, JobState, KeptRoute, LastPlace, Moved,
-    Reaction, RecurringClosure, RobotChoice, RobotFact, RobotKind, RouteFact, Task, USUAL_KIND, WorkerFact,
+    Reaction, RecurringClosure, RobotChoice, RobotFact, RobotKind, RouteFact, Task, USUAL_KIND, USUAL_LINK,
+    WorkerFact,
 };
 use giveway_floor::id::{
     AssignmentId, ClosureId, JobId, NodeId, RackId, RobotId, SeriesId, StationId, WorkerId,
@@ -156,6 +157,7 @@ records! {
         Retired = Robot(RobotFact::Retired) { robot: RobotId, at: Time }
         Left = Robot(RobotFact::Left) { robot: RobotId, at: Time }
         Returned = Robot(RobotFact::Returned) { robot: RobotId, kind: String, node: NodeId, at: Time }
+        Linked = Robot(RobotFact::Linked) { robot: RobotId, link: String }
         RackTaken = Robot(RobotFact::RackTaken) { robot: RobotId, rack: RackId, node: NodeId, at: Time }
 
         Routed = Route(RouteFact::Routed) { bookings: Vec<Booking> }
@@ -247,6 +249,15 @@ records! {
             at: Time
         }
     }
+}
+
+/// Robots from before links had names are behind this one, and it is left out of what is written.
+pub(super) fn usual_link() -> String {
+    USUAL_LINK.to_owned()
+}
+
+pub(super) fn is_usual_link(link: &String) -> bool {
+    link == USUAL_LINK
 }
 
 /// Robots from before there were kinds are of this one, and it is left out of what is written.

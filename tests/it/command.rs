@@ -224,6 +224,25 @@ async fn a_server_runs_a_site_without_any_scenario_and_refuses_to_run_both() {
     assert!(!both.status.success() && said.contains("leave one of them out"), "{said}");
 }
 
+#[tokio::test]
+async fn on_a_site_without_links_no_robot_joins_and_the_refusal_says_what_to_do() {
+    let folder = Folder::new();
+    let site = folder.path().join("site.json");
+    let map = concat!(env!("CARGO_MANIFEST_DIR"), "/maps/lab.json");
+    std::fs::write(&site, json!({"giveway_site": 1, "name": "lab", "map": map}).to_string()).unwrap();
+    let (site, database) = (site.to_str().unwrap(), folder.database());
+    let serve =
+        ["serve", "--site", site, "--listen", "127.0.0.1:0", "--database", database.to_str().unwrap()];
+    let (_server, at) = Shown::of(&serve);
+    until_ready(at).await;
+    let node = get(at, "/v1/map").await.json()["nodes"][0]["id"].clone();
+    let robot = json!({"name": "agv-1", "node": node});
+    let json = [("content-type", "application/json")];
+    let answer = send(at, "POST", "/v1/robots", &json, &robot.to_string()).await.unwrap();
+    assert_eq!((answer.status, answer.json()["type"].as_str().unwrap()), (409, "/problems/no-link"));
+    assert!(answer.json()["detail"].as_str().unwrap().contains("add one to `links`"), "{answer:?}");
+}
+
 #[test]
 fn what_the_server_writes_is_for_its_user_alone() {
     use std::os::unix::fs::PermissionsExt;

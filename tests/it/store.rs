@@ -3,10 +3,11 @@
 use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
 use giveway::fleet::{
     Act, AreaFact, AssignmentFact, AssignmentQuery, AssignmentRequest, AssignmentState, Binds, Booking,
-    Charging, Closure, Encounter, EncounterFact, EncounterQuery, EventDetails, EventKind, EventQuery, Fact,
-    FloorFact, FloorNote, JobFact, JobFailure, JobKind, JobQuery, JobRequest, JobState, KeptRoute, LastPlace,
-    LocalClock, Moved, Purpose, Reaction, Recurrence, RecurringClosure, ReplanCause, RobotEventQuery,
-    RobotEventSource, RobotFact, RobotKind, RouteFact, Stop, Task, Weekdays, WorkerFact,
+    Capabilities, Charging, Closure, Encounter, EncounterFact, EncounterQuery, EventDetails, EventKind,
+    EventQuery, Fact, FloorFact, FloorNote, JobFact, JobFailure, JobKind, JobQuery, JobRequest, JobState,
+    KeptRoute, LastPlace, LocalClock, Moved, ObeyedLimits, Purpose, Reaction, Recurrence, RecurringClosure,
+    ReplanCause, RobotEventQuery, RobotEventSource, RobotFact, RobotKind, RouteFact, Stop, Task, Weekdays,
+    WorkerFact,
 };
 use giveway::geometry::{Point, Spot};
 use giveway::id::{
@@ -49,6 +50,12 @@ fn odd_kind() -> RobotKind {
         carries: Some(vec!["bin".into()]),
         payload_kg: 60.5,
         free_navigation: true,
+        capabilities: Capabilities {
+            revocation: false,
+            limits: ObeyedLimits::Stops,
+            drives_back: false,
+            horizon_nodes: 3,
+        },
     }
 }
 
@@ -94,6 +101,7 @@ fn every_fact() -> Vec<Fact> {
         }),
         Fact::Floor(FloorFact::KeysExpired { jobs: vec![job], assignments: vec![] }),
         Fact::Floor(FloorFact::KeysExpired { jobs: vec![], assignments: vec![AssignmentId(3)] }),
+        Fact::Robot(RobotFact::Linked { robot, link: "mqtt".into() }),
         Fact::Robot(RobotFact::Failed { robot, at }),
         Fact::Robot(RobotFact::Repaired { robot, at }),
         Fact::Robot(RobotFact::Fenced { robot, at }),

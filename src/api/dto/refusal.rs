@@ -105,6 +105,9 @@ fn about_robots(map: &Warehouse, why: RobotRefusal) -> Problem {
         RobotRefusal::NotForKind(n) => field("place", say::node_not_for_kind(node_name(map, n))),
         RobotRefusal::PlaceTaken(n) => place_taken(node_name(map, n)),
         RobotRefusal::CanDrive(_) => robot_can_drive(),
+        RobotRefusal::NoLink => Problem::conflict("no-link", "The floor has no link", say::no_link()),
+        RobotRefusal::UnknownLink => field("link", say::unknown_link()),
+        RobotRefusal::WhichLink => field("link", say::which_link()),
     }
 }
 

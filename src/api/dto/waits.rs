@@ -178,6 +178,7 @@ impl Names<'_> {
             Why::Displaced(_) => (About::Displaced, None),
             Why::BlockedBy(r) => (About::Robot, Some((self.robot(r), By::Robot))),
             Why::Silent => (About::Silent, None),
+            Why::Refused => (About::Refused, None),
             Why::Paused => (About::Paused, None),
             Why::Maintenance => (About::Maintenance, None),
             Why::Leaving | Why::Gone => (About::Leaving, None),

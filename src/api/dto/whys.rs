@@ -76,6 +76,10 @@ impl Names<'_> {
     /// Why a robot does not go on, with what becomes of its rack.
     pub fn why_of(&self, robot: &RobotView, why: Why) -> Sentence {
         match (why, robot.rack.and_then(|r| self.map.racks.get(r))) {
+            (Why::Refused, _) => {
+                let words = robot.link_state.as_ref().and_then(|link| link.refuses.as_deref());
+                words.map_or_else(reasons::refused, reasons::refused_because)
+            }
             (Why::Failed, Some(rack)) => reasons::cannot_drive_with_rack(&rack.name),
             _ => self.why(why),
         }
@@ -101,6 +105,7 @@ impl Names<'_> {
             Why::Displaced(displacement) => displacement_words(self.map, |r| self.robot(r), displacement),
             Why::BlockedBy(r) => reasons::blocked_by(self.robot(r)),
             Why::Silent => reasons::silent(),
+            Why::Refused => reasons::refused(),
             Why::Paused => reasons::paused(),
             Why::Maintenance => reasons::in_maintenance(),
             Why::Leaving => reasons::leaves(),

@@ -15,6 +15,8 @@ use std::io::Read;
 fn robot(name: &str, x: f64) -> RobotView {
     RobotView {
         kind: "robot".into(),
+        link: "sim".into(),
+        link_state: None,
         critical: 0.15,
         maintenance: false,
         leaving: false,

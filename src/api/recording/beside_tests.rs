@@ -18,6 +18,8 @@ fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
     let now = zero + Span::from_secs_f64(at_s);
     let robot = RobotView {
         kind: "robot".into(),
+        link: "sim".into(),
+        link_state: None,
         critical: 0.15,
         maintenance: false,
         leaving: false,

@@ -50,6 +50,7 @@ impl StandingFloor {
                     name: format!("robot-{}", i + 1),
                     kind: crate::USUAL_KIND.into(),
                     node: *node,
+                    link: None,
                 },
             )
         };

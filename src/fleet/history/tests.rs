@@ -14,6 +14,8 @@ fn start() -> Time {
 
 fn robot(at: usize, why: Option<Why>) -> RobotView {
     RobotView {
+        link: "sim".into(),
+        link_state: None,
         kind: "robot".into(),
         critical: 0.15,
         maintenance: false,

@@ -133,6 +133,8 @@ impl Fleet {
             heard: self.writer.scene.heard(r),
             speed_mps: seen.map_or(0.0, |t| t.speed_mps),
             kind: record.kind.clone(),
+            link: record.link.clone(),
+            link_state: self.writer.scene.link(r).cloned(),
             battery: seen.map_or(0.0, |t| t.battery),
             critical: self.floor().charging(r).critical,
             maintenance: matches!(record.service, Service::Maintenance { .. }),

@@ -12,6 +12,7 @@ use crate::state::index::urgency_ms;
 use crate::state::io::{CellWarning, Telemetry};
 use crate::state::job::{Job, JobRequest};
 use crate::state::ledger::RackAt;
+use crate::state::link::LinkState;
 use crate::state::passing::Passing;
 use crate::state::worker::{GuidanceReason, GuidanceState};
 use giveway_cell::HandsSeen;
@@ -50,6 +51,11 @@ impl Fleet {
     /// Whether a robot was heard of lately and can drive.
     pub fn is_fit(&self, robot: RobotId, now: Time) -> bool {
         self.writer.scene.fit(robot, now).is_some()
+    }
+
+    /// How it is with a robot at its link; nothing where it is as usual.
+    pub fn link_state(&self, robot: RobotId) -> Option<&LinkState> {
+        self.writer.scene.link(robot)
     }
 
     /// Whether a robot has no route for its task.

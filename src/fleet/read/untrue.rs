@@ -42,6 +42,7 @@ pub fn untrue(fleet: &Fleet, robot: RobotId, now: Time) -> Option<Why> {
         }
         Why::WayObstructed(_) => fleet.has_obstructions(),
         Why::Silent => !fleet.is_fit(robot, now),
+        Why::Refused => fleet.link_state(robot).is_some_and(|link| link.refuses.is_some()),
         Why::Paused => record.paused.is_some(),
         Why::Maintenance => matches!(record.service, Service::Maintenance { .. }),
         Why::Leaving => matches!(record.service, Service::Leaving { .. }),

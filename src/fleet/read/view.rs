@@ -13,6 +13,7 @@ use crate::state::job::{Job, JobRequest, JobState, RobotChoice};
 use crate::state::job_kind::JobKind;
 use crate::state::kinds::RobotKinds;
 use crate::state::ledger::{RackAt, Unconfirmed};
+use crate::state::link::LinkState;
 use crate::state::note::ReplanCause;
 use crate::state::recurring::RecurringClosure;
 use crate::state::visits::EndsHeld;
@@ -115,6 +116,10 @@ pub struct RobotView {
     pub speed_mps: f64,
     /// The name of its kind.
     pub kind: String,
+    /// The name of the link by which it is reached.
+    pub link: String,
+    /// How it is there; nothing where it is as usual.
+    pub link_state: Option<LinkState>,
     /// Charge, 0 to 1.
     pub battery: f64,
     /// Below this charge it takes no job.

@@ -48,6 +48,10 @@ impl Intake<'_> {
                 self.writer.scene.see(t, now)
             }
             Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot"),
+            Input::Link(robot, state) if robot.ix() < self.writer.ledger().robots.len() => {
+                self.writer.scene.hear_link(robot, state);
+            }
+            Input::Link(robot, _) => tracing::warn!(?robot, "a link knows a robot that is not here"),
             Input::Sighted(s) if self.writer.ledger().knows(s.worker) => {
                 self.heard.people.push(WorkerInput::Seen(s));
             }
@@ -87,7 +91,7 @@ impl Intake<'_> {
 
     fn take_robot(&mut self, action: RobotAction, now: Time) -> Answered {
         match action {
-            RobotAction::Register { name, kind, node } => self.register((name, kind), node, now),
+            RobotAction::Register { name, kind, node, link } => self.register((name, kind, link), node, now),
             RobotAction::BeginMaintenance(robot) => self.begin_maintenance(robot, now),
             RobotAction::EndMaintenance(robot) => self.end_maintenance(robot),
             RobotAction::Retire(robot) => self.retire(robot, now),

@@ -16,7 +16,12 @@ use giveway_floor::time::{Time, Window};
 
 impl Intake<'_> {
     /// A robot joins; one of this name is the same robot, wherever it stands by now.
-    pub(crate) fn register(&mut self, (name, kind): (String, String), node: NodeId, now: Time) -> Answered {
+    pub(crate) fn register(
+        &mut self,
+        (name, kind, link): (String, String, Option<String>),
+        node: NodeId,
+        now: Time,
+    ) -> Answered {
         let known = self.writer.ledger().robots.pairs().find(|(_, r)| r.name == name).map(|(robot, _)| robot);
         if let Some(robot) = known.filter(|r| !self.writer.ledger().robots[*r].is_gone()) {
             return Ok(Answer::Robot(Made { id: robot, new: false }));
@@ -24,6 +29,7 @@ impl Intake<'_> {
         if known.is_none() && self.writer.ledger().robots.len() >= self.writer.settings.limits.robots {
             return Err(Refusal::TooMany(Bounded::Robots, self.writer.ledger().robots.len()));
         }
+        let link = self.link_for(link)?;
         if self.writer.ledger().kinds().named(&kind).is_none() {
             return Err(Refusal::Robot(RobotRefusal::UnknownKind));
         }
@@ -49,7 +55,24 @@ impl Intake<'_> {
             None => Fact::Robot(RobotFact::Registered { robot, name, kind, node, at: now }),
             Some(_) => Fact::Robot(RobotFact::Returned { robot, kind, node, at: now }),
         });
+        // It has the usual link until it is said to have another one.
+        if self.writer.ledger().robots[robot].link != link {
+            self.writer.record(RobotFact::Linked { robot, link });
+        }
         Ok(Answer::Robot(Made { id: robot, new: true }))
+    }
+
+    /// The link by which a robot is reached: the named one, or the only one.
+    fn link_for(&self, named: Option<String>) -> Result<String, Refusal> {
+        let links = &self.writer.settings.links;
+        let refused = match (named, &links[..]) {
+            (_, []) => RobotRefusal::NoLink,
+            (Some(name), _) if links.contains(&name) => return Ok(name),
+            (Some(_), _) => RobotRefusal::UnknownLink,
+            (None, [only]) => return Ok(only.clone()),
+            (None, _) => RobotRefusal::WhichLink,
+        };
+        Err(Refusal::Robot(refused))
     }
 
     /// A robot goes to maintenance; one that leaves goes on leaving.

@@ -91,7 +91,7 @@ impl Activity {
             Why::Gone => Some(Activity::Gone),
             Why::Paused => Some(Activity::Paused),
             Why::Failed | Why::EmergencyStop | Why::Manual | Why::Displaced(_) => Some(Activity::Failed),
-            Why::Silent => Some(Activity::Offline),
+            Why::Silent | Why::Refused => Some(Activity::Offline),
             Why::Stopped | Why::Evacuation => Some(Activity::Stopped),
             Why::Maintenance | Why::Leaving => Some(Activity::OutOfService),
             Why::WaitsFor(..)

@@ -4,6 +4,7 @@
 
 use crate::state::fact::{Act, Fact};
 use crate::state::fault::Fault;
+use crate::state::link::LinkState;
 use crate::state::request::{Reply, Request, Token};
 use crate::state::worker::Guidance;
 use giveway_cell::HandsSeen;
@@ -24,6 +25,8 @@ const STANDS_MPS: f64 = 0.01;
 pub enum Input {
     /// A robot says how it is.
     Telemetry(Telemetry),
+    /// A link says how it is with a robot there.
+    Link(RobotId, LinkState),
     /// A worker was seen.
     Sighted(Sighting),
     /// The hands of a person in a workplace were seen.
@@ -114,6 +117,9 @@ pub enum Command {
         waypoints: Vec<Waypoint>,
         /// How many revocations came before. A robot that has obeyed more of them ignores the order: it is older.
         recalls: u64,
+        /// The nodes that are planned after those, and may change: as many as the robot's kind wants to know. They are
+        /// not granted.
+        horizon: Vec<NodeId>,
     },
     /// If the robot stands, and this is the last visit whose centre it reached, it forgets all waypoints, stays where
     /// it is, on a node or between two, and says so by the number of revocations that it has obeyed. Else it goes on

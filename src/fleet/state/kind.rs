@@ -1,8 +1,8 @@
 //! Kinds of robots: what all robots of one kind have in common.
 //!
-//! Main types: [`RobotKind`], [`Charging`]. Main function: [`fitted`]. A robot's kind is known by its name. What a
-//! kind of the site is may be changed between two starts; one that was added is a fact, and stays while robots are of
-//! it. Refuses: to know of a robot's state.
+//! Main types: [`RobotKind`], [`Charging`], [`Capabilities`]. Main function: [`fitted`]. A robot's kind is known
+//! by its name. What a kind of the site is may be changed between two starts; one that was added is a fact, and stays
+//! while robots are of it. Refuses: to know of a robot's state.
 
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::Span;
@@ -30,6 +30,60 @@ pub struct RobotKind {
     pub payload_kg: f64,
     /// Whether it may leave the line of a lane that has a corridor, to pass people.
     pub free_navigation: bool,
+    /// What it can do besides driving to where it was granted to drive.
+    pub capabilities: Capabilities,
+}
+
+/// What robots of a kind can do besides driving to where they were granted to drive. Simulated robots can do all of it;
+/// of others, few can.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Capabilities {
+    /// Whether a robot that stands forgets what it was granted when it is told to, and says how often it has. Of others
+    /// nothing is taken back.
+    pub revocation: bool,
+    /// Which limits of its speed it obeys within what it was granted.
+    pub limits: ObeyedLimits,
+    /// Whether it drives back from between two nodes to the one that it came from.
+    pub drives_back: bool,
+    /// How many visits that are not granted yet its orders show it, so that it need not brake before it is told more.
+    pub horizon_nodes: usize,
+}
+
+/// Which limits of its speed a robot obeys within what it was granted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ObeyedLimits {
+    /// Any speed, and a stop.
+    Speeds,
+    /// A stop alone: where others would be slow, it stands.
+    Stops,
+    /// None: it is granted one node at a time, and nothing towards a person for whom it would have to stop.
+    Nothing,
+}
+
+impl Default for Capabilities {
+    /// Everything, and no need of a horizon.
+    fn default() -> Capabilities {
+        Capabilities { revocation: true, limits: ObeyedLimits::Speeds, drives_back: true, horizon_nodes: 0 }
+    }
+}
+
+impl ObeyedLimits {
+    /// All of them.
+    pub const ALL: [ObeyedLimits; 3] = [ObeyedLimits::Speeds, ObeyedLimits::Stops, ObeyedLimits::Nothing];
+
+    /// Its word in files and requests.
+    pub fn word(self) -> &'static str {
+        match self {
+            ObeyedLimits::Speeds => "speed",
+            ObeyedLimits::Stops => "stop",
+            ObeyedLimits::Nothing => "none",
+        }
+    }
+
+    /// What a word names.
+    pub fn of_word(word: &str) -> Option<ObeyedLimits> {
+        Self::ALL.into_iter().find(|limits| limits.word() == word)
+    }
 }
 
 impl Default for RobotKind {
@@ -42,6 +96,7 @@ impl Default for RobotKind {
             carries: None,
             payload_kg: f64::INFINITY,
             free_navigation: false,
+            capabilities: Capabilities::default(),
         }
     }
 }

@@ -23,6 +23,7 @@ pub(crate) mod kind;
 pub(crate) mod kinds;
 pub mod ledger;
 pub mod life;
+pub mod link;
 pub mod local_clock;
 pub(crate) mod needs;
 pub mod note;

@@ -128,6 +128,12 @@ pub enum RobotRefusal {
     PlaceTaken(NodeId),
     /// The robot with the rack can drive: it sets it down itself.
     CanDrive(RobotId),
+    /// The floor has no link: no robot would ever be heard of.
+    NoLink,
+    /// The floor has no link of this name.
+    UnknownLink,
+    /// The floor has several links, and the robot is to say by which it is reached.
+    WhichLink,
 }
 
 /// Why something is not done about a worker, or given to one to do.

@@ -81,6 +81,8 @@ pub enum RobotAction {
         kind: String,
         /// Where it stands.
         node: NodeId,
+        /// The name of the link by which it is reached; nothing for the only one.
+        link: Option<String>,
     },
     /// A robot goes to maintenance.
     BeginMaintenance(RobotId),
@@ -321,8 +323,8 @@ impl Ask<Vec<JobTaken>> {
 
 impl Ask<Made<RobotId>> {
     /// A robot joins the fleet.
-    pub fn register_robot(name: String, kind: String, node: NodeId) -> Self {
-        Ask::new(RobotAction::Register { name, kind, node }, reads!(Robot))
+    pub fn register_robot(name: String, kind: String, node: NodeId, link: Option<String>) -> Self {
+        Ask::new(RobotAction::Register { name, kind, node, link }, reads!(Robot))
     }
 }
 

@@ -1,7 +1,8 @@
 //! The clock of a robot, as its reports show it: measured by when they come in, and believed about nothing but how old
 //! a report is.
 //!
-//! Main types: [`RobotClock`], [`ReportOrder`] (which reports of a robot are news: those with a number above all before).
+//! Main types: [`RobotClock`], [`ReportOrder`] (which reports of a robot are news: those with a number above
+//! all before).
 //! Refuses: reports that were overtaken, and to order reports by their dates.
 
 use giveway_floor::time::{Span, Time};
@@ -66,8 +67,7 @@ impl ReportOrder {
         }
         // A later report with an earlier date: the clock was set back.
         let was_set_back = self.newest.is_some_and(|(_, newest)| date < newest);
-        let mut clock =
-            self.clock.filter(|_| !was_set_back).unwrap_or_else(|| RobotClock::new(date, now));
+        let mut clock = self.clock.filter(|_| !was_set_back).unwrap_or_else(|| RobotClock::new(date, now));
         let believed = clock.believe(date, now);
         (self.clock, self.newest) = (Some(clock), Some((seq, believed)));
         Some((believed - clock.ahead).min(now))

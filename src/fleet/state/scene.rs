@@ -5,6 +5,7 @@
 use crate::state::displaced::Displaced;
 use crate::state::fault::Fault;
 use crate::state::io::Telemetry;
+use crate::state::link::LinkState;
 use crate::state::robot_clock::ReportOrder;
 use giveway_floor::id::{Dense, RobotId};
 use giveway_floor::time::{Span, Time};
@@ -25,6 +26,8 @@ pub struct RobotSeen {
     heard: Option<Time>,
     /// Which of its reports are news.
     order: ReportOrder,
+    /// How it is at its link, where that is not as usual.
+    link: Option<Box<LinkState>>,
     /// How long it has stood where it does, if it stands.
     still: Option<StandsStill>,
     /// When orders were sent to it last.
@@ -63,8 +66,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Takes an observation in that arrived `now`; one that was overtaken is ignored. Its date says how old it is, as far
-    /// as the robot's clock can be trusted with that; from here on it is one of the fleet's own time.
+    /// Takes an observation in that arrived `now`; one that was overtaken is ignored. Its date says how old it is, as
+    /// far as the robot's clock can be trusted with that; from here on it is one of the fleet's own time.
     pub fn see(&mut self, t: Telemetry, now: Time) {
         let seen = self.robot_mut(t.robot);
         let Some(made) = seen.order.take(t.seq, t.seen, now) else { return };
@@ -94,7 +97,7 @@ impl Scene {
     /// before stay overtaken.
     pub fn forget(&mut self, robot: RobotId) {
         let seen = self.robot_mut(robot);
-        *seen = RobotSeen { order: seen.order, ..RobotSeen::default() };
+        *seen = RobotSeen { order: seen.order, link: seen.link.take(), ..RobotSeen::default() };
         self.faulty.remove(&robot);
         self.kept.remove(&robot);
         self.passing.remove(&robot);
@@ -131,9 +134,26 @@ impl Scene {
         self.robots.get(robot.ix())?.told
     }
 
-    /// A robot that was heard of lately and can drive.
+    /// A link says how it is with a robot there.
+    pub fn hear_link(&mut self, robot: RobotId, state: LinkState) {
+        let is_usual = state == LinkState::default();
+        self.robot_mut(robot).link = (!is_usual).then(|| Box::new(state));
+    }
+
+    /// How it is with a robot at its link; nothing where it is as usual.
+    pub fn link(&self, robot: RobotId) -> Option<&LinkState> {
+        self.robots.get(robot.ix())?.link.as_deref()
+    }
+
+    /// Whether the link of a robot takes no orders for it.
+    pub fn is_refused(&self, robot: RobotId) -> bool {
+        self.link(robot).is_some_and(|link| link.refuses.is_some())
+    }
+
+    /// A robot that was heard of lately, can drive and takes orders.
     pub fn fit(&self, robot: RobotId, now: Time) -> Option<&Telemetry> {
-        self.robot(robot).filter(|t| !t.cannot_drive() && self.is_heard(robot, now))
+        let takes_orders = |t: &&Telemetry| !t.cannot_drive() && !self.is_refused(robot);
+        self.robot(robot).filter(takes_orders).filter(|_| self.is_heard(robot, now))
     }
 
     /// Robots that say that something is wrong with them, with what, if they were heard of lately and can drive.
@@ -165,7 +185,8 @@ impl Scene {
 
     /// Whether a robot was heard of lately.
     pub fn is_heard(&self, robot: RobotId, now: Time) -> bool {
-        self.heard(robot).is_some_and(|t| now - t <= SILENCE)
+        let is_connected = self.link(robot).is_none_or(|link| link.connected);
+        is_connected && self.heard(robot).is_some_and(|t| now - t <= SILENCE)
     }
 
     /// Whether a robot was found where the ledger has it, and has not been found elsewhere since.

@@ -4,6 +4,7 @@
 //! Main types: [`Settings`], [`FloorLimits`]. Refuses: to be changed by requests.
 
 use super::kind::RobotKind;
+use super::link::USUAL_LINK;
 use giveway_cell::Flow;
 use giveway_cell::arm::ArmMode;
 use giveway_floor::time::Span;
@@ -18,6 +19,8 @@ pub struct Settings {
     /// The kinds of robots with which an empty ledger begins, at least one, each with a name of its own: those of the
     /// site. All kinds that there are, also those that were added, are in the ledger.
     pub site_kinds: Vec<RobotKind>,
+    /// The names of the links by which robots are reached.
+    pub links: Vec<String>,
     /// The control period.
     pub period: Span,
     /// Labels that one search may expand.
@@ -89,6 +92,7 @@ impl Default for Settings {
     fn default() -> Settings {
         Settings {
             site_kinds: vec![RobotKind::default()],
+            links: vec![USUAL_LINK.to_owned()],
             period: Span::from_millis(50),
             expansions_per_plan: 2_000,
             expansions_per_step: 30_000,

@@ -42,6 +42,8 @@ pub enum Why {
     WayObstructed(NodeId),
     /// It has not been heard of.
     Silent,
+    /// Its link takes no orders for it, and says why.
+    Refused,
     /// An operator paused it.
     Paused,
     /// It is in maintenance, and gets no jobs.
@@ -69,8 +71,8 @@ impl Why {
     /// person who stopped it, ends that.
     pub fn is_by_itself(self) -> bool {
         use Why::{
-            Displaced, EmergencyStop, Evacuation, Failed, Gone, Leaving, Maintenance, Manual, Paused, Silent,
-            Stopped, Unplugged,
+            Displaced, EmergencyStop, Evacuation, Failed, Gone, Leaving, Maintenance, Manual, Paused,
+            Refused, Silent, Stopped, Unplugged,
         };
         matches!(
             self,
@@ -79,6 +81,7 @@ impl Why {
                 | Manual
                 | Displaced(_)
                 | Silent
+                | Refused
                 | Paused
                 | Maintenance
                 | Stopped

@@ -58,7 +58,7 @@ fn every_request_is_answered_in_its_own_form() {
     answered(f, Ask::begin_maintenance(RobotId(0)));
     answered(f, Ask::end_maintenance(RobotId(0)));
     let node = f.free_storage();
-    let robot = answered(f, Ask::register_robot("late".into(), "robot".into(), node));
+    let robot = answered(f, Ask::register_robot("late".into(), "robot".into(), node, None));
     assert_eq!(robot, Made { id: RobotId(2), new: true });
     answered(f, Ask::retire(RobotId(2)));
 }

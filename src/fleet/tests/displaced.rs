@@ -109,7 +109,8 @@ fn no_robot_joins_where_a_displaced_one_is_in_the_way() {
     let far = |n: &NodeId| axis_distance(w.nodes[*n].at, place);
     let node = w.nodes.ids().min_by(|a, b| far(a).total_cmp(&far(b))).expect("a node is near");
     assert!(far(&node) < w.footprint_m, "a robot there would touch it");
-    let said = Input::ask(7, RobotAction::Register { name: "late".into(), kind: "robot".into(), node });
+    let said =
+        Input::ask(7, RobotAction::Register { name: "late".into(), kind: "robot".into(), node, link: None });
     let why = Refusal::Robot(RobotRefusal::PlaceTaken(node));
     assert_eq!(floor.answer_to(7, vec![said]), Err(why));
 }

@@ -5,7 +5,7 @@ use super::*;
 const R0: RobotId = RobotId(0);
 
 fn join(name: &str, node: NodeId) -> Input {
-    Input::ask(7, RobotAction::Register { name: name.into(), kind: "robot".into(), node })
+    Input::ask(7, RobotAction::Register { name: name.into(), kind: "robot".into(), node, link: None })
 }
 
 fn maintain(robot: RobotId, begins: bool) -> Input {
@@ -53,8 +53,10 @@ fn no_robot_joins_where_another_one_is_or_is_to_be_or_beyond_the_limit() {
         why(floor.answer_to(7, vec![join("x", ahead)])),
         Some(Refusal::Robot(RobotRefusal::PlaceTaken(ahead)))
     );
-    let forklift =
-        Input::ask(7, RobotAction::Register { name: "x".into(), kind: "forklift".into(), node: taken });
+    let forklift = Input::ask(
+        7,
+        RobotAction::Register { name: "x".into(), kind: "forklift".into(), node: taken, link: None },
+    );
     assert_eq!(why(floor.answer_to(7, vec![forklift])), Some(Refusal::Robot(RobotRefusal::UnknownKind)));
     floor.fleet.internals_mut().writer.settings.limits.robots = 2;
     let full = Some(Refusal::TooMany(Bounded::Robots, 2));

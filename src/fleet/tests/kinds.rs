@@ -95,8 +95,9 @@ fn robots_charge_as_their_kind_does() {
 fn a_robot_of_an_unknown_kind_cannot_join_and_one_in_the_ledger_is_found() {
     let mut floor = TestFloor::new(thesis(), &two_kinds(2, slow()));
     let node = floor.free_storage();
-    let join =
-        |kind: &str| Input::ask(7, RobotAction::Register { name: "late".into(), kind: kind.into(), node });
+    let join = |kind: &str| {
+        Input::ask(7, RobotAction::Register { name: "late".into(), kind: kind.into(), node, link: None })
+    };
     floor.step(vec![join("forklift")]);
     assert_eq!(floor.fleet.ledger().robots.len(), 2);
     assert_eq!(floor.fleet.ledger().unknown_kinds(), Vec::<(&str, &str)>::new());
@@ -246,7 +247,7 @@ fn remove(name: &str) -> Input {
 
 fn join(name: &str, kind: &RobotKind, node: NodeId) -> Input {
     let (name, kind) = (name.into(), kind.name.clone());
-    Input::ask(8, RobotAction::Register { name, kind, node })
+    Input::ask(8, RobotAction::Register { name, kind, node, link: None })
 }
 
 fn refused(why: KindRefusal) -> Answered {

@@ -26,6 +26,7 @@ mod lets_pass;
 mod life;
 mod limits;
 mod lines;
+mod links;
 mod lost;
 mod messages;
 mod nearest;
@@ -61,7 +62,7 @@ use giveway_floor::warehouse::Warehouse;
 use giveway_floor::warehouse::{lab, thesis};
 use giveway_sim::Laws;
 use giveway_sim::{Demand, Faults, Habits, Scenario, Workers, World};
-use giveway_site::Site;
+use giveway_site::{Site, SiteLinks};
 use std::sync::Arc;
 
 /// A fleet on a simulated floor, with everything that happened.
@@ -74,8 +75,8 @@ struct TestFloor {
 }
 
 fn scenario(robots: usize) -> Scenario {
-    let site = Site { name: "test".into(), period: Span::from_millis(100), ..Site::default() };
-    Scenario { robots, ..Scenario::from(site) }
+    let links = SiteLinks::simulated(robots);
+    Scenario::from(Site { name: "test".into(), period: Span::from_millis(100), links, ..Site::default() })
 }
 
 /// The usual kind, but holds outlast it by so much.

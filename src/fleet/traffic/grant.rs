@@ -7,6 +7,7 @@
 use crate::state::fact::{Moved, RouteFact};
 use crate::state::floor::Floor;
 use crate::state::io::{Command, Telemetry, Waypoint};
+use crate::state::kind::ObeyedLimits;
 use crate::state::writer::Writer;
 use crate::state::yielding::YieldingState;
 use crate::traffic::state::{Direction, Traffic, Withheld};
@@ -22,6 +23,8 @@ const EARLY: Span = Span::from_secs(4);
 const PLANNED: Span = Span::from_secs(60);
 /// A node more than needed is granted, metres.
 const NODE_M: f64 = 1.0;
+/// Any way at all is as much as this, metres.
+const LEAST_M: f64 = 1e-3;
 /// Orders are repeated this often until the robot says that it knows them.
 const REPEAT: Span = Span::from_millis(600);
 /// A robot at a stop is reminded this often of what it is to do there.
@@ -51,7 +54,10 @@ impl Traffic {
             let direction = self.direction(robot);
             let stays = direction != Some(Direction::Forward) && writer.floor().is_halfway(robot);
             let goes_back = direction == Some(Direction::Back);
-            let is_kept = self.settling || writer.floor().is_halted(robot) || interrupted(robot);
+            let is_kept = self.settling
+                || writer.floor().is_halted(robot)
+                || interrupted(robot)
+                || writer.floor().would_not_stop(yielding, robot);
             let gets_no_more = is_kept || stays || goes_back;
             self.withheld[robot] = match gets_no_more {
                 true => writer.floor().withholds(yielding, robot, before, now),
@@ -89,11 +95,13 @@ fn grant_ahead(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, no
     let first = floor.ledger.chain(robot).granted();
     let mut serial = first;
     let mut ahead = floor.granted_ahead_m(robot);
-    let enough = floor.needed_ahead_m(robot, yielding.of(robot).limit_mps());
+    let by_nodes = floor.goes_by_nodes(yielding, robot, now);
+    let enough = if by_nodes { LEAST_M } else { floor.needed_ahead_m(robot, yielding.of(robot).limit_mps()) };
     let mut withheld = None;
     let passes = |serial| yielding.of(robot).passes(serial).is_some();
     // Whoever passes somebody is granted all of the way until behind that person at once.
-    while ahead < enough || passes(serial) {
+    let most = floor.holds_visits_before(robot);
+    while serial < most && (ahead < enough || passes(serial)) {
         withheld = floor.withholds(yielding, robot, serial, now);
         if withheld.is_some() {
             break;
@@ -150,7 +158,10 @@ fn send(writer: &mut Writer, yielding: &YieldingState, robot: RobotId, goes_back
         "orders end where the grant of {robot:?} does"
     );
     debug_assert_eq!(grant.serials().next(), Some(chain.first()), "orders begin where {robot:?} is");
-    writer.send(robot, Command::Drive { grant, waypoints, recalls });
+    let after = writer.floor().kind(robot).capabilities.horizon_nodes as u64;
+    let horizon = (chain.granted()..(chain.granted() + after).min(chain.end())).filter(|_| !goes_back);
+    let horizon = horizon.map(|serial| chain.get(serial).expect("what is planned is held").node).collect();
+    writer.send(robot, Command::Drive { grant, waypoints, recalls, horizon });
     writer.scene.robot_mut(robot).told = Some(now);
 }
 
@@ -232,6 +243,28 @@ impl Floor<'_> {
         let speed = k.top_mps(loaded).min(limit_mps.unwrap_or(f64::INFINITY).max(SLOW_MPS));
         let latency = (self.settings.period * 2 + k.reaction).as_secs_f64();
         k.braking_m(speed, loaded) + speed * latency + NODE_M
+    }
+
+    /// Whether a robot is granted one node at a time: one that obeys no limit, and one that cannot be slow, past a
+    /// person for whom it has stood for long.
+    fn goes_by_nodes(&self, yielding: &YieldingState, robot: RobotId, now: Time) -> bool {
+        match self.kind(robot).capabilities.limits {
+            ObeyedLimits::Speeds => false,
+            ObeyedLimits::Stops => yielding.stood_for(robot, now).is_some(),
+            ObeyedLimits::Nothing => true,
+        }
+    }
+
+    /// Whether a robot would have to stand for a person now, and obeys no limit: it gets no more than it has.
+    fn would_not_stop(&self, yielding: &YieldingState, robot: RobotId) -> bool {
+        let obeys = self.kind(robot).capabilities.limits;
+        obeys == ObeyedLimits::Nothing && yielding.of(robot).limit_mps() == Some(0.0)
+    }
+
+    /// The serial number of the first visit that a robot could not hold: its link has room for so many.
+    fn holds_visits_before(&self, robot: RobotId) -> u64 {
+        let room = self.scene.link(robot).and_then(|link| link.capacity);
+        room.map_or(u64::MAX, |room| self.ledger.chain(robot).first() + 1 + room as u64)
     }
 
     /// Whether the robot may not know its orders: it does not say that it does, or it has been standing at a stop for a

@@ -74,17 +74,19 @@ impl Traffic {
     }
 
     /// The directions in which a robot may go on that stands between two nodes, the better first: as it goes already,
-    /// unless it has not got on like that for a while; else forward, unless something stood there.
-    pub fn directions_for(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> [Direction; 2] {
+    /// unless it has not got on like that for a while; else forward, unless something stood there. One that cannot
+    /// drive back has only one.
+    pub fn directions_for(&self, floor: Floor<'_>, robot: RobotId, now: Time) -> &'static [Direction] {
+        const FORWARD_FIRST: &[Direction] = &[Direction::Forward, Direction::Back];
+        const BACK_FIRST: &[Direction] = &[Direction::Back, Direction::Forward];
+        if !floor.kind(robot).capabilities.drives_back {
+            return &[Direction::Forward];
+        }
         match self.directions.get(&robot) {
-            None if self.is_obstructed_ahead(floor, robot) => [Direction::Back, Direction::Forward],
-            Some((Direction::Back, since)) if now - *since < PATIENCE => {
-                [Direction::Back, Direction::Forward]
-            }
-            Some((Direction::Forward, since)) if now - *since >= PATIENCE => {
-                [Direction::Back, Direction::Forward]
-            }
-            _ => [Direction::Forward, Direction::Back],
+            None if self.is_obstructed_ahead(floor, robot) => BACK_FIRST,
+            Some((Direction::Back, since)) if now - *since < PATIENCE => BACK_FIRST,
+            Some((Direction::Forward, since)) if now - *since >= PATIENCE => BACK_FIRST,
+            _ => FORWARD_FIRST,
         }
     }
 
@@ -133,7 +135,8 @@ impl Floor<'_> {
             at_rest && t.stands() && t.reached == chain.first() && t.recalls == record.recalls
         };
         let more = chain.first() + 1 < chain.granted() && !self.is_halfway(robot);
-        more && !works && self.scene.fit(robot, now).is_some_and(stands)
+        let obeys = self.kind(robot).capabilities.revocation;
+        obeys && more && !works && self.scene.fit(robot, now).is_some_and(stands)
     }
 
     /// Whether a robot is between two nodes, and has forgotten what it was granted: it may go on to either.

@@ -71,7 +71,9 @@ impl<'a> RobotWaits<'a> {
         if self.floor.stands_by(robot) {
             return Some(Why::Evacuation);
         }
-        scene.fit(robot, now).is_none().then_some(Why::Silent)
+        let why =
+            if scene.is_refused(robot) && scene.is_heard(robot, now) { Why::Refused } else { Why::Silent };
+        scene.fit(robot, now).is_none().then_some(why)
     }
 
     /// Something that it met; maintenance and leaving, which concern robots without a task.
@@ -215,6 +217,7 @@ impl<'a> RobotWaits<'a> {
             | Why::Unplugged
             | Why::Displaced(_)
             | Why::Silent
+            | Why::Refused
             | Why::Paused
             | Why::Maintenance
             | Why::Leaving

@@ -5,7 +5,7 @@
 use crate::people::state::HumanState;
 use crate::state::io::Telemetry;
 use crate::state::writer::Writer;
-use crate::traffic::state::Traffic;
+use crate::traffic::state::{Direction, Traffic};
 use crate::yielding::speed_limit::SpeedLimits;
 use crate::yielding::state::Yielding;
 use giveway_floor::time::Time;
@@ -35,13 +35,14 @@ impl Yielding {
                 limits.limit_for(robot, &present, now).0 != Some(0.0)
             };
             let obstructed = traffic.is_obstructed_ahead(writer.floor(), robot);
-            let open = traffic.directions_for(writer.floor(), robot, now).map(|d| may_go(d).then_some(d));
-            let chosen = match open {
+            let all = traffic.directions_for(writer.floor(), robot, now);
+            let open: Vec<Direction> = all.iter().copied().filter(|d| may_go(*d)).collect();
+            let chosen = match open[..] {
                 // Nothing keeps it from either: whichever gets it to its next stop earlier.
-                [Some(_), Some(_)] if traffic.direction(robot).is_none() && !obstructed => {
+                [_, _] if traffic.direction(robot).is_none() && !obstructed => {
                     Some(traffic.better_direction(writer.floor(), robot, now))
                 }
-                [first, second] => first.or(second),
+                _ => open.first().copied(),
             };
             traffic.direct(robot, chosen, now);
         }

@@ -6,6 +6,7 @@
 use crate::people::state::{HumanState, STROLL_MPS, WalkMode};
 use crate::state::floor::Floor;
 use crate::state::io::Command;
+use crate::state::kind::ObeyedLimits;
 use crate::state::worker::Reaction;
 use crate::state::writer::Writer;
 use crate::state::yielding::{RobotYielding, STANDS, Standing, YieldingState};
@@ -73,13 +74,26 @@ impl Yielding {
             let (limit, because) =
                 self.limits(writer.floor(), people, traffic).limit_for(robot, &present, now);
             let limit = if writer.visits.at_hands(robot).is_some() { Some(0.0) } else { limit };
+            let obeys = writer.floor().kind(robot).capabilities.limits;
+            let wished = limit;
+            let limit = match obeys {
+                ObeyedLimits::Speeds => limit,
+                ObeyedLimits::Stops => {
+                    self.limits(writer.floor(), people, traffic).as_stop(robot, limit, because, now)
+                }
+                // It is granted less instead.
+                ObeyedLimits::Nothing => {
+                    self.state.of_mut(robot).limit_told = Some((limit, now));
+                    continue;
+                }
+            };
             if let Some(worker) = because.filter(|_| limit == Some(0.0) && seen.speed_mps > STANDS_MPS) {
                 self.gives_way(writer, robot, worker, Reaction::Stopped, now);
             }
             assert!(limit.is_none_or(|mps| mps >= 0.0), "{robot:?} is told to drive at {limit:?} m/s");
             let node = writer.ledger().node_of(robot);
             let is_revoked = traffic.is_revoked(robot);
-            self.state.of_mut(robot).note_standing(node, limit, because, is_revoked, now);
+            self.state.of_mut(robot).note_standing(node, limit.or(wished), because, is_revoked, now);
             let told = self.state.of(robot).limit_told;
             let same = told.map_or(limit.is_none(), |(l, _)| l == limit);
             let known = seen.limit_mps == limit;
@@ -208,6 +222,24 @@ impl SpeedLimits<'_> {
             Some(limit) if slowest.0.is_none_or(|s| limit < s) => (Some(limit), None),
             _ => slowest,
         }
+    }
+
+    /// The limit for a robot that can stop and cannot be slow: it stands where others would be slow, unless it drives
+    /// away from the person or has stood there for long, since it could not get out of the way otherwise. It is granted
+    /// one node at a time then.
+    fn as_stop(
+        &self,
+        robot: RobotId,
+        limit: Option<f64>,
+        because: Option<WorkerId>,
+        now: Time,
+    ) -> Option<f64> {
+        let slow = limit.filter(|l| *l > 0.0);
+        let Some(worker) = because.filter(|_| slow.is_some()) else { return limit.filter(|l| *l == 0.0) };
+        let at = self.floor.place_of(robot);
+        let drives_away =
+            self.people.whereabouts(worker, now).is_none_or(|w| self.drives_away(robot, at, &w, now));
+        (!drives_away && self.yielding.stood_for(robot, now).is_none()).then_some(0.0)
     }
 
     /// How fast a robot may be so that it does not come towards a person too fast: its speed along its way counts as

@@ -46,10 +46,10 @@ pub struct SwarmArgs {
     /// Number of people; drawn if absent.
     #[arg(long)]
     workers: Option<usize>,
-    /// What to switch off: restart, panic, journal_refuses, journal_slow, journal_torn, clock_steps, loss, delay,
-    /// jitter, skew, failures, estops, obstacles, manual, unplugged, chargers, stations, pushes, closures, returns,
-    /// relocations, charges, parks, goes, wishes, cancels, picks, stops, reassigned, holds, departures, sensors,
-    /// causes, fleet.
+    /// What to switch off: restart, panic, journal_refuses, journal_slow, journal_torn, clock_steps, links, loss,
+    /// delay, jitter, skew, failures, estops, obstacles, manual, unplugged, chargers, stations, pushes, closures,
+    /// returns, relocations, charges, parks, goes, wishes, cancels, picks, stops, reassigned, trades, holds,
+    /// departures, sensors, causes, fleet, abilities.
     #[arg(long, value_delimiter = ',', value_parser = part)]
     without: Vec<SwarmPart>,
     /// Threads; as many as the machine has cores if absent.

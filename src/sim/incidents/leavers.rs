@@ -54,7 +54,8 @@ impl Leavers {
             w.nodes_where(NodeKind::is_lasting).into_iter().filter(|n| w.may_be_at(body, *n)).collect();
         let node = places[self.random.below(places.len())];
         let (name, kind) = (record.name.clone(), record.kind.clone());
-        Some(Input::ask(TOKEN, RobotAction::Register { name, kind, node }))
+        let link = Some(record.link.clone());
+        Some(Input::ask(TOKEN, RobotAction::Register { name, kind, node, link }))
     }
 }
 

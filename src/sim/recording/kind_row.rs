@@ -3,7 +3,7 @@
 //! Main type: [`KindRow`]. Refuses: to round, and to leave out what is as usual: what is usual may change, and a
 //! recording must play again to the same digest.
 
-use giveway_fleet::{Charging, FloorAction, RobotKind};
+use giveway_fleet::{Capabilities, Charging, FloorAction, ObeyedLimits, RobotKind};
 use giveway_floor::geometry::Point;
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::Span;
@@ -27,6 +27,9 @@ pub(super) struct KindRow {
     carries: Option<Vec<String>>,
     payload: Option<f64>,
     free: bool,
+    /// Revocation, limits, driving back, nodes of a horizon; absent from before there were any to lack.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    can: Option<(bool, String, bool, usize)>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -61,6 +64,9 @@ impl From<&RobotKind> for KindRow {
             carries: kind.carries.clone(),
             payload: bounded(kind.payload_kg),
             free: kind.free_navigation,
+            can: Some(kind.capabilities)
+                .filter(|c| *c != Capabilities::default())
+                .map(|c| (c.revocation, c.limits.word().to_owned(), c.drives_back, c.horizon_nodes)),
         }
     }
 }
@@ -86,8 +92,15 @@ impl From<KindRow> for RobotKind {
             carries: row.carries,
             payload_kg: row.payload.unwrap_or(f64::INFINITY),
             free_navigation: row.free,
+            capabilities: row.can.map_or_else(Capabilities::default, can),
         }
     }
+}
+
+/// What robots of a kind can do; of an unknown word for their limits, that they obey none.
+fn can((revocation, limits, drives_back, horizon_nodes): (bool, String, bool, usize)) -> Capabilities {
+    let limits = ObeyedLimits::of_word(&limits).unwrap_or(ObeyedLimits::Nothing);
+    Capabilities { revocation, limits, drives_back, horizon_nodes }
 }
 
 impl From<&Footprint> for OutlineRow {

@@ -120,7 +120,8 @@ impl Recorder {
         for input in inputs {
             match input {
                 // Nobody takes one that was overtaken.
-                Input::Telemetry(t) if self.last.get(&t.robot).is_some_and(|said| t.seq <= said.report.seq) => {}
+                Input::Telemetry(t)
+                    if self.last.get(&t.robot).is_some_and(|said| t.seq <= said.report.seq) => {}
                 Input::Telemetry(t) => {
                     // What a robot says again is read as what it said before this line, and before the rest of it.
                     let same = |said: &LastSaid| {
@@ -138,6 +139,7 @@ impl Recorder {
                         line.c.insert(t.robot.0, t.recalls);
                     }
                 }
+                Input::Link(robot, state) => line.i.push(RequestRow::link(*robot, state)),
                 Input::Sighted(s) => line.w.push(sighted(s)),
                 Input::Hands(seen) => line.i.push(RequestRow::Hands(seen.into())),
                 Input::Arm(said) => line.i.push(RequestRow::Arm(said.into())),

@@ -10,8 +10,8 @@ use super::kind_row::KindRow;
 use super::said_row::Says;
 use giveway_fleet::{
     Asker, AssignmentRequest, Binds, ClientKey, Closure, FloorAction, Input, JobAction, JobChange,
-    JobRequest, LocalClock, Recurrence, RecurringClosure, Request, RobotAction, Token, USUAL_KIND, Weekdays,
-    WorkerAction,
+    JobRequest, LinkState, LocalClock, Recurrence, RecurringClosure, Request, RobotAction, Token, USUAL_KIND,
+    Weekdays, WorkerAction,
 };
 use giveway_floor::geometry::Spot;
 use giveway_floor::id::{
@@ -32,6 +32,11 @@ pub(super) enum RequestRow {
     /// Of a kind that is not the usual one.
     #[serde(rename = "enlist_as")]
     RegisterAs(String, u32, String),
+    /// Of any kind, reached by a link that is named.
+    #[serde(rename = "enlist_at")]
+    RegisterAt(String, u32, String, String),
+    /// Robot, whether it is connected, how many visits it holds, why it takes no orders.
+    Link(u32, bool, Option<usize>, Option<String>),
     Maintain(u64, u32, bool),
     Retire(u64, u32),
     TakeRack(u64, u32, u32),
@@ -156,15 +161,23 @@ impl RequestRow {
         }
     }
 
+    /// How it is with a robot at its link.
+    pub fn link(robot: RobotId, state: &LinkState) -> RequestRow {
+        let LinkState { connected, capacity, refuses } = state.clone();
+        RequestRow::Link(robot.0, connected, capacity, refuses)
+    }
+
     /// The input that it was.
     pub fn input(self) -> Input {
         let ask = |token, request| Input::ask(token_of(token), request);
         match self {
-            RequestRow::Register(name, node) => joins(name, USUAL_KIND.to_owned(), node),
-            RequestRow::RegisterAs(name, node, kind) => joins(name, kind, node),
-            RequestRow::Maintain(token, robot, begins) => {
-                ask(token, maintained(RobotId(robot), begins).into())
+            RequestRow::Register(name, node) => joins((name, USUAL_KIND.to_owned(), None), node),
+            RequestRow::RegisterAs(name, node, kind) => joins((name, kind, None), node),
+            RequestRow::RegisterAt(name, node, kind, link) => joins((name, kind, Some(link)), node),
+            RequestRow::Link(robot, connected, capacity, refuses) => {
+                linked(robot, (connected, capacity, refuses))
             }
+            RequestRow::Maintain(token, robot, begins) => ask(token, maintained(robot, begins).into()),
             RequestRow::Retire(token, robot) => ask(token, RobotAction::Retire(RobotId(robot)).into()),
             RequestRow::TakeRack(token, rack, node) => {
                 ask(token, RobotAction::TakeRack { rack: RackId(rack), node: NodeId(node) }.into())
@@ -196,12 +209,8 @@ impl RequestRow {
             RequestRow::ForgetWorker(token, worker) => {
                 ask(token, WorkerAction::Forget(WorkerId(worker)).into())
             }
-            RequestRow::Clear(token, worker) => {
-                ask(token, WorkerAction::Clear { worker: WorkerId(worker), by: String::new() }.into())
-            }
-            RequestRow::ClearedBy(token, worker, by) => {
-                ask(token, WorkerAction::Clear { worker: WorkerId(worker), by }.into())
-            }
+            RequestRow::Clear(token, worker) => ask(token, cleared(worker, String::new()).into()),
+            RequestRow::ClearedBy(token, worker, by) => ask(token, cleared(worker, by).into()),
             RequestRow::Narrow(row) => ask(row.token, row.action().into()),
             RequestRow::SignedOff(token, worker) => {
                 ask(token, WorkerAction::SignOff(WorkerId(worker)).into())
@@ -229,13 +238,24 @@ impl RequestRow {
 }
 
 /// Maintenance begins or ends.
-fn maintained(robot: RobotId, begins: bool) -> RobotAction {
+fn maintained(robot: u32, begins: bool) -> RobotAction {
+    let robot = RobotId(robot);
     if begins { RobotAction::BeginMaintenance(robot) } else { RobotAction::EndMaintenance(robot) }
 }
 
+/// What was believed of a worker is wrong, somebody says.
+fn cleared(worker: u32, by: String) -> WorkerAction {
+    WorkerAction::Clear { worker: WorkerId(worker), by }
+}
+
+/// How it was with a robot at its link.
+fn linked(robot: u32, (connected, capacity, refuses): (bool, Option<usize>, Option<String>)) -> Input {
+    Input::Link(RobotId(robot), LinkState { connected, capacity, refuses })
+}
+
 /// A robot joins. The answer was given when this was recorded.
-fn joins(name: String, kind: String, node: u32) -> Input {
-    Input::ask(0, RobotAction::Register { name, kind, node: NodeId(node) })
+fn joins((name, kind, link): (String, String, Option<String>), node: u32) -> Input {
+    Input::ask(0, RobotAction::Register { name, kind, node: NodeId(node), link })
 }
 
 fn asked_of_job(token: u64, action: &JobAction) -> RequestRow {
@@ -252,10 +272,13 @@ fn asked_of_job(token: u64, action: &JobAction) -> RequestRow {
 
 fn asked_of_robot(token: u64, action: &RobotAction) -> RequestRow {
     match action {
-        RobotAction::Register { name, kind, node } if kind == USUAL_KIND => {
+        RobotAction::Register { name, kind, node, link: Some(link) } => {
+            RequestRow::RegisterAt(name.clone(), node.0, kind.clone(), link.clone())
+        }
+        RobotAction::Register { name, kind, node, link: None } if kind == USUAL_KIND => {
             RequestRow::Register(name.clone(), node.0)
         }
-        RobotAction::Register { name, kind, node } => {
+        RobotAction::Register { name, kind, node, link: None } => {
             RequestRow::RegisterAs(name.clone(), node.0, kind.clone())
         }
         RobotAction::BeginMaintenance(robot) => RequestRow::Maintain(token, robot.0, true),

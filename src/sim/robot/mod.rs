@@ -11,7 +11,9 @@ mod passing;
 use crate::robot::beside::BesideLine;
 use crate::robot::guard::Guard;
 use crate::walker::BODY_M;
-use giveway_fleet::{Act, Command, Fault, OFF_ROUTE_M, RobotKind, Telemetry, Waypoint};
+use giveway_fleet::{
+    Act, Capabilities, Command, Fault, OFF_ROUTE_M, ObeyedLimits, RobotKind, Telemetry, Waypoint,
+};
 use giveway_floor::geometry::{Point, Pose, Segment, Vector, turn_between, wrap_angle};
 use giveway_floor::id::{NodeId, RackId, RobotId};
 use giveway_floor::route::Kinematics;
@@ -77,6 +79,7 @@ pub(crate) struct RobotBody {
     acting: Option<(u64, Act, Option<Time>)>,
     path: VecDeque<Target>,
     kinematics: Kinematics,
+    capabilities: Capabilities,
     /// What it takes of the floor, without and with a rack.
     footprints: [Footprint; 2],
     /// Its own scanner stopped it; see `guard`.
@@ -116,6 +119,7 @@ impl RobotBody {
             acting: None,
             path: VecDeque::new(),
             kinematics: kind.kinematics,
+            capabilities: kind.capabilities,
             footprints,
             guard: Guard::default(),
             hand_guard: false,
@@ -217,7 +221,12 @@ impl RobotBody {
                 self.learn(waypoints, warehouse);
             }
             Command::Drive { .. } => {}
-            Command::Limit(limit) => self.limit_mps = *limit,
+            Command::Limit(limit) => match self.capabilities.limits {
+                ObeyedLimits::Speeds => self.limit_mps = *limit,
+                ObeyedLimits::Stops => self.limit_mps = limit.filter(|mps| *mps == 0.0),
+                ObeyedLimits::Nothing => {}
+            },
+            Command::Revoke { .. } if !self.capabilities.revocation => {}
             Command::Revoke { reached, number } => self.forget(*reached, *number),
         }
     }
@@ -239,7 +248,12 @@ impl RobotBody {
     /// waypoints; any other one turns it round again, once it stands. Whether it is to take on what the order says.
     fn turn(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) -> bool {
         let ends_here = waypoints.last().is_some_and(|w| w.serial == self.reached);
-        if ends_here && self.is_halfway && self.path.is_empty() && self.speed_mps == 0.0 {
+        if ends_here
+            && self.capabilities.drives_back
+            && self.is_halfway
+            && self.path.is_empty()
+            && self.speed_mps == 0.0
+        {
             let (serial, node, at) = (self.reached, self.node, warehouse.nodes[self.node].at);
             self.path.push_back(Target {
                 serial,

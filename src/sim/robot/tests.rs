@@ -23,7 +23,7 @@ fn body_on_a_lane(w: &Warehouse) -> (RobotBody, [NodeId; 2]) {
 
 fn drive(w: &Warehouse, first: u64, nodes: &[NodeId], act: Option<Act>, recalls: u64) -> Command {
     let waypoints = (first..).zip(nodes).map(|(serial, n)| Waypoint { serial, node: *n, act, passes: None });
-    Command::Drive { grant: proof(w, nodes[0]), waypoints: waypoints.collect(), recalls }
+    Command::Drive { grant: proof(w, nodes[0]), waypoints: waypoints.collect(), recalls, horizon: vec![] }
 }
 
 #[test]

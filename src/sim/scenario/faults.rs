@@ -40,6 +40,8 @@ pub struct Faults {
     pub robot_pushes_per_hour: f64,
     /// How often a robot's clock is set, by up to an hour either way.
     pub clock_steps_per_hour: f64,
+    /// How often the link of each robot is down, takes no orders for it, or holds few visits, for up to `repair_s`.
+    pub link_outages_per_hour: f64,
     /// How often the process of Giveway is killed at any point, and starts again. These and the following are about
     /// Giveway itself: a simulation has them, a server has its own.
     pub restarts_per_hour: f64,
@@ -79,6 +81,7 @@ impl Default for Faults {
             repair_s: 300.0,
             robot_pushes_per_hour: 0.0,
             clock_steps_per_hour: 0.0,
+            link_outages_per_hour: 0.0,
             restarts_per_hour: 0.0,
             restart_s: 10.0,
             journal_delay_ms: 0,
@@ -110,6 +113,7 @@ impl Faults {
             ("faults.station_stops_per_hour", self.station_stops_per_hour),
             ("faults.robot_pushes_per_hour", self.robot_pushes_per_hour),
             ("faults.clock_steps_per_hour", self.clock_steps_per_hour),
+            ("faults.link_outages_per_hour", self.link_outages_per_hour),
             ("faults.restarts_per_hour", self.restarts_per_hour),
             ("faults.journal_slow_per_hour", self.journal_slow_per_hour),
             ("faults.journal_refuses_per_hour", self.journal_refuses_per_hour),

@@ -25,7 +25,7 @@ use giveway_fleet::{Closure, RecurringClosure, RobotKind};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_people::aware::HumanAwarePolicy;
-use giveway_site::{KindFigures, Site, SiteError, check, words};
+use giveway_site::{KindFigures, Site, SiteError, SiteLinks, check, words};
 use serde::Deserialize;
 use shares::KindFile;
 
@@ -208,6 +208,7 @@ impl Scenario {
             period: Span::from_millis(file.period_ms),
             flow: flow.unwrap_or(usual.flow),
             arm_mode: arm_mode.unwrap_or(usual.arm_mode),
+            links: SiteLinks::simulated(file.robots),
             model: file.model,
             ..usual
         };

@@ -45,6 +45,8 @@ swarm_parts! {
     JournalTorn = "journal_torn",
     /// Clocks of robots are set.
     ClockSteps = "clock_steps",
+    /// Links of robots are down, take no orders, or hold few visits.
+    Links = "links",
     /// Robots are taken off the floor and brought back.
     Departures = "departures",
     /// People push robots elsewhere.
@@ -103,6 +105,8 @@ swarm_parts! {
     Causes = "causes",
     /// Robots differ from the usual kind.
     Fleet = "fleet",
+    /// Robots of some kind cannot do what others can.
+    Abilities = "abilities",
 }
 
 impl SwarmPart {

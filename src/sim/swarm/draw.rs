@@ -35,6 +35,8 @@ const CLOSURES: u64 = 107;
 const FAULTS: u64 = 108;
 const STOPS: u64 = 109;
 const HOST: u64 = 110;
+const LINKS: u64 = 111;
+const ABILITIES: u64 = 112;
 
 /// What a case runs.
 #[derive(Clone, Debug)]
@@ -106,6 +108,8 @@ fn file(case: &SwarmCase, warehouse: &Warehouse, (robots, places): (usize, usize
     put("customers", wanted);
     let mut wrong = faults(case, seconds, &mut stream(FAULTS));
     host_faults(case, &mut stream(HOST), &mut wrong);
+    let outages = at_times(0.3, 2.0, 40.0, &mut stream(LINKS));
+    wrong["link_outages_per_hour"] = json!(if case.has(SwarmPart::Links) { outages } else { 0.0 });
     put("faults", wrong);
     put("closures", closures(case, seconds, warehouse, &mut stream(CLOSURES)));
     put("workers", people(case, seconds, &mut stream(PEOPLE), &mut stream(SENSORS)));
@@ -113,6 +117,9 @@ fn file(case: &SwarmCase, warehouse: &Warehouse, (robots, places): (usize, usize
         && let Some((key, value)) = kinds(warehouse, case.robots.unwrap_or(robots), &mut stream(KINDS))
     {
         put(key, value);
+    }
+    if case.has(SwarmPart::Abilities) {
+        abilities(&mut file, &mut stream(ABILITIES));
     }
     file
 }
@@ -153,6 +160,25 @@ fn kinds(warehouse: &Warehouse, robots: usize, random: &mut Stream) -> Option<(&
         (json!({"name": "shuttle", "share": share, "fleet": one}), json!({"name": "mover", "fleet": two}));
     // Robots are of the kinds in turn. So few would all be shuttles, which cannot carry every rack of the mixed hall.
     Some(("kinds", if robots <= share { json!([mover, shuttle]) } else { json!([shuttle, mover]) }))
+}
+
+/// What the robots of one kind cannot do, on some floors.
+fn abilities(file: &mut Map<String, Value>, random: &mut Stream) {
+    let lacks_any = random.happens_of(0.3);
+    let limits = ["speed", "stop", "none"];
+    let can = json!({
+        "revocation": random.happens_of(0.5),
+        "limits": limits[random.below(limits.len())],
+        "drives_back": random.happens_of(0.5),
+        "horizon_nodes": random.below(4),
+    });
+    if !lacks_any {
+        return;
+    }
+    match file.get_mut("kinds") {
+        Some(kinds) => kinds[0]["fleet"]["can"] = can,
+        None => file.entry("fleet").or_insert_with(|| json!({}))["can"] = can,
+    }
 }
 
 fn demand(robots: usize, random: &mut Stream) -> Value {

@@ -18,6 +18,7 @@ impl World {
     /// again.
     pub fn meet_another(&mut self, ledger: &Ledger) {
         self.robots.truncate(ledger.robots.len());
+        self.robots.iter_mut().for_each(|r| r.trouble.tell_again());
         self.customers.expect_no_answers();
     }
 }

@@ -3,24 +3,11 @@
 //!
 //! Refuses: to choose.
 
-use super::{SimRobot, World};
+use super::World;
 use giveway_fleet::{Fault, RackAt};
 use giveway_floor::geometry::Point;
 use giveway_floor::id::{Dense, NodeId, RackId, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};
-
-/// By how much the clock of a robot is set at most, either way, seconds.
-const CLOCK_S: f64 = 3600.0;
-
-impl SimRobot {
-    /// Its clock is set with this probability.
-    pub(super) fn set_clock(&mut self, probability: f64) {
-        if probability > 0.0 && self.setting.happens(probability) {
-            self.clock = Span::from_secs_f64(self.setting.between(-CLOCK_S, CLOCK_S));
-            self.clock_steps += 1;
-        }
-    }
-}
 
 impl World {
     /// Breaks a robot, for tests of what happens then.

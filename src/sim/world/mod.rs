@@ -3,8 +3,10 @@
 //! Main type: [`World`]. Refuses: to let the fleet see anything but telemetry and orders.
 
 mod cells;
+mod faults;
 mod handover;
 mod incidents;
+mod links;
 mod motion_before;
 mod passing;
 mod starting;
@@ -27,13 +29,15 @@ use crate::scenario::{Faults, Scenario};
 use crate::walker::{RobotNear, Walker};
 use giveway_drive::LinkOutput;
 use giveway_fleet::{
-    Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, Service, Telemetry, Token, most_dangerous,
+    Command, Fault, Input, Ledger, RackAt, Reply, RobotAction, Service, Telemetry, Token, USUAL_LINK,
+    most_dangerous,
 };
 use giveway_floor::geometry::Point;
 use giveway_floor::id::{Dense, IdVec, NodeId, RackId, RobotId, StationId, WorkerId};
 use giveway_floor::route::Kinematics;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::{NodeKind, Warehouse};
+use links::LinkTrouble;
 use motion_before::MotionBefore;
 pub use starting::starting_places;
 use std::collections::BTreeMap;
@@ -72,6 +76,8 @@ struct SimRobot {
     charger_is_out: bool,
     /// Its radio is dead until then.
     mute_until: Option<Time>,
+    /// What is wrong at its link.
+    trouble: LinkTrouble,
 }
 
 /// The simulated floor.
@@ -185,7 +191,10 @@ impl World {
     pub fn advance(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
         self.meet(ledger);
         let mut inputs = self.customers.order(now, now - self.now, ledger);
-        let join = |(name, kind, node)| Input::ask(JOINS, RobotAction::Register { name, kind, node });
+        let join = |(name, kind, node)| {
+            let link = Some(USUAL_LINK.to_owned());
+            Input::ask(JOINS, RobotAction::Register { name, kind, node, link })
+        };
         inputs.extend(self.joining.drain(..).map(join));
         inputs.extend(self.announcements.say(now));
         inputs.extend(self.leavers.say(now, now - self.now, self.customers.have_stopped(), ledger));
@@ -206,6 +215,7 @@ impl World {
                 *self.afflicted.entry(fault.word()).or_default() += 1;
             }
             robot.mind_charger(self.outages.at(robot.body.node));
+            inputs.extend(robot.trouble.say(robot.body.id, &self.faults, from, now));
         }
         self.push_robots(from, now);
         self.guard_hands(from);
@@ -217,7 +227,7 @@ impl World {
         for robot in self.robots.iter_mut().filter(|r| !r.off) {
             let report = robot.body.report(now);
             robot.mute_until = robot.mute_until.filter(|until| now < *until);
-            if robot.mute_until.is_some() {
+            if robot.mute_until.is_some() || !robot.trouble.is_connected() {
                 continue;
             }
             robot.reports.send(now, Telemetry { seen: now + robot.clock, ..report });
@@ -331,6 +341,7 @@ impl World {
             ("messages_overtaking", messages.overtaking),
             ("wrong_clocks", wrong as u64),
             ("clock_steps", self.robots.iter().map(|r| r.clock_steps).sum()),
+            ("link_outages", self.robots.iter().map(|r| r.trouble.count).sum()),
             ("charger_outages", chargers),
             ("station_stops", stations),
             ("pushes", self.pushed),
@@ -359,7 +370,9 @@ impl World {
             self.customers.hear(reply, now);
         }
         for (robot, command) in limits.iter().chain(orders) {
-            if let Some(robot) = self.robots.get_mut(robot.ix()).filter(|r| !r.off) {
+            if let Some(robot) =
+                self.robots.get_mut(robot.ix()).filter(|r| !r.off && r.trouble.passes(command))
+            {
                 robot.orders.send(now, command.clone());
             }
         }
@@ -530,6 +543,7 @@ impl World {
             clock_steps: 0,
             charger_is_out: false,
             mute_until: None,
+            trouble: LinkTrouble::new(stream(14)),
             push_on: None,
             tries: 0,
             off: record.is_gone(),
@@ -550,48 +564,5 @@ impl World {
     /// Where each robot truly is, how fast, and the serial number of the last visit that it knows: for the laws.
     pub fn truth(&self) -> impl Iterator<Item = (RobotId, Telemetry)> {
         self.robots.iter().filter(|r| !r.off).map(|r| (r.body.id, r.body.report(self.now)))
-    }
-}
-
-impl SimRobot {
-    /// While its charger gives no current, until then, it says so. That ends when it is elsewhere.
-    fn mind_charger(&mut self, out_until: Option<Time>) {
-        if self.charger_is_out && out_until.is_none() {
-            self.body.fault = self.body.fault.filter(|(fault, _)| *fault != Fault::Unplugged);
-            self.charger_is_out = false;
-        } else if let (Some(until), None) = (out_until, self.body.fault) {
-            self.body.fault = Some((Fault::Unplugged, until));
-            self.charger_is_out = true;
-        }
-    }
-
-    /// What goes wrong with it, and what is over. `charging` says whether it stands on a charger.
-    fn meet_faults(&mut self, faults: &Faults, charging: bool, from: Time, to: Time) {
-        if let Some((_, until)) = self.body.fault {
-            self.body.fault = self.body.fault.filter(|_| until > to);
-            return;
-        }
-        let hours = (to - from).as_secs_f64() / 3600.0;
-        self.set_clock(faults.clock_steps_per_hour * hours);
-        let until = to + Span::from_secs_f64(faults.repair_s);
-        let (moving, on_its_way) = (self.body.speed_mps > 0.0, self.body.is_on_its_way());
-        if moving && self.luck.happens(faults.failures_per_hour * hours) {
-            self.body.fault = Some((Fault::Broken, until));
-            return;
-        }
-        // Rates of zero draw no number, so that older scenarios run as they did.
-        let luck = &mut self.luck;
-        let mut happens = |per_hour: f64| per_hour > 0.0 && luck.happens(per_hour * hours);
-        if moving && happens(faults.emergency_stops_per_hour) {
-            self.body.fault = Some((Fault::EmergencyStop, until));
-        } else if on_its_way && happens(faults.obstacles_per_hour) {
-            self.body.fault = Some((Fault::Obstructed, until));
-        } else if charging && !moving && happens(faults.unplugged_per_hour) {
-            self.body.fault = Some((Fault::Unplugged, until));
-        } else if moving && happens(faults.manual_drives_per_hour) {
-            self.body.take_over(until);
-            // Somebody drives it onto a node meanwhile, if it stands between two.
-            self.push_on = Some(to + Span::from_secs_f64(faults.repair_s / 2.0));
-        }
     }
 }

@@ -3,9 +3,19 @@ import type { AlarmRecord } from './alarms';
 import type { Replanned } from './feed';
 import type { SentenceArg } from './sentence';
 
+/** The link by which a robot is reached, and how it is with the robot there. */
+export interface RobotLink {
+  name: string;
+  connected: boolean;
+  /** How many visits the robot can be told beyond the last that it reached; null for any number. */
+  capacity: number | null;
+  /** Why it takes no orders, in the link's words; null where it takes them. */
+  refuses: string | null;
+}
 /** One robot with what the feed leaves out. */
 export interface RobotDetail {
   id: string;
+  link: RobotLink;
   /** When its last report came in, RFC 3339; null if none has since the server started. */
   heard: string | null;
   silent_s: number | null;

@@ -12,7 +12,7 @@ use crate::wire::error::{FieldError, Problem};
 use crate::wire::extract::{JsonBody, PathPart};
 use axum::Json;
 use axum::http::StatusCode;
-use giveway_fleet::{Ask, Refusal, RobotKind, RobotKinds};
+use giveway_fleet::{Ask, Capabilities, Refusal, RobotKind, RobotKinds};
 use giveway_floor::text::sentence::requests;
 use giveway_floor::warehouse::Footprint;
 use giveway_site::{SiteError, read_kind};
@@ -42,6 +42,8 @@ pub struct KindDto {
     pub payload_kg: Option<f64>,
     /// Whether it may leave the line of a lane that has a corridor, to pass people.
     pub free_navigation: bool,
+    /// What it can do besides driving to where it was granted.
+    pub can: CapabilitiesDto,
     /// Top speed without a rack, metres per second.
     pub speed_mps: f64,
     /// Top speed with a rack.
@@ -99,6 +101,43 @@ pub struct NewKind {
     /// Whether it may leave the line of a lane that has a corridor, to pass people; false if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     free_navigation: Option<bool>,
+    /// What it can do besides driving to where it was granted; everything if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    can: Option<NewCapabilities>,
+}
+
+/// What robots of a kind can do besides driving to where they were granted to drive.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct CapabilitiesDto {
+    /// Whether a robot that stands forgets what it was granted when it is told to, and says how often it has.
+    pub revocation: bool,
+    /// Which limits of its speed it obeys within what it was granted: `speed` for any, `stop` for a stop alone, `none`.
+    pub limits: &'static str,
+    /// Whether it drives back from between two nodes to the one that it came from.
+    pub drives_back: bool,
+    /// How many nodes that are not granted yet its orders show it.
+    pub horizon_nodes: usize,
+}
+
+/// What robots of a kind can do; what is left out, they can.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct NewCapabilities {
+    /// Whether a robot that stands forgets what it was granted when it is told to; true if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    revocation: Option<bool>,
+    /// Which limits of its speed it obeys within what it was granted: `speed` for any (if absent), `stop` for a stop
+    /// alone, or `none`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(example = "stop")]
+    limits: Option<String>,
+    /// Whether it drives back from between two nodes; true if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    drives_back: Option<bool>,
+    /// How many nodes that are not granted yet its orders show it, 0 to 100; 0 if absent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(maximum = 100)]
+    horizon_nodes: Option<usize>,
 }
 
 /// When robots of a kind charge, in shares of a full charge; each from the one before to 1.
@@ -237,6 +276,7 @@ impl KindDto {
             carries: k.carries.clone(),
             payload_kg: Some(k.payload_kg).filter(|kg| kg.is_finite()),
             free_navigation: k.free_navigation,
+            can: k.capabilities.into(),
             speed_mps: figures.speed_mps,
             speed_loaded_mps: figures.speed_loaded_mps,
             accel_unloaded_mps2: figures.accel_unloaded_mps2,
@@ -245,6 +285,13 @@ impl KindDto {
             critical: k.charging.critical,
             driving_h: k.charging.driving_h,
         }
+    }
+}
+
+impl From<Capabilities> for CapabilitiesDto {
+    fn from(c: Capabilities) -> CapabilitiesDto {
+        let Capabilities { revocation, limits, drives_back, horizon_nodes } = c;
+        CapabilitiesDto { revocation, limits: limits.word(), drives_back, horizon_nodes }
     }
 }
 

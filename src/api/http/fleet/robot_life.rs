@@ -15,7 +15,7 @@ use crate::wire::sentence::{SentenceArgsSchema, kept_parts};
 use crate::wire::text::{alarm_name, job_name, round3, time_text};
 use axum::Json;
 use giveway_fleet::alarm::{AlarmSubject, SubjectKind};
-use giveway_fleet::{RobotEventQuery, RobotEventRow, RobotEventSource};
+use giveway_fleet::{LinkState, RobotEventQuery, RobotEventRow, RobotEventSource, RobotView};
 use giveway_floor::id::{Dense, JobId};
 use giveway_floor::text::SentenceArgs;
 use giveway_floor::text::sentence::requests;
@@ -29,6 +29,8 @@ pub struct RobotDetailDto {
     /// As in the list.
     #[serde(flatten)]
     pub robot: RobotDto,
+    /// How it is reached.
+    pub link: RobotLinkDto,
     /// When its last report came in, RFC 3339; null if none has since the server started.
     pub heard: Option<String>,
     /// For how long no report has come in, seconds.
@@ -43,6 +45,28 @@ pub struct RobotDetailDto {
     pub jobs_failed: u64,
     /// Active alarms about it, the worst first.
     pub alarms: Vec<AlarmDto>,
+}
+
+/// The link by which a robot is reached, and how it is with the robot there.
+#[derive(Debug, Serialize, ToSchema)]
+pub struct RobotLinkDto {
+    /// Its name.
+    #[schema(example = "sim")]
+    pub name: String,
+    /// Whether messages get through, as far as the link knows.
+    pub connected: bool,
+    /// How many visits the robot can be told beyond the last that it reached; null for any number.
+    pub capacity: Option<usize>,
+    /// Why it takes no orders, in the link's words; null where it takes them.
+    #[schema(example = "a person drives it")]
+    pub refuses: Option<String>,
+}
+
+impl From<&RobotView> for RobotLinkDto {
+    fn from(row: &RobotView) -> RobotLinkDto {
+        let LinkState { connected, capacity, refuses } = row.link_state.clone().unwrap_or_default();
+        RobotLinkDto { name: row.link.clone(), connected, capacity, refuses }
+    }
 }
 
 /// Something that happened to a robot.
@@ -109,6 +133,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Rob
     let alarms = api.alarms.about(&AlarmSubject::new(SubjectKind::Robot, id));
     Ok(Json(RobotDetailDto {
         robot: Names { map: &api.map, view: &moment.view }.one_robot(row),
+        link: RobotLinkDto::from(row),
         heard: row.heard.map(time_text),
         silent_s: row.heard.map(|t| round3((moment.view.now - t).as_secs_f64().max(0.0))),
         driven_m: round3(row.driven_m),

@@ -34,6 +34,10 @@ pub struct NewRobot {
     /// Id of the node on which it stands.
     #[schema(example = "C1-15")]
     node: String,
+    /// The name of the link by which it is reached, one of the site's; the only one if absent.
+    #[serde(default)]
+    #[schema(example = "sim")]
+    link: Option<String>,
 }
 
 /// Where people set a rack down.
@@ -62,7 +66,7 @@ fn usual_kind() -> String {
     operation_id = "registerRobot", request_body = NewRobot, responses(
     (status = 201, description = "It has joined, and that is durable; GET /v1/robots shows it", body = JoinedDto),
     (status = 200, description = "It had joined before, wherever it is by now", body = JoinedDto),
-    (status = 409, description = "Another robot holds the node"),
+    (status = 409, description = "Another robot holds the node, or the floor has no link to robots"),
     (status = 429)))]
 pub async fn register(
     Called(api): Called,
@@ -75,7 +79,7 @@ pub async fn register(
         wrong.push(FieldError::new("node", unknown("node", &new.node)));
     }
     let Some(node) = node.filter(|_| wrong.is_empty()) else { return Err(Problem::invalid(wrong)) };
-    let Made { new, .. } = api.ask(Ask::register_robot(name.clone(), new.kind, node)).await?;
+    let Made { new, .. } = api.ask(Ask::register_robot(name.clone(), new.kind, node, new.link)).await?;
     let status = if new { StatusCode::CREATED } else { StatusCode::OK };
     Ok((status, Json(JoinedDto { id: name })))
 }

@@ -84,6 +84,13 @@ pub enum RobotFact {
         /// When it happened.
         at: Time,
     } = 44,
+    /// A robot is reached by another link from now on.
+    Linked {
+        /// The robot.
+        robot: RobotId,
+        /// The name of the link.
+        link: String,
+    } = 49,
     /// People took the rack off a robot that cannot drive, and set it down on a storage node. What the robot was to do
     /// with it is not done any more.
     RackTaken {
@@ -216,6 +223,7 @@ impl RobotFact {
             | RobotFact::Retired { robot, .. }
             | RobotFact::Left { robot, .. }
             | RobotFact::Returned { robot, .. }
+            | RobotFact::Linked { robot, .. }
             | RobotFact::RackTaken { robot, .. } => *robot,
         }
     }

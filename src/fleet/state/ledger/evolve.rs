@@ -11,6 +11,7 @@ use crate::state::fact::{
 use crate::state::job::{Job, JobRequest, JobState, RobotChoice};
 use crate::state::job_kind::JobKind;
 use crate::state::life::{self, JobStage, Work};
+use crate::state::link::USUAL_LINK;
 use crate::state::worker::{Assignment, AssignmentRequest, AssignmentState};
 use giveway_cell::{LineChange, LineOutcome};
 use giveway_floor::id::{AssignmentId, JobId, NodeId, RackId, RobotId, StationId, WorkerId};
@@ -151,6 +152,7 @@ impl Ledger {
             RobotFact::Registered { robot, name, kind, node, at } => {
                 self.register(*robot, (name, kind), *node, *at);
             }
+            RobotFact::Linked { robot, link } => self.promises.robots[*robot].link.clone_from(link),
             RobotFact::Tasked { robot, task } => self.task(*robot, *task),
             RobotFact::Failed { robot, .. } => self.promises.robots[*robot].failed = true,
             RobotFact::Repaired { robot, .. } => {
@@ -490,6 +492,7 @@ fn new_robot(name: &str, kind: &str) -> Robot {
     Robot {
         name: name.to_owned(),
         kind: kind.to_owned(),
+        link: USUAL_LINK.to_owned(),
         task: Task::Idle,
         stops: Vec::new(),
         acted: None,

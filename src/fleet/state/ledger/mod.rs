@@ -84,6 +84,8 @@ pub struct Robot {
     pub name: String,
     /// The name of its kind.
     pub kind: String,
+    /// The name of the link by which it is reached.
+    pub link: String,
     /// What it is doing.
     pub task: Task,
     /// Stops ahead, in order.

@@ -104,6 +104,7 @@ impl Ledger {
             | RobotFact::Fenced { .. }
             | RobotFact::Maintenance { .. }
             | RobotFact::Retired { .. }
+            | RobotFact::Linked { .. }
             | RobotFact::RackTaken { .. } => {}
         }
     }

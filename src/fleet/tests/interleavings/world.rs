@@ -54,7 +54,7 @@ impl TinyWorld {
         let robots: Vec<StepRobot> = robots.collect();
         let register = |r: &StepRobot| {
             let (name, kind) = (format!("robot {}", r.id.0), kind.clone());
-            Input::ask(1, RobotAction::Register { name, kind, node: r.node })
+            Input::ask(1, RobotAction::Register { name, kind, node: r.node, link: None })
         };
         let mut inputs: Vec<Input> = robots.iter().map(register).collect();
         let fleet = Fleet::new(w.clone(), settings);

@@ -25,6 +25,8 @@ sentences! {
     unplugged() = "gets no current from its charger: check the plug and the charger";
     blocked_by(robot) = "waits for {robot} to be repaired or moved out of its way";
     silent() = "sends no telemetry";
+    refused() = "its link takes no orders for it";
+    refused_because(words) = "its link takes no orders for it: {words}";
     paused() = "is paused by hand";
     in_maintenance() = "is in maintenance";
     leaves() = "leaves the floor: switch it off before you take it away";

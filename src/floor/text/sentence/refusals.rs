@@ -19,6 +19,11 @@ sentences! {
     assignment_is_over(assignment) = "{assignment} is over already, or never existed";
     kind_may_not_join() =
         "there is no such kind of robots; GET /v1/kinds lists all kinds";
+    no_link() =
+        "this floor has no link to robots, so no robot can join: add one to `links` of the site file and start again";
+    unknown_link() = "the floor has no link of this name; `links` of the site file names those that it has";
+    which_link() =
+        "the floor has several links: name the one by which the robot is reached, as `links` of the site file does";
     robot_is_gone() = "the robot has left the floor: register it again with POST /v1/robots";
     rack_is_stored() = "the rack is on no robot: GET /v1/racks says where it stands";
     robot_can_drive() = "the robot with the rack can drive: send the rack to a node with a job of kind relocate";

@@ -1,0 +1,160 @@
+//! What robots are reached by, and what their kinds cannot do: no order asks for more.
+
+use super::*;
+
+const R0: RobotId = RobotId(0);
+
+fn join(name: &str, node: NodeId, link: Option<&str>) -> Input {
+    let (name, kind, link) = (name.into(), USUAL_KIND.into(), link.map(str::to_owned));
+    Input::ask(7, RobotAction::Register { name, kind, node, link })
+}
+
+fn refused(why: RobotRefusal) -> Answered {
+    Err(Refusal::Robot(why))
+}
+
+/// What a fleet with these links answers to robots that join, and the links that they have then.
+fn joins(links: &[&str], wanted: &[Option<&str>]) -> (Vec<Answered>, Vec<String>) {
+    let links = links.iter().map(|l| (*l).to_owned()).collect();
+    let mut fleet = Fleet::new(Arc::new(lab()), Settings { links, ..Settings::default() });
+    let places = fleet.warehouse().nodes_where(NodeKind::is_lasting);
+    let inputs = wanted.iter().enumerate().map(|(i, link)| join(&format!("robot-{i}"), places[i], *link));
+    let replies = fleet.step(Time::ZERO, inputs.collect()).replies;
+    let linked = fleet.ledger().robots.iter().map(|r| r.link.clone()).collect();
+    (replies.into_iter().map(|reply| reply.answer).collect(), linked)
+}
+
+#[test]
+fn a_robot_is_reached_by_a_link_of_the_floor_or_does_not_join() {
+    let (answers, linked) = joins(&["sim"], &[None, Some("sim"), Some("mqtt")]);
+    assert!(answers[0].is_ok() && answers[1].is_ok());
+    assert_eq!(
+        (&answers[2], linked),
+        (&refused(RobotRefusal::UnknownLink), vec!["sim".into(), "sim".into()])
+    );
+    let (answers, linked) = joins(&["sim", "mqtt"], &[None, Some("mqtt")]);
+    assert_eq!((&answers[0], answers[1].is_ok()), (&refused(RobotRefusal::WhichLink), true));
+    assert_eq!(linked, ["mqtt"]);
+    assert_eq!(joins(&["mqtt"], &[None]).1, ["mqtt"], "the only one");
+    let (answers, linked) = joins(&[], &[None, Some("sim")]);
+    assert_eq!(
+        (answers, linked),
+        (vec![refused(RobotRefusal::NoLink); 2], vec![]),
+        "nobody would be heard of"
+    );
+}
+
+#[test]
+fn a_ledger_that_is_read_again_has_each_robot_at_its_link() {
+    let settings = || Settings { links: vec!["sim".into(), "mqtt".into()], ..Settings::default() };
+    let map = Arc::new(lab());
+    let mut fleet = Fleet::new(map.clone(), settings());
+    let node = map.nodes_where(|kind| kind == NodeKind::Parking)[0];
+    let facts = fleet.step(Time::ZERO, vec![join("robot-1", node, Some("mqtt"))]).facts;
+    let again = Fleet::restore(map, settings(), facts);
+    assert_eq!(again.ledger().robots[R0].link, "mqtt");
+}
+
+fn link(state: LinkState) -> Vec<Input> {
+    vec![Input::Link(R0, state)]
+}
+
+#[test]
+fn a_robot_whose_link_is_down_is_silent_at_once_and_goes_on_when_it_is_up_again() {
+    let mut floor = TestFloor::lab(1);
+    let job = floor.submit(request(deliver(3)));
+    floor.until(60, "it is on its way", |f| f.is(job, "assigned"));
+    floor.step(link(LinkState { connected: false, ..LinkState::default() }));
+    let granted = floor.fleet.ledger().chain(R0).granted();
+    assert_eq!(floor.fleet.why(R0), Some(Why::Silent), "nobody waits for three seconds");
+    floor.run(20);
+    assert_eq!(floor.fleet.ledger().chain(R0).granted(), granted, "it is granted nothing");
+    floor.step(link(LinkState::default()));
+    floor.until_over(300);
+    floor.assert_done_once(&[job]);
+}
+
+#[test]
+fn a_robot_whose_link_takes_no_orders_gets_none_and_is_told_why() {
+    let mut floor = TestFloor::lab(2);
+    floor.step(link(LinkState { refuses: Some("in manual mode".into()), ..LinkState::default() }));
+    let jobs = floor.submit_batch(2);
+    floor.until_over(600);
+    floor.assert_done_once(&jobs);
+    assert_eq!(floor.fleet.why(R0), Some(Why::Refused));
+    let state = floor.fleet.view(floor.now).robots[0].link_state.clone().expect("it is not as usual");
+    assert_eq!((state.connected, state.refuses.as_deref()), (true, Some("in manual mode")));
+    assert_eq!(floor.fleet.ledger().chain(R0).granted(), 1, "the other one did both");
+}
+
+#[test]
+fn no_robot_is_granted_more_visits_than_its_link_has_room_for() {
+    for room in [1, 2] {
+        let mut floor = TestFloor::lab(1);
+        floor.step(link(LinkState { capacity: Some(room), ..LinkState::default() }));
+        let job = floor.submit(request(deliver(3)));
+        let mut most = 0;
+        while !floor.fleet.ledger().jobs.is_empty() {
+            floor.step(vec![]);
+            let chain = floor.fleet.ledger().chain(R0);
+            most = most.max(chain.granted() - chain.first() - 1);
+            assert!(floor.now < Time::ZERO + Span::from_secs(900), "it gets on all the same");
+        }
+        assert_eq!(most, room as u64);
+        floor.assert_done_once(&[job]);
+    }
+}
+
+/// The orders that robots get which deliver on the thesis' floor among people.
+fn orders_to(capabilities: Capabilities) -> Vec<Command> {
+    let mut scenario = scenario(6);
+    scenario.site.kinds[0].capabilities = capabilities;
+    scenario.workers = Workers { count: 3, enter_s: 5.0, ..Workers::default() };
+    let mut floor = TestFloor::new(thesis(), &scenario);
+    let jobs = floor.submit_batch(30);
+    let mut orders = Vec::new();
+    while !floor.fleet.ledger().jobs.is_empty() {
+        let step = floor.step(vec![]);
+        orders.extend(step.urgent.into_iter().chain(step.commands).map(|(_, command)| command));
+        assert!(floor.now < Time::ZERO + Span::from_secs(3600), "not done: {:?}", floor.fleet.ledger().jobs);
+    }
+    floor.assert_done_once(&jobs);
+    orders
+}
+
+#[test]
+fn robots_that_can_do_everything_are_slowed_stopped_and_shown_no_horizon() {
+    let orders = orders_to(Capabilities::default());
+    let limits =
+        |mps: fn(f64) -> bool| orders.iter().any(|c| matches!(c, Command::Limit(Some(limit)) if mps(*limit)));
+    assert!(limits(|mps| mps == 0.0) && limits(|mps| mps > 0.0), "the person is met");
+    let is_shown = |c: &Command| matches!(c, Command::Drive { horizon, .. } if !horizon.is_empty());
+    assert!(!orders.iter().any(is_shown));
+}
+
+#[test]
+fn robots_that_can_only_stop_are_told_nothing_but_stops_and_their_ends() {
+    let can = Capabilities { limits: ObeyedLimits::Stops, revocation: false, ..Capabilities::default() };
+    let orders = orders_to(can);
+    let told: Vec<&Command> = orders.iter().filter(|c| !matches!(c, Command::Drive { .. })).collect();
+    assert!(told.iter().all(|c| matches!(c, Command::Limit(None | Some(0.0)))), "{told:?}");
+    assert!(told.contains(&&Command::Limit(Some(0.0))), "the person is met");
+}
+
+#[test]
+fn robots_that_obey_no_limit_are_told_none_and_granted_one_node_at_a_time() {
+    let can = Capabilities {
+        limits: ObeyedLimits::Nothing,
+        revocation: false,
+        drives_back: false,
+        horizon_nodes: 2,
+    };
+    let (mut shown, mut most) = (0, 0);
+    for order in orders_to(can) {
+        let Command::Drive { grant, horizon, .. } = order else { panic!("{order:?}") };
+        most = most.max(grant.serials().count() - 1);
+        shown = shown.max(horizon.len());
+    }
+    // Where it arrives just now, and one more.
+    assert_eq!((shown, most), (2, 2));
+}

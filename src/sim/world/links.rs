@@ -1,0 +1,85 @@
+//! What goes wrong between a robot and Giveway: its link is down, takes no orders for it, or finds that it holds few.
+//!
+//! Main type: [`LinkTrouble`]. The link says so, as links of others do. Refuses: radios that lose and delay, which say
+//! nothing (`link.rs`).
+
+use crate::random::Stream;
+use crate::scenario::Faults;
+use giveway_fleet::{Command, Input, LinkState};
+use giveway_floor::id::RobotId;
+use giveway_floor::time::{Span, Time};
+
+/// How few visits a robot holds at least and at most that holds few.
+const FEW: (usize, usize) = (1, 4);
+
+/// What is wrong at the link of one robot.
+#[derive(Debug)]
+pub(super) struct LinkTrouble {
+    random: Stream,
+    /// How it is, and until when, if it is not as usual.
+    state: Option<(LinkState, Time)>,
+    /// Whether Giveway was told.
+    is_told: bool,
+    /// How often something was wrong.
+    pub count: u64,
+}
+
+impl LinkTrouble {
+    pub fn new(random: Stream) -> LinkTrouble {
+        LinkTrouble { random, state: None, is_told: true, count: 0 }
+    }
+
+    /// Giveway has started again, and knows nothing of links.
+    pub fn tell_again(&mut self) {
+        self.is_told = self.state.is_none();
+    }
+
+    /// Whether messages get through.
+    pub fn is_connected(&self) -> bool {
+        self.state.as_ref().is_none_or(|(state, _)| state.connected)
+    }
+
+    /// Whether a command gets through. A limit does, wherever messages do.
+    pub fn passes(&self, command: &Command) -> bool {
+        let takes_orders = self.state.as_ref().is_none_or(|(state, _)| state.refuses.is_none());
+        self.is_connected() && (takes_orders || matches!(command, Command::Limit(_)))
+    }
+
+    /// What begins to be wrong, and what is over.
+    fn pass(&mut self, faults: &Faults, from: Time, to: Time) {
+        // Rates of zero draw no number, so that older scenarios run as they did.
+        let rate = faults.link_outages_per_hour;
+        match &self.state {
+            Some((_, until)) if rate == 0.0 || to >= *until => (self.state, self.is_told) = (None, false),
+            Some(_) => {}
+            None if rate == 0.0 => {}
+            None => {
+                let hours = (to - from).as_secs_f64() / 3600.0;
+                if self.random.happens(rate * hours) {
+                    let until = to + Span::from_secs_f64(self.random.between(0.5, faults.repair_s));
+                    (self.state, self.is_told) = (Some((self.draw(), until)), false);
+                    self.count += 1;
+                }
+            }
+        }
+    }
+
+    fn draw(&mut self) -> LinkState {
+        let usual = LinkState::default();
+        match self.random.below(3) {
+            0 => LinkState { connected: false, ..usual },
+            1 => LinkState { refuses: Some("somebody works on it".into()), ..usual },
+            _ => LinkState { capacity: Some(FEW.0 + self.random.below(FEW.1)), ..usual },
+        }
+    }
+
+    /// What the link says of its robot, if that is another thing than before.
+    pub fn say(&mut self, robot: RobotId, faults: &Faults, from: Time, to: Time) -> Option<Input> {
+        self.pass(faults, from, to);
+        if std::mem::replace(&mut self.is_told, true) {
+            return None;
+        }
+        let state = self.state.as_ref().map_or_else(LinkState::default, |(state, _)| state.clone());
+        Some(Input::Link(robot, state))
+    }
+}
