@@ -158,3 +158,17 @@ fn robots_that_obey_no_limit_are_told_none_and_granted_one_node_at_a_time() {
     // Where it arrives just now, and one more.
     assert_eq!((shown, most), (2, 2));
 }
+
+#[test]
+fn a_robot_that_cannot_be_called_back_from_before_an_obstacle_goes_on_when_that_is_gone() {
+    let mut scenario = scenario(1);
+    scenario.site.kinds[0].capabilities = Capabilities { revocation: false, ..Capabilities::default() };
+    let mut floor = TestFloor::new(lab(), &scenario);
+    let job = floor.submit(request(deliver(3)));
+    floor.until(60, "it drives", |f| f.world.truth().any(|(_, t)| t.speed_mps > 0.5));
+    floor.world.afflict(R0, Fault::Obstructed, floor.now + Span::from_secs(60));
+    floor.run(40);
+    assert!(matches!(floor.fleet.why(R0), Some(Why::Obstructed(_))), "{:?}", floor.fleet.why(R0));
+    floor.until_over(400);
+    floor.assert_done_once(&[job]);
+}

@@ -178,7 +178,9 @@ impl SpeedLimits<'_> {
         let is_obstructed = self.floor.scene.is_kept_from_driving(robot, now);
         let back = self.drives_back_to(robot);
         let is_displaced = self.floor.scene.displaced(robot).is_some();
-        let stands = self.floor.is_halted(robot) || is_displaced || is_obstructed && back.is_none();
+        // It stands to be called back; one that cannot be goes on as soon as it is free.
+        let is_called = is_obstructed && back.is_none() && self.floor.kind(robot).capabilities.revocation;
+        let stands = self.floor.is_halted(robot) || is_displaced || is_called;
         if stands || self.floor.drives_into(robot, back).is_some() {
             return (Some(0.0), None);
         }
