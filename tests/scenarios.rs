@@ -394,6 +394,8 @@ fn drawn_floors_with_people_and_faults_of_every_kind_keep_their_laws_and_heal() 
         "messages_late",
         "messages_overtaking",
         "wrong_clocks",
+        "clock_steps",
+        "link_outages",
         "headset_silences",
         "headset_jumps",
         "headset_resets",
