@@ -1,6 +1,6 @@
 //! What became of jobs, by kind.
 //!
-//! Main types: [`JobTally`], [`Tallies`]. Refuses: to look at anything but facts.
+//! Main types: [`JobTally`], `Tallies`. Refuses: to look at anything but facts.
 
 use giveway_fleet::{Fact, Fleet, JobFact, JobState};
 use giveway_floor::id::JobId;

@@ -1,8 +1,8 @@
 //! `/v1/stations/{id}` and below: what is picked there; the person at a station says how far that is, and whether
 //! anybody picks at all.
 //!
-//! Main functions: [`one`], [`line()`], [`release`], [`done`], [`short`], [`pause`], [`resume`]. Refuses: to end a pick
-//! that has not begun, and to count a piece twice.
+//! Main functions: [`one`], [`line()`], [`release`], [`done()`], [`short`], [`pause`], [`resume`]. Refuses: to end a
+//! pick that has not begun, and to count a piece twice.
 
 use crate::dto::cell::LineChangedDto;
 use crate::dto::cell::station::StationDetailDto;
