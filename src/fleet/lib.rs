@@ -146,7 +146,8 @@ impl Fleet {
             waits_ns: 0,
         };
         fleet.people.remember(&fleet.writer.ledger().on_floor);
-        // Who asks before the first step is told what the facts alone say: who is paused, that nobody was heard of yet.
+        fleet.writer.cut_off_unlinked();
+        // Before the first step, questions are answered by facts alone: a robot may be paused; none was heard of yet.
         fleet.note_waits(Time::ZERO);
         fleet
     }

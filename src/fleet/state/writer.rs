@@ -12,6 +12,7 @@ use crate::state::floor::Floor;
 use crate::state::io::{CausedFacts, CellWarning, Command, Step};
 use crate::state::job::JobState;
 use crate::state::ledger::Ledger;
+use crate::state::link::LinkState;
 use crate::state::regions::KindRegions;
 use crate::state::request::{Answered, Reply, Token};
 use crate::state::restrictions::Restrictions;
@@ -76,6 +77,17 @@ impl Writer {
             at_hand: AtHand::default(),
             ledger,
             settings,
+        }
+    }
+
+    /// Robots whose link the site has no more are not connected: no link will ever say so.
+    pub fn cut_off_unlinked(&mut self) {
+        let is_unlinked = |link: &String| !self.settings.links.contains(link);
+        let robots = self.ledger.robots.pairs().filter(|(_, r)| is_unlinked(&r.link));
+        let unlinked: Vec<(RobotId, String)> = robots.map(|(robot, r)| (robot, r.link.clone())).collect();
+        for (robot, link) in unlinked {
+            let refuses = Some(format!("the site has no link named {link}"));
+            self.scene.hear_link(robot, LinkState { connected: false, capacity: None, refuses });
         }
     }
 

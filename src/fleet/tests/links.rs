@@ -40,7 +40,7 @@ fn a_robot_is_reached_by_a_link_of_the_floor_or_does_not_join() {
     assert_eq!(
         (answers, linked),
         (vec![refused(RobotRefusal::NoLink); 2], vec![]),
-        "nobody would be heard of"
+        "no robot would be heard of"
     );
 }
 
@@ -52,7 +52,10 @@ fn a_ledger_that_is_read_again_has_each_robot_at_its_link() {
     let node = map.nodes_where(|kind| kind == NodeKind::Parking)[0];
     let facts = fleet.step(Time::ZERO, vec![join("robot-1", node, Some("mqtt"))]).facts;
     let again = Fleet::restore(map, settings(), facts);
-    assert_eq!(again.ledger().robots[R0].link, "mqtt");
+    assert_eq!((again.ledger().robots[R0].link.as_str(), again.link_state(R0)), ("mqtt", None));
+    let without = Fleet::resume(again.ledger().clone(), Settings::default(), []);
+    let state = without.link_state(R0).expect("its link is gone");
+    assert_eq!((state.connected, state.refuses.as_deref()), (false, Some("the site has no link named mqtt")));
 }
 
 fn link(state: LinkState) -> Vec<Input> {
@@ -66,7 +69,7 @@ fn a_robot_whose_link_is_down_is_silent_at_once_and_goes_on_when_it_is_up_again(
     floor.until(60, "it is on its way", |f| f.is(job, "assigned"));
     floor.step(link(LinkState { connected: false, ..LinkState::default() }));
     let granted = floor.fleet.ledger().chain(R0).granted();
-    assert_eq!(floor.fleet.why(R0), Some(Why::Silent), "nobody waits for three seconds");
+    assert_eq!(floor.fleet.why(R0), Some(Why::Silent), "after no three seconds");
     floor.run(20);
     assert_eq!(floor.fleet.ledger().chain(R0).granted(), granted, "it is granted nothing");
     floor.step(link(LinkState::default()));

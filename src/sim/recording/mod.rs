@@ -104,7 +104,7 @@ pub struct Recorder {
 struct LastSaid {
     report: Telemetry,
     /// The time of the line in which that was new.
-    new_in: Option<Time>,
+    new_in: Time,
 }
 
 impl Recorder {
@@ -126,7 +126,7 @@ impl Recorder {
                     // What a robot says again is read as what it said before this line, and before the rest of it.
                     let same = |said: &LastSaid| {
                         let before = Telemetry { seq: t.seq, seen: t.seen, ..said.report };
-                        said.new_in != Some(now) && before == *t
+                        said.new_in != now && before == *t
                     };
                     if let Some(last) = self.last.get_mut(&t.robot).filter(|said| same(said)) {
                         last.report = *t;
@@ -134,7 +134,7 @@ impl Recorder {
                         continue;
                     }
                     line.r.push(said(t));
-                    let before = self.last.insert(t.robot, LastSaid { report: *t, new_in: Some(now) });
+                    let before = self.last.insert(t.robot, LastSaid { report: *t, new_in: now });
                     if t.recalls != before.map_or(0, |said| said.report.recalls) {
                         line.c.insert(t.robot.0, t.recalls);
                     }

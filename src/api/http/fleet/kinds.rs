@@ -12,7 +12,7 @@ use crate::wire::error::{FieldError, Problem};
 use crate::wire::extract::{JsonBody, PathPart};
 use axum::Json;
 use axum::http::StatusCode;
-use giveway_fleet::{Ask, Capabilities, Refusal, RobotKind, RobotKinds};
+use giveway_fleet::{Ask, Capabilities, ObeyedLimits, Refusal, RobotKind, RobotKinds};
 use giveway_floor::text::sentence::requests;
 use giveway_floor::warehouse::Footprint;
 use giveway_site::{SiteError, read_kind};
@@ -111,8 +111,8 @@ pub struct NewKind {
 pub struct CapabilitiesDto {
     /// Whether a robot that stands forgets what it was granted when it is told to, and says how often it has.
     pub revocation: bool,
-    /// Which limits of its speed it obeys within what it was granted: `speed` for any, `stop` for a stop alone, `none`.
-    pub limits: &'static str,
+    /// Which limits of its speed it obeys within what it was granted.
+    pub limits: LimitsDto,
     /// Whether it drives back from between two nodes to the one that it came from.
     pub drives_back: bool,
     /// How many nodes that are not granted yet its orders show it.
@@ -126,11 +126,9 @@ pub struct NewCapabilities {
     /// Whether a robot that stands forgets what it was granted when it is told to; true if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     revocation: Option<bool>,
-    /// Which limits of its speed it obeys within what it was granted: `speed` for any (if absent), `stop` for a stop
-    /// alone, or `none`.
+    /// Which limits of its speed it obeys within what it was granted; any if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
-    #[schema(example = "stop")]
-    limits: Option<String>,
+    limits: Option<LimitsDto>,
     /// Whether it drives back from between two nodes; true if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     drives_back: Option<bool>,
@@ -162,6 +160,18 @@ pub struct NewBattery {
     /// Hours of driving on a full charge, 0.01 to 1000.
     #[serde(skip_serializing_if = "Option::is_none")]
     driving_h: Option<f64>,
+}
+
+/// Which limits of its speed a robot obeys within what it was granted.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum LimitsDto {
+    /// Any speed, and a stop.
+    Speed,
+    /// A stop alone.
+    Stop,
+    /// None: it is granted one node at a time.
+    None,
 }
 
 /// How a robot drives.
@@ -291,7 +301,12 @@ impl KindDto {
 impl From<Capabilities> for CapabilitiesDto {
     fn from(c: Capabilities) -> CapabilitiesDto {
         let Capabilities { revocation, limits, drives_back, horizon_nodes } = c;
-        CapabilitiesDto { revocation, limits: limits.word(), drives_back, horizon_nodes }
+        let limits = match limits {
+            ObeyedLimits::Speeds => LimitsDto::Speed,
+            ObeyedLimits::Stops => LimitsDto::Stop,
+            ObeyedLimits::Nothing => LimitsDto::None,
+        };
+        CapabilitiesDto { revocation, limits, drives_back, horizon_nodes }
     }
 }
 
