@@ -1,6 +1,6 @@
 //! Alarms over HTTP: raised, acknowledged, kept over a restart, cleared, listed; and what health says meanwhile.
 
-use crate::helper::{Folder, config, delivery, floor, get, post, send, start, until_ready};
+use crate::helper::{Folder, config, delivery, eventually, floor, get, post, send, start, until_ready};
 use giveway::server::Server;
 use giveway::sim::Faults;
 use serde_json::{Value, json};
@@ -18,14 +18,11 @@ async fn start_where_robots_fail(folder: &Folder) -> Server {
 
 /// The active alarms, asked again until they are so.
 async fn alarms(at: SocketAddr, what: &str, so: impl Fn(&[Value]) -> bool) -> Vec<Value> {
-    for _ in 0..400 {
+    eventually(what, async || {
         let items = get(at, "/v1/alarms").await.json()["items"].as_array().unwrap().clone();
-        if so(&items) {
-            return items;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("{what}: {:?}", get(at, "/v1/alarms").await);
+        so(&items).then_some(items)
+    })
+    .await
 }
 
 async fn acknowledge(at: SocketAddr, id: &str, body: &Value) -> crate::helper::Answer {
@@ -71,18 +68,15 @@ async fn an_alarm_is_acknowledged_outlasts_a_restart_and_ends_with_its_cause() {
     let of_robot = |items: &[Value]| items.iter().any(|a| a["id"] == id);
     alarms(at, "it ends", |items| !of_robot(items)).await;
     let since = alarm["since"].as_str().unwrap();
-    for _ in 0..100 {
+    let is_told = async || {
         let past = get(at, &format!("/v1/alarms?from={since}&limit=500")).await.json();
         let over = past["items"].as_array().unwrap().iter().find(|a| a["id"] == id).unwrap();
-        if over["state"] == "cleared" && over["cleared"].is_string() {
-            let before = get(at, &format!("/v1/alarms?to={since}")).await.json();
-            assert!(!of_robot(before["items"].as_array().unwrap()), "it began at that time, not before");
-            server.stop().await.unwrap();
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("the history does not say that it ended");
+        (over["state"] == "cleared" && over["cleared"].is_string()).then_some(())
+    };
+    eventually("the history says that it ended", is_told).await;
+    let before = get(at, &format!("/v1/alarms?to={since}")).await.json();
+    assert!(!of_robot(before["items"].as_array().unwrap()), "it began at that time, not before");
+    server.stop().await.unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -119,16 +113,10 @@ async fn a_server_that_cannot_write_is_not_ready_and_says_why() {
     until_ready(at).await;
     let away = folder.database().with_extension("away");
     std::fs::rename(folder.database(), &away).unwrap();
-    for round in 0.. {
-        let answer = get(at, "/v1/health/ready").await;
-        if answer.status == 503 {
-            answer.problem(503);
-            assert!(answer.text.contains("database"), "{answer:?}");
-            break;
-        }
-        assert!(round < 200, "it stays ready: {answer:?}");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    let refuses = async || Some(get(at, "/v1/health/ready").await).filter(|answer| answer.status == 503);
+    let answer = eventually("it is not ready", refuses).await;
+    answer.problem(503);
+    assert!(answer.text.contains("database"), "{answer:?}");
     assert_eq!(get(at, "/v1/health/live").await.status, 200, "a restart would not bring it back");
     alarms(at, "an alarm", |items| items.iter().any(|a| a["kind"] == "database")).await;
     std::fs::rename(&away, folder.database()).unwrap();

@@ -1,6 +1,6 @@
 //! HTTP: what is answered, to which clients, and what is refused with which words.
 
-use crate::helper::{Folder, all_jobs, config, delivery, floor, get, map, post, send, start};
+use crate::helper::{Folder, all_jobs, config, delivery, eventually, floor, get, map, post, send, start};
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
 
@@ -46,15 +46,9 @@ async fn a_job_is_accepted_listed_and_cancelled() {
     assert_eq!(follower["after"], json!([id]));
     let path = format!("/v1/jobs/{}", follower["id"].as_str().unwrap());
     let why = format!("waits for {id} to be over");
-    let mut told = Value::Null;
-    for _ in 0..100 {
-        told = get(at, &path).await.json()["why"]["text"].take();
-        if told == *why {
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-    }
-    assert_eq!(told, *why, "said by the next picture");
+    // Said by the next picture.
+    let is_said = async || (get(at, &path).await.json()["why"]["text"] == *why).then_some(());
+    eventually(&format!("the job says that it {why}"), is_said).await;
     let gone =
         send(at, "DELETE", &format!("/v1/jobs/{}", follower["id"].as_str().unwrap()), &[], "").await.unwrap();
     assert_eq!(gone.status, 200, "{gone:?}");

@@ -4,7 +4,7 @@
 //! The attackers and the operator share one address, as behind a proxy. What is asserted is that the operator is
 //! answered at all, within a bound that only a server that keeps operators out exceeds.
 
-use crate::helper::{Answer, Folder, SCENARIO, config, delivery, floor, send};
+use crate::helper::{Answer, Folder, SCENARIO, config, delivery, eventually, floor, send};
 use crate::tokens::{ADMIN, make, start_closed, until_robots, with};
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
@@ -65,15 +65,8 @@ async fn try_secret(at: SocketAddr, door: &str, i: usize) -> Option<u16> {
 
 /// The list at this path, once it is so.
 async fn until(at: SocketAddr, path: &str, is_so: impl Fn(&Value) -> bool) -> Value {
-    let mut listed = Value::Null;
-    for _ in 0..200 {
-        listed = with(at, ADMIN, "GET", path, "").await.json();
-        if is_so(&listed) {
-            return listed;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("{path} never is: {listed}");
+    let list = async || Some(with(at, ADMIN, "GET", path, "").await.json()).filter(&is_so);
+    eventually(&format!("{path} is as it should be"), list).await
 }
 
 fn entries(listed: &Value, what: &str) -> Vec<Value> {

@@ -1,22 +1,19 @@
 //! Who asked for what is written down, with the facts that came of it.
 
-use crate::helper::{Folder, delivery, start};
+use crate::helper::{Folder, delivery, eventually, start};
 use crate::tokens::{ADMIN, make, start_closed, until_robots, with};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::time::Duration;
 
 /// The entries of the audit for a query, as soon as there are so many.
 async fn entries(at: SocketAddr, query: &str, count: usize) -> Vec<Value> {
-    let mut found = Vec::new();
-    for _ in 0..100 {
+    let found = eventually(&format!("the audit has {count} entries, all answered: {query}"), async || {
         let page = with(at, ADMIN, "GET", &format!("/v1/audit?limit=500{query}"), "").await.json();
-        found = page["items"].as_array().unwrap().clone();
-        if found.len() >= count && found.iter().all(|e| e["outcome"] != "unanswered") {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+        let found = page["items"].as_array().unwrap().clone();
+        let is_whole = found.len() >= count && found.iter().all(|e| e["outcome"] != "unanswered");
+        is_whole.then_some(found)
+    })
+    .await;
     assert_eq!(found.len(), count, "{found:#?}");
     found
 }

@@ -1,6 +1,6 @@
 //! A map changed under a database: what can be carried over is, the rest is refused in words, and nothing is lost.
 
-use crate::helper::{Folder, SCENARIO, all_jobs, config, get, map, post};
+use crate::helper::{Folder, SCENARIO, all_jobs, config, eventually, get, map, post};
 use crate::journal::{commits, log_of};
 use crate::run::{Keeper, Run, nothing};
 use giveway::fleet::{Input, JobAction, JobKind, JobQuery, JobRequest, JobState, Ledger};
@@ -125,13 +125,17 @@ pub fn orders() -> Vec<(String, Value)> {
     (1..).map(|i| format!("order {i}")).zip(jobs).collect()
 }
 
+pub async fn until_robots_join(at: SocketAddr) {
+    let have_joined = async || {
+        let robots = get(at, "/v1/robots").await.json();
+        (robots["items"].as_array().map(Vec::len) == Some(2)).then_some(())
+    };
+    eventually("the robots join", have_joined).await;
+}
+
 /// Hands all of them in, once the robots are known.
 pub async fn submit(at: SocketAddr) {
-    let end = Instant::now() + PATIENCE;
-    while get(at, "/v1/robots").await.json()["items"].as_array().map(Vec::len) != Some(2) {
-        assert!(Instant::now() < end, "the robots join");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    until_robots_join(at).await;
     for (i, (key, job)) in (1..).zip(orders()) {
         let answer = post(at, Some(&key), &job).await.unwrap();
         assert_eq!((answer.status, &answer.json()["id"]), (201, &json!(format!("j{i}"))), "{answer:?}");

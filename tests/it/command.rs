@@ -1,7 +1,7 @@
 //! The program itself, called like from a shell: exit codes, and what it prints where.
 
 use crate::carry::{is_over, until};
-use crate::helper::{Folder, delivery, get, map, post, send, until_ready};
+use crate::helper::{Folder, delivery, eventually, get, map, post, send, until_ready};
 use giveway::warehouse::formats;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader};
@@ -185,16 +185,8 @@ async fn a_server_starts_with_another_map_than_the_one_of_its_scenario() {
     let database = database.to_str().unwrap();
     let listen = ["serve", "--listen", "127.0.0.1:0", "--scenario", scenario];
     let (_server, at) = Shown::of(&[&listen[..], &["--database", database, "--map", path]].concat());
-    let mut name = Value::Null;
-    for _ in 0..200 {
-        let answer = get(at, "/v1/map").await;
-        if answer.status == 200 {
-            name = answer.json()["name"].take();
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-    }
-    assert_eq!(name, "drawn");
+    let answers = async || Some(get(at, "/v1/map").await).filter(|answer| answer.status == 200);
+    assert_eq!(eventually("the map is there", answers).await.json()["name"], "drawn");
 }
 
 #[tokio::test(flavor = "multi_thread")]

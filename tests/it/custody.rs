@@ -1,6 +1,6 @@
 //! The server and its database: taken away under it, slow to load, and let go in the end.
 
-use crate::helper::{Folder, all_jobs, config, delivery, floor, get, map, post, send, start};
+use crate::helper::{Folder, all_jobs, config, delivery, eventually, floor, get, map, post, send, start};
 use giveway::server::{Config, Server};
 use giveway::store::Store;
 use serde_json::json;
@@ -11,20 +11,16 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 use tokio::io::AsyncWriteExt;
 use tokio::net::TcpStream;
 
 /// Waits until health says this.
 async fn health(at: SocketAddr, status: u16, word: &str) {
-    for _ in 0..200 {
+    let says_so = async || {
         let answer = get(at, "/v1/health").await;
-        if answer.status == status && answer.text.contains(word) {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
-    panic!("health does not become {status} with \"{word}\": {:?}", get(at, "/v1/health").await);
+        (answer.status == status && answer.text.contains(word)).then_some(())
+    };
+    eventually(&format!("health becomes {status} with \"{word}\""), says_so).await;
 }
 
 /// Takes the database from under a server in some way, while customers hand in jobs.
@@ -193,14 +189,8 @@ async fn robots_of_a_kind_that_the_scenario_no_longer_has_are_refused_in_words()
     mixed.source.scenario.site.kinds[0].name = "mover".into();
     let server = Server::start(&config(&folder), mixed).await.unwrap_or_else(|e| panic!("{e:#}"));
     let at = server.address();
-    for _ in 0..100 {
-        let robots = get(at, "/v1/robots").await;
-        if robots.text.contains("\"kind\":\"mover\"") {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    assert!(get(at, "/v1/robots").await.text.contains("\"kind\":\"mover\""));
+    let is_mover = async || get(at, "/v1/robots").await.text.contains("\"kind\":\"mover\"").then_some(());
+    eventually("a robot is a mover", is_mover).await;
     server.stop().await.unwrap();
     let refused = Server::start(&config(&folder), floor()).await.err().expect("it is refused").to_string();
     assert!(refused.contains("is of kind \"mover\"") && refused.contains("scenario has robot"), "{refused}");

@@ -1,6 +1,6 @@
 //! `giveway database`, and what the program does where files and pipes end: called like from a shell.
 
-use crate::helper::{Answer, Folder, SCENARIO, all_jobs, delivery, get, post, start};
+use crate::helper::{Answer, Folder, SCENARIO, all_jobs, delivery, eventually, get, post, start};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::net::SocketAddr;
@@ -8,7 +8,6 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_giveway");
 
@@ -45,9 +44,8 @@ async fn a_backup_taken_under_load_starts_and_has_every_job_acknowledged_before_
     let at = server.address();
     let (over, known) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Vec::new())));
     let customers: Vec<_> = (0..3).map(|_| tokio::spawn(customer(at, over.clone(), known.clone()))).collect();
-    while known.lock().unwrap().len() < 20 {
-        tokio::time::sleep(Duration::from_millis(10)).await;
-    }
+    let are_known = async || (known.lock().unwrap().len() >= 20).then_some(());
+    eventually("twenty jobs are acknowledged", are_known).await;
     let copy = folder.path().join("copy.sqlite");
     let (file, target) = (folder.database(), copy.to_str().unwrap().to_owned());
     let before = known.lock().unwrap().clone();
@@ -160,14 +158,8 @@ impl Drop for Limited {
 
 /// Waits until health has this status, and says it.
 async fn health(at: SocketAddr, status: u16) -> String {
-    for _ in 0..200 {
-        let answer = get(at, "/v1/health").await;
-        if answer.status == status {
-            return answer.text;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("health does not become {status}");
+    let becomes = async || Some(get(at, "/v1/health").await).filter(|answer| answer.status == status);
+    eventually(&format!("health becomes {status}"), becomes).await.text
 }
 
 #[cfg(target_os = "linux")]

@@ -1,6 +1,6 @@
 //! Robots that join over HTTP, go to maintenance and come back.
 
-use crate::helper::{Answer, Folder, get, map, send, start};
+use crate::helper::{Answer, Folder, eventually, get, map, send, start};
 use giveway::fleet::{Fact, Ledger, RobotFact, RobotKind, fitted};
 use giveway::id::{BodyId, RobotId};
 use giveway::store::{StepEntry, Store};
@@ -11,7 +11,6 @@ use sqlx::Connection;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::Duration;
 
 const JSON: [(&str, &str); 1] = [("content-type", "application/json")];
 
@@ -26,25 +25,17 @@ async fn robot(at: SocketAddr, id: &str) -> Option<Value> {
 
 /// Waits until a robot is so.
 async fn until(at: SocketAddr, id: &str, what: &str, so: impl Fn(&Value) -> bool) {
-    for _ in 0..1200 {
-        if robot(at, id).await.is_some_and(|r| so(&r)) {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("{id} never was {what}: {:?}", robot(at, id).await);
+    let is_so = async || robot(at, id).await.filter(&so);
+    eventually(&format!("{id} is {what}"), is_so).await;
 }
 
 /// Waits until the server counts so many robots. On a busy machine an alarm about late steps may stand first.
 async fn until_counted(at: SocketAddr, robots: u64) {
-    for _ in 0..1200 {
+    let counts = async || {
         let health = get(at, "/v1/health").await;
-        if health.status == 200 && health.json()["robots"] == robots {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("it never counts {robots} robots: {:?}", get(at, "/v1/health").await);
+        (health.status == 200 && health.json()["robots"] == robots).then_some(())
+    };
+    eventually(&format!("it counts {robots} robots"), counts).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -120,13 +111,8 @@ async fn a_robot_leaves_over_http_and_comes_back_under_its_name() {
     until(at, "robot-2", "there", |_| true).await;
     assert_eq!(send(at, "DELETE", "/v1/robots/robot-1", &[], "").await.unwrap().status, 204);
     until(at, "robot-1", "leaving", |r| r["leaving"] == true).await;
-    for _ in 0..1200 {
-        if robot(at, "robot-1").await.is_none() {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    assert_eq!(robot(at, "robot-1").await, None, "it is gone from the list");
+    let is_gone = async || robot(at, "robot-1").await.is_none().then_some(());
+    eventually("robot-1 is gone from the list", is_gone).await;
     until_counted(at, 1).await;
     let again = send(at, "DELETE", "/v1/robots/robot-1", &[], "").await.unwrap().problem(409);
     assert!(again["detail"].as_str().unwrap().contains("POST /v1/robots"), "{again}");
@@ -194,13 +180,8 @@ async fn kinds(at: SocketAddr) -> Vec<(String, bool)> {
 /// Waits until these are the kinds that are shown.
 async fn until_kinds(at: SocketAddr, wanted: &[(&str, bool)]) {
     let wanted: Vec<_> = wanted.iter().map(|(name, added)| ((*name).to_owned(), *added)).collect();
-    for _ in 0..100 {
-        if kinds(at).await == wanted {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
-    panic!("kinds are {:?}, not {wanted:?}", kinds(at).await);
+    let are_shown = async || (kinds(at).await == wanted).then_some(());
+    eventually(&format!("the kinds are {wanted:?}"), are_shown).await;
 }
 
 fn late(kind: &str) -> Value {

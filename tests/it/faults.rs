@@ -1,10 +1,9 @@
 //! Robots that say what is wrong with them: over HTTP each fault has its name and its reason, and ends.
 
-use crate::helper::{Folder, config, floor, get};
+use crate::helper::{Folder, config, eventually, floor, get};
 use giveway::server::Server;
 use giveway::sim::{Demand, Faults};
 use serde_json::Value;
-use std::time::Duration;
 
 /// A floor on which one kind of fault happens all the time, to robots that have something to do.
 fn faulty(faults: Faults) -> giveway::server::ServedFloor {
@@ -28,26 +27,12 @@ async fn each_fault_has_its_name_and_its_reason_and_ends() {
         let at = server.address();
         let has =
             |r: &Value| r["fault"] == fault && r["why"]["text"].as_str().is_some_and(|w| w.contains(reason));
-        let mut whose: Option<String> = None;
-        let mut is_over = false;
-        for _ in 0..2400 {
-            let all = get(at, "/v1/robots").await.json();
-            let robots = all["items"].as_array().unwrap();
-            match &whose {
-                None => {
-                    let found = robots.iter().find(|r| has(r)).and_then(|r| r["id"].as_str());
-                    whose = found.map(str::to_owned);
-                }
-                Some(id) if robots.iter().any(|r| r["id"] == *id && r["fault"].is_null()) => {
-                    is_over = true;
-                    break;
-                }
-                Some(_) => {}
-            }
-            tokio::time::sleep(Duration::from_millis(20)).await;
-        }
-        assert!(whose.is_some(), "no robot ever said {fault}");
-        assert!(is_over, "{whose:?} has it for ever");
+        let robots = async || get(at, "/v1/robots").await.json()["items"].as_array().unwrap().clone();
+        let says = async || robots().await.into_iter().find(has);
+        let whose = eventually(&format!("a robot says {fault}"), says).await["id"].clone();
+        let is_over = |r: &Value| r["id"] == whose && r["fault"].is_null();
+        let ends = async || robots().await.iter().any(is_over).then_some(());
+        eventually(&format!("{fault} of {whose} ends"), ends).await;
         server.stop().await.unwrap();
     }
 }

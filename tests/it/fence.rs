@@ -1,6 +1,8 @@
 //! A journal that contradicts itself: the robot in question is fenced off, the others go on, the process stays up.
 
-use crate::helper::{Folder, all_jobs, config, delivery, empty_ledger, floor, get, map, post, send, start};
+use crate::helper::{
+    Folder, all_jobs, config, delivery, empty_ledger, eventually, floor, get, map, post, send, start,
+};
 use giveway::drive::{GuardedCall, Trap};
 use giveway::fleet::{Fact, JobFact, JobState, RouteFact, Task};
 use giveway::id::RobotId;
@@ -9,17 +11,10 @@ use giveway::store::{StepEntry, Store};
 use giveway::time::Time;
 use serde_json::json;
 use std::net::SocketAddr;
-use std::time::Duration;
 
 /// Asks until it is so.
 async fn until(what: &str, mut so: impl AsyncFnMut() -> bool) {
-    for _ in 0..1200 {
-        if so().await {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("not in time: {what}");
+    eventually(what, async || so().await.then_some(())).await;
 }
 
 async fn count(at: SocketAddr, state: &str) -> usize {
@@ -154,20 +149,13 @@ async fn a_panic_in_a_step_a_view_a_query_or_over_a_pose_fences_one_robot_off_an
         })
         .await;
         planted.lock().unwrap().push(Trap { call, robot: Some(RobotId(0)), times: 1 });
-        let mut last = String::new();
-        let fenced = tokio::time::timeout(
-            Duration::from_secs(15),
-            until("one robot is fenced off", async || {
-                // A question over HTTP may meet the panic; the server goes on answering.
-                let asked = get(at, "/v1/robots/robot-1/why").await.status;
-                assert!([200, 503].contains(&asked), "{call:?}: {asked}");
-                let health = get(at, "/v1/health").await.text;
-                last = health.clone();
-                health.contains("robot-1 contradicts itself: fenced off")
-            }),
-        )
+        until(&format!("one robot is fenced off: {call:?}"), async || {
+            // A question over HTTP may meet the panic; the server goes on answering.
+            let asked = get(at, "/v1/robots/robot-1/why").await.status;
+            assert!([200, 503].contains(&asked), "{call:?}: {asked}");
+            get(at, "/v1/health").await.text.contains("robot-1 contradicts itself: fenced off")
+        })
         .await;
-        assert!(fenced.is_ok(), "{call:?}: {last}");
         let mut job = delivery(3);
         job["pick_s"] = json!(0.1);
         until("the job is accepted", async || post(at, None, &job).await.unwrap().status == 201).await;

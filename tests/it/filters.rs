@@ -1,9 +1,8 @@
 //! Filters of lists: each finds what it says, several words find each of them, and a wrong value is named.
 
-use crate::helper::{Folder, get, map, send, start};
+use crate::helper::{Folder, eventually, get, map, send, start};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::time::Duration;
 
 async fn post(at: SocketAddr, path: &str, body: &Value) -> Value {
     let headers = [("content-type", "application/json")];
@@ -22,15 +21,8 @@ async fn ids(at: SocketAddr, path: &str) -> Vec<String> {
 
 /// Waits until a list has these.
 async fn until(at: SocketAddr, path: &str, wanted: &[&str]) {
-    let mut found = Vec::new();
-    for _ in 0..200 {
-        found = ids(at, path).await;
-        if found == wanted {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("{path}: {found:?}, not {wanted:?}");
+    let has_these = async || (ids(at, path).await == wanted).then_some(());
+    eventually(&format!("{path} has {wanted:?}"), has_these).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

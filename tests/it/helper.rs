@@ -8,13 +8,14 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 /// The scenario that all tests run: fast robots, no customers but the test.
 pub const SCENARIO: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/quiet.json");
 
-/// A folder that goes with the test.
+/// A folder that goes with the test, and stays where it is if the test fails.
 pub struct Folder(PathBuf);
 
 impl Folder {
@@ -37,7 +38,11 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
+        if std::thread::panicking() {
+            eprintln!("What the test left is kept in {}", self.0.display());
+        } else {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
     }
 }
 
@@ -172,13 +177,8 @@ pub async fn get(at: SocketAddr, path: &str) -> Answer {
 
 /// Waits until the server says that it is ready.
 pub async fn until_ready(at: SocketAddr) {
-    for _ in 0..2000 {
-        if get(at, "/v1/health/ready").await.status == 200 {
-            return;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
-    }
-    panic!("never ready: {:?}", get(at, "/v1/health/ready").await);
+    let is_ready = async || (get(at, "/v1/health/ready").await.status == 200).then_some(());
+    eventually("the server is ready", is_ready).await;
 }
 
 /// Hands in a job.
@@ -200,4 +200,25 @@ pub async fn all_jobs(at: SocketAddr, limit: u32) -> Vec<Value> {
             None => return jobs,
         }
     }
+}
+
+/// How long a test waits for something that must come before it says that it never does. Generous, since a machine may
+/// compile, draw and run thirty other tests meanwhile: what must be *fast* is measured by benches, not by tests.
+pub const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Asks every 50 ms until there is an answer, which it returns. Panics with `what` if none comes in [`PATIENCE`].
+pub async fn eventually<T>(what: &str, mut ask: impl AsyncFnMut() -> Option<T>) -> T {
+    let began = Instant::now();
+    loop {
+        if let Some(answer) = ask().await {
+            return answer;
+        }
+        assert!(began.elapsed() < PATIENCE, "never: {what}");
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
+}
+
+/// What this future returns. Panics with `what` if it does not within [`PATIENCE`].
+pub async fn in_time<T>(what: &str, it: impl Future<Output = T>) -> T {
+    tokio::time::timeout(PATIENCE, it).await.unwrap_or_else(|_| panic!("never: {what}"))
 }

@@ -1,13 +1,12 @@
 //! Figures over time and maps of heat over HTTP, over a restart, too.
 
-use crate::helper::{Folder, delivery, get, map, post, start};
+use crate::helper::{Folder, delivery, eventually, get, map, post, start};
 use giveway::history::{Bucket, HeatBucket};
 use giveway::id::NodeId;
 use giveway::store::Store;
 use giveway::time::{Span, Time};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::time::Duration;
 
 /// Racks served, as all buckets of the last hour have it.
 async fn delivered(at: SocketAddr, step: u32) -> u64 {
@@ -17,13 +16,8 @@ async fn delivered(at: SocketAddr, step: u32) -> u64 {
 }
 
 async fn until(at: SocketAddr, racks: u64) {
-    for _ in 0..1200 {
-        if delivered(at, 10).await == racks {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("{racks} deliveries never come: {:?}", get(at, "/v1/history").await);
+    let are_served = async || (delivered(at, 10).await == racks).then_some(());
+    eventually(&format!("the history has {racks} deliveries"), are_served).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

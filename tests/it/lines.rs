@@ -1,12 +1,11 @@
 //! Order lines over HTTP: a visit ends with its last line; bad lines are refused by name; `kill -9` in mid-visit loses
 //! nothing.
 
-use crate::helper::{Answer, Folder, get, post, send};
+use crate::helper::{Answer, Folder, eventually, get, post, send};
 use crate::recovery::Program;
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::path::PathBuf;
-use std::time::Duration;
 
 const JSON: (&str, &str) = ("content-type", "application/json");
 
@@ -32,15 +31,7 @@ fn wanted(lines: Value) -> Value {
 }
 
 pub async fn until(at: SocketAddr, what: &str, path: &str, so: impl Fn(&Value) -> bool) -> Value {
-    let mut seen = Value::Null;
-    for _ in 0..1200 {
-        seen = get(at, path).await.json();
-        if so(&seen) {
-            return seen;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("not within a minute: {what}; {seen}");
+    eventually(what, async || Some(get(at, path).await.json()).filter(&so)).await
 }
 
 async fn say(at: SocketAddr, n: &str, change: Value) -> Answer {

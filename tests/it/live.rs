@@ -1,6 +1,6 @@
 //! The live feed over a real WebSocket.
 
-use crate::helper::{Folder, config, floor, map, start};
+use crate::helper::{Folder, config, floor, in_time, map, start};
 use futures_util::StreamExt;
 use giveway::server::{Config, Server};
 use serde_json::Value;
@@ -23,7 +23,7 @@ pub async fn connect(at: SocketAddr, query: &str, protocols: &str) -> Result<Soc
 /// The next text; `None` when the feed ends.
 pub async fn next(socket: &mut Socket) -> Option<Value> {
     loop {
-        let message = tokio::time::timeout(Duration::from_secs(5), socket.next()).await.expect("a message");
+        let message = in_time("a message of the live feed", socket.next()).await;
         match message {
             Some(Ok(Message::Text(text))) => return Some(serde_json::from_str(&text).unwrap()),
             Some(Ok(Message::Close(_)) | Err(_)) | None => return None,
@@ -91,11 +91,17 @@ async fn the_feed_ends_in_order_when_the_server_goes_down() {
     let folder = Folder::new();
     let server = start(&folder).await;
     let mut socket = connect(server.address(), "", "").await.unwrap();
-    let started = tokio::time::Instant::now();
-    let reader = tokio::spawn(async move { while next(&mut socket).await.is_some() {} });
-    server.stop().await.unwrap();
-    reader.await.unwrap();
-    assert!(started.elapsed() < Duration::from_secs(5), "an open feed does not hold the server up");
+    let reader = tokio::spawn(async move {
+        loop {
+            match socket.next().await {
+                Some(Ok(Message::Close(why))) => return why,
+                Some(Ok(_)) => {}
+                other => panic!("{other:?}"),
+            }
+        }
+    });
+    in_time("an open feed does not hold the server up", server.stop()).await.unwrap();
+    assert!(reader.await.unwrap().is_some(), "it says why it ends");
 }
 
 #[tokio::test(flavor = "multi_thread")]

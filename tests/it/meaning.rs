@@ -2,7 +2,7 @@
 //! and never half of it. What each request may look like is in `description.rs`; here it is what it says.
 
 use crate::carry;
-use crate::helper::{Answer, Folder, get, map, send, start};
+use crate::helper::{Answer, Folder, eventually, get, map, send, start};
 use crate::people::post;
 use giveway::geometry::Vector;
 use giveway::warehouse::{Warehouse, formats::json};
@@ -50,14 +50,8 @@ async fn a_closure_says_what_it_covers_and_one_that_covers_something_else_is_ref
     assert_eq!(made.json()["nodes"].as_array().unwrap().len(), floor.nodes.len(), "the list says the same");
     // The view is as old as the latest step.
     let path = format!("/v1/closures/{}", made.json()["id"].as_str().unwrap());
-    let mut again = get(at, &path).await;
-    for _ in 0..100 {
-        if again.status == 200 {
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-        again = get(at, &path).await;
-    }
+    let is_there = async || Some(get(at, &path).await).filter(|answer| answer.status == 200);
+    let again = eventually("the closure is in the view", is_there).await;
     assert_eq!(again.json()["covered"], covered);
     let named = close(json!({"nodes": ["R30", "R32"], "reason": "posts"})).await.json();
     assert_eq!((&named["covered"]["nodes"], &named["covered"]["area_m2"]), (&json!(2), &Value::Null));
@@ -115,14 +109,12 @@ async fn where_a_map_may_be_people_and_closures_may_be() {
     assert_eq!(made.status, 201, "{made:?}");
     let strips = format!("/v1/timelines?x0={}&y0={}&x1={}&y1={}", node.x, node.y, node.x + 1.0, node.y + 1.0);
     assert_eq!(get(at, &strips).await.status, 200);
-    for _ in 0..100 {
+    let is_seen = async || {
         let known = get(at, "/v1/workers").await.json()["items"][0].clone();
-        if known["x"].as_f64().is_some_and(|x| (x - node.x).abs() < 1.0) {
-            return server.stop().await.unwrap();
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-    }
-    panic!("nobody is seen there: {}", get(at, "/v1/workers").await.text);
+        known["x"].as_f64().filter(|x| (x - node.x).abs() < 1.0)
+    };
+    eventually("the worker is seen there", is_seen).await;
+    server.stop().await.unwrap();
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -328,17 +320,15 @@ async fn a_closure_follows_the_clocks_of_a_zone_also_after_a_restart() {
     let at = server.address();
     // Each that is taken back is followed by the next one.
     let next = |series: &'static str, after: &'static str| async move {
-        for _ in 0..200 {
+        let first = eventually(&format!("{series} goes on after {after}"), async || {
             let known = get(at, &format!("/v1/closures/{series}")).await.json();
             let open = known["occurrences"].as_array().unwrap().clone();
-            if let Some(first) = open.iter().find(|o| o["from"].as_str().unwrap() > after) {
-                let path = format!("/v1/closures/{}", first["id"].as_str().unwrap());
-                assert_eq!(send(at, "DELETE", &path, &[], "").await.unwrap().status, 204);
-                return format!("{} {}", first["from"].as_str().unwrap(), first["until"].as_str().unwrap());
-            }
-            tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-        }
-        panic!("{series} does not go on after {after}");
+            open.into_iter().find(|o| o["from"].as_str().unwrap() > after)
+        })
+        .await;
+        let path = format!("/v1/closures/{}", first["id"].as_str().unwrap());
+        assert_eq!(send(at, "DELETE", &path, &[], "").await.unwrap().status, 204);
+        format!("{} {}", first["from"].as_str().unwrap(), first["until"].as_str().unwrap())
     };
     assert_eq!(next("s1", "2031").await, "2031-03-29T21:00:00Z 2031-03-29T21:30:00Z");
     assert_eq!(next("s1", "2031-03-30").await, "2031-03-30T20:00:00Z 2031-03-30T20:30:00Z", "in summer");

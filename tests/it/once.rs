@@ -1,10 +1,9 @@
 //! Requests with an `Idempotency-Key` that make something besides jobs and assignments.
 
-use crate::helper::{Answer, Folder, delivery, get, map, send, start};
+use crate::helper::{Answer, Folder, delivery, eventually, get, map, send, start};
 use crate::tokens::{ADMIN, make, start_closed, until_robots};
 use serde_json::json;
 use std::net::SocketAddr;
-use std::time::Duration;
 
 async fn keyed(at: SocketAddr, path: &str, key: &str, body: &serde_json::Value) -> Answer {
     let headers = [("content-type", "application/json"), ("idempotency-key", key)];
@@ -37,15 +36,11 @@ async fn a_repeat_with_the_same_key_closes_nothing_a_second_time_also_over_a_res
     assert_eq!((again.status, &again.text), (201, &first.text));
     assert_eq!(keyed(at, "/v1/closures", "spill-2", &area(1.0)).await.status, 201);
     // The list is of a view, which is a step behind.
-    let mut closed = 0;
-    for _ in 0..100 {
-        closed = get(at, "/v1/closures").await.json()["items"].as_array().unwrap().len();
-        if closed > 1 {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    assert_eq!(closed, 2);
+    let are_listed = async || {
+        let closed = get(at, "/v1/closures").await.json()["items"].as_array().unwrap().len();
+        (closed > 1).then_some(closed)
+    };
+    assert_eq!(eventually("both closures are listed", are_listed).await, 2);
     server.stop().await.unwrap();
 }
 

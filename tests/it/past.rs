@@ -1,24 +1,21 @@
 //! What a server keeps of the past: it answers while it runs, and after it was killed.
 
-use crate::helper::{Folder, config, floor, get, send, start};
+use crate::helper::{Folder, config, eventually, floor, get, send, start};
 use giveway::api::recording::lines;
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 /// Asks until there is a past of so many seconds.
 async fn past(at: SocketAddr, seconds: f64) -> Value {
-    loop {
+    eventually(&format!("there is a past of {seconds} s"), async || {
         let past = get(at, "/v1/past").await.json();
         let last = past["spans"].as_array().and_then(|spans| spans.last().cloned()).unwrap_or_default();
-        if last["to_s"].as_f64().is_some_and(|to| to >= seconds) {
-            return past;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
+        last["to_s"].as_f64().is_some_and(|to| to >= seconds).then_some(past)
+    })
+    .await
 }
 
 /// The lines of a recording, by way of a file, as a person would keep it.

@@ -1,6 +1,6 @@
 //! People over HTTP: workers, assignments, closed areas, positions of tags, encounters.
 
-use crate::helper::{Answer, Folder, config, floor, get, map, send, start};
+use crate::helper::{Answer, Folder, config, eventually, floor, get, map, send, start};
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
@@ -143,15 +143,11 @@ async fn an_assignment_without_a_worker_waits_is_made_once_listed_and_cancelled(
     let map = map();
     let door = map.nodes[map.stations.iter().next().unwrap().node].at;
     assert_eq!(post(at, "/v1/workers/w1/position", &json!({"x": door.x, "y": door.y})).await.status, 202);
-    let mut worker = json!(null);
-    for _ in 0..100 {
-        worker = get(at, "/v1/assignments/a2").await.json()["worker"].clone();
-        if !worker.is_null() {
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-    }
-    assert_eq!(worker, "w1");
+    let has_worker = async || {
+        let worker = get(at, "/v1/assignments/a2").await.json()["worker"].clone();
+        (!worker.is_null()).then_some(worker)
+    };
+    assert_eq!(eventually("somebody gets a2", has_worker).await, "w1");
     server.stop().await.unwrap();
 }
 
@@ -215,18 +211,18 @@ async fn a_closure_is_announced_then_closed_then_over_by_itself_and_known_after_
     assert_eq!((day.status, day.json()["state"].clone()), (201, json!("announced")));
     let now = json!({"nodes": [place()], "reason": "a spill"});
     assert_eq!(post(at, "/v1/closures", &now).await.json()["state"], "closed");
-    let short = post(at, "/v1/closures", &body(in_s(2), in_s(4))).await.json();
+    let short = post(at, "/v1/closures", &body(in_s(4), in_s(8))).await.json();
     assert_eq!((short["id"].clone(), short["state"].clone()), (json!("c3"), json!("announced")));
-    let mut states = Vec::new();
-    let began = tokio::time::Instant::now();
-    while states.last() != Some(&json!("over")) {
-        assert!(began.elapsed() < std::time::Duration::from_secs(20), "{states:?}");
-        tokio::time::sleep(std::time::Duration::from_millis(100)).await;
+    let mut states: Vec<Value> = Vec::new();
+    let is_over = async || {
         let state = get(at, "/v1/closures/c3").await.json()["state"].clone();
-        if states.last() != Some(&state) {
-            states.push(state);
+        // Lists follow the fleet a few times a second: at first it may not be there.
+        if !state.is_null() && states.last() != Some(&state) {
+            states.push(state.clone());
         }
-    }
+        (state == "over").then_some(())
+    };
+    eventually("the closure is over", is_over).await;
     assert_eq!(states, [json!("announced"), json!("closed"), json!("over")]);
     server.stop().await.unwrap();
     let server = start(&folder).await;
@@ -364,14 +360,8 @@ async fn encounters_are_listed_filtered_and_exported() {
 
 /// What is answered as soon as it is so: lists follow the fleet a few times a second.
 async fn once(at: SocketAddr, path: &str, is_so: impl Fn(&Value) -> bool) -> Value {
-    for _ in 0..100 {
-        let answer = get(at, path).await.json();
-        if is_so(&answer) {
-            return answer;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-    }
-    panic!("{path} says {}", get(at, path).await.json());
+    let ask = async || Some(get(at, path).await.json()).filter(&is_so);
+    eventually(&format!("{path} is as it should be"), ask).await
 }
 
 #[tokio::test(flavor = "multi_thread")]

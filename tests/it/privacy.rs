@@ -1,6 +1,6 @@
 //! Names of people: who sees them, where they are not, and what is left of a person who was erased.
 
-use crate::helper::{Folder, get, map, start};
+use crate::helper::{Folder, eventually, get, map, start};
 use crate::tokens::{ADMIN, start_closed, with};
 use futures_util::StreamExt;
 use giveway::fleet::{
@@ -14,7 +14,6 @@ use giveway::time::{Span, Time};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::path::Path;
-use std::time::Duration;
 use tokio_tungstenite::tungstenite::Message;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 
@@ -30,14 +29,11 @@ async fn register(at: SocketAddr) -> Value {
 async fn token(at: SocketAddr, role: &str) -> String {
     let subject = (role == "device").then_some("w1");
     let body = json!({"name": role, "role": role, "subject": subject}).to_string();
-    for _ in 0..100 {
+    let is_made = async || {
         let made = with(at, ADMIN, "POST", "/v1/tokens", &body).await;
-        if made.status == 201 {
-            return made.json()["token"].as_str().unwrap().to_owned();
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("no token for {role}");
+        (made.status == 201).then(|| made.json()["token"].as_str().unwrap().to_owned())
+    };
+    eventually(&format!("there is a token for {role}"), is_made).await
 }
 
 async fn name_seen_by(at: SocketAddr, token: &str) -> String {
@@ -49,19 +45,17 @@ async fn name_seen_by(at: SocketAddr, token: &str) -> String {
 
 /// The first snapshot of the live feed that has the worker.
 async fn snapshot(at: SocketAddr) -> String {
-    for _ in 0..100 {
+    eventually("the live feed has the worker", async || {
         let mut request = format!("ws://{at}/v1/live").into_client_request().unwrap();
         let offer = format!("giveway, bearer.{ADMIN}");
         request.headers_mut().insert("sec-websocket-protocol", offer.parse().unwrap());
         let (mut feed, _) = tokio_tungstenite::connect_async(request).await.unwrap();
-        if let Some(Ok(Message::Text(text))) = feed.next().await
-            && text.contains("\"w1\"")
-        {
-            return text.to_string();
+        match feed.next().await {
+            Some(Ok(Message::Text(text))) if text.contains("\"w1\"") => Some(text.to_string()),
+            _ => None,
         }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("the worker never comes");
+    })
+    .await
 }
 
 /// Files below a folder that have these bytes.
@@ -160,13 +154,8 @@ async fn nothing_is_left_of_a_person_who_was_erased() {
     assert_eq!(tasks["items"][0]["worker"], Value::Null);
     let audit = with(at, ADMIN, "GET", "/v1/audit", "").await.text;
     assert!(audit.contains("DELETE /v1/people/{id}") && !audit.contains(NAME), "{audit}");
-    for _ in 0..100 {
-        if with(at, &device, "GET", "/v1/workers", "").await.status == 401 {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    with(at, &device, "GET", "/v1/workers", "").await.problem(401);
+    let ask = async || Some(with(at, &device, "GET", "/v1/workers", "").await).filter(|a| a.status == 401);
+    eventually("the token of the device holds no longer", ask).await.problem(401);
     let again = register(at).await;
     assert_eq!(again["id"], "w2", "the same person is another worker from now on");
     server.stop().await.unwrap();

@@ -2,9 +2,10 @@
 //! overwrite one another, and a kill leaves the old map or the new one.
 
 use crate::carry::{
-    backups, changed, database, grown, is_over, moved, orders, start, submit, until, wish, without_rack,
+    backups, changed, database, grown, is_over, moved, orders, start, submit, until, until_robots_join, wish,
+    without_rack,
 };
-use crate::helper::{Answer, Folder, get, map, post, send};
+use crate::helper::{Answer, Folder, PATIENCE, eventually, get, map, post, send};
 use crate::recovery::Program;
 use crate::tokens::{ADMIN, make, start_closed, until_robots, with};
 use futures_util::StreamExt;
@@ -16,9 +17,6 @@ use tokio_tungstenite::tungstenite::Message;
 
 const JSON: (&str, &str) = ("content-type", "application/json");
 
-/// How long the server may take to answer after the map was changed.
-const PATIENCE: Duration = Duration::from_secs(60);
-
 async fn check(at: SocketAddr, map: &Warehouse) -> Value {
     let answer = send(at, "POST", "/v1/map:check", &[JSON], &file::write(map)).await.unwrap();
     assert_eq!(answer.status, 200, "{answer:?}");
@@ -27,17 +25,11 @@ async fn check(at: SocketAddr, map: &Warehouse) -> Value {
 
 /// The version of the map in operation, as soon as the server answers.
 async fn version(at: SocketAddr) -> String {
-    let end = Instant::now() + PATIENCE;
-    loop {
-        let answer = get(at, "/v1/map").await;
-        if answer.status == 200 {
-            let version = answer.json()["version"].as_str().unwrap().to_owned();
-            assert_eq!(answer.header("etag"), Some(format!("\"{version}\"").as_str()));
-            return version;
-        }
-        assert!(Instant::now() < end, "{answer:?}");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
+    let answers = async || Some(get(at, "/v1/map").await).filter(|answer| answer.status == 200);
+    let answer = eventually("the server answers", answers).await;
+    let version = answer.json()["version"].as_str().unwrap().to_owned();
+    assert_eq!(answer.header("etag"), Some(format!("\"{version}\"").as_str()));
+    version
 }
 
 async fn publish(at: SocketAddr, map: &Warehouse, version: &str, query: &str) -> Answer {
@@ -153,14 +145,6 @@ async fn the_next_start_takes_the_published_map_and_not_the_file_in_whose_place_
     assert!(server.summary().published.is_none());
     assert_eq!(get(server.address(), "/v1/map:file").await.text, file::write(&moved()));
     server.stop().await.unwrap();
-}
-
-async fn until_robots_join(at: SocketAddr) {
-    let end = Instant::now() + PATIENCE;
-    while get(at, "/v1/robots").await.json()["items"].as_array().map(Vec::len) != Some(2) {
-        assert!(Instant::now() < end, "the robots join");
-        tokio::time::sleep(Duration::from_millis(20)).await;
-    }
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -1,20 +1,16 @@
 //! Robots over HTTP: what each is at, one with what lists leave out, and what happened to it.
 
-use crate::helper::{Folder, delivery, get, map, post, send, start, until_ready};
+use crate::helper::{Folder, delivery, eventually, get, map, post, send, start, until_ready};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::time::Duration;
 
 /// Asks until the answer is so.
 async fn until(at: SocketAddr, path: &str, what: &str, so: impl Fn(&Value) -> bool) -> Value {
-    for _ in 0..1200 {
+    eventually(&format!("{path} says {what}"), async || {
         let answer = get(at, path).await;
-        if answer.status == 200 && so(&answer.json()) {
-            return answer.json();
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("{path} never says {what}: {:?}", get(at, path).await);
+        (answer.status == 200).then(|| answer.json()).filter(&so)
+    })
+    .await
 }
 
 async fn order(at: SocketAddr, method: &str, path: &str) {

@@ -1,6 +1,6 @@
 //! What each role may, over HTTP and WebSocket.
 
-use crate::helper::{Folder, delivery};
+use crate::helper::{Folder, delivery, eventually};
 use crate::tokens::{ADMIN, make, start_closed, until_robots, with};
 use serde_json::json;
 use tokio_tungstenite::tungstenite::Error;
@@ -59,17 +59,13 @@ async fn a_device_speaks_for_its_own_worker_alone() {
         let body = json!({"name": name}).to_string();
         assert_eq!(with(at, ADMIN, "POST", "/v1/workers", &body).await.status, 201);
     }
-    let mut token = String::new();
     // The next picture has them.
-    for _ in 0..100 {
-        let body = json!({"name": "headset 1", "role": "device", "subject": "w1"}).to_string();
+    let body = json!({"name": "headset 1", "role": "device", "subject": "w1"}).to_string();
+    let is_made = async || {
         let made = with(at, ADMIN, "POST", "/v1/tokens", &body).await;
-        if made.status == 201 {
-            token = made.json()["token"].as_str().unwrap().to_owned();
-            break;
-        }
-        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
-    }
+        (made.status == 201).then(|| made.json()["token"].as_str().unwrap().to_owned())
+    };
+    let token = eventually("there is a token for the device", is_made).await;
     let open = async |worker: &str| {
         let mut request = format!("ws://{at}/v1/workers/{worker}/feed").into_client_request().unwrap();
         request

@@ -1,12 +1,11 @@
 //! A server that finds no room on the disk when it starts, and a main file without what belongs beside it.
 
-use crate::helper::{Folder, SCENARIO, all_jobs, delivery, empty_ledger, get, map, post, start};
+use crate::helper::{Folder, SCENARIO, all_jobs, delivery, empty_ledger, eventually, get, map, post, start};
 use giveway::store::{Store, StoreError};
 use std::fs;
 use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_giveway");
 
@@ -30,17 +29,15 @@ impl Cramped {
 
     /// Waits until an address answers with this status; gives the text.
     async fn answers(&mut self, path: &str, status: u16) -> String {
-        for _ in 0..400 {
+        eventually(&format!("{path} answers {status}"), async || {
             assert!(self.is_running(), "the server has ended");
-            if tokio::net::TcpStream::connect(self.1).await.is_ok() {
-                let answer = get(self.1, path).await;
-                if answer.status == status && !answer.text.contains("/problems/starting") {
-                    return answer.text;
-                }
+            if tokio::net::TcpStream::connect(self.1).await.is_err() {
+                return None;
             }
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
-        panic!("{path} does not answer {status}");
+            let answer = get(self.1, path).await;
+            (answer.status == status && !answer.text.contains("/problems/starting")).then_some(answer.text)
+        })
+        .await
     }
 
     fn kill(mut self) {

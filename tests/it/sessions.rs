@@ -1,12 +1,11 @@
 //! Signing in and out of a browser: the cookie, who may use it, and what ends it.
 
-use crate::helper::{Answer, Folder, config, floor, get, send};
+use crate::helper::{Answer, Folder, config, eventually, floor, get, in_time, send};
 use crate::tokens::{ADMIN, make, start_closed, with};
 use futures_util::StreamExt;
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::time::Duration;
 use tokio_tungstenite::tungstenite::client::IntoClientRequest;
 use tokio_tungstenite::tungstenite::{Error, Message};
 
@@ -28,18 +27,15 @@ async fn ask(at: SocketAddr, cookie: &str, request: (&str, &str), more: &[(&str,
 
 /// What the audit says of signing in and out, oldest first: who, and what.
 async fn signed(at: SocketAddr, wanted: usize) -> Vec<(String, String)> {
-    for _ in 0..100 {
+    eventually(&format!("the audit has {wanted} entries"), async || {
         let listed = with(at, ADMIN, "GET", "/v1/audit", "").await.json();
         let text = |entry: &Value, key: &str| entry[key].as_str().unwrap_or_default().to_owned();
         let items = listed["items"].as_array().unwrap().iter().rev();
         let of_sessions = items.filter(|e| text(e, "what").ends_with("/v1/session"));
         let found: Vec<_> = of_sessions.map(|e| (text(e, "actor"), text(e, "what"))).collect();
-        if found.len() >= wanted {
-            return found;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("the audit never has {wanted} entries");
+        (found.len() >= wanted).then_some(found)
+    })
+    .await
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -152,7 +148,7 @@ async fn a_feed_opens_with_the_cookie_for_own_pages_alone_and_ends_with_the_sess
         }
         String::new()
     };
-    let reason = tokio::time::timeout(Duration::from_secs(5), closed).await.expect("at once");
+    let reason = in_time("the feed is closed", closed).await;
     assert!(reason.contains("no longer"), "{reason}");
     server.stop().await.unwrap();
 }

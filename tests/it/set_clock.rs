@@ -1,14 +1,13 @@
 //! A database that was written while the system's clock was a day ahead: a start refuses deadlines of that day, and
 //! `giveway database set-clock` ends that without losing a job.
 
-use crate::helper::{Folder, SCENARIO, floor, get, post, start};
+use crate::helper::{Folder, SCENARIO, eventually, floor, get, post, start};
 use crate::run::{Keeper, Run, deliver, nothing};
 use giveway::fleet::{Fleet, Input, JobAction};
 use giveway::store::Store;
 use giveway::time::{Span, Time};
 use serde_json::{Value, json};
 use std::process::{Command, Output};
-use std::time::Duration;
 
 /// Lets a floor work for half a minute from tomorrow on, with three jobs of which none is over.
 async fn tomorrow(folder: &Folder) {
@@ -65,17 +64,12 @@ async fn a_database_of_tomorrow_goes_on_today_with_all_its_jobs() {
     let at = server.address();
     let made = post(at, None, &due_in_an_hour()).await.unwrap();
     assert_eq!(made.status, 201, "{}", made.text);
-    let mut open = usize::MAX;
-    for _ in 0..600 {
+    let are_done = async || {
         let page = get(at, "/v1/jobs").await.json();
-        open = page["items"].as_array().unwrap().iter().filter(|j| j["state"] != "done").count();
-        if open == 0 {
-            assert_eq!(page["items"].as_array().unwrap().len(), 4);
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
-    assert_eq!(open, 0, "all four are done");
+        let jobs = page["items"].as_array().unwrap();
+        jobs.iter().all(|j| j["state"] == "done").then_some(jobs.len())
+    };
+    assert_eq!(eventually("all four are done", are_done).await, 4);
     let again =
         post(at, Some("k5"), &json!({"kind": "deliver", "rack": "K6", "station": "P", "priority": 5})).await;
     assert_eq!(again.unwrap().status, 200, "keys are known");

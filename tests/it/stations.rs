@@ -1,6 +1,6 @@
 //! Stations over HTTP: a pick ends when the station says so, and a paused station gets no racks.
 
-use crate::helper::{Answer, Folder, delivery, get, map, post, send, start};
+use crate::helper::{Answer, Folder, delivery, eventually, get, map, post, send, start};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
@@ -9,17 +9,9 @@ async fn say(at: SocketAddr, station: &str, what: &str) -> Answer {
     send(at, "POST", &format!("/v1/stations/{station}/{what}"), &[], "").await.unwrap()
 }
 
-/// Asks until it is so, for half a minute.
+/// Asks until it is so.
 async fn until(what: &str, at: SocketAddr, path: &str, so: impl Fn(&Value) -> bool) -> Value {
-    let mut seen = Value::Null;
-    for _ in 0..600 {
-        seen = get(at, path).await.json();
-        if so(&seen) {
-            return seen;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("not in half a minute: {what}; {seen}");
+    eventually(what, async || Some(get(at, path).await.json()).filter(&so)).await
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -72,16 +64,14 @@ async fn a_paused_station_gets_no_racks_and_stays_paused_over_a_restart() {
 /// The place of the robot that does a job, once the robot has had it there for three seconds.
 async fn stands(at: SocketAddr, job: &str) -> (f64, f64) {
     let mut since = (Instant::now(), None);
-    for _ in 0..1200 {
+    eventually(&format!("the robot with {job} stands"), async || {
         let now = place_of(at, job).await;
-        match now {
-            Some(place) if now == since.1 && since.0.elapsed() > Duration::from_secs(3) => return place,
-            Some(_) if now == since.1 => {}
-            _ => since = (Instant::now(), now),
+        if now != since.1 {
+            since = (Instant::now(), now);
         }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("the robot with {job} does not come to stand");
+        now.filter(|_| since.0.elapsed() > Duration::from_secs(3))
+    })
+    .await
 }
 
 /// Where the robot is that carries the rack of a job.
@@ -95,15 +85,11 @@ async fn place_of(at: SocketAddr, job: &str) -> Option<(f64, f64)> {
 /// Waits until the robot with a job moves, which takes a step and a message; the two seconds that are promised are
 /// asserted in simulated time, in the tests of the fleet.
 async fn sets_off(at: SocketAddr, job: &str, from: (f64, f64)) {
-    let began = Instant::now();
-    loop {
+    eventually(&format!("the robot with {job} sets off from {from:?}"), async || {
         let now = place_of(at, job).await.expect("it carries the rack");
-        if (now.0 - from.0).hypot(now.1 - from.1) > 0.02 {
-            return;
-        }
-        assert!(began.elapsed() < Duration::from_secs(10), "it still stands at {now:?}");
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+        ((now.0 - from.0).hypot(now.1 - from.1) > 0.02).then_some(())
+    })
+    .await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

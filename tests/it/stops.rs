@@ -1,13 +1,12 @@
 //! Deliveries to several stations, and jobs that operators give to other robots, over HTTP.
 
-use crate::helper::{Answer, Folder, SCENARIO, config, get, post, send};
+use crate::helper::{Answer, Folder, SCENARIO, config, eventually, get, post, send};
 use giveway::server::{ServedFloor, Server};
 use giveway::sim::Scenario;
 use giveway::warehouse::formats;
 use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 const JSON: (&str, &str) = ("content-type", "application/json");
 
@@ -25,14 +24,7 @@ async fn job(at: SocketAddr, id: &Value) -> Value {
 }
 
 async fn until(at: SocketAddr, id: &Value, what: &str, so: impl Fn(&Value) -> bool) -> Value {
-    for _ in 0..1200 {
-        let now = job(at, id).await;
-        if so(&now) {
-            return now;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("not within a minute: {what}; {}", job(at, id).await);
+    eventually(what, async || Some(job(at, id).await).filter(&so)).await
 }
 
 async fn reassign(at: SocketAddr, id: &Value, to: Value) -> Answer {
@@ -76,11 +68,7 @@ async fn a_rack_goes_to_all_its_stations_also_over_a_restart_between_them() {
     let other = json!({"kind": "deliver", "rack": "K1", "station": "W", "pick_s": 1});
     assert_eq!(post(at, Some("k"), &other).await.unwrap().problem(422)["type"], "/problems/key-reused");
     // What stations show is of the last step, which a job that is over may be ahead of.
-    let deadline = Instant::now() + Duration::from_secs(10);
-    while picks(at).await != 3 {
-        assert!(Instant::now() < deadline, "each station counts: {}", picks(at).await);
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+    eventually("each station counts", async || (picks(at).await == 3).then_some(())).await;
     server.stop().await.unwrap();
 }
 

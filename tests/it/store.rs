@@ -1,6 +1,6 @@
 //! The store: what goes in comes out, once; and a server with a database that is locked or full.
 
-use crate::helper::{Folder, all_jobs, delivery, empty_ledger, get, map, post, start};
+use crate::helper::{Folder, all_jobs, delivery, empty_ledger, eventually, get, map, post, start};
 use giveway::fleet::{
     Act, AreaFact, AssignmentFact, AssignmentQuery, AssignmentRequest, AssignmentState, Binds, Booking,
     Capabilities, Charging, Closure, Encounter, EncounterFact, EncounterQuery, EventDetails, EventKind,
@@ -21,7 +21,6 @@ use giveway::warehouse::Footprint;
 use sqlx::Connection;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteConnection};
 use std::net::SocketAddr;
-use std::time::Duration;
 
 fn request(kind: JobKind) -> JobRequest {
     JobRequest { priority: 3, ..JobRequest::new(kind) }
@@ -446,14 +445,8 @@ async fn a_database_belongs_to_its_map() {
 
 /// Waits until health has this status.
 async fn wait_for_health(at: SocketAddr, status: u16) -> String {
-    for _ in 0..200 {
-        let answer = get(at, "/v1/health").await;
-        if answer.status == status {
-            return answer.text;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("health does not become {status}");
+    let becomes = async || Some(get(at, "/v1/health").await).filter(|answer| answer.status == status);
+    eventually(&format!("health becomes {status}"), becomes).await.text
 }
 
 #[tokio::test(flavor = "multi_thread")]

