@@ -179,6 +179,7 @@ impl Drive {
         let settings: Settings = self.fleet.settings().clone();
         let anew = AssertUnwindSafe(|| {
             let mut fleet = Fleet::resume(ledger, settings, facts);
+            fleet.keep_links_of(&self.fleet);
             fleet.fence(robot, now);
             fleet
         });

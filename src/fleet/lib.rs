@@ -152,6 +152,13 @@ impl Fleet {
         fleet
     }
 
+    /// Takes over what links said to a fleet that this one takes the place of in the same process: they say once how
+    /// they are, and reports that are still under way to it were overtaken long ago. The links of the site still count.
+    pub fn keep_links_of(&mut self, before: &Fleet) {
+        self.writer.scene.keep_links_of(&before.writer.scene);
+        self.writer.cut_off_unlinked();
+    }
+
     fn note_waits(&mut self, now: Time) {
         let start = (self.writer.settings.stopwatch)();
         waits::note_waits(&mut self.writer, &self.people, &self.yielding, &self.traffic, now);

@@ -5,10 +5,11 @@
 use crate::requests::intake::Intake;
 use crate::state::fact::FloorFact;
 use crate::state::heard::{StepNews, WorkerInput};
-use crate::state::io::Input;
+use crate::state::io::{Input, Telemetry};
 use crate::state::request::{
     Answer, Answered, FloorAction, JobAction, Request, RobotAction, Token, WorkerAction,
 };
+use crate::state::scene::SILENCE;
 use crate::state::writer::Writer;
 use giveway_floor::id::{Dense, WorkerId};
 use giveway_floor::time::Time;
@@ -44,10 +45,11 @@ impl Intake<'_> {
     /// Takes one input in.
     fn take(&mut self, input: Input, now: Time) {
         match input {
-            Input::Telemetry(t) if t.robot.ix() < self.writer.ledger().robots.len() => {
-                self.writer.scene.see(t, now)
+            Input::Telemetry(t) if t.robot.ix() >= self.writer.ledger().robots.len() => {
+                tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot");
             }
-            Input::Telemetry(t) => tracing::warn!(robot = ?t.robot, "telemetry from an unknown robot"),
+            Input::Telemetry(t) if self.is_from_before(&t, now) => {}
+            Input::Telemetry(t) => self.writer.scene.see(t, now),
             Input::Link(robot, state) if robot.ix() < self.writer.ledger().robots.len() => {
                 self.writer.scene.hear_link(robot, state);
             }
@@ -61,6 +63,18 @@ impl Intake<'_> {
             Input::VisitEnds { station, at } => self.writer.visits.tell(station, at),
             Input::Ask { token, request } => self.answer(token, request, now),
         }
+    }
+
+    /// Whether this report is older than what is durable of its robot. Just after a start no number tells: none has come
+    /// yet. A robot does not go back behind what it has left; one that still says so when others would count as silent
+    /// is believed.
+    fn is_from_before(&self, t: &Telemetry, now: Time) -> bool {
+        let scene = &self.writer.scene;
+        let is_first = scene.robot(t.robot).is_none();
+        let just_began = scene.began().is_none_or(|began| now - began < SILENCE);
+        is_first
+            && just_began
+            && self.writer.ledger().timeline().chain(t.robot).is_some_and(|chain| t.reached < chain.first())
     }
 
     /// Carries a request out or refuses it, and notes which facts it caused.

@@ -104,6 +104,14 @@ impl Scene {
         self.displaced.remove(&robot);
     }
 
+    /// How links are, and which reports are news, as another fleet of the same robots heard it.
+    pub fn keep_links_of(&mut self, before: &Scene) {
+        for (i, was) in before.robots.iter().enumerate() {
+            let seen = self.robot_mut(RobotId::at(i));
+            (seen.order, seen.link) = (was.order, was.link.clone());
+        }
+    }
+
     /// Since when anything could be seen; nothing before the first step.
     pub fn began(&self) -> Option<Time> {
         self.began

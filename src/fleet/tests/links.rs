@@ -175,3 +175,48 @@ fn a_robot_that_cannot_be_called_back_from_before_an_obstacle_goes_on_when_that_
     floor.until_over(400);
     floor.assert_done_once(&[job]);
 }
+
+/// What the robot truly reports.
+fn truth(floor: &TestFloor) -> Telemetry {
+    floor.world.truth().find(|(r, _)| *r == R0).expect("it has a body").1
+}
+
+fn has_heard(fleet: &Fleet) -> bool {
+    fleet.internals().writer.scene.robot(R0).is_some()
+}
+
+#[test]
+fn a_fleet_that_takes_the_place_of_another_one_knows_what_links_said_to_it() {
+    let mut floor = TestFloor::lab(1);
+    floor.run(1);
+    let busy = LinkState { refuses: Some("somebody works on it".into()), ..LinkState::default() };
+    floor.step(link(busy.clone()));
+    let mut anew = Fleet::resume(floor.fleet.ledger().clone(), floor.fleet.settings().clone(), []);
+    assert_eq!(anew.link_state(R0), None);
+    anew.keep_links_of(&floor.fleet);
+    assert_eq!(anew.link_state(R0), Some(&busy));
+    let overtaken = Telemetry { seq: 1, speed_mps: 0.0, ..truth(&floor) };
+    anew.step(floor.now, vec![Input::Telemetry(overtaken)]);
+    assert!(!has_heard(&anew), "it was overtaken before the fleet was made anew");
+}
+
+#[test]
+fn just_after_a_start_a_report_from_before_what_is_durable_is_not_where_its_robot_stands() {
+    let mut floor = TestFloor::lab(1);
+    floor.submit(request(deliver(3)));
+    floor.run(1);
+    let stood = Telemetry { speed_mps: 0.0, ..truth(&floor) };
+    let stood = Telemetry { known: stood.reached, ..stood };
+    floor.until(60, "it has left some nodes", |f| f.fleet.ledger().chain(R0).first() > stood.reached + 2);
+    let ledger = floor.fleet.ledger().clone();
+    let hears = |after_s: u64, report: Telemetry| {
+        let mut fleet = Fleet::resume(ledger.clone(), floor.fleet.settings().clone(), []);
+        fleet.step(floor.now, vec![]);
+        let now = floor.now + Span::from_secs_f64(after_s as f64);
+        let facts = fleet.step(now, vec![Input::Telemetry(report)]).facts;
+        (has_heard(&fleet), facts.iter().any(|f| matches!(f, Fact::Route(RouteFact::Placed { .. }))))
+    };
+    assert_eq!(hears(1, stood), (false, false), "it was on its way already");
+    assert_eq!(hears(1, truth(&floor)), (true, false), "it is where the ledger has it");
+    assert_eq!(hears(4, stood), (true, true), "no later one has come: somebody pushed it back");
+}

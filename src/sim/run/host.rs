@@ -35,6 +35,8 @@ pub struct HostTurn {
     pub durable: Option<Vec<Fact>>,
     /// What the fleet was made from, if it is another one than before: the process died, or a step panicked.
     pub anew: Option<Ledger>,
+    /// Whether the process died, so that nothing is known of links either.
+    pub died: bool,
     /// Laws about what is durable that were broken.
     pub broken: Vec<Violation>,
 }
@@ -275,7 +277,7 @@ impl FailingHost {
         *drive = Drive::new(Fleet::resume(self.journal.ledger().clone(), settings, []));
         let is_lost = |job: &JobId| drive.fleet().ledger().next_job <= job.0;
         turn.broken.extend(self.acknowledged.filter(is_lost).map(Violation::AcknowledgedLost));
-        turn.anew = Some(self.journal.ledger().clone());
+        (turn.anew, turn.died) = (Some(self.journal.ledger().clone()), true);
         self.dies_again = self.luck.happens_of(AGAIN);
         let down_s = self.luck.between(0.0, self.faults.restart_s);
         self.down_until = Some(now + Span::from_secs_f64(down_s));

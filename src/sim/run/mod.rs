@@ -222,6 +222,9 @@ impl Simulation {
             self.laws.begin_again(fleet, fold.clone());
             self.world.meet_another(fleet.ledger());
         }
+        if turn.died {
+            self.world.say_links_again();
+        }
         if turn.anew.is_some() || !self.host.is_up() {
             return self.laws.check_floor(now, &self.world);
         }

@@ -14,11 +14,15 @@ impl World {
         }
     }
 
-    /// Another process has begun. It may have forgotten robots that had just joined: they stand where they will join
+    /// A process has begun that knows nothing of links.
+    pub fn say_links_again(&mut self) {
+        self.robots.iter_mut().for_each(|r| r.trouble.tell_again());
+    }
+
+    /// Another fleet has begun. It may have forgotten robots that had just joined: they stand where they will join
     /// again.
     pub fn meet_another(&mut self, ledger: &Ledger) {
         self.robots.truncate(ledger.robots.len());
-        self.robots.iter_mut().for_each(|r| r.trouble.tell_again());
         self.customers.expect_no_answers();
     }
 }
