@@ -26,6 +26,9 @@ use std::collections::BTreeMap;
 /// A robot whose route leads into a closed area looks for another one this often at most.
 const AGAIN: Span = Span::from_secs(5);
 
+/// For a rack that cannot be brought to where it was meant to go, so many storage nodes near it are tried.
+const NEAR: usize = 16;
+
 /// Begins and ends announced closures, and forgets those that have been over for long. What else bound robots in the
 /// step before does not any more.
 pub(crate) fn renew_areas(writer: &mut Writer, now: Time) {
@@ -117,7 +120,9 @@ impl Traffic {
             return;
         }
         let old = writer.ledger().robots[robot].task;
-        let task = writer.floor().task_elsewhere(robot);
+        let floor = writer.floor();
+        let elsewhere = Some(floor.task_elsewhere(robot)).filter(|task| *task != old);
+        let task = elsewhere.or_else(|| floor.stored_nearer(robot)).unwrap_or(old);
         if task != old {
             writer.record(RobotFact::Tasked { robot, task });
         }
@@ -222,6 +227,22 @@ impl Floor<'_> {
             }
             task => task,
         }
+    }
+
+    /// Another storage node for a rack that no station waits for, where all ways to the one that was meant for it are
+    /// closed and there is one to this: the robot would wait with the rack until they are opened. A few walks over the
+    /// floor, since [`CutOff::is_between`](crate::state::cut_off::CutOff::is_between) knows no one-way lanes.
+    fn stored_nearer(&self, robot: RobotId) -> Option<Task> {
+        let Task::Store { job: None, rack, store } = self.ledger.robots[robot].task else { return None };
+        let here = self.ledger.node_of(robot);
+        let cut_off = &self.restrictions.cut_off;
+        let has_way = |to| cut_off.between(self.warehouse(), (here, to), true, std::iter::empty()).is_none();
+        if has_way(store) {
+            return None;
+        }
+        let near = self.stays_near(robot, NEAR, |_| true);
+        let nearer = near.into_iter().find(|n| has_way(*n))?;
+        Some(Task::Store { job: None, rack, store: nearer })
     }
 
     /// Whether a storage node is closed, will be soon, or is cut off from a robot.
