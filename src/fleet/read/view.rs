@@ -329,7 +329,10 @@ impl View {
         }
         match robot.why {
             Some(why) if why.is_by_itself() => Some(JobWhy::Robot(chosen, why)),
-            _ if robot.job.is_some() => Some(JobWhy::RobotBusy(chosen, robot.job)),
+            // It also puts the rack away that it has.
+            _ if robot.job.is_some() || robot.task.carried().is_some() => {
+                Some(JobWhy::RobotBusy(chosen, robot.job))
+            }
             _ if robot.battery < robot.critical => Some(JobWhy::RobotLow(chosen)),
             _ => None,
         }

@@ -7,6 +7,11 @@ impl TestFloor {
         self.answer_to(9, vec![Input::ask(9, JobAction::Reassign(job, robot))])
     }
 
+    fn why_waits(&self, job: JobId) -> Option<JobWhy> {
+        let (view, record) = (self.fleet.view(self.now), &self.fleet.ledger().jobs[&job]);
+        view.why_job(self.fleet.warehouse(), job, record)
+    }
+
     fn robot_of(&self, job: JobId) -> Option<RobotId> {
         self.state(job).and_then(|s| s.robot())
     }
@@ -48,11 +53,7 @@ fn a_robot_that_is_named_does_it_as_soon_as_it_is_free() {
     floor.until(60, "another robot has it", |f| f.is(job, "assigned"));
     assert_ne!(floor.robot_of(job), Some(chosen));
     floor.reassign(job, Some(chosen)).unwrap();
-    let why = |f: &TestFloor| {
-        let (view, record) = (f.fleet.view(f.now), &f.fleet.ledger().jobs[&job]);
-        view.why_job(f.fleet.warehouse(), job, record)
-    };
-    assert_eq!(why(&floor), Some(JobWhy::RobotBusy(chosen, Some(busy))));
+    assert_eq!(floor.why_waits(job), Some(JobWhy::RobotBusy(chosen, Some(busy))));
     floor.until(600, "the chosen robot has it", |f| f.robot_of(job) == Some(chosen));
     floor.until_over(600);
     floor.assert_done_once(&[job, busy]);
@@ -142,4 +143,17 @@ fn what_cannot_be_taken_is_refused_with_the_reason() {
     assert_eq!(floor.reassign(put, Some(RobotId(9))), refused(Refusal::UnknownPlace));
     floor.until_over(600);
     assert_eq!(floor.reassign(job, None), refused(Refusal::Job(JobRefusal::IsOver(job))));
+}
+
+#[test]
+fn a_job_that_waits_while_its_chosen_robot_puts_a_rack_away_says_so() {
+    let mut floor = TestFloor::thesis(3);
+    let busy = floor.submit(request(deliver(7)));
+    floor.until(60, "a robot has it", |f| f.is(busy, "carrying"));
+    let chosen = floor.robot_of(busy).expect("a robot has it");
+    let job = floor.submit(request(deliver(40)));
+    floor.until(60, "another robot has it", |f| f.is(job, "assigned"));
+    floor.reassign(job, Some(chosen)).unwrap();
+    floor.step(vec![Input::ask(9, JobAction::Cancel(busy))]);
+    assert_eq!(floor.why_waits(job), Some(JobWhy::RobotBusy(chosen, None)));
 }
