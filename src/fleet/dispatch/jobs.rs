@@ -107,7 +107,11 @@ fn assign_racks(
         return robots;
     }
     let has_offers = writer.ledger().index().queue.has_offers();
-    let jobs = if has_offers { candidates(writer.floor(), needs, &robots, now) } else { Vec::new() };
+    let carriers: Vec<RobotId> = chains.iter().map(|chain| chain.robot).collect();
+    let jobs = match has_offers {
+        true => candidates(writer.floor(), needs, (&robots, &carriers), now),
+        false => Vec::new(),
+    };
     if jobs.is_empty() && chains.is_empty() {
         return robots;
     }
@@ -180,12 +184,12 @@ fn costs(
 }
 
 /// Waiting jobs whose rack stands in storage and no robot moves, with their urgency, most urgent first; one per
-/// rack. A rack above a robot that is not one of these, which come by number, is left out: no other robot can get
-/// beneath it.
+/// rack. A rack above a robot that is not one of the idle ones, which come by number, is left out: no other robot can
+/// get beneath it. So is a job that none of the idle robots and of those that could go on with their racks may do.
 fn candidates(
     floor: Floor<'_>,
     needs: &Needs,
-    robots: &[RobotId],
+    (robots, carriers): (&[RobotId], &[RobotId]),
     now: Time,
 ) -> Vec<(JobId, RackId, NodeId, i64)> {
     let queue = &floor.ledger.index().queue;
@@ -209,13 +213,13 @@ fn candidates(
         let is_theirs = |id: &JobId| {
             let job = &floor.ledger.jobs[id];
             let is_for = |r: &RobotId| job.request.is_for(floor.warehouse(), floor.body(*r), (rack, node));
-            robots.iter().any(|r| floor.is_allowed(*r, job, now) && is_for(r))
+            robots.iter().chain(carriers).any(|r| floor.is_allowed(*r, job, now) && is_for(r))
         };
         // Only relocations in one line have goals of their own: behind one that is closed may be one that is not.
         let has_one_goal = floor.ledger.jobs[&id].request.kind.station().is_some();
         let is_shut = floor.is_shut_off(node) || has_one_goal && !is_open(&id);
         let mut all = std::iter::once(id).chain(queue.behind(id).take_while(|_| !is_shut));
-        if let Some(id) = all.find(|id| is_open(id) && (robots.is_empty() || is_theirs(id))) {
+        if let Some(id) = all.find(|id| is_open(id) && is_theirs(id)) {
             seen.insert(rack);
             found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
         } else if floor.is_shut_off(node) {

@@ -5,10 +5,10 @@ use giveway_fleet::state::index::urgency_ms;
 use giveway_floor::warehouse::formats;
 use std::collections::BTreeSet;
 
-/// The map of `docs/maps.md` with one robot: two racks, one station.
-fn one() -> TestFloor {
+/// The map of `docs/maps.md`: two racks, one station.
+fn small(robots: usize) -> TestFloor {
     let map = formats::json::parse(include_str!("../../../docs/small.json")).expect("a map");
-    TestFloor::new(map, &scenario(1))
+    TestFloor::new(map, &scenario(robots))
 }
 
 fn quick(rack: u32, priority: u8) -> JobRequest {
@@ -17,13 +17,19 @@ fn quick(rack: u32, priority: u8) -> JobRequest {
 }
 
 /// One robot works on a rack for which a job comes every four seconds, as fast as they are picked; then a job for the
-/// other rack comes. How many of the former have begun after it when it begins, and after how many seconds.
-fn passed_by(priority: u8) -> (usize, i64) {
-    let mut floor = one();
+/// other rack comes that it alone may do, whoever rests beside it. How many of the former have begun after it when it
+/// begins, and after how many seconds.
+fn passed_by(robots: usize, priority: u8) -> (usize, i64) {
+    let mut floor = small(robots);
     floor.submit(quick(1, 0));
     floor.submit(quick(1, 0));
     floor.run(15);
+    let busy =
+        floor.fleet.ledger().robots.pairs().find(|(_, r)| r.task != Task::Idle).expect("one is at work").0;
     let other = floor.submit(quick(0, priority));
+    if robots > 1 {
+        floor.step(vec![Input::ask(9, JobAction::Reassign(other, Some(busy)))]);
+    }
     let (since, before) = (floor.now, floor.facts.len());
     while floor.is(other, "waiting") {
         assert!(floor.now - since < Span::from_secs(600), "it never begins");
@@ -48,14 +54,21 @@ fn passed_by(priority: u8) -> (usize, i64) {
 
 #[test]
 fn an_urgent_job_begins_after_the_pick_that_goes_on_however_much_another_rack_is_wanted() {
-    let (begun, done_s) = passed_by(9);
+    let (begun, done_s) = passed_by(1, 9);
+    assert!(begun <= 1, "{begun} jobs of priority 0 began before it");
+    assert!(done_s < 120, "done after {done_s} s");
+}
+
+#[test]
+fn an_urgent_job_is_not_passed_by_because_a_robot_rests_that_may_not_do_it() {
+    let (begun, done_s) = passed_by(2, 9);
     assert!(begun <= 1, "{begun} jobs of priority 0 began before it");
     assert!(done_s < 120, "done after {done_s} s");
 }
 
 #[test]
 fn of_two_racks_in_demand_with_jobs_of_one_priority_none_is_kept_from_the_station_for_long() {
-    let (begun, done_s) = passed_by(0);
+    let (begun, done_s) = passed_by(1, 0);
     assert!(begun > 3, "the rack that is at the station stays there for a while: {begun}");
     assert!(done_s < 360, "done after {done_s} s, while {begun} younger ones began");
 }
