@@ -5,7 +5,7 @@
 
 use crate::random::Stream;
 use giveway_fleet::{OFF_ROUTE_M, RackAt};
-use giveway_floor::geometry::{Point, Segment, Vector, axis_distance};
+use giveway_floor::geometry::{Point, Segment, Vector, axis_distance, axis_distance_to_segment};
 use giveway_floor::id::{IdVec, NodeId, RackId};
 use giveway_floor::route::Kinematics;
 use giveway_floor::warehouse::Warehouse;
@@ -14,8 +14,9 @@ use giveway_floor::warehouse::Warehouse;
 pub(crate) const NEARBY_M: f64 = 4.0;
 /// A place between nodes is so much farther from each than what counts as being there, metres.
 const BETWEEN_M: f64 = 0.05;
-/// It may be so far beside the lane, metres.
-const BESIDE_M: f64 = 0.2;
+/// It may be so far beside the lane, metres: as far as robots on lanes side by side are apart. Within [`OFF_ROUTE_M`] of
+/// its own lane a robot counts as on it, so farther out others would touch it.
+const BESIDE_M: f64 = 0.1;
 /// Places that are tried.
 const TRIES: usize = 20;
 /// No robot is pushed nearer to a person, metres between centres.
@@ -29,6 +30,8 @@ pub(crate) struct PushSurroundings<'a> {
     pub racks: &'a IdVec<RackId, RackAt>,
     /// Where other robots are, and how fast.
     pub others: Vec<(Point, f64)>,
+    /// The ways of those that cannot be told to stop.
+    pub headlong: Vec<Segment>,
     /// Where people are: nobody pushes a robot onto a person.
     pub people: Vec<Point>,
     pub kinematics: Kinematics,
@@ -86,7 +89,8 @@ impl PushSurroundings<'_> {
             RackAt::On(_) => false,
         };
         let of_people = self.people.iter().all(|at| (p - at).norm() >= PERSON_M);
-        of_robots && of_people && !(loaded && self.racks.iter().any(stored))
+        let of_ways = self.headlong.iter().all(|way| axis_distance_to_segment(p, *way) >= side + ROOM_M);
+        of_robots && of_ways && of_people && !(loaded && self.racks.iter().any(stored))
     }
 
     /// How far a robot may come before it stands, metres: one that stands now speeds up and brakes as long.

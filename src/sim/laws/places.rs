@@ -1,6 +1,6 @@
 //! The law about where robots stand: the fleet takes none for being where it is not, nor for displaced when it is not.
 //!
-//! Main type: [`PlaceLaws`]. Refuses: to judge robots that drive, and reports that are still on their way.
+//! Main type: [`PlaceLaws`]. Refuses: to judge robots that drive or cannot report, and reports that are still on their way.
 
 use super::violation::Violation;
 use crate::world::World;
@@ -9,7 +9,7 @@ use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// A robot that stands is seen where it is within this, whatever messages were lost.
+/// A robot that stands is seen where it is within this while its link is up, whatever messages were lost.
 const SEEN: Span = Span::from_secs(30);
 /// Every how many steps robots are looked at.
 const LOOKS_EVERY: u64 = 10;
@@ -30,7 +30,7 @@ impl PlaceLaws {
         let mut broken = Vec::new();
         for (robot, truth) in world.truth() {
             let believed = fleet.displacement(robot).is_none();
-            if truth.speed_mps > 0.0 || believed == fleet.is_in_place(&truth) {
+            if !world.is_connected(robot) || truth.speed_mps > 0.0 || believed == fleet.is_in_place(&truth) {
                 self.wrong.remove(&robot);
                 continue;
             }

@@ -203,6 +203,17 @@ impl RobotBody {
         Segment { a: self.stood_at, b: next }.distance_to(self.pose.at) <= OFF_ROUTE_M
     }
 
+    /// The lanes that it was told to drive along, from where it is.
+    pub fn way(&self) -> impl Iterator<Item = Segment> + '_ {
+        let from = std::iter::once(self.pose.at).chain(self.path.iter().map(|t| t.at));
+        from.zip(self.path.iter().map(|t| t.at)).map(|(a, b)| Segment { a, b })
+    }
+
+    /// Whether it stands when it is told to.
+    pub fn obeys_stops(&self) -> bool {
+        self.capabilities.limits != ObeyedLimits::Nothing
+    }
+
     /// Serial number of the last waypoint it knows.
     pub fn known(&self) -> u64 {
         self.path.back().map_or(self.reached, |t| t.serial)

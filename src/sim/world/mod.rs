@@ -268,6 +268,8 @@ impl World {
             robot.push_on = robot.push_on.filter(|_| robot.body.is_astray());
             let again = robot.push_on.is_some();
             let due = match robot.push_on {
+                // It cannot say where it is then, and robots would be sent there.
+                _ if !robot.trouble.is_connected() => false,
                 Some(at) => to >= at,
                 None if robot.off => false,
                 None => often > 0.0 && robot.pushes.happens(often) && robot.body.can_be_pushed(),
@@ -281,11 +283,14 @@ impl World {
 
     /// Pushes a robot onto a node nearby or to a place between nodes, if there is one where it blocks no robot.
     fn push(&mut self, i: usize, onto_node: bool, (from, to): (Time, Time)) {
-        let others = self.robots.iter().enumerate().filter(|(j, r)| *j != i && !r.off);
+        let others: Vec<&SimRobot> =
+            self.robots.iter().enumerate().filter(|(j, r)| *j != i && !r.off).map(|(_, r)| r).collect();
+        let headlong = others.iter().filter(|r| !r.trouble.is_connected() || !r.body.obeys_stops());
         let floor = PushSurroundings {
             warehouse: &self.warehouse,
             racks: &self.racks,
-            others: others.map(|(_, r)| (r.body.pose.at, r.body.speed_mps)).collect(),
+            others: others.iter().map(|r| (r.body.pose.at, r.body.speed_mps)).collect(),
+            headlong: headlong.flat_map(|r| r.body.way()).collect(),
             people: self.walkers().map(|(_, walker)| walker.pose(from).at).collect(),
             kinematics: self.worst,
             blind_s: 2.0 * self.faults.longest_delay_s() + 5.0 * (to - from).as_secs_f64(),
@@ -559,6 +564,11 @@ impl World {
     pub fn overlap(&self, a: RobotId, b: RobotId, slack_m: f64) -> bool {
         let [a, b] = [a, b].map(|robot| &self.robots[robot.ix()].body);
         a.footprint().at(a.pose).overlaps(&b.footprint().at(b.pose), slack_m)
+    }
+
+    /// Whether the link of a robot is up.
+    pub fn is_connected(&self, robot: RobotId) -> bool {
+        self.robots[robot.ix()].trouble.is_connected()
     }
 
     /// Where each robot truly is, how fast, and the serial number of the last visit that it knows: for the laws.
