@@ -65,9 +65,9 @@ impl Intake<'_> {
         }
     }
 
-    /// Whether this report is older than what is durable of its robot. Just after a start no number tells: none has come
-    /// yet. A robot does not go back behind what it has left; one that still says so when others would count as silent
-    /// is believed.
+    /// Whether this report is older than what is durable of its robot. Just after a start no number tells, since none
+    /// has come yet. A robot does not go back behind what it has left; one that still says so when others would count
+    /// as silent is believed.
     fn is_from_before(&self, t: &Telemetry, now: Time) -> bool {
         let scene = &self.writer.scene;
         let is_first = scene.robot(t.robot).is_none();

@@ -14,8 +14,8 @@ use giveway_floor::warehouse::Warehouse;
 pub(crate) const NEARBY_M: f64 = 4.0;
 /// A place between nodes is so much farther from each than what counts as being there, metres.
 const BETWEEN_M: f64 = 0.05;
-/// It may be so far beside the lane, metres: as far as robots on lanes side by side are apart. Within [`OFF_ROUTE_M`] of
-/// its own lane a robot counts as on it, so farther out others would touch it.
+/// It may be so far beside the lane, metres: as far as robots on lanes side by side are apart. Within [`OFF_ROUTE_M`]
+/// of its own lane a robot counts as on it, so farther out others would touch it.
 const BESIDE_M: f64 = 0.1;
 /// Places that are tried.
 const TRIES: usize = 20;

@@ -1,6 +1,7 @@
 //! The law about where robots stand: the fleet takes none for being where it is not, nor for displaced when it is not.
 //!
-//! Main type: [`PlaceLaws`]. Refuses: to judge robots that drive or cannot report, and reports that are still on their way.
+//! Main type: [`PlaceLaws`]. Refuses: to judge robots that drive or cannot report, and reports that are still on their
+//! way.
 
 use super::violation::Violation;
 use crate::world::World;
