@@ -4,15 +4,17 @@
 
 use crate::state::fact::{RobotFact, Task};
 use crate::state::floor::Floor;
+use crate::state::io::Telemetry;
 use crate::state::job::{JobFailure, JobState};
 use crate::state::ledger::Service;
 use crate::state::writer::Writer;
 use giveway_floor::id::{JobId, RobotId};
 use giveway_floor::time::{Span, Time};
 
-/// A robot that rests where it ends, or is broken, is gone when it has been silent for so long: switched off.
+/// A robot that rests where it ends, or cannot drive, is gone when it has been silent for so long: somebody switched
+/// it off.
 const SWITCHED_OFF: Span = Span::from_secs(10);
-/// One that stood on its way when it was heard of last is gone after this.
+/// Any other one is gone after this: a robot that only cannot be heard drives on to the end of what it was granted.
 const TAKEN_AWAY: Span = Span::from_secs(60);
 
 /// Robots that were to leave, and are heard of no more, have left.
@@ -41,16 +43,20 @@ impl Floor<'_> {
     fn has_left(&self, robot: RobotId, now: Time) -> bool {
         let record = &self.ledger.robots[robot];
         let Service::Leaving { since } = record.service else { return false };
-        if self.ledger.rack_on(robot).is_some() {
+        // Silence says nothing while the link is down. A link that the site has no more will not come back.
+        let may_be_heard = !self.settings.links.contains(&record.link) || self.scene.is_connected(robot);
+        if self.ledger.rack_on(robot).is_some() || !may_be_heard {
             return false;
         }
         let seen = self.scene.robot(robot);
         // Before its first report after a start it may stand anywhere, and drive.
-        let heard = self.scene.heard(robot).or(self.scene.began()).unwrap_or(now).max(since);
+        let heard = self.scene.silent_since(robot).or(self.scene.began()).unwrap_or(now).max(since);
         let chain = self.ledger.chain(robot);
         let rests = record.task == Task::Idle && chain.first() + 1 == chain.end();
-        let stands = seen.is_none_or(|t| t.speed_mps == 0.0);
+        // It may have set off since: orders are sent to a robot that cannot say that it drives.
+        let has_ended = |t: &Telemetry| t.speed_mps == 0.0 && t.reached + 1 >= chain.granted();
+        let stays = rests || seen.is_some_and(|t| t.cannot_drive() || record.failed && has_ended(t));
         let silent = now - heard;
-        silent >= TAKEN_AWAY && stands || silent >= SWITCHED_OFF && (rests || record.failed)
+        silent >= if stays { SWITCHED_OFF } else { TAKEN_AWAY }
     }
 }

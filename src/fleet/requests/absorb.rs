@@ -51,7 +51,7 @@ impl Intake<'_> {
             Input::Telemetry(t) if self.is_from_before(&t, now) => {}
             Input::Telemetry(t) => self.writer.scene.see(t, now),
             Input::Link(robot, state) if robot.ix() < self.writer.ledger().robots.len() => {
-                self.writer.scene.hear_link(robot, state);
+                self.writer.scene.hear_link(robot, state, now);
             }
             Input::Link(robot, _) => tracing::warn!(?robot, "a link knows a robot that is not here"),
             Input::Sighted(s) if self.writer.ledger().knows(s.worker) => {

@@ -28,6 +28,8 @@ pub struct RobotSeen {
     order: ReportOrder,
     /// How it is at its link, where that is not as usual.
     link: Option<Box<LinkState>>,
+    /// When its link came up again last.
+    up: Option<Time>,
     /// How long it has stood where it does, if it stands.
     still: Option<StandsStill>,
     /// When orders were sent to it last.
@@ -143,14 +145,29 @@ impl Scene {
     }
 
     /// A link says how it is with a robot there.
-    pub fn hear_link(&mut self, robot: RobotId, state: LinkState) {
+    pub fn hear_link(&mut self, robot: RobotId, state: LinkState, now: Time) {
         let is_usual = state == LinkState::default();
-        self.robot_mut(robot).link = (!is_usual).then(|| Box::new(state));
+        let comes_up = state.connected && !self.is_connected(robot);
+        let seen = self.robot_mut(robot);
+        seen.up = if comes_up { Some(now) } else { seen.up };
+        seen.link = (!is_usual).then(|| Box::new(state));
     }
 
     /// How it is with a robot at its link; nothing where it is as usual.
     pub fn link(&self, robot: RobotId) -> Option<&LinkState> {
         self.robots.get(robot.ix())?.link.as_deref()
+    }
+
+    /// Whether the link of a robot is up.
+    pub fn is_connected(&self, robot: RobotId) -> bool {
+        self.link(robot).is_none_or(|link| link.connected)
+    }
+
+    /// When the newest observation of a robot came in, or its link came up after that: it was silent before, whatever
+    /// it had to say.
+    pub fn silent_since(&self, robot: RobotId) -> Option<Time> {
+        let seen = self.robots.get(robot.ix())?;
+        seen.heard.max(seen.up)
     }
 
     /// Whether the link of a robot takes no orders for it.
@@ -193,8 +210,7 @@ impl Scene {
 
     /// Whether a robot was heard of lately.
     pub fn is_heard(&self, robot: RobotId, now: Time) -> bool {
-        let is_connected = self.link(robot).is_none_or(|link| link.connected);
-        is_connected && self.heard(robot).is_some_and(|t| now - t <= SILENCE)
+        self.is_connected(robot) && self.heard(robot).is_some_and(|t| now - t <= SILENCE)
     }
 
     /// Whether a robot was found where the ledger has it, and has not been found elsewhere since.

@@ -209,6 +209,38 @@ fn a_broken_robot_leaves_where_it_stands_and_its_job_goes_to_another() {
 }
 
 #[test]
+fn a_robot_that_drove_when_it_was_heard_of_last_is_gone_only_when_it_must_stand() {
+    let mut floor = TestFloor::lab(1);
+    floor.submit(request(deliver(0)));
+    floor.until(60, "it drives", |f| f.fleet.telemetry(R0).is_some_and(|t| t.speed_mps > 0.0));
+    floor.retire(R0).unwrap();
+    // Nothing is heard of it any more, as where its link is down.
+    let mut is_gone_after = |seconds: i64| {
+        floor.fleet.step(floor.now + Span::from_secs(seconds), vec![]);
+        floor.is_gone(R0)
+    };
+    assert_eq!([5, 15, 55, 65].map(&mut is_gone_after), [false, false, false, true]);
+}
+
+#[test]
+fn a_robot_whose_link_is_down_is_not_gone_before_it_could_be_heard_again() {
+    let mut floor = TestFloor::lab(1);
+    floor.run(1);
+    let link = |connected| Input::Link(R0, LinkState { connected, ..LinkState::default() });
+    floor.step(vec![link(false)]);
+    floor.retire(R0).unwrap();
+    let began = floor.now;
+    let mut is_gone_at = |seconds: i64, said: Vec<Input>| {
+        floor.fleet.step(began + Span::from_secs(seconds), said);
+        floor.is_gone(R0)
+    };
+    assert!(!is_gone_at(300, vec![]), "it may be driving for all that anybody knows");
+    assert!(!is_gone_at(301, vec![link(true)]), "its reports are on the way");
+    assert!(!is_gone_at(310, vec![]));
+    assert!(is_gone_at(312, vec![]), "it rested there, and is switched off");
+}
+
+#[test]
 fn a_robot_that_is_to_leave_can_stay_and_a_restart_forgets_neither() {
     let mut floor = TestFloor::lab(2);
     floor.retire(R0).unwrap();
