@@ -53,7 +53,9 @@ impl Floor<'_> {
             }
             Task::Deliver { rack, .. } | Task::Store { rack, .. } => {
                 let is_in_vain = rests && is_station_blocked() || waits_long && is_way_blocked(here);
-                is_in_vain.then_some((job, Task::Store { job: None, rack, store: here }))
+                // While it was to bring the rack elsewhere, the place may have been promised to another rack.
+                let may_stay = is_in_vain && !self.is_taken_storage(here, rack, robot);
+                may_stay.then_some((job, Task::Store { job: None, rack, store: here }))
             }
             Task::Idle | Task::Move { .. } => None,
         }

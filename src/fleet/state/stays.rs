@@ -96,7 +96,7 @@ impl Floor<'_> {
     }
 
     /// Whether a storage node cannot be promised to `rack` on `robot`.
-    fn is_taken_storage(&self, node: NodeId, rack: RackId, robot: RobotId) -> bool {
+    pub(crate) fn is_taken_storage(&self, node: NodeId, rack: RackId, robot: RobotId) -> bool {
         let places = &self.ledger.index().places;
         places.rack_on(node).is_some_and(|k| k != rack)
             || places.is_promised(node, robot)
