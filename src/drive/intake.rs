@@ -1,9 +1,11 @@
 //! Requests on their way into a step, and those that are kept while there is none.
 //!
 //! Main types: [`KeptRequests`], [`Asked`]. Refuses: requests while the journal takes no facts; but stops and releases
-//! by hand are kept in their order, whatever else waits.
+//! by hand are kept in their order, whatever else waits, and so is what links say.
 
-use giveway_fleet::{Asker, Input, Request, Token};
+use giveway_fleet::{Asker, Input, LinkState, Request, Token};
+use giveway_floor::id::RobotId;
+use std::collections::BTreeMap;
 
 /// How many requests of clients are kept while no step is made. Beyond, they wait where they came in.
 pub const MOST_REQUESTS: usize = 10_000;
@@ -15,6 +17,8 @@ pub const MOST_SIMULATED: usize = 10_000;
 #[derive(Debug, Default)]
 pub struct KeptRequests {
     kept: Vec<Input>,
+    /// What the link of a robot said last: it says so once.
+    links: BTreeMap<RobotId, LinkState>,
 }
 
 impl KeptRequests {
@@ -40,9 +44,9 @@ impl KeptRequests {
 
     /// The inputs of a step: what was kept, then these.
     pub fn with(&mut self, inputs: Vec<Input>) -> Vec<Input> {
-        let mut all = std::mem::take(&mut self.kept);
-        all.extend(inputs);
-        all
+        let links =
+            std::mem::take(&mut self.links).into_iter().map(|(robot, state)| Input::Link(robot, state));
+        links.chain(self.kept.drain(..)).chain(inputs).collect()
     }
 
     /// Keeps inputs for a later step, in their order. Observations are not kept: they will be seen again. Nor are
@@ -51,6 +55,10 @@ impl KeptRequests {
         let mut simulated = self.kept.iter().filter(|i| token_of_client(i).is_none()).count();
         let (before, mut dropped) = (simulated, 0);
         for input in inputs {
+            if let Input::Link(robot, state) = input {
+                self.links.insert(robot, state);
+                continue;
+            }
             let Input::Ask { request, .. } = &input else { continue };
             if token_of_client(&input).is_none() {
                 // Simulated pickers say it until their screen shows that it was heard.
@@ -72,28 +80,30 @@ impl KeptRequests {
 
     /// Forgets everything; gives the requests of clients that come to nothing.
     pub fn give_up(&mut self) -> Vec<Token> {
+        self.links.clear();
         self.kept.drain(..).filter_map(|input| token_of_client(&input)).collect()
     }
 }
 
-/// What clients asked in a step: where it panicked, nothing of it happened.
+/// What clients asked and links said in a step: where it panicked, nothing of it happened.
 pub struct Asked {
-    /// Tokens of all but stops and releases.
+    /// Tokens of all requests but stops and releases.
     pub tokens: Vec<Token>,
-    /// Stops and releases, which are asked again.
-    pub by_hand: Vec<Input>,
+    /// Stops and releases, and what links said: the next step gets them again.
+    pub again: Vec<Input>,
 }
 
 impl Asked {
     /// Looks through the inputs of a step.
     pub fn of(inputs: &[Input]) -> Asked {
-        let mut asked = Asked { tokens: Vec::new(), by_hand: Vec::new() };
+        let mut asked = Asked { tokens: Vec::new(), again: Vec::new() };
         for input in inputs {
-            let Some(token) = token_of_client(input) else { continue };
-            if matches!(input, Input::Ask { request, .. } if request.is_by_hand()) {
-                asked.by_hand.push(input.clone());
-            } else {
-                asked.tokens.push(token);
+            match input {
+                Input::Link(..) => asked.again.push(input.clone()),
+                Input::Ask { request, .. } if request.is_by_hand() && token_of_client(input).is_some() => {
+                    asked.again.push(input.clone());
+                }
+                _ => asked.tokens.extend(token_of_client(input)),
             }
         }
         asked

@@ -196,7 +196,7 @@ impl Drive {
         let asked = Asked::of(&inputs);
         let Some(step) = self.step(now, inputs) else {
             sent.refused.extend(asked.tokens);
-            self.intake.keep(asked.by_hand);
+            self.intake.keep(asked.again);
             return;
         };
         sent.stepped = true;

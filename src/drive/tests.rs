@@ -1,7 +1,7 @@
 //! The driver by itself: robots that stand where they joined, and a journal of numbers.
 
 use super::*;
-use giveway_fleet::{Answer, Asker, FloorAction, JobAction, RobotAction, Settings, Telemetry};
+use giveway_fleet::{Answer, Asker, FloorAction, JobAction, LinkState, RobotAction, Settings, Telemetry};
 use giveway_floor::geometry::Pose;
 use giveway_floor::id::{JobId, NodeId};
 use giveway_floor::time::Span;
@@ -242,4 +242,35 @@ fn simulated_requests_have_a_limit_and_those_of_clients_beyond_theirs_wait_where
     assert_eq!(intake.take(vec![(Token::from(8), cancel())], true), [Token::from(8)]);
     let many = (0..MOST_REQUESTS as u64).map(|n| (Token::from(n), halt())).collect();
     assert_eq!((intake.take(many, true).len(), intake.room()), (0, 0));
+}
+
+/// A driver whose step cannot be made, and then can: whether it knows what a link said meanwhile.
+fn knows_its_link(hinder: impl FnOnce(&mut TestLoop), help: impl FnOnce(&mut TestLoop)) -> bool {
+    let mut test = TestLoop::new();
+    let busy = LinkState { refuses: Some("somebody works on it".into()), ..LinkState::default() };
+    hinder(&mut test);
+    test.turn(vec![], vec![Input::Link(RobotId(1), busy.clone())]);
+    help(&mut test);
+    test.turn(vec![], vec![]);
+    test.drive.fleet().link_state(RobotId(1)) == Some(&busy)
+}
+
+#[test]
+fn what_a_link_says_once_is_not_lost_where_a_step_panics_or_none_is_made() {
+    let trap = Trap { call: GuardedCall::Step, robot: Some(RobotId(0)), times: 1 };
+    assert!(knows_its_link(|_| {}, |_| {}));
+    assert!(knows_its_link(|test| test.drive.plant(trap), TestLoop::mend), "the step panics");
+    let panics = |test: &mut TestLoop| {
+        test.drive.plant(trap);
+        test.turn(vec![], vec![]);
+    };
+    assert!(knows_its_link(panics, TestLoop::mend), "the fleet is being made anew");
+    let refuses = |test: &mut TestLoop| {
+        test.state = JournalState::Refuses;
+        test.drive.gate.record(MOST_PENDING);
+    };
+    let writes = |test: &mut TestLoop| {
+        (test.state, test.steps) = (JournalState::Writes, vec![Vec::new(); test.steps.len() + 1]);
+    };
+    assert!(knows_its_link(refuses, writes), "the journal is full");
 }

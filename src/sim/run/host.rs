@@ -35,8 +35,8 @@ pub struct HostTurn {
     pub durable: Option<Vec<Fact>>,
     /// What the fleet was made from, if it is another one than before: the process died, or a step panicked.
     pub anew: Option<Ledger>,
-    /// Whether the process died, so that nothing is known of links either.
-    pub died: bool,
+    /// Whether a process has begun that knows nothing of links.
+    pub begun: bool,
     /// Laws about what is durable that were broken.
     pub broken: Vec<Violation>,
 }
@@ -152,7 +152,8 @@ impl FailingHost {
 
     fn turn(&mut self, drive: &mut Drive, (from, now): (Time, Time), inputs: Vec<Input>) -> HostTurn {
         let mut turn = HostTurn::default();
-        if self.down_until.take_if(|until| now >= *until).is_none() && self.down_until.is_some() {
+        turn.begun = self.down_until.take_if(|until| now >= *until).is_some();
+        if self.down_until.is_some() {
             self.keep(inputs);
             return turn;
         }
@@ -277,7 +278,7 @@ impl FailingHost {
         *drive = Drive::new(Fleet::resume(self.journal.ledger().clone(), settings, []));
         let is_lost = |job: &JobId| drive.fleet().ledger().next_job <= job.0;
         turn.broken.extend(self.acknowledged.filter(is_lost).map(Violation::AcknowledgedLost));
-        (turn.anew, turn.died) = (Some(self.journal.ledger().clone()), true);
+        turn.anew = Some(self.journal.ledger().clone());
         self.dies_again = self.luck.happens_of(AGAIN);
         let down_s = self.luck.between(0.0, self.faults.restart_s);
         self.down_until = Some(now + Span::from_secs_f64(down_s));

@@ -222,7 +222,7 @@ impl Simulation {
             self.laws.begin_again(fleet, fold.clone());
             self.world.meet_another(fleet.ledger());
         }
-        if turn.died {
+        if turn.begun {
             self.world.say_links_again();
         }
         if turn.anew.is_some() || !self.host.is_up() {

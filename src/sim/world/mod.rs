@@ -252,7 +252,10 @@ impl World {
             } else if robot.off && !matches!(service, Service::Leaving { .. } | Service::Gone { .. }) {
                 self.messages += robot.orders.counts;
                 self.messages += robot.reports.counts;
-                self.robots[i] = self.robot(id, ledger);
+                let back = self.robot(id, ledger);
+                let before = std::mem::replace(&mut self.robots[i], back);
+                // What the link said of it stands until it says something else.
+                self.robots[i].trouble = before.trouble;
             }
         }
     }
