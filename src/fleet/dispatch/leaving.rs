@@ -16,6 +16,9 @@ use giveway_floor::time::{Span, Time};
 const SWITCHED_OFF: Span = Span::from_secs(10);
 /// Any other one is gone after this: a robot that only cannot be heard drives on to the end of what it was granted.
 const TAKEN_AWAY: Span = Span::from_secs(60);
+/// One whose link is down is gone after this: while it is, silence says little, but that of a robot which was switched
+/// off may stay down.
+const CUT_OFF: Span = Span::from_secs(600);
 
 /// Robots that were to leave, and are heard of no more, have left.
 pub(crate) fn let_leave(writer: &mut Writer, now: Time) {
@@ -43,9 +46,7 @@ impl Floor<'_> {
     fn has_left(&self, robot: RobotId, now: Time) -> bool {
         let record = &self.ledger.robots[robot];
         let Service::Leaving { since } = record.service else { return false };
-        // Silence says nothing while the link is down. A link that the site has no more will not come back.
-        let may_be_heard = !self.settings.links.contains(&record.link) || self.scene.is_connected(robot);
-        if self.ledger.rack_on(robot).is_some() || !may_be_heard {
+        if self.ledger.rack_on(robot).is_some() {
             return false;
         }
         let seen = self.scene.robot(robot);
@@ -56,7 +57,13 @@ impl Floor<'_> {
         // It may have set off since: orders are sent to a robot that cannot say that it drives.
         let has_ended = |t: &Telemetry| t.speed_mps == 0.0 && t.reached + 1 >= chain.granted();
         let stays = rests || seen.is_some_and(|t| t.cannot_drive() || record.failed && has_ended(t));
-        let silent = now - heard;
-        silent >= if stays { SWITCHED_OFF } else { TAKEN_AWAY }
+        // A link that the site has no more will not come back.
+        let is_cut_off = self.settings.links.contains(&record.link) && !self.scene.is_connected(robot);
+        let patience = match is_cut_off {
+            true => CUT_OFF,
+            false if stays => SWITCHED_OFF,
+            false => TAKEN_AWAY,
+        };
+        now - heard >= patience
     }
 }

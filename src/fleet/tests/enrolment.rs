@@ -222,8 +222,7 @@ fn a_robot_that_drove_when_it_was_heard_of_last_is_gone_only_when_it_must_stand(
     assert_eq!([5, 15, 55, 65].map(&mut is_gone_after), [false, false, false, true]);
 }
 
-#[test]
-fn a_robot_whose_link_is_down_is_not_gone_before_it_could_be_heard_again() {
+fn goes_while_its_link_is_down(is_up_again: bool) {
     let mut floor = TestFloor::lab(1);
     floor.run(1);
     let link = |connected| Input::Link(R0, LinkState { connected, ..LinkState::default() });
@@ -234,10 +233,20 @@ fn a_robot_whose_link_is_down_is_not_gone_before_it_could_be_heard_again() {
         floor.fleet.step(began + Span::from_secs(seconds), said);
         floor.is_gone(R0)
     };
-    assert!(!is_gone_at(300, vec![]), "it may be driving for all that anybody knows");
-    assert!(!is_gone_at(301, vec![link(true)]), "its reports are on the way");
-    assert!(!is_gone_at(310, vec![]));
-    assert!(is_gone_at(312, vec![]), "it rested there, and is switched off");
+    assert!(!is_gone_at(590, vec![]), "it may be driving for all that anybody knows");
+    if is_up_again {
+        assert!(!is_gone_at(591, vec![link(true)]), "its reports are on the way");
+        assert!(!is_gone_at(600, vec![]));
+        assert!(is_gone_at(602, vec![]), "it rested there, and is switched off");
+    } else {
+        assert!(is_gone_at(601, vec![]), "it was switched off, and its link with it");
+    }
+}
+
+#[test]
+fn a_robot_whose_link_is_down_is_gone_after_ten_minutes_or_soon_after_it_is_up_again() {
+    goes_while_its_link_is_down(true);
+    goes_while_its_link_is_down(false);
 }
 
 #[test]

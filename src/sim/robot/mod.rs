@@ -189,6 +189,11 @@ impl RobotBody {
         self.speed_mps == 0.0 && self.acting.is_none() && free
     }
 
+    /// Whether it stands without a rack, whatever the fleet knows of that.
+    pub fn can_be_taken(&self) -> bool {
+        self.speed_mps == 0.0 && self.rack.is_none() && self.acting.is_none()
+    }
+
     /// Whether it was pushed elsewhere and has not been told yet where it is.
     pub fn is_astray(&self) -> bool {
         self.path.is_empty() && !self.is_near(self.stood_at)

@@ -247,7 +247,7 @@ impl World {
         for i in 0..self.robots.len() {
             let (id, robot) = (RobotId::at(i), &self.robots[i]);
             let Some(service) = ledger.robots.get(id).map(|r| r.service) else { break };
-            if !robot.off && robot.body.speed_mps == 0.0 && may_be_taken(ledger, id) {
+            if !robot.off && robot.body.can_be_taken() && may_be_taken(ledger, id) {
                 self.robots[i].off = true;
             } else if robot.off && !matches!(service, Service::Leaving { .. } | Service::Gone { .. }) {
                 self.messages += robot.orders.counts;
