@@ -49,7 +49,8 @@ impl CarryLaws {
         for (robot, truth) in world.truth() {
             let here = ledger.node_of(robot);
             let record = &ledger.robots[robot];
-            let may_drive = !record.failed && record.paused.is_none() && truth.fault.is_none();
+            let is_told = !record.failed && record.paused.is_none() && world.takes_orders(robot);
+            let may_drive = is_told && truth.fault.is_none();
             let stands = may_drive && truth.speed_mps == 0.0;
             let goal = bound_for(fleet, robot).filter(|g| stands && *g != here);
             let in_vain = goal.is_some_and(|goal| {

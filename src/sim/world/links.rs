@@ -39,10 +39,14 @@ impl LinkTrouble {
         self.state.as_ref().is_none_or(|(state, _)| state.connected)
     }
 
+    /// Whether orders get through.
+    pub fn takes_orders(&self) -> bool {
+        self.is_connected() && self.state.as_ref().is_none_or(|(state, _)| state.refuses.is_none())
+    }
+
     /// Whether a command gets through. A limit does, wherever messages do.
     pub fn passes(&self, command: &Command) -> bool {
-        let takes_orders = self.state.as_ref().is_none_or(|(state, _)| state.refuses.is_none());
-        self.is_connected() && (takes_orders || matches!(command, Command::Limit(_)))
+        self.takes_orders() || self.is_connected() && matches!(command, Command::Limit(_))
     }
 
     /// What begins to be wrong, and what is over.

@@ -574,6 +574,11 @@ impl World {
         self.robots[robot.ix()].trouble.is_connected()
     }
 
+    /// Whether the link of a robot takes orders for it.
+    pub fn takes_orders(&self, robot: RobotId) -> bool {
+        self.robots[robot.ix()].trouble.takes_orders()
+    }
+
     /// Where each robot truly is, how fast, and the serial number of the last visit that it knows: for the laws.
     pub fn truth(&self) -> impl Iterator<Item = (RobotId, Telemetry)> {
         self.robots.iter().filter(|r| !r.off).map(|r| (r.body.id, r.body.report(self.now)))
