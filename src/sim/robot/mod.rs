@@ -191,7 +191,7 @@ impl RobotBody {
 
     /// Whether it stands without a rack, whatever the fleet knows of that.
     pub fn can_be_taken(&self) -> bool {
-        self.speed_mps == 0.0 && self.rack.is_none() && self.acting.is_none()
+        self.speed_mps == 0.0 && self.rack.is_none()
     }
 
     /// Whether it was pushed elsewhere and has not been told yet where it is.
