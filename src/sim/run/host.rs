@@ -151,8 +151,8 @@ impl FailingHost {
     }
 
     fn turn(&mut self, drive: &mut Drive, (from, now): (Time, Time), inputs: Vec<Input>) -> HostTurn {
-        let mut turn = HostTurn::default();
-        turn.begun = self.down_until.take_if(|until| now >= *until).is_some();
+        let begun = self.down_until.take_if(|until| now >= *until).is_some();
+        let mut turn = HostTurn { begun, ..HostTurn::default() };
         if self.down_until.is_some() {
             self.keep(inputs);
             return turn;
