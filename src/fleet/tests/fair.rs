@@ -17,8 +17,8 @@ fn quick(rack: u32, priority: u8) -> JobRequest {
 }
 
 /// One robot works on a rack for which a job comes every four seconds, as fast as they are picked; then a job for the
-/// other rack comes that it alone may do, whoever rests beside it. How many of the former have begun after it when it
-/// begins, and after how many seconds.
+/// other rack comes that it alone may do, whether or not another robot rests. How many of the former have begun after
+/// it when it begins, and after how many seconds.
 fn passed_by(robots: usize, priority: u8) -> (usize, i64) {
     let mut floor = small(robots);
     floor.submit(quick(1, 0));

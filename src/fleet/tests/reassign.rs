@@ -43,8 +43,8 @@ fn a_job_can_be_taken_from_a_robot_that_carries_the_rack_to_its_station() {
     another_robot_does_it("carrying", 2);
 }
 
-#[test]
-fn a_robot_that_is_named_does_it_as_soon_as_it_is_free() {
+/// A robot with the job for which it carries a rack, and another job that it is to do next.
+fn given_to_a_busy_robot() -> (TestFloor, JobId, JobId, RobotId) {
     let mut floor = TestFloor::thesis(3);
     let busy = floor.submit(request(deliver(7)));
     floor.until(60, "a robot has it", |f| f.is(busy, "carrying"));
@@ -53,6 +53,12 @@ fn a_robot_that_is_named_does_it_as_soon_as_it_is_free() {
     floor.until(60, "another robot has it", |f| f.is(job, "assigned"));
     assert_ne!(floor.robot_of(job), Some(chosen));
     floor.reassign(job, Some(chosen)).unwrap();
+    (floor, busy, job, chosen)
+}
+
+#[test]
+fn a_robot_that_is_named_does_it_as_soon_as_it_is_free() {
+    let (mut floor, busy, job, chosen) = given_to_a_busy_robot();
     assert_eq!(floor.why_waits(job), Some(JobWhy::RobotBusy(chosen, Some(busy))));
     floor.until(600, "the chosen robot has it", |f| f.robot_of(job) == Some(chosen));
     floor.until_over(600);
@@ -147,13 +153,7 @@ fn what_cannot_be_taken_is_refused_with_the_reason() {
 
 #[test]
 fn a_job_that_waits_while_its_chosen_robot_puts_a_rack_away_says_so() {
-    let mut floor = TestFloor::thesis(3);
-    let busy = floor.submit(request(deliver(7)));
-    floor.until(60, "a robot has it", |f| f.is(busy, "carrying"));
-    let chosen = floor.robot_of(busy).expect("a robot has it");
-    let job = floor.submit(request(deliver(40)));
-    floor.until(60, "another robot has it", |f| f.is(job, "assigned"));
-    floor.reassign(job, Some(chosen)).unwrap();
+    let (mut floor, busy, job, chosen) = given_to_a_busy_robot();
     floor.step(vec![Input::ask(9, JobAction::Cancel(busy))]);
     assert_eq!(floor.why_waits(job), Some(JobWhy::RobotBusy(chosen, None)));
 }
