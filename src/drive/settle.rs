@@ -1,4 +1,4 @@
-//! Robots stand on nodes before the driver goes over to another map.
+//! Robots stand on nodes before the driver switches to another map.
 //!
 //! Main type: [`Settling`] (looked at in every turn). Robots drive to the end of what they were granted. If one does
 //! not get there in time, all go on, and the map is not changed. Refuses: to keep robots standing when the request for

@@ -224,7 +224,7 @@ impl Feeds {
     }
 
     /// Gives a new connection the worker's place; the connection that had it is told.
-    pub fn sit(&self, worker: WorkerId) -> Option<Connection> {
+    pub fn connect(&self, worker: WorkerId) -> Option<Connection> {
         let mut slots = self.slots();
         let slot = slots.get(worker)?;
         let number = *slot.taken.borrow() + 1;
@@ -236,7 +236,7 @@ impl Feeds {
     }
 
     /// The connection is gone.
-    pub fn leave(&self, worker: WorkerId, connection: &Connection) {
+    pub fn disconnect(&self, worker: WorkerId, connection: &Connection) {
         let mut slots = self.slots();
         let slot = &mut slots[worker];
         if *slot.taken.borrow() == connection.number {
@@ -432,11 +432,11 @@ mod tests {
         let hand = |connection: &Connection, epoch, ms: i64| {
             assert!(feeds.hand(connection, sighting(epoch, 1), Senses::default(), Time(ms * 1000)));
         };
-        let first = feeds.sit(ANNA).unwrap();
+        let first = feeds.connect(ANNA).unwrap();
         hand(&first, 1, 0);
         hand(&first, 1, 1);
         hand(&first, 2, 2);
-        let second = feeds.sit(ANNA).unwrap();
+        let second = feeds.connect(ANNA).unwrap();
         hand(&second, 1, 3);
         feeds.report(report(ANNA), Time(4_000_000)).unwrap();
         feeds.report(report(ANNA), Time(4_100_000)).unwrap();
@@ -447,7 +447,7 @@ mod tests {
     #[test]
     fn poses_beyond_those_that_may_wait_are_dropped_until_the_loop_has_taken_some() {
         let (feeds, mut heard) = feeds();
-        let connection = feeds.sit(ANNA).unwrap();
+        let connection = feeds.connect(ANNA).unwrap();
         let hand = |i: usize| {
             let at = Time(i as i64 * 20_000);
             feeds.hand(&connection, sighting(1, i as u64), Senses::default(), at)
@@ -461,7 +461,7 @@ mod tests {
     #[test]
     fn a_tag_counts_beside_a_headset_and_does_not_hide_what_the_headset_senses() {
         let (feeds, mut heard) = feeds();
-        let connection = feeds.sit(ANNA).unwrap();
+        let connection = feeds.connect(ANNA).unwrap();
         let senses = Senses { battery: Some(0.5), ..Senses::default() };
         feeds.hand(&connection, sighting(1, 1), senses, Time(1_000_000));
         assert_eq!(feeds.report(report(ANNA), Time(2_000_000)), Ok(()));
@@ -477,7 +477,7 @@ mod tests {
     #[test]
     fn hands_come_with_where_the_head_points_by_its_ray_else_by_the_pose_and_with_measured_eyes() {
         let (feeds, mut heard) = feeds();
-        let connection = feeds.sit(ANNA).unwrap();
+        let connection = feeds.connect(ANNA).unwrap();
         let hand = Some(vec![[0.3, 0.0, 1.2, 0.01]; 25]);
         let gaze = |kind| Some(Gaze { kind, origin: [0.0, 0.0, 1.7], dir: [1.0, 0.0, 0.0] });
         let ahead = Some([0.0, 0.8, -0.6]);
@@ -503,7 +503,7 @@ mod tests {
     #[test]
     fn a_pose_that_the_fleet_drops_as_late_brings_no_hands_and_hides_none() {
         let (feeds, mut heard) = feeds();
-        let connection = feeds.sit(ANNA).unwrap();
+        let connection = feeds.connect(ANNA).unwrap();
         let senses =
             |x: f64| Senses { hands: [None, Some(vec![[x, 0.0, 1.2, 0.01]; 25])], ..Senses::default() };
         for (seq, x, comes) in [(1, 0.3, true), (0, 0.4, false)] {
@@ -554,12 +554,12 @@ mod tests {
     #[test]
     fn a_new_connection_takes_the_place_and_the_old_one_does_not_take_it_away() {
         let (feeds, _heard) = feeds();
-        let first = feeds.sit(ANNA).unwrap();
-        let second = feeds.sit(ANNA).unwrap();
+        let first = feeds.connect(ANNA).unwrap();
+        let second = feeds.connect(ANNA).unwrap();
         assert_eq!((*first.taken.borrow(), first.number, second.number), (2, 1, 2));
-        feeds.leave(ANNA, &first);
+        feeds.disconnect(ANNA, &first);
         assert!(feeds.carried(ANNA).unwrap().connected);
-        feeds.leave(ANNA, &second);
+        feeds.disconnect(ANNA, &second);
         assert!(!feeds.carried(ANNA).unwrap().connected);
     }
 }

@@ -1,4 +1,4 @@
-//! Maps that are to become the server's own: what would change, what cannot be carried over, and the order to go over.
+//! Maps that are to become the server's own: what would change, what cannot be carried over, and the order to switch.
 //!
 //! Main types: [`MapRequest`], [`MapOutlook`], [`MapRefusal`], [`MapOrigin`]. The program that runs the API decides and
 //! carries out. Refuses: to know how.
@@ -35,7 +35,7 @@ pub struct MapOutlook {
 }
 
 impl MapOutlook {
-    /// Whether the server does not go over to it.
+    /// Whether the server does not switch to it.
     pub fn is_refused(&self, accept_losses: bool) -> bool {
         let Report { obstacles, losses, .. } = &self.report;
         !self.review.is_good() || !obstacles.is_empty() || (!losses.is_empty() && !accept_losses)
@@ -48,7 +48,7 @@ impl From<MapOutlook> for MapRefusal {
     }
 }
 
-/// A map to go over to.
+/// A map to switch to.
 #[derive(Clone, Debug)]
 pub struct MapOrder {
     /// The map.
@@ -70,7 +70,7 @@ pub struct MapDone {
     pub report: Report,
 }
 
-/// Why the server does not go over to a map.
+/// Why the server does not switch to a map.
 #[derive(Clone, Debug)]
 pub enum MapRefusal {
     /// The map has errors, or not everything can be carried over.

@@ -1,4 +1,4 @@
-//! The door while the server starts or goes over to another map: it answers at once, and leads inside as soon as there
+//! The door while the server starts or switches to another map: it answers at once, and leads inside as soon as there
 //! is an inside.
 //!
 //! Main type: [`Entrance`]. Until then every request gets 503 with the reason, but the one that asks whether the

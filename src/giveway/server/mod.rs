@@ -54,7 +54,7 @@ use giveway_api::{Gate, Network, Oidc, Outgoing, Targets};
 use giveway_drive::Trap;
 use giveway_floor::warehouse::Warehouse;
 use giveway_store::{MapNote, PublishedMap, Store};
-use publish::GoOver;
+use publish::MapSwitch;
 use running::{CoreEnd, RunningCore};
 use start::Built;
 use std::net::SocketAddr;
@@ -297,12 +297,12 @@ impl ServerRun {
             drop(self.front.ready.take());
             answer.take().into_iter().for_each(|answer| answer());
             let ended = match core.run(&mut self.front.http, &mut self.stopping).await {
-                CoreEnd::GoOver(order) => {
+                CoreEnd::MapSwitch(order) => {
                     // The request itself is inside until it is answered.
                     core.close();
                     self.front.entrance.empty(1).await;
                     let links = core.end(true).await?;
-                    (built, answer) = self.go_over(*order, (map, basis)).await?;
+                    (built, answer) = self.switch_map(*order, (map, basis)).await?;
                     if let (Built::Whole(parts), Some(before)) = (&mut built, &links) {
                         parts.links.keep_robots_of(before);
                     }
@@ -323,18 +323,18 @@ impl ServerRun {
     }
 
     /// Opens the database with another map, or, where that is refused in the last moment, with the one before.
-    async fn go_over(
+    async fn switch_map(
         &self,
-        order: GoOver,
+        order: MapSwitch,
         (old, basis): (Arc<Warehouse>, FloorBasis),
     ) -> anyhow::Result<(Built, Option<LateAnswer>)> {
-        let GoOver { map, accept_losses, note, request, reply } = order;
+        let MapSwitch { map, accept_losses, note, request, reply } = order;
         let noted = MapNote::Publish(note.clone(), request.clone());
         let (store, floor, basis, answer) = match self.open(&basis, &map, (accept_losses, noted)).await {
             Ok((store, floor)) => {
                 tracing::info!("the map {:?} is in operation: it was published by {}", map.name, note.by);
                 let report = store.carried().map(|carried| carried.report.clone()).unwrap_or_default();
-                let done = GoOver::done(Some(&note), &floor.map, report);
+                let done = MapSwitch::done(Some(&note), &floor.map, report);
                 (store, floor, FloorBasis { published: Some(note), ..basis }, Ok(done))
             }
             Err(why) => {
@@ -345,10 +345,10 @@ impl ServerRun {
                 }
                 tracing::warn!("the map {:?} is not published: {why:#}", map.name);
                 let (store, floor) = self.open(&basis, &old, (false, MapNote::Keep)).await?;
-                if let Err(e) = store.keep_audit(&[GoOver::refused_request(request)]).await {
+                if let Err(e) = store.keep_audit(&[MapSwitch::refused_request(request)]).await {
                     tracing::warn!("an entry of the audit was not written down: {e}");
                 }
-                (store, floor, basis, Err(GoOver::refused(&why)))
+                (store, floor, basis, Err(MapSwitch::refused(&why)))
             }
         };
         self.stores.send_replace(store.clone());

@@ -1,6 +1,6 @@
 //! Maps that are published to the running server: looked at, and handed on when the floor stands.
 //!
-//! Main types: [`MapKeeper`] (answers requests), [`GoOver`] (the order to the server). What decides is the carrying
+//! Main types: [`MapKeeper`] (answers requests), [`MapSwitch`] (the order to the server). What decides is the carrying
 //! over of the database: the same as at a start with a changed map. Refuses: to begin while something is in the way,
 //! and to change anything itself.
 
@@ -34,8 +34,8 @@ const PATIENCE: Duration = Duration::from_secs(40);
 /// The status of an answer that something is in the way.
 const REFUSED: u16 = 409;
 
-/// The order to go over to another map: everything that could be checked was, and the floor stands.
-pub struct GoOver {
+/// The order to switch to another map: everything that could be checked was, and the floor stands.
+pub struct MapSwitch {
     /// The map, not yet fitted to kinds of robots.
     pub map: Arc<Warehouse>,
     /// Whether losses are accepted.
@@ -65,7 +65,7 @@ pub struct MapKeeper {
     moments: watch::Receiver<Arc<Moment>>,
     requests: mpsc::Receiver<MapRequest>,
     settle: mpsc::Sender<SettleRequest>,
-    go_over: mpsc::Sender<GoOver>,
+    switch_map: mpsc::Sender<MapSwitch>,
 }
 
 /// Robots that do not stand, as obstacles.
@@ -85,16 +85,16 @@ impl MapKeeper {
         store: &Arc<Store>,
         basis: &FloorBasis,
         (map, moments): (Arc<Warehouse>, watch::Receiver<Arc<Moment>>),
-        (settle, go_over): (mpsc::Sender<SettleRequest>, mpsc::Sender<GoOver>),
+        (settle, switch_map): (mpsc::Sender<SettleRequest>, mpsc::Sender<MapSwitch>),
     ) -> (MapPort, MapKeeper) {
         let (ask, requests) = mpsc::channel(WAITING);
         let origin = basis.published.as_ref().map(origin_of);
         let port = MapPort { origin, requests: Some(ask) };
         let (store, basis) = (store.clone(), basis.clone());
-        (port, MapKeeper { store, basis, map, moments, requests, settle, go_over })
+        (port, MapKeeper { store, basis, map, moments, requests, settle, switch_map })
     }
 
-    /// Answers until the requests end, or the server goes over to another map.
+    /// Answers until the requests end, or the server switches to another map.
     pub async fn run(mut self) {
         while let Some(request) = self.requests.recv().await {
             match request {
@@ -104,7 +104,7 @@ impl MapKeeper {
                     let map = match self.prepare(map, accept_losses).await {
                         Ok(Some(map)) => map,
                         Ok(None) => {
-                            _ = reply.send(Ok(GoOver::done(None, &self.map, Report::default())));
+                            _ = reply.send(Ok(MapSwitch::done(None, &self.map, Report::default())));
                             continue;
                         }
                         Err(why) => {
@@ -114,9 +114,9 @@ impl MapKeeper {
                     };
                     let note = self.note(&by);
                     let request = AuditRow { outcome: Some(200), ..row_of(&by) };
-                    let order = GoOver { map, accept_losses, note, request, reply };
+                    let order = MapSwitch { map, accept_losses, note, request, reply };
                     // The server takes this core down now, or is down already.
-                    let _ = self.go_over.send(order).await;
+                    let _ = self.switch_map.send(order).await;
                     return std::future::pending().await;
                 }
             }
@@ -140,7 +140,7 @@ impl MapKeeper {
         Ok(looked.outlook)
     }
 
-    /// Everything that is done before the server goes over: looks, has robots stand, and compares once more. Nothing
+    /// Everything that is done before the server switches: looks, has robots stand, and compares once more. Nothing
     /// where the map in operation is the same one.
     async fn prepare(&self, draft: Draft, accept_losses: bool) -> Result<Option<Arc<Warehouse>>, MapRefusal> {
         let mut looked = self.look(draft).await?;
@@ -244,7 +244,7 @@ fn told(e: &StoreError) -> MapRefusal {
     MapRefusal::Failed("the database does not answer; the server's log says why. Nothing was changed.".into())
 }
 
-impl GoOver {
+impl MapSwitch {
     /// The answer where it has happened.
     pub fn done(note: Option<&PublishedMap>, map: &Warehouse, report: Report) -> MapDone {
         MapDone { version: map_version(map), origin: note.map(origin_of), report }

@@ -5,7 +5,7 @@
 
 use super::inbox::Inbox;
 use super::links::{Links, trial};
-use super::publish::{GoOver, MapKeeper};
+use super::publish::{MapSwitch, MapKeeper};
 use super::settle::{SettleQueue, SettleRequest};
 use super::start::ServerParts;
 use super::{
@@ -115,15 +115,15 @@ pub enum CoreEnd {
     Told,
     /// Something cannot go on.
     Failed(anyhow::Error),
-    /// The server is to go over to another map.
-    GoOver(Box<GoOver>),
+    /// The server is to switch to another map.
+    MapSwitch(Box<MapSwitch>),
 }
 
 /// The running core.
 pub struct RunningCore {
     store: Arc<Store>,
     tasks: Tasks,
-    go_over: mpsc::Receiver<GoOver>,
+    switch_map: mpsc::Receiver<MapSwitch>,
     /// Ends sockets and streams.
     closing: watch::Sender<bool>,
     halt: watch::Sender<bool>,
@@ -143,14 +143,14 @@ impl RunningCore {
         let (journal, writer) =
             journal::journal(store.clone(), start, clock.clone(), alarms.clone(), metrics.clone());
         let ((queue, requests), (ask, questions)) = (mpsc::channel(inbox::QUEUE), mpsc::channel(QUESTIONS));
-        let ((asks, settle), (over, go_over)) = (mpsc::channel(1), mpsc::channel(1));
+        let ((asks, settle), (switch, switch_map)) = (mpsc::channel(1), mpsc::channel(1));
         let ((displaced, gone), (closing, closes)) = (watch::channel(false), watch::channel(false));
         let custody =
             tokio::spawn(custody::watch_over(store.clone(), alarms.clone(), clock.clone(), displaced));
         let (map, view) = (fleet.warehouse().clone(), fleet.view(clock.now()));
         let (moments, picture) = watch::channel(Arc::new(Moment { view, ..Moment::default() }));
         let floor = (map.clone(), picture.clone());
-        let (maps, map_keeper) = MapKeeper::new(&store, &parts.basis, floor, (asks, over));
+        let (maps, map_keeper) = MapKeeper::new(&store, &parts.basis, floor, (asks, switch));
         let shares = LoopShares { store, clock, metrics, alarms, feeds };
         let (inbox, notes, tap) = (Inbox::of(&map, requests, heard), charts.notes, past.tap);
         let ((halt, halted), displaced) = (watch::channel(false), gone.clone());
@@ -198,7 +198,7 @@ impl RunningCore {
         let others = vec![custody, learner, tokio::spawn(hooks), tokio::spawn(map_keeper.run())];
         let (historian, past) = (charts.historian, past.ended);
         let tasks = Tasks { writer, thread, feed, historian, keepers, others, past };
-        Ok((RunningCore { store, tasks, go_over, closing, halt, displaced: gone }, router(api).0))
+        Ok((RunningCore { store, tasks, switch_map, closing, halt, displaced: gone }, router(api).0))
     }
 
     /// Lets it run until told to stop, until the map is to be changed, or until something cannot go on.
@@ -210,7 +210,7 @@ impl RunningCore {
         let Tasks { writer, thread, feed, .. } = &mut self.tasks;
         tokio::select! {
             _ = stopping.wait_for(|stop| *stop) => CoreEnd::Told,
-            Some(order) = self.go_over.recv() => CoreEnd::GoOver(Box::new(order)),
+            Some(order) = self.switch_map.recv() => CoreEnd::MapSwitch(Box::new(order)),
             _ = thread => CoreEnd::Failed(anyhow!("the control loop failed, as logged above; nothing is lost")),
             out = writer => CoreEnd::Failed(written(out)),
             out = http => CoreEnd::Failed(anyhow!("the HTTP server stopped: {out:?}")),

@@ -1,4 +1,4 @@
-//! Robots stand on nodes before the server goes over to another map: requests for that, and their answers.
+//! Robots stand on nodes before the server switches to another map: requests for that, and their answers.
 //!
 //! Main types: [`SettleQueue`] (the loop's end), [`SettleRequest`]. Refuses: to keep robots standing when
 //! the request for it is gone.

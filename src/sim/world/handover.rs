@@ -1,4 +1,4 @@
-//! Robots that stay as they are while the fleet goes over to another map: the floor is made anew, they are not.
+//! Robots that stay as they are while the fleet switches to another map: the floor is made anew, they are not.
 //!
 //! Refuses: to move a robot off the node on which the fleet has it.
 

@@ -138,7 +138,7 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
     let end = match greeted.unwrap_or_else(|_| Err(SessionEnd::Bye(close_code::POLICY, late()))) {
         Ok((both_speak, hello)) => {
             version = both_speak;
-            let Some(connection) = api.feeds.sit(worker) else { return };
+            let Some(connection) = api.feeds.connect(worker) else { return };
             let now = (api.now)();
             let counts = connection.told.borrow().counts;
             let mut session = Session {
@@ -164,7 +164,7 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
                 lights: None,
             };
             let end = session.run(&hello).await.err();
-            api.feeds.leave(worker, &session.connection);
+            api.feeds.disconnect(worker, &session.connection);
             socket = session.socket;
             end
         }

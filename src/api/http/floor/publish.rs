@@ -73,7 +73,7 @@ pub struct MapCheckDto {
     version: String,
     /// Where the map in operation comes from; null where it is the file with which the server was started.
     published: Option<MapOriginDto>,
-    /// Whether the server would go over to it: there are no errors and no obstacles.
+    /// Whether the server would switch to it: there are no errors and no obstacles.
     good: bool,
     /// What there is to say about the map itself.
     review: MapReviewDto,
@@ -171,7 +171,7 @@ pub async fn check(
     }))
 }
 
-/// Publish a map: the server goes over to it while it runs. Robots drive to the end of what they were granted and
+/// Publish a map: the server switches to it while it runs. Robots drive to the end of what they were granted and
 /// stand, the database is backed up and carried over in one transaction, and the floor goes on with the new map; feeds
 /// end and are opened anew. That takes some seconds. `If-Match` names the version on which the map is based, as the
 /// `ETag` of `GET /v1/map` does, so that two editors do not overwrite one another. The next start takes the published

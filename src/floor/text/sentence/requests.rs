@@ -90,14 +90,14 @@ sentences! {
     fleet_did_not_answer() = "the fleet did not answer in time: ask again soon";
     shutting_down() = "the server is shutting down";
     map_busy() = "another map is being checked or published: try again soon";
-    map_changes() = "the server shuts down, or goes over to another map just now: look at the map again";
+    map_changes() = "the server is shutting down or switching to another map: look at the map again";
     database_does_not_answer() = "the database does not answer; the server's log says why. Nothing was changed.";
     area_too_large(nodes, most) = "the area has {nodes} nodes, more than {most}: choose a smaller area";
     nothing_kept() = "nothing is kept of that time: GET /v1/past lists what is";
     no_past() = "this server keeps no frames of the past: start it with --past-hours 24, or see its log";
     no_provider() = "the settings of this server name no identity provider: sign in with a token at /sign-in";
     server_starting() = "the server is starting: it loads its journal. Try again soon.";
-    map_being_changed() = "the server goes over to another map: it loads its journal again. Try again soon.";
+    map_being_changed() = "the server is switching to another map and loads its journal again. Try again soon.";
     robots_unheard(robots) = "{robots} robots have not reported yet; they are known to be silent in three seconds";
     no_step_yet() = "the fleet has not made its first step yet";
     map_not_published(reasons) = "the map is not published, and nothing was changed: {reasons}";
