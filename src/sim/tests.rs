@@ -13,8 +13,8 @@ use std::sync::Arc;
 
 fn scenario(robots: usize, faults: Faults) -> Scenario {
     let text = format!(
-        r#"{{"giveway_scenario": 1, "name": "t", "map": "", "robots": {robots}, "duration_s": 900, "drain_s": 3600,
-            "jobs": {{"backlog": 8}}}}"#
+        r#"{{"giveway_scenario": 1, "name": "t", "map": "", "robots": {robots}, "period_ms": 100,
+            "duration_s": 900, "drain_s": 3600, "jobs": {{"backlog": 8}}}}"#
     );
     Scenario { faults, ..Scenario::parse(&text).expect("it is one") }
 }
@@ -159,7 +159,8 @@ fn after_the_faults_have_ended_nothing_is_broken_lost_or_late() {
 
 #[test]
 fn an_evacuation_in_a_scenario_keeps_robots_off_the_ways_out_and_the_work_is_done_afterwards() {
-    let text = r#"{"giveway_scenario": 1, "name": "drill", "map": "m", "robots": 12, "duration_s": 900, "drain_s": 1800,
+    let text = r#"{"giveway_scenario": 1, "name": "drill", "map": "m", "robots": 12, "period_ms": 100,
+        "duration_s": 900, "drain_s": 1800,
         "jobs": {"backlog": 16}, "workers": {"count": 3, "enter_s": 10, "leave_s": 800},
         "evacuations": [{"at_s": 200, "until_s": 400}],
         "closures": [{"outline": [[5.8, 0.8], [6.2, 0.8], [6.2, 6.2], [5.8, 6.2]], "from_s": 60, "until_s": 120,

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 const SCENARIO: &str =
-    r#"{"giveway_scenario": 1, "name": "fixture", "map": "", "robots": 2, "jobs": "none"}"#;
+    r#"{"giveway_scenario": 1, "name": "fixture", "map": "", "robots": 2, "period_ms": 100, "jobs": "none"}"#;
 
 fn fixture(name: &str) -> PathBuf {
     PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/fixtures")).join(name)

@@ -18,11 +18,12 @@ use sqlx::{AssertSqlSafe, Connection};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-const BUSY: &str = r#"{"giveway_scenario": 1, "name": "busy", "map": "", "robots": 2, "jobs": {"backlog": 3},
-    "faults": {"failures_per_hour": 60, "repair_s": 5},
+const BUSY: &str = r#"{"giveway_scenario": 1, "name": "busy", "map": "", "robots": 2, "period_ms": 100,
+    "jobs": {"backlog": 3}, "faults": {"failures_per_hour": 60, "repair_s": 5},
     "fleet": {"speed_mps": 3, "accel_unloaded_mps2": 3, "accel_loaded_mps2": 3, "lift_s": 0.3}}"#;
 
-const PEOPLE: &str = r#"{"giveway_scenario": 1, "name": "people", "map": "", "robots": 10, "jobs": {"backlog": 12},
+const PEOPLE: &str = r#"{"giveway_scenario": 1, "name": "people", "map": "", "robots": 10, "period_ms": 100,
+    "jobs": {"backlog": 12},
     "duration_s": 240, "faults": {"failures_per_hour": 20, "repair_s": 20, "message_loss": 0.05},
     "workers": {"count": 2, "enter_s": 10, "deviations": {"at_s": [40, 90, 150], "causes": "all"}},
     "closures": [{"outline": [[5.8, 0.8], [6.2, 0.8], [6.2, 6.2], [5.8, 6.2]], "from_s": 60, "until_s": 120,

@@ -202,8 +202,8 @@ async fn names_that_differ_only_in_what_nobody_sees_are_refused_wherever_a_name_
 fn orders(folder: &Folder, text: &str) -> Output {
     std::fs::write(folder.path().join("lab.json"), json::write(&map())).unwrap();
     std::fs::write(folder.path().join("orders.csv"), text).unwrap();
-    let scenario = json!({"giveway_scenario": 1, "name": "orders", "map": "lab.json", "robots": 2, "duration_s": 60,
-        "jobs": {"file": {"path": "orders.csv", "backlog": 2}}});
+    let scenario = json!({"giveway_scenario": 1, "name": "orders", "map": "lab.json", "robots": 2, "period_ms": 100,
+        "duration_s": 60, "jobs": {"file": {"path": "orders.csv", "backlog": 2}}});
     giveway(folder, &["sim", "--no-bound", "--json"], "scenario.json", &scenario.to_string())
 }
 

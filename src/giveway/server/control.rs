@@ -302,7 +302,8 @@ mod tests {
     use giveway_store::Store;
     use tokio::sync::oneshot;
 
-    const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 2, "jobs": "none"}"#;
+    const SCENARIO: &str = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 2, "period_ms": 100,
+        "jobs": "none"}"#;
 
     fn truth(control: &ControlLoop) -> impl Iterator<Item = (RobotId, Telemetry)> {
         control.links.sim().world().truth()

@@ -5,7 +5,7 @@
 
 use super::inbox::Inbox;
 use super::links::{Links, trial};
-use super::publish::{MapSwitch, MapKeeper};
+use super::publish::{MapKeeper, MapSwitch};
 use super::settle::{SettleQueue, SettleRequest};
 use super::start::ServerParts;
 use super::{

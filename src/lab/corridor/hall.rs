@@ -180,8 +180,8 @@ fn hall_scenario(setup: HallSetup, arm: HallArm) -> Scenario {
     let planner = if arm == HallArm::Traditional { "traditional" } else { "improved" };
     let places = ["r1n3", "r0n2", "r2n4", "r3n3", "r0n4", "r1n2", "r3n2", "r2n3", "r1n4", "r0n3", "r2n2"];
     let text = format!(
-        r#"{{"giveway_scenario": 1, "name": "hall", "map": "", "robots": {robots}, "duration_s": {seconds},
-            "jobs": {{"backlog": {backlog}}}, "local_planner": "{planner}",
+        r#"{{"giveway_scenario": 1, "name": "hall", "map": "", "robots": {robots}, "period_ms": 100,
+            "duration_s": {seconds}, "jobs": {{"backlog": {backlog}}}, "local_planner": "{planner}",
             "fleet": {{"footprint": {{"circle_m": 0.35}}, "free_navigation": {free}}},
             "workers": {{"count": {workers}, "enter_s": 10, "deviations": {{"causes": "all"}},
                 "assignments": {{"list": {{"places": {places:?}, "stay_s": 25}}}},

@@ -513,7 +513,8 @@ mod tests {
     fn nobody_steps_through_a_door_in_front_of_a_robot_that_could_not_stop() {
         let warehouse = Arc::new(thesis());
         let workers = Workers { count: 1, ..Workers::default() };
-        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "period_ms": 100,
+            "duration_s": 60}"#;
         let scenario = Scenario { workers, ..Scenario::parse(text).expect("it is one") };
         let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
         let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");
@@ -539,7 +540,8 @@ mod tests {
         let warehouse = Arc::new(thesis());
         let workers = Workers { count: 1, enter_s: 0.0, ..Workers::default() };
         let faults = Faults { message_loss: 0.7, message_delay_ms: 100, ..Faults::default() };
-        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "period_ms": 100,
+            "duration_s": 60}"#;
         let scenario = Scenario { workers, faults, ..Scenario::parse(text).expect("it is one") };
         let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
         let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");
@@ -570,7 +572,8 @@ mod tests {
         let warehouse = Arc::new(thesis());
         let sensor = Sensor { drift: 50.0, ..Sensor::default() };
         let workers = Workers { count: 1, enter_s: 0.0, sensor, ..Workers::default() };
-        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60}"#;
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "period_ms": 100,
+            "duration_s": 60}"#;
         let scenario = Scenario { workers, ..Scenario::parse(text).expect("it is one") };
         let mut fleet = Fleet::new(warehouse.clone(), Settings::default());
         let mut crew = Crew::new(&warehouse, &scenario, 1, Time::ZERO).expect("it has a worker");

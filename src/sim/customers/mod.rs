@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn customers_with_a_file_of_no_lines_order_nothing_rather_than_at_random() {
         let warehouse = giveway_floor::warehouse::lab();
-        let text = r#"{"giveway_scenario": 1, "name": "x", "map": "m", "robots": 1,
+        let text = r#"{"giveway_scenario": 1, "name": "x", "map": "m", "robots": 1, "period_ms": 100,
             "jobs": {"file": {"path": "orders.csv", "backlog": 2}}}"#;
         let customers = Customers::new(&Scenario::parse(text).unwrap(), &[], &warehouse, 1);
         assert_eq!(customers.demand, Demand::None);

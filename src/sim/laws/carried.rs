@@ -145,7 +145,7 @@ mod tests {
     /// nobody gets to its station, or everybody does. The fleet is not told, so that it does nothing about it.
     fn broken(closes: bool, within: Span) -> usize {
         let map = formats::json::parse(include_str!("../../../docs/small.json")).expect("a map");
-        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 600,
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "period_ms": 100, "duration_s": 600,
             "jobs": {"backlog": 4}}"#;
         let scenario = Scenario::parse(text).expect("a scenario");
         let mut sim = Simulation::new(Arc::new(map), &scenario, &[], 1, false, || 0);

@@ -226,7 +226,8 @@ mod tests {
     #[test]
     fn a_job_that_less_urgent_ones_pass_by_is_found_at_the_fourth_of_them() {
         let map = formats::json::parse(include_str!("../../../docs/small.json")).expect("a map");
-        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "duration_s": 60, "jobs": "none"}"#;
+        let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "period_ms": 100,
+            "duration_s": 60, "jobs": "none"}"#;
         let scenario = Scenario::parse(text).expect("a scenario");
         let mut sim = Simulation::new(Arc::new(map), &scenario, &[], 1, false, || 0);
         for _ in 0..20 {

@@ -119,8 +119,8 @@ struct ScenarioFile {
     robots: usize,
     #[serde(default = "hour")]
     duration_s: f64,
-    #[serde(default = "period")]
-    period_ms: i64,
+    #[serde(default)]
+    period_ms: Option<i64>,
     #[serde(default = "one")]
     seed: u64,
     #[serde(default = "none")]
@@ -157,10 +157,6 @@ fn hour() -> f64 {
     3600.0
 }
 
-fn period() -> i64 {
-    100
-}
-
 fn one() -> u64 {
     1
 }
@@ -184,7 +180,9 @@ impl Scenario {
         )?;
         check("robots", file.robots as f64, 0.0..=10_000.0, "from 0 to 10000")?;
         check("duration_s", file.duration_s, 1.0..=1e7, "from 1 to 10000000")?;
-        check("period_ms", file.period_ms as f64, 10.0..=1000.0, "from 10 to 1000")?;
+        let usual = Site::default();
+        let period_ms = file.period_ms.unwrap_or(usual.period.0 / 1000);
+        check("period_ms", period_ms as f64, 10.0..=1000.0, "from 10 to 1000")?;
         file.faults.check()?;
         check("drain_s", file.drain_s, 0.0..=1e6, "from 0 to 1000000")?;
         check("warm_up_s", file.warm_up_s, 0.0..=3600.0, "from 0 to 3600")?;
@@ -194,7 +192,6 @@ impl Scenario {
         file.closures.iter().try_for_each(Closing::check)?;
         Evacuation::check_all(&file.evacuations)?;
         let (kinds, shares) = shares::read(file.fleet, file.kinds)?;
-        let usual = Site::default();
         let (mut workers, mut cells) = (file.workers, file.cells);
         let (flow, arm_mode) = cells.as_mut().map(WorkCells::take_choices).unwrap_or_default();
         let site = Site {
@@ -205,7 +202,7 @@ impl Scenario {
             method: workers.method.take().unwrap_or(usual.method),
             node_windows: workers.node_windows.take().unwrap_or(usual.node_windows),
             worker_price: workers.price.take().unwrap_or(usual.worker_price),
-            period: Span::from_millis(file.period_ms),
+            period: Span::from_millis(period_ms),
             flow: flow.unwrap_or(usual.flow),
             arm_mode: arm_mode.unwrap_or(usual.arm_mode),
             links: SiteLinks::simulated(file.robots),

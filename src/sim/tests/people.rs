@@ -9,8 +9,8 @@ use giveway_people::human::IntentState;
 /// Robots and workers in the thesis' hall; `workers` is what else is said of the workers.
 fn hall(seconds: u32, robots: usize, workers: &str) -> Scenario {
     let text = format!(
-        r#"{{"giveway_scenario": 1, "name": "t", "map": "", "robots": {robots}, "duration_s": {seconds},
-            "jobs": {{"backlog": {}}},
+        r#"{{"giveway_scenario": 1, "name": "t", "map": "", "robots": {robots}, "period_ms": 100,
+            "duration_s": {seconds}, "jobs": {{"backlog": {}}},
             "workers": {{"enter_s": 5, "assignments": {{"random": {{"stay_s": 5}}}}{workers}}}}}"#,
         2 * robots
     );
