@@ -40,8 +40,7 @@ fn main() {
     if let Err(why) = page(&out, &target) {
         if env::var("GIVEWAY_WEB").as_deref() != Ok("skip") {
             println!("cargo:warning=the web page is not built in: {why}");
-            // A file that never exists: look again at the next build, since what was missing may be there
-            // then.
+            // A file that never exists: look again at the next build, since the missing parts may be there then.
             println!("cargo:rerun-if-changed=web/.built-again-each-time");
         }
         let text = placeholder(&why);
@@ -72,7 +71,7 @@ fn page(out: &Path, target: &Path) -> Result<(), String> {
         let folder = fresh.to_str().ok_or("the target folder's name is no Unicode")?;
         let vite = ["exec", "--no", "--", "vite", "build", "--emptyOutDir", "--outDir"];
         npm(&web, &[&vite[..], &[folder]].concat())?;
-        // The same once more in one piece, for pages that are files with a reel in them.
+        // Build again in one piece, for pages that are files with a recording in them.
         npm(&web, &[&vite[..], &[&format!("{folder}/single"), "--mode", "single"]].concat())?;
         if fs::rename(&fresh, &cache).is_err() && !cache.join("index.html").exists() {
             return Err(format!("cannot move the page to {}", cache.display()));
@@ -82,7 +81,7 @@ fn page(out: &Path, target: &Path) -> Result<(), String> {
     copy(&cache, target).map_err(|e| format!("cannot copy {}: {e}", cache.display()))
 }
 
-/// `target/web-cache`: above the profile's folder, which `OUT_DIR` lies four levels below.
+/// `target/web-cache`: the target folder is four levels above `OUT_DIR`, and all profiles share it.
 fn cache_folder(out: &Path) -> PathBuf {
     let folder = out.ancestors().nth(4).unwrap_or(out).join("web-cache");
     let _ = fs::create_dir_all(&folder);
@@ -100,7 +99,7 @@ fn collect(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-/// FNV-1a over names and contents: a cache key, not a seal.
+/// FNV-1a over names and contents: a cache key, not a cryptographic hash.
 fn hash(web: &Path, files: &[PathBuf]) -> Result<u64, String> {
     let mut h: u64 = 0xcbf2_9ce4_8422_2325;
     let mut eat = |bytes: &[u8]| {
@@ -116,7 +115,7 @@ fn hash(web: &Path, files: &[PathBuf]) -> Result<u64, String> {
     Ok(h)
 }
 
-/// `npm ci`, unless what is installed is as new as the lock file.
+/// Runs `npm ci`, unless the installed packages are as new as the lock file.
 fn install(web: &Path) -> Result<(), String> {
     let age = |path: PathBuf| fs::metadata(path).and_then(|m| m.modified()).ok();
     let lock = age(web.join("package-lock.json"));

@@ -1,11 +1,11 @@
-//! The server's face: HTTP under `/v1`, the live feed, the feeds of headsets, metrics, the API's own description, the
-//! page.
+//! The server's API: HTTP under `/v1`, the live feed, the feeds of headsets, metrics, the API's description, and the
+//! web page.
 //!
 //! Main types: [`Api`] (what handlers share), [`router`]. Each folder is a room, and each knows those before it in this
 //! list: `port`, `wire`, `access`, `dto`, `outgoing`, `oidc`, `live`, `recording`, `feed`, `page`, `state`, `http`.
-//! `tests/walls/rooms.rs` has the table and enforces it. Reads look at the latest view or at durable lists; writes put
-//! a request into the queue and answer when its facts are durable. Refuses: to decide anything about robots, and to
-//! know store or server.
+//! `tests/walls/rooms.rs` has the table and enforces it. Reads use the latest view or the durable lists; writes queue a
+//! request and answer when its facts are durable. Refuses: to decide anything about robots, and to know store or
+//! server.
 
 pub mod access;
 mod dto;

@@ -15,77 +15,77 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
 
-/// What an alarm is about.
+/// The thing that an alarm is about.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmSubjectDto {
-    /// What sort of thing it is.
+    /// The sort of thing.
     pub kind: SubjectKindDto,
-    /// Its id; `floor` and `server` for these two.
+    /// The thing's id; `floor` and `server` for these two.
     #[schema(example = "robot-3")]
     pub id: String,
 }
 
-/// Who has taken note of an alarm.
+/// An acknowledgement of an alarm.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AcknowledgementDto {
-    /// Who.
+    /// The person who acknowledged the alarm.
     #[schema(example = "Ben")]
     pub by: String,
-    /// When, RFC 3339.
+    /// When the alarm was acknowledged, RFC 3339.
     pub at: String,
 }
 
-/// An alarm that was put aside.
+/// The shelving of an alarm: somebody put it aside for a while.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ShelvingDto {
-    /// Who.
+    /// The person who shelved the alarm.
     #[schema(example = "Ben")]
     pub by: String,
-    /// When, RFC 3339.
+    /// When the alarm was shelved, RFC 3339.
     pub at: String,
-    /// Until when, RFC 3339: then it calls again.
+    /// When the shelving ends and the alarm calls for attention again, RFC 3339.
     pub until: String,
-    /// Why.
+    /// Why the alarm was shelved.
     #[schema(example = "the radio is being mended")]
     pub reason: String,
 }
 
-/// What somebody wrote down about an alarm.
+/// A note that a person wrote about an alarm.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmNoteDto {
-    /// Who.
+    /// The author of the note.
     #[schema(example = "Ben")]
     pub by: String,
-    /// When, RFC 3339.
+    /// When the note was written, RFC 3339.
     pub at: String,
-    /// What.
+    /// The text of the note.
     #[schema(example = "the access point has no power; electrician at 15:00")]
     pub text: String,
 }
 
-/// One of the alarms in a group.
+/// An alarm that is a member of a group.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmMemberDto {
-    /// Its number.
+    /// The alarm's number.
     #[schema(example = "al12")]
     pub id: String,
-    /// With what something is wrong.
+    /// The thing that the alarm is about.
     pub subject: AlarmSubjectDto,
-    /// In words.
+    /// The alarm in words, in English.
     pub text: String,
-    /// Which sentence `text` is; null for alarms of versions that had no codes.
+    /// The code of the sentence in `text`; null for alarms of versions that had no codes.
     #[schema(value_type = Option<String>, example = "robot_silent")]
     pub code: Option<&'static str>,
-    /// What stands in its places.
+    /// The values for the placeholders of the sentence.
     #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
-    /// Where on the map, metres; null if it is in no one place.
+    /// Where on the map the subject is, x in metres; null if the alarm has no single place.
     pub x: Option<f64>,
-    /// Metres.
+    /// The same place, y in metres.
     pub y: Option<f64>,
-    /// Since when its cause has been there, RFC 3339.
+    /// Since when the cause has been present, RFC 3339.
     pub since: String,
-    /// Who has taken note; null if nobody has.
+    /// The person who acknowledged the alarm; null if nobody has.
     pub acknowledged_by: Option<String>,
 }
 
@@ -113,54 +113,54 @@ impl From<&AlarmSubject> for AlarmSubjectDto {
     }
 }
 
-/// Something that a person must know, active or past.
+/// A condition that a person must know of, active or past.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmDto {
-    /// Its number; numbers go on after a restart.
+    /// The alarm's number; numbers continue after a restart.
     #[schema(example = "al17")]
     pub id: String,
-    /// What it is about.
+    /// The kind of alarm.
     pub kind: AlarmKindDto,
-    /// How bad it is.
+    /// How severe the alarm is.
     pub severity: AlarmSeverityDto,
-    /// Whether its cause is still there.
+    /// Whether the cause of the alarm is still present.
     pub state: AlarmStateDto,
-    /// With what something is wrong.
+    /// The thing that the alarm is about.
     pub subject: AlarmSubjectDto,
-    /// In words.
+    /// The alarm in words, in English.
     #[schema(example = "robot-3 sends no reports; 2 robots wait for it.")]
     pub text: String,
-    /// Which sentence `text` is; null for alarms of versions that had no codes.
+    /// The code of the sentence in `text`; null for alarms of versions that had no codes.
     #[schema(value_type = Option<String>, example = "robot_silent")]
     pub code: Option<&'static str>,
-    /// What stands in its places.
+    /// The values for the placeholders of the sentence.
     #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
-    /// What to do.
+    /// What a person should do about the alarm.
     #[schema(value_type = SentenceSchema)]
     pub remedy: Sentence,
-    /// Where on the map, metres; null if it is in no one place.
+    /// Where on the map the subject is, x in metres; null if the alarm has no single place.
     pub x: Option<f64>,
-    /// Metres.
+    /// The same place, y in metres.
     pub y: Option<f64>,
-    /// How many robots wait because of it.
+    /// How many robots wait because of the alarm's cause.
     pub waiting: usize,
-    /// Since when its cause has been there, RFC 3339.
+    /// Since when the cause has been present, RFC 3339.
     pub since: String,
-    /// Who has taken note; null if nobody has.
+    /// The acknowledgement of the alarm; null if nobody has acknowledged it.
     pub acknowledged: Option<AcknowledgementDto>,
-    /// Whether somebody has put it aside; null if nobody has.
+    /// The shelving of the alarm; null if it is not shelved.
     pub shelved: Option<ShelvingDto>,
-    /// What people wrote down about it, in order.
+    /// Notes that people wrote about the alarm, in order.
     pub notes: Vec<AlarmNoteDto>,
-    /// What can be done about it in one request, the likeliest first.
+    /// Requests that can remedy the alarm, the likeliest first.
     pub acts: Vec<AuditAct>,
-    /// The group of which it is a member, or was when it ended; null if there is none.
+    /// The group that has this alarm as a member, or had when the alarm ended; null if there is none.
     #[schema(example = "al18")]
     pub group: Option<String>,
-    /// Of an active group: its members. Of one that is over, list `?group=` its id.
+    /// For an active group: its members. For a group that is over, list `?group=` its id.
     pub members: Vec<AlarmMemberDto>,
-    /// When it ended, RFC 3339; null if it is active.
+    /// When the alarm ended, RFC 3339; null if it is active.
     pub cleared: Option<String>,
 }
 
@@ -205,61 +205,61 @@ fn note(n: &AlarmNote) -> AlarmNoteDto {
 /// A member of a group in the live feed.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmMemberRowDto {
-    /// Its number.
+    /// The alarm's number.
     #[schema(example = "al12")]
     pub id: String,
-    /// The robot.
+    /// The robot that the alarm is about.
     #[schema(example = "robot-3")]
     pub subject: String,
-    /// Who has taken note; null if nobody has.
+    /// The person who acknowledged the alarm; null if nobody has.
     pub acknowledged_by: Option<String>,
 }
 
 /// An active alarm in the live feed; its times count from the feed's zero.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmRowDto {
-    /// Its number.
+    /// The alarm's number.
     #[schema(example = "al17")]
     pub id: String,
-    /// What it is about.
+    /// The kind of alarm.
     pub kind: AlarmKindDto,
-    /// How bad it is.
+    /// How severe the alarm is.
     pub severity: AlarmSeverityDto,
-    /// What sort of thing it is about.
+    /// The sort of thing that the alarm is about.
     pub subject_kind: SubjectKindDto,
-    /// The id of that; null for the floor and the server.
+    /// The id of the thing that the alarm is about; null for the floor and the server.
     #[schema(example = "robot-3")]
     pub subject: Option<String>,
-    /// In words.
+    /// The alarm in words, in English.
     pub text: String,
-    /// Which sentence `text` is; null for alarms of versions that had no codes.
+    /// The code of the sentence in `text`; null for alarms of versions that had no codes.
     #[schema(value_type = Option<String>, example = "robot_silent")]
     pub code: Option<&'static str>,
-    /// What stands in its places.
+    /// The values for the placeholders of the sentence.
     #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
-    /// What to do.
+    /// What a person should do about the alarm.
     #[schema(value_type = SentenceSchema)]
     pub remedy: Sentence,
-    /// Where on the map, metres; null if it is in no one place.
+    /// Where on the map the subject is, x in metres; null if the alarm has no single place.
     pub x: Option<f64>,
-    /// Metres.
+    /// The same place, y in metres.
     pub y: Option<f64>,
-    /// How many robots wait because of it.
+    /// How many robots wait because of the alarm's cause.
     pub waiting: usize,
-    /// Since when its cause has been there, seconds.
+    /// Since when the cause has been present, seconds from the feed's zero.
     pub since_s: f64,
-    /// Who has taken note; null if nobody has.
+    /// The person who acknowledged the alarm; null if nobody has.
     pub acknowledged_by: Option<String>,
-    /// Until when it is put aside, RFC 3339; null if it is not.
+    /// When the shelving ends, RFC 3339; null if the alarm is not shelved.
     pub shelved_until: Option<String>,
-    /// What can be done about it in one request, the likeliest first.
+    /// Requests that can remedy the alarm, the likeliest first.
     pub acts: Vec<AuditAct>,
-    /// Of a group: its members.
+    /// For a group: its members.
     pub members: Vec<AlarmMemberRowDto>,
 }
 
-/// An active alarm in the live feed; its times count from `started_s`.
+/// An active alarm as a row of the live feed; its times count from `started_s`.
 pub(crate) fn row(alarm: &Alarm, started_s: f64) -> Value {
     let (x, y) = place(alarm.at).unzip();
     let (code, args, text) = alarm.text.clone().into_parts();

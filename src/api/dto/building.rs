@@ -1,4 +1,4 @@
-//! The building as it travels, once for each version of it.
+//! The building on the wire, sent once for each version.
 //!
 //! Main type: [`MapDto`]; main function [`map_text`]. Refuses: anything that moves.
 
@@ -11,16 +11,16 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 use utoipa::ToSchema;
 
-/// The building. Everything else refers to nodes by their index here.
+/// The building. All other messages refer to nodes by their index here.
 #[derive(Serialize, ToSchema)]
 pub struct MapDto {
-    /// Names what is in this map: another map has another version. It is the map's ETag, too.
+    /// The version of the map's content: maps that differ have different versions. It is the map's ETag, too.
     #[schema(example = "5f2c8a1b90de4f6677c31a02")]
     version: String,
     name: String,
-    /// x0, y0, x1, y1, metres.
+    /// Bounds of the map: x0, y0, x1, y1, metres.
     bounds: [f64; 4],
-    /// Side of the square that a robot with its rack takes, metres.
+    /// Side of the square that a robot with its rack occupies, metres.
     footprint_m: f64,
     nodes: Vec<NodeDto>,
     lanes: Vec<LaneDto>,
@@ -28,9 +28,9 @@ pub struct MapDto {
     racks: Vec<RackHomeDto>,
     /// Outlines of obstacles.
     obstacles: Vec<Vec<[f64; 2]>>,
-    /// Outlines of the floor on which people may walk.
+    /// Outlines of the floor where people may walk.
     walkable: Vec<Vec<[f64; 2]>>,
-    /// Marks on the floor, by which headsets find where they are.
+    /// Marks on the floor, by which headsets determine where they are.
     marks: Vec<MarkDto>,
 }
 
@@ -38,9 +38,9 @@ pub struct MapDto {
 #[derive(Serialize, ToSchema)]
 struct MarkDto {
     name: String,
-    /// Metres.
+    /// The mark's x, metres.
     x: f64,
-    /// Metres.
+    /// The mark's y, metres.
     y: f64,
 }
 
@@ -50,20 +50,20 @@ struct NodeDto {
     id: String,
     x: f64,
     y: f64,
-    /// aisle, storage, station, queue, charger, parking or exit.
+    /// The kind of node: aisle, storage, station, queue, charger, parking or exit.
     kind: &'static str,
 }
 
 /// A lane between two nodes.
 #[derive(Serialize, ToSchema)]
 struct LaneDto {
-    /// Index of a node.
+    /// Index of the node where the lane begins.
     from: usize,
-    /// Index of a node.
+    /// Index of the node where the lane ends.
     to: usize,
-    /// Whether it may be driven both ways.
+    /// Whether the lane may be driven both ways.
     both: bool,
-    /// What may use it: loaded robots, unloaded robots, people.
+    /// What may use the lane: loaded robots, unloaded robots, people.
     #[serde(rename = "for")]
     users: Vec<&'static str>,
 }
@@ -72,9 +72,9 @@ struct LaneDto {
 #[derive(Serialize, ToSchema)]
 struct StationPlaceDto {
     id: String,
-    /// Index of its node.
+    /// Index of the station's node.
     node: usize,
-    /// Indices of its waiting places, the one next to the station first.
+    /// Indices of the station's queue places, the one next to the station first.
     queue: Vec<usize>,
 }
 
@@ -82,7 +82,7 @@ struct StationPlaceDto {
 #[derive(Serialize, ToSchema)]
 struct RackHomeDto {
     id: String,
-    /// Index of the node on which it stands at first.
+    /// Index of the node on which the rack stands at first.
     node: usize,
 }
 
@@ -91,7 +91,7 @@ pub fn map_text(map: &Warehouse) -> String {
     serde_json::to_string(&MapDto { version: map_version(map), ..MapDto::from(map) }).expect("maps are plain")
 }
 
-/// Names what is in a map: everything that its file says, and everything that is sent of it.
+/// The version of a map: a hash of everything that its file says and that clients receive of it.
 pub fn map_version(map: &Warehouse) -> String {
     let sent = serde_json::to_string(&MapDto::from(map)).expect("maps are plain");
     let digest = Sha256::new().chain_update(sent).chain_update(json::write(map)).finalize();

@@ -1,4 +1,4 @@
-//! An event as it is told, in pages, in streams and to webhooks.
+//! Events on the wire: in pages, in streams and to webhooks.
 //!
 //! Main type: [`EventDto`]. Refuses: to read events.
 
@@ -14,88 +14,90 @@ use giveway_floor::text::SentenceArgs;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// A node within this of a place is at it, metres.
+/// The largest distance of a place from a node that counts as being at the node, metres.
 const SAME_M: f64 = 0.02;
 
-/// Something that happened.
+/// An event: something that happened on the floor or in the server.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct EventDto {
-    /// Its number. Later events have greater numbers; some numbers may be missing.
+    /// The event's number. Later events have greater numbers; some numbers may be missing.
     pub seq: i64,
-    /// When, RFC 3339.
+    /// When the event happened, RFC 3339.
     pub at: String,
-    /// What it is about: job, robot, fleet, station, worker, assignment, closure, alarm, encounter,
-    /// robot_replanned, worker_deviated or worker_goal.
+    /// The kind of event: job, robot, fleet, station, worker, assignment, closure, alarm, encounter, robot_replanned,
+    /// worker_deviated or worker_goal.
     #[schema(example = "job")]
     pub kind: &'static str,
-    /// The job, robot, station, worker, assignment, closure or alarm; null for the fleet and for encounters.
+    /// The job, robot, station, worker, assignment, closure or alarm of the event; null for the fleet and for
+    /// encounters.
     #[schema(example = "j17")]
     pub id: Option<String>,
     /// The state before; null if none is known.
     #[schema(example = "picking")]
     pub old: Option<String>,
-    /// The state since then. Of a job, its state; if that is the same as before, something else about the job was
-    /// changed. Of a robot, what happened last, as in its history. Of a station paused or resumed. Of a worker
-    /// registered, on_floor, lost_near or left. Of an assignment waiting, given, walking, working, done or
-    /// cancelled. Of a closure closed or reopened. Of an alarm active, acknowledged or cleared. Of the fleet
-    /// fleet_stopped, fleet_resumed, evacuation_began or evacuation_ended. Of an encounter what the fleet did about the
-    /// robot. Of a robot that was replanned, the kind of `cause`; of a worker who left the path, deviated; of a
-    /// worker's goal, goal.
+    /// The state since then. For a job, its state; if that is the same as before, something else about the job was
+    /// changed. For a robot, what happened last, as in its history. For a station, paused or resumed. For a worker,
+    /// registered, on_floor, lost_near or left. For an assignment, waiting, given, walking, working, done or cancelled.
+    /// For a closure, closed or reopened. For an alarm, active, acknowledged or cleared. For the fleet, fleet_stopped,
+    /// fleet_resumed, evacuation_began or evacuation_ended. For an encounter, what the fleet did about the robot. For a
+    /// robot that was replanned, the kind of `cause`; for a worker who left the path, deviated; for a worker's goal,
+    /// goal.
     #[schema(example = "done")]
     pub new: String,
-    /// The robot that has to do with it.
+    /// The robot that is involved.
     #[schema(example = "robot-3")]
     pub robot: Option<String>,
-    /// The worker who has to do with it. In events of assignments it is null for roles below admin: with their times,
-    /// these would tell how fast a person works.
+    /// The worker who is involved. In events of assignments it is null for roles below admin: with their times, these
+    /// would reveal how fast a person works.
     #[schema(example = "w2")]
     pub worker: Option<String>,
-    /// Of a job, your reference.
+    /// For a job, your reference.
     #[schema(example = "order 4711")]
     pub reference: Option<String>,
-    /// Of an alarm, its text.
+    /// For an alarm, its text in English.
     pub text: Option<String>,
-    /// Which sentence `text` is, of an alarm; absent from others, and where a version that had no codes wrote it.
+    /// For an alarm, the code of the sentence in `text`; absent from other events, and if a version without codes wrote
+    /// it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, nullable = false, example = "robot_silent")]
     pub code: Option<&'static str>,
-    /// What stands in its places; absent where `code` is.
+    /// The values for the placeholders of the sentence; absent if `code` is absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     #[schema(value_type = Option<SentenceArgsSchema>)]
     pub args: Option<SentenceArgs>,
-    /// Of a robot that was replanned and of a worker's goal, what they are about.
+    /// Details of a replanned robot or of a worker's goal.
     #[serde(flatten)]
     pub details: EventDetailsDto,
 }
 
-/// What an event tells besides a state; absent from other events.
+/// What an event says besides a state. Each field is absent from events that it does not concern.
 #[derive(Clone, Debug, Default, Serialize, ToSchema)]
 pub struct EventDetailsDto {
-    /// Of a robot that was replanned: because of whom or what.
+    /// For a replanned robot: the worker, closure, robot or obstruction that caused it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub cause: Option<ReplanCauseDto>,
-    /// Its way before, the nodes ahead of it in order, at most 40.
+    /// For a replanned robot: its previous route, the nodes ahead of it in order, at most 40.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub was: Option<Vec<String>>,
-    /// Its way since, likewise.
+    /// For a replanned robot: its new route, the nodes ahead of it in order, at most 40.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub now: Option<Vec<String>>,
-    /// Of a worker's goal: where it is, metres.
+    /// For a worker's goal: its place `[x, y]`, metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub goal: Option<[f64; 2]>,
-    /// How probable that goal was then, 0 to 1.
+    /// For a worker's goal: how probable it was at that time, 0 to 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub probability: Option<f64>,
 }
 
 impl Names<'_> {
-    /// Because of whom or what a robot got another way.
+    /// What caused a robot's new route.
     pub fn replan_cause(&self, cause: ReplanCause) -> ReplanCauseDto {
         let id = match cause {
             ReplanCause::Worker(worker) => Some(worker_name(worker)),
@@ -106,13 +108,13 @@ impl Names<'_> {
         ReplanCauseDto { kind: cause.word(), id }
     }
 
-    /// Because of whom or what a robot got another way last.
+    /// What caused a robot's latest replanning, and when that was; nothing if there has been none.
     pub(crate) fn replanned(&self, robot: &RobotView) -> Option<ReplannedDto> {
         let (cause, at) = robot.replanned?;
         Some(ReplannedDto { cause: self.replan_cause(cause), at: time_text(at) })
     }
 
-    /// What an event tells besides a state.
+    /// What an event says besides a state.
     pub fn event_details(&self, details: Option<EventDetails>) -> EventDetailsDto {
         match details {
             None => EventDetailsDto::default(),
@@ -130,7 +132,7 @@ impl Names<'_> {
         }
     }
 
-    /// Names of the nodes at these places; of a place at which the map has none any more, its coordinates.
+    /// Names of the nodes at these places, or coordinates where the map no longer has a node.
     fn places(&self, spots: &[Spot]) -> Vec<String> {
         let name = |spot: &Spot| {
             let at = Point::from(*spot);
@@ -141,7 +143,7 @@ impl Names<'_> {
     }
 }
 
-/// An event with names, as this role sees it.
+/// An event with names, as this role may see it.
 pub fn event(names: Names<'_>, role: Role, row: EventRow) -> EventDto {
     let robot = |r: RobotId| names.view.robots.get(r.ix()).map(|r| r.name.clone());
     let station = |id: u32| names.map.stations.get(StationId(id)).map(|s| s.name.clone());

@@ -1,7 +1,7 @@
-//! Guidance as it travels: what a headset is told, in words.
+//! Guidance on the wire: what a headset shows its worker, in words.
 //!
-//! Main function: [`guidance`]; main types: [`GuidanceDto`], and [`GuidanceKey`], which says when a client is told at
-//! once. Refuses: to decide what workers are told.
+//! Main function: [`guidance`]; main types: [`GuidanceDto`], and [`GuidanceKey`], whose changes are sent at once.
+//! Refuses: to decide what workers are told.
 
 use crate::dto::names::Names;
 use crate::wire::sentence::SentenceSchema;
@@ -15,73 +15,73 @@ use giveway_floor::time::Time;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What makes a client be told at once when it changes.
+/// The part of guidance whose changes are sent to the client at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GuidanceKey {
-    /// How things stand.
+    /// What the worker is told.
     pub state: GuidanceState,
     reason: Option<GuidanceReason>,
     version: u64,
 }
 
 impl GuidanceKey {
-    /// Of some guidance, or of none.
+    /// The key of this guidance, or of the absence of guidance.
     pub fn of(guidance: Option<&Guidance>) -> GuidanceKey {
         let of = |g: &Guidance| GuidanceKey { state: g.state, reason: g.reason, version: g.version };
         guidance.map_or(GuidanceKey { state: GuidanceState::Idle, reason: None, version: 0 }, of)
     }
 }
 
-/// What is needed besides guidance to write it down.
+/// What the wire form of guidance needs besides the guidance itself.
 pub struct GuidanceContext<'a> {
     /// Names of robots.
     pub names: Names<'a>,
     /// Where the worker faces, radians.
     pub heading: Option<f64>,
-    /// Now.
+    /// The current time.
     pub now: Time,
 }
 
-/// What a worker is told.
+/// Guidance for a worker.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct GuidanceDto {
-    /// What the worker is told.
+    /// What the worker is told to do.
     pub state: GuidanceStateDto,
-    /// Why, in words.
+    /// Why the worker is told this, in words.
     #[schema(value_type = Option<SentenceSchema>)]
     pub reason: Option<Sentence>,
-    /// The same, for programs that have words of their own for it.
+    /// Why the worker is told this, for programs that have words of their own for it.
     pub cause: Option<GuidanceCauseDto>,
-    /// Counts up with every new path.
+    /// The version of the path; it grows with every new path.
     pub version: u64,
-    /// The path from here on, metres.
+    /// The path from the worker's place on, as points `[x, y]`, metres.
     pub path: Vec<[f64; 2]>,
-    /// The next corner, metres.
+    /// The next corner of the path, metres.
     pub next: Option<[f64; 2]>,
-    /// Seconds to the end of the path at usual speed.
+    /// Seconds to the end of the path at the worker's usual speed.
     pub eta_s: Option<f64>,
-    /// How long to wait, seconds.
+    /// How long the worker should wait, seconds.
     pub wait_s: Option<f64>,
-    /// What the path is for.
+    /// The assignment that the path serves.
     #[schema(example = "a3")]
     pub assignment: Option<String>,
-    /// Whether the worker is at the place of the assignment.
+    /// Whether the worker is at the assignment's place.
     pub arrived: bool,
-    /// Robots near, the nearest first.
+    /// Robots near the worker, the nearest first.
     pub near: Vec<NearRobotDto>,
-    /// The newest pose that was taken into account.
+    /// The newest pose that this guidance takes into account.
     pub pose: Option<PoseRefDto>,
 }
 
-/// Why a worker is told something: a kind, and what its sentence names.
+/// Why a worker is told something: the kind of reason, and what its sentence names.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
 pub struct GuidanceCauseDto {
-    /// What happened.
+    /// The kind of reason.
     pub kind: GuidanceReasonDto,
-    /// The robot that it is about.
+    /// The robot that the reason is about.
     #[schema(example = "robot-3")]
     pub robot: Option<String>,
-    /// Why the area that it is about is closed, in the supervisor's words.
+    /// Why the area that the reason is about is closed, in the supervisor's words.
     pub closure: Option<String>,
 }
 
@@ -91,28 +91,28 @@ pub struct NearRobotDto {
     /// The robot.
     #[schema(example = "robot-3")]
     pub id: String,
-    /// Metres.
+    /// Distance from the worker, metres.
     pub distance: f64,
-    /// From where the worker faces, radians, to the left; null if that is not known.
+    /// Bearing from where the worker faces, radians, positive to the left; null if the heading is unknown.
     pub bearing: Option<f64>,
-    /// The same from the map's x axis.
+    /// Bearing from the map's x axis, radians, counter-clockwise.
     pub bearing_map: f64,
-    /// Seconds until it is closest; null if it does not come closer.
+    /// Seconds until the robot is closest; null if it does not come closer.
     pub closest_s: Option<f64>,
-    /// Metres per second.
+    /// Speed of the robot, metres per second.
     pub speed: f64,
 }
 
-/// Names a pose that the headset sent.
+/// A reference to a pose that the headset sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
 pub struct PoseRefDto {
-    /// The alignment that it belongs to.
+    /// The epoch of the alignment to which the pose belongs.
     pub epoch: u32,
-    /// Its number.
+    /// The pose's number.
     pub seq: u64,
 }
 
-/// Guidance as a headset gets it, but for the pose that it goes by.
+/// Guidance as a headset gets it, except for the pose that it takes into account.
 pub fn guidance(told: Option<&Guidance>, beside: GuidanceContext<'_>) -> GuidanceDto {
     let Some(g) = told else {
         return GuidanceDto {

@@ -1,4 +1,4 @@
-//! What travels as a whole: robots, racks, stations, jobs, people, alarms, events, the building, and the reasons why
+//! The types on the wire: robots, racks, stations, jobs, people, alarms, events, the building, and the reasons why
 //! something waits or is refused.
 //!
 //! Main types: [`names::Names`], which makes most of them from a view; [`names::RobotDto`], [`people::WorkerDto`],

@@ -1,4 +1,4 @@
-//! What travels: names instead of numbers, words instead of variants, millimetres instead of sixteen digits.
+//! Robots, racks, stations and jobs on the wire: names instead of numbers, words instead of variants, rounded to 1 mm.
 //!
 //! Main types: [`RobotDto`], [`RackDto`], [`StationDto`], [`JobDto`], [`Page`], and [`Names`], which makes
 //! them. Ids on the wire are the names of the map; jobs are "j17". Refuses: to add knowledge of its own.
@@ -24,115 +24,115 @@ use utoipa::ToSchema;
 pub struct Page<T> {
     /// The items.
     pub items: Vec<T>,
-    /// Give this as `cursor` for the next page; null on the last one.
+    /// The `cursor` for the next page; null on the last page.
     pub next: Option<String>,
 }
 
-// `N` is how nodes are called: by name, or by index in the live feed.
+// `N` refers to a node: by name, or by index in the live feed.
 /// One robot.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct RobotDto<N = String> {
-    /// Its name.
+    /// The robot's name.
     #[schema(example = "robot-1")]
     pub id: String,
-    /// Metres.
+    /// Position x, metres.
     pub x: f64,
-    /// Metres.
+    /// Position y, metres.
     pub y: f64,
-    /// Radians, counter-clockwise from the x axis.
+    /// Heading in radians, counter-clockwise from the x axis.
     pub heading: f64,
-    /// Metres per second.
+    /// Speed in metres per second.
     pub speed: f64,
-    /// What it is at; `gone` in the live feed only, where robots go by number.
+    /// What the robot is doing now; `gone` in the live feed only, where robots are listed by number.
     #[schema(value_type = ActivityDto)]
     pub activity: &'static str,
-    /// Since when it has been so, RFC 3339.
+    /// Since when the robot has had this activity, RFC 3339.
     #[schema(value_type = String, example = "2027-01-31T12:00:00Z")]
     #[serde(serialize_with = "as_text")]
     pub since: Time,
-    /// Whether its task goes on; `gone` in the live feed only.
+    /// Whether the robot is working on its task; `gone` in the live feed only.
     #[schema(value_type = RobotStateDto)]
     pub state: &'static str,
-    /// What it does for its task, whether it gets on or not.
+    /// The step of the robot's task, whether the robot makes progress or not.
     #[schema(value_type = DoingDto)]
     pub doing: &'static str,
-    /// Its robot kind.
+    /// The name of the robot's kind.
     #[schema(example = "robot")]
     pub kind: String,
-    /// Whether it is in maintenance, or will be when it has finished what it has begun.
+    /// Whether the robot is in maintenance, or will be when it has finished what it has begun.
     pub maintenance: bool,
-    /// Whether it is to leave the floor, and has not left yet.
+    /// Whether the robot is to leave the floor and has not left yet.
     pub leaving: bool,
-    /// The fault that it reports; null if none.
+    /// The fault that the robot reports; null if none.
     #[schema(value_type = Option<FaultDto>)]
     pub fault: Option<&'static str>,
-    /// The rack on it.
+    /// The rack that the robot carries.
     pub rack: Option<String>,
-    /// The job it works on.
+    /// The job on which the robot works.
     #[schema(example = "j17")]
     pub job: Option<String>,
-    /// Charge, 0 to 1.
+    /// Battery charge, 0 to 1.
     pub battery: f64,
-    /// The nodes granted to it, in order: it may drive to them now.
+    /// The nodes granted to the robot, in order: it may drive to them now.
     #[schema(value_type = Vec<String>)]
     pub granted: Vec<N>,
-    /// The nodes reserved for it beyond these, in order.
+    /// The nodes reserved for the robot beyond the granted ones, in order.
     #[schema(value_type = Vec<String>)]
     pub held: Vec<N>,
-    /// Why it does not go on; null if nothing holds it up.
+    /// Why the robot does not go on; null if nothing holds it up.
     #[schema(value_type = Option<SentenceSchema>)]
     pub why: Option<Sentence>,
-    /// The worker whom it passes beside the line, within the corridor of the lane; null if it keeps to the line.
+    /// The worker whom the robot passes beside the line, within the lane's corridor; null if it keeps to the line.
     pub passes: Option<String>,
-    /// Because of whom or what it got another way last, and when; null if it has not since the server started.
+    /// Cause and time of the robot's last replanning; null if there has been none since the server started.
     pub replanned: Option<ReplannedDto>,
 }
 
 /// One rack.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct RackDto<N = String> {
-    /// Its name.
+    /// The rack's name.
     pub id: String,
-    /// The node on which it stands.
+    /// The node on which the rack stands.
     #[schema(value_type = Option<String>)]
     pub node: Option<N>,
-    /// The robot that carries it.
+    /// The robot that carries the rack.
     pub robot: Option<String>,
 }
 
 /// One station.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct StationDto {
-    /// Its name.
+    /// The station's name.
     pub id: String,
     /// The robot at the picking place.
     pub robot: Option<String>,
-    /// Robots in its queue, first in line first.
+    /// Robots in the station's queue, first in line first.
     pub queue: Vec<String>,
-    /// Racks served so far.
+    /// How many racks the station has served so far.
     pub served: u64,
-    /// Whether a rack stands there to be picked from: POST /v1/stations/{id}/done ends the pick.
+    /// Whether a rack stands there to be picked from. If so, `POST /v1/stations/{id}/done` ends the pick.
     pub picking: bool,
-    /// Since when picking has been paused by hand, RFC 3339; null if it is not paused.
+    /// Since when an operator has paused picking, RFC 3339; null if it is not paused.
     pub paused: Option<String>,
 }
 
-/// How many jobs are in which state.
+/// How many jobs are in each state.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct JobCountsDto {
-    /// No robot has them yet.
+    /// Jobs that have no robot yet.
     pub waiting: u64,
-    /// A robot works on them.
+    /// Jobs on which a robot works.
     pub active: u64,
-    /// Done.
+    /// Jobs that are done.
     pub done: u64,
-    /// Cancelled.
+    /// Jobs that were cancelled.
     pub cancelled: u64,
-    /// Could not be done.
+    /// Jobs that failed.
     pub failed: u64,
 }
 
-/// Sums since the database began, and what the loop measured over the last minutes.
+/// Totals since the database was created, and timings of the loop over the last minutes.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct CountersDto {
     /// Racks served at stations.
@@ -141,7 +141,7 @@ pub struct CountersDto {
     pub human_deliveries: u64,
     /// Racks served per hour, over the last ten minutes.
     pub deliveries_per_hour: f64,
-    /// Robots that came into region 1 of a worker.
+    /// How often a robot came into region 1 of a worker.
     pub encounters: u64,
     /// How often a worker left the path.
     pub deviations: u64,
@@ -149,90 +149,90 @@ pub struct CountersDto {
     pub interruptions: u64,
     /// Routes planned anew because of workers and closures.
     pub replans: u64,
-    /// Length of a search for a route, median, microseconds.
+    /// Duration of a route search, median, microseconds.
     pub plan_us_p50: u64,
-    /// The same, 99th percentile.
+    /// Duration of a route search, 99th percentile, microseconds.
     pub plan_us_p99: u64,
-    /// Step time, 99th percentile, microseconds.
+    /// Duration of a step, 99th percentile, microseconds.
     pub step_us_p99: u64,
 }
 
-/// A station of a delivery to several of them.
+/// A station of a delivery that visits several.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct StopDto {
     /// The station.
     #[schema(example = "S1")]
     pub station: String,
-    /// How long the pick takes, seconds, where the job says so.
+    /// How long the pick takes, seconds; null if the job does not say.
     pub pick_s: Option<f64>,
-    /// When the pick there had ended, RFC 3339; null until then.
+    /// When the pick there ended, RFC 3339; null until then.
     pub served: Option<String>,
-    /// What is picked there.
+    /// The order lines that are picked there.
     pub lines: Vec<LineDto>,
 }
 
 /// One job.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct JobDto {
-    /// Its number.
+    /// The job's number.
     #[schema(example = "j17")]
     pub id: String,
-    /// What is wanted.
+    /// The kind of job.
     pub kind: JobKindDto,
     /// The rack to move.
     pub rack: Option<String>,
-    /// The station to bring it to; of several the next one, or the last one when it is over.
+    /// The station to bring the rack to. If the job visits several: the next one, or the last one when the job is over.
     pub station: Option<String>,
-    /// The stations of a delivery to several of them, in their order; empty for one.
+    /// The stations of a delivery that visits several, in order; empty if there is only one.
     pub stops: Vec<StopDto>,
-    /// What is picked at its station; of several, see `stops`.
+    /// The order lines of the job's station; if the job visits several stations, see `stops`.
     pub lines: Vec<LineDto>,
-    /// The node to bring it, or the robot, to.
+    /// The node to which the rack or the robot is to go.
     pub node: Option<String>,
-    /// The robot that works on it, the last one that did, or the one that the job names.
+    /// The robot that works on the job, the last one that did, or the one that the job names.
     pub robot: Option<String>,
-    /// The robot that an operator has chosen for it, until a robot has it.
+    /// The robot that an operator chose for the job; null once a robot has the job.
     pub only: Option<String>,
-    /// How long the pick takes, seconds, where the job says so.
+    /// How long the pick takes, seconds; null if the job does not say.
     pub pick_s: Option<f64>,
-    /// 0 to 9, 9 first.
+    /// Priority from 0 to 9; 9 goes first.
     pub priority: u8,
-    /// When it should be done, RFC 3339.
+    /// When the job should be done, RFC 3339.
     pub deadline: Option<String>,
-    /// Jobs that must be over first.
+    /// Jobs that must be over before this one starts.
     pub after: Vec<String>,
-    /// How far it has come.
+    /// How far the job has come.
     pub state: JobStateDto,
-    /// Why it failed, or what it waits for.
+    /// Why the job failed, or what it waits for.
     #[schema(value_type = Option<SentenceSchema>)]
     pub why: Option<Sentence>,
-    /// The customer's own text.
+    /// The customer's own reference.
     #[schema(example = "order 4711")]
     pub reference: Option<String>,
     /// The customer's own labels.
     #[schema(example = json!({"wave": "7"}))]
     pub labels: BTreeMap<String, String>,
-    /// When it was accepted, RFC 3339.
+    /// When the job was accepted, RFC 3339.
     pub created: String,
-    /// When it, or its state, changed last, RFC 3339.
+    /// When the job, or its state, changed last, RFC 3339.
     pub updated: String,
-    /// When it came to each state.
+    /// When the job reached each state.
     pub times: JobTimesDto,
 }
 
-/// When a job came to each state, RFC 3339; null where it did not. If a robot gives it back, it waits again, and the
-/// times of that attempt are null again.
+/// When a job reached each state, RFC 3339; null for states that it has not reached. If a robot gives the job back, it
+/// waits again, and the times of that attempt become null.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct JobTimesDto {
-    /// It was accepted.
+    /// When the job was accepted.
     pub accepted: String,
-    /// A robot got it (state `assigned`).
+    /// When a robot got the job (state `assigned`).
     pub assigned: Option<String>,
-    /// The robot had lifted the rack (`carrying`).
+    /// When the robot had lifted the rack (`carrying`).
     pub lifted: Option<String>,
-    /// The rack stood at the station (`picking`).
+    /// When the rack stood at the station (`picking`).
     pub at_station: Option<String>,
-    /// It was over (`done`, `cancelled` or `failed`).
+    /// When the job was over (`done`, `cancelled` or `failed`).
     pub ended: Option<String>,
 }
 
@@ -240,28 +240,28 @@ fn as_text<S: Serializer>(t: &Time, to: S) -> Result<S::Ok, S::Error> {
     to.serialize_str(&time_text(*t))
 }
 
-/// The lines at one of a job's stations; nothing where it has none.
+/// The order lines at one of a job's stations; empty if it has none.
 fn visit_lines(job: &Job, visit: usize) -> Vec<LineDto> {
     let is_on = matches!(job.state, JobState::Picking { .. }) && visit == job.served.len();
     job.lines.get(visit).map_or_else(Vec::new, |lines| lines_dto(lines, is_on))
 }
 
-/// Gives names to ids.
+/// Looks up names for ids.
 #[derive(Clone, Copy)]
 pub struct Names<'a> {
-    /// Names of nodes, racks and stations.
+    /// The map, for names of nodes, racks and stations.
     pub map: &'a Warehouse,
-    /// Names of robots.
+    /// The view, for names of robots.
     pub view: &'a View,
 }
 
 impl Names<'_> {
-    /// A robot's name.
+    /// The robot's name.
     pub fn robot(&self, r: RobotId) -> String {
         self.view.robots.get(r.ix()).map_or_else(|| format!("{r:?}"), |robot| robot.name.clone())
     }
 
-    /// A node's name.
+    /// The node's name.
     pub fn node(&self, n: NodeId) -> String {
         self.map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone())
     }
@@ -276,7 +276,7 @@ impl Names<'_> {
         self.robot_with(robot, |n| self.node(n))
     }
 
-    /// All robots, with indices of nodes.
+    /// All robots, with indices of nodes instead of names.
     pub fn robot_rows(&self) -> Vec<RobotDto<usize>> {
         self.view.robots.iter().map(|robot| self.robot_with(robot, |n| n.ix())).collect()
     }
@@ -313,7 +313,7 @@ impl Names<'_> {
         self.racks_with(|n| self.node(n))
     }
 
-    /// All racks, with indices of nodes.
+    /// All racks, with indices of nodes instead of names.
     pub fn rack_rows(&self) -> Vec<RackDto<usize>> {
         self.racks_with(|n| n.ix())
     }
@@ -392,7 +392,7 @@ impl Names<'_> {
         }
     }
 
-    /// The stations of a delivery to several of them; nothing for one.
+    /// The stations of a delivery that visits several; empty if there is only one.
     fn stops(&self, record: &JobRow) -> Vec<StopDto> {
         let (job, gone) = (&record.job, &record.gone);
         if job.served.is_empty() && job.request.then.is_empty() {

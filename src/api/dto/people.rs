@@ -27,111 +27,111 @@ use utoipa::ToSchema;
 /// One worker.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct WorkerDto {
-    /// Its number.
+    /// The worker's number.
     #[schema(example = "w1")]
     pub id: String,
-    /// The name under which the worker was registered, for those who may see names (docs/secure.md); else, and in all
-    /// feeds, a pseudonym such as `worker-3f2a`.
+    /// The name under which the worker was registered, for callers who may see names (docs/secure.md); for others, and
+    /// in all feeds, a pseudonym such as `worker-3f2a`.
     pub name: String,
-    /// Whether the worker is on the floor, and how well the place is known.
+    /// Whether the worker is on the floor, and how well the position is known.
     pub presence: PresenceDto,
-    /// Metres; null if the worker has not been seen.
+    /// Position x, metres; null if the worker has not been seen.
     pub x: Option<f64>,
-    /// Metres.
+    /// Position y, metres; null if the worker has not been seen.
     pub y: Option<f64>,
-    /// Radians, counter-clockwise from the x axis.
+    /// Heading in radians, counter-clockwise from the x axis.
     pub heading: Option<f64>,
-    /// When the worker was seen last, RFC 3339.
+    /// When the worker was last seen, RFC 3339.
     pub seen: Option<String>,
-    /// Metres per second.
+    /// Walking speed, metres per second.
     pub speed: f64,
-    /// One standard deviation of the position, metres; it grows while no pose comes.
+    /// One standard deviation of the position, metres; it grows while no pose arrives.
     pub accuracy: f64,
-    /// Where a lost worker may be by now: `[x, y]` of nodes that robots keep out of, metres; empty if the worker is
-    /// seen.
+    /// For a lost worker, the area where the worker may be by now: `[x, y]` of nodes that robots keep out of, metres;
+    /// else empty.
     pub area: Vec<[f64; 2]>,
-    /// Radii of the stop, keep-out and slow zones around the worker, metres.
+    /// Radii of the stop, keep-out and slow zones around the worker, metres, for a robot without a rack.
     pub regions: [f64; 3],
-    /// What the worker is told.
+    /// What the worker is told to do.
     pub state: GuidanceStateDto,
-    /// Why, in words.
+    /// Why the worker is told this, in words.
     #[schema(value_type = Option<SentenceSchema>)]
     pub reason: Option<Sentence>,
-    /// Counts up with every new path.
+    /// The version of the path; it grows with every new path.
     pub version: u64,
-    /// The path from here on, metres.
+    /// The path from the worker's place on, as points `[x, y]`, metres.
     pub path: Vec<[f64; 2]>,
-    /// When its end is reached at usual speed, RFC 3339.
+    /// When the worker reaches the end of the path at usual speed, RFC 3339.
     pub eta: Option<String>,
-    /// What the path is for.
+    /// The assignment that the path serves.
     #[schema(example = "a3")]
     pub assignment: Option<String>,
-    /// Where the worker may be going, most probable first.
+    /// Goals of the worker's walk, the most probable first.
     pub goals: Vec<GoalDto>,
-    /// Probability that the goal cannot be told yet.
+    /// Probability that the goal cannot be determined yet.
     pub undecided: f64,
-    /// Probability of going somewhere else.
+    /// Probability that the worker goes to none of the goals.
     pub elsewhere: f64,
-    /// What became of the poses.
+    /// Counts of the worker's poses, by what became of them.
     pub feed: FeedDto,
 }
 
-/// A place where a worker may be going.
+/// A possible goal of a worker.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct GoalDto {
-    /// Metres.
+    /// The goal's x, metres.
     pub x: f64,
-    /// Metres.
+    /// The goal's y, metres.
     pub y: f64,
-    /// Probability.
+    /// Probability that the worker goes there.
     pub p: f64,
 }
 
-/// What became of a worker's poses.
+/// Counts of a worker's poses, by what became of them.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct FeedDto {
-    /// Accepted.
+    /// Poses that were accepted.
     pub taken: u64,
-    /// Older than the newest, or seen already.
+    /// Poses that were older than the newest one, or duplicates.
     pub late: u64,
-    /// Too far from where the worker could be.
+    /// Poses too far from where the worker could be.
     pub jumps: u64,
-    /// Could not be true.
+    /// Poses with impossible values.
     pub absurd: u64,
 }
 
-/// One worker, with what the headset says besides.
+/// One worker, with what the headset reports.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct WorkerDetailDto {
-    /// As in the list of workers.
+    /// The worker, as in the list of workers.
     #[serde(flatten)]
     pub worker: WorkerDto,
     /// Whether a headset is connected.
     pub connected: bool,
     /// The version of the guidance that the headset showed last.
     pub acknowledged: Option<u64>,
-    /// How wrong the times of the headset's poses may be, milliseconds; null if its clock is not known.
+    /// How wrong the times of the headset's poses may be, milliseconds; null if its clock offset is unknown.
     pub clock_error_ms: Option<f64>,
-    /// How long ago the newest pose was seen, seconds.
+    /// The age of the newest pose, seconds.
     pub age_s: Option<f64>,
-    /// What the worker has most probably been up to over the last hundred metres or so, the oldest first: the most
-    /// probable sequence, which may differ from the goal that is most probable at any one moment.
+    /// What the worker has been doing over about the last hundred metres, the oldest first: the most probable sequence,
+    /// which may differ from the most probable goal at any one moment.
     pub sequence: Vec<EpisodeDto>,
     /// Gaze, hands and charge.
     #[serde(flatten)]
     pub senses: SensesDto,
 }
 
-/// A stretch of time in which a worker was most probably up to the same thing.
+/// A stretch of time in which a worker most probably had the same intent.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct EpisodeDto {
-    /// What the worker was up to.
+    /// The intent.
     pub state: IntentStateDto,
-    /// Metres; null if it is no goal.
+    /// The goal's x, metres; null if the intent is not a goal.
     pub x: Option<f64>,
-    /// Metres.
+    /// The goal's y, metres; null if the intent is not a goal.
     pub y: Option<f64>,
-    /// Since when, RFC 3339.
+    /// Since when the worker has had this intent, RFC 3339.
     pub since: String,
 }
 
@@ -147,82 +147,82 @@ impl From<&WorkerEpisode> for EpisodeDto {
 pub struct SensesDto {
     /// Charge of the headset, 0 to 1.
     pub battery: Option<f64>,
-    /// Where the worker looks.
+    /// The worker's gaze.
     pub gaze: Option<GazeDto>,
     /// The worker's hands.
     pub hands: HandsDto,
 }
 
-/// A ray: map x, map y, height.
+/// A gaze ray; points are map x, map y, height.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct GazeDto {
-    /// What it comes from.
+    /// Whether the ray is measured or estimated.
     pub kind: GazeKind,
-    /// Where it begins, metres.
+    /// Where the ray begins, metres.
     pub origin: [f64; 3],
-    /// Its direction, of length one.
+    /// The ray's direction, a unit vector.
     pub dir: [f64; 3],
 }
 
-/// Joints of hands, each map x, map y, height, radius, metres.
+/// Joints of the hands, each as map x, map y, height, radius, metres.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct HandsDto {
-    /// Left.
+    /// Joints of the left hand.
     pub l: Option<Vec<[f64; 4]>>,
-    /// Right.
+    /// Joints of the right hand.
     pub r: Option<Vec<[f64; 4]>>,
 }
 
-/// What a worker is to do.
+/// An assignment: a task for a worker.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct AssignmentDto {
-    /// Its number.
+    /// The assignment's number.
     #[schema(example = "a3")]
     pub id: String,
-    /// The worker; null while it waits for the nearest one who is free. Of one that is over, administrators alone are
-    /// told.
+    /// The worker; null while the assignment waits for the nearest worker who is free. Of an assignment that is over,
+    /// only administrators see the worker.
     #[schema(example = "w1")]
     pub worker: Option<String>,
-    /// The node to go to.
+    /// The node to which the worker goes.
     pub place: String,
-    /// How long it takes there, seconds.
+    /// How long the worker stays there, seconds.
     pub stay_s: f64,
-    /// What, in the customer's words.
+    /// The task, in the customer's words.
     pub what: String,
-    /// How far it has come.
+    /// How far the assignment has come.
     pub state: AssignmentStateDto,
-    /// When it was accepted, RFC 3339.
+    /// When the assignment was accepted, RFC 3339.
     pub created: String,
-    /// When its state changed last, RFC 3339.
+    /// When the assignment's state changed last, RFC 3339.
     pub updated: String,
 }
 
 /// An area that robots, people or both keep out of.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ClosureDto {
-    /// Its number.
+    /// The closure's number.
     #[schema(example = "c2")]
     pub id: String,
-    /// Its corners, metres.
+    /// Corners of the area, metres.
     pub outline: Vec<[f64; 2]>,
-    /// Nodes that are closed, by name: on them, a robot would reach into the outline.
+    /// Nodes that are closed, by name: on these nodes, a robot would reach into the outline.
     pub nodes: Vec<String>,
-    /// From when, RFC 3339.
+    /// When the closure begins, RFC 3339.
     pub from: String,
-    /// Until when, RFC 3339; null if it stays closed until somebody opens it.
+    /// When the closure ends, RFC 3339; null if the area stays closed until somebody opens it.
     pub until: Option<String>,
-    /// Whether it is closed.
+    /// Whether the area is closed now.
     pub state: ClosureStateDto,
-    /// Whom it keeps out.
+    /// Whether the closure keeps out robots, people or both.
     pub binds: BindsDto,
-    /// The recurring closure of which it is an occurrence.
+    /// The recurring closure of which this is an occurrence.
     #[schema(example = "s1")]
     pub series: Option<String>,
-    /// Why.
+    /// Why the area is closed.
     pub reason: String,
 }
 
-/// What a closed area covers.
+/// What a closed area contains.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct CoveredDto {
     /// How many nodes are closed.
@@ -232,38 +232,38 @@ pub struct CoveredDto {
     pub stations: Vec<String>,
     /// How many of the nodes are storage.
     pub storage: usize,
-    /// The area inside the outline, square metres; null where nodes are named.
+    /// The area inside the outline, square metres; null if the closure names nodes.
     #[schema(example = 37.5)]
     pub area_m2: Option<f64>,
 }
 
-/// An area that is closed again and again.
+/// An area that is closed repeatedly.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct RecurringClosureDto {
-    /// Its number.
+    /// The recurring closure's number.
     #[schema(example = "s1")]
     pub id: String,
-    /// Its corners, metres.
+    /// Corners of the area, metres.
     pub outline: Vec<[f64; 2]>,
-    /// Nodes that are closed, by name: on them, a robot would reach into the outline.
+    /// Nodes that are closed, by name: on these nodes, a robot would reach into the outline.
     pub nodes: Vec<String>,
-    /// From one occurrence to the next, seconds; a day for those on weekdays.
+    /// Seconds from one occurrence to the next; a day for occurrences on weekdays.
     pub every_s: f64,
-    /// How long each occurrence lasts in which no clock changes, seconds.
+    /// How long an occurrence lasts if the clocks do not change during it, seconds.
     pub lasts_s: f64,
     /// The days of the week on which occurrences begin.
     pub weekdays: Vec<WeekdayDto>,
-    /// How far the building's time is ahead of UTC, now.
+    /// The current offset of the building's time from UTC.
     #[schema(example = "+01:00")]
     pub utc_offset: String,
-    /// The time zone whose clocks it follows; null where the offset is fixed.
+    /// The time zone that the closure follows; null if the offset is fixed.
     #[schema(example = "Europe/Berlin")]
     pub zone: Option<String>,
-    /// No occurrence begins then or later, RFC 3339; null if it recurs until somebody ends it.
+    /// No occurrence begins at or after this time, RFC 3339; null if the closure recurs until somebody ends it.
     pub until: Option<String>,
-    /// Whom it keeps out.
+    /// Whether the closure keeps out robots, people or both.
     pub binds: BindsDto,
-    /// Why.
+    /// Why the area is closed.
     pub reason: String,
     /// When the next occurrence begins, RFC 3339; null if the last one has begun.
     pub next: Option<String>,
@@ -285,39 +285,39 @@ pub const WEEKDAYS: [WeekdayDto; 7] = [
 /// A robot that came into region 1 of a worker.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct EncounterDto {
-    /// Its number, growing.
+    /// The encounter's number; later encounters have greater numbers.
     pub id: i64,
-    /// The worker; null when that has been forgotten, after `people_keep_days` or since the person was erased.
+    /// The worker; null once this has been forgotten, after `people_keep_days` or because the person was erased.
     #[schema(example = "w1")]
     pub worker: Option<String>,
-    /// Name of the robot.
+    /// The robot's name.
     pub robot: String,
-    /// When it began, RFC 3339.
+    /// When the encounter began, RFC 3339.
     pub began: String,
     /// How long the robot was in the region, seconds.
     pub lasted_s: f64,
-    /// Where the worker was, metres.
+    /// Position of the worker, x in metres.
     pub x: f64,
-    /// Metres.
+    /// Position of the worker, y in metres.
     pub y: f64,
-    /// Which region of the worker the robot came into: always 1 at present.
+    /// The region of the worker that the robot entered: always 1 at present.
     pub region: u8,
-    /// Radius of that region then, between the centres, metres.
+    /// Radius of that region at the time, between the centres, metres.
     pub radius: f64,
     /// Closest distance between the centres, metres.
     pub closest: f64,
-    /// Speed of the robot when it came in, metres per second.
+    /// Speed of the robot when it entered the region, metres per second.
     pub robot_speed: f64,
-    /// Speed of the worker then.
+    /// Speed of the worker at that time, metres per second.
     pub worker_speed: f64,
     /// What the fleet did about the robot.
     pub reaction: ReactionDto,
-    /// How much later the task that the robot had when it began ends than was planned then, seconds; as known at the
-    /// end of the encounter.
+    /// Delay, in seconds, of the task that the robot had when the encounter began, against the plan at that time; as
+    /// known at the end of the encounter.
     pub delay_s: f64,
 }
 
-/// The words for the states of an assignment, in order of life.
+/// The states of an assignment, in order of life.
 pub const ASSIGNMENT_STATES: [AssignmentState; 5] = [
     AssignmentState::Waiting,
     AssignmentState::Walking,
@@ -327,7 +327,7 @@ pub const ASSIGNMENT_STATES: [AssignmentState; 5] = [
 ];
 
 impl Names<'_> {
-    /// All workers of the view, each at its number; a place that is free has no name.
+    /// All workers in the view, each with its number; a number that is free has no name.
     pub fn workers(&self) -> Vec<WorkerDto> {
         let workers = self.view.workers.iter().enumerate();
         workers.map(|(i, w)| self.worker(WorkerId::at(i), w)).collect()
@@ -372,7 +372,7 @@ impl Names<'_> {
         [round3(at.x), round3(at.y)]
     }
 
-    /// A worker of whom the view has nothing yet.
+    /// A worker whom the view does not contain yet.
     pub fn absent_worker(id: WorkerId, name: String) -> WorkerDto {
         WorkerDto {
             id: worker_name(id),
@@ -420,7 +420,7 @@ impl Names<'_> {
         found.map_or_else(|| closure_name(id), |c| c.closure.reason.clone())
     }
 
-    /// A closed area, as it stands `now`.
+    /// A closed area, in its state at `now`.
     pub fn closure(&self, id: ClosureId, closure: &Closure, now: Time) -> ClosureDto {
         let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
         let closed = match closure.nodes.as_slice() {
@@ -442,7 +442,7 @@ impl Names<'_> {
         }
     }
 
-    /// What a closed area covers.
+    /// What a closed area contains.
     pub fn covered(&self, closure: &Closure) -> CoveredDto {
         let outline: Vec<Point> = closure.outline.iter().map(|s| Point::from(*s)).collect();
         let Covered { nodes, stations, storage, area_m2 } = covered(self.map, &outline, &closure.nodes);
@@ -481,7 +481,7 @@ impl Names<'_> {
         }
     }
 
-    /// All areas that are closed, now or later.
+    /// All areas that are closed now or will be.
     pub fn closures(&self) -> Vec<ClosureDto> {
         let ahead = self.view.closures.iter().filter(|c| self.view.now < c.closure.window.end());
         ahead.map(|c| self.closure(c.id, &c.closure, self.view.now)).collect()

@@ -1,6 +1,6 @@
 //! What the fleet's refusals mean on the wire.
 //!
-//! Main function: [`refused`]. Refuses: to refuse without a word of what to do.
+//! Main function: [`refused`]. Refuses: to leave a refusal without advice.
 
 use super::cell::new_lines::{describe, field_of};
 use crate::wire::error::{FieldError, Problem};
@@ -42,7 +42,7 @@ fn node_name(map: &Warehouse, n: NodeId) -> String {
     map.nodes.get(n).map_or_else(|| format!("{n:?}"), |node| node.name.clone())
 }
 
-/// What is picked at stations.
+/// Problems with picks at stations.
 fn about_picks(map: &Warehouse, why: PickRefusal) -> Problem {
     match why {
         PickRefusal::NothingThere(station) => {
@@ -74,7 +74,7 @@ fn about_picks(map: &Warehouse, why: PickRefusal) -> Problem {
     }
 }
 
-/// Workers, and what they are to do.
+/// Problems with workers and their assignments.
 fn about_people(map: &Warehouse, why: WorkerRefusal) -> Problem {
     match why {
         WorkerRefusal::Unknown(worker) => {
@@ -97,7 +97,7 @@ fn about_people(map: &Warehouse, why: WorkerRefusal) -> Problem {
     }
 }
 
-/// Robots that join, leave, or have a rack.
+/// Problems with robots that join, leave, or have a rack.
 fn about_robots(map: &Warehouse, why: RobotRefusal) -> Problem {
     match why {
         RobotRefusal::UnknownKind => field("kind", say::kind_may_not_join()),
@@ -111,7 +111,7 @@ fn about_robots(map: &Warehouse, why: RobotRefusal) -> Problem {
     }
 }
 
-/// Where racks stand, and what can carry them.
+/// Problems with where racks stand, and what can carry them.
 fn about_racks(map: &Warehouse, why: RackRefusal) -> Problem {
     match why {
         RackRefusal::NotStorage(n) => field("node", say::not_storage(node_name(map, n))),
@@ -140,7 +140,7 @@ fn no_kind_for(map: &Warehouse, rack: RackId) -> Sentence {
     say::no_kind_for(map.racks.get(rack).map_or_else(|| format!("{rack:?}"), |r| r.name.clone()))
 }
 
-/// What customers want of jobs.
+/// Problems with jobs.
 fn about_jobs(why: JobRefusal) -> Problem {
     match why {
         JobRefusal::Unknown(job) => Problem::unknown("job", say::job_unknown(job_name(job))),
@@ -169,7 +169,7 @@ fn about_jobs(why: JobRefusal) -> Problem {
     }
 }
 
-/// What is closed, what recurs, and evacuations.
+/// Problems with closures, recurring closures and evacuations.
 fn about_areas(why: AreaRefusal) -> Problem {
     match why {
         AreaRefusal::Empty => field("outline", say::area_empty()),
@@ -183,7 +183,7 @@ fn about_areas(why: AreaRefusal) -> Problem {
     }
 }
 
-/// Kinds of robots that are added or removed; `name` is that of the kind.
+/// Problems with adding or removing a robot kind; `name` is the kind's name.
 pub fn about_kinds(why: KindRefusal, name: &str) -> Problem {
     match why {
         KindRefusal::OfSite => {
@@ -204,7 +204,7 @@ fn place_taken(node: String) -> Problem {
     Problem::conflict("place-taken", "The place is taken", say::node_taken(node))
 }
 
-/// There is no room for another one of a kind.
+/// The limit on a kind of thing is reached.
 fn too_many(kind: Bounded, n: usize) -> Problem {
     let detail = match kind {
         Bounded::Jobs => say::too_many_jobs(n),
@@ -215,7 +215,7 @@ fn too_many(kind: Bounded, n: usize) -> Problem {
         Bounded::Closures => say::too_many_closures(n),
         Bounded::Kinds => requests::too_many_kinds(n),
     };
-    // Only what ends by itself is worth another try later.
+    // Only things that end by themselves make a later retry worthwhile.
     let ends = matches!(kind, Bounded::Jobs | Bounded::Assignments | Bounded::Closures);
     if ends { Problem::too_many(detail, 10) } else { Problem::no_room(detail) }
 }

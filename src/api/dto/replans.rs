@@ -1,27 +1,27 @@
-//! Because of whom or what robots got another way, as it travels.
+//! The causes of replanning, on the wire.
 //!
-//! Main types: [`ReplannedDto`], [`ReplanCauseDto`]. Refuses: to find that out, which the fleet does.
+//! Main types: [`ReplannedDto`], [`ReplanCauseDto`]. Refuses: to determine the cause; the fleet does.
 
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// Because of whom or what a robot got another way.
+/// What caused a robot's new route.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ReplanCauseDto {
-    /// worker, closure, robot (it cannot drive, or was pushed onto the way) or obstruction.
+    /// The kind of cause: worker, closure, robot (it cannot drive, or was pushed into the way) or obstruction.
     #[schema(example = "worker")]
     pub kind: &'static str,
-    /// The worker, closure or robot; null for an obstruction, which nobody knows.
+    /// The worker, closure or robot; null for an obstruction, which has no id.
     #[schema(example = "w1")]
     pub id: Option<String>,
 }
 
-/// That a robot got another way.
+/// A replanning of a robot's route.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ReplannedDto {
-    /// Because of whom or what.
+    /// What caused the replanning.
     #[serde(flatten)]
     pub cause: ReplanCauseDto,
-    /// When, RFC 3339.
+    /// When the route was replanned, RFC 3339.
     pub at: String,
 }

@@ -1,4 +1,4 @@
-//! What waits for what, in names and words.
+//! Wait chains on the wire, in names and words.
 //!
 //! Main types: [`WhyDto`], [`LinkDto`]. Refuses: to add knowledge of its own.
 
@@ -21,48 +21,48 @@ pub struct WhyDto {
     /// The robot or the job.
     #[schema(example = "robot-1")]
     pub id: String,
-    /// Whether it waits at all.
+    /// Whether the robot or job waits at all.
     pub waiting: bool,
-    /// When this was so, RFC 3339.
+    /// The time at which this was so, RFC 3339.
     pub at: String,
-    /// The whole chain in one sentence, in English: the texts of its links.
+    /// The whole chain in one sentence in English: the texts of its links.
     #[schema(example = "robot-1 waits for R33, held by robot-2; robot-2 is being picked from.")]
     pub text: String,
-    /// From the robot or job that waits to the root cause: all other links depend on the last one.
+    /// The links from the waiting robot or job to the root cause: every link depends on the next one.
     pub chain: Vec<LinkDto>,
 }
 
 /// One link of the chain.
 #[derive(Debug, PartialEq, Serialize, ToSchema)]
 pub struct LinkDto {
-    /// The robot, the job or the worker.
+    /// The robot, job or worker.
     #[schema(example = "robot-1")]
     pub who: String,
-    /// Which of the three it is.
+    /// Whether `who` is a robot, a job or a worker.
     pub kind: WaiterKindDto,
     /// What the link is about.
     pub cause: About,
-    /// In words, without the name of the robot or job.
+    /// The link in words, without the name of the robot, job or worker.
     #[schema(value_type = SentenceSchema)]
     pub text: Sentence,
-    /// Node or lane that is waited for.
+    /// The node or lane that is waited for.
     #[schema(example = "R33")]
     pub resource: Option<String>,
-    /// What holds it, or what the link is about: a robot, worker, job, closure or station.
+    /// What holds the resource, or what the link is about: a robot, worker, job, closure or station.
     #[schema(example = "robot-2")]
     pub by: Option<String>,
-    /// What sort of thing `by` is.
+    /// Whether `by` is a robot, worker, job, closure or station.
     pub by_kind: Option<By>,
     /// How many others pass first.
     pub ahead: usize,
-    /// Until when, as things stand, RFC 3339; null if that cannot be known.
+    /// When the wait is expected to end, RFC 3339; null if that cannot be known.
     pub until: Option<String>,
-    /// The same in seconds from `at`.
+    /// Seconds from `at` until the wait is expected to end.
     pub until_s: Option<f64>,
 }
 
 impl Names<'_> {
-    /// A chain.
+    /// A wait chain on the wire.
     pub fn chain(&self, id: String, waits: &WaitChain) -> WhyDto {
         let chain: Vec<LinkDto> = waits.what.iter().map(|w| self.link(w, waits.at)).collect();
         let waiting = waits.what.first().is_some_and(|w| w.because.is_waiting());
@@ -145,7 +145,7 @@ impl Names<'_> {
         }
     }
 
-    /// Why a robot does not go on, in words.
+    /// Why a robot, job or worker does not go on, in words.
     fn why_of_party(&self, who: Who, why: Why) -> Sentence {
         let robot = match who {
             Who::Robot(r) => self.view.robots.get(r.ix()),

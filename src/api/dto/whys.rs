@@ -1,7 +1,7 @@
 //! Why jobs and robots do not go on, and why jobs failed, in sentences.
 //!
-//! Adds these questions to [`Names`]. Each reason has a sentence of its own in `text/sentence/reasons.rs`. Refuses: to
-//! find out why; the fleet does.
+//! Adds these sentences to [`Names`]. Each reason has its own sentence in `text/sentence/reasons.rs`. Refuses: to
+//! determine why; the fleet does.
 
 use crate::dto::names::Names;
 use crate::wire::text::{closure_name, job_name, worker_name};
@@ -43,7 +43,7 @@ impl Names<'_> {
         }
     }
 
-    /// The rack of a job is on a robot, or reserved for one; `job` is what the robot moves it for.
+    /// The rack of a job is on a robot or reserved for one; `job` is the job for which the robot moves it.
     fn rack_busy(&self, rack: RackId, robot: RobotId, job: Option<String>) -> Sentence {
         let name = self.rack_name(rack);
         if self.trouble(robot).is_some() {
@@ -59,12 +59,12 @@ impl Names<'_> {
         }
     }
 
-    /// What is wrong with a robot itself, if something is.
+    /// What is wrong with the robot itself, if anything.
     fn trouble(&self, r: RobotId) -> Option<Why> {
         self.view.robots.get(r.ix())?.why.filter(|why| why.is_by_itself())
     }
 
-    /// A robot, with what is wrong with it.
+    /// A robot's name with what is wrong with it.
     fn with_trouble(&self, r: RobotId) -> SentenceArg {
         let robot = self.view.robots.get(r.ix());
         match robot.and_then(|robot| Some(self.why_of(robot, self.trouble(r)?))) {
@@ -73,7 +73,7 @@ impl Names<'_> {
         }
     }
 
-    /// Why a robot does not go on, with what becomes of its rack.
+    /// Why a robot does not go on, and what becomes of its rack.
     pub fn why_of(&self, robot: &RobotView, why: Why) -> Sentence {
         match (why, robot.rack.and_then(|r| self.map.racks.get(r))) {
             (Why::Refused, _) => {
@@ -115,7 +115,7 @@ impl Names<'_> {
         }
     }
 
-    /// Why a job failed; `gone` is what a place was called that the map no longer has.
+    /// Why a job failed; `gone` is the former name of a place that the map no longer has.
     pub fn why_failed(&self, why: JobFailure, gone: Option<String>) -> Sentence {
         match why {
             JobFailure::Predecessor(job) => reasons::predecessor_failed(job_name(job)),
@@ -137,7 +137,7 @@ impl Names<'_> {
     }
 }
 
-/// How many jobs are before a job.
+/// How many jobs come before a job.
 fn outranked(JobsAhead { higher, others, more }: JobsAhead) -> Sentence {
     match (higher, others) {
         _ if more => reasons::many_jobs_ahead(higher + others),

@@ -1,21 +1,21 @@
-//! What a verified ID token says of a person: the name, and the role that the groups give.
+//! What a verified ID token says about a person: the name, and the role that the groups give.
 //!
-//! Main functions: [`role_of`], [`name_of`]. Refuses: to verify anything; whoever calls has.
+//! Main functions: [`role_of`], [`name_of`]. Refuses: to verify anything; the caller has done that.
 
 use super::settings::OidcSettings;
 use crate::access::caller::{Caller, Role};
 use serde_json::{Map, Value};
 
-/// The longest name, characters.
+/// The longest name, in characters.
 const LONGEST_NAME: usize = 80;
 
-/// Claims with a name that people cannot change by themselves, as a rule, the best first.
+/// Claims for a person's name, the best first: as a rule, people cannot change these themselves.
 const NAMES: [&str; 2] = ["preferred_username", "email"];
 
-/// Whose groups have several roles has the first of them.
+/// Roles, the strongest first: a person whose groups have several roles gets the strongest.
 const STRONGEST: [Role; 4] = [Role::Admin, Role::Operator, Role::Integrator, Role::Viewer];
 
-/// A claim by its name, which may have dots; else a part of a claim, where each dot leads into one.
+/// The claim of this name, which may contain dots; else a part of a claim, where each dot leads one level down.
 fn claim<'a>(claims: &'a Map<String, Value>, name: &str) -> Option<&'a Value> {
     claims.get(name).or_else(|| {
         let mut parts = name.split('.');
@@ -33,14 +33,14 @@ fn groups_of<'a>(claims: &'a Map<String, Value>, settings: &OidcSettings) -> Vec
     }
 }
 
-/// What the groups of a person allow; nothing if none of them has a role.
+/// The role that a person's groups give; nothing if none of them has a role.
 pub fn role_of(claims: &Map<String, Value>, settings: &OidcSettings) -> Option<Role> {
     let groups = groups_of(claims, settings);
     let has = |role: &Role| groups.iter().any(|group| settings.roles.get(*group) == Some(role));
     STRONGEST.into_iter().find(has)
 }
 
-/// The name of a person. Names of callers who are nobody in particular are nobody's.
+/// The person's name. A name that is reserved for callers without a person gets the suffix " (person)".
 pub fn name_of(claims: &Map<String, Value>, settings: &OidcSettings) -> String {
     let wanted: Vec<&str> = match &settings.name_claim {
         Some(name) => vec![name],
@@ -52,7 +52,7 @@ pub fn name_of(claims: &Map<String, Value>, settings: &OidcSettings) -> String {
     if Caller::RESERVED.contains(&name.as_str()) { format!("{name} (person)") } else { name }
 }
 
-/// A text without what would break a line, and not too long.
+/// The text without control characters, cut to the longest name.
 fn plain(text: &str) -> String {
     let visible = text.chars().filter(|c| !c.is_control());
     visible.collect::<String>().trim().chars().take(LONGEST_NAME).collect()

@@ -1,8 +1,8 @@
 //! Signing in with an identity provider: OpenID Connect, by the authorization code flow with PKCE.
 //!
-//! Main types: [`Oidc`], [`SignedOn`], [`OidcRefusal`]. The provider is described anew for each sign-in, but for a few
-//! seconds, so keys that it changes are known at once. What signs a person in is the ID token alone: its signature,
-//! issuer, audience, end and nonce are verified. Refuses: to keep any token of the provider.
+//! Main types: [`Oidc`], [`SignedOn`], [`OidcRefusal`]. The provider's metadata is fetched anew for each sign-on,
+//! unless it is only seconds old, so changed keys are known at once. Only the ID token signs a person in: its
+//! signature, issuer, audience, expiry and nonce are verified. Refuses: to keep any token of the provider.
 
 mod claims;
 mod pending;
@@ -33,19 +33,19 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use ureq::Agent;
 
-/// How long the provider may take for an answer.
+/// How long the server waits for an answer of the provider.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// How long the description of a provider is not asked for again.
+/// How long the provider's metadata is used before it is fetched again.
 const FRESH: Span = Span::from_secs(10);
 
-/// How far the clocks of the provider and of this server may be apart.
+/// How far the clocks of the provider and this server may differ.
 const LEEWAY: Span = Span::from_secs(60);
 
-/// The longest answer of a provider, bytes.
+/// The longest answer of the provider, in bytes.
 const LONGEST_ANSWER: u64 = 1024 * 1024;
 
-/// How an ID token may be signed: with a key of the provider's that nobody else has.
+/// Allowed signatures of an ID token: asymmetric ones, made with a private key that only the provider has.
 const SIGNED: [CoreJwsSigningAlgorithm; 9] = [
     CoreJwsSigningAlgorithm::RsaSsaPkcs1V15Sha256,
     CoreJwsSigningAlgorithm::RsaSsaPkcs1V15Sha384,
@@ -58,7 +58,7 @@ const SIGNED: [CoreJwsSigningAlgorithm; 9] = [
     CoreJwsSigningAlgorithm::EdDsa,
 ];
 
-/// The provider's endpoints as far as its description has to name them.
+/// The provider's client, with the endpoints that its metadata must name.
 type ProviderClient = CoreClient<
     EndpointSet,
     EndpointNotSet,
@@ -74,64 +74,64 @@ pub struct Oidc {
     issuer: IssuerUrl,
     agent: Agent,
     pending: Mutex<PendingSignOns>,
-    /// How it described itself, and when. One asks, others wait for the answer.
+    /// The provider's metadata and when they were fetched. One task fetches them; the others wait for the result.
     provider: tokio::sync::Mutex<Option<(Time, CoreProviderMetadata)>>,
 }
 
-/// The way to the provider.
+/// Where to send the browser to sign on.
 #[derive(Debug)]
 pub struct AuthorizationRequest {
-    /// Where to.
+    /// The address at the provider.
     pub address: String,
-    /// What the browser's cookie is to say.
+    /// The value of the browser's cookie.
     pub secret: String,
 }
 
 /// What a browser brings back from the provider.
 #[derive(Debug)]
 pub struct AuthorizationResponse {
-    /// Which sign-on it belongs to.
+    /// The `state` of the sign-on to which the response belongs.
     pub state: Option<String>,
-    /// What the provider gives an ID token for.
+    /// The authorization code, which the provider exchanges for an ID token.
     pub code: Option<String>,
-    /// Why the provider gives nothing.
+    /// The provider's error, if it refused.
     pub error: Option<String>,
-    /// Who the provider says it is.
+    /// The issuer, as the provider names itself.
     pub issuer: Option<String>,
 }
 
-/// Somebody who signed in.
+/// A person who has signed in.
 #[derive(Debug, PartialEq, Eq)]
 pub struct SignedOn {
-    /// The name.
+    /// The person's name.
     pub name: String,
-    /// What the groups allow.
+    /// The role that the person's groups give.
     pub role: Role,
     /// When the session ends.
     pub expires: Time,
-    /// Which page comes now.
+    /// The page to show next.
     pub back: String,
-    /// Whether the browser came over plain HTTP.
+    /// Whether the browser connected over plain HTTP.
     pub plain: bool,
 }
 
-/// Why somebody did not sign in.
+/// Why a sign-on failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OidcRefusal {
-    /// It took too long, was done before, was begun in another browser or before the server was restarted.
+    /// It took too long, was already finished, was begun in another browser, or was begun before the server restarted.
     Stale,
-    /// The provider says no, or the person did.
+    /// The provider or the person refused.
     Denied,
-    /// The provider does not answer, or not as it should.
+    /// The provider does not answer, or its answer is invalid.
     Unreachable,
-    /// The ID token is not what it should be.
+    /// The ID token is missing or invalid.
     Untrusted,
     /// None of the person's groups has a role.
     NoRole,
 }
 
 impl OidcRefusal {
-    /// The word for it in addresses.
+    /// The word for this refusal in addresses.
     pub fn word(self) -> &'static str {
         match self {
             OidcRefusal::Stale => "stale",
@@ -144,10 +144,10 @@ impl OidcRefusal {
 }
 
 impl Oidc {
-    /// The provider of the settings.
+    /// An identity provider with these settings.
     ///
     /// # Errors
-    /// Where a setting is wrong; the text names it.
+    /// If a setting is wrong; the text names it.
     pub fn new(settings: OidcSettings, outgoing: &Outgoing) -> Result<Oidc, String> {
         let settings = settings.complete()?;
         let issuer = IssuerUrl::new(settings.issuer.clone()).map_err(|e| format!("oidc.issuer: {e}"))?;
@@ -155,20 +155,20 @@ impl Oidc {
         Ok(Oidc { settings, issuer, agent: outgoing.agent(PATIENCE), pending, provider })
     }
 
-    /// What the provider is called.
+    /// The provider's display name.
     pub fn name(&self) -> String {
         self.settings.name()
     }
 
-    /// Where the provider is to send browsers, if the settings say so.
+    /// Where the provider is to send browsers back to, if the settings say so.
     pub fn redirect(&self) -> Option<&str> {
         self.settings.redirect.as_deref()
     }
 
-    /// Begins a sign-on: the provider is to send the browser to `redirect`, which leads on to the page `back`.
+    /// Begins a sign-on: the provider will send the browser to `redirect`, which leads on to the page `back`.
     ///
     /// # Errors
-    /// Where the provider does not describe itself, or `redirect` is no address. The reason is in the log.
+    /// If the provider's metadata cannot be fetched, or `redirect` is no address. The reason is in the log.
     pub async fn begin(
         &self,
         redirect: String,
@@ -192,10 +192,10 @@ impl Oidc {
         Ok(AuthorizationRequest { address: address.into(), secret })
     }
 
-    /// Ends a sign-on in a browser that has come back, with this cookie.
+    /// Finishes a sign-on, in a browser that has come back from the provider with this cookie.
     ///
     /// # Errors
-    /// Why that signs nobody in, and which page was to come, if that is known. What exactly is wrong is in the log.
+    /// Why the sign-on failed, and the page that was to come next, if known. The exact reason is in the log.
     pub async fn finish(
         &self,
         given: AuthorizationResponse,
@@ -215,7 +215,7 @@ impl Oidc {
         }
     }
 
-    /// Who came back.
+    /// The name and role of the person who came back, verified with the provider.
     async fn verified(
         &self,
         given: AuthorizationResponse,
@@ -247,7 +247,7 @@ impl Oidc {
         }
     }
 
-    /// How the provider describes itself, with its keys.
+    /// The provider's metadata with its keys, fetched again if they are too old.
     async fn provider(&self, now: Time) -> Result<CoreProviderMetadata, OidcRefusal> {
         let mut known = self.provider.lock().await;
         if let Some((_, provider)) = known.as_ref().filter(|(at, _)| now - *at < FRESH) {
@@ -265,7 +265,7 @@ impl Oidc {
     fn client(&self, provider: CoreProviderMetadata, redirect: RedirectUrl) -> ProviderClient {
         let (id, secret) =
             (ClientId::new(self.settings.client_id.clone()), self.settings.client_secret.clone());
-        // Without a token endpoint the exchange fails, and says so.
+        // If the provider names no token endpoint, the exchange fails with a message about it.
         CoreClient::from_provider_metadata(provider, id, secret).set_redirect_uri(redirect)
     }
 
@@ -274,7 +274,7 @@ impl Oidc {
     }
 }
 
-/// Gives the code back for an ID token, and verifies that.
+/// Exchanges the authorization code for an ID token and verifies the token.
 fn exchange(
     client: &ProviderClient,
     agent: &Agent,
@@ -297,7 +297,7 @@ fn exchange(
     payload(token).ok_or(OidcRefusal::Untrusted)
 }
 
-/// All claims of a token that was verified, those among them that no specification names.
+/// All claims of a verified token, including those that no specification names.
 fn payload(token: &CoreIdToken) -> Option<Map<String, Value>> {
     let text = token.to_string();
     let bytes = URL_SAFE_NO_PAD.decode(text.split('.').nth(1)?).ok()?;
@@ -326,7 +326,7 @@ fn send(agent: &Agent, request: HttpRequest) -> Result<HttpResponse, ProviderHtt
     Ok(HttpResponse::from_parts(parts, body))
 }
 
-/// Logs what is wrong, with all causes; the person gets a word.
+/// Logs the error with all its causes; the person is told only the kind of refusal.
 fn refuse(how: OidcRefusal, e: &(dyn Error + 'static)) -> OidcRefusal {
     let (mut said, mut cause) = (e.to_string(), e.source());
     while let Some(e) = cause {

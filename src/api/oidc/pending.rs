@@ -1,42 +1,42 @@
-//! Sign-ons that have begun, and whose browsers are at the identity provider.
+//! Sign-ons that have begun and whose browsers are at the identity provider.
 //!
-//! Main types: [`PendingSignOns`], [`PendingSignOn`]. Each is for one browser and for one return. They are kept in
-//! memory: after a restart of the server people begin again. Refuses: more than a thousand; the oldest end first.
+//! Main types: [`PendingSignOns`], [`PendingSignOn`]. Each is for one browser and one return. They are kept in memory:
+//! after a restart of the server, people begin again. Refuses: more than a thousand; the oldest are dropped first.
 
 use crate::access::caller::TokenHash;
 use giveway_floor::time::{Span, Time};
 use openidconnect::{Nonce, PkceCodeVerifier, RedirectUrl};
 use std::collections::BTreeMap;
 
-/// How many may be pending at once.
+/// How many sign-ons may be pending at once.
 const MOST: usize = 1000;
 
-/// How long somebody may take at the provider.
+/// How long a person may take at the provider.
 pub const SIGN_ON_LIFE: Span = Span::from_secs(10 * 60);
 
 /// A sign-on that has begun.
 #[derive(Debug)]
 pub struct PendingSignOn {
-    /// The digest of the browser's cookie.
+    /// The digest of the secret in the browser's cookie.
     pub cookie: TokenHash,
-    /// What the ID token must say.
+    /// The nonce that the ID token must contain.
     pub nonce: Nonce,
-    /// What the provider wants to see with the code.
+    /// The PKCE verifier, which the provider expects with the code.
     pub verifier: PkceCodeVerifier,
     /// Where the provider sends the browser.
     pub redirect: RedirectUrl,
-    /// Which page comes then.
+    /// The page to show after the sign-on.
     pub back: String,
-    /// When it began.
+    /// When the sign-on began.
     pub began: Time,
 }
 
-/// All of them, by the `state` that the provider gives back.
+/// All pending sign-ons, by the `state` that the provider sends back.
 #[derive(Debug, Default)]
 pub struct PendingSignOns(BTreeMap<String, PendingSignOn>);
 
 impl PendingSignOns {
-    /// One more.
+    /// Adds a sign-on; if there are too many, drops the oldest.
     pub fn add(&mut self, state: String, sign_on: PendingSignOn) {
         let now = sign_on.began;
         self.0.retain(|_, other| now - other.began < SIGN_ON_LIFE);
@@ -47,9 +47,10 @@ impl PendingSignOns {
         self.0.insert(state, sign_on);
     }
 
-    /// Ends the one of this state, begun in the browser with this cookie; nothing if there is none, or it is too old.
+    /// Removes and returns the sign-on of this state, begun in the browser with this cookie; nothing if there is none
+    /// or it is too old.
     pub fn take(&mut self, state: &str, cookie: &TokenHash, now: Time) -> Option<PendingSignOn> {
-        // A browser with another cookie does not end what this one began.
+        // A browser with another cookie does not end this sign-on.
         let sign_on = self.0.get(state).filter(|sign_on| sign_on.cookie == *cookie)?;
         let is_late = now - sign_on.began >= SIGN_ON_LIFE;
         self.0.remove(state).filter(|_| !is_late)

@@ -1,7 +1,7 @@
-//! The table `oidc` of the settings file: which provider, and what its groups may do.
+//! The table `oidc` of the settings file: the provider, and the roles of its groups.
 //!
-//! Main type: [`OidcSettings`]. Refuses: providers that are reached in the clear, except on this machine, and secrets
-//! in the settings file, which others may read.
+//! Main type: [`OidcSettings`]. Refuses: providers that are reached unencrypted, except on this machine, and secrets in
+//! the settings file, which others may read.
 
 use crate::access::caller::Role;
 use crate::access::cookie::is_loopback;
@@ -12,42 +12,42 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// How long a session may be allowed to last, hours: a week.
+/// The longest session that settings may allow, in hours: a week.
 const MOST_HOURS: u32 = 7 * 24;
 
 /// An identity provider that speaks OpenID Connect.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OidcSettings {
-    /// Its address, as it names itself; `/.well-known/openid-configuration` below it describes it.
+    /// The provider's address, as it names itself; its metadata is at `/.well-known/openid-configuration` below it.
     pub issuer: String,
-    /// What it knows this server as.
+    /// The client id of this server at the provider.
     pub client_id: String,
-    /// A file with the secret that goes with it. The environment variable `GIVEWAY_OIDC_CLIENT_SECRET` comes first.
+    /// A file with the client secret. The environment variable `GIVEWAY_OIDC_CLIENT_SECRET` comes first.
     #[serde(default)]
     pub client_secret_file: Option<PathBuf>,
-    /// That secret.
+    /// The client secret.
     #[serde(skip)]
     pub client_secret: Option<ClientSecret>,
-    /// Where it sends browsers back to; if absent, to the address under which the browser knows this server.
+    /// Where the provider sends browsers back to; if absent, the address under which the browser knows this server.
     #[serde(default)]
     pub redirect: Option<String>,
-    /// What the button says after "Sign in with"; the host of the provider if absent.
+    /// What the button says after "Sign in with"; if absent, the provider's host.
     #[serde(default)]
     pub label: Option<String>,
-    /// The claim with a person's groups. A dot leads into a claim.
+    /// The claim with a person's groups. A dot leads into a part of a claim.
     #[serde(default = "groups")]
     pub groups_claim: String,
     /// The claim with a person's name; if absent, the first of `preferred_username`, `email` and `sub`.
     #[serde(default)]
     pub name_claim: Option<String>,
-    /// What is asked for besides `openid`.
+    /// The scopes to ask for besides `openid`.
     #[serde(default = "profile")]
     pub scopes: Vec<String>,
-    /// How long a session lasts at most.
+    /// How long a session lasts at most, in hours.
     #[serde(default = "a_shift")]
     pub session_hours: u32,
-    /// What each group may do.
+    /// The role of each group.
     pub roles: BTreeMap<String, Role>,
 }
 
@@ -64,10 +64,10 @@ fn a_shift() -> u32 {
 }
 
 impl OidcSettings {
-    /// The same with its secret, which is in the environment or in a file.
+    /// These settings with the client secret, from the environment or the file.
     ///
     /// # Errors
-    /// Where a setting is wrong; the text names it.
+    /// If a setting is wrong; the text names it.
     pub fn complete(self) -> Result<OidcSettings, String> {
         if !is_private(&self.issuer) {
             return Err(format!(
@@ -109,7 +109,7 @@ impl OidcSettings {
         Ok(OidcSettings { client_secret: secret, ..self })
     }
 
-    /// What the provider is called.
+    /// The provider's display name.
     pub fn name(&self) -> String {
         let host = || self.issuer.parse::<Uri>().ok().and_then(|uri| uri.host().map(str::to_owned));
         self.label.clone().or_else(host).unwrap_or_default()
@@ -123,7 +123,7 @@ fn is_address(text: &str) -> bool {
     })
 }
 
-/// Whether an address is one over HTTPS, or of this machine.
+/// Whether an address uses HTTPS or is on this machine.
 fn is_private(text: &str) -> bool {
     let host = || text.parse::<Uri>().ok().and_then(|uri| uri.host().map(str::to_owned));
     is_address(text) && (text.starts_with("https://") || host().is_some_and(|host| is_loopback(&host)))

@@ -8,22 +8,21 @@ use rust_embed::{EmbeddedFile, RustEmbed};
 #[folder = "$OUT_DIR/web"]
 struct Web;
 
-/// How a file of the page may be encoded, the smallest first: the build wrote it so beside the file.
+/// Encodings of the page's files, the smallest first: the build writes each encoded file beside the plain one.
 const ENCODINGS: [(&str, &str); 2] = [("br", "br"), ("gzip", "gz")];
 
-/// A file of the page by its path.
+/// The file of the page at this path.
 pub fn file(path: &str) -> Option<EmbeddedFile> {
     Web::get(path)
 }
 
-/// A file as it was encoded by the build, with the name of the encoding, if there is one that is accepted.
+/// A file in an encoding that the client accepts, with the name of the encoding; nothing if the build has none.
 pub fn encoded(path: &str, accepts: impl Fn(&str) -> bool) -> Option<(&'static str, EmbeddedFile)> {
     let accepted = ENCODINGS.into_iter().filter(|(name, _)| accepts(name));
     accepted.filter_map(|(name, ending)| Some((name, file(&format!("{path}.{ending}"))?))).next()
 }
 
-/// Script and style of the page in one piece each, for a file that needs no server; nothing where the page was not
-/// built.
+/// The page's script and style, one piece each, for a file that needs no server; nothing if the page was not built.
 pub fn single() -> Option<[String; 2]> {
     let text = |name| Some(String::from_utf8_lossy(&file(name)?.data).into_owned());
     Some([text("single/page.js")?, text("single/page.css")?])

@@ -1,7 +1,7 @@
-//! The web page, built into the program, and the answer to every path that is not there.
+//! The web page, built into the program, and the answer to every path that has no route.
 //!
-//! Main function: [`page`]. Files with a hash in their name never change; the pages themselves
-//! are asked for again each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
+//! Main function: [`page`]. Files with a hash in their name never change; browsers ask for the pages themselves again
+//! each time. Refuses: scripts from elsewhere, by Content-Security-Policy.
 
 use crate::access::peer::SharedBody;
 use crate::page::assets::{encoded, file};
@@ -13,11 +13,11 @@ use giveway_floor::text::sentence::requests;
 use rust_embed::EmbeddedFile;
 use std::borrow::Cow;
 
-/// What the page may load: itself. Pixels may come from data and blob addresses, workers from blobs.
+/// What the page may load: its own files only, images also from data and blob addresses, and workers from blobs.
 const POLICY: &str = "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; \
     worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// A file of the page; a problem where there is none.
+/// The file of the page at this path, or a problem if there is none.
 pub async fn page(method: Method, uri: Uri, headers: HeaderMap) -> Response {
     let path = uri.path().trim_start_matches('/');
     let unknown = || {
@@ -63,7 +63,7 @@ fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
     out.insert(header::VARY, HeaderValue::from_static("accept-encoding"));
     out.insert(header::CONTENT_TYPE, HeaderValue::from_static(media_type(name)));
     out.insert(header::CACHE_CONTROL, HeaderValue::from_static(caching));
-    // Both are of documents; on a script they say nothing, and a first visit fetches many.
+    // Both headers concern documents; on scripts and styles they would mean nothing, and a first visit fetches many.
     if !matches!(media_type(name), "text/javascript; charset=utf-8" | "text/css; charset=utf-8") {
         out.insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
         out.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
@@ -72,7 +72,7 @@ fn serve(name: &str, file: &EmbeddedFile, headers: &HeaderMap) -> Response {
     response
 }
 
-/// A file as the program has it in memory anyway.
+/// A response with the file, not copied if it is part of the program.
 fn in_place(file: &EmbeddedFile) -> Response {
     let bytes = match &file.data {
         Cow::Borrowed(bytes) => Bytes::from_static(bytes),
@@ -85,7 +85,7 @@ fn in_place(file: &EmbeddedFile) -> Response {
     response
 }
 
-/// Whether a client says that it takes this encoding.
+/// Whether the client accepts this encoding.
 pub fn accepts(headers: &HeaderMap, encoding: &str) -> bool {
     let values = headers.get_all(header::ACCEPT_ENCODING).into_iter().filter_map(|v| v.to_str().ok());
     values.flat_map(|v| v.split(',')).any(|item| {

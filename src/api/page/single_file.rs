@@ -1,17 +1,17 @@
 //! A page with a recording in it: one file that opens in a browser, without a server and without a network.
 //!
-//! Main function: [`page`]. Its Content-Security-Policy lets it run its own script and ask for nothing. Refuses: to
-//! leave anything outside of the file.
+//! Main function: [`page`]. Its Content-Security-Policy allows only its own script, and no requests. Refuses: to leave
+//! anything outside of the file.
 
 use crate::page::assets::single;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
-/// A page with this recording, as it stands on file; nothing where the page was not built into the program.
+/// A page with this recording, as it is stored; nothing if the page was not built into the program.
 pub fn page(title: &str, recording: &[u8]) -> Option<String> {
     let [script, style] = single()?;
-    // Inside of a script, nothing may look like its end.
+    // Inside a script, nothing may look like the script's end.
     let script = script.replace("</script", "<\\/script").replace("<!--", "\\x3c!--");
     let style = style.replace("</style", "<\\/style");
     let seal = STANDARD.encode(Sha256::digest(&script));

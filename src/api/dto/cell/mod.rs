@@ -1,7 +1,7 @@
 //! What is picked at a station, on the wire.
 //!
-//! Main type: [`LineDto`]; [`new_lines`] reads lines that customers submit, [`station`] has what happens at one
-//! station, [`shown`] what recordings keep. Refuses: to know who picks.
+//! Main type: [`LineDto`]; [`new_lines`] reads lines that customers submit, [`station`] shows what happens at one
+//! station, [`shown`] what recordings keep. Refuses: to know the picker.
 
 pub mod new_lines;
 pub mod shown;
@@ -12,12 +12,12 @@ use giveway_cell::{LineProgress, LineState, Lines, OrderLine};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// A line: so many pieces from a slot of the rack into a tote of the station.
+/// An order line: a number of pieces to move from a slot of the rack into a tote of the station.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct LineDto {
-    /// Its number in the visit, from 1.
+    /// The line's number in the visit, from 1.
     pub n: usize,
-    /// From where: column `A` is the leftmost for the picker, row `1` the lowest.
+    /// The slot to pick from: column `A` is the leftmost for the picker, row `1` the lowest.
     #[schema(example = "C3")]
     pub slot: String,
     /// How many pieces were ordered.
@@ -25,17 +25,17 @@ pub struct LineDto {
     /// The name of the tote.
     #[schema(example = "B")]
     pub tote: String,
-    /// What it is, in the customer's words.
+    /// The item, in the customer's words.
     pub item: Option<String>,
-    /// Who may pick it.
+    /// Whether a hand or the robot arm may pick the line.
     pub by: PickedByDto,
-    /// How far it is.
+    /// How far the picking of the line has come.
     pub state: LineStateDto,
-    /// Pieces in the tote.
+    /// How many pieces are in the tote.
     pub done: u32,
 }
 
-/// What a change of a line came to.
+/// The result of a change to a line.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct LineChangedDto {
     /// The job.
@@ -43,15 +43,16 @@ pub struct LineChangedDto {
     pub job: String,
     /// The line's number in the visit, from 1.
     pub n: usize,
-    /// How far it is now.
+    /// How far the picking of the line has come now.
     pub state: LineStateDto,
-    /// Pieces in the tote now.
+    /// How many pieces are in the tote now.
     pub done: u32,
-    /// False where it was so already, and nothing was counted again.
+    /// Whether the request changed the line; false if the line was in this state already and no piece was counted
+    /// again.
     pub changed: bool,
 }
 
-/// The lines of one visit. `is_on` says whether the rack stands at the station; else no line is lit.
+/// The lines of one visit. `is_on` says whether the rack stands at the station; if not, no line is lit.
 pub fn lines_dto(lines: &Lines, is_on: bool) -> Vec<LineDto> {
     let dto = |(i, p): (usize, &LineProgress)| {
         let OrderLine { slot, quantity, tote, item, by } = &p.line;

@@ -1,6 +1,6 @@
 //! Order lines as customers submit them.
 //!
-//! Main type: [`NewLine`], main function: [`read_lines`]. Refuses: lines that nobody can pick, by name.
+//! Main type: [`NewLine`], main function: [`read_lines`]. Refuses: lines that cannot be picked, and names the field.
 
 use crate::wire::error::FieldError;
 use crate::wire::words::PickedByDto;
@@ -15,11 +15,11 @@ use utoipa::ToSchema;
 /// The longest name of an item, in characters.
 const LONGEST_ITEM: usize = 200;
 
-/// So many pieces from a slot of the rack into a tote of the station.
+/// A number of pieces to move from a slot of the rack into a tote of the station.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewLine {
-    /// From where: column `A` is the leftmost for the picker, row `1` the lowest.
+    /// The slot to pick from: column `A` is the leftmost for the picker, row `1` the lowest.
     #[schema(example = "C3")]
     pub slot: String,
     /// How many pieces, 1 to 10,000.
@@ -28,14 +28,14 @@ pub struct NewLine {
     /// The name of a tote of the station.
     #[schema(example = "B")]
     pub tote: String,
-    /// What it is, in your words, up to 200 characters.
+    /// The item, in your words, up to 200 characters.
     #[schema(example = "M6 bolts", max_length = 200)]
     pub item: Option<String>,
-    /// Who may pick it; `either` if absent.
+    /// Whether a hand or the robot arm may pick the line; `either` if absent.
     pub by: Option<PickedByDto>,
 }
 
-/// Reads the lines of one visit; says of each field what is wrong with it. `field` is where the list stands.
+/// Reads the lines of one visit; reports each wrong field. `field` is the path of the list in the request.
 pub fn read_lines(field: &str, lines: &[NewLine], errors: &mut Vec<FieldError>) -> Option<Vec<OrderLine>> {
     if lines.len() > MOST_LINES {
         errors.push(FieldError::new(field, describe(LineProblem::TooMany, None)));
@@ -66,7 +66,7 @@ fn read_line(field: &str, line: &NewLine, errors: &mut Vec<FieldError>) -> Optio
     Some(OrderLine { slot: slot?, quantity: quantity?, tote: line.tote.clone(), item: line.item.clone(), by })
 }
 
-/// What is wrong with lines that are to be picked from a rack at a station, if anything is.
+/// The problem of lines that are to be picked from a rack at a station, if there is one.
 pub fn check_lines(
     field: &str,
     map: &Warehouse,
@@ -78,7 +78,7 @@ pub fn check_lines(
     Some(FieldError::new(field_of(field, n, problem), describe(problem, Some(names))))
 }
 
-/// The field that is to blame.
+/// The path of the field that causes the problem.
 pub fn field_of(field: &str, n: usize, problem: LineProblem) -> String {
     match problem {
         LineProblem::UnknownSlot | LineProblem::Twice(_) => format!("{field}[{n}].slot"),
@@ -89,10 +89,10 @@ pub fn field_of(field: &str, n: usize, problem: LineProblem) -> String {
     }
 }
 
-/// What is spoken of.
+/// The things that a problem names.
 #[derive(Clone, Copy)]
 pub struct LineNames<'a> {
-    /// Where names are.
+    /// The map, for names.
     pub map: &'a Warehouse,
     /// The rack.
     pub rack: RackId,

@@ -1,6 +1,6 @@
 //! What recordings keep of a work cell.
 //!
-//! Main type: [`ShownCell`]. Refuses: to say whose hands were seen.
+//! Main type: [`ShownCell`]. Refuses: to say which person's hands were seen.
 
 use super::station::{ArmDto, CellWarningDto, EndsHeldDto};
 use super::{LineDto, lines_dto};
@@ -10,16 +10,16 @@ use giveway_floor::id::StationId;
 use giveway_floor::time::Time;
 use serde::Serialize;
 
-/// A work cell at a moment.
+/// A work cell at one time of the recording.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShownCell {
     /// The station.
     #[serde(skip)]
     pub station: String,
-    /// What is picked there; nothing for a job without lines, and where none is picked from.
+    /// The lines that are picked there; empty for a job without lines, and if no rack is picked from.
     lines: Vec<LineDto>,
-    /// When the visit was expected to end: the seconds of the recording that one in ten ends before, half of them, nine
-    /// in ten. Whole seconds, so that it does not change at every moment.
+    /// When the visit was expected to end, in seconds of the recording: 10th, 50th and 90th percentile. Whole seconds,
+    /// so that the value does not change in every frame.
     ends_s: Option<[i64; 3]>,
     warnings: Vec<CellWarningDto>,
     arm: Option<ArmDto>,

@@ -17,66 +17,66 @@ use giveway_floor::warehouse::{ArmMount, Cell, Tote};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What happens at a station, now.
+/// The current state of a station.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct StationDetailDto {
-    /// When this was so, RFC 3339.
+    /// The time of this state, RFC 3339.
     pub now: String,
-    /// The station as lists have it.
+    /// The station, as in the list of stations.
     #[serde(flatten)]
     pub station: StationDto,
-    /// Whether it has a work cell, at which order lines are picked.
+    /// Whether the station has a work cell, where order lines are picked.
     pub has_cell: bool,
-    /// Where picked pieces are put.
+    /// The totes, into which picked pieces are put.
     pub totes: Vec<ToteDto>,
     /// The robot arm beside the picker.
     pub arm: Option<ArmDto>,
-    /// The rack that stands there to be picked from; null if none does.
+    /// The visit of the rack that is being picked from; null if no rack is.
     pub visit: Option<VisitDto>,
-    /// How well the ends of visits were expected.
+    /// How accurate the expected ends of visits have been.
     pub ends: EndsHeldDto,
-    /// The line that was not confirmed when its rack left at the last grasp; null if there is none.
+    /// The line whose last piece was not confirmed before its rack left; null if there is none.
     pub unconfirmed: Option<UnconfirmedDto>,
-    /// What the person there was warned of a moment ago.
+    /// Warnings of a moment ago to the person at the station.
     pub warnings: Vec<CellWarningDto>,
-    /// Whether hands were seen there within the last 10 s, of one person alone. If not, only buttons and scanners
+    /// Whether the hands of exactly one person were seen there within the last 10 s. If not, only buttons and scanners
     /// confirm lines.
     pub hands_seen: bool,
-    /// Where hands that are on their way go, most likely; places below a probability of 0.05 are left out.
+    /// The probable targets of hands that are reaching; targets with a probability below 0.05 are left out.
     pub reach: Vec<SeenReachDto>,
     /// The rack that comes next; null if none is on its way.
     pub next: Option<NextRackDto>,
 }
 
-/// A line whose rack has left while a piece was on its way to the tote.
+/// A line whose rack left while a piece was on its way to the tote.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct UnconfirmedDto {
     /// The job.
     #[schema(example = "j17")]
     pub job: String,
-    /// The line. `POST /v1/stations/{id}/last` says what became of it.
+    /// The unconfirmed line. Report with `POST /v1/stations/{id}/last` what became of it.
     pub line: LineDto,
 }
 
-/// How a hand is wrong.
+/// The mistake of a hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum WrongReachDto {
-    /// It goes to a slot that is not lit.
+    /// The hand goes to a slot that is not lit.
     WrongSlot,
-    /// It put a piece into a tote that is not lit.
+    /// The hand put a piece into a tote that is not lit.
     WrongTote,
 }
 
-/// A hand is wrong, or about to be.
+/// A hand has made a mistake, or is about to.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
 pub struct CellWarningDto {
-    /// How.
+    /// The kind of mistake.
     pub kind: WrongReachDto,
-    /// The slot to which it goes, if that is wrong.
+    /// The slot to which the hand goes, if that slot is wrong.
     #[schema(example = "C3")]
     pub slot: Option<String>,
-    /// The tote into which it put a piece, if that is wrong.
+    /// The tote into which the hand put a piece, if that tote is wrong.
     #[schema(example = "B")]
     pub tote: Option<String>,
 }
@@ -85,52 +85,52 @@ pub struct CellWarningDto {
 #[derive(Clone, Copy, Debug, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PickHandDto {
-    /// The left one.
+    /// The left hand.
     Left,
-    /// The right one.
+    /// The right hand.
     Right,
 }
 
-/// A place to which a hand may be going.
+/// A possible target of a hand.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct SeenReachDto {
-    /// Which hand.
+    /// The hand that reaches.
     pub hand: PickHandDto,
-    /// The slot, if it is one.
+    /// The target slot; null if the target is no slot.
     #[schema(example = "C3")]
     pub slot: Option<String>,
-    /// The tote, if it is one.
+    /// The target tote; null if the target is no tote.
     #[schema(example = "B")]
     pub tote: Option<String>,
-    /// The probability that it goes there.
+    /// The probability that the hand goes to this target.
     #[schema(example = 0.8)]
     pub probability: f64,
 }
 
-/// A place for picked pieces, as the picker sees it who looks at the rack.
+/// A tote of the station, placed as seen by a picker facing the rack.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ToteDto {
-    /// Its name.
+    /// The tote's name.
     #[schema(example = "B")]
     pub id: String,
-    /// How far to the right of where the rack stands, metres.
+    /// How far the tote is to the right of the rack's place, metres.
     pub right_m: f64,
-    /// How far from where the rack stands, towards the picker, metres.
+    /// How far the tote is from the rack's place, towards the picker, metres.
     pub out_m: f64,
 }
 
 /// A robot arm.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ArmDto {
-    /// What arm it is.
+    /// The model of the arm.
     #[schema(example = "ur10")]
     pub kind: String,
-    /// What it does.
+    /// What the arm does.
     pub state: ArmStateDto,
-    /// Why it gets no trajectory, in words; null where nothing is wrong.
+    /// Why the arm gets no trajectory, in words; null if nothing is wrong.
     #[schema(value_type = Option<SentenceSchema>)]
     pub reason: Option<Sentence>,
-    /// The line that it picks; null if it picks none.
+    /// The line that the arm picks; null if it picks none.
     pub line: Option<ArmLineDto>,
 }
 
@@ -138,17 +138,17 @@ pub struct ArmDto {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ArmStateDto {
-    /// It has not been heard of, or its kind is not known: hands pick all lines.
+    /// The arm sends no reports, or its kind is unknown: hands pick all lines.
     Off,
-    /// It rests.
+    /// The arm rests.
     Idle,
-    /// It moves or grips.
+    /// The arm moves or grips.
     Moving,
-    /// Its own protective stop holds it.
+    /// The arm's own protective stop holds it.
     Stopped,
-    /// It has not moved in the opening for a minute: no rack comes or leaves.
+    /// The arm has not moved in the opening for a minute: no rack arrives or leaves.
     Stuck,
-    /// It gets no trajectory, and hands pick its lines.
+    /// The arm gets no trajectory, and hands pick its lines.
     Trouble,
 }
 
@@ -162,24 +162,23 @@ pub struct ArmLineDto {
     pub n: usize,
 }
 
-/// A rack on its way.
+/// The next rack for the station.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct NextRackDto {
-    /// Which.
+    /// The rack's name; null if the robot does not carry it yet.
     pub rack: Option<String>,
     /// The robot that brings it.
     pub robot: String,
-    /// In how many seconds it is planned to be there; null if it waits for something of which nobody knows when it
-    /// ends.
+    /// Seconds until its planned arrival; null if the robot waits for something whose end is unknown.
     pub in_s: Option<f64>,
 }
 
-/// The side of a rack at which it is picked from.
+/// The face of a rack that is turned to the picker.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct RackFaceDto {
-    /// How many columns of slots it has.
+    /// How many columns of slots the face has.
     pub columns: u8,
-    /// For each row, the lowest first: the middle of its slots above the floor, metres.
+    /// For each row, the lowest first: the height of the middle of its slots above the floor, metres.
     pub heights_m: Vec<f64>,
     /// Width over all columns, metres.
     pub width_m: f64,
@@ -195,31 +194,31 @@ pub struct VisitDto {
     pub rack: Option<String>,
     /// The robot under it.
     pub robot: String,
-    /// When the rack came, RFC 3339; null if that was before the server started.
+    /// When the rack arrived, RFC 3339; null if that was before the server started.
     pub since: Option<String>,
-    /// Where its slots are; null where the map does not say.
+    /// The layout of the rack's slots; null if the map does not give it.
     pub face: Option<RackFaceDto>,
-    /// What is to be picked, in the order in which it is lit; nothing for a job without lines.
+    /// The lines to pick, in the order in which they are lit; empty for a job without lines.
     pub lines: Vec<LineDto>,
-    /// Pieces that are still to be picked.
+    /// How many pieces are still to be picked.
     pub pieces_left: u32,
-    /// How long it goes on from now, where the job has lines.
+    /// Seconds until the visit is expected to end; null if the job has no lines.
     pub expected_end: Option<ExpectedEndDto>,
-    /// How long it takes from now until the last piece is in its tote: longer than the visit if the rack leaves when
-    /// the hand is out for the last time.
+    /// Seconds until the last piece is expected in its tote: later than the visit's end if the rack leaves when the
+    /// hand has left it for the last time.
     pub expected_placed: Option<ExpectedEndDto>,
 }
 
-/// How well the ends of visits at a station were expected when they began, since the server started.
+/// How accurate the ends of visits at a station, as expected when the visits began, have been since the server started.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
 pub struct EndsHeldDto {
-    /// Visits that were over by then.
+    /// How many such visits have ended.
     #[schema(example = 40)]
     pub visits: u32,
-    /// The share of them that ended between `p10` and `p90`; eight in ten should. Null before the first.
+    /// The share of visits that ended between `p10` and `p90`; it should be 0.8. Null before the first visit has ended.
     #[schema(example = 0.8)]
     pub held: Option<f64>,
-    /// How far they were off `p50` on average, seconds. Null before the first.
+    /// The mean error of `p50`, in seconds. Null before the first visit has ended.
     #[schema(example = 3.1)]
     pub off_s: Option<f64>,
 }
@@ -231,14 +230,14 @@ impl From<EndsHeld> for EndsHeldDto {
     }
 }
 
-/// How long a visit goes on from now, by how long lines took before; seconds.
+/// Seconds that a visit will still take, estimated from how long earlier lines took.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ExpectedEndDto {
-    /// One visit in ten ends sooner.
+    /// One visit in ten ends sooner than this.
     pub p10: f64,
-    /// Half of them do.
+    /// Half of the visits end sooner than this.
     pub p50: f64,
-    /// Nine in ten do.
+    /// Nine visits in ten end sooner than this.
     pub p90: f64,
 }
 
@@ -301,7 +300,7 @@ fn reach_dto(seen: &SeenReach, cell: Option<&Cell>) -> SeenReachDto {
 }
 
 impl Names<'_> {
-    /// What happens at a station.
+    /// The current state of a station.
     pub fn station_detail(&self, id: StationId) -> StationDetailDto {
         let empty = StationView::default();
         let seen = self.view.stations.get(id.ix()).unwrap_or(&empty);

@@ -1,5 +1,5 @@
-//! The report of a stretch of time: what was delivered, how long orders took, what robots and stations were at, what
-//! they waited for, alarms, people.
+//! The report of a period: deliveries, how long orders took, what robots and stations did, what robots waited for,
+//! alarms, people.
 //!
 //! Main types: [`ShiftReportDto`], [`ShiftSources`]. Refuses: figures by person.
 
@@ -15,17 +15,17 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
-/// The word for jobs that bring a rack to a station.
+/// The name of the job kind that brings a rack to a station.
 const DELIVER: &str = "deliver";
 
-/// What happened from one time to another.
+/// What happened in a period.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ShiftReportDto {
-    /// From when, RFC 3339.
+    /// Start of the period, RFC 3339.
     pub from: String,
-    /// Until when.
+    /// End of the period, RFC 3339.
     pub to: String,
-    /// How many seconds of that the server was running; rates and shares are of these.
+    /// How many seconds of the period the server was running; rates and shares refer to these.
     pub covered_s: f64,
     /// Racks brought to stations.
     pub deliveries: DeliveriesDto,
@@ -33,15 +33,15 @@ pub struct ShiftReportDto {
     pub jobs: Vec<EndedJobsDto>,
     /// Stations, in the order of the map.
     pub stations: Vec<StationShiftDto>,
-    /// What robots were at.
+    /// What robots did.
     pub robots: RobotsShiftDto,
-    /// What waiting robots waited for in the end, the longest first.
+    /// Root causes of robots' waiting, the longest first.
     pub waiting: Vec<WaitingCauseDto>,
-    /// Chargers.
+    /// Use of the chargers.
     pub chargers: ChargersShiftDto,
     /// Alarms that were active, by kind, the longest first.
     pub alarms: Vec<AlarmsShiftDto>,
-    /// What people and other systems did, the most frequent first.
+    /// Acts of people and of other systems, the most frequent first.
     pub acts: Vec<ActsShiftDto>,
     /// People, all together.
     pub people: PeopleShiftDto,
@@ -52,23 +52,23 @@ pub struct ShiftReportDto {
 /// Racks brought to stations.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct DeliveriesDto {
-    /// How many were done.
+    /// How many deliveries were done.
     pub done: u64,
-    /// How many an hour.
+    /// Deliveries done per hour.
     pub per_hour: f64,
-    /// How many of those had a deadline.
+    /// How many of the deliveries done had a deadline.
     pub with_deadline: u64,
-    /// How many were done after it.
+    /// How many were done after their deadline.
     pub late: u64,
-    /// Jobs of any kind whose deadline passed and that were not over at the end.
+    /// Jobs of any kind that were past their deadline and not over at the end of the period.
     pub overdue: u64,
-    /// From submission until the rack stood at the station.
+    /// Seconds from submission until the rack stood at the station; null if nothing was delivered.
     pub order_to_station_s: Option<QuantilesDto>,
-    /// From submission until the job was done.
+    /// Seconds from submission until the job was done; null if nothing was delivered.
     pub order_to_done_s: Option<QuantilesDto>,
 }
 
-/// How long something took, seconds.
+/// Quantiles of a duration, seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
 pub struct QuantilesDto {
     /// Half took at most this long.
@@ -80,7 +80,7 @@ pub struct QuantilesDto {
 /// Jobs of one kind that ended.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct EndedJobsDto {
-    /// Their kind.
+    /// The kind of job.
     pub kind: String,
     /// How many were done.
     pub done: u64,
@@ -90,83 +90,83 @@ pub struct EndedJobsDto {
     pub cancelled: u64,
 }
 
-/// One station.
+/// Deliveries to one station.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct StationShiftDto {
-    /// Its name.
+    /// The station's name.
     pub station: String,
-    /// Racks brought to it.
+    /// Racks brought to the station.
     pub deliveries: u64,
-    /// How many an hour.
+    /// Racks brought to the station per hour.
     pub per_hour: f64,
-    /// How many of them were done after their deadline.
+    /// How many of these deliveries were done after their deadline.
     pub late: u64,
-    /// From submission until the rack stood there.
+    /// Seconds from submission until the rack stood at the station; null if nothing was delivered.
     pub order_to_station_s: Option<QuantilesDto>,
-    /// From then until the job was done.
+    /// Seconds from then until the job was done; null if nothing was delivered.
     pub pick_s: Option<QuantilesDto>,
-    /// Share of the time in which somebody picked there, from 0 to 1.
+    /// Share of the covered time in which a rack was picked from, 0 to 1.
     pub picking_share: f64,
 }
 
-/// What robots were at.
+/// What robots did.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct RobotsShiftDto {
-    /// How many there were on the floor, on average.
+    /// The mean number of robots on the floor.
     pub mean: f64,
-    /// Share of their time by activity, from 0 to 1; together 1 if there were any.
+    /// Share of the robots' time by activity, 0 to 1; the shares add up to 1 if there were any robots.
     pub shares: BTreeMap<String, f64>,
 }
 
-/// Something that robots waited for.
+/// A root cause of robots' waiting.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct WaitingCauseDto {
-    /// What: traffic, person, closure, station, `robot_out` (one that cannot drive), `by_hand` (one that is paused or
-    /// stopped), obstacle, `no_route`.
+    /// The cause: traffic, person, closure, station, `robot_out` (a robot that cannot drive), `by_hand` (a robot that
+    /// is paused or stopped), obstacle, `no_route`.
     pub cause: String,
-    /// Seconds, all robots together.
+    /// Seconds of waiting, summed over all robots.
     pub robot_s: f64,
-    /// Share of the time of all robots, from 0 to 1.
+    /// Share of the time of all robots, 0 to 1.
     pub share: f64,
 }
 
-/// Chargers.
+/// Use of the chargers.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ChargersShiftDto {
-    /// How many the map has.
+    /// How many chargers the map has.
     pub count: u64,
-    /// Share of their time in which a robot stood at them, from 0 to 1; 0 if there are none.
+    /// Share of the chargers' time in which a robot charged there, 0 to 1; 0 if there are no chargers.
     pub share: f64,
 }
 
 /// Alarms of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct AlarmsShiftDto {
-    /// The kind.
+    /// The kind of alarm.
     pub kind: String,
-    /// How many were active at any time of this.
+    /// How many alarms were active at any time of the period.
     pub count: u64,
-    /// For how many seconds of this, all together.
+    /// Seconds of the period in which they were active, summed over all alarms.
     pub lasted_s: f64,
 }
 
-/// An act.
+/// How often an act was done.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ActsShiftDto {
-    /// Which.
+    /// The act.
     pub act: AuditAct,
-    /// How often it was done.
+    /// How many times it was done.
     pub count: u64,
 }
 
-/// People, all together.
+/// Figures on all people together.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct PeopleShiftDto {
     /// Hours that workers spent on the floor.
     pub worker_h: f64,
-    /// Assignments that they completed.
+    /// Assignments that workers completed.
     pub assignments_done: u64,
-    /// How often somebody left the path.
+    /// How often a worker left the path.
     pub deviations: u64,
     /// How often a robot had to stop or to change its route because of a worker.
     pub interruptions: u64,
@@ -175,39 +175,39 @@ pub struct PeopleShiftDto {
 /// Robots that came into region 1 of a worker.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct EncountersShiftDto {
-    /// How many times.
+    /// How many encounters there were.
     pub count: u64,
-    /// How many times in an hour of a worker on the floor; nothing if nobody was.
+    /// Encounters per hour that a worker spent on the floor; null if no worker was there.
     pub per_worker_hour: Option<f64>,
-    /// The smallest distance of the encounters, metres: of the closest, and of the middle one.
+    /// Smallest distances of the encounters, metres; null if there were none.
     pub closest_m: Option<ClosestDto>,
-    /// How many for each reaction of the robot.
+    /// How many encounters had each reaction of the robot.
     pub reactions: BTreeMap<String, u64>,
 }
 
-/// How near robots came.
+/// How close robots came to workers, metres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ClosestDto {
-    /// Of all.
+    /// The smallest distance of all encounters.
     pub min: f64,
-    /// Half of them came no nearer.
+    /// The median of the encounters' smallest distances.
     pub p50: f64,
 }
 
-/// What a report is made of.
+/// The data from which a report is made.
 #[derive(Debug)]
 pub struct ShiftSources<'a> {
     /// The building.
     pub map: &'a Warehouse,
-    /// From when to when.
+    /// Start and end of the period.
     pub between: (Time, Time),
-    /// Figures over time.
+    /// Figures over time, in buckets.
     pub buckets: &'a [Bucket],
-    /// What the lists say.
+    /// Rows of the lists of jobs, assignments and encounters.
     pub rows: &'a ShiftRows,
-    /// Alarms that were active.
+    /// Alarms that were active in the period.
     pub alarms: &'a [Alarm],
-    /// What was asked and done, as the audit has it, and how often.
+    /// Acts with their counts, by the names that the audit uses.
     pub acts: &'a [(String, u64)],
 }
 
@@ -271,7 +271,7 @@ impl ShiftSources<'_> {
         ChargersShiftDto { count: count as u64, share: share(charging, covered * count as i64) }
     }
 
-    /// What another version calls otherwise is left out.
+    /// The acts with their counts; acts that this version does not know are left out.
     fn acts(&self) -> Vec<ActsShiftDto> {
         let mut counts: BTreeMap<AuditAct, u64> = BTreeMap::new();
         for (what, count) in self.acts {
@@ -287,7 +287,7 @@ impl ShiftSources<'_> {
     fn alarms(&self) -> Vec<AlarmsShiftDto> {
         let (from, to) = self.between;
         let mut kinds: BTreeMap<&str, (u64, Span)> = BTreeMap::new();
-        // A group counts once, its members do not.
+        // A group counts once; its members do not count.
         for alarm in self.alarms.iter().filter(|alarm| alarm.group.is_none()) {
             let lasted = alarm.cleared.unwrap_or(to).min(to) - alarm.since.max(from);
             let (count, sum) = kinds.entry(alarm.kind.word()).or_default();
@@ -389,7 +389,7 @@ fn quantiles(spans: impl Iterator<Item = Span>) -> Option<QuantilesDto> {
     (!all.is_empty()).then(|| QuantilesDto { p50: seconds(50), p95: seconds(95) })
 }
 
-/// So many percent of these, which are in order and not none, are at most that.
+/// The value that `percent` of the values do not exceed; `sorted` is in ascending order and not empty.
 fn at_share(sorted: &[i64], percent: usize) -> i64 {
     sorted[(sorted.len() * percent).div_ceil(100).max(1) - 1]
 }

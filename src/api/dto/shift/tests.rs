@@ -1,4 +1,4 @@
-//! Reports, from rows that are made up.
+//! Reports from made-up rows.
 
 use super::*;
 use giveway_fleet::alarm::{AlarmKind, AlarmSeverity, AlarmSubject, SubjectKind};
