@@ -180,7 +180,7 @@ pub struct AssignmentDto {
     #[schema(example = "a3")]
     pub id: String,
     /// The worker; null while the assignment waits for the nearest worker who is free. Of an assignment that is over,
-    /// only administrators see the worker.
+    /// only administrators and the worker's own device see the worker.
     #[schema(example = "w1")]
     pub worker: Option<String>,
     /// The node to which the worker goes.

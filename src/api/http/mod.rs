@@ -2,7 +2,7 @@
 //! and never each other.
 //!
 //! Main function: [`router`]. Every route under `/v1` is registered together with its description, so that
-//! `/openapi.json` cannot forget one. Refuses: answers that are no problem+json where something went wrong.
+//! `/openapi.json` cannot miss one. Refuses: errors that are not problem+json.
 
 mod access;
 mod describe;
@@ -45,7 +45,7 @@ use utoipa::openapi::OpenApi as Document;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-/// All routes, and what is said about them.
+/// All routes, and their OpenAPI description.
 pub fn router(api: Api) -> (Router, Document) {
     let (v1, document) = routes().split_for_parts();
     let served = |document: Value| {
@@ -64,12 +64,12 @@ pub fn router(api: Api) -> (Router, Document) {
         .layer(CompressionLayer::new().compress_when(worth_compressing()))
         .layer(CatchPanicLayer::custom(|_| Problem::internal().into_response()))
         .layer(middleware::from_fn_with_state(api, account));
-    // Without origins nothing answers for pages of other sites.
+    // Without configured origins, pages of other sites get no answers.
     let router = if origins.is_empty() { router } else { router.layer(cross_origin(&origins)) };
     (router, document)
 }
 
-/// Lets browsers show answers to pages of these origins, and ask on their behalf; without the cookie of a session.
+/// Lets pages of these origins send requests and read the answers, but without a session cookie.
 fn cross_origin(origins: &[String]) -> CorsLayer {
     let origins: Vec<HeaderValue> = origins.iter().filter_map(|origin| origin.parse().ok()).collect();
     let requests = [
@@ -97,7 +97,7 @@ fn cross_origin(origins: &[String]) -> CorsLayer {
         .max_age(Duration::from_secs(600))
 }
 
-/// Texts of more than a kilobyte; neither event streams, which must leave at once, nor what is compressed already.
+/// Compress texts of more than a kilobyte, but neither event streams, which must leave at once, nor compressed content.
 fn worth_compressing() -> impl Predicate {
     SizeAbove::new(1024)
         .and(NotForContentType::SSE)
@@ -106,12 +106,12 @@ fn worth_compressing() -> impl Predicate {
         .and(is_not_shared)
 }
 
-/// What is in memory once is compressed once, and sent as it is until that is done.
+/// A shared body is compressed once for all clients, and sent uncompressed until that is done.
 fn is_not_shared(_: StatusCode, _: Version, _: &HeaderMap, extensions: &Extensions) -> bool {
     extensions.get::<SharedBody>().is_none()
 }
 
-/// What is said of and at stations.
+/// Routes about stations, and for reports from stations.
 fn station_routes() -> OpenApiRouter<Api> {
     OpenApiRouter::new()
         .routes(routes!(floor::stations::one))
@@ -125,7 +125,7 @@ fn station_routes() -> OpenApiRouter<Api> {
         .routes(routes!(floor::stations::resume))
 }
 
-/// The routes that are described, each beside what it says of itself.
+/// The described routes, each with its description.
 fn routes() -> OpenApiRouter<Api> {
     OpenApiRouter::with_openapi(describe::openapi::Description::openapi())
         .routes(routes!(operate::health::health))
@@ -197,7 +197,7 @@ fn routes() -> OpenApiRouter<Api> {
         .routes(routes!(operate::health::metrics))
 }
 
-/// Routes about who may do what, and who did.
+/// Routes about access rights, and the audit.
 fn access_routes() -> OpenApiRouter<Api> {
     OpenApiRouter::new()
         .routes(routes!(access::audit::list))
@@ -209,8 +209,8 @@ fn access_routes() -> OpenApiRouter<Api> {
         .routes(routes!(access::tokens::rotate))
 }
 
-/// Lets requests in whose caller has the role that the route needs, tells the handler whose they are, and notes those
-/// that are to change something, with what came of them.
+/// Admits requests whose caller has the role that the route needs, passes the caller on to the handler, and audits
+/// requests that are to change something, with their outcome.
 async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> Response {
     let open = access_of(request.method().as_str(), request.uri().path()) == Some(Access::Open);
     let caller = match api.gate.check(request.method(), request.headers(), (api.now)()) {
@@ -236,7 +236,7 @@ async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> 
             once::answer(&api, &who, &route, request, next).await
         }
     };
-    // What is open to everybody shows of nobody who it is.
+    // An answer of an open route does not reveal whether the caller was recognised.
     if !open {
         response.extensions_mut().insert(Recognised);
     }
@@ -248,13 +248,13 @@ async fn authorise(State(api): State<Api>, mut request: Request, next: Next) -> 
     response
 }
 
-/// The id of what was made, where the answer says where that is.
+/// The id of the created thing, if the answer has a `Location`.
 fn made(response: &Response) -> Option<String> {
     let place = response.headers().get(header::LOCATION)?.to_str().ok()?;
     Some(place.rsplit('/').next()?.to_owned())
 }
 
-/// Counts requests, and writes the path into problems.
+/// Counts requests, and writes the request's path into problems.
 async fn account(State(api): State<Api>, request: Request, next: Next) -> Response {
     let method = method_word(request.method());
     let path = request.uri().path().to_owned();
@@ -280,7 +280,7 @@ async fn account(State(api): State<Api>, request: Request, next: Next) -> Respon
     response
 }
 
-/// Lets the answer to a wrong secret wait, and writes down that there was one.
+/// Delays the answer to a wrong secret, and audits the attempt.
 async fn slow_down(api: &Api, door: SecretDoor, peer: Option<Peer>) {
     let from = peer.map_or(IpAddr::from([127, 0, 0, 1]), |Peer(from)| from);
     let judged = api.gate.wrong_secrets().note(from, Instant::now());

@@ -1,9 +1,9 @@
-//! Requests with an `Idempotency-Key` whose effect has no key of its own: a repeat gets the answer of the first one.
+//! Requests with an `Idempotency-Key` whose effect carries no key of its own: a repeat gets the first request's answer.
 //!
-//! Main function: [`answer`]. Jobs and assignments carry their keys themselves, in the same transaction; for what is
-//! listed in `KEYED`, it is noted before the request is carried out that it has begun, and its answer after that. So a
-//! repeat never does it twice; if the server ended in between, the repeat is told that nobody knows. Refuses: to keep
-//! tokens, which are shown once.
+//! Main function: [`answer`]. Jobs and assignments carry their keys themselves, in the same transaction. For the routes
+//! in `KEYED`, the key is stored before the request is carried out, and the answer after that. So a repeat never does
+//! it twice; if the server ended in between, the repeat is told that the outcome is unknown. Refuses: to keep tokens,
+//! which are shown once.
 
 use crate::access::caller::Caller;
 use crate::port::answers::{AnswerPort, KeptAnswer, KeyedRequest, KnownRequest};
@@ -19,16 +19,16 @@ use giveway_floor::text::sentence::requests;
 use sha2::{Digest, Sha256};
 use std::sync::Arc;
 
-/// Requests that make something which no name tells apart. A robot or worker of the same name is the same one.
+/// Routes that create things without a unique name. Robots and workers need no key: the same name is the same thing.
 const KEYED: [&str; 2] = ["/v1/closures", "/v1/webhooks"];
 
-/// The longest answer that is kept, bytes.
+/// The longest answer that is kept, in bytes.
 const LONGEST: usize = 1 << 20;
 
-/// Says that an answer was given before.
+/// The header that marks the repeat of an earlier answer.
 const REPLAYED: HeaderName = HeaderName::from_static("idempotency-replayed");
 
-/// Answers a request: as it was answered before, if it has a key under which it was.
+/// Answers a request; if its key is known, with the answer that was given before.
 pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, next: Next) -> Response {
     let (mut parts, body) = request.into_parts();
     let keyed = parts.method == axum::http::Method::POST && KEYED.contains(&route);
@@ -40,7 +40,7 @@ pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, n
         Ok(IdempotencyKey(key)) => key.unwrap_or_default(),
         Err(problem) => return problem.into_response(),
     };
-    // What is too long is refused by who reads it, and leaves nothing to be repeated.
+    // A body that is too long leaves no key behind; the request is refused here.
     let Ok(body) = to_bytes(body, BODY_LIMIT + 1).await else {
         let detail = requests::malformed(format!("a body may have {BODY_LIMIT} bytes at most"));
         let status = StatusCode::PAYLOAD_TOO_LARGE;
@@ -52,12 +52,12 @@ pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, n
         Err(why) => Problem::of_records(why).into_response(),
         Ok(KnownRequest::Answered(kept)) => replayed(kept),
         Ok(KnownRequest::New) => {
-            // To its end, whether or not the client waits for that.
+            // The request runs to its end, whether or not the client waits.
             let request = Request::from_parts(parts, Body::from(body));
             let (theirs, request_key) = (port.clone(), keyed.clone());
             let run = tokio::spawn(async move { kept(theirs, request_key, next.run(request).await).await });
             run.await.unwrap_or_else(|_| {
-                // It panicked: nobody knows what came of it, and it no longer runs.
+                // The handler panicked: the outcome is unknown, and the request no longer runs.
                 port.leave(&keyed);
                 Problem::internal().into_response()
             })
@@ -66,7 +66,7 @@ pub async fn answer(api: &Api, caller: &Caller, route: &str, request: Request, n
     }
 }
 
-/// Keeps an answer, and gives it.
+/// Stores an answer under its key, and returns it.
 async fn kept(port: Arc<dyn AnswerPort>, request: KeyedRequest, response: Response) -> Response {
     let (parts, body) = response.into_parts();
     if parts.status.is_server_error() {
@@ -91,7 +91,7 @@ async fn kept(port: Arc<dyn AnswerPort>, request: KeyedRequest, response: Respon
 }
 
 fn replayed(kept: KeptAnswer) -> Response {
-    // What was made then is not made now; the status stays, as the body does.
+    // A repeat creates nothing, but gets the first answer's status and body.
     let status = StatusCode::from_u16(kept.status).unwrap_or(StatusCode::OK);
     let mut response = (status, kept.body).into_response();
     let headers = response.headers_mut();

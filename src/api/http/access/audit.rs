@@ -1,4 +1,4 @@
-//! `/v1/audit`: who asked for what, and what came of it.
+//! `/v1/audit`: the requests that were to change something, with their callers and outcomes.
 //!
 //! Main types: [`AuditDto`], [`AuditParams`]. Refuses: pages of more than 500.
 
@@ -20,68 +20,68 @@ use utoipa::{IntoParams, ToSchema};
 /// A request that was to change something.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct AuditDto {
-    /// Its number.
+    /// The entry's number.
     #[schema(example = "1800000000000000")]
     pub id: String,
-    /// When it came, RFC 3339.
+    /// When the request came, RFC 3339.
     #[schema(example = "2027-01-31T12:00:00Z")]
     pub at: String,
-    /// Who asked: the name of the token, `configuration` for tokens of the settings, `this machine` where none was
+    /// The caller: the name of the token, `configuration` for tokens of the settings, `this machine` if no token was
     /// needed, `command line` for `giveway token`.
     #[schema(example = "night shift")]
     pub actor: String,
-    /// In which role.
+    /// The caller's role.
     pub role: Role,
-    /// What was asked: method and route.
+    /// The request: method and route.
     #[schema(example = "POST /v1/robots/{id}/pause")]
     pub what: String,
-    /// The same as an act; null where an earlier or a later version knew it.
+    /// The request as an act; null if only an earlier or a later version knows it.
     pub act: Option<AuditAct>,
-    /// Of what: the id in the path, or of what was made; null if there is none.
+    /// The thing that the request concerned: the id in the path, or of the thing created; null if there is none.
     #[schema(example = "robot-2")]
     pub subject: Option<String>,
-    /// What came of it.
+    /// The outcome of the request.
     pub outcome: AuditOutcome,
-    /// The status of the answer; null if none is known.
+    /// The HTTP status of the answer; null if none is known.
     #[schema(example = 204)]
     pub status: Option<u16>,
 }
 
-/// What came of a request.
+/// The outcome of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AuditOutcome {
-    /// It was carried out.
+    /// The request was carried out.
     Done,
-    /// It was refused: the caller may not, or it cannot be.
+    /// The request was refused: the caller may not do this, or it is impossible.
     Refused,
-    /// The server could not carry it out.
+    /// The server could not carry out the request.
     Failed,
-    /// It changed something, and no answer was sent over HTTP: it came over a feed, or the server ended.
+    /// The request changed something, and no answer was sent over HTTP: it came over a feed, or the server ended.
     Unanswered,
 }
 
-/// Which requests to list.
+/// Filters for the audit.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AuditParams {
-    /// Only those that came at this time or later, RFC 3339.
+    /// Only requests that came at this time or later, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Only those that came before this time.
+    /// Only requests that came before this time, RFC 3339.
     to: Option<String>,
-    /// Only those of this name.
+    /// Only requests of the caller of this name.
     #[param(example = "night shift")]
     actor: Option<String>,
-    /// How many at most, 1 to 500; 50 if absent.
+    /// How many requests at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// Who asked to change something, newest first: every request but reads and reports of positions, also those that were
-/// refused for their role.
+/// List requests that were to change something, newest first: every request except reads and reports of positions,
+/// including requests that were refused because of the caller's role.
 #[utoipa::path(get, path = "/v1/audit", tag = "server", operation_id = "listAudit", params(AuditParams), responses(
     (status = 200, description = "Requests, newest first", body = Page<AuditDto>),
     (status = 422),

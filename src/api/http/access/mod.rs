@@ -1,4 +1,4 @@
-//! Handlers for who may do what, and who did: sessions, signing in with an identity provider, tokens, the audit.
+//! Handlers for access: sessions, signing in with an identity provider, tokens, the audit.
 //!
 //! Main types: [`session::SessionDto`], [`tokens::NewToken`]. Refuses: to decide what a role may do.
 

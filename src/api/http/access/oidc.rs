@@ -1,8 +1,8 @@
 //! `/v1/session/oidc`: signing in with an identity provider.
 //!
-//! Main types: [`ProviderDto`], [`BeginSignOn`]. A page begins and sends the browser to the provider, which sends it
-//! back here; then the browser has a session, or the page to sign in says why not. Refuses: to lead to other sites
-//! afterwards.
+//! Main types: [`ProviderDto`], [`BeginSignOn`]. A page begins a sign-on and sends the browser to the provider, which
+//! sends it back here; then the browser has a session, or the sign-in page says why not. Refuses: to lead to other
+//! sites afterwards.
 
 use super::session::{note, port};
 use crate::access::auth::{fresh_token, hash_of};
@@ -22,57 +22,57 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use utoipa::{IntoParams, ToSchema};
 
-/// The longest address of a page to go back to.
+/// The longest path of a page to return to, in bytes.
 const LONGEST_BACK: usize = 2000;
 
-/// With what people can sign in besides a token.
+/// The identity provider with which people can sign in instead of with a token.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ProviderDto {
-    /// What the identity provider is called; null if the settings name none.
+    /// The display name of the identity provider; null if the settings name no provider.
     #[schema(example = "Keycloak")]
     pub name: Option<String>,
 }
 
-/// How to begin to sign in with the identity provider.
+/// How to begin a sign-on with the identity provider.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BeginSignOn {
-    /// The page of this server to go back to, as a path; the dashboard if absent.
+    /// The page of this server to return to, as a path; the dashboard if absent.
     #[schema(example = "/?view=1", max_length = 2000)]
     back: Option<String>,
 }
 
-/// The way to the identity provider.
+/// Where to send the browser to sign on.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ProviderRedirectDto {
-    /// Where the browser is to go.
+    /// The address to which the browser must go.
     #[schema(example = "https://login.example/authorize?client_id=giveway")]
     pub address: String,
 }
 
-/// What the provider says when it sends a browser back. It may say more.
+/// What the provider sends back with the browser. It may send more.
 #[derive(Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct CallbackParams {
-    /// Which sign-on it belongs to.
+    /// The `state` of the sign-on to which the answer belongs.
     state: Option<String>,
-    /// What an ID token is given for.
+    /// The authorization code, to be exchanged for an ID token.
     code: Option<String>,
-    /// Why none is.
+    /// The provider's error, if it refused.
     error: Option<String>,
-    /// Who the provider is.
+    /// The issuer, as the provider names itself.
     iss: Option<String>,
 }
 
-/// With which identity provider people sign in here.
+/// Get the identity provider with which people sign in here.
 #[utoipa::path(get, path = "/v1/session/oidc", tag = "server", operation_id = "getIdentityProvider", responses(
     (status = 200, description = "What it is called", body = ProviderDto)))]
 pub async fn provider(Called(api): Called) -> Json<ProviderDto> {
     Json(ProviderDto { name: api.oidc.as_deref().map(Oidc::name) })
 }
 
-/// Begin to sign in with the identity provider: the answer says where the browser is to go, and sets a cookie without
-/// which it does not get in when it comes back. Ten minutes are allowed for that.
+/// Begin to sign in with the identity provider: the answer contains the address to which the browser must go, and sets
+/// a cookie without which the browser is refused when it returns. The browser must return within ten minutes.
 #[utoipa::path(post, path = "/v1/session/oidc", tag = "server", operation_id = "beginSignOn",
     request_body = BeginSignOn, responses(
     (status = 200, description = "Where to go", body = ProviderRedirectDto, headers(("Set-Cookie" = String))),
@@ -95,8 +95,8 @@ pub async fn begin(
     Ok(([(header::SET_COOKIE, cookie)], Json(ProviderRedirectDto { address: request.address })))
 }
 
-/// Where the identity provider sends browsers: leads on to the page where somebody wanted to go, signed in; or to the
-/// page to sign in, which says why not.
+/// Complete a sign-on; the identity provider sends browsers here. Redirects to the page where the person wanted to go,
+/// signed in, or to the sign-in page, which says why not.
 #[utoipa::path(get, path = OIDC_CALLBACK, tag = "server", operation_id = "endSignOn", params(CallbackParams), responses(
     (status = 303, description = "On to a page of this server", headers(("Location" = String))),
     (status = 404, description = "The settings name no identity provider")))]
@@ -120,7 +120,7 @@ pub async fn callback(
     Ok(on(back, vec![over, (header::SET_COOKIE, session_cookie(&headers, &secret, plain))]))
 }
 
-/// Begins the session of somebody; what the cookie is to say, and which page comes.
+/// Begins a person's session; returns the value of the cookie and the next page.
 async fn begin_session(api: &Api, signed_on: SignedOn) -> Result<(String, String), Problem> {
     let SignedOn { name, role, expires, back, .. } = signed_on;
     let (secret, created) = (fresh_token(), (api.now)());
@@ -136,26 +136,26 @@ fn configured(api: &Api) -> Result<&Arc<Oidc>, Problem> {
     api.oidc.as_ref().ok_or_else(|| Problem::unknown("provider", requests::no_provider()))
 }
 
-/// The address of the callback as the browser knows this server.
+/// The address of the callback, under the host by which the browser knows this server.
 fn own_address(headers: &HeaderMap, plain: bool) -> String {
     let host = headers.get(header::HOST).and_then(|v| v.to_str().ok()).unwrap_or("localhost");
     format!("{}://{host}{OIDC_CALLBACK}", if plain { "http" } else { "https" })
 }
 
-/// Whether this is the path of a page of this server, as browsers understand it.
+/// Whether browsers take this path to be a page of this server.
 fn is_own_page(path: &str) -> bool {
     let rest = path.strip_prefix('/');
     let leads_away = rest.is_none_or(|rest| rest.starts_with(['/', '\\']));
     !leads_away && path.len() <= LONGEST_BACK && path.bytes().all(|b| b.is_ascii_graphic())
 }
 
-/// The page to sign in, with a word that it knows and where to go on after it.
+/// The sign-in page with the refusal's word and the page to go to after signing in.
 fn page_that_says(why: OidcRefusal, back: Option<&str>) -> String {
     let back: String = back.unwrap_or("/").bytes().map(escaped).collect();
     format!("/sign-in?refused={}&back={back}", why.word())
 }
 
-/// A byte of a parameter.
+/// A byte of a parameter, escaped if necessary.
 fn escaped(byte: u8) -> String {
     match byte {
         b if b.is_ascii_alphanumeric() || b"/-._~".contains(&b) => char::from(b).to_string(),

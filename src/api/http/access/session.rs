@@ -1,6 +1,6 @@
-//! `/v1/session`: signing in and out of a browser, and who is signed in.
+//! `/v1/session`: signing a browser in and out, and the current caller.
 //!
-//! Main types: [`SignIn`], [`SessionDto`]. Refuses: to tell scripts of the page what the cookie says.
+//! Main types: [`SignIn`], [`SessionDto`]. Refuses: to show the cookie's value to scripts of the page.
 
 use crate::access::acts::AuditAct;
 use crate::access::audit::AuditEntry;
@@ -19,16 +19,16 @@ use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// What signing in takes.
+/// The credentials for signing in.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SignIn {
-    /// A token that holds.
+    /// A valid token.
     #[schema(example = "gw_0123456789abcdef")]
     token: String,
 }
 
-/// How a caller shows who it is.
+/// How a caller was identified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SignedInBy {
@@ -40,35 +40,35 @@ pub enum SignedInBy {
     Nothing,
 }
 
-/// Who asks.
+/// The caller.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct SessionDto {
     /// The name of the token, or of the person who signed in with an identity provider; `configuration` for tokens of
-    /// the settings, `this machine` where none is needed.
+    /// the settings, `this machine` if no token is needed.
     #[schema(example = "night shift")]
     pub name: String,
-    /// What it may do.
+    /// The caller's role.
     pub role: Role,
-    /// The worker or robot that a device speaks for; null for other roles.
+    /// The worker or robot for which a device speaks; null for other roles.
     #[schema(example = "w1")]
     pub subject: Option<String>,
-    /// How that was shown.
+    /// How the caller was identified.
     pub by: SignedInBy,
-    /// When the session or the token ends, RFC 3339; null if it does not.
+    /// When the session or the token expires, RFC 3339; null if it does not.
     pub expires: Option<String>,
-    /// What it may do, besides reading; a device for its own worker or robot.
+    /// What the caller may do besides reading; a device, only for its own worker or robot.
     pub may: Vec<AuditAct>,
 }
 
-/// Who I am.
+/// Get the current caller.
 #[utoipa::path(get, path = "/v1/session", tag = "server", operation_id = "getSession", responses(
     (status = 200, description = "Who asks, in which role", body = SessionDto)))]
 pub async fn who(Called(api): Called) -> Json<SessionDto> {
     Json(dto(&api, &api.caller))
 }
 
-/// Sign in: a cookie in the place of a token, for pages of this server. It lasts until the browser ends, seven days at
-/// most, and never longer than the token.
+/// Sign in: get a cookie instead of a token, for pages of this server. It lasts until the browser is closed, seven days
+/// at most, and never longer than the token.
 #[utoipa::path(post, path = "/v1/session", tag = "server",
     operation_id = "signIn", request_body = SignIn, responses(
     (status = 201, description = "Signed in", body = SessionDto, headers(("Set-Cookie" = String))),
@@ -94,7 +94,7 @@ pub async fn sign_in(
     Ok((StatusCode::CREATED, [cookie], Json(dto(&api, &caller))))
 }
 
-/// Sign out: the session of the cookie ends, and feeds that were opened with it.
+/// Sign out: the cookie's session ends, and so do feeds that were opened with it.
 #[utoipa::path(delete, path = "/v1/session", tag = "server", operation_id = "signOut", responses(
     (status = 204, description = "Nobody is signed in any more", headers(("Set-Cookie" = String)))))]
 pub async fn sign_out(
@@ -108,7 +108,7 @@ pub async fn sign_out(
     Ok((StatusCode::NO_CONTENT, [(header::SET_COOKIE, no_session_cookie(&headers))]))
 }
 
-/// Writes down who signed in or out.
+/// Audits that a person signed in or out.
 pub(super) fn note(api: &Api, caller: &Caller, what: &str, status: StatusCode) {
     let entry = api.audit.begin(caller, what.into(), None, (api.now)());
     api.audit.end(AuditEntry { status: Some(status.as_u16()), ..entry });

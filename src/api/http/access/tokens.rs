@@ -1,4 +1,4 @@
-//! `/v1/tokens`: who may talk to the server, and as what.
+//! `/v1/tokens`: the tokens with which callers are admitted, and their roles.
 //!
 //! Main types: [`TokenDto`], [`NewToken`], [`TokenMade`]. Refuses: to show a token a second time.
 
@@ -23,29 +23,29 @@ use utoipa::ToSchema;
 /// The longest name of a token, characters.
 const LONGEST_NAME: usize = 64;
 
-/// What is known of a token. Times are RFC 3339.
+/// A token, without the secret. Times are RFC 3339.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TokenDto {
-    /// Its number.
+    /// The token's number.
     #[schema(example = "t3")]
     pub id: String,
-    /// Who uses it.
+    /// The user of the token.
     #[schema(example = "night shift")]
     pub name: String,
-    /// What it may do.
+    /// The role of callers with this token.
     pub role: Role,
-    /// The worker or robot that a device speaks for; null for other roles.
+    /// The worker or robot for which a device speaks; null for other roles.
     #[schema(example = "w1")]
     pub subject: Option<String>,
-    /// When it was made, or made anew.
+    /// When the token was made, or rotated.
     pub created: String,
-    /// From when on it no longer holds; null if it does not expire.
+    /// When the token expires; null if it does not.
     pub expires: Option<String>,
-    /// When it was revoked; null if it was not.
+    /// When the token was revoked; null if it was not.
     pub revoked: Option<String>,
-    /// When it was used last, to within ten seconds; null if it never was.
+    /// When the token was last used, to within ten seconds; null if it never was.
     pub last_used: Option<String>,
-    /// Whether it lets anybody in now.
+    /// Whether the token is valid now.
     pub holds: bool,
 }
 
@@ -53,30 +53,31 @@ pub struct TokenDto {
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewToken {
-    /// Who uses it, 1 to 64 characters; the audit shows this name. One token of a name holds at a time.
+    /// The user of the token, 1 to 64 characters; the audit shows this name. Only one token of a name is valid at a
+    /// time.
     #[schema(example = "night shift")]
     name: String,
-    /// What it may do.
+    /// The role of callers with this token.
     role: Role,
-    /// The worker or robot that a device speaks for; for other roles nothing.
+    /// The worker or robot for which a device speaks; absent for other roles.
     #[schema(example = "w1")]
     subject: Option<String>,
-    /// From when on it no longer holds, RFC 3339; it does not expire if absent.
+    /// When the token expires, RFC 3339; if absent, it does not expire.
     #[schema(example = "2031-01-31T06:00:00Z")]
     expires: Option<String>,
 }
 
-/// A token that was made.
+/// A token that was just made.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TokenMade {
     /// The token itself. It is shown here and never again: the server keeps its SHA-256 only.
     pub token: String,
-    /// What is known of it.
+    /// The token, without the secret.
     #[serde(flatten)]
     pub known: TokenDto,
 }
 
-/// All named tokens, also those that no longer hold; never the tokens themselves.
+/// List all named tokens, including those that are no longer valid; the secrets are never listed.
 #[utoipa::path(get, path = "/v1/tokens", tag = "server", operation_id = "listTokens", params(Paging), responses(
     (status = 200, description = "Tokens in the order in which they were made", body = Page<TokenDto>),
     (status = 409),
@@ -87,8 +88,7 @@ pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json
     page(all.iter().map(|token| dto(&api, token)).collect(), &p)
 }
 
-/// Make a token. It is in force at once. From the first token of an administrator on, a server that needed no token
-/// needs one.
+/// Make a token. It is valid at once. Once an administrator's token exists, a server that needed no token needs one.
 #[utoipa::path(post, path = "/v1/tokens", tag = "server",
     operation_id = "makeToken", request_body = NewToken, responses(
     (status = 201, description = "Made; the token is in this answer only", body = TokenMade,
@@ -117,7 +117,7 @@ pub async fn make(
     Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(answer)))
 }
 
-/// Revoke a token, at once: requests with it are refused, and live feeds that were opened with it end.
+/// Revoke a token at once: requests with it are refused, and live feeds that were opened with it end.
 #[utoipa::path(delete, path = "/v1/tokens/{id}", tag = "server", operation_id = "revokeToken",
     params(("id" = String, Path, example = "t3")), responses(
     (status = 204, description = "Revoked"),
@@ -127,7 +127,7 @@ pub async fn revoke(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
     if revoked { Ok(StatusCode::NO_CONTENT) } else { Err(unknown(&id)) }
 }
 
-/// Put another token in the place of one: same name, same role. The old one no longer holds from now on.
+/// Rotate a token: a new one with the same name and role replaces it. The old one is invalid from now on.
 #[utoipa::path(post, path = "/v1/tokens/{id}/rotate", tag = "server", operation_id = "rotateToken",
     params(("id" = String, Path, example = "t3")), responses(
     (status = 200, description = "Made anew; the token is in this answer only", body = TokenMade),
@@ -140,7 +140,7 @@ pub async fn rotate(Called(api): Called, PathPart(id): PathPart) -> Result<Json<
 }
 
 impl NewToken {
-    /// The token that is wanted, without what the server adds.
+    /// The requested token, without what the server adds.
     fn read(&self, api: &Api) -> Result<NamedToken, Problem> {
         let mut errors = Vec::new();
         let name = self.name.trim();
@@ -182,7 +182,7 @@ impl NewToken {
     }
 }
 
-/// Whether a worker or robot has this id.
+/// Whether there is a worker or robot with this id.
 fn is_known(api: &Api, id: &str) -> bool {
     api.feeds.worker(id).is_ok() || parse_robot(api, id).is_ok()
 }

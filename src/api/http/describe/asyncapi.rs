@@ -16,7 +16,7 @@ use serde_json::{Map, Value, json};
 use utoipa::ToSchema;
 use utoipa::openapi::{RefOr, Schema};
 
-/// What is collected: schemas and messages by name.
+/// Schemas and messages by name, as they are collected.
 #[derive(Default)]
 struct Components {
     schemas: Map<String, Value>,
@@ -82,7 +82,7 @@ fn operation(action: &str, channel: &str, names: &[String]) -> Value {
 }
 
 impl Components {
-    /// Takes a type's schema in, with all that it refers to, and refers to it.
+    /// Adds a type's schema, with all schemas that it refers to, and returns a reference to it.
     fn schema<T: ToSchema>(&mut self, sent: bool) -> Value {
         let mut found: Vec<(String, RefOr<Schema>)> = vec![(T::name().into(), T::schema())];
         T::schemas(&mut found);
@@ -102,13 +102,13 @@ impl Components {
         name
     }
 
-    /// A message of one type.
+    /// Adds a message that has one type.
     fn whole<T: ToSchema>(&mut self, name: &str) -> String {
         let payload = self.schema::<T>(false);
         self.message(name.into(), "", payload)
     }
 
-    /// One message for each variant of an enum that travels with a `type`.
+    /// Adds one message for each variant of an enum with a `type` field.
     fn variants<T: ToSchema>(&mut self, of: &str) -> Vec<String> {
         self.schema::<T>(of == "feed");
         let whole = self.schemas.remove(&*T::name()).unwrap_or_default();
@@ -122,10 +122,10 @@ impl Components {
         variants.into_iter().map(message).collect()
     }
 
-    /// A row of which only the id and what changed are sent.
+    /// A row in a patch: only its id and the changed keys are sent.
     fn change<T: ToSchema>(&mut self) -> Value {
         let name = format!("{}Change", T::name().trim_end_matches("Dto"));
-        // As it is in the snapshot, which is described before.
+        // The row is described by the snapshot, whose schema comes first.
         let mut row = self.schemas[&*T::name()].clone();
         row["required"] = json!(["id"]);
         row["description"] = "The id, and what changed.".into();
@@ -133,7 +133,7 @@ impl Components {
         json!({"$ref": format!("#/components/schemas/{name}")})
     }
 
-    /// In the live feed nodes go by their index in the map, where lists name them.
+    /// The live feed refers to nodes by their index in the map; lists refer to them by name.
     fn nodes_by_index(&mut self) {
         let index = |schema: &mut Value, types: Value| schema["type"] = types;
         index(
@@ -183,7 +183,7 @@ impl Components {
             ("stations", list(self.change::<StationDto>())),
             ("workers", list(self.change::<WorkerDto>())),
         ];
-        // docs/api.md says what each number is.
+        // docs/api.md explains each number.
         let thin = ["moves", "turns", "speeds", "walks"].map(|key| (key, numbers.clone()));
         let thin = thin.into_iter().chain(["ways", "paths", "ahead"].map(|key| (key, list(numbers.clone()))));
         let all = rest.iter().chain(&rows).chain([&forecasts]).cloned().chain(thin);
@@ -199,7 +199,7 @@ impl Components {
     }
 }
 
-/// An object of this `type`.
+/// The schema of an object with this `type`.
 fn object(word: &str, always: &[(&str, Value)], sometimes: &[(&str, Value)]) -> Value {
     let mut properties = Map::from_iter([("type".to_owned(), json!({"type": "string", "enum": [word]}))]);
     properties
@@ -208,7 +208,7 @@ fn object(word: &str, always: &[(&str, Value)], sometimes: &[(&str, Value)]) -> 
     json!({"type": "object", "properties": properties, "required": required})
 }
 
-/// The word in a variant's `type`.
+/// The `type` of a variant.
 fn type_of(payload: &Value) -> Option<&str> {
     let here = payload["properties"]["type"]["enum"][0].as_str();
     here.or_else(|| payload["allOf"].as_array()?.iter().find_map(type_of))

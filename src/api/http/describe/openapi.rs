@@ -1,8 +1,8 @@
-//! `/openapi.json`: what the routes say about themselves, completed by what is true of all of them.
+//! `/openapi.json`: the descriptions of the routes, completed with what is true of all of them.
 //!
 //! Main function: [`described`]. The layers around the routes answer, too (a missing token, a body that is no JSON, a
-//! panic), and every such answer is put here, once, into each operation that it concerns. Refuses: to describe routes
-//! that are not there; the routes and their descriptions are registered together.
+//! panic); their answers are written here, once, and added to each operation that they concern. Refuses: to describe
+//! routes that do not exist; routes and their descriptions are registered together.
 
 use crate::access::roles::{Access, access_of};
 use crate::wire::error::Problem;
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use utoipa::OpenApi;
 use utoipa::openapi::OpenApi as Document;
 
-/// Methods whose requests change something.
+/// Methods of requests that change something.
 const WRITES: [&str; 4] = ["post", "put", "patch", "delete"];
 
 #[derive(OpenApi)]
@@ -69,7 +69,7 @@ fn members(value: &mut Value) -> impl Iterator<Item = (&String, &mut Value)> {
     value.as_object_mut().into_iter().flatten()
 }
 
-/// Adds the answers of the layers, and words where an answer has none.
+/// Adds the answers of the layers, and descriptions for answers that have none.
 fn complete(path: &str, method: &str, operation: &mut Value) {
     let access = access_of(&method.to_uppercase(), path).unwrap_or(Access::Administer);
     let needed = access.words();
@@ -102,8 +102,8 @@ fn complete(path: &str, method: &str, operation: &mut Value) {
     }
 }
 
-/// Says which roles may, for people and, as `x-roles`, for programs; `x-own` is whether a device may for its own worker
-/// or robot.
+/// Names the roles that may call an operation: in words for people, and as `x-roles` for programs; `x-own` is whether a
+/// device may call it for its own worker or robot.
 fn tell_roles(access: Access, words: &str, operation: &mut Value) {
     let before = operation["description"].as_str().map_or(String::new(), |text| format!("{text}\n\n"));
     operation["description"] = format!("{before}Needs the role {words}.").into();
@@ -111,8 +111,8 @@ fn tell_roles(access: Access, words: &str, operation: &mut Value) {
     operation["x-own"] = access.is_for_own().into();
 }
 
-/// Words, content and headers of a response. One that says that something is wrong is a problem (RFC 9457) unless its
-/// handler says otherwise.
+/// Completes a response: description, content and headers. The content of an error is a problem (RFC 9457) unless the
+/// handler describes another one.
 fn finish(status: &str, response: &mut Value) {
     if response["description"].as_str().is_none_or(str::is_empty) {
         response["description"] = usual_words(status).into();
@@ -137,7 +137,7 @@ fn finish(status: &str, response: &mut Value) {
     headers.or_insert_with(|| json!({}))[name] = json!({"description": words, "schema": schema});
 }
 
-/// What an answer of this status means wherever nothing more precise is said.
+/// The description of an answer with this status, where the handler gives none.
 fn usual_words(status: &str) -> String {
     match status {
         "200" => "What was asked for".into(),
@@ -159,8 +159,8 @@ fn usual_words(status: &str) -> String {
     }
 }
 
-/// A field that is null where there is nothing is still sent: only request bodies may leave it out. Fields that answers
-/// leave out are those that are neither required nor ever null.
+/// Marks nullable fields as required, except in request bodies: answers contain such a field even when it is null.
+/// Fields that answers may leave out are neither required nor nullable.
 fn require_what_is_always_sent(document: &mut Value) {
     let mut asked = BTreeSet::new();
     for (_, item) in document["paths"].as_object().into_iter().flatten() {
@@ -175,7 +175,7 @@ fn require_what_is_always_sent(document: &mut Value) {
     }
 }
 
-/// The names of all schemas that a part of the document refers to.
+/// Adds the names of all schemas that a part of the document refers to.
 fn reach(document: &Value, part: &Value, found: &mut BTreeSet<String>) {
     match part {
         Value::Object(map) => {
@@ -192,7 +192,7 @@ fn reach(document: &Value, part: &Value, found: &mut BTreeSet<String>) {
     }
 }
 
-/// Makes every property that may be null a required one.
+/// Makes every nullable property required.
 pub fn require_nullable(schema: &mut Value) {
     match schema {
         Value::Object(map) => {

@@ -1,6 +1,6 @@
-//! `/v1/live` over WebSocket: sends what a reader misses, pings, and ends what does not answer.
+//! `/v1/live` over WebSocket: sends each reader what it lacks, pings it, and closes connections that do not answer.
 //!
-//! Main function: [`live`]. Refuses: to buffer for a reader, and to read more than it must.
+//! Main function: [`live`]. Refuses: to buffer for a reader, and to read more than necessary.
 
 use crate::access::auth::TOKEN_ENDED;
 use crate::dto::people::SensesDto;
@@ -25,40 +25,39 @@ use tokio::sync::watch;
 use tokio::time::{Interval, MissedTickBehavior, interval, timeout};
 use utoipa::IntoParams;
 
-/// How many readers there may be.
+/// The most readers at once.
 const MOST_READERS: i64 = 1000;
 
-/// How often readers are pinged.
+/// Interval between pings to a reader.
 const PING: Duration = Duration::from_secs(15);
 
-/// A reader that says nothing, not even to pings, for so many of them is gone.
+/// After this many pings without an answer, a reader is gone.
 const SILENT_PINGS: u32 = 3;
 
-/// How long one message may take to leave.
+/// How long sending one message may take.
 const SEND: Duration = Duration::from_secs(10);
 
-/// From where on to read.
+/// The reader's version, and options of the live feed.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct LiveParams {
-    /// The version that the reader has: it gets patches from there on if they are still kept, else a
-    /// snapshot.
+    /// The version that the reader has: patches continue from it if they are still kept; else a snapshot comes first.
     since: Option<u64>,
-    /// Whether to send gaze, hands and charge of workers, too: after each patch a message `senses`.
+    /// Whether to send the gaze, hands and headset charge of workers, too: a message `senses` after each patch.
     senses: Option<bool>,
-    /// Whether patches are to be thin: numbers by row instead of rows by name, about a tenth of the bytes.
+    /// Whether to send thin patches: numbers by row instead of rows by name, about a tenth of the bytes.
     thin: Option<bool>,
-    /// Whether snapshots are to be packed: binary messages, each the text packed with gzip.
+    /// Whether to send snapshots as binary messages, each compressed with gzip.
     packed: Option<bool>,
 }
 
-/// The live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
-/// "version", …}` ten times a second. A patch names only items and keys that changed; if its base is not
-/// the reader's version, connect again. With `thin=true` patches carry numbers by row (docs/api.md, "Live feed"),
-/// with `packed=true` snapshots are binary messages: their text, packed with gzip. With `senses=true` there are
-/// messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`
-/// besides. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is needed.
+/// Open the live feed: JSON texts, first `{"type": "snapshot", "version", …}`, then `{"type": "patch", "base",
+/// "version", …}` ten times a second. A patch contains only items and keys that changed; if its base is not the
+/// reader's version, connect again. With `thin=true`, patches carry numbers by row (docs/api.md, "Live feed"); with
+/// `packed=true`, snapshots are binary messages: their text, compressed with gzip. With `senses=true`, there are also
+/// messages `{"type": "senses", "workers": [{"id", "gaze", "hands", "battery"}]}`. Offer the protocol `giveway`, and
+/// `bearer.TOKEN` if a token is needed.
 #[utoipa::path(get, path = "/v1/live", tag = "floor", operation_id = "openLiveFeed", params(LiveParams), responses(
     (status = 101, description = "The feed begins"),
     (status = 426, description = "Not a WebSocket"),
@@ -76,7 +75,7 @@ pub async fn live(
     }))
 }
 
-/// The way to a WebSocket for one more reader.
+/// Accepts a WebSocket for one more reader, if there is room.
 pub(super) fn reader_upgrade(
     api: &Api,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
@@ -92,7 +91,7 @@ pub(super) fn reader_upgrade(
     Ok(upgrade.protocols(["giveway"]).max_message_size(4096).max_write_buffer_size(64 << 20))
 }
 
-/// A connection that only carries messages out: it is pinged, and closed when the server goes down or its token ends.
+/// A connection that only sends: it is pinged, and closed when the server shuts down or the reader's token ends.
 pub(super) struct ReadOnly<'a> {
     socket: WebSocket,
     closing: watch::Receiver<bool>,
@@ -109,7 +108,7 @@ impl<'a> ReadOnly<'a> {
         ReadOnly { socket, closing, ended, ping, silent: 0 }
     }
 
-    /// Waits until there is news. False where the connection is over.
+    /// Waits for news. Returns false if the connection is over.
     pub async fn wait<T>(&mut self, news: &mut watch::Receiver<T>) -> bool {
         loop {
             tokio::select! {
@@ -141,13 +140,13 @@ impl<'a> ReadOnly<'a> {
         }
     }
 
-    /// Whether the message left in time.
+    /// Sends a message; false if it did not leave in time.
     pub async fn send(&mut self, message: Message) -> bool {
         matches!(timeout(SEND, self.socket.send(message)).await, Ok(Ok(())))
     }
 }
 
-/// Serves one reader until it leaves, stalls, or the server goes down.
+/// Serves one reader until it leaves, stalls, or the server shuts down.
 async fn serve(api: &Api, socket: WebSocket, p: &LiveParams) {
     let mut newest = api.live.subscribe();
     let reader = FeedReader {
@@ -171,7 +170,7 @@ async fn serve(api: &Api, socket: WebSocket, p: &LiveParams) {
     }
 }
 
-/// What headsets say besides where they are.
+/// A message with what headsets report besides poses.
 fn senses(api: &Api) -> Utf8Bytes {
     let carried = api.feeds.all_carried();
     let worker = |(i, c): (usize, &CarriedSenses)| {

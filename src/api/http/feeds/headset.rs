@@ -1,7 +1,7 @@
 //! One connection of a headset: poses in, guidance out.
 //!
-//! Main function: [`fn@feed`]. Guidance leaves at once when it changed, else four times a second; what could not leave
-//! in time was replaced by newer. Refuses: to wait for a client, and to talk a version that it does not know.
+//! Main function: [`fn@feed`]. Guidance is sent at once when it changed, else four times a second; guidance that cannot
+//! be sent in time is replaced by newer. Refuses: to wait for a client, and to speak a version that it does not know.
 
 use crate::dto::guidance::{GuidanceContext, GuidanceDto, GuidanceKey, PoseRefDto, guidance};
 use crate::dto::names::Names;
@@ -36,37 +36,37 @@ use std::time::Duration;
 use tokio::task::JoinSet;
 use tokio::time::timeout;
 
-/// How long a message may be: both hands with all joints, twice.
+/// The longest message, in bytes: both hands with all joints, twice.
 const MESSAGE: usize = 32 * 1024;
 
-/// How long the first message may take.
+/// How long the first message may take to arrive.
 const GREETING: Duration = Duration::from_secs(10);
 
-/// How long one message may take to leave.
+/// How long sending one message may take.
 const SEND: Duration = Duration::from_secs(2);
 
-/// Guidance leaves at least this often.
+/// The longest interval between two guidance messages.
 const REFRESH: Span = Span::from_millis(250);
 
-/// A connection on which nothing came for so long, not even answers to pings, is gone.
+/// A connection with no message for this long, not even an answer to a ping, is gone.
 const SILENT: Span = Span::from_secs(30);
 
-/// Messages in a row that cannot be read, after which a client is not one of ours.
+/// After this many unreadable messages in a row, the client is taken to be foreign.
 const MOST_UNREADABLE: u32 = 100;
 
-/// Pings whose answers are awaited.
+/// The most pings whose answers are awaited.
 const MOST_PINGS: usize = 8;
 
-/// So many reports wait for their answers.
+/// The most reports that wait for the fleet's answers.
 const MOST_REPORTS: usize = 4;
 
-/// So many poses are looked back upon, to say which were taken into account.
+/// How many poses are remembered, to tell the client which of them guidance took into account.
 const RECENT: usize = 256;
 
-/// The feed of a worker's headset, phone or gateway: JSON texts. The client says `hello` with the versions it speaks
-/// and gets `welcome`; it answers every `ping` with a `pong`; it sends `anchors` until they are `aligned`, then `pose`
-/// up to 60 times a second. The server sends `guidance` at once when it changed and four times a second else. Offer
-/// the protocol `giveway`, and `bearer.TOKEN` where a token is needed. All messages are shown in docs/headset.md.
+/// Open the feed of a worker's headset, phone or gateway: JSON texts. The client sends `hello` with the versions that
+/// it speaks and gets `welcome`; it answers every `ping` with a `pong`; it sends `anchors` until they are `aligned`,
+/// then `pose` up to 60 times a second. The server sends `guidance` at once when it changed, else four times a second.
+/// Offer the protocol `giveway`, and `bearer.TOKEN` if a token is needed. docs/headset.md shows all messages.
 #[utoipa::path(get, path = "/v1/workers/{id}/feed", tag = "people", operation_id = "openWorkerFeed",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 101, description = "The feed begins"),
@@ -93,16 +93,16 @@ pub async fn feed(
 
 /// Why a connection ends.
 enum SessionEnd {
-    /// The client is gone, or does not take what it is sent.
+    /// The client is gone, or does not accept what it is sent.
     Gone,
-    /// The server says goodbye, with a code and a reason.
+    /// The server closes the connection, with a code and a reason.
     Bye(u16, Sentence),
 }
 
 /// One connection.
 struct Session<'a> {
     api: &'a Api,
-    /// Of the protocol.
+    /// The version of the protocol.
     version: u32,
     worker: WorkerId,
     socket: WebSocket,
@@ -112,28 +112,28 @@ struct Session<'a> {
     warnings: Warnings,
     pings: VecDeque<(u64, Time)>,
     next_ping: u64,
-    /// Poses handed on: when received, epoch, number.
+    /// Poses that were handed on: time of receipt, epoch, number.
     handed: VecDeque<(Time, u32, u64)>,
     heading: Option<f64>,
     counted: (u64, u64),
     last_heard: Time,
     unreadable: u32,
-    /// Assignments that the wearer is done with, until the fleet has answered.
+    /// Assignments that the wearer has reported as done and that the fleet has not answered yet.
     reports: JoinSet<(AssignmentId, Option<Sentence>)>,
     sent: Option<GuidanceKey>,
     sent_at: Time,
-    /// Which hands cannot be.
+    /// Detects impossible hands.
     joints: JointGate,
-    /// What the wearer is shown of a station.
+    /// What the wearer was last told about a station.
     lights: Option<CellTold>,
 }
 
-/// Serves one client until it leaves, stalls, is replaced, or the server goes down.
+/// Serves one client until it leaves, stalls, is replaced, or the server shuts down.
 async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
     let late =
         || requests::malformed("no hello within ten seconds: the first message is hello, with versions");
     let greeted = timeout(GREETING, greeting(&mut socket)).await;
-    // Who has not said which version it speaks is told in the one that has bare text.
+    // A client that has not named its version gets version 1, which has bare text.
     let mut version = 1;
     let end = match greeted.unwrap_or_else(|_| Err(SessionEnd::Bye(close_code::POLICY, late()))) {
         Ok((both_speak, hello)) => {
@@ -178,19 +178,19 @@ async fn serve(api: &Api, worker: WorkerId, mut socket: WebSocket) {
     }
 }
 
-/// What is said of marks that do not fit with the others.
+/// What the client is told about marks that do not fit the others.
 fn left_out(said: &[AnchorSaid], dropped: &[usize]) -> Sentence {
     let name = |i: &usize| said.get(*i).and_then(|a| a.mark.clone()).unwrap_or_else(|| i.to_string());
     feed::marks_left_out(dropped.iter().map(name).collect::<Vec<String>>())
 }
 
-/// Reasons in close frames have room for 123 bytes.
+/// The reason cut to fit a close frame, which has room for 123 bytes.
 fn short(reason: &str) -> &str {
     let end = (0..=reason.len().min(120)).rev().find(|i| reason.is_char_boundary(*i));
     &reason[..end.unwrap_or(0)]
 }
 
-/// The first message, in a version that both speak.
+/// Reads the first message; returns a version that both sides speak.
 async fn greeting(socket: &mut WebSocket) -> Result<(u32, HelloSaid), SessionEnd> {
     let policy = |reason: &str| SessionEnd::Bye(close_code::POLICY, requests::malformed(reason));
     let message = loop {
@@ -256,7 +256,7 @@ impl Session<'_> {
         }
     }
 
-    /// How long nothing is due.
+    /// How long until something is due.
     fn wait(&self) -> Duration {
         let now = (self.api.now)();
         let dues = [self.intake.clock.due(), self.limiter.due(), Some(self.sent_at + REFRESH)];
@@ -307,7 +307,8 @@ impl Session<'_> {
             }
             HeadsetMessage::Done { assignment } => self.done(&assignment).await,
             HeadsetMessage::Bye => {
-                // Poses do not wait for the journal, nor does this. A refusal changes nothing: the silence will say it.
+                // Like poses, this does not wait for the journal. A refusal changes nothing: silence has the same
+                // effect.
                 let (api, worker) = (self.api.clone(), self.worker);
                 tokio::spawn(async move { api.ask(Ask::sign_off(worker)).await });
                 Err(SessionEnd::Bye(1000, requests::malformed("goodbye")))
@@ -322,7 +323,7 @@ impl Session<'_> {
         }
     }
 
-    /// Asks the fleet to note that the wearer is done. Poses do not wait for the journal, so the answer comes later.
+    /// Reports to the fleet that the wearer is done. Poses do not wait for the journal, so the answer comes later.
     async fn done(&mut self, said: &str) -> Result<(), SessionEnd> {
         let Some(id) = parse_assignment(said) else {
             let text = requests::malformed("name the assignment as guidance does, such as a3");
@@ -344,12 +345,12 @@ impl Session<'_> {
         self.send(FeedMessage::Done { assignment: assignment_name(id), refused }).await
     }
 
-    /// Reads a pose and hands it on.
+    /// Reads a pose and passes it on.
     async fn hand(&mut self, said: &PoseSaid, received: Time) -> Result<(), SessionEnd> {
         self.api.metrics.poses_received.inc();
         let fault = match self.intake.take(said, received) {
             Ok(mut taken) => {
-                // What is late comes after what is known of hands already.
+                // A late pose comes after what is already known of hands.
                 if taken.fault.is_none() {
                     self.drop_hands(said, &mut taken, received).await?;
                 }
@@ -374,7 +375,7 @@ impl Session<'_> {
         }
     }
 
-    /// Leaves hands out that cannot be, and says so.
+    /// Leaves out impossible hands, and tells the client.
     async fn drop_hands(
         &mut self,
         said: &PoseSaid,
@@ -418,7 +419,7 @@ impl Session<'_> {
     }
 
     async fn pong(&mut self, id: u64, t1: f64, t2: f64, now: Time) -> Result<(), SessionEnd> {
-        // Pings get one answer each; others are not ours.
+        // Each ping gets one answer; other answers are not to this server's pings.
         let Some(i) = self.pings.iter().position(|(asked, _)| *asked == id) else { return Ok(()) };
         let Some((_, asked)) = self.pings.remove(i) else { return Ok(()) };
         let outcome = self.intake.clock.take(Exchange { asked, got_ms: t1, answered_ms: t2, heard: now });
@@ -478,7 +479,7 @@ impl Session<'_> {
         if provisional { self.warn("one-line", 1, feed::marks_on_one_line()).await } else { Ok(()) }
     }
 
-    /// Sends what is to be picked where the wearer stands, where that changed.
+    /// Sends what is to be picked at the wearer's station, if that changed.
     async fn light(&mut self) -> Result<(), SessionEnd> {
         let told = self.connection.told.borrow().cell.clone();
         let is_same = match (&told, &self.lights) {
@@ -500,7 +501,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// Sends guidance: at once where it changed, else only where it is time.
+    /// Sends guidance: at once if it changed, else only when it is due.
     async fn guide(&mut self, due: bool) -> Result<(), SessionEnd> {
         let Told { at, guidance: told, counts, .. } = self.connection.told.borrow_and_update().clone();
         let key = GuidanceKey::of(told.as_ref());

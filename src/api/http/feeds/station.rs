@@ -1,4 +1,4 @@
-//! `/v1/stations/{id}/live` over WebSocket: what a display above the opening of a station shows.
+//! `/v1/stations/{id}/live` over WebSocket: the feed for a display above the opening of a station.
 //!
 //! Main function: [`live_station`]. Refuses: to keep anything for a reader; each message is the whole state.
 
@@ -16,12 +16,11 @@ use giveway_floor::id::StationId;
 use std::time::Duration;
 use tokio::time::Instant;
 
-/// A reader hears something at least this often, so that it knows that the link holds.
+/// The longest interval between messages, so that a reader knows that the connection works.
 const AT_LEAST: Duration = Duration::from_secs(1);
 
-/// What happens at one station: JSON texts, each the whole state as `GET /v1/stations/{id}` has it, as soon as anything
-/// but the time has changed and once a second. Offer the protocol `giveway`, and `bearer.TOKEN` where a token is
-/// needed.
+/// Open the feed of one station: JSON texts, each the whole state like `GET /v1/stations/{id}`, once a second and as
+/// soon as anything but the time has changed. Offer the protocol `giveway`, and `bearer.TOKEN` if a token is needed.
 #[utoipa::path(get, path = "/v1/stations/{id}/live", tag = "floor", operation_id = "openStationFeed",
     params(("id" = String, Path, example = "W")), responses(
     (status = 101, description = "The feed begins"),

@@ -1,4 +1,4 @@
-//! `/v1/fleet` and pausing: the whole fleet, or one robot, stands by hand until somebody lets it go on.
+//! `/v1/fleet` and pausing: operators stop the whole fleet, or pause one robot, until they resume it.
 //!
 //! Main type: [`FleetDto`]. Refuses: to be an emergency stop, which is the robots' own.
 
@@ -16,7 +16,7 @@ use giveway_floor::id::{Dense, RobotId};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What is stopped or paused by hand.
+/// What operators have stopped or paused.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct FleetDto {
     /// Since when the whole fleet has been stopped, RFC 3339; null if it is not stopped.
@@ -27,7 +27,7 @@ pub struct FleetDto {
     pub free: usize,
 }
 
-/// What is stopped or paused by hand.
+/// Get what operators have stopped or paused.
 #[utoipa::path(get, path = "/v1/fleet", tag = "floor",
     operation_id = "getFleet", responses(
     (status = 200, body = FleetDto)))]
@@ -43,7 +43,7 @@ pub async fn fleet(Called(api): Called) -> Json<FleetDto> {
     })
 }
 
-/// Stop all robots. They are told at once and stand still until the fleet is resumed, even across a restart. This is
+/// Stop all robots. They are told at once, and stand still until the fleet is resumed, even across a restart. This is
 /// not an emergency stop: a robot that cannot be reached drives on to the end of its grant.
 #[utoipa::path(post, path = "/v1/fleet/stop", tag = "floor", operation_id = "stopFleet", responses(
     (status = 204, description = "All robots were told to stop, and that is durable"),
@@ -59,7 +59,7 @@ pub async fn resume(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, Ask::release(None)).await
 }
 
-/// Pause one robot. It stands where it is, keeps what it holds, and gets no job; robots behind it wait.
+/// Pause one robot. It stops where it is, keeps its reservations, and gets no job; robots behind it wait.
 #[utoipa::path(post, path = "/v1/robots/{id}/pause", tag = "floor", operation_id = "pauseRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It was told to stop, and that is durable")))]
@@ -68,7 +68,7 @@ pub async fn pause(Called(api): Called, PathPart(id): PathPart) -> Result<Status
     done(&api, Ask::halt(Some(robot))).await
 }
 
-/// Resume a robot that is paused, or that was fenced off because the facts about it contradicted one another.
+/// Resume a robot that is paused, or that was fenced because the facts about it contradicted one another.
 #[utoipa::path(post, path = "/v1/robots/{id}/resume", tag = "floor", operation_id = "resumeRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It goes on, unless the whole fleet is stopped")))]

@@ -1,9 +1,8 @@
-//! `GET /v1/kinds`, `PUT` and `DELETE /v1/kinds/{name}`: the kinds of robots that may join, those of the site and those
-//! that were added.
+//! `GET /v1/kinds`, `PUT` and `DELETE /v1/kinds/{name}`: the robot kinds of the site and those that were added.
 //!
-//! Main types: [`KindDto`], [`NewKind`]. What is added is valid at once. Whether the map was drawn for a kind is found
-//! out aside (`state/kind_checks.rs`); all else the fleet decides. Refuses: to change kinds of the site, and kinds that
-//! robots are of.
+//! Main types: [`KindDto`], [`NewKind`]. An added kind is valid at once. Whether the map suits a kind is checked in the
+//! background (`state/kind_checks.rs`); the fleet decides everything else. Refuses: to change kinds of the site, and
+//! kinds that robots have.
 
 use crate::dto::refusal::{about_kinds, refused};
 use crate::state::api::Api;
@@ -19,48 +18,49 @@ use giveway_site::{SiteError, read_kind};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// The longest name of a kind.
+/// The longest name of a kind, in characters.
 const LONGEST_NAME: usize = 50;
 
 /// A robot kind. Lengths are in metres, times in seconds.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct KindDto {
-    /// Its name: `kind` of POST /v1/robots.
+    /// The kind's name: `kind` of POST /v1/robots.
     #[schema(example = "shuttle")]
     pub name: String,
-    /// Whether it was added, and so may be replaced or removed; false for kinds of the site or scenario.
+    /// Whether the kind was added, and so may be replaced or removed; false for kinds of the site or scenario.
     pub added: bool,
-    /// Its outline without a rack; null if it is the square that the map gives.
+    /// Outline of a robot without a rack; null if it is the square that the map gives.
     pub footprint: Option<FootprintDto>,
-    /// Its outline with a rack; null if it is the square that the map gives.
+    /// Outline of a robot with a rack; null if it is the square that the map gives.
     pub footprint_loaded: Option<FootprintDto>,
-    /// Whether it turns to face the direction in which it drives.
+    /// Whether robots turn to face the direction in which they drive.
     pub turns: bool,
-    /// The types of racks that it carries; null for all.
+    /// The types of racks that robots carry; null for all.
     pub carries: Option<Vec<String>>,
-    /// The heaviest rack that it carries, kilograms; null for any.
+    /// The heaviest rack that robots carry, kilograms; null for any.
     pub payload_kg: Option<f64>,
-    /// Whether it may leave the line of a lane that has a corridor, to pass people.
+    /// Whether robots may leave the line of a lane that has a corridor, to pass people.
     pub free_navigation: bool,
-    /// What it can do besides driving to where it was granted.
+    /// What robots can do besides driving to granted nodes.
     pub can: CapabilitiesDto,
     /// Top speed without a rack, metres per second.
     pub speed_mps: f64,
-    /// Top speed with a rack.
+    /// Top speed with a rack, metres per second.
     pub speed_loaded_mps: f64,
     /// Acceleration and braking without a rack, metres per second squared.
     pub accel_unloaded_mps2: f64,
-    /// Acceleration and braking with a rack.
+    /// Acceleration and braking with a rack, metres per second squared.
     pub accel_loaded_mps2: f64,
-    /// How long it takes to lift a rack, or to set it down.
+    /// How long lifting a rack or setting it down takes, seconds.
     pub lift_s: f64,
-    /// Below this charge, 0 to 1, it takes no job.
+    /// Charge below which a robot takes no job, 0 to 1.
     pub critical: f64,
     /// Hours of driving on a full charge.
     pub driving_h: f64,
 }
 
-/// The figures of a robot kind, with the keys of `fleet` in scenarios; what is left out is as usual.
+/// The figures of a robot kind, with the keys of `fleet` in scenarios; figures that are left out have their usual
+/// values.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, ToSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NewKind {
@@ -74,84 +74,84 @@ pub struct NewKind {
     /// Acceleration and braking without a rack, metres per second squared, 0.05 to 5.
     #[serde(skip_serializing_if = "Option::is_none")]
     accel_unloaded_mps2: Option<f64>,
-    /// Acceleration and braking with a rack.
+    /// Acceleration and braking with a rack, metres per second squared, 0.05 to 5.
     #[serde(skip_serializing_if = "Option::is_none")]
     accel_loaded_mps2: Option<f64>,
-    /// How long it takes to lift a rack, or to set it down, seconds, 0 to 60.
+    /// How long lifting a rack or setting it down takes, seconds, 0 to 60.
     #[serde(skip_serializing_if = "Option::is_none")]
     lift_s: Option<f64>,
-    /// When it charges.
+    /// When robots charge.
     #[serde(skip_serializing_if = "Option::is_none")]
     battery: Option<NewBattery>,
-    /// Its outline without a rack; the square of the map if absent.
+    /// Outline of a robot without a rack; the square of the map if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     footprint: Option<FootprintDto>,
-    /// Its outline with a rack; the square of the map if absent.
+    /// Outline of a robot with a rack; the square of the map if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     footprint_loaded: Option<FootprintDto>,
-    /// Whether it turns to face the direction in which it drives.
+    /// How robots drive.
     #[serde(skip_serializing_if = "Option::is_none")]
     drive: Option<DriveDto>,
-    /// The types of racks that it carries; all if absent.
+    /// The types of racks that robots carry; all if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     carries: Option<Vec<String>>,
-    /// The heaviest rack that it carries, kilograms; any if absent.
+    /// The heaviest rack that robots carry, kilograms; any if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     payload_kg: Option<f64>,
-    /// Whether it may leave the line of a lane that has a corridor, to pass people; false if absent.
+    /// Whether robots may leave the line of a lane that has a corridor, to pass people; false if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     free_navigation: Option<bool>,
-    /// What it can do besides driving to where it was granted; everything if absent.
+    /// What robots can do besides driving to granted nodes; everything if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     can: Option<NewCapabilities>,
 }
 
-/// What robots of a kind can do besides driving to where they were granted to drive.
+/// What robots of a kind can do besides driving to granted nodes.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct CapabilitiesDto {
-    /// Whether a robot that stands forgets what it was granted when it is told to, and says how often it has.
+    /// Whether a standing robot drops its grants when it is told to, and reports how often it has.
     pub revocation: bool,
-    /// Which limits of its speed it obeys within what it was granted.
+    /// The speed limits that a robot obeys within its grants.
     pub limits: LimitsDto,
-    /// Whether it drives back from between two nodes to the one that it came from.
+    /// Whether a robot between two nodes can drive back to the node from which it came.
     pub drives_back: bool,
-    /// How many nodes that are not granted yet its orders show it.
+    /// How many nodes beyond the granted ones a robot's orders show (its horizon).
     pub horizon_nodes: usize,
 }
 
-/// What robots of a kind can do; what is left out, they can.
+/// What robots of a kind can do; abilities that are left out are present.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, ToSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NewCapabilities {
-    /// Whether a robot that stands forgets what it was granted when it is told to; true if absent.
+    /// Whether a standing robot drops its grants when it is told to; true if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     revocation: Option<bool>,
-    /// Which limits of its speed it obeys within what it was granted; any if absent.
+    /// The speed limits that a robot obeys within its grants; any speed if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     limits: Option<LimitsDto>,
-    /// Whether it drives back from between two nodes; true if absent.
+    /// Whether a robot between two nodes can drive back to the node from which it came; true if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     drives_back: Option<bool>,
-    /// How many nodes that are not granted yet its orders show it, 0 to 100; 0 if absent.
+    /// How many nodes beyond the granted ones a robot's orders show (its horizon), 0 to 100; 0 if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(maximum = 100)]
     horizon_nodes: Option<usize>,
 }
 
-/// When robots of a kind charge, in shares of a full charge; each from the one before to 1.
+/// Charging thresholds of robots, as shares of a full charge; each from the previous one to 1.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, ToSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NewBattery {
-    /// Below this a robot takes no job and charges before all others.
+    /// Below this charge a robot takes no job and charges before all others.
     #[serde(skip_serializing_if = "Option::is_none")]
     critical: Option<f64>,
-    /// Below this an idle robot charges before it takes a job.
+    /// Below this charge an idle robot charges before it takes a job.
     #[serde(skip_serializing_if = "Option::is_none")]
     low: Option<f64>,
-    /// From this on a robot at a charger takes jobs.
+    /// From this charge on, a robot at a charger takes jobs.
     #[serde(skip_serializing_if = "Option::is_none")]
     enough: Option<f64>,
-    /// From this on an idle robot does not go to a charger.
+    /// From this charge on, an idle robot does not go to a charger.
     #[serde(skip_serializing_if = "Option::is_none")]
     full: Option<f64>,
     /// Whether idle robots above `low` use chargers that are free.
@@ -162,15 +162,15 @@ pub struct NewBattery {
     driving_h: Option<f64>,
 }
 
-/// Which limits of its speed a robot obeys within what it was granted.
+/// The speed limits that a robot obeys within its grants.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LimitsDto {
     /// Any speed, and a stop.
     Speed,
-    /// A stop alone.
+    /// Only a stop.
     Stop,
-    /// None: it is granted one node at a time.
+    /// None: the robot is granted one node at a time.
     None,
 }
 
@@ -178,13 +178,13 @@ pub enum LimitsDto {
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum DriveDto {
-    /// It turns to face the direction in which it drives.
+    /// The robot turns to face the direction in which it drives.
     Differential,
-    /// It drives in any direction.
+    /// The robot drives in any direction.
     Omnidirectional,
 }
 
-/// An outline around the point on which the robot turns.
+/// An outline around the point on which the robot turns; lengths in metres.
 #[derive(Clone, Debug, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FootprintDto {
@@ -196,7 +196,7 @@ pub enum FootprintDto {
     PolygonM(Vec<[f64; 2]>),
 }
 
-/// All robot kinds: those of the site or scenario with which the server was started, and those that were added.
+/// List all robot kinds: those of the site or scenario with which the server was started, and those that were added.
 #[utoipa::path(get, path = "/v1/kinds", tag = "floor", operation_id = "listKinds", responses(
     (status = 200, description = "All kinds", body = Vec<KindDto>),
     (status = 503)))]
@@ -205,8 +205,8 @@ pub async fn kinds(Called(api): Called) -> Json<Vec<KindDto>> {
     Json(kinds.iter().map(|kind| KindDto::new(kind, !kinds.is_of_site(&kind.name))).collect())
 }
 
-/// Add a robot kind beside those of the site or scenario, or replace one that was added and that no robot is of.
-/// Robots of it may join at once.
+/// Add a robot kind beside those of the site or scenario, or replace an added one that no robot has. Robots of this
+/// kind may join at once.
 #[utoipa::path(put, path = "/v1/kinds/{name}", tag = "floor", operation_id = "putKind", request_body = NewKind,
     params(("name" = String, Path, example = "shuttle")), responses(
     (status = 201, description = "Robots of it may join, and that is durable", body = KindDto),
@@ -234,7 +234,7 @@ pub async fn put(
     Ok((status, Json(KindDto::new(&kind, true))))
 }
 
-/// Remove a robot kind that was added and that no robot is of. No robot of it joins any more.
+/// Remove a robot kind that was added and that no robot has. No robot of this kind can join any more.
 #[utoipa::path(delete, path = "/v1/kinds/{name}", tag = "floor", operation_id = "removeKind",
     params(("name" = String, Path, example = "shuttle")), responses(
     (status = 204, description = "It is removed, and that is durable"),
@@ -245,13 +245,12 @@ pub async fn remove(Called(api): Called, PathPart(name): PathPart) -> Result<Sta
     Ok(StatusCode::NO_CONTENT)
 }
 
-/// Whether the map is looked at for a kind: kinds of the site are refused, and the same kind once more changes
-/// nothing.
+/// Whether the map must be checked for a kind: not for a kind of the site, which is refused, nor for an unchanged kind.
 fn is_to_be_checked(kinds: &RobotKinds, kind: &RobotKind) -> bool {
     !kinds.is_of_site(&kind.name) && kinds.named(&kind.name) != Some(kind)
 }
 
-/// Asks the fleet; where it refuses, the kind is named.
+/// Sends a request to the fleet; a refusal names the kind.
 async fn ask<A>(api: &Api, ask: Ask<A>, name: &str) -> Result<A, Problem> {
     api.answer_to(ask).await?.map_err(|why| match why {
         Refusal::Kind(why) => about_kinds(why, name),
@@ -259,7 +258,7 @@ async fn ask<A>(api: &Api, ask: Ask<A>, name: &str) -> Result<A, Problem> {
     })
 }
 
-/// A figure that cannot be, by its key.
+/// The problem of an invalid figure, with its key.
 fn of_figures(why: &SiteError) -> Problem {
     let (key, detail) = match why {
         SiteError::Number { key, found, wanted } => {

@@ -1,5 +1,4 @@
-//! Handlers for robots and their kinds: joining and leaving, maintenance, pausing, what a robot has been through, and
-//! why it waits.
+//! Handlers for robots and robot kinds: joining and leaving, maintenance, pausing, a robot's history, and why it waits.
 //!
 //! Main types: [`robot_life::RobotDetailDto`], [`kinds::KindDto`], [`halt::FleetDto`]. Refuses: to drive a robot.
 

@@ -1,5 +1,4 @@
-//! `/v1/robots/{id}` and its history: one robot with its errors, its link and what it has done, and what happened
-//! to it.
+//! `/v1/robots/{id}` and its history: one robot with its errors, its link and its totals, and what happened to it.
 //!
 //! Main types: [`RobotDetailDto`], [`RobotEventDto`]. Refuses: pages of more than 500.
 
@@ -23,41 +22,41 @@ use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-/// One robot with what lists leave out.
+/// One robot, with details that lists leave out.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct RobotDetailDto {
-    /// As in the list.
+    /// The robot, as in the list of robots.
     #[serde(flatten)]
     pub robot: RobotDto,
-    /// How it is reached.
+    /// The robot's link.
     pub link: RobotLinkDto,
-    /// When its last report came in, RFC 3339; null if none has since the server started.
+    /// When the robot's last report arrived, RFC 3339; null if none has since the server started.
     pub heard: Option<String>,
-    /// For how long no report has come in, seconds.
+    /// Seconds since the robot's last report arrived; null if none has since the server started.
     pub silent_s: Option<f64>,
-    /// How far it was seen to drive since the server started, metres.
+    /// The distance that the robot was seen to drive since the server started, metres.
     pub driven_m: f64,
     /// When the server started, RFC 3339.
     pub started: String,
-    /// Jobs that it did, as far as the list of jobs reaches.
+    /// How many jobs the robot has done, as far back as the list of jobs reaches.
     pub jobs_done: u64,
-    /// Jobs that it could not do, likewise.
+    /// How many jobs failed on the robot, as far back as the list of jobs reaches.
     pub jobs_failed: u64,
-    /// Active alarms about it, the worst first.
+    /// Active alarms about the robot, the worst first.
     pub alarms: Vec<AlarmDto>,
 }
 
-/// The link by which a robot is reached, and how it is with the robot there.
+/// The link to a robot, and its state for this robot.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct RobotLinkDto {
-    /// Its name.
+    /// The link's name.
     #[schema(example = "sim")]
     pub name: String,
-    /// Whether messages get through, as far as the link knows.
+    /// Whether messages reach the robot, as far as the link knows.
     pub connected: bool,
-    /// How many visits the robot can be told beyond the last that it reached; null for any number.
+    /// How many visits beyond the last one reached an order can contain; null for any number.
     pub capacity: Option<usize>,
-    /// Why it takes no orders, in the link's words; null where it takes them.
+    /// Why the robot takes no orders, in the link's words; null if it takes them.
     #[schema(example = "a person drives it")]
     pub refuses: Option<String>,
 }
@@ -69,57 +68,58 @@ impl From<&RobotView> for RobotLinkDto {
     }
 }
 
-/// Something that happened to a robot.
+/// An entry in a robot's history.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct RobotEventDto {
-    /// When, RFC 3339: of a job, when its state changed last; of an alarm, when it was raised.
+    /// When it happened, RFC 3339: for a job, when its state last changed; for an alarm, when it was raised.
     pub at: String,
-    /// job, alarm, change or replan.
+    /// The kind of entry: job, alarm, change or replan.
     pub kind: &'static str,
     /// The job or the alarm; null for a change and a replan.
     #[schema(example = "j17")]
     pub id: Option<String>,
-    /// The state of the job; the kind of the alarm; or joined, failed, repaired, fenced, paused, resumed,
-    /// fleet_stopped, fleet_resumed, out_of_service, back_in_service, leaving, left or returned;
-    /// or because of what it was replanned: worker, closure, robot or obstruction.
+    /// For a job, its state; for an alarm, its kind; for a change, joined, failed, repaired, fenced, paused, resumed,
+    /// fleet_stopped, fleet_resumed, out_of_service, back_in_service, leaving, left or returned; for a replan, its
+    /// cause: worker, closure, robot or obstruction.
     #[schema(example = "done")]
     pub what: String,
-    /// The kind of the job, or the text of the alarm.
+    /// For a job, its kind; for an alarm, its text in English.
     #[schema(example = "deliver")]
     pub text: Option<String>,
-    /// Which sentence `text` is, of an alarm; absent from others, and where a version that had no codes wrote it.
+    /// For an alarm, the code of the sentence in `text`; absent from other entries, and if a version without codes
+    /// wrote it.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, nullable = false, example = "robot_silent")]
     pub code: Option<&'static str>,
-    /// What stands in its places; absent where `code` is.
+    /// The values for the placeholders of the sentence; absent if `code` is absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     #[schema(value_type = Option<SentenceArgsSchema>)]
     pub args: Option<SentenceArgs>,
     /// When the alarm ended, RFC 3339.
     pub ended: Option<String>,
-    /// Of a replan, because of whom or what, and the way before and since.
+    /// For a replan: its cause, and the routes before and after.
     #[serde(flatten)]
     pub details: EventDetailsDto,
 }
 
-/// Which part of a history to list.
+/// Filters for a robot's history.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct RobotHistoryParams {
-    /// Only what happened at this time or later, RFC 3339.
+    /// Only entries of this time or later, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Only what happened before this time.
+    /// Only entries before this time, RFC 3339.
     to: Option<String>,
-    /// How many at most, 1 to 500; 50 if absent.
+    /// How many entries at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// One robot: what it is at, its errors, its link, how far it drove and which jobs it did.
+/// Get one robot: its activity, its errors, its link, how far it drove and how many jobs it did.
 #[utoipa::path(get, path = "/v1/robots/{id}", tag = "floor", operation_id = "getRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 200, description = "The robot", body = RobotDetailDto),
@@ -144,7 +144,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Rob
     }))
 }
 
-/// What happened to a robot, newest first: its jobs, alarms about it, failures, and what people ordered.
+/// List what happened to a robot, newest first: its jobs, alarms about it, failures, and what people ordered.
 #[utoipa::path(get, path = "/v1/robots/{id}/history", tag = "floor", operation_id = "listRobotHistory",
     params(("id" = String, Path, example = "robot-1"), RobotHistoryParams), responses(
     (status = 200, description = "What happened, newest first", body = Page<RobotEventDto>),
@@ -182,7 +182,7 @@ pub async fn history(
     Ok(Json(Page { items: rows.into_iter().map(|row| event(names, row)).collect(), next }))
 }
 
-/// The entry after which a page begins: its time, its list and its number there.
+/// The entry after which a page begins: its time, the list it comes from, and its number there.
 fn parse_cursor(text: &str) -> Option<(Time, RobotEventSource, i64)> {
     let mut parts = text.splitn(3, '-').map(str::parse::<i64>);
     let mut number = || parts.next()?.ok();

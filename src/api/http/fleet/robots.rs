@@ -1,9 +1,9 @@
 //! `POST /v1/robots`, `DELETE /v1/robots/{id}` and maintenance: robots that join, go to maintenance and come back, and
 //! leave.
 //!
-//! Also what people do with the rack of a robot that cannot drive.
+//! Also reports that people took the rack off a robot that cannot drive.
 //!
-//! Main types: [`NewRobot`], [`TakenRack`]. Refuses: to let a robot join where another one is, or is to be.
+//! Main types: [`NewRobot`], [`TakenRack`]. Refuses: to let a robot join where another robot is, or will be.
 
 use crate::http::shared::done::done;
 use crate::http::shared::named::{parse_robot, unknown};
@@ -17,24 +17,24 @@ use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// The longest name of a robot.
+/// The longest name of a robot, in characters.
 const LONGEST_NAME: usize = 64;
 
-/// A robot to join.
+/// A robot that is to join.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewRobot {
-    /// Its name: letters, digits, `-`, `_` and `.`, 1 to 64 of them.
+    /// The robot's name: letters, digits, `-`, `_` and `.`, 1 to 64 of them.
     #[schema(example = "robot-51")]
     name: String,
-    /// Its robot kind, one of GET /v1/kinds; \"robot\" if the site or scenario defines no kinds.
+    /// The robot's kind, one of GET /v1/kinds; \"robot\" if the site or scenario defines no kinds.
     #[serde(default = "usual_kind")]
     #[schema(example = "robot")]
     kind: String,
-    /// Id of the node on which it stands.
+    /// Id of the node on which the robot stands.
     #[schema(example = "C1-15")]
     node: String,
-    /// The name of the link by which it is reached, one of the site's; the only one if absent.
+    /// The name of the link to the robot, one of the site's links; if absent, the only link.
     #[serde(default)]
     #[schema(example = "sim")]
     link: Option<String>,
@@ -44,7 +44,7 @@ pub struct NewRobot {
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TakenRack {
-    /// Id of the storage node on which it stands now.
+    /// Id of the storage node on which the rack stands now.
     #[schema(example = "s3")]
     node: String,
 }
@@ -52,7 +52,7 @@ pub struct TakenRack {
 /// A robot that has joined.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct JoinedDto {
-    /// Its name.
+    /// The robot's name.
     #[schema(example = "robot-51")]
     pub id: String,
 }
@@ -84,10 +84,10 @@ pub async fn register(
     Ok((status, Json(JoinedDto { id: name })))
 }
 
-/// Take a robot off the floor for good. It finishes what it has begun, gives back what it has not, and goes to a
-/// parking place. Switch it off there: once it has been silent for ten seconds it is gone and nothing is kept free for
-/// it. A broken one is gone then wherever it stands, if it has no rack on it. Jobs that name it fail. To bring it back,
-/// register it again under its name.
+/// Take a robot off the floor for good. It finishes what it has begun, gives back jobs that it has not begun, and goes
+/// to a parking place. Switch it off there: once it has been silent for ten seconds it is gone, and nothing is kept
+/// free for it. A broken robot is then gone wherever it stands, if it carries no rack. Jobs that name the robot fail.
+/// To bring it back, register it again under its name.
 #[utoipa::path(delete, path = "/v1/robots/{id}", tag = "floor", operation_id = "retireRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It will leave, and that is durable"),
@@ -96,8 +96,8 @@ pub async fn retire(Called(api): Called, PathPart(id): PathPart) -> Result<Statu
     done(&api, Ask::retire(parse_robot(&api, &id)?)).await
 }
 
-/// Send a robot to maintenance. It finishes what it has begun, gives back what it has not, goes to a parking place and
-/// gets no jobs until `DELETE` lets it work again, even across a restart.
+/// Send a robot to maintenance. It finishes what it has begun, gives back jobs that it has not begun, goes to a parking
+/// place and gets no jobs until `DELETE` ends the maintenance, even across a restart.
 #[utoipa::path(put, path = "/v1/robots/{id}/maintenance", tag = "floor", operation_id = "beginMaintenance",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It goes to maintenance, and that is durable")))]
@@ -105,7 +105,7 @@ pub async fn maintain(Called(api): Called, PathPart(id): PathPart) -> Result<Sta
     done(&api, Ask::begin_maintenance(parse_robot(&api, &id)?)).await
 }
 
-/// End a robot's maintenance, or let a robot stay that was to leave.
+/// End a robot's maintenance, or keep a robot that was to leave.
 #[utoipa::path(delete, path = "/v1/robots/{id}/maintenance", tag = "floor", operation_id = "endMaintenance",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 204, description = "It works again")))]
@@ -113,8 +113,8 @@ pub async fn work_again(Called(api): Called, PathPart(id): PathPart) -> Result<S
     done(&api, Ask::end_maintenance(parse_robot(&api, &id)?)).await
 }
 
-/// Say that people took a rack off a robot that cannot drive, and where in storage it stands now. A delivery with this
-/// rack waits for another robot, and the robot can be taken off the floor.
+/// Report that people took a rack off a robot that cannot drive, and where in storage the rack stands now. A delivery
+/// with this rack waits for another robot, and the robot can be taken off the floor.
 #[utoipa::path(post, path = "/v1/racks/{id}/taken", tag = "floor", operation_id = "takeRack", request_body = TakenRack,
     params(("id" = String, Path, example = "rack-1")), responses(
     (status = 204, description = "It stands there, and that is durable"),

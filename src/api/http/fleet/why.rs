@@ -1,6 +1,6 @@
-//! `/v1/robots/{id}/why` and `/v1/jobs/{id}/why`: why a robot or a job does not go on, to the root.
+//! `/v1/robots/{id}/why` and `/v1/jobs/{id}/why`: why a robot or a job waits, down to the root cause.
 //!
-//! Main functions: [`robot`], [`job`]. Refuses: names that are none.
+//! Main functions: [`robot`], [`job`]. Refuses: unknown names.
 
 use crate::dto::names::Names;
 use crate::dto::waits::WhyDto;
@@ -13,7 +13,8 @@ use crate::wire::text::{job_name, parse_job_name};
 use axum::Json;
 use giveway_floor::text::sentence::requests;
 
-/// Why a robot waits: the resource, what holds it, until when, and what that holder waits for, down to the root cause.
+/// Explain why a robot waits: the resource, what holds it, until when, and what that holder waits for, down to the root
+/// cause.
 #[utoipa::path(get, path = "/v1/robots/{id}/why", tag = "floor", operation_id = "explainRobot",
     params(("id" = String, Path, example = "robot-1")), responses(
     (status = 200, description = "The chain; for a robot that does not wait, what it is doing", body = WhyDto),
@@ -24,7 +25,7 @@ pub async fn robot(Called(api): Called, PathPart(id): PathPart) -> Result<Json<W
     Ok(Json(Names { map: &api.map, view: &api.moment().view }.chain(id, &waits)))
 }
 
-/// Why a job waits: for another job, its rack, a robot, or for what its robot waits for, down to the root cause.
+/// Explain why a job waits: for another job, its rack, a robot, or what its robot waits for, down to the root cause.
 #[utoipa::path(get, path = "/v1/jobs/{id}/why", tag = "jobs",
     operation_id = "explainJob", params(("id" = String, Path, example = "j17")),
     responses(

@@ -1,4 +1,4 @@
-//! What closing an area does, as `/v1/closures` and `/v1/closures/preview` say it.
+//! The effect of closing an area, as `/v1/closures` and `/v1/closures/preview` report it.
 //!
 //! Main type: [`ClosingEffectDto`]. Refuses: to close anything.
 
@@ -11,38 +11,38 @@ use giveway_fleet::{Affected, ClosingEffect, Closure};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What closing an area does to robots, racks and jobs.
+/// The effect of closing an area on robots, racks and jobs.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct ClosingEffectDto {
-    /// How many nodes are inside.
+    /// How many nodes are inside the area.
     pub nodes: usize,
-    /// Stations to which no rack comes, or from which none gets away, while it is closed.
+    /// Stations that no rack can reach, or that no rack can leave, while the area is closed.
     #[schema(example = json!(["W1"]))]
     pub stations: Vec<String>,
-    /// Racks in storage that come to no station.
+    /// Racks in storage that can reach no station.
     pub racks: AffectedDto,
-    /// Robots that get to no place where they can stay.
+    /// Robots that can reach no place where they can stay.
     pub trapped: AffectedDto,
-    /// Jobs that wait until it is opened.
+    /// Jobs that wait until the area is opened.
     pub waiting: AffectedDto,
-    /// Jobs at work whose robots are to pass it.
+    /// Jobs in progress whose robots are to pass the area.
     pub under_way: AffectedDto,
-    /// When the last of these robots is expected to be out of it, RFC 3339: closed from then on, it lets them pass;
-    /// null if there are none.
+    /// When the last robot of these jobs is expected to have left the area, RFC 3339: if closed from then on, the area
+    /// lets them pass; null if there are none.
     #[schema(example = "2027-01-31T12:00:40Z")]
     pub clear_at: Option<String>,
 }
 
-/// Some things, the first of them by name.
+/// A number of things, with the names of the first.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct AffectedDto {
-    /// How many.
+    /// How many there are.
     pub total: usize,
     /// The names of the first 20.
     pub first: Vec<String>,
 }
 
-/// What closing an area does, as things stand.
+/// The effect of closing an area in the current situation.
 pub(super) async fn effect_of(api: &Api, area: &Closure) -> Result<ClosingEffectDto, Problem> {
     let effect = api.query(|reply| Question::Closing(area.clone(), reply)).await?.what;
     let moment = api.moment();

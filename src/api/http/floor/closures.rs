@@ -1,6 +1,6 @@
-//! `/v1/closures`: areas that robots, people or both keep out of, marked by hand.
+//! `/v1/closures`: areas that operators close to robots, people or both.
 //!
-//! Main type: [`NewClosure`]. Refuses: areas of nothing, and times that are over.
+//! Main type: [`NewClosure`]. Refuses: empty areas, and times in the past.
 
 use super::closing::{ClosingEffectDto, effect_of};
 use super::recurring::NewRecurrence;
@@ -27,89 +27,90 @@ use giveway_people::aware::check_area;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-/// The most corners.
+/// The most corners of an area, and the most named nodes.
 const MOST_CORNERS: usize = 100;
 
-/// The longest reason.
+/// The longest reason, in characters.
 const LONGEST_REASON: usize = 500;
 
-/// The outline goes around nodes at this distance, metres.
+/// Distance of the outline around named nodes, metres.
 const AROUND_NODE_M: f64 = 0.25;
 
 /// An area to keep out of: an outline, or nodes.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewClosure {
-    /// Its corners, metres, 3 to 100.
+    /// Corners of the area, 3 to 100, each `[x, y]` in metres.
     outline: Option<Vec<[f64; 2]>>,
-    /// Or the names of 1 to 100 nodes: only these are closed. The outline in the answer goes around all of them.
+    /// Instead of an outline, the names of 1 to 100 nodes: only these are closed. The outline in the answer goes around
+    /// them.
     nodes: Option<Vec<String>>,
-    /// From when, RFC 3339; at once if absent.
+    /// When the closure begins, RFC 3339; at once if absent.
     from: Option<String>,
-    /// Until when, RFC 3339; if absent, until somebody opens it.
+    /// When the closure ends, RFC 3339; if absent, the area stays closed until somebody opens it.
     #[schema(example = "2027-01-31T12:00:00Z")]
     until: Option<String>,
-    /// Why, for people who see it.
+    /// Why the area is closed; people see this text.
     #[schema(example = "oil on the floor")]
     reason: String,
-    /// Whom it keeps out; both if absent.
+    /// Whether the closure keeps out robots, people or both; both if absent.
     #[schema(value_type = Option<BindsDto>, example = "both")]
     binds: Option<String>,
-    /// Closed again and again. `from` and `until` then say between which times occurrences begin.
+    /// Makes the closure recur. `from` and `until` then limit the time in which occurrences begin.
     recurs: Option<NewRecurrence>,
 }
 
-/// What was closed and what that does: an area once, or again and again.
+/// The new closure and its effect: a single one, or a recurring one.
 ///
-/// A choice of wholes rather than a whole with a choice inside, which generators of clients leave out.
+/// An enum of two whole structs, since client generators drop an enum that is flattened into a struct.
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum JustClosedDto {
-    /// Once.
+    /// A single closure.
     Once(JustClosedAreaDto<ClosureDto>),
-    /// Again and again.
+    /// A recurring closure.
     Recurring(JustClosedAreaDto<RecurringClosureDto>),
 }
 
-/// A closed area, what it covers, and what closing it does.
+/// A closed area, what it contains, and the effect of closing it.
 #[derive(Serialize, ToSchema)]
 pub struct JustClosedAreaDto<T> {
-    /// The area.
+    /// The closed area.
     #[serde(flatten)]
     closed: T,
-    /// What it covers.
+    /// What the area contains.
     covered: CoveredDto,
-    /// What closing it does to robots, racks and jobs, as things stood.
+    /// The effect on robots, racks and jobs, as things stood when the request came.
     effect: ClosingEffectDto,
 }
 
-/// What was closed: an area once, or again and again.
+/// A closed area: a single closure, or a recurring one.
 #[derive(Serialize, ToSchema)]
 #[serde(untagged)]
 pub enum ClosedDto {
-    /// Once.
+    /// A single closure.
     Once(ClosedAreaDto<ClosureDto>),
-    /// Again and again.
+    /// A recurring closure.
     Recurring(ClosedAreaDto<RecurringClosureDto>),
 }
 
-/// A closed area, and what it covers.
+/// A closed area, and what it contains.
 #[derive(Serialize, ToSchema)]
 pub struct ClosedAreaDto<T> {
-    /// The area.
+    /// The closed area.
     #[serde(flatten)]
     pub closed: T,
-    /// What it covers.
+    /// What the area contains.
     pub covered: CoveredDto,
 }
 
-/// What a closure's number stands for.
+/// The closure of an id.
 enum ClosedId {
     Once(ClosureId),
     Recurring(SeriesId),
 }
 
-/// Which closed areas to list.
+/// Filters for the list of closed areas.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -117,13 +118,13 @@ pub struct ClosureParams {
     /// Only areas in this state, or in one of several with commas between them.
     #[param(value_type = Option<Vec<ClosureStateDto>>, style = Form, explode = false)]
     state: Option<String>,
-    /// Only areas that keep these out, or one of several with commas between them.
+    /// Only areas that keep out robots, people or both, or any of several with commas between them.
     #[param(value_type = Option<Vec<BindsDto>>, style = Form, explode = false)]
     binds: Option<String>,
     /// Only areas that are closed at this time or later, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Only areas that are closed before this time.
+    /// Only areas that are closed before this time, RFC 3339.
     to: Option<String>,
     /// How many items at most, 1 to 500; 100 if absent.
     limit: Option<u32>,
@@ -131,7 +132,7 @@ pub struct ClosureParams {
     cursor: Option<String>,
 }
 
-/// All areas that are closed or announced, and those whose closure ended less than a day ago; or some of them.
+/// List closed areas: those that are closed or announced, and those whose closure ended less than a day ago.
 #[utoipa::path(get, path = "/v1/closures", tag = "people", operation_id = "listClosures",
     params(ClosureParams), responses(
     (status = 200, description = "Areas in the order in which they were requested", body = Page<ClosureDto>),
@@ -159,9 +160,9 @@ pub async fn list(
     page(closures.collect(), &Paging { limit: p.limit, cursor: p.cursor })
 }
 
-/// Close an area, now or later. When this call returns, the closure is durable. Before it begins, robots are routed
-/// around it and robots parked inside leave; once it has begun, robots inside drive out and others stay out. At its
-/// end the area opens by itself.
+/// Close an area, now or later. When this call returns, the closure is durable. Before the closure begins, robots are
+/// routed around the area, and robots parked inside leave it; once it has begun, robots inside drive out and other
+/// robots stay out. When the closure ends, the area opens by itself.
 #[utoipa::path(post, path = "/v1/closures", tag = "people",
     operation_id = "closeArea", request_body = NewClosure,
     params(("Idempotency-Key" = Option<String>, Header,
@@ -189,8 +190,8 @@ pub async fn close(
     Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(just_closed)))
 }
 
-/// What closing an area would do as things stand: which stations and racks it would cut off, which robots it would
-/// trap, which jobs would wait and which are under way through it. Nothing is closed.
+/// Preview the effect of closing an area now: stations and racks that would be cut off, robots that would be trapped,
+/// jobs that would wait, and jobs in progress that lead through the area. Nothing is closed.
 #[utoipa::path(post, path = "/v1/closures/preview", tag = "people",
     operation_id = "previewClosure", request_body = NewClosure,
     responses(
@@ -218,7 +219,7 @@ async fn recur(
     Ok((StatusCode::CREATED, [(header::LOCATION, place)], Json(just_closed)))
 }
 
-/// One closed area, or one that is closed again and again.
+/// Get one closure, single or recurring.
 #[utoipa::path(get, path = "/v1/closures/{id}", tag = "people", operation_id = "getClosure",
     params(("id" = String, Path, example = "c2")), responses(
     (status = 200, description = "The area", body = ClosedDto)))]
@@ -253,7 +254,7 @@ fn recurring(
     ClosedAreaDto { closed: names.recurring(id, area, now), covered: names.covered(&area.area) }
 }
 
-/// Open an area again. Of a recurring closure, one occurrence (c7), or all of them for good (s1).
+/// Open an area again. For a recurring closure, open one occurrence (c7), or end the recurrence for good (s1).
 #[utoipa::path(delete, path = "/v1/closures/{id}", tag = "people", operation_id = "openArea",
     params(("id" = String, Path, example = "c2")), responses(
     (status = 204, description = "Open again")))]
@@ -275,7 +276,7 @@ fn parse_id(text: &str) -> Result<ClosedId, Problem> {
 }
 
 impl NewClosure {
-    /// The area, and if it recurs, when and from when on.
+    /// The area and, if it recurs, the recurrence and when it starts.
     pub(super) fn read(&self, api: &Api) -> Result<(Closure, Option<(Recurrence, Time)>), Problem> {
         let mut errors = Vec::new();
         let mut nodes = Vec::new();
@@ -317,7 +318,7 @@ impl NewClosure {
     }
 }
 
-/// The corners of an area; complains where they are none of this floor.
+/// The corners of an area; adds an error if they are not on this floor.
 fn checked_outline(
     api: &Api,
     corners: &[[f64; 2]],
@@ -333,7 +334,7 @@ fn checked_outline(
     outline
 }
 
-/// The nodes of these names.
+/// The nodes of these names; adds an error for each unknown name.
 fn named(api: &Api, names: &[String], errors: &mut Vec<FieldError>) -> Vec<NodeId> {
     if names.is_empty() || names.len() > MOST_CORNERS {
         errors.push(FieldError::new("nodes", requests::node_names_out_of_range(MOST_CORNERS)));
@@ -353,7 +354,7 @@ fn named(api: &Api, names: &[String], errors: &mut Vec<FieldError>) -> Vec<NodeI
     nodes
 }
 
-/// The convex outline of all that is close to some nodes, for those who look at a map.
+/// The convex outline around the surroundings of some nodes, for display on a map.
 fn around(api: &Api, nodes: &[NodeId]) -> Vec<Point> {
     let d = AROUND_NODE_M;
     let square =
@@ -361,7 +362,7 @@ fn around(api: &Api, nodes: &[NodeId]) -> Vec<Point> {
     hull(nodes.iter().flat_map(|n| square(api.map.nodes[*n].at)).collect())
 }
 
-/// Twice the signed area of the triangle.
+/// Twice the signed area of the triangle `abc`.
 fn turn(a: Point, b: Point, c: Point) -> f64 {
     (b - a).perp(&(c - a))
 }

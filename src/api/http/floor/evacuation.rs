@@ -1,4 +1,4 @@
-//! `/v1/evacuation`: everybody is led to a door, robots clear the ways and stand.
+//! `/v1/evacuation`: people are led to a door, robots clear the escape routes and stop.
 //!
 //! Main type: [`EvacuationDto`]. Refuses: to be an alarm system, or part of one.
 
@@ -13,16 +13,16 @@ use giveway_floor::id::{Dense, WorkerId};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// How an evacuation stands.
+/// The state of an evacuation.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct EvacuationDto {
-    /// Since when, RFC 3339; null if nobody ordered one.
+    /// Since when the building is being evacuated, RFC 3339; null if nobody ordered an evacuation.
     pub since: Option<String>,
-    /// Workers who are on the floor and not at a door yet, by name, or by pseudonym for those who may not see names.
+    /// Workers who are on the floor and not at a door yet: names, or pseudonyms for callers who may not see names.
     pub inside: Vec<String>,
 }
 
-/// Whether the building is evacuated, and who is still inside.
+/// Get whether the building is being evacuated, and which workers are still inside.
 #[utoipa::path(get, path = "/v1/evacuation", tag = "people",
     operation_id = "getEvacuation", responses(
     (status = 200, body = EvacuationDto)))]
@@ -38,8 +38,8 @@ pub async fn get(Called(api): Called) -> Json<EvacuationDto> {
     Json(EvacuationDto { since: view.evacuation.map(time_text), inside })
 }
 
-/// Evacuate the building. Workers are led to the nearest door that can be reached; robots on the ways to the doors
-/// leave them, all others stand; no job begins. It lasts until somebody ends it, even across a restart. This is not a
+/// Evacuate the building. Workers are led to the nearest reachable door; robots on the escape routes leave them, all
+/// other robots stop; no job begins. The evacuation lasts until somebody ends it, even across a restart. This is not a
 /// safety function: the alarm system of the building is.
 #[utoipa::path(post, path = "/v1/evacuation", tag = "people", operation_id = "beginEvacuation", responses(
     (status = 204, description = "It has begun, and is durable"),
@@ -48,8 +48,7 @@ pub async fn begin(Called(api): Called) -> Result<StatusCode, Problem> {
     done(&api, Ask::evacuate()).await
 }
 
-/// End the evacuation. Robots go on with what they carry, jobs that wait begin, and workers go on with their
-/// assignments.
+/// End the evacuation. Robots go on with their loads, waiting jobs begin, and workers go on with their assignments.
 #[utoipa::path(delete, path = "/v1/evacuation", tag = "people", operation_id = "endEvacuation", responses(
     (status = 204, description = "It is over")))]
 pub async fn end(Called(api): Called) -> Result<StatusCode, Problem> {

@@ -1,6 +1,6 @@
-//! `/v1/racks`, `/v1/stations`, `/v1/robots`: what is on the floor, as the latest view has it.
+//! `/v1/racks`, `/v1/stations`, `/v1/robots`: lists of what is on the floor, from the latest view.
 //!
-//! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: to look anything up in durable lists.
+//! Main functions: [`racks`], [`stations`], [`robots`]. Refuses: to query durable lists.
 
 use crate::dto::names::{Names, Page, RackDto, RobotDto, StationDto};
 use crate::http::shared::named::robot_named;
@@ -14,7 +14,7 @@ use giveway_fleet::{Activity, RobotView};
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// All racks.
+/// List all racks.
 #[utoipa::path(get, path = "/v1/racks", tag = "floor", operation_id = "listRacks", params(Paging), responses(
     (status = 200, description = "Racks in the map's order", body = Page<RackDto>),
     (status = 422)))]
@@ -23,14 +23,14 @@ pub async fn racks(Called(api): Called, Params(p): Params<Paging>) -> Result<Jso
     page(Names { map: &api.map, view: &moment.view }.racks(), &p)
 }
 
-/// Which stations to list.
+/// Filters for the list of stations.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct StationParams {
-    /// Only stations where picking is paused by hand, or only others.
+    /// True: only stations where picking is paused by hand; false: only the other stations.
     paused: Option<bool>,
-    /// Only stations where a rack stands to be picked from, or only others.
+    /// True: only stations where a rack stands to be picked from; false: only the other stations.
     picking: Option<bool>,
     /// Only the station with this robot at its picking place or in its queue.
     #[param(example = "robot-1")]
@@ -41,7 +41,7 @@ pub struct StationParams {
     cursor: Option<String>,
 }
 
-/// All stations, or some of them.
+/// List stations.
 #[utoipa::path(get, path = "/v1/stations", tag = "floor", operation_id = "listStations",
     params(StationParams), responses(
     (status = 200, description = "Stations in the map's order", body = Page<StationDto>),
@@ -62,21 +62,21 @@ pub async fn stations(
     page(stations, &Paging { limit: p.limit, cursor: p.cursor })
 }
 
-/// Which robots to list.
+/// Filters for the list of robots.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct RobotParams {
-    /// Only robots that are at this, or at one of several with commas between them; `gone` finds none.
+    /// Only robots with this activity, or with any of several with commas between them; `gone` finds none.
     #[param(value_type = Option<Vec<ActivityDto>>, style = Form, explode = false)]
     activity: Option<String>,
-    /// Only robots in this state, or in one of several with commas between them; `gone` finds none.
+    /// Only robots in this state, or in any of several with commas between them; `gone` finds none.
     #[param(value_type = Option<Vec<RobotStateDto>>, style = Form, explode = false)]
     state: Option<String>,
     /// Only robots of this kind.
     #[param(example = "robot")]
     kind: Option<String>,
-    /// Only robots that are at what they are at since this time or later, RFC 3339.
+    /// Only robots that have had their activity since this time or later, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     updated_since: Option<String>,
     /// How many items at most, 1 to 500; 100 if absent.
@@ -85,7 +85,7 @@ pub struct RobotParams {
     cursor: Option<String>,
 }
 
-/// All robots on the floor, or some of them.
+/// List the robots on the floor.
 #[utoipa::path(get, path = "/v1/robots", tag = "floor", operation_id = "listRobots", params(RobotParams), responses(
     (status = 200, description = "Robots in order of joining", body = Page<RobotDto>),
     (status = 422)))]

@@ -1,6 +1,6 @@
 //! `/v1/map`: the building.
 //!
-//! Main function: [`map`]; main type [`MapAnswer`], made once. Refuses: to send it again to a page that has it.
+//! Main function: [`map`]; main type [`MapAnswer`], made once. Refuses: to send the map again to a page that has it.
 
 use crate::dto::building::{MapDto, map_text, map_version};
 use crate::http::shared::shared_text::SharedText;
@@ -13,25 +13,25 @@ use std::sync::Arc;
 /// The building as it is sent.
 pub struct MapAnswer {
     text: Arc<SharedText>,
-    /// Names what is in it.
+    /// The version of the map's content.
     pub version: String,
-    /// The same in quotes.
+    /// The version in quotes, as an ETag.
     pub etag: HeaderValue,
 }
 
 impl MapAnswer {
-    /// Writes the building down.
+    /// Serialises the building.
     pub fn of(map: &Warehouse) -> Arc<MapAnswer> {
         let version = map_version(map);
         let etag = HeaderValue::from_str(&format!("\"{version}\"")).expect("hexadecimal digits in quotes");
         let text = SharedText::of(map_text(map));
-        // The page asks for it at once.
+        // Web pages ask for the map at once.
         text.compress();
         Arc::new(MapAnswer { text, version, etag })
     }
 }
 
-/// The building.
+/// Get the building.
 #[utoipa::path(get, path = "/v1/map", tag = "floor", operation_id = "getMap", responses(
     (status = 200, description = "The building", body = MapDto),
     (status = 304, description = "Unchanged: its ETag is the one in If-None-Match")))]

@@ -1,5 +1,5 @@
-//! `/v1/maps:check` and `/v1/maps:try`: maps that are being drawn, looked at and tried out before anything is built;
-//! `/v1/map:file`: the map of this server as a file, to begin with.
+//! `/v1/maps:check` and `/v1/maps:try`: check and try out maps while they are being drawn, before anything is built;
+//! `/v1/map:file`: the server's own map as a file, to start from.
 //!
 //! Main types: [`MapFile`], [`MapReviewDto`], [`TrialDto`]. Refuses: to change the map of the server.
 
@@ -23,15 +23,15 @@ use std::sync::Arc;
 use std::time::Duration;
 use utoipa::ToSchema;
 
-/// How long a map may be, bytes: ten times that of the largest hall that ships.
+/// The largest map file, in bytes: ten times the size of the largest hall that ships.
 pub(super) const LIMIT: usize = 8 * 1024 * 1024;
-/// So many findings of an answer, and so many points of a finding.
+/// The most findings in an answer, and the most points in a finding.
 pub(super) const MOST: usize = 500;
-/// How many robots may be tried.
+/// The most robots of a trial.
 const MOST_ROBOTS: usize = 200;
-/// How long a trial may be, minutes of simulated time.
+/// The longest trial, minutes of simulated time.
 const MOST_MINUTES: f64 = 120.0;
-/// How long a trial may take.
+/// How long a trial may take in real time.
 const PATIENCE: Duration = Duration::from_secs(25);
 
 /// A map as in map files: an object with `giveway_map`, `name`, `footprint_m`, `nodes`, `lanes` and more.
@@ -42,7 +42,7 @@ const PATIENCE: Duration = Duration::from_secs(25);
     "lanes": [{"from": "a", "to": "p", "both": true}], "parking": ["p"]}))]
 pub struct MapFile(pub(super) Draft);
 
-/// A body that is a map. The layout of another system is named, so that nobody looks for a mistake in it.
+/// A request body that is a map. A file in another system's layout gets an error that names that system.
 pub struct MapBody(pub(super) Draft);
 
 impl<S: Send + Sync> FromRequest<S> for MapBody {
@@ -59,43 +59,43 @@ impl<S: Send + Sync> FromRequest<S> for MapBody {
     }
 }
 
-/// How bad a finding is.
+/// The severity of a finding.
 #[derive(Clone, Copy, Debug, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 enum MapSeverity {
     /// The map is refused.
     Error,
-    /// The map can be used, but look again.
+    /// The map can be used, but should be looked at again.
     Warning,
 }
 
-/// One thing there is to say about a map.
+/// A finding about a map.
 #[derive(Debug, Serialize, ToSchema)]
 struct MapRemarkDto {
     severity: MapSeverity,
-    /// Where in the map, in words.
+    /// The place in the map, in words.
     #[schema(example = "station W")]
     place: String,
-    /// What is wrong, or looks like a slip.
+    /// What is wrong, or looks like a mistake.
     text: String,
-    /// What to do about it.
+    /// How to correct it.
     remedy: String,
-    /// Names of the nodes that are meant; some may not exist.
+    /// Names of the nodes concerned; some may not exist.
     nodes: Vec<String>,
-    /// Where on the floor, metres, `[x, y]` each; none where no place is meant.
+    /// Places on the floor, `[x, y]` each, metres; empty if the finding concerns no place.
     at: Vec<[f64; 2]>,
 }
 
-/// Everything there is to say about a map.
+/// The findings of a map check.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct MapReviewDto {
-    /// Whether the map can be used: there is no error.
+    /// Whether the map can be used, that is, has no errors.
     good: bool,
     /// How many errors there are.
     errors: usize,
     /// How many warnings there are.
     warnings: usize,
-    /// Errors first; 500 at most.
+    /// The findings, errors first; 500 at most.
     findings: Vec<MapRemarkDto>,
 }
 
@@ -131,8 +131,8 @@ impl From<&Review> for MapReviewDto {
     }
 }
 
-/// The map of this server as a map file, with everything that a map file can say. Its `ETag` names its version, as that
-/// of `GET /v1/map` does.
+/// Get the server's map as a map file, with everything that a map file can contain. The `ETag` is the map's version, as
+/// in `GET /v1/map`.
 #[utoipa::path(get, path = "/v1/map:file", tag = "floor", operation_id = "getMapFile", responses(
     (status = 200, description = "The map file", body = MapFile)))]
 pub async fn file(State(api): State<Api>, Extension(answer): Extension<Arc<MapAnswer>>) -> Response {
@@ -140,8 +140,8 @@ pub async fn file(State(api): State<Api>, Extension(answer): Extension<Arc<MapAn
     ([media, (header::ETAG, answer.etag.clone())], formats::json::write(&api.map)).into_response()
 }
 
-/// Check a map: everything that is wrong with it or looks like a slip, each with its place and remedy. The map of the
-/// server stays as it is. A text that is no map file is refused with line and column.
+/// Check a map: everything that is wrong with it or looks like a mistake, each with its place and remedy. The server's
+/// map stays as it is. A text that is no map file is refused with line and column.
 #[utoipa::path(post, path = "/v1/maps:check", tag = "floor", operation_id = "checkMap", request_body = MapFile,
     responses(
     (status = 200, description = "What there is to say about it", body = MapReviewDto),
@@ -151,67 +151,67 @@ pub async fn check(MapBody(draft): MapBody) -> Result<Json<MapReviewDto>, Proble
     review.await.map(Json).map_err(|_| Problem::internal())
 }
 
-/// What to try.
+/// The parameters of a trial.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewTrial {
-    /// The map.
+    /// The map to try.
     map: MapFile,
-    /// How many robots.
+    /// How many robots drive in the trial.
     #[schema(minimum = 1, maximum = 200, example = 4)]
     robots: usize,
-    /// So many jobs an hour, at random times; if absent, as many as the robots can do.
+    /// How many jobs per hour arrive, at random times; if absent, as many as the robots can do.
     #[schema(minimum = 1, maximum = 100_000)]
     jobs_per_hour: Option<f64>,
-    /// How long, minutes of simulated time; half an hour if absent.
+    /// How long the trial lasts, minutes of simulated time; 30 if absent.
     #[schema(minimum = 1, maximum = 120, example = 30)]
     minutes: Option<f64>,
-    /// The same seed gives the same run; 1 if absent.
+    /// Seed of the simulation; the same seed gives the same run; 1 if absent.
     seed: Option<u32>,
 }
 
-/// Where robots waited, and for how long.
+/// A place where robots waited.
 #[derive(Debug, Serialize, ToSchema)]
 struct TrialWaitDto {
     /// The node.
     node: String,
-    /// Metres.
+    /// The node's x, metres.
     x: f64,
-    /// Metres.
+    /// The node's y, metres.
     y: f64,
-    /// How long robots waited there together, seconds.
+    /// Seconds that robots waited there, summed over all robots.
     seconds: f64,
 }
 
-/// What came out of a trial.
+/// The result of a trial.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TrialDto {
-    /// How many robots there were.
+    /// How many robots drove.
     robots: usize,
-    /// How much time was simulated, seconds.
+    /// The simulated time, seconds.
     simulated_s: f64,
-    /// Whether that is all that was asked for; a trial ends after 25 seconds, with what happened until then.
+    /// Whether the whole requested time was simulated; a trial ends after 25 real seconds, with the result so far.
     complete: bool,
-    /// How long the trial took, seconds.
+    /// How long the trial took in real time, seconds.
     took_s: f64,
     /// Racks that robots brought to stations.
     deliveries: u64,
-    /// The same for an hour.
+    /// Racks that robots brought to stations, per simulated hour.
     deliveries_per_hour: f64,
-    /// How long a job took on average, seconds, from when a robot was given it until it was done; null where none was.
+    /// Mean seconds from when a robot got a job until the job was done; null if no job was done.
     mean_job_s: Option<f64>,
-    /// Where robots waited for one another, for queues and for ways; most first, 500 places at most.
+    /// Places where robots waited for each other, for queues and for routes; the longest first, 500 at most.
     waited: Vec<TrialWaitDto>,
-    /// How long robots waited altogether, seconds.
+    /// Seconds that robots waited, summed over all robots.
     waited_s: f64,
-    /// How often a law of the floor was broken: two robots at one place, or one that never gets on.
+    /// How often a law of the floor was broken: two robots at one place, or a robot that never makes progress.
     law_violations: u64,
-    /// The first of these, in words.
+    /// The first violations, in words.
     broken: Vec<String>,
 }
 
-/// Try a map out: half a simulated hour with so many robots, in seconds. The server's own floor is not touched. One
-/// trial runs at a time.
+/// Try out a map: simulate half an hour (or `minutes`) with a number of robots, in seconds of real time. The server's
+/// own floor is not touched. One trial runs at a time.
 #[utoipa::path(post, path = "/v1/maps:try", tag = "floor", operation_id = "tryMap", request_body = NewTrial,
     responses(
     (status = 200, description = "What came out", body = TrialDto),
@@ -226,7 +226,7 @@ pub async fn trial(
     Ok(Json(told(&order, &figures)))
 }
 
-/// What the map editor shows as it is: findings of checks, and limits of trials.
+/// An error whose text the map editor shows unchanged: findings of checks, and limits of trials.
 fn wrong(field: &str, detail: impl Into<SentenceArg>) -> FieldError {
     FieldError::new(field, requests::malformed(detail))
 }

@@ -1,4 +1,4 @@
-//! Handlers for the building and what stands in it: the map and maps to come, racks, stations, lists of robots,
+//! Handlers for the building and what stands in it: the map and drafts of maps, racks, stations, lists of robots,
 //! closures, evacuation, timelines.
 //!
 //! Main types: [`map::MapAnswer`], [`closures::NewClosure`], [`evacuation::EvacuationDto`]. Refuses: to know jobs and

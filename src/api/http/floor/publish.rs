@@ -1,8 +1,8 @@
-//! `/v1/map:check` and `PUT /v1/map`: a map that is to become the server's own, while it runs.
+//! `/v1/map:check` and `PUT /v1/map`: publish a map to the server while it runs.
 //!
-//! Main types: [`MapCheckDto`], [`PublishedMapDto`]. Whoever publishes names the version of the map on which the
-//! changes are based, so that two editors do not overwrite one another. Refuses: to publish what would lose something
-//! on the floor, unless that is accepted.
+//! Main types: [`MapCheckDto`], [`PublishedMapDto`]. The publisher names the version of the map on which the changes
+//! are based, so that two editors do not overwrite one another. Refuses: to publish what would lose something on the
+//! floor, unless the publisher accepts that.
 
 use super::map::MapAnswer;
 use super::maps::{LIMIT, MOST, MapBody, MapFile, MapReviewDto};
@@ -22,90 +22,91 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use utoipa::{IntoParams, ToSchema};
 
-/// So many names of a change are told.
+/// The most names listed for a change.
 const NAMED: usize = 20;
 
-/// Where the map in operation comes from.
+/// The publication from which the map in operation comes.
 #[derive(Debug, Serialize, ToSchema)]
 struct MapOriginDto {
-    /// Which published map it is, counted from 1.
+    /// The number of the published map, counted from 1.
     number: u32,
-    /// When it was published.
+    /// When the map was published, RFC 3339.
     #[schema(format = DateTime)]
     at: String,
-    /// Who did.
+    /// The publisher.
     by: String,
 }
 
-/// Things of one sort that are different in one way.
+/// Things of one sort that differ in the same way.
 #[derive(Debug, Serialize, ToSchema)]
 struct MapChangeDto {
-    /// What they are.
+    /// The sort of thing.
     #[schema(example = "stations")]
     what: &'static str,
-    /// added, removed, moved or changed.
+    /// The difference: added, removed, moved or changed.
     #[schema(example = "added")]
     how: &'static str,
-    /// How many.
+    /// How many things differ.
     count: usize,
-    /// Their names; the first 20.
+    /// The names of the first 20.
     names: Vec<String>,
-    /// Where they are, metres, `[x, y]` each: on the new map, or, if they were removed, on the old one; 500 at most.
+    /// Places of these things, `[x, y]` each, metres: on the new map, or on the old one if they were removed; 500 at
+    /// most.
     at: Vec<[f64; 2]>,
 }
 
-/// Something on the floor that cannot be carried over, or only with a loss.
+/// Something on the floor that cannot be carried over to the new map, or only with a loss.
 #[derive(Debug, Serialize, ToSchema)]
 struct CarryFindingDto {
-    /// What, and where.
+    /// The thing and its place.
     #[schema(example = "robot-1 stands on R32, which the new map does not have")]
     text: String,
-    /// What to do.
+    /// How to solve the problem.
     remedy: String,
-    /// Where that is on the map in operation, metres; none where it is at no place.
+    /// The place on the map in operation, metres; empty if the problem has no place.
     at: Vec<[f64; 2]>,
 }
 
-/// What a change to a map would mean now.
+/// What publishing a map would mean at present.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct MapCheckDto {
     /// The version of the map in operation, for `If-Match`.
     version: String,
-    /// Where the map in operation comes from; null where it is the file with which the server was started.
+    /// The publication of the map in operation; null if the server was started with it as a file.
     published: Option<MapOriginDto>,
-    /// Whether the server would switch to it: there are no errors and no obstacles.
+    /// Whether the server would switch to the map: there are no errors and no obstacles.
     good: bool,
-    /// What there is to say about the map itself.
+    /// The findings about the map itself.
     review: MapReviewDto,
-    /// What is different from the map in operation.
+    /// The differences from the map in operation.
     changes: Vec<MapChangeDto>,
-    /// What is in the way: the map cannot be published before that is changed on the floor or on the map.
+    /// Obstacles: the map cannot be published until they are removed from the floor or the map.
     obstacles: Vec<CarryFindingDto>,
-    /// What would be lost: the map can be published only with `accept_losses=true`.
+    /// Losses: with these, the map can be published only with `accept_losses=true`.
     losses: Vec<CarryFindingDto>,
-    /// What else happens on the floor.
+    /// Other effects on the floor.
     notes: Vec<String>,
 }
 
-/// A map that the server has gone over to.
+/// The map to which the server has switched.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct PublishedMapDto {
-    /// Its version; also its ETag.
+    /// The map's version; also its ETag.
     version: String,
-    /// Where it comes from; null where the map in operation was the same one and nothing was done.
+    /// The publication of this map; null if it equals the map that was in operation and nothing was done.
     published: Option<MapOriginDto>,
     /// What was lost, as accepted.
     losses: Vec<CarryFindingDto>,
-    /// What else happened on the floor.
+    /// Other effects on the floor.
     notes: Vec<String>,
 }
 
-/// How to publish.
+/// Parameters of publishing.
 #[derive(Debug, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct PublishParams {
-    /// Whether jobs, assignments and closures may be lost that the new map has no place for.
+    /// Whether to accept the loss of jobs, assignments and closures for which the new map has no place.
     accept_losses: Option<bool>,
 }
 
@@ -146,8 +147,8 @@ fn entries(list: &[ReportEntry]) -> Vec<CarryFindingDto> {
     list.iter().take(MOST).map(CarryFindingDto::from).collect()
 }
 
-/// Check what publishing a map would change: what is different from the map in operation, what the floor and the
-/// database cannot carry over, and what is wrong with the map itself. Nothing is changed.
+/// Check what publishing a map would change: the differences from the map in operation, what on the floor and in the
+/// database cannot be carried over, and what is wrong with the map itself. Nothing is changed.
 #[utoipa::path(post, path = "/v1/map:check", tag = "floor", operation_id = "checkMapChange", request_body = MapFile,
     responses(
     (status = 200, description = "What it would mean now", body = MapCheckDto),
@@ -171,11 +172,11 @@ pub async fn check(
     }))
 }
 
-/// Publish a map: the server switches to it while it runs. Robots drive to the end of what they were granted and
-/// stand, the database is backed up and carried over in one transaction, and the floor goes on with the new map; feeds
-/// end and are opened anew. That takes some seconds. `If-Match` names the version on which the map is based, as the
-/// `ETag` of `GET /v1/map` does, so that two editors do not overwrite one another. The next start takes the published
-/// map, too.
+/// Publish a map: the server switches to it while it runs. Robots drive to the end of their grants and stop, the
+/// database is backed up and carried over in one transaction, and the floor goes on with the new map; feeds end and
+/// clients must reconnect. That takes some seconds. `If-Match` names the version on which the map is based, as the
+/// `ETag` of `GET /v1/map` does, so that two editors do not overwrite one another. The next start of the server uses
+/// the published map, too.
 #[utoipa::path(put, path = "/v1/map", tag = "floor", operation_id = "publishMap", request_body = MapFile,
     params(PublishParams, ("If-Match" = Option<String>, Header,
         description = "The version on which the map is based, in quotes; `*` for any. Without it the answer is 428")),
@@ -207,7 +208,7 @@ pub async fn publish(
     Ok(([(header::ETAG, etag)], Json(body)).into_response())
 }
 
-/// Whether a request is based on this version.
+/// Checks that the request is based on this version.
 fn is_based_on(headers: &HeaderMap, version: &str) -> Result<(), Problem> {
     let Some(named) = headers.get(header::IF_MATCH) else {
         let detail = format!(
@@ -240,7 +241,7 @@ fn refused(why: &MapRefusal) -> Problem {
     }
 }
 
-/// Why a map is refused: errors of its own, obstacles and losses on the floor.
+/// Why a map is refused: its own errors, obstacles, and losses on the floor.
 fn reasons(outlook: &MapOutlook) -> Vec<FieldError> {
     let errors = outlook
         .review

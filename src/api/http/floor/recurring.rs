@@ -1,7 +1,7 @@
-//! `/v1/closures/recurring`: areas that are closed again and again; and what recurs, as a request has it.
+//! `/v1/closures/recurring`: areas that are closed repeatedly, and how a request describes the recurrence.
 //!
-//! Main type: [`NewRecurrence`]. When the clocks of a zone change is looked up here, in the tables that this program
-//! brings with it, and stored with the closure. Refuses: calendars beyond days of the week.
+//! Main type: [`NewRecurrence`]. The clock changes of a time zone are looked up here, in the tables built into this
+//! program, and stored with the closure. Refuses: calendars beyond days of the week.
 
 use crate::dto::names::{Names, Page};
 use crate::dto::people::{RecurringClosureDto, WEEKDAYS};
@@ -20,30 +20,30 @@ use utoipa::ToSchema;
 
 const DAY: Span = Span::from_secs(24 * 3600);
 
-/// How many years ahead the changes of a zone's clocks are stored with a closure. After that, the last one holds.
+/// How many years of a zone's clock changes are stored with a closure. After that, the last offset holds.
 const YEARS: i64 = 30;
 
-/// On which days and from when to when an area is closed.
+/// The days and times at which an area is closed.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewRecurrence {
     /// Days of the week, in English; every day if absent.
     #[schema(value_type = Option<Vec<WeekdayDto>>, example = json!(["monday", "thursday"]))]
     weekdays: Option<Vec<String>>,
-    /// From this time of day on.
+    /// The time of day at which an occurrence begins.
     #[schema(example = "22:00")]
     from: String,
-    /// Until this time of day; the next day if it is not later than `from`.
+    /// The time of day at which an occurrence ends; on the next day if it is not later than `from`.
     #[schema(example = "22:30")]
     to: String,
     /// The building's time: the name of a time zone, whose clocks it follows, or a fixed offset from UTC such as
-    /// +01:00; UTC if absent. Where clocks are put forward, a time that they pass over is so much later: 02:30 is
-    /// 03:30. Where they are put back, the first of two counts.
+    /// +01:00; UTC if absent. Where clocks are put forward, a time of day that they skip is moved by the change: 02:30
+    /// becomes 03:30. Where they are put back, the first of the two times counts.
     #[schema(example = "Europe/Berlin")]
     utc_offset: Option<String>,
 }
 
-/// All areas that are closed again and again, each with its occurrences that are in force or announced.
+/// List recurring closures, each with its occurrences that are in force or announced.
 #[utoipa::path(get, path = "/v1/closures/recurring", tag = "people",
     operation_id = "listRecurringClosures", params(Paging), responses(
     (status = 200, description = "In the order in which they were requested", body = Page<RecurringClosureDto>),
@@ -59,8 +59,8 @@ pub async fn list(
 }
 
 impl NewRecurrence {
-    /// When a usual occurrence is, when all are, and before when none begins: before `from`; where that is not given,
-    /// one that has begun before `now` is in force at once.
+    /// A usual occurrence, the recurrence, and the time before which none begins: this is `from`; if that is not given,
+    /// an occurrence that began before `now` is in force at once.
     pub(super) fn read(
         &self,
         (from, until): (Option<Time>, Time),
@@ -104,7 +104,7 @@ impl NewRecurrence {
     }
 }
 
-/// A clock from the name of a time zone or a fixed offset. Changes of a zone are known as far ahead as [`YEARS`].
+/// A clock from the name of a time zone or a fixed offset. A zone's changes are known for [`YEARS`] ahead.
 fn clock_of(text: &str, from: Time) -> Option<LocalClock> {
     if let Some(offset) = parse_offset(text) {
         return Some(LocalClock::fixed(offset));
@@ -119,14 +119,14 @@ fn clock_of(text: &str, from: Time) -> Option<LocalClock> {
         .map(|change| (Time(change.timestamp().as_microsecond()), span(change.offset())));
     let offset = span(zone.to_offset(start));
     let mut changes: Vec<(Time, Span)> = changes.take_while(|(at, _)| *at < last).collect();
-    // Some changes are of the name alone.
+    // Some changes concern only the name.
     let mut ahead = offset;
     changes.retain(|(_, offset)| std::mem::replace(&mut ahead, *offset) != *offset);
     Some(LocalClock { zone: Some(name), offset, changes })
 }
 
-/// A window on the day of a time or shortly before, in which no clock changes and whose ends the clock shows once: it
-/// is the measure for all others.
+/// An occurrence on the day of `at` or shortly before, in which no clock changes and whose times the clock shows once:
+/// the pattern for all other occurrences.
 fn usual_day(clock: &LocalClock, at: Time, (begins, lasts): (Span, Span)) -> Window {
     let midnight = Time(clock.shown(at).0.div_euclid(DAY.0) * DAY.0);
     let on = |day: i64| {
@@ -171,7 +171,7 @@ mod tests {
             first(evening, Some("2030-06-03T10:00:00Z"), "2030-06-01T00:00:00Z").unwrap(),
             "2030-06-03T21:30:00Z 2030-06-03T22:30:00Z"
         );
-        // Without a beginning, the one of the day before counts, too: it may be in force.
+        // If `from` is not given, the previous day's occurrence counts, too: it may be in force.
         let night = serde_json::json!({"from": "22:00", "to": "02:00"});
         assert_eq!(
             first(night, None, "2030-06-03T01:00:00Z").unwrap(),

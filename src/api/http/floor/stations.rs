@@ -1,5 +1,5 @@
-//! `/v1/stations/{id}` and below: what is picked there; the person at a station says how far that is, and whether
-//! anybody picks at all.
+//! `/v1/stations/{id}` and below: the pick at a station; the person there reports progress on it, and pauses or resumes
+//! picking.
 //!
 //! Main functions: [`one`], [`line()`], [`release`], [`done()`], [`short`], [`pause`], [`resume`]. Refuses: to end a
 //! pick that has not begun, and to count a piece twice.
@@ -23,7 +23,7 @@ use giveway_floor::text::sentence::requests;
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-/// One station with the rack that stands there and what is picked from it.
+/// Get one station with the rack that stands there and the lines to pick from it.
 #[utoipa::path(get, path = "/v1/stations/{id}", tag = "floor", operation_id = "getStation",
     params(("id" = String, Path, example = "W")), responses(
     (status = 200, description = "The station", body = StationDetailDto),
@@ -34,16 +34,16 @@ pub async fn one(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Sta
     Ok(Json(Names { map: &api.map, view: &moment.view }.station_detail(station)))
 }
 
-/// What is said about a line; exactly one of the three.
+/// A report on a line; exactly one of the three fields.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LineChangeDto {
-    /// So many more pieces are in the tote.
+    /// How many more pieces are in the tote.
     #[schema(minimum = 1, maximum = 10000)]
     done: Option<i64>,
     /// True: the slot has no more pieces.
     short: Option<bool>,
-    /// True: what was said before is taken back, and no piece counts.
+    /// True: earlier reports are taken back, and no piece counts.
     undo: Option<bool>,
 }
 
@@ -64,9 +64,9 @@ impl LineChangeDto {
     }
 }
 
-/// Say how far a line is: a button, a scanner or a scale confirms pieces, reports that the slot is empty, or takes back
-/// what was said before. Lines count from 1. The visit ends with its last line, and then the rack leaves. What was
-/// confirmed already is counted once: `changed` is false then.
+/// Report progress on a line: a button, a scanner or a scale confirms pieces, reports that the slot is empty, or takes
+/// back earlier reports. Lines count from 1. The visit ends with its last line, and then the rack leaves. Pieces that
+/// were confirmed already are not counted again: `changed` is then false.
 #[utoipa::path(post, path = "/v1/stations/{id}/lines/{n}", tag = "floor", operation_id = "changeLine",
     params(("id" = String, Path, example = "W"), ("n" = usize, Path, minimum = 1, example = 1)),
     request_body = LineChangeDto, responses(
@@ -89,8 +89,8 @@ pub async fn line(
     change_line(&api, station, Some(n - 1), change.read()?).await
 }
 
-/// Say what became of the line that was not confirmed when its rack left at the last grasp, while another rack may be
-/// there already: as for a line of the visit.
+/// Report on the line that was not confirmed when its rack left at the last grasp; another rack may be at the station
+/// already. The body is as for a line of the visit.
 #[utoipa::path(post, path = "/v1/stations/{id}/last", tag = "floor", operation_id = "changeLastLine",
     params(("id" = String, Path, example = "W")), request_body = LineChangeDto, responses(
     (status = 200, description = "It is noted, and that is durable", body = LineChangedDto),
@@ -126,7 +126,7 @@ async fn change_line(
     }))
 }
 
-/// Let the rack leave though lines are left: what is left is short, and the job ends as done.
+/// Let the rack leave although lines are left: these lines are short, and the job ends as done.
 #[utoipa::path(post, path = "/v1/stations/{id}/release", tag = "floor", operation_id = "releaseRack",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The visit has ended, and that is durable"),
@@ -137,8 +137,8 @@ pub async fn release(Called(api): Called, PathPart(id): PathPart) -> Result<Stat
     say(&api, &id, StationOrder::Release).await
 }
 
-/// End a pick: the job ends as done, and the robot takes its rack away; lines that are left are confirmed. A pick lasts
-/// until this call or until its last line is over; `pick_s` of a job is only how long it is planned to take.
+/// End a pick: the job ends as done, the robot takes its rack away, and lines that are left are confirmed. A pick lasts
+/// until this call or until its last line is over; a job's `pick_s` is only how long the pick is planned to take.
 #[utoipa::path(post, path = "/v1/stations/{id}/done", tag = "floor", operation_id = "finishPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),
@@ -149,8 +149,8 @@ pub async fn done(Called(api): Called, PathPart(id): PathPart) -> Result<StatusC
     say(&api, &id, StationOrder::Done).await
 }
 
-/// End a pick because goods were missing: the job ends as failed, with that reason, and the rack is taken away. Lines
-/// that are left are short.
+/// End a pick because goods were missing: the job ends as failed, with that reason, and the robot takes the rack away.
+/// Lines that are left are short.
 #[utoipa::path(post, path = "/v1/stations/{id}/short", tag = "floor", operation_id = "reportShortPick",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "The pick has ended, and that is durable"),
@@ -161,7 +161,7 @@ pub async fn short(Called(api): Called, PathPart(id): PathPart) -> Result<Status
     say(&api, &id, StationOrder::Short).await
 }
 
-/// Pause picking at a station: no more racks are fetched for it; those in its queue wait.
+/// Pause picking at a station: no more racks are fetched for it, and racks in its queue wait.
 #[utoipa::path(post, path = "/v1/stations/{id}/pause", tag = "floor", operation_id = "pauseStation",
     params(("id" = String, Path, example = "W")), responses(
     (status = 204, description = "Picking is paused, and that is durable"),

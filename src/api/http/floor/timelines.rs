@@ -1,7 +1,7 @@
-//! `/v1/timelines`: what the planner sees of a part of the floor, node by node.
+//! `/v1/timelines`: what the planner knows about an area of the floor, node by node.
 //!
-//! Main types: [`TimelinesDto`], [`AreaParams`]. Refuses: areas of too many nodes, and looking far ahead, where
-//! everything is replanned before it comes.
+//! Main types: [`TimelinesDto`], [`AreaParams`]. Refuses: areas with too many nodes, and a long look ahead: everything
+//! that far ahead is replanned before it happens.
 
 use crate::dto::names::Names;
 use crate::port::questions::Question;
@@ -21,115 +21,115 @@ use giveway_floor::timeline::{Held, Layer};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-/// How far ahead one may look, seconds.
+/// How far ahead a request may look, seconds.
 const FARTHEST_S: f64 = 120.0;
 
 /// How far ahead to look if the request does not say, seconds.
 const USUAL_S: f64 = 60.0;
 
-/// Which part of the floor.
+/// An area of the floor.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AreaParams {
-    /// One corner, metres.
+    /// x of one corner, metres.
     x0: f64,
-    /// One corner, metres.
+    /// y of one corner, metres.
     y0: f64,
-    /// The corner opposite, metres.
+    /// x of the opposite corner, metres.
     x1: f64,
-    /// The corner opposite, metres.
+    /// y of the opposite corner, metres.
     y1: f64,
-    /// How far ahead, seconds, 1 to 120; 60 if absent.
+    /// How far to look ahead, seconds, 1 to 120; 60 if absent.
     ahead_s: Option<f64>,
 }
 
-/// What the planner sees of a part of the floor.
+/// What the planner knows about an area of the floor.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TimelinesDto {
-    /// When this was so, RFC 3339. All other times are seconds from here.
+    /// The time of this answer, RFC 3339. All other times are seconds from it.
     pub at: String,
-    /// How far ahead it reaches.
+    /// How far ahead the answer reaches, seconds.
     pub ahead_s: f64,
-    /// The nodes, from the top left on.
+    /// The nodes, starting at the top left.
     pub nodes: Vec<StripDto>,
 }
 
-/// One node.
+/// What the planner knows about one node.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct StripDto {
-    /// Its name.
+    /// The node's name.
     #[schema(example = "R33")]
     pub id: String,
-    /// Metres.
+    /// The node's x, metres.
     pub x: f64,
-    /// Metres.
+    /// The node's y, metres.
     pub y: f64,
-    /// Which robots and workers hold it and when, in order.
+    /// The holds of the node by robots and workers, in order.
     pub holds: Vec<HoldDto>,
-    /// What people and closures impose there.
+    /// Conditions that people and closures impose on the node.
     pub conditions: Vec<ConditionDto>,
-    /// In whose safety regions it is, and when.
+    /// Safety regions that the node is in, and when.
     pub regions: Vec<RegionStayDto>,
 }
 
-/// A stay of a node in a safety region.
+/// A time in which a node is in a safety region.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct RegionStayDto {
-    /// The robot, or the worker, around whom the region is.
+    /// The robot or worker around which the region lies.
     #[schema(example = "robot-2")]
     pub of: String,
-    /// Which of the two it is.
+    /// Whether `of` is a robot or a worker.
     pub kind: HolderKindDto,
-    /// 2: nothing is planned into it; 3: around that, robots are slow. Around a robot: where a person would be in those
-    /// regions of the robot.
+    /// 2: nothing is planned into this region; 3: around region 2, robots are slow. For regions of a robot: where a
+    /// person would be that near to the robot.
     pub region: u8,
-    /// Seconds from `at`; below 0 if it has begun.
+    /// Start in seconds from `at`; negative if it has begun.
     pub from_s: f64,
-    /// Seconds from `at`; null if it has no end.
+    /// End in seconds from `at`; null if it has no end.
     pub to_s: Option<f64>,
 }
 
-/// One hold.
+/// A hold: the node belongs to a robot or worker for a time.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct HoldDto {
-    /// The robot, or the worker.
+    /// The robot or worker that holds the node.
     #[schema(example = "robot-2")]
     pub by: String,
-    /// Which of the two it is.
+    /// Whether `by` is a robot or a worker.
     pub kind: HolderKindDto,
-    /// Seconds from `at`; below 0 if it has begun.
+    /// Start in seconds from `at`; negative if it has begun.
     pub from_s: f64,
-    /// Seconds from `at`; null if it has no end.
+    /// End in seconds from `at`; null if it has no end.
     pub to_s: Option<f64>,
     /// Whether the hold is granted, not only reserved: the holder may be there already.
     pub granted: bool,
-    /// Whether not the node itself is held, but a resource in conflict with it.
+    /// Whether the hold is of a resource in conflict with the node, not of the node itself.
     pub conflict: bool,
 }
 
-/// One condition.
+/// A condition on a node.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ConditionDto {
     /// The worker, the closure, or the robot that stands there but has its reservations elsewhere.
     #[schema(example = "w1")]
     pub by: String,
-    /// What sort of thing imposes it.
+    /// What imposes the condition.
     pub kind: CauseKindDto,
-    /// Seconds from `at`; below 0 if it has begun.
+    /// Start in seconds from `at`; negative if it has begun.
     pub from_s: f64,
-    /// Seconds from `at`; null if it has no end.
+    /// End in seconds from `at`; null if it has no end.
     pub to_s: Option<f64>,
-    /// What it does to robots.
+    /// The effect on robots.
     pub effect: EffectDto,
-    /// Metres per second, without and with a rack.
+    /// For `slow`: the top speed, metres per second, without and with a rack.
     pub limit_mps: Option<[f64; 2]>,
-    /// Seconds.
+    /// For `price`: the cost, in seconds of delay.
     pub price_s: Option<f64>,
 }
 
-/// Which robots and workers hold the nodes of an area and when, and what people and closed areas impose there, for up
-/// to two minutes ahead.
+/// Get which robots and workers hold the nodes of an area and when, and what people and closed areas impose there, for
+/// up to two minutes ahead.
 #[utoipa::path(get, path = "/v1/timelines", tag = "floor", operation_id = "getTimelines", params(AreaParams), responses(
     (status = 200, description = "Up to 200 nodes, from the top left on", body = TimelinesDto),
     (status = 422),
@@ -216,7 +216,7 @@ fn condition(names: Names, c: &Condition, at: Time) -> ConditionDto {
     let (effect, limit_mps, price_s) = match c.effect {
         Effect::Closed => (EffectDto::Closed, None, None),
         Effect::NoEntryOrExit => (EffectDto::Still, None, None),
-        // A limit that is none has no number in JSON.
+        // An infinite limit has no number in JSON.
         Effect::Slow(l) => (EffectDto::Slow, Some(l.map(round3)), None),
         Effect::SoftCost(p) => (EffectDto::Price, None, Some(round3(p.as_secs_f64()))),
     };
@@ -224,7 +224,7 @@ fn condition(names: Names, c: &Condition, at: Time) -> ConditionDto {
     ConditionDto { by, kind, from_s, to_s, effect, limit_mps, price_s }
 }
 
-/// Both ends, seconds from `at`.
+/// Both ends of a window, in seconds from `at`.
 fn seconds(w: Window, at: Time) -> (f64, Option<f64>) {
     let s = |t: Time| round3((t - at).as_secs_f64());
     (s(w.start()), (!w.end().is_forever()).then(|| s(w.end())))

@@ -1,7 +1,7 @@
-//! `/v1/alarms`: what is wrong now, what was wrong, who has taken note, what was put aside, what was written down.
+//! `/v1/alarms`: alarms, active and past, with their acknowledgements, shelvings and notes.
 //!
-//! Main types: [`AlarmParams`], [`AcknowledgeBody`], [`ShelveBody`], [`NoteBody`]. Refuses: to do anything about what
-//! is over, or without a name.
+//! Main types: [`AlarmParams`], [`AcknowledgeBody`], [`ShelveBody`], [`NoteBody`]. Refuses: to change alarms that are
+//! over, and changes without a person's name.
 
 use crate::dto::alarms::AlarmDto;
 use crate::dto::names::Page;
@@ -20,31 +20,31 @@ use giveway_floor::time::Span;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
-/// Which alarms to list.
+/// Filters for the list of alarms.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AlarmParams {
-    /// `active` (if absent, and no other parameter is given): those that are active now, all of them, the worst first.
-    /// `any`: also those that are over, newest first.
+    /// `active` (if absent, and no other parameter is given): all active alarms, the worst first. `any`: also alarms
+    /// that are over, newest first.
     #[param(example = "any")]
     state: Option<String>,
-    /// Only those that had not ended before this time, RFC 3339.
+    /// Only alarms that had not ended before this time, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Only those that began before this time.
+    /// Only alarms that began before this time, RFC 3339.
     to: Option<String>,
     /// Only members of this group.
     #[param(example = "al18")]
     group: Option<String>,
-    /// How many at most, 1 to 500; 50 if absent.
+    /// How many alarms at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// List alarms: those that are active, or the history. Where many robots have the same trouble, one alarm stands for
-/// all of them and has theirs as its `members`.
+/// List alarms: the active ones, or the history. If many robots have the same trouble, one alarm stands for all of them
+/// and has their alarms as its `members`.
 #[utoipa::path(get, path = "/v1/alarms", tag = "server", operation_id = "listAlarms", params(AlarmParams), responses(
     (status = 200, description = "Alarms: the active ones, the worst first; or the history, newest first",
      body = Page<AlarmDto>),
@@ -80,7 +80,7 @@ async fn history(api: &Api, p: &AlarmParams) -> Result<Json<Page<AlarmDto>>, Pro
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
     let next = rows.last().filter(|_| more).map(|row| row.id.to_string());
-    // What is active has changed since it was written down.
+    // An active alarm has changed since it was stored.
     let newest = |row: &Alarm| AlarmDto::from(api.alarms.find(row.id).as_ref().unwrap_or(row));
     Ok(Json(Page { items: rows.iter().map(newest).collect(), next }))
 }
@@ -103,19 +103,19 @@ fn query(p: &AlarmParams) -> Result<AlarmQuery, Problem> {
     Ok(AlarmQuery { from, to, group: group.flatten(), before: before.and_then(Result::ok), limit: 0 })
 }
 
-/// Who acknowledges an alarm.
+/// The person who acknowledges an alarm.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AcknowledgeBody {
-    /// The name that others shall see, 1 to 80 characters.
+    /// Your name, as other people will see it, 1 to 80 characters.
     #[schema(example = "Ben")]
     by: String,
 }
 
-/// Acknowledge an active alarm: others see who looks after it, and it makes no sound any more. It stays active until
-/// its cause is gone. Who acknowledged first stays. If the alarm becomes more severe, it asks for a new
-/// acknowledgement. Of a group, it is one of all its members; a group asks anew when it has more than doubled. An
-/// acknowledgement is written down within a second and survives a restart.
+/// Acknowledge an active alarm: other people see who takes care of it, and it makes no more sound. It stays active
+/// until its cause is gone. The first acknowledgement stays. If the alarm becomes more severe, it asks for a new
+/// acknowledgement. Acknowledging a group acknowledges all its members; a group asks anew when it has more than
+/// doubled. An acknowledgement is stored within a second and survives a restart.
 #[utoipa::path(post, path = "/v1/alarms/{id}/acknowledge", tag = "server", operation_id = "acknowledgeAlarm",
     params(("id" = String, Path, example = "al17")), request_body = AcknowledgeBody, responses(
     (status = 200, description = "The alarm, with who acknowledged it", body = AlarmDto),
@@ -136,24 +136,24 @@ pub async fn acknowledge(
     alarm.as_ref().map(|alarm| Json(AlarmDto::from(alarm))).ok_or_else(|| not_active(&id))
 }
 
-/// Who puts an alarm aside, for how long, and why.
+/// The person who shelves an alarm, for how long, and why.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShelveBody {
-    /// The name that others shall see, 1 to 80 characters.
+    /// Your name, as other people will see it, 1 to 80 characters.
     #[schema(example = "Ben")]
     by: String,
-    /// For how long, seconds, 60 to 43200 (twelve hours).
+    /// How long to shelve the alarm, seconds, 60 to 43200 (twelve hours).
     #[schema(minimum = 60, maximum = 43200, example = 3600)]
     for_s: u32,
-    /// Why, 1 to 200 characters.
+    /// Why the alarm is shelved, 1 to 200 characters.
     #[schema(example = "the radio is being mended", max_length = 200)]
     reason: String,
 }
 
-/// Put an active alarm aside: it stays active, is listed last, and calls nobody until its time is over or it becomes
-/// more severe. If it is cleared and raised again meanwhile, the new one is put aside as well. Alarms about what keeps
-/// the server from promising anything, and evacuations, always call.
+/// Shelve an active alarm: it stays active, is listed last, and calls nobody until its time is over or it becomes more
+/// severe. If the alarm is cleared and raised again meanwhile, the new one is shelved as well. Evacuations, and alarms
+/// about faults that keep the server from promising anything, always call.
 #[utoipa::path(post, path = "/v1/alarms/{id}/shelve", tag = "server", operation_id = "shelveAlarm",
     params(("id" = String, Path, example = "al17")), request_body = ShelveBody, responses(
     (status = 200, description = "The alarm, with who put it aside", body = AlarmDto),
@@ -185,7 +185,7 @@ pub async fn shelve(
     Ok(Json(AlarmDto::from(&alarm)))
 }
 
-/// Take an alarm that was put aside back up: it calls again.
+/// Unshelve an alarm: it calls for attention again.
 #[utoipa::path(delete, path = "/v1/alarms/{id}/shelve", tag = "server", operation_id = "unshelveAlarm",
     params(("id" = String, Path, example = "al17")), responses(
     (status = 200, description = "The alarm", body = AlarmDto),
@@ -197,19 +197,20 @@ pub async fn unshelve(Called(api): Called, PathPart(id): PathPart) -> Result<Jso
     alarm.as_ref().map(|alarm| Json(AlarmDto::from(alarm))).ok_or_else(|| not_active(&id))
 }
 
-/// What somebody found out about an alarm.
+/// A note about an alarm.
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NoteBody {
-    /// The name that others shall see, 1 to 80 characters.
+    /// Your name, as other people will see it, 1 to 80 characters.
     #[schema(example = "Ben")]
     by: String,
-    /// What, 1 to 500 characters.
+    /// The text of the note, 1 to 500 characters.
     #[schema(example = "the access point has no power; electrician at 15:00", max_length = 500)]
     text: String,
 }
 
-/// Write a note about an active alarm, for those who look after it next. Notes stay with the alarm when it is over.
+/// Write a note about an active alarm, for the people who take care of it next. Notes stay with the alarm when it is
+/// over.
 #[utoipa::path(post, path = "/v1/alarms/{id}/notes", tag = "server", operation_id = "noteAlarm",
     params(("id" = String, Path, example = "al17")), request_body = NoteBody, responses(
     (status = 200, description = "The alarm, with its notes", body = AlarmDto),
@@ -237,7 +238,7 @@ pub async fn write_note(
     Ok(Json(AlarmDto::from(&alarm)))
 }
 
-/// A text that a person typed, without blanks around it; complains where there is none, or too much.
+/// A text that a person typed, trimmed; adds an error if it is empty or too long.
 fn written(field: &str, text: &str, most: usize, errors: &mut Vec<FieldError>) -> String {
     let text = text.trim();
     let is_text = |c: char| !c.is_control() || c == '\n';

@@ -1,7 +1,7 @@
-//! `/v1/health` and `/metrics`: whether the server does its work.
+//! `/v1/health` and `/metrics`: whether the server works.
 //!
-//! Main types: [`Health`], [`Alive`], [`Ready`]. Refuses: to say ok while a critical alarm is active, and to fail for
-//! what an operator asked for.
+//! Main types: [`Health`], [`Alive`], [`Ready`]. Refuses: to report ok while a critical alarm is active, and to fail
+//! because of what an operator ordered.
 
 use crate::state::api::Api;
 use crate::state::called::Called;
@@ -16,7 +16,7 @@ use giveway_floor::time::Span;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// A loop that is stuck for longer does not come back by itself.
+/// A loop that is stuck for this long does not recover by itself.
 const STUCK: Span = Span::from_secs(30);
 
 /// The server's health.
@@ -29,14 +29,14 @@ pub struct Health {
     version: &'static str,
     /// Name of the map.
     map: String,
-    /// How many robots.
+    /// How many robots there are.
     robots: usize,
     /// Seconds since the server started.
     time_s: f64,
 }
 
-/// Whether the server and the floor are well: 200, or 503 with every critical alarm that no operator asked for. Needs
-/// no token.
+/// Get whether the server and the floor are healthy: 200, or 503 with every critical alarm that no operator caused.
+/// Needs no token.
 #[utoipa::path(get, path = "/v1/health", tag = "server", operation_id = "getHealth", responses(
     (status = 200, description = "No critical alarm is active, but for what an operator asked for", body = Health),
     (status = 503, description = "A critical alarm is active, or the server is starting")))]
@@ -63,14 +63,14 @@ pub struct Alive {
     version: &'static str,
 }
 
-/// The same while the server starts, when there is nothing that could be stuck.
+/// The answer while the server starts, when nothing can be stuck yet.
 pub async fn alive() -> Json<Alive> {
     Json(Alive { status: "alive", version: env!("CARGO_PKG_VERSION") })
 }
 
-/// Whether the process does its work: 200 from the moment it listens, even while it starts and whatever alarms are
-/// active; 503 only if the control loop has been stuck for 30 s, which a restart ends. What a watchdog that restarts
-/// processes should ask. Needs no token.
+/// Get whether the process works: 200 from the moment it listens, even while it starts and whatever alarms are active;
+/// 503 only if the control loop has been stuck for 30 s, which a restart ends. Use this for a watchdog that restarts
+/// processes. Needs no token.
 #[utoipa::path(get, path = "/v1/health/live", tag = "server", operation_id = "getLiveness", responses(
     (status = 200, description = "The process works", body = Alive),
     (status = 503, description = "The control loop is stuck: restart the process")))]
@@ -80,7 +80,7 @@ pub async fn live(Called(api): Called) -> Result<Json<Alive>, Problem> {
     Ok(alive().await)
 }
 
-/// The server takes requests.
+/// The server accepts requests.
 #[derive(Serialize, ToSchema)]
 pub struct Ready {
     /// Always "ready".
@@ -88,11 +88,10 @@ pub struct Ready {
     status: &'static str,
 }
 
-/// Whether the server can promise anything: 200, or 503 while it starts and until each robot has reported or is known
-/// to be silent (after three seconds), while the journal takes no facts, while the database is not in its place, and
-/// while the control loop is stuck or the fleet cannot be trusted. What an operator
-/// wanted (a stop, a pause, an evacuation) and what is wrong with robots or people never makes it fail. What a load
-/// balancer should ask. Needs no token.
+/// Get whether the server can promise anything: 200, or 503 while it starts and until each robot has reported or is
+/// known to be silent (after three seconds), while the journal accepts no facts, while the database is not in its
+/// place, and while the control loop is stuck or the fleet cannot be trusted. An operator's orders (a stop, a pause, an
+/// evacuation) and problems with robots or people never make it fail. Use this for a load balancer. Needs no token.
 #[utoipa::path(get, path = "/v1/health/ready", tag = "server", operation_id = "getReadiness", responses(
     (status = 200, description = "The server takes requests", body = Ready),
     (status = 503, description = "Nothing can be promised now; the text says why")))]
@@ -108,7 +107,7 @@ pub async fn ready(Called(api): Called) -> Result<Json<Ready>, Problem> {
     Ok(Json(Ready { status: "ready" }))
 }
 
-/// A problem that lists the active alarms that are so, if any is.
+/// A problem that lists the active alarms for which `is_so` holds, if there are any.
 fn fails_for(api: &Api, is_so: impl Fn(&Alarm) -> bool) -> Result<(), Problem> {
     let alarms = api.alarms.list().into_iter().filter(is_so);
     let errors: Vec<_> = alarms.map(|a| FieldError::new(a.kind.word(), a.text)).collect();
@@ -119,7 +118,7 @@ fn fails_for(api: &Api, is_so: impl Fn(&Alarm) -> bool) -> Result<(), Problem> {
     Err(Problem { errors: errors.into(), ..Problem::unavailable(requests::alarms_say(said), 2) })
 }
 
-/// Metrics for Prometheus, as OpenMetrics text.
+/// Get metrics for Prometheus, as OpenMetrics text.
 #[utoipa::path(get, path = "/metrics", tag = "server", operation_id = "getMetrics", responses(
     (status = 200, description = "Metrics", body = String,
      content_type = "application/openmetrics-text; version=1.0.0; charset=utf-8")))]

@@ -1,4 +1,4 @@
-//! Handlers for those who run the server: health and metrics, alarms, webhooks.
+//! Handlers for running the server: health and metrics, alarms, webhooks.
 //!
 //! Main functions: [`health::health`], [`alarms::list`], [`webhooks::add`]. Refuses: to run the floor.
 

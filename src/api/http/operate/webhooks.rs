@@ -1,7 +1,7 @@
-//! `/v1/webhooks`: other systems that are told of events, instead of following them.
+//! `/v1/webhooks`: sends events to other systems, so that these need not poll.
 //!
-//! Main types: [`WebhookDto`], [`NewWebhook`]. Refuses: addresses that are not HTTP, or inside where no setting allows
-//! that, and to tell secrets again.
+//! Main types: [`WebhookDto`], [`NewWebhook`]. Refuses: addresses that are not HTTP, internal addresses unless a
+//! setting allows them, and to show secrets again.
 
 use crate::dto::names::Page;
 use crate::http::shared::paging::checked_limit;
@@ -21,78 +21,79 @@ use serde::{Deserialize, Serialize};
 use tokio::sync::oneshot;
 use utoipa::{IntoParams, ToSchema};
 
-/// The longest address.
+/// The longest address, in characters.
 const LONGEST_URL: usize = 2000;
 
-/// So many webhooks at most.
+/// The most webhooks.
 const MOST_HOOKS: usize = 32;
 
-/// A system that is told of events.
+/// A webhook: a system that receives events.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct WebhookDto {
-    /// Its number.
+    /// The webhook's number.
     #[schema(example = "h1")]
     pub id: String,
-    /// Where messages are sent; a user and a password in the address are shown as `***`.
+    /// The address to which messages are sent; a user and a password in the address are shown as `***`.
     #[schema(example = "https://wms.example/giveway")]
     pub url: String,
-    /// The kinds of events; all of them if there are none.
+    /// The kinds of events that are sent; empty for all kinds.
     pub kinds: Vec<&'static str>,
-    /// Since when, RFC 3339.
+    /// When the webhook was added, RFC 3339.
     pub created: String,
     /// The number of the last event that was delivered or given up.
     pub cursor: i64,
-    /// How often the next message was tried in vain.
+    /// How often sending the next message has failed.
     pub attempts: u32,
-    /// Why the last attempt failed; null if none did since the last success.
+    /// Why the last attempt failed; null if there has been no failure since the last success.
     pub failing: Option<String>,
-    /// What messages are signed with; null but in the answer to the request that made it.
+    /// The secret with which messages are signed; null except in the answer to the request that added the webhook.
     pub secret: Option<String>,
 }
 
-/// A system to be told.
+/// A webhook to add.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewWebhook {
-    /// Where to send messages: an address with http:// or https://. One inside (of this machine, or of a private
-    /// network) is refused unless the setting `webhook_inside` names its network.
+    /// The address to which messages are sent, with http:// or https://. An internal address (of this machine, or of a
+    /// private network) is refused unless the setting `webhook_inside` names its network.
     #[schema(example = "https://wms.example/giveway", max_length = 2000)]
     url: String,
-    /// Only events of these kinds; all if absent.
+    /// Only events of these kinds; all kinds if absent.
     #[serde(default)]
     #[schema(example = json!(["job"]))]
     kinds: Vec<String>,
-    /// What to sign messages with, `whsec_` and 24 to 64 bytes in base64; made for you if absent.
+    /// The secret with which to sign messages, `whsec_` and 24 to 64 bytes in base64; generated if absent.
     secret: Option<String>,
 }
 
 /// A message that was given up after twenty attempts.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct FailedMessageDto {
-    /// The number of its first event.
+    /// The number of the message's first event.
     pub first: i64,
-    /// The number of its last event: `GET /v1/events?after=` with the number before the first reads them again.
+    /// The number of the message's last event: `GET /v1/events?after=` with the number before `first` reads the events
+    /// again.
     pub last: i64,
-    /// When it was given up, RFC 3339.
+    /// When the message was given up, RFC 3339.
     pub at: String,
-    /// How often it was tried.
+    /// How often the message was tried.
     pub attempts: u32,
     /// Why the last attempt failed.
     pub error: String,
 }
 
-/// Which page of the messages that were given up.
+/// The page of the messages that were given up.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct FailureParams {
-    /// How many at most, 1 to 500; 50 if absent.
+    /// How many messages at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// All systems that are told of events.
+/// List all webhooks.
 #[utoipa::path(get, path = "/v1/webhooks", tag = "events", operation_id = "listWebhooks", responses(
     (status = 200, description = "In order of being added", body = Vec<WebhookDto>),
     (status = 503, description = "The database does not answer")))]
@@ -101,14 +102,14 @@ pub async fn list(State(api): State<Api>) -> Result<Json<Vec<WebhookDto>>, Probl
     Ok(Json(hooks.into_iter().map(dto).collect()))
 }
 
-/// Tell a system what happens from now on. Each message is a POST of `{"type": "giveway.events", "timestamp",
-/// "data": {"events": [...]}}` with up to a hundred events as `GET /v1/events` has them, in order, signed as the
-/// Standard Webhooks specification says: `webhook-id`, `webhook-timestamp`, and `webhook-signature` with the
-/// HMAC-SHA256 of `ID.TIMESTAMP.BODY`. Any answer 2xx within ten seconds takes it. Otherwise, also after an answer
-/// 3xx, which is not followed, it is tried again after
-/// 1, 2, 4 … 300 seconds, twenty times in all; then it is given up and listed in `failures`, and the next one is sent.
-/// A message that is tried again has the same events and `webhook-id`. After a kill, events may come again, perhaps
-/// with later ones: skip numbers that you have had.
+/// Add a webhook: the system receives all events from now on. Each message is a POST of `{"type": "giveway.events",
+/// "timestamp", "data": {"events": [...]}}` with up to a hundred events in order, in the form of `GET /v1/events`,
+/// signed as the Standard Webhooks specification says: `webhook-id`, `webhook-timestamp`, and `webhook-signature` with
+/// the HMAC-SHA256 of `ID.TIMESTAMP.BODY`. Any answer 2xx within ten seconds accepts the message. Otherwise, also after
+/// an answer 3xx, which is not followed, the message is tried again after 1, 2, 4 … 300 seconds, twenty times in all;
+/// then it is given up and listed in `failures`, and the next one is sent. A message that is tried again has the same
+/// events and `webhook-id`. After a kill of the server, events may be sent again, perhaps together with later ones:
+/// skip numbers that you have already received.
 #[utoipa::path(post, path = "/v1/webhooks", tag = "events", operation_id = "addWebhook", request_body = NewWebhook,
     params(("Idempotency-Key" = Option<String>, Header,
         description = "Your own key, up to 255 characters: a repeat gets the same answer and makes nothing")),
@@ -132,7 +133,7 @@ pub async fn add(
     Ok((StatusCode::CREATED, Json(WebhookDto { secret: Some(told), ..dto(hook) })))
 }
 
-/// Tell a system nothing any more.
+/// Remove a webhook: the system receives no more events.
 #[utoipa::path(delete, path = "/v1/webhooks/{id}", tag = "events", operation_id = "removeWebhook",
     params(("id" = String, Path, example = "h1")), responses(
     (status = 204, description = "It is told nothing any more"),
@@ -147,7 +148,7 @@ pub async fn remove(State(api): State<Api>, PathPart(id): PathPart) -> Result<St
     }
 }
 
-/// Messages to a system that were given up, newest first; the last thousand are kept.
+/// List the messages to a system that were given up, newest first; the last thousand are kept.
 #[utoipa::path(get, path = "/v1/webhooks/{id}/failures", tag = "events", operation_id = "listWebhookFailures",
     params(("id" = String, Path, example = "h1"), FailureParams), responses(
     (status = 200, description = "What was given up", body = Page<FailedMessageDto>),
@@ -183,7 +184,7 @@ fn access(api: &Api) -> Result<&WebhookAccess, Problem> {
     api.hooks.as_ref().ok_or_else(Problem::of_recording)
 }
 
-/// Refuses an address that webhooks may not have.
+/// Refuses an address that webhooks must not have.
 async fn check_target(api: &Api, url: &str) -> Result<(), Problem> {
     let Ok(uri) = url.parse::<Uri>() else { return Ok(()) };
     let usual = if uri.scheme_str() == Some("http") { 80 } else { 443 };

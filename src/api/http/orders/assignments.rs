@@ -1,8 +1,8 @@
-//! `/v1/workers/{id}/assignments` and `/v1/assignments`: what workers are to do.
+//! `/v1/workers/{id}/assignments` and `/v1/assignments`: tasks for workers.
 //!
-//! Main type: [`NewAssignment`]. A request is answered when its facts are durable. Refuses: to reorder anybody's
-//! work, and to tell roles below admin of an assignment that is over both who had it and when: that would tell how fast
-//! a person works.
+//! Main type: [`NewAssignment`]. A request is answered when its facts are durable. Refuses: to reorder a worker's
+//! assignments, and to tell roles below admin both the worker and the times of an assignment that is over: that would
+//! reveal how fast a person works.
 
 use crate::access::caller::Role;
 use crate::dto::names::{Names, Page};
@@ -24,58 +24,58 @@ use giveway_floor::time::Span;
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
-/// The longest stay: a shift, seconds.
+/// The longest stay, in seconds: a shift.
 const LONGEST_STAY_S: f64 = 8.0 * 3600.0;
 
-/// States in which nothing is known yet of how long it took.
+/// States in which nothing is known yet about how long the assignment took.
 const OPEN: [&str; 3] = ["waiting", "walking", "working"];
 
 /// How long a stay is if the request does not say, seconds.
 const USUAL_STAY_S: f64 = 30.0;
 
-/// The longest text.
+/// The longest text, in characters.
 const LONGEST_TEXT: usize = 500;
 
-/// Something for a worker to do.
+/// A task for a worker.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewAssignment {
     /// Name of the node to go to; at a storage node, the nearest place from which its rack can be reached.
     #[schema(example = "A12")]
     place: String,
-    /// How long it takes there, seconds; 30 if absent.
+    /// How long the worker stays there, seconds; 30 if absent.
     #[schema(minimum = 0, maximum = 28800)]
     stay_s: Option<f64>,
-    /// What, in your words, up to 500 characters.
+    /// The task, in your words, up to 500 characters.
     what: Option<String>,
 }
 
-/// Which assignments to list.
+/// Filters for the list of assignments.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct AssignmentParams {
-    /// How many at most, 1 to 500; 50 if absent.
+    /// How many assignments at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
-    /// Only those in this state, or in one of several with commas between them.
+    /// Only assignments in this state, or in any of several with commas between them.
     #[param(value_type = Option<Vec<AssignmentStateDto>>, style = Form, explode = false)]
     state: Option<String>,
-    /// Only those at this node.
+    /// Only assignments at this node.
     #[param(example = "A12")]
     place: Option<String>,
-    /// Only those whose state changed at this time or later, RFC 3339.
+    /// Only assignments whose state changed at this time or later, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     updated_since: Option<String>,
-    /// Only those that were accepted at this time or later.
+    /// Only assignments that were accepted at this time or later, RFC 3339.
     from: Option<String>,
-    /// Only those that were accepted before this time.
+    /// Only assignments that were accepted before this time, RFC 3339.
     to: Option<String>,
     /// `next` of the previous page.
     cursor: Option<String>,
 }
 
-/// A worker's assignments, newest first. Those that are over, with their times, would tell how fast a person works:
-/// administrators see them, and a device those of its own worker; others get those that are open.
+/// List a worker's assignments, newest first. Those that are over, with their times, would reveal how fast a person
+/// works: administrators see them, and a device sees those of its own worker; other callers get only open ones.
 #[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people", operation_id = "listAssignmentsOfWorker",
     params(("id" = String, Path, example = "w1"), AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
@@ -102,8 +102,8 @@ pub async fn of_worker(
     list(&api, AssignmentQuery { worker: Some(worker), ..query }).await
 }
 
-/// All assignments, newest first. For roles below admin, `worker` is null if an assignment is over: with its times it
-/// would tell how fast a person works.
+/// List all assignments, newest first. For roles below admin, `worker` is null if an assignment is over: with its times
+/// it would reveal how fast a person works.
 #[utoipa::path(get, path = "/v1/assignments", tag = "people",
     operation_id = "listAssignments", params(AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
@@ -116,7 +116,7 @@ pub async fn all(
     list(&api, read_query(&api, &p)?).await
 }
 
-/// One assignment.
+/// Get one assignment.
 #[utoipa::path(get, path = "/v1/assignments/{id}", tag = "people", operation_id = "getAssignment",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "The assignment", body = AssignmentDto),
@@ -126,7 +126,7 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Ass
     Ok(Json(dto(&api, &record)))
 }
 
-/// Give a worker something to do. When this call returns, the assignment is durable. With an `Idempotency-Key`, a
+/// Give a worker an assignment. When this call returns, the assignment is durable. With an `Idempotency-Key`, a
 /// retry never makes a second assignment.
 #[utoipa::path(post, path = "/v1/workers/{id}/assignments", tag = "people",
     operation_id = "assignToWorker", request_body = NewAssignment,
@@ -147,7 +147,7 @@ pub async fn assign(
     hand_in(&api, Some(worker), AssignmentRequest { key, ..new.read(&api)? }).await
 }
 
-/// Give the nearest free worker something to do. The assignment waits (`worker` is null) until a worker on the floor
+/// Give the nearest free worker an assignment. The assignment waits (`worker` is null) until a worker on the floor
 /// has nothing else to do; then it goes to the one with the shortest walk, the oldest assignment first. When this call
 /// returns, the assignment is durable. With an `Idempotency-Key`, a retry never makes a second assignment.
 #[utoipa::path(post, path = "/v1/assignments", tag = "people",
@@ -173,9 +173,9 @@ async fn hand_in(
 ) -> Result<(StatusCode, [(HeaderName, String); 1], Json<AssignmentDto>), Problem> {
     let Made { id, new } = api.ask(Ask::assign(worker, request.clone())).await?;
     let record = read(api, id).await?;
-    // The list does not say whose key it is.
+    // The list does not record the owner of a key, so keys are not compared.
     let known = AssignmentRequest { key: request.key.clone(), ..record.assignment.request.clone() };
-    // One that waited for a worker may have found one since.
+    // An assignment that waited for a worker may have got one since.
     let other = worker.is_some() && record.assignment.worker != worker;
     if known != request || other {
         let detail = requests::key_of_another(assignment_name(id));
@@ -198,7 +198,7 @@ pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<
     end(&api, id, Ask::unassign(id)).await
 }
 
-/// Report that the worker has finished an assignment, wherever the worker was seen. Headsets report it over the feed.
+/// Report that the worker has finished an assignment, wherever the worker was seen. Headsets report it over their feed.
 #[utoipa::path(post, path = "/v1/assignments/{id}/done", tag = "people", operation_id = "finishAssignment",
     params(("id" = String, Path, example = "a3")), responses(
     (status = 200, description = "It is done", body = AssignmentDto),
@@ -214,13 +214,13 @@ pub async fn finish(Called(api): Called, PathPart(id): PathPart) -> Result<Json<
     end(&api, id, Ask::finish(worker, id)).await
 }
 
-/// Ends an assignment one way or the other.
+/// Ends an assignment: done or cancelled, as `how` says.
 async fn end(api: &Api, id: AssignmentId, how: Ask<()>) -> Result<Json<AssignmentDto>, Problem> {
     api.ask(how).await?;
     Ok(Json(dto(api, &read(api, id).await?)))
 }
 
-/// What a list is limited to; complains about words, names and times that are none.
+/// The query of a list; an error if words, names or times are invalid.
 fn read_query(api: &Api, p: &AssignmentParams) -> Result<AssignmentQuery, Problem> {
     let limit = checked_limit(p.limit, 50)?;
     let mut errors = Vec::new();
@@ -270,7 +270,8 @@ fn may_know_pace(api: &Api, worker: WorkerId) -> bool {
     caller.role == Role::Admin || is_own
 }
 
-/// An assignment as the caller may see it: if it is over, others than administrators are not told who had it.
+/// An assignment as the caller may see it: once it is over, only administrators and the worker's own device see the
+/// worker.
 fn dto(api: &Api, record: &AssignmentRow) -> AssignmentDto {
     let dto = Names { map: &api.map, view: &api.moment().view }.assignment(record);
     let is_open = OPEN.contains(&dto.state.word());

@@ -1,7 +1,7 @@
-//! `POST /v1/jobs:batch`: many jobs in one request, each accepted or refused for itself.
+//! `POST /v1/jobs:batch`: many jobs in one request, each accepted or refused separately.
 //!
-//! Main types: [`NewJobs`], [`BatchDto`]. The accepted ones share one step of the fleet and one transaction, so that a
-//! thousand take no longer than one. Refuses: to let one wrong row refuse the others.
+//! Main types: [`NewJobs`], [`BatchDto`]. The accepted jobs share one step of the fleet and one transaction, so that a
+//! thousand jobs take no longer than one. Refuses: to refuse jobs because of another wrong row.
 
 use super::jobs::{check_same, read};
 use super::new_job::NewJob;
@@ -23,57 +23,57 @@ use utoipa::ToSchema;
 /// The most jobs in one request.
 const MOST_JOBS: usize = 1000;
 
-/// How long such a request may be, bytes: a thousand jobs with long references and some labels.
+/// The largest request, in bytes: a thousand jobs with long references and some labels.
 const LIMIT: usize = 1024 * 1024;
 
-/// The longest key.
+/// The longest key, in characters.
 const LONGEST_KEY: usize = 255;
 
 /// Many jobs.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewJobs {
-    /// 1 to 1000 of them.
+    /// The jobs, 1 to 1000.
     #[schema(value_type = Vec<BatchRow>, min_items = 1, max_items = 1000)]
     jobs: Vec<Value>,
 }
 
-/// One of many jobs.
+/// One job of a batch.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BatchRow {
-    /// Your own key for this job, 1 to 255 characters: the same key of yours never makes a second one, as with the
-    /// header of single submissions. If absent, the row has the key of the request, if that has one, and its position.
+    /// Your own key for this job, 1 to 255 characters: the same key never makes a second job, as with the header of
+    /// single submissions. If absent, the row's key is the request's key, if that has one, with the row's position.
     #[schema(example = "order-4711-line-1", min_length = 1, max_length = 255)]
     key: Option<String>,
     /// The job.
     job: NewJob,
 }
 
-/// What became of many jobs.
+/// The result of a batch.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct BatchDto {
-    /// How many are accepted, now or before under the same key.
+    /// How many jobs are accepted, now or earlier under the same key.
     accepted: usize,
-    /// How many are not.
+    /// How many jobs are refused.
     refused: usize,
-    /// What became of each, in the order of the request.
+    /// The result of each job, in the order of the request.
     results: Vec<BatchResult>,
 }
 
-/// What became of one of many jobs: it has either an id or a problem.
+/// The result of one job of a batch: either an id or a problem.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct BatchResult {
     /// The job's number.
     #[schema(example = "j17")]
     id: Option<String>,
-    /// Whether it was accepted now, and not before under the same key.
+    /// Whether the job was accepted now, not earlier under the same key.
     new: bool,
-    /// Why it is not accepted.
+    /// Why the job is refused; null if it is accepted.
     problem: Option<Problem>,
 }
 
-/// Submit up to 1000 jobs. Each is accepted or refused for itself; when this call returns, those that are accepted are
+/// Submit up to 1000 jobs. Each is accepted or refused separately; when this call returns, the accepted jobs are
 /// durable, all in one transaction. With keys, a retry never makes a second job.
 #[utoipa::path(post, path = "/v1/jobs:batch", tag = "jobs", operation_id = "submitJobs", request_body = NewJobs,
     params(("Idempotency-Key" = Option<String>, Header,
@@ -113,7 +113,7 @@ fn check_size(new: &NewJobs, key: Option<&str>) -> Result<(), Problem> {
         let detail = requests::batch_out_of_range(new.jobs.len(), MOST_JOBS);
         return Err(Problem::invalid(vec![FieldError::new("jobs", detail)]));
     }
-    // There must be room for the position.
+    // The position is appended to the key, so the key must leave room.
     if key.is_some_and(|key| key.len() > 200) {
         return Err(Problem::malformed("Idempotency-Key of a batch must be 1 to 200 characters"));
     }
@@ -137,7 +137,7 @@ fn read_row(api: &Api, row: Value, i: usize, key: &Option<String>) -> Result<Job
     Ok(JobRequest { key, ..row.job.read(&api.map, &api.moment())? })
 }
 
-/// A job that is not new must be the one that this key was given for.
+/// Refuses a job that is not new if its key was used for a different job.
 async fn finish(api: &Api, request: JobRequest, taken: JobTaken) -> Result<Made<JobId>, Problem> {
     let taken = taken.map_err(|why| refused(&api.map, why))?;
     if !taken.new {

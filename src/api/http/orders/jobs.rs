@@ -1,7 +1,7 @@
 //! `/v1/jobs`: submit, list, get, change, cancel.
 //!
-//! Main types: [`JobParams`], [`JobPatch`]. A request is answered when its facts are durable. Refuses: to change what a
-//! robot works on.
+//! Main types: [`JobParams`], [`JobPatch`]. A request is answered when its facts are durable. Refuses: to change a job
+//! on which a robot works.
 
 use super::new_job::NewJob;
 use crate::dto::names::{JobDto, Names, Page};
@@ -21,20 +21,20 @@ use giveway_floor::text::sentence::requests;
 use serde::{Deserialize, Deserializer};
 use utoipa::{IntoParams, ToSchema};
 
-/// The index of references has runs of this many characters.
+/// The index of references stores runs of this many characters.
 const SHORTEST_PART: usize = 3;
 
-/// Which jobs to list.
+/// Filters for the list of jobs.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct JobParams {
-    /// How many at most, 1 to 500; 50 if absent.
+    /// How many jobs at most, 1 to 500; 50 if absent.
     limit: Option<u32>,
-    /// Only jobs in this state, or in one of several with commas between them.
+    /// Only jobs in this state, or in any of several with commas between them.
     #[param(value_type = Option<Vec<JobStateDto>>, style = Form, explode = false)]
     state: Option<String>,
-    /// Only jobs of this rack.
+    /// Only jobs that move this rack.
     #[param(example = "K1")]
     rack: Option<String>,
     /// Only jobs for this station.
@@ -46,14 +46,14 @@ pub struct JobParams {
     /// Only jobs that changed at this time or later, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     updated_since: Option<String>,
-    /// Only jobs that were accepted at this time or later.
+    /// Only jobs that were accepted at this time or later, RFC 3339.
     from: Option<String>,
-    /// Only jobs that were accepted before this time.
+    /// Only jobs that were accepted before this time, RFC 3339.
     to: Option<String>,
     /// Only jobs with this reference.
     #[param(example = "order 4711", max_length = 200)]
     reference: Option<String>,
-    /// Only jobs whose reference has this in it, whatever the case; three characters or more.
+    /// Only jobs whose reference contains this text, in upper or lower case; three characters or more.
     #[param(example = "4711", min_length = 3, max_length = 200)]
     reference_part: Option<String>,
     /// Only jobs with this label, as KEY:VALUE.
@@ -63,7 +63,7 @@ pub struct JobParams {
     cursor: Option<String>,
 }
 
-/// Jobs, newest first.
+/// List jobs, newest first.
 #[utoipa::path(get, path = "/v1/jobs", tag = "jobs", operation_id = "listJobs", params(JobParams), responses(
     (status = 200, description = "Jobs, newest first", body = Page<JobDto>),
     (status = 422),
@@ -102,7 +102,7 @@ pub async fn list(Called(api): Called, Params(p): Params<JobParams>) -> Result<J
     Ok(Json(Page { items: rows.iter().map(|row| names.job(row)).collect(), next }))
 }
 
-/// What a list is limited to besides reference and label; complains about words, names and times that are none.
+/// The filters of a list except reference and label; adds an error for invalid words, names and times.
 fn read_filter(api: &Api, p: &JobParams, errors: &mut Vec<FieldError>) -> JobQuery {
     let states = read_words("state", p.state.as_deref(), &JOB_STATES, errors);
     let moment = api.moment();
@@ -116,7 +116,7 @@ fn read_filter(api: &Api, p: &JobParams, errors: &mut Vec<FieldError>) -> JobQue
     JobQuery { states, rack, station, robot, updated_since, from, to, ..JobQuery::default() }
 }
 
-/// One job.
+/// Get one job.
 #[utoipa::path(get, path = "/v1/jobs/{id}", tag = "jobs",
     operation_id = "getJob", params(("id" = String, Path, example = "j17")),
     responses(
@@ -149,9 +149,9 @@ pub async fn submit(
     Ok((status, [(header::LOCATION, format!("/v1/jobs/{}", job_name(job)))], Json(dto(&api, &row))))
 }
 
-/// Refuses a key that was used for another job. One that was changed since may differ from what was submitted.
+/// Refuses a key that was used for another job. A job that was changed since may differ from its submission.
 pub(super) fn check_same(row: &JobRow, asked: JobRequest) -> Result<(), Problem> {
-    // The list does not say whose key it is.
+    // The list does not record the owner of a key, so keys are not compared.
     let mut known = JobRequest { priority: asked.priority, key: asked.key.clone(), ..row.job.submitted() };
     if row.changed {
         let same_kind = std::mem::discriminant(&known.kind) == std::mem::discriminant(&asked.kind);
@@ -168,14 +168,14 @@ pub(super) fn check_same(row: &JobRow, asked: JobRequest) -> Result<(), Problem>
     Err(Problem::new(status, "key-reused", "The key belongs to another job", detail))
 }
 
-/// What is to be different about a job that no robot has yet. What is left out stays.
+/// Changes to a job that no robot has yet. Fields that are left out stay as they are.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JobPatch {
-    /// 0 (whenever) to 9 (before all others).
+    /// Priority from 0 to 9; 9 goes first.
     #[schema(minimum = 0, maximum = 9)]
     priority: Option<u8>,
-    /// When it should be done, RFC 3339, not before now; null for no deadline.
+    /// When the job should be done, RFC 3339, not before now; null for no deadline.
     #[serde(default, deserialize_with = "given")]
     #[schema(value_type = Option<String>, example = "2027-01-31T12:00:00Z")]
     deadline: Option<Option<String>>,
@@ -187,13 +187,13 @@ pub struct JobPatch {
     robot: Option<String>,
 }
 
-/// Tells null from what is left out.
+/// Distinguishes null from a field that is left out.
 fn given<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<String>>, D::Error> {
     Option::deserialize(deserializer).map(Some)
 }
 
-/// Change the deadline, the station, the robot or the priority of a job that no robot has yet: all that is given, or
-/// nothing.
+/// Change the deadline, the station, the robot or the priority of a job that no robot has yet: all given fields, or
+/// none.
 #[utoipa::path(patch, path = "/v1/jobs/{id}", tag = "jobs", operation_id = "changeJob", request_body = JobPatch,
     params(("id" = String, Path, example = "j17")), responses(
     (status = 200, description = "The job as it is now", body = JobDto),
@@ -246,19 +246,18 @@ pub async fn cancel(Called(api): Called, PathPart(id): PathPart) -> Result<Json<
     Ok(Json(dto(&api, &read(&api, id).await?)))
 }
 
-/// Which robot is to do a job.
+/// The choice of another robot for a job.
 #[derive(Clone, Debug, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Reassignment {
-    /// Name of the robot; if absent, any other than the one that has the job, which gets it again after two minutes at
-    /// the earliest.
+    /// Name of the robot; if absent, any robot except the current one, which may get the job again after two minutes.
     #[schema(example = "robot-1")]
     robot: Option<String>,
 }
 
-/// Take a job from its robot, or give it to another one. The robot that has it puts down the rack if it carries it.
-/// A job without a robot waits for the one that is named; without a name, any robot may take it again.
-/// A choice ends when a robot has the job, after five minutes, or when the robot that was chosen goes out of service.
+/// Take a job from its robot, or give it to another one. If the current robot carries the rack, it puts the rack down.
+/// A job without a robot waits for the named robot; without a name, any robot may take it again. The choice ends when a
+/// robot has the job, after five minutes, or when the chosen robot goes out of service.
 #[utoipa::path(post, path = "/v1/jobs/{id}/reassign", tag = "jobs", operation_id = "reassignJob",
     request_body = Reassignment, params(("id" = String, Path, example = "j17")), responses(
     (status = 200, description = "The job as it is now", body = JobDto),

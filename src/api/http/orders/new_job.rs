@@ -1,7 +1,7 @@
 //! A job as customers submit it, read from JSON.
 //!
-//! Main type: [`NewJob`]. Refuses: fields that the kind of job does not have, names that the map does not have, and all
-//! of them at once rather than one by one.
+//! Main type: [`NewJob`]. Refuses: fields that the kind of job does not have and names that the map does not have, and
+//! reports all of them at once.
 
 use crate::dto::cell::new_lines::{NewLine, check_lines, read_lines};
 use crate::http::shared::named::{robot_named, unknown};
@@ -24,23 +24,23 @@ use utoipa::ToSchema;
 /// The longest reference, in characters.
 const LONGEST_REFERENCE: usize = 200;
 
-/// The most labels.
+/// The most labels of a job.
 const MOST_LABELS: usize = 16;
 
 /// The longest key of a label, and the longest value, in characters.
 const LONGEST_KEY: usize = 40;
 const LONGEST_VALUE: usize = 100;
 
-/// The longest pick, seconds.
+/// The longest pick, in seconds.
 const LONGEST_PICK_S: f64 = 3600.0;
 
-/// How many jobs one may come after.
+/// The most jobs that a job may wait for.
 const MOST_PREDECESSORS: usize = 100;
 
 /// The most stations of one delivery.
 const MOST_STOPS: usize = 16;
 
-/// A station of a delivery to several of them.
+/// A station of a delivery that visits several.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewStop {
@@ -50,61 +50,61 @@ pub struct NewStop {
     /// How long the pick takes, seconds; the station's usual time if absent.
     #[schema(minimum = 0, maximum = 3600)]
     pick_s: Option<f64>,
-    /// What is to be picked there, in this order, at most 200 lines; for stations with a work cell.
+    /// The lines to pick there, in this order, at most 200; only for stations with a work cell.
     #[schema(max_items = 200)]
     lines: Option<Vec<NewLine>>,
 }
 
-/// A job as a customer submits it. Which fields it has depends on its kind: `deliver` rack, and station,
-/// pick_s? and lines? or stops; `return` rack; `relocate` rack, node; `charge` and `park` robot; `go` robot, node.
+/// A job as a customer submits it. Its fields depend on its kind: `deliver`: rack, and station, pick_s? and lines?, or
+/// stops; `return`: rack; `relocate`: rack, node; `charge` and `park`: robot; `go`: robot, node.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewJob {
     kind: JobKindDto,
-    /// Name of a rack.
+    /// Name of the rack to move.
     #[schema(example = "K1")]
     rack: Option<String>,
-    /// Name of a station.
+    /// Name of the station.
     #[schema(example = "S1")]
     station: Option<String>,
-    /// Stations that the rack goes to one after the other, in place of `station` and `pick_s`; 1 to 16.
+    /// Stations that the rack visits one after the other, instead of `station` and `pick_s`; 1 to 16.
     #[schema(min_items = 1, max_items = 16)]
     stops: Option<Vec<NewStop>>,
-    /// Name of a node.
+    /// Name of the node to go to.
     node: Option<String>,
-    /// Name of a robot.
+    /// Name of the robot.
     robot: Option<String>,
     /// How long the pick takes, seconds; the station's usual time if absent.
     #[schema(minimum = 0, maximum = 3600)]
     pick_s: Option<f64>,
-    /// What is to be picked, in this order, at most 200 lines; for stations with a work cell.
+    /// The lines to pick, in this order, at most 200; only for stations with a work cell.
     #[schema(max_items = 200)]
     lines: Option<Vec<NewLine>>,
-    /// 0 (whenever) to 9 (before all others); 0 if absent.
+    /// Priority from 0 to 9; 9 goes first; 0 if absent.
     #[schema(minimum = 0, maximum = 9)]
     priority: Option<i64>,
-    /// When it should be done, RFC 3339, not before now.
+    /// When the job should be done, RFC 3339, not before now.
     #[schema(example = "2027-01-31T12:00:00Z")]
     deadline: Option<String>,
-    /// Jobs that must be over first, at most 100.
+    /// Jobs that must be over before this one starts, at most 100.
     #[schema(example = json!(["j17"]), max_items = 100)]
     after: Option<Vec<String>>,
-    /// Your own text, up to 200 characters: lists show it and find jobs by it.
+    /// Your own reference, up to 200 characters: lists show it and can filter by it.
     #[schema(example = "order 4711", max_length = 200)]
     reference: Option<String>,
     /// Your own labels, up to 16: keys of 1 to 40 letters, digits, `-`, `_` and `.`; values of up to 100 characters.
-    /// Lists find jobs by one.
+    /// Lists can filter by one label.
     #[schema(example = json!({"wave": "7", "customer": "northern"}))]
     labels: Option<BTreeMap<String, String>>,
 }
 
-/// Reads fields and collects what is wrong with them.
+/// Reads the fields and collects errors.
 struct Reader<'a> {
     map: &'a Warehouse,
     moment: &'a Moment,
     kind: JobWord,
     errors: Vec<FieldError>,
-    /// What is wrong with lines.
+    /// Errors in order lines.
     line_errors: Vec<FieldError>,
 }
 
@@ -113,7 +113,7 @@ impl Reader<'_> {
         self.errors.push(FieldError::new(field, detail));
     }
 
-    /// A name that this kind of job needs, looked up.
+    /// Looks up a name that this kind of job needs.
     fn name<T>(
         &mut self,
         field: &str,
@@ -147,7 +147,7 @@ impl Reader<'_> {
         self.name("robot", new.robot.as_deref(), |r, text| robot_named(r.moment, text))
     }
 
-    /// Where a rack is wanted first.
+    /// The first station of the rack.
     fn first_stop(&mut self, new: &NewJob) -> Option<Visiting> {
         if let Some(first) = new.stops.as_deref().and_then(<[NewStop]>::first) {
             return self.stop(0, first);
@@ -156,7 +156,7 @@ impl Reader<'_> {
         Some(Visiting { station: self.station(new)?, pick })
     }
 
-    /// Where it is wanted after that; complains about lists of stops that cannot be.
+    /// The stations after the first; adds an error for an invalid list of stops.
     fn then(&mut self, new: &NewJob) -> Vec<Visiting> {
         let Some(stops) = new.stops.as_deref().filter(|_| self.kind.fields().contains(&JobField::Station))
         else {
@@ -193,7 +193,7 @@ impl Reader<'_> {
         Some(Visiting { station: station?, pick })
     }
 
-    /// The lines of each station; nothing where no station has any.
+    /// The lines of each station; empty if no station has any.
     fn lines(&mut self, new: &NewJob, request: &JobRequest) -> Vec<Vec<OrderLine>> {
         let given: Vec<(String, &[NewLine])> = match new.stops.as_deref() {
             Some(stops) => {
@@ -224,7 +224,7 @@ impl Reader<'_> {
         Some(Span::from_secs_f64(seconds))
     }
 
-    /// Complains about fields that this kind of job does not have.
+    /// Adds an error for fields that this kind of job does not have.
     fn superfluous(&mut self, new: &NewJob) {
         let fields: Vec<&str> =
             self.kind.fields().iter().flat_map(|field| own_fields(*field)).copied().collect();
@@ -242,7 +242,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Complains about a reference or labels that are too long, too many or empty.
+    /// Adds an error for a reference or labels that are too long, too many or empty.
     fn names(&mut self, new: &NewJob) {
         let fits = |text: &str, longest: usize| {
             (1..=longest).contains(&text.chars().count()) && !text.chars().any(char::is_control)
@@ -265,7 +265,7 @@ impl Reader<'_> {
         }
     }
 
-    /// The parts that this kind of job is about.
+    /// The kind of job with its parts.
     fn kind(&mut self, new: &NewJob) -> Option<JobKind> {
         let mut parts = JobParts::default();
         for field in self.kind.fields() {
@@ -278,7 +278,7 @@ impl Reader<'_> {
                 }
                 JobField::Node => parts.node = self.node(new),
                 JobField::Robot => parts.robot = self.robot(new),
-                // It belongs to the stop.
+                // The pick belongs to the stop.
                 JobField::Pick => {}
             }
         }
@@ -286,7 +286,7 @@ impl Reader<'_> {
     }
 }
 
-/// The fields of a submitted job for a part.
+/// The fields of a submitted job that give a part.
 fn own_fields(part: JobField) -> &'static [&'static str] {
     match part {
         JobField::Rack => &["rack"],
@@ -298,7 +298,7 @@ fn own_fields(part: JobField) -> &'static [&'static str] {
 }
 
 impl NewJob {
-    /// As the fleet takes it, without a key.
+    /// The request to the fleet, without a key.
     pub(super) fn read(&self, map: &Warehouse, moment: &Moment) -> Result<JobRequest, Problem> {
         let mut r = Reader { map, moment, kind: self.kind.0, errors: Vec::new(), line_errors: Vec::new() };
         r.superfluous(self);

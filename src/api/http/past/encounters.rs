@@ -1,6 +1,6 @@
-//! `/v1/encounters`: every robot that came into region 1 of a worker, as a list or as a table.
+//! `/v1/encounters`: every time a robot came into region 1 of a worker, as a list or as a table.
 //!
-//! Main type: [`EncounterParams`]. Refuses: to leave any out.
+//! Main type: [`EncounterParams`]. Refuses: to leave out any encounter.
 
 use crate::dto::names::{Names, Page};
 use crate::dto::people::EncounterDto;
@@ -20,40 +20,40 @@ use giveway_floor::text::sentence::requests;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// The longest table.
+/// The most rows of a table.
 const LONGEST_TABLE: u32 = 100_000;
 
-/// Which encounters to list.
+/// Filters for the list of encounters.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct EncounterParams {
-    /// Only those that began at this time or later, RFC 3339.
+    /// Only encounters that began at this time or later, RFC 3339.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Only those that began before this time.
+    /// Only encounters that began before this time, RFC 3339.
     to: Option<String>,
-    /// Only those of this worker.
+    /// Only encounters of this worker.
     #[param(example = "w1")]
     worker: Option<String>,
-    /// Only those of this robot.
+    /// Only encounters of this robot.
     #[param(example = "robot-1")]
     robot: Option<String>,
-    /// Only those about which the fleet did this, or one of several with commas between them.
+    /// Only encounters with this reaction of the fleet, or with any of several with commas between them.
     #[param(value_type = Option<Vec<ReactionDto>>, style = Form, explode = false)]
     reaction: Option<String>,
-    /// Only those that ended at this time or later, RFC 3339: an encounter is listed when it has ended.
+    /// Only encounters that ended at this time or later, RFC 3339: an encounter is listed once it has ended.
     #[param(example = "2027-01-31T06:00:00Z")]
     updated_since: Option<String>,
-    /// How many at most: for a list 1 to 500, 50 if absent; for a table 1 to 100000, 100000 if absent.
+    /// How many encounters at most: for a list 1 to 500, 50 if absent; for a table 1 to 100000, 100000 if absent.
     limit: Option<u32>,
     /// `next` of the previous page; for a table, from its `Link` header.
     cursor: Option<String>,
-    /// `csv` for a table; so does `Accept: text/csv`.
+    /// `csv` for a table, as with `Accept: text/csv`.
     format: Option<String>,
 }
 
-/// Encounters, newest first, as JSON or as CSV.
+/// List encounters, newest first, as JSON or as CSV.
 #[utoipa::path(get, path = "/v1/encounters", tag = "people",
     operation_id = "listEncounters", params(EncounterParams), responses(
     (status = 200, description = "Encounters, newest first", content(
@@ -112,7 +112,7 @@ fn filter(api: &Api, p: &EncounterParams) -> Result<EncounterQuery, Problem> {
     Ok(EncounterQuery { from, to, worker, robot, reactions, updated_since, before, limit: 0 })
 }
 
-/// A table as RFC 4180 has it.
+/// The encounters as a table (RFC 4180).
 fn csv(items: &[EncounterDto]) -> String {
     let mut text = String::from(
         "id,worker,robot,began,lasted_s,x,y,region,radius,closest,robot_speed,worker_speed,reaction,delay_s\r\n",

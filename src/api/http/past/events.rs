@@ -1,7 +1,7 @@
-//! `/v1/events`: what happened, in order, for systems that follow the floor.
+//! `/v1/events`: events in order, for systems that follow the floor.
 //!
-//! Main types: [`EventPage`], [`EventParams`]. The same events come as a page of JSON or as a stream (server-sent
-//! events). Refuses: to leave out events silently: a reader that is too far behind gets 410.
+//! Main types: [`EventPage`], [`EventParams`]. The same events are available as a page of JSON or as a stream
+//! (server-sent events). Refuses: to leave out events silently: a reader that is too far behind gets 410.
 
 use crate::dto::events::{EventDto, event};
 use crate::dto::names::Names;
@@ -28,54 +28,54 @@ use utoipa::{IntoParams, ToSchema};
 /// Media type of a stream.
 const STREAM: &str = "text/event-stream";
 
-/// So many events are read from the database at once.
+/// How many events are read from the database at once.
 const AT_ONCE: u32 = 500;
 
-/// So many streams at most.
+/// The most streams at once.
 const MOST_STREAMS: i64 = 100;
 
-/// A stream without events says so often that it is there.
+/// Interval of the keep-alive comments in a stream without events.
 const KEEP_ALIVE: Duration = Duration::from_secs(10);
 
-/// How long a stream waits after the database did not answer.
+/// How long a stream waits after the database failed to answer.
 const AGAIN: Duration = Duration::from_secs(2);
 
-/// Some events, in order.
+/// A page of events, in order.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct EventPage {
     /// The events.
     pub items: Vec<EventDto>,
-    /// Ask with this as `after` for the events that follow.
+    /// The value for `after` that gives the events that follow.
     pub next: i64,
-    /// The number of the last event that there is.
+    /// The number of the latest event.
     pub last: i64,
 }
 
-/// Which events to list.
+/// Filters for the list of events.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct EventParams {
-    /// Only events after this number. If absent, a page begins with the first event that is kept, and a stream with
-    /// what happens from now on. The header `Last-Event-ID`, which browsers send on their own when a stream broke,
-    /// counts before this.
+    /// Only events after this number. If absent, a page begins with the oldest event that is kept, and a stream with
+    /// the next event to happen. The header `Last-Event-ID`, which browsers send on their own when a stream broke,
+    /// takes precedence.
     #[param(minimum = 0)]
     after: Option<i64>,
     /// Only these kinds, with commas between them: job, robot, fleet, station, worker, assignment, closure, alarm,
     /// encounter, robot_replanned, worker_deviated, worker_goal.
     #[param(example = "job,alarm")]
     kind: Option<String>,
-    /// How many a page has at most, 1 to 500; 100 if absent. Streams have no limit.
+    /// How many events a page has at most, 1 to 500; 100 if absent. Streams have no limit.
     limit: Option<u32>,
 }
 
-/// What happened, in order, for seven days: changes of state of jobs, robots, stations, workers, assignments, closures
-/// and alarms, encounters, robots that got another way because of a worker, a closure or a broken robot
-/// (`robot_replanned`, with both ways), workers who left the path (`worker_deviated`), and where workers are most
+/// List events, in order, of the last seven days: changes of state of jobs, robots, stations, workers, assignments,
+/// closures and alarms, encounters, robots that were replanned because of a worker, a closure or a broken robot
+/// (`robot_replanned`, with both routes), workers who left the path (`worker_deviated`), and where workers are most
 /// probably going (`worker_goal`). With `Accept: text/event-stream` the events come as a stream of server-sent events,
-/// each with its number as `id`, its kind as `event` and the event as JSON in `data`. An event is written with what it
-/// tells, in one transaction: a reader that goes on after the last number that it has seen misses nothing, also if the
-/// server was killed.
+/// each with its number as `id`, its kind as `event` and the event as JSON in `data`. An event is stored in one
+/// transaction with the change that it reports: a reader that continues after the last number that it has seen misses
+/// nothing, even if the server was killed.
 #[utoipa::path(get, path = "/v1/events", tag = "events", operation_id = "listEvents", params(EventParams,
     ("Last-Event-ID" = Option<i64>, Header, minimum = 0, description = "As `after`")), responses(
     (status = 200, description = "Events in order", content(
@@ -94,7 +94,7 @@ pub async fn list(
     let after = read_after(&headers, p.after)?;
     let as_stream =
         headers.get(header::ACCEPT).and_then(|v| v.to_str().ok()).is_some_and(|v| v.contains(STREAM));
-    // Subscribed before the look, so that nothing comes in between.
+    // Subscribe before the first read, so that no event between the two is missed.
     let changed = api.records.events_changed();
     let span = api.records.event_span().await.map_err(Problem::of_records)?;
     let begin = after.unwrap_or(if as_stream { span.last } else { span.before });
@@ -115,7 +115,7 @@ pub async fn list(
     }
     let rows = api.records.events(query).await.map_err(Problem::of_records)?;
     let full = rows.len() == limit as usize;
-    // Behind a page that is not full there is nothing of these kinds up to the last number that was looked at.
+    // After a page that is not full, no events of these kinds follow up to the last number that was read.
     let next = rows.last().filter(|_| full).map_or(span.last.max(begin), |row| row.seq);
     let next = rows.last().map_or(next, |row| next.max(row.seq));
     know_robots(&api, &rows).await;
@@ -149,10 +149,10 @@ fn read_after(headers: &HeaderMap, after: Option<i64>) -> Result<Option<i64>, Pr
     }
 }
 
-/// How long names of robots may take that have just joined.
+/// How long to wait for the names of robots that have just joined.
 const NAMES: Duration = Duration::from_secs(2);
 
-/// Waits until the view has the robots of events: it is published after their facts.
+/// Waits until the view contains the robots of these events: the view is published after their facts.
 async fn know_robots(api: &Api, rows: &[EventRow]) {
     let Some(last) = rows.iter().filter_map(|row| row.robot).max() else { return };
     let mut moments = api.moments.clone();
@@ -160,7 +160,7 @@ async fn know_robots(api: &Api, rows: &[EventRow]) {
     let _ = tokio::time::timeout(NAMES, known).await;
 }
 
-/// A stream, and what it has to send.
+/// A stream and the events that it still has to send.
 struct EventStream {
     api: Api,
     query: EventQuery,
@@ -201,7 +201,7 @@ fn texts(stream: EventStream) -> impl Stream<Item = Result<Event, Infallible>> {
 }
 
 impl EventStream {
-    /// The next event, as soon as it is there; nothing when the server goes down.
+    /// The next event, as soon as there is one; nothing when the server shuts down.
     async fn next(&mut self) -> Option<EventRow> {
         loop {
             if *self.closing.borrow() {
@@ -220,7 +220,7 @@ impl EventStream {
                         continue;
                     }
                 }
-                // The failure is in the log already.
+                // The failure has been logged.
                 Err(_) => tokio::time::sleep(AGAIN).await,
             }
             tokio::select! {

@@ -1,6 +1,6 @@
-//! `/v1/heat`: where robots waited, and where robots and workers met, added up over a stretch of time.
+//! `/v1/heat`: where robots waited, and where robots and workers met, summed over a period.
 //!
-//! Main types: [`HeatDto`], [`CellDto`]. Refuses: to name robots and workers, which lists and reports do.
+//! Main types: [`HeatDto`], [`CellDto`]. Refuses: to name robots and workers; lists and reports name them.
 
 use crate::dto::names::Names;
 use crate::http::shared::stretch::stretch;
@@ -21,13 +21,13 @@ use utoipa::{IntoParams, ToSchema};
 /// Side of a cell in which encounters are counted, millimetres.
 const CELL_MM: i64 = 1000;
 
-/// So many cells of an answer, those with the most.
+/// The most cells in an answer: the ones with the largest amounts.
 const MOST: usize = 5000;
 
-/// So many encounters, the newest.
+/// The most encounters that are counted: the newest.
 const ENCOUNTERS: u32 = 100_000;
 
-/// What is added up.
+/// The quantity that is summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum HeatKind {
@@ -37,51 +37,51 @@ pub enum HeatKind {
     Encounters,
 }
 
-/// What, and of which time.
+/// Quantity and period of a heat map.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct HeatParams {
-    /// waiting or encounters.
+    /// The quantity: waiting or encounters.
     kind: HeatKind,
-    /// From when, RFC 3339; an hour before the end if absent. Waiting is kept for a day.
+    /// Start of the period, RFC 3339; an hour before the end if absent. Waiting is kept for a day.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Until when, RFC 3339; now if absent.
+    /// End of the period, RFC 3339; now if absent.
     to: Option<String>,
 }
 
-/// What happened where.
+/// Sums by place.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct HeatDto {
-    /// waiting or encounters.
+    /// The quantity: waiting or encounters.
     pub kind: HeatKind,
     /// Start of the sum, RFC 3339: waiting is kept in steps of five minutes.
     pub from: String,
-    /// End of the sum.
+    /// End of the sum, RFC 3339.
     pub to: String,
     /// What `amount` counts.
     pub unit: HeatUnitDto,
-    /// Side of the square that stands for a place, metres.
+    /// Side of the square that represents a place, metres.
     pub size: f64,
-    /// Places, those with the most first, 5000 at most.
+    /// Places, the largest amounts first, 5000 at most.
     pub cells: Vec<CellDto>,
 }
 
-/// What happened at one place.
+/// The sum at one place.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct CellDto {
-    /// Its middle, metres.
+    /// x of the place's centre, metres.
     pub x: f64,
-    /// Metres.
+    /// y of the place's centre, metres.
     pub y: f64,
-    /// The node, if the place is one.
+    /// The node, if the place is one; else null.
     pub node: Option<String>,
-    /// How much.
+    /// The sum, in `unit`.
     pub amount: f64,
 }
 
-/// Where robots waited (by node), or where robots and workers met (by square metre, where the worker was).
+/// Get where robots waited (by node), or where robots and workers met (by square metre, where the worker was).
 #[utoipa::path(get, path = "/v1/heat", tag = "floor", operation_id = "getHeat", params(HeatParams), responses(
     (status = 200, description = "Amounts by place", body = HeatDto),
     (status = 422),
@@ -130,7 +130,8 @@ async fn encounters(api: &Api, from: Time, to: Time) -> Result<Vec<CellDto>, Pro
     Ok(cells.into_iter().map(cell).collect())
 }
 
-/// Cells lie around whole metres, where maps like to have their nodes: what happened at a node stays in one.
+/// Cells are centred on whole metres, where most maps have their nodes, so all that happens at such a node is in one
+/// cell.
 fn cell_of(mm: i64) -> i64 {
     (mm + CELL_MM / 2).div_euclid(CELL_MM)
 }

@@ -1,7 +1,7 @@
 //! `/v1/history`: deliveries, encounters, interruptions, planning and waiting over time, in buckets.
 //!
-//! Main types: [`HistoryDto`], [`BucketDto`]. Refuses: more than 2000 buckets at once, and buckets for times of which
-//! nothing is known.
+//! Main types: [`HistoryDto`], [`BucketDto`]. Refuses: more than 2000 buckets at once, and buckets for times without
+//! data.
 
 use crate::http::shared::stretch::stretch;
 use crate::state::called::Called;
@@ -16,26 +16,26 @@ use giveway_floor::time::Span;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-/// The most buckets of an answer.
+/// The most buckets in an answer.
 const MOST: i64 = 2000;
 
-/// If the request does not say how long buckets are, it gets about so many at most.
+/// About how many buckets an answer has at most if the request gives no length.
 const USUAL: i64 = 400;
 
-/// Lengths for requests that do not say, seconds.
+/// Lengths of buckets, in seconds, for requests that give none.
 const LENGTHS_S: [i64; 5] = [10, 60, 600, 3600, 21_600];
 
-/// Which time, in which steps.
+/// Period and step of figures over time.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct HistoryParams {
-    /// From when, RFC 3339; an hour before the end if absent.
+    /// Start of the period, RFC 3339; an hour before the end if absent.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Until when, RFC 3339; now if absent.
+    /// End of the period, RFC 3339; now if absent.
     to: Option<String>,
-    /// Length of a bucket, seconds: a multiple of 10 up to 86400. If absent, one that makes at most 400 buckets.
+    /// Length of a bucket, seconds: a multiple of 10 up to 86400. If absent, a length that makes at most 400 buckets.
     #[param(example = 60)]
     step: Option<i64>,
 }
@@ -43,33 +43,33 @@ pub struct HistoryParams {
 /// Figures over time.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct HistoryDto {
-    /// When the first bucket begins, or would, RFC 3339.
+    /// When the first bucket begins, RFC 3339, whether it has data or not.
     pub from: String,
-    /// The end.
+    /// When the last bucket ends, RFC 3339.
     pub to: String,
     /// Length of a bucket, seconds.
     pub step_s: i64,
     /// When `time_s` of the live feed was zero, RFC 3339.
     pub started: String,
-    /// How the fleet deals with people.
+    /// The human-aware policy of the fleet.
     #[schema(value_type = PolicyDto)]
     pub arm: &'static str,
-    /// In order of time. A bucket without data is left out: the server was not running.
+    /// The buckets in order of time. A bucket without data is left out: the server was not running.
     pub buckets: Vec<BucketDto>,
 }
 
-/// What happened in one stretch of time.
+/// Figures for one bucket of time.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct BucketDto {
-    /// When it began, RFC 3339.
+    /// When the bucket begins, RFC 3339.
     pub at: String,
-    /// How many of its seconds were recorded: all, except in the last bucket and at a restart.
+    /// How many seconds of the bucket were recorded: all, except in the last bucket and at a restart.
     pub covered_s: f64,
     /// Racks served at stations.
     pub robot_deliveries: u64,
     /// Assignments completed by workers.
     pub human_deliveries: u64,
-    /// Robots that came into region 1 of a worker.
+    /// How often a robot came into region 1 of a worker.
     pub encounters: u64,
     /// How often a worker left the path.
     pub deviations: u64,
@@ -91,18 +91,18 @@ pub struct BucketDto {
     pub wrong_reaches: u64,
     /// Seconds in which picking stations had no rack to pick from, all stations together.
     pub idle_s: f64,
-    /// Length of a search, median, microseconds, to a tenth; null if there was no search.
+    /// Duration of a route search, median, microseconds, within a tenth; null if there was no search.
     pub plan_us_p50: Option<u64>,
-    /// The same, 95th percentile.
+    /// Duration of a route search, 95th percentile, microseconds, within a tenth; null if there was no search.
     pub plan_us_p95: Option<u64>,
-    /// The longest search, exactly.
+    /// Duration of the longest route search, microseconds, exact; null if there was no search.
     pub plan_us_max: Option<u64>,
-    /// The longest step, microseconds.
+    /// Duration of the longest step, microseconds; null if there was no step.
     pub step_us_max: Option<u64>,
 }
 
-/// Deliveries, encounters, interruptions, planning and waiting over time. One hour is kept in steps of ten seconds, one
-/// day in steps of a minute, and 31 days in steps of ten minutes, even across a restart.
+/// Get deliveries, encounters, interruptions, planning and waiting over time. The last hour is kept in steps of ten
+/// seconds, the last day in steps of a minute, and the last 31 days in steps of ten minutes, even across a restart.
 #[utoipa::path(get, path = "/v1/history", tag = "floor", operation_id = "getHistory", params(HistoryParams), responses(
     (status = 200, description = "Figures over time", body = HistoryDto),
     (status = 422)))]

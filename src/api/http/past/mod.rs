@@ -1,4 +1,4 @@
-//! Handlers for what happened: recordings, events, encounters, figures over time, the heat map, the report of a shift.
+//! Handlers for the past: recordings, events, encounters, figures over time, the heat map, the report of a shift.
 //!
 //! Main functions: [`recordings::past`], [`events::list`], [`history::history`], [`shift::report`]. Refuses: to change
 //! anything.

@@ -1,4 +1,4 @@
-//! `/v1/past`: what is kept of the past, figures of it, and the frames themselves.
+//! `/v1/past`: the recordings that are kept, their figures, and their frames.
 //!
 //! Main types: [`PastDto`], [`FiguresDto`], [`SpanParams`]. Refuses: frames of more than an hour in one answer.
 
@@ -25,60 +25,60 @@ use utoipa::{IntoParams, ToSchema};
 /// The longest span in one answer, seconds.
 const LONGEST_S: f64 = 3600.0;
 
-/// How long a span is where its end is not said, seconds.
+/// Length of a span if its end is not given, seconds.
 const USUAL_S: f64 = 300.0;
 
-/// So many bytes are packed before some of them leave.
+/// How many compressed bytes are collected before they are sent.
 const CHUNK: usize = 128 * 1024;
 
-/// The most bookmarks, or sums, in one answer: the newest.
+/// The most bookmarks, or sums, in one answer: the newest ones.
 const MOST: usize = 2000;
 
-/// From when to when: RFC 3339, or seconds from the server's start as `time_s` of the live feed has them, below 0 for
-/// runs before this one.
+/// Start and end of a span: RFC 3339, or seconds from the server's start like `time_s` of the live feed, negative for
+/// earlier runs.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct SpanParams {
-    /// The beginning; if absent, that of everything kept.
+    /// Start of the span; if absent, the start of everything kept.
     #[param(example = "2027-01-31T14:05:00Z")]
     from: Option<String>,
-    /// The end; if absent, five minutes after the beginning for a recording, else the end of everything kept.
+    /// End of the span; if absent, five minutes after the start for a recording, else the end of everything kept.
     #[param(example = "2027-01-31T14:10:00Z")]
     to: Option<String>,
     /// `false` leaves the map out of a recording.
     map: Option<bool>,
 }
 
-/// What is kept of the past.
+/// The recordings that are kept.
 #[derive(Serialize, ToSchema)]
 pub struct PastDto {
-    /// The time of day from which seconds count, RFC 3339; null in a recorded simulation.
+    /// The time of day at which the seconds are zero, RFC 3339; null in a recorded simulation.
     start: Option<String>,
-    /// Now, in those seconds.
+    /// The current time, in these seconds.
     now_s: f64,
     /// Whether this server shows a recording and runs no fleet.
     recording: bool,
-    /// The spans of time with frames, in order.
+    /// Spans of time with frames, in order.
     spans: Vec<SpanDto>,
-    /// What happened meanwhile, in order: the last 2000 bookmarks.
+    /// Bookmarks in order: the last 2000.
     bookmarks: Vec<Mark>,
 }
 
-/// A span without a gap.
+/// A span of time without a gap.
 #[derive(Serialize, ToSchema)]
 struct SpanDto {
-    /// Seconds from the start.
+    /// Start, in seconds from the server's start.
     from_s: f64,
-    /// Seconds from the start.
+    /// End, in seconds from the server's start.
     to_s: f64,
-    /// The same as RFC 3339; null in a recorded simulation.
+    /// Start, RFC 3339; null in a recorded simulation.
     from: Option<String>,
-    /// The same as RFC 3339; null in a recorded simulation.
+    /// End, RFC 3339; null in a recorded simulation.
     to: Option<String>,
 }
 
-/// What is kept of the past: spans, and the bookmarks from `from` to `to`.
+/// Get the recordings that are kept: spans, and the bookmarks from `from` to `to`.
 #[utoipa::path(get, path = "/v1/past", tag = "past", operation_id = "getPast", params(SpanParams), responses(
     (status = 200, description = "Spans and bookmarks", body = PastDto),
     (status = 404, description = "This server keeps no past"),
@@ -99,33 +99,34 @@ pub async fn past(Called(api): Called, Params(p): Params<SpanParams>) -> Result<
     }))
 }
 
-/// From when to when, as for spans, and how many.
+/// Start, end and step of the figures; times as for spans.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct FigureParams {
-    /// The beginning; if absent, that of everything kept.
+    /// Start of the figures; if absent, the start of everything kept.
     #[param(example = "2027-01-31T14:05:00Z")]
     from: Option<String>,
-    /// The end; if absent, that of everything kept.
+    /// End of the figures; if absent, the end of everything kept.
     #[param(example = "2027-01-31T14:10:00Z")]
     to: Option<String>,
-    /// Return one sum per so many seconds, 1 to 86400; if absent, all of them.
+    /// Length of a step, 1 to 86400 seconds: one sum is returned per step; if absent, all sums.
     #[param(example = 60)]
     step: Option<f64>,
 }
 
-/// What was counted in the past.
+/// Figures of the past.
 #[derive(Serialize, ToSchema)]
 pub struct FiguresDto {
-    /// The time of day from which seconds count, RFC 3339; null in a recorded simulation.
+    /// The time of day at which the seconds are zero, RFC 3339; null in a recorded simulation.
     start: Option<String>,
-    /// Running sums, in order, with the last one before the span and the first one after it: at most the last 2000.
+    /// Running sums, in order, including the last sum before the span and the first one after it: at most the last
+    /// 2000.
     sums: Vec<Sum>,
 }
 
-/// What was counted from `from` to `to`: running sums, one every ten seconds, whose differences make charts. Where
-/// `covered_s` falls, or grows by less than the clock, there is a gap. What versions before this one kept has none.
+/// Get the figures from `from` to `to`: running sums, one every ten seconds, whose differences make charts. Where
+/// `covered_s` falls, or grows by less than the clock, there is a gap. Recordings of earlier versions have no sums.
 #[utoipa::path(get, path = "/v1/past/figures", tag = "past",
     operation_id = "getPastFigures", params(FigureParams), responses(
     (status = 200, description = "Running sums", body = FiguresDto),
@@ -151,8 +152,8 @@ pub async fn figures(
     Ok(Json(FiguresDto { start, sums: sums.into_iter().skip(surplus).collect() }))
 }
 
-/// The frames of a span, as a recording: JSON lines, packed with gzip. It begins with the last key frame before
-/// `from`.
+/// Get the frames of a span as a recording: JSON lines, compressed with gzip. The recording begins with the last key
+/// frame before `from`.
 #[utoipa::path(get, path = "/v1/past/reel", tag = "past", operation_id = "getPastReel", params(SpanParams), responses(
     (status = 200, description = "The reel", body = Vec<u8>, content_type = "application/gzip"),
     (status = 404, description = "Nothing is kept of that time"),
@@ -184,7 +185,7 @@ fn file_name(folder: &Folder, from_s: f64) -> String {
     at.unwrap_or_else(|| format!("{from_s:.0}")).replace(':', "-")
 }
 
-/// Both ends, in seconds from the start.
+/// Both ends of the span, in seconds from the start; nothing for an end that is not given.
 fn span(
     folder: &Folder,
     from: &Option<String>,
@@ -206,13 +207,13 @@ fn span(
     if errors.is_empty() { Ok(ends) } else { Err(Problem::invalid(errors)) }
 }
 
-/// Packs and sends while it reads: neither the span nor the answer is ever in memory as a whole.
+/// Compresses and sends while it reads: neither the span nor the answer is ever in memory as a whole.
 fn packed(cut: Cut) -> Body {
     let (send, receive) = mpsc::channel::<Result<Bytes, std::io::Error>>(4);
     tokio::task::spawn_blocking(move || {
         let mut out = GzEncoder::new(Vec::new(), Compression::fast());
         cut.each(|lines| {
-            // Into memory, which takes everything.
+            // Writing to memory cannot fail.
             let _ = out.write_all(lines.as_bytes());
             out.get_ref().len() < CHUNK
                 || send.blocking_send(Ok(std::mem::take(out.get_mut()).into())).is_ok()

@@ -1,4 +1,4 @@
-//! `/v1/report`: what happened from one time to another, for the leader of a shift, as JSON or as a table.
+//! `/v1/report`: the report of a period, for a shift leader, as JSON or as a table.
 //!
 //! Main type: [`ReportParams`]. Refuses: more than 31 days at once, since older figures are not kept.
 
@@ -19,30 +19,30 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use utoipa::IntoParams;
 
-/// The longest time.
+/// The longest period.
 const LONGEST: Span = Span::from_secs(31 * 24 * 3600);
 
-/// So many alarms are counted, the newest.
+/// The most alarms that are counted: the newest.
 const ALARMS: u32 = 20_000;
 
-/// From when to when.
+/// Start and end of a report, and its format.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct ReportParams {
-    /// From when, RFC 3339; an hour before the end if absent.
+    /// Start of the period, RFC 3339; an hour before the end if absent.
     #[param(example = "2027-01-31T06:00:00Z")]
     from: Option<String>,
-    /// Until when, RFC 3339, 31 days later at most; now if absent or in the future.
+    /// End of the period, RFC 3339, at most 31 days after the start; now if absent or in the future.
     to: Option<String>,
-    /// `csv` for a table; so does `Accept: text/csv`.
+    /// `csv` for a table, as with `Accept: text/csv`.
     format: Option<String>,
 }
 
-/// Deliveries by station and how long orders took, what was late, what robots, stations and chargers were at, what
-/// robots waited for, alarms, what was done, encounters, people. Counts of jobs and encounters are exact; what is a
-/// share of time, or counted with it, is summed in steps of ten seconds in the last hour, a minute in the last day, ten
-/// minutes before.
+/// Get the report of a period: deliveries by station, how long orders took, late deliveries, what robots, stations and
+/// chargers did, what robots waited for, alarms, acts, encounters, people. Counts of jobs and encounters are exact;
+/// shares of time, and figures counted with them, are summed in steps of ten seconds in the last hour, a minute in the
+/// last day, ten minutes before that.
 #[utoipa::path(get, path = "/v1/report", tag = "floor", operation_id = "getReport", params(ReportParams), responses(
     (status = 200, description = "The report", content(
         (ShiftReportDto = "application/json"), (String = "text/csv"))),
@@ -56,7 +56,7 @@ pub async fn report(
     let table = wants_table(&headers, p.format.as_deref())?;
     let (from, to) = stretch(&api, p.from.as_deref(), p.to.as_deref())?;
     let now = api.moment().view.now;
-    // The fleet's time is that of its last step; what was asked for since then belongs to this moment, too.
+    // The fleet's time is the time of its last step; acts since then belong to the period, too.
     let acts_to = if to > now { Time(i64::MAX) } else { to };
     let to = to.min(now + Span(1)).max(from + Span(1));
     if to - from > LONGEST {
@@ -82,13 +82,13 @@ pub async fn report(
     Ok((headers, csv(&report)).into_response())
 }
 
-/// The finest steps in which figures since then are kept.
+/// The finest step in which figures since `from` are kept.
 fn step(from: Time, now: Time) -> Span {
     let reaches = |(step, most): &&(Span, usize)| now - from <= *step * *most as i64;
     TIERS.iter().find(reaches).unwrap_or(&TIERS[TIERS.len() - 1]).0
 }
 
-/// A table as RFC 4180 has it: one figure on a line, with what it is about.
+/// The report as a table (RFC 4180): one figure per line, with the row to which it belongs.
 fn csv(report: &ShiftReportDto) -> String {
     let mut text = String::from("table,row,figure,value\r\n");
     let Value::Object(tables) = json!(report) else { return text };
@@ -102,7 +102,7 @@ fn csv(report: &ShiftReportDto) -> String {
     text
 }
 
-/// The figures of one row. Rows of a list are told apart by their first text.
+/// The lines of one row. Rows of a list are distinguished by their name: station, kind, cause or act.
 fn lines(text: &mut String, table: &str, row: &Value) {
     let name =
         ["station", "kind", "cause", "act"].into_iter().find_map(|key| row[key].as_str()).unwrap_or("");

@@ -1,6 +1,6 @@
-//! `/v1/workers/{id}/clear` and `/narrow`: what a supervisor who has looked says of a lost worker.
+//! `/v1/workers/{id}/clear` and `/narrow`: a supervisor who has looked reports on a lost worker.
 //!
-//! Main types: [`VouchBody`], [`NarrowBody`]. Refuses: to take anybody's word without a name.
+//! Main types: [`VouchBody`], [`NarrowBody`]. Refuses: reports without a name.
 
 use crate::http::shared::done::done;
 use crate::state::api::Api;
@@ -15,34 +15,34 @@ use giveway_floor::text::sentence::requests;
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-/// Who vouches for it.
+/// The person who vouches for the report.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VouchBody {
-    /// Your name, 1 to 80 characters. It is kept with what you say.
+    /// Your name, 1 to 80 characters. It is kept with your report.
     #[schema(example = "Ben")]
     by: String,
 }
 
-/// Where a lost worker is.
+/// The place of a lost worker.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NarrowBody {
-    /// Your name, 1 to 80 characters. It is kept with what you say.
+    /// Your name, 1 to 80 characters. It is kept with your report.
     #[schema(example = "Ben")]
     by: String,
-    /// A place near the worker, metres in the map's frame; or give `node`.
+    /// A place near the worker, `[x, y]` in metres in the map's frame; alternatively give `node`.
     #[schema(example = json!([4.0, 7.5]))]
     at: Option<[f64; 2]>,
-    /// The name of a node near the worker.
+    /// The name of a node near the worker; alternatively give `at`.
     node: Option<String>,
-    /// How far from there the worker is at most, metres on foot, 0.5 to 8.
+    /// The worker's greatest distance from that place, metres on foot, 0.5 to 8.
     #[schema(example = 3.0)]
     within_m: f64,
 }
 
-/// Confirm that a worker has left the floor, or that nobody is where a worker was lost. Robots drive there again.
-/// Poses that were on their way do not bring the worker back; poses that are taken later do.
+/// Confirm that a worker has left the floor, or that nobody is where the worker was lost. Robots drive there again.
+/// Poses that were under way do not bring the worker back; later poses do.
 #[utoipa::path(post, path = "/v1/workers/{id}/clear", tag = "people", operation_id = "clearWorker",
     params(("id" = String, Path, example = "w1")), request_body = VouchBody, responses(
     (status = 204, description = "Cleared, and that is durable"),
@@ -58,7 +58,7 @@ pub async fn clear(
     done(&api, Ask::clear_worker(id, by)).await
 }
 
-/// Say about where a lost worker is: robots keep out of that place alone, until the worker is seen again or cleared.
+/// Report roughly where a lost worker is: robots keep out of only that place until the worker is seen again or cleared.
 #[utoipa::path(post, path = "/v1/workers/{id}/narrow", tag = "people", operation_id = "narrowWorker",
     params(("id" = String, Path, example = "w1")), request_body = NarrowBody, responses(
     (status = 204, description = "Narrowed, and that is durable"),
@@ -88,7 +88,7 @@ pub async fn narrow(
     }
 }
 
-/// The place that a body names in one of two ways.
+/// The place that a body gives as coordinates or as a node.
 fn spot(api: &Api, body: &NarrowBody) -> Result<Spot, FieldError> {
     match (body.at, &body.node) {
         (Some([x, y]), None) if x.is_finite() && y.is_finite() && x.abs() < 1e6 && y.abs() < 1e6 => {

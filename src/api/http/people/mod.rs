@@ -1,5 +1,4 @@
-//! Handlers for people: workers, their places as tags and devices report them, workers who were lost, the names behind
-//! pseudonyms.
+//! Handlers for people: workers, their positions from tags and devices, lost workers, and the names behind pseudonyms.
 //!
 //! Main functions: [`workers::hire`], [`positions::one`], [`reports::post`], [`lost::clear`]. Refuses: to show a name
 //! to a caller who may not see names.

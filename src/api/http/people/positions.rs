@@ -1,7 +1,7 @@
-//! `/v1/workers/{id}/position` and `/v1/positions`: where tags say that workers are.
+//! `/v1/workers/{id}/position` and `/v1/positions`: positions of workers, as tags report them.
 //!
-//! Main types: [`NewPosition`], [`NewPositions`]. A position is an observation: it is taken in or not, and nothing is
-//! written down. Refuses: times that cannot be.
+//! Main types: [`NewPosition`], [`NewPositions`]. A position is an observation: it is accepted or refused, and not
+//! stored. Refuses: impossible times.
 
 use crate::feed::hub::Untaken;
 use crate::feed::massrobotics::USUAL_ACCURACY_M;
@@ -21,61 +21,61 @@ use giveway_people::human::{Quality, Sighting, SourceId};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// The most positions at once.
+/// The most positions in one request.
 const MOST: usize = 500;
 
-/// Clocks of tags may be ahead by so much; the fleet takes no more for true.
+/// How far ahead the clock of a tag may be; the fleet accepts no more.
 const AHEAD: Span = Span::from_millis(150);
 
-/// What is older than this is of no use.
+/// Positions older than this are useless.
 const OLDEST: Span = Span::from_secs(10);
 
-/// Where a worker is, in the frame of the map.
+/// The position of a worker, in the map's frame.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewPosition {
-    /// Metres.
+    /// Position x, metres.
     x: f64,
-    /// Metres.
+    /// Position y, metres.
     y: f64,
-    /// When, RFC 3339; now if absent.
+    /// When the worker was seen there, RFC 3339; now if absent.
     at: Option<String>,
-    /// One standard deviation, metres; 0.3 if absent.
+    /// One standard deviation of the position, metres; 0.3 if absent.
     #[schema(minimum = 0, maximum = 100)]
     accuracy_m: Option<f64>,
-    /// Where the worker faces, radians, counter-clockwise from the x axis; leave it out if the tag does not know.
+    /// Where the worker faces, radians, counter-clockwise from the x axis; absent if the tag does not know.
     heading: Option<f64>,
 }
 
-/// Where many workers are.
+/// The positions of many workers.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewPositions {
-    /// Up to 500.
+    /// The positions, at most 500.
     positions: Vec<WorkerPosition>,
 }
 
-/// Where one of many workers is.
+/// The position of one of many workers.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 pub struct WorkerPosition {
     /// The worker.
     #[schema(example = "w1")]
     worker: String,
-    /// Where.
+    /// The worker's position.
     #[serde(flatten)]
     position: NewPosition,
 }
 
-/// What became of many positions.
+/// The result of reporting many positions.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 pub struct TakenDto {
-    /// How many were accepted.
+    /// How many positions were accepted.
     taken: usize,
-    /// Those that were not, and why.
+    /// The positions that were refused, and why.
     refused: Vec<FieldError>,
 }
 
-/// Report where a worker is.
+/// Report a worker's position.
 #[utoipa::path(post, path = "/v1/workers/{id}/position", tag = "people",
     operation_id = "reportPosition", request_body = NewPosition,
     params(("id" = String, Path, example = "w1")), responses(
@@ -92,7 +92,7 @@ pub async fn one(
     Ok(StatusCode::ACCEPTED)
 }
 
-/// Report where many workers are. If one position is wrong, the others are accepted all the same.
+/// Report the positions of many workers. If one position is wrong, the others are still accepted.
 #[utoipa::path(post, path = "/v1/positions", tag = "people",
     operation_id = "reportPositions", request_body = NewPositions, responses(
     (status = 200, description = "How many were accepted, and why others were not", body = TakenDto)))]
@@ -118,7 +118,7 @@ pub async fn many(
     Ok(Json(TakenDto { taken: new.positions.len() - refused.len(), refused }))
 }
 
-/// Hands a report on.
+/// Passes a report on to the fleet.
 pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
     api.queue()?;
     let worker = worker_name(sighting.worker);
@@ -131,7 +131,7 @@ pub fn report(api: &Api, sighting: Sighting, now: Time) -> Result<(), Problem> {
     })
 }
 
-/// A time by another clock than the server's, if it can be right.
+/// A time by a clock other than the server's; refused if it is impossible.
 pub fn checked_time(seen: Time, now: Time) -> Result<Time, Sentence> {
     if seen > now + AHEAD {
         let ahead = SentenceArg::rounded((seen - now).as_secs_f64(), 1);

@@ -1,6 +1,6 @@
-//! `/v1/people`: who is behind the pseudonyms of workers, and forgetting a person.
+//! `/v1/people`: the people behind the pseudonyms of workers, and forgetting a person.
 //!
-//! Main type: [`PersonDto`]. Refuses: to erase a person who is on the floor or has something to do.
+//! Main type: [`PersonDto`]. Refuses: to erase a person who is on the floor or has an assignment.
 
 use crate::dto::names::Page;
 use crate::http::shared::done::done;
@@ -17,23 +17,23 @@ use giveway_floor::text::sentence::requests;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// A person, with the pseudonym that stands for the name everywhere else.
+/// A person, with the pseudonym that replaces the name everywhere else.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct PersonDto {
     /// The worker.
     #[schema(example = "w1")]
     pub id: String,
-    /// What feeds, events, webhooks, recordings and the journal call this person.
+    /// The pseudonym: what feeds, events, webhooks, recordings and the journal call this person.
     #[schema(example = "worker-3f2a")]
     pub pseudonym: String,
-    /// The name.
+    /// The person's name.
     #[schema(example = "Anna Berg")]
     pub name: String,
     /// When the person was registered, RFC 3339.
     pub since: String,
 }
 
-/// All people whose names are kept.
+/// List all people whose names are kept.
 #[utoipa::path(get, path = "/v1/people", tag = "people", operation_id = "listPeople", params(Paging), responses(
     (status = 200, description = "People in order of joining", body = Page<PersonDto>),
     (status = 422)))]
@@ -47,9 +47,9 @@ pub async fn list(Called(api): Called, Params(p): Params<Paging>) -> Result<Json
     page(people.collect(), &p)
 }
 
-/// Erase a person: the name is forgotten, and who it was is taken out of encounters, assignments, events and alarms.
-/// Tokens of the person's devices are revoked. If the person is registered again, it is under another pseudonym. The
-/// place is free for another worker, who gets this id when there are no others.
+/// Erase a person: the name is forgotten, and the identity is removed from encounters, assignments, events and alarms.
+/// Tokens of the person's devices are revoked. If the person is registered again, it is under another pseudonym. The id
+/// becomes free and is given to another worker when no other ids are left.
 #[utoipa::path(delete, path = "/v1/people/{id}", tag = "people", operation_id = "erasePerson",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 204, description = "Erased, and that is durable"),
@@ -71,8 +71,8 @@ pub async fn erase(Called(api): Called, PathPart(id): PathPart) -> Result<Status
         let detail = requests::person_assigned(&id, assignment_name(open.id));
         return Err(Problem::conflict("assigned", "The person has something to do", detail));
     }
-    // Also where no name is kept: the person was erased by an earlier Giveway, which kept the place, or is older than
-    // pseudonyms.
+    // Erase even if no name is kept: an earlier Giveway, which kept the place, may have erased the person, or the
+    // person may be older than pseudonyms.
     let pseudonym = api.feeds.name(worker).unwrap_or_default();
     let erased = api.pseudonyms.erase(&pseudonym, Some(worker)).await;
     erased.map_err(Problem::of_records)?;

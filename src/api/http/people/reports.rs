@@ -1,7 +1,7 @@
-//! `/v1/massrobotics`: reports of the MassRobotics standard, over HTTP and over a WebSocket, which is how devices
-//! that follow it send them.
+//! `/v1/massrobotics`: reports of the MassRobotics standard, over HTTP and over a WebSocket, which devices that follow
+//! the standard use.
 //!
-//! Main functions: [`post`], [`stream`]. Refuses: to answer reports that are well, since the standard has no answers.
+//! Main functions: [`post`], [`stream`]. Refuses: to answer valid reports, since the standard has no answers.
 
 use super::positions::{checked_time, report};
 use crate::feed::massrobotics::{InteropReport, Unfit};
@@ -20,17 +20,17 @@ use std::pin::pin;
 use std::time::Duration;
 use tokio::time::timeout;
 
-/// How long a report may be.
+/// The longest report, in bytes.
 const MESSAGE: usize = 64 * 1024;
 
-/// A device that says nothing for so long is gone.
+/// A device that is silent for this long is gone.
 const SILENT: Duration = Duration::from_secs(120);
 
-/// How long an answer may take to leave.
+/// How long sending an answer may take.
 const SEND: Duration = Duration::from_secs(2);
 
-/// Send an identityReport or a statusReport. Only the uuids of workers are accepted: register the worker with the uuid
-/// as its name, or name it in the settings.
+/// Send an identityReport or a statusReport. Only uuids of workers are accepted: register the worker with the uuid as
+/// its name, or list the uuid in the settings.
 #[utoipa::path(post, path = "/v1/massrobotics", tag = "people",
     operation_id = "postInteropReport", request_body = InteropReport, responses(
     (status = 202, description = "Accepted; the fleet evaluates it in its next step"),
@@ -43,7 +43,7 @@ pub async fn post(
     Ok(StatusCode::ACCEPTED)
 }
 
-/// The same reports as texts of a WebSocket, one after the other. A refused report is answered with the problem, each
+/// Send these reports as texts of a WebSocket, one after the other. A refused report is answered with the problem, each
 /// kind at most every two seconds.
 #[utoipa::path(get, path = "/v1/massrobotics", tag = "people", operation_id = "streamInteropReports", responses(
     (status = 101, description = "Reports may be sent"),
@@ -115,7 +115,7 @@ fn take(api: &Api, said: &InteropReport) -> Result<(), Problem> {
     report(api, sighting, now)
 }
 
-/// Why a report is not taken. All but an unknown device is for developers.
+/// Why a report is refused. All reasons except an unknown device are for developers.
 fn unfit(why: &Unfit) -> Sentence {
     match why {
         Unfit::UnknownUuid(uuid) => feed::no_worker_for_uuid(uuid),

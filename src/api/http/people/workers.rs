@@ -1,6 +1,6 @@
-//! `/v1/workers`: who is on the floor.
+//! `/v1/workers`: the workers on the floor.
 //!
-//! Main types: [`NewWorker`], [`ListedWorkerDto`]. Refuses: to list how fast people are and where they are going.
+//! Main types: [`NewWorker`], [`ListedWorkerDto`]. Refuses: to list how fast workers are and where they are going.
 
 use crate::access::caller::Role;
 use crate::dto::names::{Names, Page};
@@ -23,47 +23,47 @@ use giveway_floor::text::{Sentence, name_fault};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
-/// The longest name of a worker.
+/// The longest name of a worker, in characters.
 const LONGEST_NAME: usize = 64;
 
 /// A worker to register.
 #[derive(Clone, Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct NewWorker {
-    /// The name, 1 to 64 characters. It is kept in one table, apart from everything else, which knows this worker by a
-    /// pseudonym. For MassRobotics reports, the uuid.
+    /// The worker's name, 1 to 64 characters. It is kept in one table, apart from everything else, which knows this
+    /// worker by a pseudonym. For MassRobotics reports, the uuid.
     #[schema(example = "picker-7")]
     name: String,
 }
 
-/// A worker in a list, without pace and without where the worker is probably going: side by side these would tell how
-/// people work. Robots need them, and the map shows them of the moment.
+/// A worker in a list, without pace and probable goals: side by side, these would reveal how people work. Robots need
+/// them, and the map shows the current ones.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct ListedWorkerDto {
-    /// Its number.
+    /// The worker's number.
     #[schema(example = "w1")]
     pub id: String,
-    /// The name under which the worker was registered, for those who may see names (docs/secure.md); else a pseudonym
-    /// such as `worker-3f2a`.
+    /// The name under which the worker was registered, for callers who may see names (docs/secure.md); for others, a
+    /// pseudonym such as `worker-3f2a`.
     pub name: String,
-    /// Whether the worker is on the floor, and how well the place is known.
+    /// Whether the worker is on the floor, and how well the position is known.
     pub presence: PresenceDto,
-    /// Metres; null if the worker has not been seen.
+    /// Position x, metres; null if the worker has not been seen.
     pub x: Option<f64>,
-    /// Metres.
+    /// Position y, metres; null if the worker has not been seen.
     pub y: Option<f64>,
-    /// Radians, counter-clockwise from the x axis.
+    /// Heading in radians, counter-clockwise from the x axis.
     pub heading: Option<f64>,
-    /// When the worker was seen last, RFC 3339.
+    /// When the worker was last seen, RFC 3339.
     pub seen: Option<String>,
-    /// One standard deviation of the position, metres; it grows while no pose comes.
+    /// One standard deviation of the position, metres; it grows while no pose arrives.
     pub accuracy: f64,
-    /// What the worker is told.
+    /// What the worker is told to do.
     pub state: GuidanceStateDto,
-    /// Why, in words.
+    /// Why the worker is told this, in words.
     #[schema(value_type = Option<SentenceSchema>)]
     pub reason: Option<Sentence>,
-    /// What the path is for.
+    /// The assignment that the worker's path serves.
     #[schema(example = "a3")]
     pub assignment: Option<String>,
 }
@@ -77,15 +77,15 @@ impl From<WorkerDto> for ListedWorkerDto {
     }
 }
 
-/// Which workers to list.
+/// Filters for the list of workers.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct WorkerParams {
-    /// Only workers who are on the floor like this, or like one of several with commas between them.
+    /// Only workers with this presence, or with any of several with commas between them.
     #[param(value_type = Option<Vec<PresenceDto>>, style = Form, explode = false)]
     presence: Option<String>,
-    /// Only workers who are told this, or one of several with commas between them.
+    /// Only workers whose guidance is in this state, or in any of several with commas between them.
     #[param(value_type = Option<Vec<GuidanceStateDto>>, style = Form, explode = false)]
     state: Option<String>,
     /// Only workers who were seen at this time or later, RFC 3339.
@@ -97,7 +97,7 @@ pub struct WorkerParams {
     cursor: Option<String>,
 }
 
-/// All workers, or some of them; a device gets its own alone.
+/// List workers; a device gets only its own.
 #[utoipa::path(get, path = "/v1/workers", tag = "people", operation_id = "listWorkers", params(WorkerParams), responses(
     (status = 200, description = "Workers in order of joining", body = Page<ListedWorkerDto>),
     (status = 422)))]
@@ -130,7 +130,7 @@ pub async fn list(
     page(workers, &Paging { limit: p.limit, cursor: p.cursor })
 }
 
-/// One worker, with gaze, hands and charge if a headset reports them.
+/// Get one worker, with gaze, hands and charge if a headset reports them.
 #[utoipa::path(get, path = "/v1/workers/{id}", tag = "people", operation_id = "getWorker",
     params(("id" = String, Path, example = "w1")), responses(
     (status = 200, description = "The worker", body = WorkerDetailDto)))]
@@ -155,13 +155,13 @@ pub async fn get(Called(api): Called, PathPart(id): PathPart) -> Result<Json<Wor
 /// A worker, and its address as the header `Location`.
 type LocatedWorker = ([(HeaderName, String); 1], Json<WorkerDto>);
 
-/// A worker as the answer to being registered.
+/// A worker, as the answer to its registration.
 fn located(api: &Api, id: WorkerId, name: String) -> LocatedWorker {
     let place = format!("/v1/workers/{}", worker_name(id));
     ([(header::LOCATION, place)], Json(worker(api, id, name)))
 }
 
-/// The worker for whom a device speaks, if that is the one of this name.
+/// The worker for whom a device speaks, if this is its name.
 fn own_worker(api: &Api, name: &str) -> Result<LocatedWorker, Problem> {
     let subject = api.caller.subject.as_deref().unwrap_or_default();
     match api.feeds.worker(subject).ok().and_then(|id| Some((id, api.feeds.name(id)?))) {
@@ -175,8 +175,8 @@ fn own_worker(api: &Api, name: &str) -> Result<LocatedWorker, Problem> {
     }
 }
 
-/// Register a worker. The same name is the same worker. A device registers nobody: it signs in under the name of the
-/// worker for whom it speaks.
+/// Register a worker. The same name is the same worker. A device cannot register a worker: it signs in under the name
+/// of the worker for whom it speaks.
 #[utoipa::path(post, path = "/v1/workers", tag = "people",
     operation_id = "registerWorker", request_body = NewWorker, responses(
     (status = 201, description = "Registered, and that is durable", body = WorkerDto,
@@ -205,7 +205,7 @@ pub async fn hire(
             Ok((status, location, worker))
         }
         Err(why) => {
-            // Nobody is registered under it: the name is not to stay.
+            // No worker is registered under this name, so the name must not be kept.
             if let Err(why) = api.pseudonyms.erase(&pseudonym, None).await {
                 tracing::warn!("a name is kept without its worker: {why}");
             }
@@ -214,7 +214,7 @@ pub async fn hire(
     }
 }
 
-/// A worker as the latest view has it, with the name that the caller may see.
+/// A worker in the latest view, with the name that the caller may see.
 fn worker(api: &Api, id: WorkerId, name: String) -> WorkerDto {
     let moment = api.moment();
     let names = Names { map: &api.map, view: &moment.view };

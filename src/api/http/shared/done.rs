@@ -7,7 +7,7 @@ use crate::wire::error::Problem;
 use axum::http::StatusCode;
 use giveway_fleet::Ask;
 
-/// Asks for what is answered with 204 or a refusal.
+/// Sends a request to the fleet; answers 204 or the refusal.
 pub async fn done(api: &Api, ask: Ask<()>) -> Result<StatusCode, Problem> {
     api.ask(ask).await?;
     Ok(StatusCode::NO_CONTENT)

@@ -1,5 +1,5 @@
-//! What the handlers of several rooms share: lists and their pages, names in paths, tables, stretches of time, long
-//! texts, the answer to what is done.
+//! What the handlers of several rooms share: pages of lists, names in paths, tables, periods of time, long texts, and
+//! the answer 204.
 //!
 //! Main types: [`paging::Paging`], [`shared_text::SharedText`]; main functions: [`named::parse_robot`], [`done::done`].
 //! Refuses: routes of its own.

@@ -1,4 +1,4 @@
-//! What names in paths and bodies stand for, and what is said of a name that nothing has.
+//! Looks up names in paths and bodies, and says what is wrong with an unknown name.
 //!
 //! Main functions: [`parse_robot`], [`parse_station`], [`unknown`]. Refuses: to guess.
 
@@ -9,7 +9,7 @@ use giveway_floor::id::{Dense, RobotId, StationId};
 use giveway_floor::text::sentence::requests;
 use giveway_floor::text::{NameFault, Sentence, name_fault};
 
-/// A robot that is known.
+/// The robot of this name, in the latest view.
 pub fn parse_robot(api: &Api, name: &str) -> Result<RobotId, Problem> {
     let found = api.moment().view.robots.iter().position(|r| r.name == name);
     let unknown = || Problem::unknown("robot", requests::no_such_thing("robot", name, "/v1/robots"));
@@ -22,13 +22,13 @@ pub fn parse_station(api: &Api, name: &str) -> Result<StationId, Problem> {
     found.ok_or_else(|| Problem::unknown("station", requests::no_such_thing("station", name, "/v1/stations")))
 }
 
-/// A robot of the latest view.
+/// The robot of this name, in the given view.
 pub fn robot_named(moment: &Moment, name: &str) -> Option<RobotId> {
     moment.view.robots.iter().position(|robot| robot.name == name).map(RobotId::at)
 }
 
-/// What is said of a name that nothing has. One that only looks like a name that there is, because of what nobody sees
-/// in it, is told apart.
+/// What a request is told about an unknown name. If the name has invisible characters or similar faults, the sentence
+/// says so.
 pub fn unknown(what: &str, name: &str) -> Sentence {
     let list = if what == "node" { "/v1/map".into() } else { format!("/v1/{what}s") };
     match name_fault(name, usize::MAX).filter(|fault| !matches!(fault, NameFault::Length(_))) {

@@ -1,4 +1,4 @@
-//! Lists: which page, which words filter them, and what is wrong with that.
+//! Lists: pages, filters by words, and errors in these parameters.
 //!
 //! Main types: [`Paging`]; main functions: [`page`], [`read_words`], [`named`]. Refuses: pages of more than 500.
 
@@ -10,21 +10,21 @@ use giveway_floor::text::sentence::requests;
 use serde::Deserialize;
 use utoipa::IntoParams;
 
-/// The longest page.
+/// The most items on a page.
 pub const LONGEST_PAGE: u32 = 500;
 
-/// Which page of a list.
+/// The page of a list.
 #[derive(Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct Paging {
     /// How many items at most, 1 to 500; 100 if absent.
     pub limit: Option<u32>,
-    /// `next` of the previous page.
+    /// `next` of the previous page; absent for the first one.
     pub cursor: Option<String>,
 }
 
-/// A limit within bounds.
+/// The limit, or `usual` if absent; an error if it is not 1 to [`LONGEST_PAGE`].
 pub fn checked_limit(limit: Option<u32>, usual: u32) -> Result<u32, Problem> {
     match limit.unwrap_or(usual) {
         n @ 1..=LONGEST_PAGE => Ok(n),
@@ -47,7 +47,7 @@ pub fn page<T>(all: Vec<T>, p: &Paging) -> Result<Json<Page<T>>, Problem> {
     Ok(Json(Page { items: all.into_iter().skip(start).take(limit).collect(), next }))
 }
 
-/// The words of a parameter, with commas between them; complains about those that are none.
+/// The words of a parameter, separated by commas; adds an error for each unknown word.
 pub fn read_words(
     field: &str,
     text: Option<&str>,
@@ -66,12 +66,12 @@ pub fn read_words(
     found
 }
 
-/// Whether a word is one of those that are wanted; if none are, all of them.
+/// Whether a word is wanted; an empty list wants all words.
 pub fn is_wanted(wanted: &[&'static str], word: &str) -> bool {
     wanted.is_empty() || wanted.contains(&word)
 }
 
-/// What has the name in a parameter, if there is one; complains where nothing has.
+/// Looks up the name in a parameter, if given; adds an error if nothing has that name.
 pub fn named<T>(
     field: &str,
     name: Option<&str>,
@@ -86,7 +86,7 @@ pub fn named<T>(
     found
 }
 
-/// Refuses a request with wrong fields.
+/// Returns the errors as a problem, if there are any.
 pub fn refuse_wrong(errors: Vec<FieldError>) -> Result<(), Problem> {
     if errors.is_empty() { Ok(()) } else { Err(Problem::invalid(errors)) }
 }

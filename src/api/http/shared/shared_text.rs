@@ -1,7 +1,7 @@
-//! Long answers that are the same for everybody: in memory once, and compressed once.
+//! Long answers that are the same for all clients: kept in memory once, and compressed once.
 //!
-//! Main type: [`SharedText`]. However many clients are being sent one, it takes no more memory. Refuses: texts that
-//! change; those are made anew.
+//! Main type: [`SharedText`]. It takes no more memory when many clients receive it. Refuses: texts that change; a
+//! changed text is a new [`SharedText`].
 
 use crate::access::peer::SharedBody;
 use crate::page::served::accepts;
@@ -16,32 +16,32 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread;
 
-/// The best quality and the usual window. It takes two seconds for a hall with 800 robots, once, and the answer is half
-/// as long as with what is quick enough for each request.
+/// Brotli's best quality and usual window. Compression takes two seconds for a hall with 800 robots, once, and the
+/// answer is half as long as with a quality that is fast enough for each request.
 const QUALITY: u32 = 11;
 const WINDOW: u32 = 22;
 
-/// Shorter texts are sent as they are.
+/// Texts up to this many bytes are sent uncompressed.
 const SMALL: usize = 1024;
 
-/// A text in JSON as it is sent.
+/// A JSON text, ready to send.
 pub struct SharedText {
     text: Bytes,
-    /// The text compressed with brotli and with gzip, as soon as that is done.
+    /// The text compressed with brotli, as soon as that is done.
     brotli: OnceLock<Bytes>,
     gzip: OnceLock<Bytes>,
-    /// Whether somebody compresses it, or has.
+    /// Whether compression has started or is done.
     is_begun: AtomicBool,
 }
 
 impl SharedText {
-    /// Keeps a text. It is compressed when the first client asks for it who can read that.
+    /// Keeps a text. It is compressed when the first client that accepts compression asks for it.
     pub fn of(text: String) -> Arc<SharedText> {
         let (brotli, gzip) = (OnceLock::new(), OnceLock::new());
         Arc::new(SharedText { text: text.into(), brotli, gzip, is_begun: AtomicBool::new(false) })
     }
 
-    /// Compresses it on a thread of its own, once.
+    /// Compresses the text on a thread of its own, once.
     pub fn compress(self: &Arc<Self>) {
         if self.text.len() <= SMALL || self.is_begun.swap(true, Ordering::Relaxed) {
             return;

@@ -1,6 +1,6 @@
-//! The stretch of time that a request asks about.
+//! The period that a request asks about.
 //!
-//! Main function: [`stretch`]. Refuses: stretches that end before they begin.
+//! Main function: [`stretch`]. Refuses: periods that end before they begin.
 
 use crate::state::api::Api;
 use crate::wire::error::{FieldError, Problem};
@@ -8,14 +8,14 @@ use crate::wire::extract::{read_end, read_time};
 use giveway_floor::text::sentence::requests;
 use giveway_floor::time::{Span, Time};
 
-/// How far back to look if the request does not say.
+/// The length of the period if the request gives no beginning.
 const HOUR: Span = Span::from_secs(3600);
 
-/// From when to when; the last hour if the request does not say.
+/// Beginning and end of the period; the last hour if the request gives neither.
 pub fn stretch(api: &Api, from: Option<&str>, to: Option<&str>) -> Result<(Time, Time), Problem> {
     let mut errors = Vec::new();
     let (from, to) = (read_time("from", from, &mut errors), read_end("to", to, &mut errors));
-    // A recording has a time of its own. What happens at this very moment belongs to it.
+    // A recording has its own time. Events of this very moment belong to the period.
     let to = to.unwrap_or_else(|| api.moment().view.now + Span(1));
     let from = from.unwrap_or(to - HOUR);
     if errors.is_empty() && from >= to {

@@ -1,4 +1,4 @@
-//! Answers as tables: whether one is asked for, and its cells (RFC 4180).
+//! Answers as tables: whether the client asks for one, and quoting of its cells (RFC 4180).
 //!
 //! Main functions: [`wants_table`], [`quoted`]. Refuses: formats other than JSON and CSV.
 
@@ -6,7 +6,7 @@ use crate::wire::error::{FieldError, Problem};
 use axum::http::{HeaderMap, header};
 use giveway_floor::text::sentence::requests;
 
-/// Whether a table is asked for, instead of JSON.
+/// Whether the client asks for a table instead of JSON.
 pub fn wants_table(headers: &HeaderMap, format: Option<&str>) -> Result<bool, Problem> {
     match format {
         Some("csv") => Ok(true),
@@ -22,7 +22,7 @@ pub fn wants_table(headers: &HeaderMap, format: Option<&str>) -> Result<bool, Pr
     }
 }
 
-/// A cell of a table.
+/// A cell of a table, quoted if necessary.
 pub fn quoted(cell: &str) -> String {
     if cell.contains(['"', ',', '\r', '\n']) {
         format!("\"{}\"", cell.replace('"', "\"\""))
