@@ -1,8 +1,8 @@
-//! What people and machines do, in one word each: the audit, the page's buttons, what is undone and the report of a
-//! shift all speak of the same acts.
+//! Acts of people and machines, one word each: the audit, the page's buttons, undo and the report of a shift use the
+//! same words.
 //!
-//! Main type: [`AuditAct`]; [`AuditAct::of`] is the act of what the audit keeps, [`AuditAct::remedies`] those that help
-//! against an alarm. Refuses: to say who may: `access/roles.rs` does.
+//! Main type: [`AuditAct`]; [`AuditAct::of`] is the act of an audit entry, [`AuditAct::remedies`] lists the acts that
+//! can remedy an alarm. Refuses: to know which roles may do an act: `access/roles.rs` knows.
 
 use super::caller::{Caller, Role};
 use super::roles::{Access, RULES};
@@ -12,20 +12,20 @@ use utoipa::ToSchema;
 
 macro_rules! acts {
     ($($(#[$doc:meta])* $name:ident $word:tt: $($what:literal)|+,)+) => {
-        /// Something that changes something, or is to.
+        /// An act: a request that changes something, or is meant to.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, ToSchema)]
         pub enum AuditAct { $($(#[$doc])* #[serde(rename = $word)] $name,)+ }
 
         impl AuditAct {
-            /// All of them.
+            /// All acts.
             pub const ALL: [AuditAct; [$(AuditAct::$name),+].len()] = [$(AuditAct::$name),+];
 
-            /// Its word on the wire.
+            /// The word for the act on the wire.
             pub fn word(self) -> &'static str {
                 match self { $(AuditAct::$name => $word,)+ }
             }
 
-            /// What the audit keeps of it: methods with routes, and words of what comes another way.
+            /// How the audit records the act: methods with routes, and texts for acts that come another way.
             fn whats(self) -> &'static [&'static str] {
                 match self { $(AuditAct::$name => &[$($what),+],)+ }
             }
@@ -44,7 +44,7 @@ acts! {
     EndEvacuation "end_evacuation": "DELETE /v1/evacuation",
     /// An area is closed.
     CloseArea "close_area": "POST /v1/closures",
-    /// A closed area is opened, or recurs no more.
+    /// A closed area is opened, or a recurring closure ends.
     OpenArea "open_area": "DELETE /v1/closures/{id}",
     /// A robot is paused.
     PauseRobot "pause_robot": "POST /v1/robots/{id}/pause",
@@ -52,7 +52,7 @@ acts! {
     ResumeRobot "resume_robot": "POST /v1/robots/{id}/resume",
     /// A robot goes out of service.
     StartMaintenance "start_maintenance": "PUT /v1/robots/{id}/maintenance",
-    /// A robot comes back into service, or stays on the floor.
+    /// A robot comes back into service, or stays on the floor although it was to leave.
     EndMaintenance "end_maintenance": "DELETE /v1/robots/{id}/maintenance",
     /// A robot joins.
     AddRobot "add_robot": "POST /v1/robots",
@@ -76,37 +76,37 @@ acts! {
     FinishTask "finish_task": "POST /v1/assignments/{id}/done" | "done, over the feed",
     /// A person is registered.
     RegisterWorker "register_worker": "POST /v1/workers",
-    /// Nobody is where a lost person was looked for.
+    /// A supervisor confirms that a lost person is not there.
     ClearWorker "clear_worker": "POST /v1/workers/{id}/clear",
-    /// About where a lost person is.
+    /// A supervisor reports roughly where a lost person is.
     NarrowWorker "narrow_worker": "POST /v1/workers/{id}/narrow",
-    /// A wearer has left.
+    /// A wearer signs off.
     SignOff "sign_off": "signed off, over the feed",
     /// A person's name is erased.
     ErasePerson "erase_person": "DELETE /v1/people/{id}",
-    /// Somebody looks after an alarm.
+    /// A person acknowledges an alarm.
     AcknowledgeAlarm "acknowledge_alarm": "POST /v1/alarms/{id}/acknowledge",
     /// A line is picked, short, or taken back.
     ConfirmLine "confirm_line": "POST /v1/stations/{id}/lines/{n}",
-    /// What was confirmed last at a station is confirmed or taken back again.
+    /// The last line at a station whose rack has left is confirmed, or taken back.
     RepeatLine "repeat_line": "POST /v1/stations/{id}/last",
-    /// A rack leaves a station though lines are left.
+    /// A rack leaves a station although lines are left.
     ReleaseRack "release_rack": "POST /v1/stations/{id}/release",
     /// A pick is done.
     FinishPick "finish_pick": "POST /v1/stations/{id}/done",
-    /// Goods are missing.
+    /// Goods are reported missing in a pick.
     ReportMissing "report_missing": "POST /v1/stations/{id}/short",
     /// A station is paused.
     PauseStation "pause_station": "POST /v1/stations/{id}/pause",
     /// A paused station goes on.
     ResumeStation "resume_station": "POST /v1/stations/{id}/resume",
-    /// A rack is no longer where it was.
+    /// People took a rack off a robot.
     TakeRack "take_rack": "POST /v1/racks/{id}/taken",
     /// Another map is published.
     PublishMap "publish_map": "PUT /v1/map",
-    /// A kind of robots is added.
+    /// A robot kind is added.
     AddKind "add_kind": "PUT /v1/kinds/{name}",
-    /// A kind of robots is removed.
+    /// A robot kind is removed.
     RemoveKind "remove_kind": "DELETE /v1/kinds/{name}",
     /// A webhook is added.
     AddWebhook "add_webhook": "POST /v1/webhooks",
@@ -118,25 +118,25 @@ acts! {
     RenewToken "renew_token": "POST /v1/tokens/{id}/rotate" | "giveway token rotate",
     /// A token is revoked.
     RevokeToken "revoke_token": "DELETE /v1/tokens/{id}" | "giveway token revoke",
-    /// Somebody signs in.
+    /// A person signs in.
     SignIn "sign_in": "POST /v1/session" | "GET /v1/session/oidc/callback",
-    /// Somebody signs out.
+    /// A person signs out.
     SignOut "sign_out": "DELETE /v1/session",
-    /// An alarm is put aside until a time.
+    /// An alarm is shelved until a time.
     ShelveAlarm "shelve_alarm": "POST /v1/alarms/{id}/shelve",
-    /// An alarm that was put aside calls again.
+    /// A shelved alarm calls for attention again.
     UnshelveAlarm "unshelve_alarm": "DELETE /v1/alarms/{id}/shelve",
     /// A note is added to an alarm.
     NoteAlarm "note_alarm": "POST /v1/alarms/{id}/notes",
 }
 
 impl AuditAct {
-    /// The act of what the audit keeps: nothing where it is from another version.
+    /// The act of an audit entry; nothing if the entry is from another version.
     pub fn of(what: &str) -> Option<AuditAct> {
         AuditAct::ALL.into_iter().find(|act| act.whats().contains(&what))
     }
 
-    /// What this caller may do, a device for its own worker or robot.
+    /// The acts that this caller may do; a device, only for its own worker or robot.
     pub fn of_caller(caller: &Caller) -> Vec<AuditAct> {
         let may = |access: Access| {
             let own = access.is_for_own() && caller.role == Role::Device && caller.subject.is_some();
@@ -150,7 +150,7 @@ impl AuditAct {
         AuditAct::ALL.into_iter().filter(allowed).collect()
     }
 
-    /// What a person can do about an alarm of this kind from where it is shown, the likeliest first.
+    /// The acts with which a person can remedy an alarm of this kind where it is shown, the likeliest first.
     pub fn remedies(kind: AlarmKind) -> &'static [AuditAct] {
         use AlarmKind as K;
         match kind {

@@ -1,7 +1,7 @@
-//! Who asked for what: an entry for each request that is to change something.
+//! The audit: an entry for each request that is to change something.
 //!
-//! Main types: [`AuditEntry`], [`AuditLog`], [`AuditQuery`]. Refuses: reports of where people are; they are
-//! observations, and too many.
+//! Main types: [`AuditEntry`], [`AuditLog`], [`AuditQuery`]. Refuses: reports of positions; these are observations, and
+//! too many.
 
 use super::caller::{Caller, Role};
 use giveway_floor::time::Time;
@@ -9,53 +9,53 @@ use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
 use tokio::sync::mpsc;
 use tokio::sync::mpsc::error::TrySendError;
 
-/// So many entries wait for the database. Requests that caused facts are in the journal, and wait there; what is beyond
-/// this are refusals while the database takes nothing.
+/// The most entries that wait for the database. Requests that caused facts are in the journal, and wait there; entries
+/// beyond this limit are refusals while the database takes nothing.
 pub const MOST_WAITING: usize = 10_000;
 
 /// A request that is to change something.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AuditEntry {
-    /// When it came, microseconds since 1970, later where two came at once: its number.
+    /// The entry's number: microseconds since 1970 when the request came, increased if two came at once.
     pub id: i64,
-    /// Who asked.
+    /// The caller's name.
     pub actor: String,
-    /// In which role.
+    /// The caller's role.
     pub role: Role,
-    /// What was asked: method and route.
+    /// The request: method and route.
     pub what: String,
-    /// Of what: the id in the path, or of what was made.
+    /// The thing that the request concerned: the id in the path, or of the thing created.
     pub subject: Option<String>,
-    /// The status of the answer; nothing where none is known.
+    /// The HTTP status of the answer; nothing if none is known.
     pub status: Option<u16>,
 }
 
-/// Which entries to list.
+/// Filters for audit entries.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AuditQuery {
-    /// Only those that came at this time or later.
+    /// Only entries of this time or later.
     pub from: Option<Time>,
-    /// Only those that came before this time.
+    /// Only entries before this time.
     pub to: Option<Time>,
-    /// Only those of this name.
+    /// Only entries of the caller of this name.
     pub actor: Option<String>,
-    /// Only those with a smaller number.
+    /// Only entries with a smaller number.
     pub before: Option<i64>,
-    /// How many at most.
+    /// The most entries to return.
     pub limit: u32,
 }
 
-/// Numbers entries, and hands those that were answered on to be written down.
+/// Numbers entries, and passes them on to be stored once their requests are answered.
 #[derive(Debug)]
 pub struct AuditLog {
     last: AtomicI64,
     answered: mpsc::Sender<AuditEntry>,
-    /// How many did not find room, since the last one that says so.
+    /// How many entries found no room since the last entry that reports such a gap.
     missing: AtomicU64,
 }
 
 impl AuditLog {
-    /// A log whose entries come after this number, and where they arrive.
+    /// A log that numbers entries from `last` on, and the receiver of finished entries.
     pub fn new(last: i64) -> (AuditLog, mpsc::Receiver<AuditEntry>) {
         let (answered, arrive) = mpsc::channel(MOST_WAITING);
         (AuditLog { last: AtomicI64::new(last), answered, missing: AtomicU64::new(0) }, arrive)
@@ -73,8 +73,8 @@ impl AuditLog {
         now.0.max(last.unwrap_or_else(|same| same) + 1)
     }
 
-    /// Hands an entry on whose request was answered. Where nothing keeps entries, as with a recording, it is dropped.
-    /// So it is where too many wait; as soon as there is room again, an entry says how many are missing.
+    /// Passes on the entry of an answered request. If nothing keeps entries, as with a recording, the entry is dropped.
+    /// It is also dropped if too many wait; as soon as there is room again, an entry reports how many are missing.
     pub fn end(&self, entry: AuditEntry) {
         let missing = self.missing.load(Ordering::Relaxed);
         if missing > 0 && self.answered.capacity() > 1 {

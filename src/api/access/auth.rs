@@ -1,11 +1,11 @@
-//! Authorisation: bearer tokens, and on an open loopback server only pages that it served itself.
+//! Authorisation: bearer tokens; without tokens, only clients on the loopback and pages that this server served.
 //!
-//! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Those of the settings are
-//! administrators'; named ones have a role and may change while the server runs. Without an administrator's token the
+//! Main type: [`Gate`]. Tokens are kept as SHA-256 and compared in constant time. Tokens of the settings are
+//! administrators'; named tokens have a role and may change while the server runs. Without an administrator's token the
 //! server listens on the loopback only; there, requests under a foreign host name or from a foreign page are refused,
-//! since any web page can make a browser talk to the loopback. The cookie of a session stands for the token with
-//! which somebody signed in, or for the person whom an identity provider named, and changes something only for pages of
-//! this server. Refuses: tokens in addresses, which end up in logs.
+//! since any web page can make a browser talk to the loopback. A session cookie stands for the token with which a
+//! person signed in, or for the person whom an identity provider named, and changes something only for pages of this
+//! server. Refuses: tokens in addresses, which end up in logs.
 
 use super::caller::{Caller, NamedToken, Role, SessionHolder, TokenHash, WebSession};
 use super::cookie::{is_loopback, session_secret};
@@ -24,19 +24,19 @@ use tokio::sync::watch;
 use tokio::time::timeout;
 use uuid::Uuid;
 
-/// The word before a token in `Sec-WebSocket-Protocol`.
+/// The prefix of a token in `Sec-WebSocket-Protocol`.
 const WS_BEARER: &str = "bearer.";
 
-/// Why a feed ends whose token no longer holds.
+/// The reason with which a feed ends when its token is no longer valid.
 pub const TOKEN_ENDED: &str = "the token of this connection no longer holds";
 
-/// How often it is looked whether a token of an open connection has expired.
+/// How often the server checks whether a token of an open connection has expired.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// How long a session lasts, however much it is used.
 pub const SESSION_LIFE: Span = Span::from_secs(7 * 24 * 3600);
 
-/// So many sessions that are over are known.
+/// The most ended sessions that are remembered.
 const MOST_OVER: usize = 1000;
 
 /// A new token of 244 random bits, as text.
@@ -44,51 +44,51 @@ pub fn fresh_token() -> String {
     format!("gw_{}{}", Uuid::new_v4().simple(), Uuid::new_v4().simple())
 }
 
-/// What is kept of a token.
+/// The digest under which a token is known.
 pub fn hash_of(token: &str) -> TokenHash {
     Sha256::digest(token).into()
 }
 
-/// Lets requests in or not.
+/// Decides which requests are admitted.
 #[derive(Debug, Default)]
 pub struct Gate {
-    /// Those of the settings.
+    /// Digests of the tokens of the settings.
     fixed: Vec<TokenHash>,
     /// Origins of other sites whose pages may use the server with a token.
     origins: Vec<String>,
     /// Whether people sign in with an identity provider.
     has_provider: bool,
     named: Mutex<NamedTokens>,
-    /// Secrets that let nobody in.
+    /// Wrong secrets that clients have shown.
     wrong: WrongSecrets,
-    /// Says that named tokens changed.
+    /// Signals that named tokens or sessions changed.
     changes: watch::Sender<()>,
 }
 
-/// Named tokens, when each was used since that was last asked for, and sessions.
+/// Named tokens, when each was last used since the last [`Gate::take_used`], and sessions.
 #[derive(Debug, Default)]
 struct NamedTokens {
     all: Vec<NamedToken>,
     sessions: BTreeMap<TokenHash, WebSession>,
-    /// Sessions that are over, some of the latest: a browser that still shows such a cookie does not guess.
+    /// The latest sessions that have ended: a browser that still shows such a cookie is not guessing.
     over: VecDeque<TokenHash>,
-    /// Whether there ever was one of an administrator that held: then the server needs tokens until it ends.
+    /// Whether there ever was a valid administrator's token: from then on the server needs tokens until it stops.
     closed: bool,
     used: BTreeMap<i64, Time>,
 }
 
 impl Gate {
-    /// A gate that opens to these tokens of the settings; if there are none, to every client on this machine.
+    /// A gate that admits these tokens of the settings or, if there are none, every client on this machine.
     pub fn new<'a>(tokens: impl IntoIterator<Item = &'a str>) -> Gate {
         Gate { fixed: tokens.into_iter().map(hash_of).collect(), ..Gate::default() }
     }
 
-    /// Lets pages of these origins in, too: with a token of their own, never with the cookie of a session.
+    /// Also admits pages of these origins: with a token of their own, never with a session cookie.
     pub fn with_origins(self, origins: Vec<String>) -> Gate {
         Gate { origins, ..self }
     }
 
-    /// Lets people in whom an identity provider named: the server then needs a token or a session of everybody.
+    /// Also admits people whom an identity provider named: every client then needs a token or a session.
     pub fn with_provider(self, has_provider: bool) -> Gate {
         Gate { has_provider, ..self }
     }
@@ -98,7 +98,7 @@ impl Gate {
         &self.origins
     }
 
-    /// Takes these named tokens in the place of those it knew.
+    /// Replaces the named tokens.
     pub fn learn(&self, all: Vec<NamedToken>, now: Time) {
         let mut named = self.named();
         if named.all == all {
@@ -110,7 +110,7 @@ impl Gate {
         self.changes.send_replace(());
     }
 
-    /// Takes these sessions in the place of those it knew.
+    /// Replaces the sessions.
     pub fn learn_sessions(&self, all: Vec<WebSession>) {
         let mut named = self.named();
         let all = all.into_iter().map(|session| (session.hash, session)).collect();
@@ -124,12 +124,12 @@ impl Gate {
         self.changes.send_replace(());
     }
 
-    /// Whether tokens are needed.
+    /// Whether clients need tokens.
     pub fn is_closed(&self) -> bool {
         self.has_provider || !self.fixed.is_empty() || self.named().closed
     }
 
-    /// Lets a request in, and says whose it is.
+    /// Admits or refuses a request; returns its caller.
     ///
     /// # Errors
     /// 401 without a valid token or session, 403 for foreign hosts and pages.
@@ -150,7 +150,7 @@ impl Gate {
         match token_of(headers).map(|token| self.holder(&hash_of(token), now)) {
             Some(Some(caller)) => return Ok(caller),
             None if !self.is_closed() => return Ok(Caller::this_machine()),
-            // A wrong or revoked token is refused even where none is needed, so that its owner notices.
+            // If there are named tokens, a wrong token is refused even where none is needed, so that its owner notices.
             Some(None) if !self.is_closed() && self.named().all.is_empty() => {
                 return Ok(Caller::this_machine());
             }
@@ -161,7 +161,7 @@ impl Gate {
         Err(Problem { wrong_secret: self.wrong_door(headers, cookie), ..problem })
     }
 
-    /// By which door a request without a right secret has shown one, if it has.
+    /// The way in which a refused request showed a wrong secret, if it showed one.
     fn wrong_door(&self, headers: &HeaderMap, cookie: Option<&str>) -> Option<SecretDoor> {
         if headers.contains_key(header::AUTHORIZATION) || token_of(headers).is_some() {
             return Some(SecretDoor::Token);
@@ -172,12 +172,12 @@ impl Gate {
         (!was_right).then_some(SecretDoor::Cookie)
     }
 
-    /// Secrets that let nobody in.
+    /// Wrong secrets that clients have shown.
     pub fn wrong_secrets(&self) -> &WrongSecrets {
         &self.wrong
     }
 
-    /// Who signed in and got the cookie of this digest, if both the session and its token hold.
+    /// The caller who signed in and got the cookie of this digest, if both the session and its token are valid.
     fn signed_in(&self, hash: &TokenHash, now: Time) -> Option<Caller> {
         match self.session(hash, now)?.holder {
             SessionHolder::Token(token) => Some(Caller { session: Some(*hash), ..self.holder(&token, now)? }),
@@ -185,14 +185,14 @@ impl Gate {
         }
     }
 
-    /// A session that holds; those of people only as long as the settings name their provider.
+    /// A valid session; sessions of people are valid only while the settings name an identity provider.
     fn session(&self, hash: &TokenHash, now: Time) -> Option<WebSession> {
         let is_known =
             |session: &&WebSession| self.has_provider || matches!(session.holder, SessionHolder::Token(_));
         self.named().sessions.get(hash).filter(|s| now < s.expires).filter(is_known).cloned()
     }
 
-    /// When the session or the token of a caller ends; nothing where neither does.
+    /// When the caller's session or token expires; nothing if neither does.
     pub fn end_of(&self, caller: &Caller, now: Time) -> Option<Time> {
         let session = caller.session.and_then(|hash| self.session(&hash, now)).map(|s| s.expires);
         let named = self.named();
@@ -200,11 +200,11 @@ impl Gate {
         session.into_iter().chain(token).min()
     }
 
-    /// Who has this token, if it holds.
+    /// The caller with this token, if the token is valid.
     pub fn holder(&self, digest: &TokenHash, now: Time) -> Option<Caller> {
         let mut named = self.named();
         let known = self.fixed.iter().chain(named.all.iter().map(|t| &t.hash));
-        // All are compared, whichever it is.
+        // All digests are compared, whichever matches, so that the time reveals nothing.
         let found = known
             .zip(1u32..)
             .fold(0, |found, (hash, number)| u32::conditional_select(&found, &number, hash.ct_eq(digest)));
@@ -220,7 +220,7 @@ impl Gate {
         Some(token.caller())
     }
 
-    /// Whether this caller, who was admitted before, would be admitted again.
+    /// Whether this caller, which was admitted before, would be admitted again.
     fn admits(&self, caller: &Caller, now: Time) -> bool {
         let signed_in = caller.session.is_none_or(|hash| self.session(&hash, now).is_some());
         match &caller.key {
@@ -242,7 +242,7 @@ impl Gate {
         }
     }
 
-    /// When named tokens were used since the last call, by number.
+    /// When named tokens were last used, by number, since the last call.
     pub fn take_used(&self) -> BTreeMap<i64, Time> {
         std::mem::take(&mut self.named().used)
     }
@@ -251,7 +251,7 @@ impl Gate {
         self.named.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Pages of other sites may not use a visitor's browser to reach this server.
+    /// Refuses pages of other sites, which might use a visitor's browser to reach this server.
     fn check_origin(&self, headers: &HeaderMap) -> Result<(), Problem> {
         let text = |name| headers.get(name).map(|v| v.to_str().unwrap_or("?"));
         let host = text(header::HOST).unwrap_or("");
@@ -264,7 +264,7 @@ impl Gate {
         }
         let origin = text(header::ORIGIN);
         let is_own = |origin: &str| origin.split_once("://").is_some_and(|(_, site)| site == host);
-        // Browsers say where a request comes from; one that sends no origin, such as for a picture, says at least that.
+        // Browsers name the origin of a request; without an origin, as for an image, they still send `sec-fetch-site`.
         let site = headers.get("sec-fetch-site").map(|v| v.to_str().unwrap_or("?"));
         let is_same = site.is_none_or(|site| matches!(site, "same-origin" | "none"));
         if origin.is_none_or(is_own) && is_same || self.is_of_allowed_page(headers) {
@@ -276,7 +276,7 @@ impl Gate {
         )))
     }
 
-    /// Whether a page of another site asks whose origin the settings name.
+    /// Whether the request is from a page of another site whose origin the settings allow.
     fn is_of_allowed_page(&self, headers: &HeaderMap) -> bool {
         let origin = headers.get(header::ORIGIN).and_then(|v| v.to_str().ok());
         origin.is_some_and(|origin| self.origins.iter().any(|allowed| allowed == origin))
@@ -292,7 +292,7 @@ fn token_of(headers: &HeaderMap) -> Option<&str> {
     offered.split(',').find_map(|p| p.trim().strip_prefix(WS_BEARER))
 }
 
-/// Whether a browser says that a page of this server asks; that it says nothing else was checked before.
+/// Whether the browser says that the request is from a page of this server; contrary claims were refused before.
 fn says_own_page(headers: &HeaderMap) -> bool {
     let site = headers.get("sec-fetch-site").and_then(|v| v.to_str().ok());
     headers.contains_key(header::ORIGIN) || site == Some("same-origin")

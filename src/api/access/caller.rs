@@ -1,4 +1,4 @@
-//! Who sends a request, what roles there are, and what is known of tokens.
+//! Callers, their roles, and what is known of tokens.
 //!
 //! Main types: [`Caller`], [`Role`], [`NamedToken`], [`WebSession`]. Refuses: to decide what a role may do.
 
@@ -12,19 +12,19 @@ use utoipa::ToSchema;
 /// The digest of a token.
 pub type TokenHash = [u8; 32];
 
-/// What a caller may do.
+/// The role of a caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Role {
-    /// Reads.
+    /// May read.
     Viewer,
-    /// Reads, and runs the floor: halts, releases, closures, alarms, maintenance, people who were lost, jobs and tasks.
+    /// May read and run the floor: halts, releases, closures, alarms, maintenance, lost people, jobs and tasks.
     Operator,
-    /// Reads, and orders: jobs and assignments.
+    /// May read and order: jobs and assignments.
     Integrator,
     /// Speaks for one worker or robot.
     Device,
-    /// Everything.
+    /// May do everything.
     Admin,
 }
 
@@ -32,7 +32,7 @@ impl Role {
     /// All roles.
     pub const ALL: [Role; 5] = [Role::Viewer, Role::Operator, Role::Integrator, Role::Device, Role::Admin];
 
-    /// Its word.
+    /// The word for the role on the wire.
     pub fn word(self) -> &'static str {
         match self {
             Role::Viewer => "viewer",
@@ -43,83 +43,84 @@ impl Role {
         }
     }
 
-    /// The role of a word.
+    /// The role of this word.
     pub fn of_word(word: &str) -> Option<Role> {
         Role::ALL.into_iter().find(|role| role.word() == word)
     }
 }
 
-/// Who sends a request.
+/// The sender of a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Caller {
-    /// The name of the token; `configuration` for tokens of the settings, `this machine` where none is needed.
+    /// The name of the token; `configuration` for tokens of the settings, `this machine` if no token is needed.
     pub name: String,
-    /// What it may do.
+    /// The caller's role.
     pub role: Role,
-    /// The worker or robot that a device speaks for, as in paths: `w1`, `robot-2`.
+    /// The worker or robot for which a device speaks, as in paths: `w1`, `robot-2`.
     pub subject: Option<String>,
-    /// The digest of its token; nothing where none is needed.
+    /// The digest of the caller's token; nothing if none is needed.
     pub key: Option<TokenHash>,
-    /// The digest of the session through which it asks; nothing where it shows the token itself, or needs none.
+    /// The digest of the caller's session; nothing if the caller shows the token itself, or needs none.
     pub session: Option<TokenHash>,
 }
 
 /// A browser that is signed in.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WebSession {
-    /// SHA-256 of what the cookie says.
+    /// SHA-256 of the cookie's secret.
     pub hash: TokenHash,
-    /// For whom the cookie stands.
+    /// The holder for whom the cookie stands.
     pub holder: SessionHolder,
-    /// When somebody signed in.
+    /// When the person signed in.
     pub created: Time,
-    /// When it ends.
+    /// When the session expires.
     pub expires: Time,
 }
 
-/// For whom a session stands.
+/// The holder of a session.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SessionHolder {
-    /// Whoever has the token of this digest, as long as that holds.
+    /// The holder of the token with this digest, as long as that token is valid.
     Token(TokenHash),
-    /// Somebody whom the identity provider named.
+    /// A person whom the identity provider named.
     Person {
-        /// The name.
+        /// The person's name.
         name: String,
-        /// What the groups at the provider allow.
+        /// The role that the person's groups at the provider give.
         role: Role,
     },
 }
 
 impl Caller {
-    /// Names that no token may have, since they are those of callers without a named token.
+    /// Names that no token may have, since callers without a named token have them.
     pub const RESERVED: [&'static str; 4] = ["configuration", "this machine", "command line", "anonymous"];
 
-    /// Who talks to a server that needs no token.
+    /// The caller on a server that needs no token.
     pub fn this_machine() -> Caller {
         Caller { name: "this machine".into(), role: Role::Admin, subject: None, key: None, session: None }
     }
 
-    /// Who has a token of the settings.
+    /// The caller with a token of the settings.
     pub fn of_configuration(key: TokenHash) -> Caller {
         let key = Some(key);
         Caller { name: "configuration".into(), role: Role::Admin, subject: None, key, session: None }
     }
 
-    /// Who signed in with an identity provider, and got the cookie of this digest.
+    /// The person who signed in with an identity provider and got the cookie of this digest.
     pub fn of_person(name: String, role: Role, session: TokenHash) -> Caller {
         Caller { name, role, subject: None, key: None, session: Some(session) }
     }
 
-    /// Whose keys this caller's are (`Idempotency-Key`): those of everybody who shows a token of this name, or of the
-    /// person of this name who signed in with an identity provider. A person who has the name of a token is another.
+    /// The owner of a caller's keys (`Idempotency-Key`): all callers with a token of this name share one, and so do all
+    /// sessions of the person of this name who signed in with an identity provider. A person with the same name as a
+    /// token is a different owner.
     pub fn account(&self) -> String {
         let is_person = self.key.is_none() && self.session.is_some();
         if is_person { format!("person:{}", self.name) } else { self.name.clone() }
     }
 
-    /// A key of this caller. The account is a digest there, since keys are kept in the journal, which has no names of
-    /// people.
+    /// An idempotency key of this caller. It contains a digest of the account, since keys are kept in the journal,
+    /// which has no names of people.
     pub fn client_key(&self, text: String) -> ClientKey {
         let digest = Sha256::digest(self.account());
         let first = digest.first_chunk().expect("a digest has 32 bytes");
@@ -135,36 +136,36 @@ impl Caller {
 /// A token with a name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedToken {
-    /// Its number.
+    /// The token's number.
     pub id: i64,
-    /// Who uses it.
+    /// The user of the token.
     pub name: String,
-    /// What it may do.
+    /// The role of callers with this token.
     pub role: Role,
-    /// The worker or robot that it speaks for, as in paths: `w1`, `robot-2`.
+    /// The worker or robot for which the token speaks, as in paths: `w1`, `robot-2`.
     pub subject: Option<String>,
-    /// SHA-256 of it.
+    /// SHA-256 of the token.
     pub hash: TokenHash,
-    /// When it was made, or made anew.
+    /// When the token was made, or rotated.
     pub created: Time,
-    /// From when on it no longer holds.
+    /// When the token expires.
     pub expires: Option<Time>,
-    /// When it was revoked.
+    /// When the token was revoked.
     pub revoked: Option<Time>,
-    /// About when it was used last.
+    /// When the token was last used, approximately.
     pub last_used: Option<Time>,
 }
 
-/// So many tokens hold at once.
+/// The most tokens that are valid at once.
 pub const MOST_TOKENS: usize = 1_000;
 
 impl NamedToken {
-    /// Whether it lets anybody in now.
+    /// Whether the token is valid now.
     pub fn holds(&self, now: Time) -> bool {
         self.revoked.is_none() && self.expires.is_none_or(|end| now < end)
     }
 
-    /// Who shows it.
+    /// The caller who shows this token.
     pub fn caller(&self) -> Caller {
         let (name, subject) = (self.name.clone(), self.subject.clone());
         Caller { name, role: self.role, subject, key: Some(self.hash), session: None }

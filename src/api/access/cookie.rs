@@ -1,18 +1,18 @@
-//! Cookies, of a session and of somebody on the way to an identity provider: how they are read, set and taken back.
+//! Cookies of sessions and of sign-ons with an identity provider: reading, setting and removing them.
 //!
 //! Main functions: [`session_secret`], [`session_cookie`], [`no_session_cookie`], [`attempt_cookie`]. Refuses: to send
-//! a cookie to another site, to scripts, and in the clear where the page came over HTTPS.
+//! a cookie to another site or to scripts, or unencrypted if the page came over HTTPS.
 
 use axum::http::{HeaderMap, header};
 
-/// How the name of the cookie of a session begins.
+/// The prefix of the name of a session cookie.
 const SESSION: &str = "giveway_session";
 
-/// How the name of the cookie begins that a browser has while its user is at the identity provider.
+/// The prefix of the name of the cookie that a browser has while its user is at the identity provider.
 const ATTEMPT: &str = "giveway_oidc";
 
-/// The name of a cookie at the address that was asked. Browsers do not tell ports apart, so the name does: two
-/// servers on one machine do not sign each other's users out.
+/// The name of a cookie at the requested address. Browsers do not separate cookies by port, so the name contains the
+/// port: two servers on one machine do not sign out each other's users.
 fn cookie_name(name: &str, headers: &HeaderMap) -> String {
     match text(headers, header::HOST).rsplit_once(':') {
         Some((_, port)) if !port.is_empty() && port.bytes().all(|b| b.is_ascii_digit()) => {
@@ -22,12 +22,12 @@ fn cookie_name(name: &str, headers: &HeaderMap) -> String {
     }
 }
 
-/// What the cookie of a request's session says.
+/// The secret in the request's session cookie.
 pub fn session_secret(headers: &HeaderMap) -> Option<&str> {
     secret_of(SESSION, headers)
 }
 
-/// What the cookie of somebody says who comes back from the identity provider.
+/// The secret in the cookie of a browser that comes back from the identity provider.
 pub fn attempt_secret(headers: &HeaderMap) -> Option<&str> {
     secret_of(ATTEMPT, headers)
 }
@@ -39,28 +39,28 @@ fn secret_of<'a>(name: &str, headers: &'a HeaderMap) -> Option<&'a str> {
     pairs.find(|(n, _)| *n == name).map(|(_, secret)| secret)
 }
 
-/// The header that gives a browser the cookie of its session. It ends with the browser; the server ends the session
+/// The header that sets the session cookie. The cookie lasts until the browser is closed; the server ends the session
 /// after its time. `plain`: the page came over plain HTTP.
 pub fn session_cookie(headers: &HeaderMap, secret: &str, plain: bool) -> String {
     let secure = if plain { "" } else { "; Secure" };
     format!("{}={secret}; Path=/; HttpOnly; SameSite=Strict{secure}", cookie_name(SESSION, headers))
 }
 
-/// The header that takes that cookie back.
+/// The header that removes the session cookie.
 pub fn no_session_cookie(headers: &HeaderMap) -> String {
     format!("{}; Max-Age=0", session_cookie(headers, "", is_plain(headers)))
 }
 
-/// The header that gives a browser a cookie for the way to the identity provider and back, of so many seconds at most.
-/// It is `Lax`, since the way back begins at another site, which a `Strict` one would not survive.
+/// The header that sets a cookie for a sign-on with the identity provider, for `seconds` at most. The cookie is `Lax`,
+/// since the browser comes back from another site, where a `Strict` one would not be sent.
 pub fn attempt_cookie(headers: &HeaderMap, secret: &str, seconds: i64, plain: bool) -> String {
     let (name, secure) = (cookie_name(ATTEMPT, headers), if plain { "" } else { "; Secure" });
     format!("{name}={secret}; Path=/v1/session/oidc; Max-Age={seconds}; HttpOnly; SameSite=Lax{secure}")
 }
 
-/// Whether the page came over plain HTTP, and a browser would not keep a `Secure` cookie of it. Browsers say in
-/// `Origin` how they got the page, also where a proxy speaks TLS; a client that does not say is trusted on this
-/// machine alone.
+/// Whether the page came over plain HTTP, so that a browser would not keep a `Secure` cookie. Browsers say in `Origin`
+/// how they got the page, also behind a proxy that speaks TLS; a client without `Origin` is believed only on this
+/// machine.
 pub fn is_plain(headers: &HeaderMap) -> bool {
     match text(headers, header::ORIGIN) {
         "" => is_loopback(text(headers, header::HOST)),
@@ -68,7 +68,7 @@ pub fn is_plain(headers: &HeaderMap) -> bool {
     }
 }
 
-/// Whether this is a name of the machine itself.
+/// Whether this host is the machine itself.
 pub fn is_loopback(host: &str) -> bool {
     let name = match host.rsplit_once(':') {
         Some((name, port)) if port.bytes().all(|b| b.is_ascii_digit()) => name,

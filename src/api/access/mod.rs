@@ -1,8 +1,8 @@
-//! Who may do what, and who did: callers and their roles, tokens and sessions, wrong secrets, pseudonyms, the audit.
+//! Access control: callers and their roles, tokens and sessions, wrong secrets, pseudonyms, the audit.
 //!
 //! Main types: [`caller::Caller`], [`caller::Role`], [`auth::Gate`], [`audit::AuditLog`], [`pseudonyms::Pseudonyms`];
-//! [`roles`] is the table of routes, [`tokens`] where tokens are kept. Refuses: to know what a request is about beyond
-//! its route.
+//! [`roles`] is the table of routes, [`tokens`] the port that keeps tokens. Refuses: to know more of a request than its
+//! route.
 
 pub mod acts;
 pub mod audit;

@@ -1,4 +1,4 @@
-//! What connections and the API tell each other about a request: where it comes from, who asked, what is sent.
+//! What connections and the API tell each other about a request: its address, whether its caller is known, its body.
 //!
 //! Main types: [`Peer`], [`Recognised`], [`SharedBody`]. All travel as extensions of requests and answers. Refuses: to
 //! decide what follows from them; the budget of connections does.
@@ -9,11 +9,11 @@ use std::net::IpAddr;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Peer(pub IpAddr);
 
-/// The caller of this answer was recognised, by a token, a session, or as this machine where none is needed. Routes
-/// that are open to everybody recognise nobody.
+/// The caller of this answer was recognised: by a token, a session, or as this machine if none is needed. Open routes
+/// recognise no caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Recognised;
 
-/// The body of this answer is in memory once, however many clients are being sent it.
+/// The body of this answer is in memory once, however many clients receive it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SharedBody;

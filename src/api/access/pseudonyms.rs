@@ -1,7 +1,7 @@
-//! Names of people and the pseudonyms that stand for them everywhere else: in the fleet and its journal, in feeds,
-//! events, webhooks and recordings.
+//! Names of people and their pseudonyms, which replace the names everywhere else: in the fleet and its journal, in
+//! feeds, events, webhooks and recordings.
 //!
-//! Main types: [`Pseudonyms`], [`NamedPerson`]. Refuses: to give a pseudonym to a second person, also after the first
+//! Main types: [`Pseudonyms`], [`NamedPerson`]. Refuses: to give a pseudonym to a second person, even after the first
 //! was erased.
 
 use super::caller::{Caller, Role};
@@ -13,12 +13,12 @@ use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use uuid::Uuid;
 
-/// A person, as one table knows it.
+/// A person with name and pseudonym.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NamedPerson {
-    /// What everything else calls this person.
+    /// The pseudonym, by which everything else knows this person.
     pub pseudonym: String,
-    /// The name.
+    /// The person's name.
     pub name: String,
     /// When the person was registered.
     pub since: Time,
@@ -26,26 +26,26 @@ pub struct NamedPerson {
 
 /// Keeps names durably. Errors are texts for people.
 pub trait PersonPort: Send + Sync {
-    /// Keeps one.
+    /// Keeps a person.
     fn keep(&self, person: NamedPerson) -> Later<'_, Result<(), String>>;
-    /// Forgets one, and who it was in all lists of this worker.
+    /// Forgets a person, and removes the identity from all lists of this worker.
     fn erase(&self, pseudonym: String, worker: Option<WorkerId>) -> Later<'_, Result<(), String>>;
 }
 
-/// Who is behind a pseudonym, and who may know.
+/// The people behind pseudonyms, and the roles that may see names.
 #[derive(Default)]
 pub struct Pseudonyms {
     people: Mutex<BTreeMap<String, NamedPerson>>,
-    /// Roles that see names.
+    /// Roles that may see names.
     names_for: Vec<Role>,
-    /// Absent where a recording is shown.
+    /// Absent if a recording is shown.
     port: Option<Box<dyn PersonPort>>,
-    /// One registration after another: a name gets one pseudonym.
+    /// Serialises registrations, so that a name gets only one pseudonym.
     turn: tokio::sync::Mutex<()>,
 }
 
 impl Pseudonyms {
-    /// With the people who are known, for these roles.
+    /// Known people, with names visible to these roles.
     pub fn new(people: Vec<NamedPerson>, names_for: Vec<Role>, port: Box<dyn PersonPort>) -> Pseudonyms {
         let people = people.into_iter().map(|p| (p.pseudonym.clone(), p)).collect();
         Pseudonyms { people: Mutex::new(people), names_for, port: Some(port), turn: Default::default() }
@@ -56,23 +56,24 @@ impl Pseudonyms {
         self.people().get(pseudonym).cloned()
     }
 
-    /// What stands for a name.
+    /// The pseudonym of a name.
     pub fn pseudonym_of(&self, name: &str) -> Option<String> {
         self.people().values().find(|p| p.name == name).map(|p| p.pseudonym.clone())
     }
 
-    /// What a caller sees as the name of a worker: the name, if the role may or it is the device's own worker.
+    /// The name of a worker as a caller sees it: the real name if the role may see it or if it is the device's own
+    /// worker.
     pub fn shown(&self, caller: &Caller, worker: WorkerId, pseudonym: &str) -> String {
         let own = caller.subject.as_deref() == Some(&worker_name(worker));
         let person = if own || self.names_for.contains(&caller.role) { self.person(pseudonym) } else { None };
         person.map_or_else(|| pseudonym.to_owned(), |p| p.name)
     }
 
-    /// The pseudonym under which a person of this name is registered with the fleet. It is durable before it is
-    /// answered. A name that the fleet has already stands for itself: it is a pseudonym, or older than pseudonyms.
+    /// The pseudonym under which a person of this name is registered with the fleet, durable before this returns. A
+    /// name that the fleet already has is used as it is: it is a pseudonym, or older than pseudonyms.
     ///
     /// # Errors
-    /// Where the name cannot be kept.
+    /// If the name cannot be kept.
     pub async fn register(
         &self,
         name: &str,
@@ -94,10 +95,10 @@ impl Pseudonyms {
         Ok(pseudonym)
     }
 
-    /// Forgets who is behind a pseudonym, and who it was in all lists of this worker.
+    /// Forgets the person behind a pseudonym, and removes the identity from all lists of this worker.
     ///
     /// # Errors
-    /// Where that is not durable; then it may be said again.
+    /// If the erasure is not durable; the caller may try again.
     pub async fn erase(&self, pseudonym: &str, worker: Option<WorkerId>) -> Result<(), String> {
         let _turn = self.turn.lock().await;
         if let Some(port) = &self.port {

@@ -1,6 +1,6 @@
-//! Which role each route needs: one table.
+//! The roles that each route needs: one table.
 //!
-//! Main function: [`check_role`]; [`access_of`] is the row of a route. Refuses: routes without a row, to everybody but
+//! Main function: [`check_role`]; [`access_of`] is the row of a route. Refuses: routes without a row, except for
 //! administrators.
 
 use super::caller::{Caller, Role};
@@ -8,30 +8,30 @@ use crate::wire::error::Problem;
 use axum::http::StatusCode;
 use giveway_floor::text::sentence::requests;
 
-/// Who may use a route.
+/// The callers that may use a route.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// Everybody, also without a token.
+    /// Every client, even without a token.
     Open,
-    /// Everybody with a token.
+    /// Every client with a token.
     Known,
-    /// Those who read.
+    /// Roles that read.
     Read,
-    /// Those who read, and a device what is its own.
+    /// Roles that read, and a device for its own worker or robot.
     ReadOwn,
-    /// Who runs the floor.
+    /// Roles that run the floor.
     Operate,
-    /// Who runs the floor, and a device for its own worker: the wearer says *I have left*.
+    /// Roles that run the floor, and a device for its own worker: the wearer signs off.
     OperateOwn,
-    /// Other systems, and what they alone need.
+    /// Roles of other systems, for what only these need.
     Order,
-    /// Who runs the floor, and who orders: jobs and tasks of people.
+    /// Roles that run the floor, and roles that order: jobs and assignments.
     Change,
-    /// Who reports where people are, and a device for its own worker.
+    /// Roles that report positions, and a device for its own worker.
     Report,
     /// A device for its own worker or robot.
     Own,
-    /// Who registers workers, and a device that signs in as its own worker, which the route checks by the name.
+    /// Roles that register workers, and a device that signs in as its own worker; the route checks the worker's name.
     Enrol,
     /// Administrators.
     Administer,
@@ -41,7 +41,7 @@ use Access::{
     Administer, Change, Enrol, Known, Open, Operate, OperateOwn, Order, Own, Read, ReadOwn, Report,
 };
 
-/// Each route by method and path.
+/// Each route by method and path, and who may use it.
 pub const RULES: &[(&str, &str, Access)] = &[
     ("GET", "/v1/health", Open),
     ("GET", "/v1/health/live", Open),
@@ -149,18 +149,18 @@ pub const RULES: &[(&str, &str, Access)] = &[
     ("POST", "/v1/tokens/{id}/rotate", Administer),
 ];
 
-/// Where an identity provider sends browsers back to. They come from another site, and what they bring along is checked
-/// there, so this route alone is open to pages of others.
+/// The route to which an identity provider sends browsers back. They come from another site, and the handler checks
+/// what they bring, so only this route accepts pages of other sites.
 pub const OIDC_CALLBACK: &str = "/v1/session/oidc/callback";
 
-/// Routes of reports of where people are.
+/// Routes for reports of positions.
 const REPORTS: [&str; 3] = ["/v1/positions", "/v1/workers/{id}/position", "/v1/massrobotics"];
 
-/// Routes that work out an answer and change nothing.
+/// Routes that compute an answer and change nothing.
 const TRIALS: [&str; 4] = ["/v1/map:check", "/v1/maps:check", "/v1/maps:try", "/v1/closures/preview"];
 
 impl Access {
-    /// The roles that may, besides a device for its own; none where everybody may.
+    /// The roles that may use the route, besides a device for its own worker or robot; empty if every client may.
     pub fn roles(self) -> &'static [Role] {
         match self {
             Open => &[],
@@ -174,12 +174,12 @@ impl Access {
         }
     }
 
-    /// Whether a device may use it for the worker or robot for which it speaks.
+    /// Whether a device may use the route for its own worker or robot.
     pub fn is_for_own(self) -> bool {
         matches!(self, ReadOwn | OperateOwn | Report | Own)
     }
 
-    /// Who may, in words; nothing where everybody may.
+    /// The roles that may use the route, in words; nothing if every client may.
     pub fn words(self) -> Option<String> {
         let mut words: Vec<&str> = self.roles().iter().map(|role| role.word()).collect();
         words.extend(self.is_for_own().then_some("device (its own)"));
@@ -188,26 +188,26 @@ impl Access {
     }
 }
 
-/// The row of a route; `HEAD` is asked for as `GET` is.
+/// The row of a route; `HEAD` counts as `GET`.
 pub fn access_of(method: &str, route: &str) -> Option<Access> {
     let method = if method == "HEAD" { "GET" } else { method };
     RULES.iter().find(|(m, path, _)| *m == method && *path == route).map(|(_, _, access)| *access)
 }
 
-/// Routes of signing in and out, which write themselves down: who it was is known only inside, and a client without a
-/// token must not fill the audit.
+/// Routes of signing in and out, which write their own audit entries: only the handler knows who the caller was, and a
+/// client without a token must not fill the audit.
 const SIGN_IN: [&str; 2] = ["/v1/session", "/v1/session/oidc"];
 
-/// Whether a request is to change something, and so is written down. Reports of where people are, are observations.
+/// Whether a request is to change something, and is therefore audited. Reports of positions are observations.
 pub fn is_audited(method: &str, route: &str) -> bool {
     let reads = matches!(method, "GET" | "HEAD" | "OPTIONS");
     !reads && !REPORTS.contains(&route) && !TRIALS.contains(&route) && !SIGN_IN.contains(&route)
 }
 
-/// Lets a caller use a route, at this path.
+/// Checks that a caller may use a route at this path.
 ///
 /// # Errors
-/// 403 that names the role that is needed.
+/// 403 that names the required role.
 pub fn check_role(caller: &Caller, method: &str, route: &str, path: &str) -> Result<(), Problem> {
     let access = access_of(method, route).unwrap_or(Administer);
     let owns = || caller.subject.is_some() && caller.subject.as_deref() == subject_of(route, path);
@@ -225,7 +225,7 @@ pub fn check_role(caller: &Caller, method: &str, route: &str, path: &str) -> Res
     Err(Problem::new(StatusCode::FORBIDDEN, "role", "Another role is needed", detail))
 }
 
-/// What stands at the variable of a route in a path.
+/// The part of a path that matches the route's variable.
 pub fn subject_of<'a>(route: &str, path: &'a str) -> Option<&'a str> {
     let pairs = route.split('/').zip(path.split('/'));
     pairs.into_iter().find(|(part, _)| part.starts_with('{')).map(|(_, text)| text)

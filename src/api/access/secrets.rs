@@ -1,49 +1,49 @@
-//! Wrong secrets, by whichever door they come: as a bearer token, when signing in, or as the cookie of a session.
+//! Wrong secrets, however they are shown: as a bearer token, when signing in, or as a session cookie.
 //!
-//! Main types: [`WrongSecrets`]. All doors share one memory of each address. The answer to a wrong
-//! secret waits, longer each time, and answers to one address leave one after the other, however many it asks for at
-//! once. The first, tenth, hundredth of an address are written down, and many are an alarm. Refuses: to let a right
-//! secret wait, so that an attacker keeps nobody out who shares the address, as behind a proxy.
+//! Main types: [`WrongSecrets`]. All ways share one record per address. The answer to a wrong secret is delayed, longer
+//! each time, and answers to one address leave one after the other, however many requests come at once. The first,
+//! tenth, hundredth attempt of an address is audited, and many attempts raise an alarm. Refuses: to delay a right
+//! secret, so that an attacker cannot lock out others with the same address, as behind a proxy.
 
 use std::collections::HashMap;
 use std::net::{IpAddr, Ipv6Addr};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The pause before the answer to a wrong secret, the first time; it doubles each time.
+/// The delay of the first answer to a wrong secret; it doubles each time.
 const FIRST_PAUSE: Duration = Duration::from_millis(100);
-/// The longest such pause.
+/// The longest doubled delay.
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
-/// Between two such answers to one address.
+/// The least time between two such answers to one address.
 const BETWEEN: Duration = Duration::from_millis(100);
-/// No answer waits for longer than this.
+/// No answer is delayed for longer than this.
 const MOST: Duration = Duration::from_secs(20);
-/// An address that shows no wrong secret for so long is forgotten.
+/// An address that shows no wrong secret for this long is forgotten.
 const FORGOTTEN: Duration = Duration::from_secs(60);
-/// So many addresses are known at once.
+/// The most addresses that are tracked at once.
 const MOST_ADDRESSES: usize = 10_000;
-/// So many wrong secrets of an address are an alarm: more than people mistype.
+/// Wrong secrets of one address that raise an alarm: more than people mistype.
 pub const ALARMING: u32 = 20;
-/// So many entries of the audit in a minute at most, so that many addresses do not fill it.
+/// The most audit entries per minute, so that many addresses do not fill the audit.
 const MOST_NOTES: u32 = 60;
 
-/// What becomes of a wrong secret.
+/// How to treat a wrong secret.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Judged {
-    /// How long its answer waits.
+    /// How long to delay its answer.
     pub pause: Duration,
-    /// How many the address has shown, if that is to be written down.
+    /// How many wrong secrets the address has shown, if this one is to be audited.
     pub note: Option<u32>,
 }
 
-/// Wrong secrets of all addresses.
+/// The wrong secrets of all addresses.
 #[derive(Debug, Default)]
 pub struct WrongSecrets(Mutex<SecretsSeen>);
 
 #[derive(Debug, Default)]
 struct SecretsSeen {
     by_address: HashMap<IpAddr, AddressGuesses>,
-    /// When the present minute of notes began, and how many there were.
+    /// When the current minute of audit entries began, and how many there were in it.
     notes: Option<(Instant, u32)>,
 }
 
@@ -51,12 +51,12 @@ struct SecretsSeen {
 struct AddressGuesses {
     times: u32,
     last: Instant,
-    /// When the answer to the last one leaves.
+    /// When the answer to the last wrong secret leaves.
     answered: Instant,
 }
 
 impl WrongSecrets {
-    /// Notes a wrong secret.
+    /// Counts a wrong secret, and decides how to treat it.
     pub fn note(&self, from: IpAddr, now: Instant) -> Judged {
         let mut seen = self.seen();
         seen.forget(now);
@@ -76,7 +76,7 @@ impl WrongSecrets {
         Judged { pause, note: counts.then_some(times) }
     }
 
-    /// Addresses that show so many wrong secrets that somebody should know, each with at least how many.
+    /// Addresses with so many wrong secrets that a person should know, each with a lower bound on their number.
     pub fn alarming(&self, now: Instant) -> Vec<(IpAddr, u32)> {
         let mut seen = self.seen();
         seen.forget(now);
@@ -99,7 +99,7 @@ impl SecretsSeen {
         self.by_address.retain(|_, guesses| now.saturating_duration_since(guesses.last) < FORGOTTEN);
     }
 
-    /// Whether there may be one more note in this minute.
+    /// Whether the audit may get another entry in this minute.
     fn may_note(&mut self, now: Instant) -> bool {
         let minute = self.notes.filter(|(since, _)| now.saturating_duration_since(*since) < FORGOTTEN);
         let (since, notes) = minute.unwrap_or((now, 0));
@@ -108,7 +108,7 @@ impl SecretsSeen {
     }
 }
 
-/// Whoever has one IPv6 address has its network of 64 bits.
+/// The network of an address: the holder of one IPv6 address usually has the whole /64.
 pub fn network(from: IpAddr) -> IpAddr {
     match from.to_canonical() {
         IpAddr::V6(v6) => Ipv6Addr::from_bits(v6.to_bits() >> 64 << 64).into(),

@@ -1,22 +1,22 @@
-//! Where named tokens and sessions are kept.
+//! The port that keeps named tokens and sessions.
 //!
-//! Main type: [`TokenPort`]. Refuses: to know how.
+//! Main type: [`TokenPort`]. Refuses: to know how they are kept.
 
 use crate::access::caller::{NamedToken, TokenHash, WebSession};
 use crate::port::Later;
 
-/// Keeps named tokens and sessions. What it answers is in force already. Errors are texts for people.
+/// Keeps named tokens and sessions. A change is in force when its answer arrives. Errors are texts for people.
 pub trait TokenPort: Send + Sync {
-    /// All tokens, also those that no longer hold, in the order in which they were added.
+    /// All tokens, including invalid ones, in the order in which they were added.
     fn list(&self) -> Later<'_, Result<Vec<NamedToken>, String>>;
-    /// Adds one whose number, and time of making, are not known yet; nothing where another one of its name holds.
+    /// Adds a token, whose number and time of creation are filled in; nothing if another valid token has its name.
     fn add(&self, new: NamedToken) -> Later<'_, Result<Option<NamedToken>, String>>;
-    /// Revokes one. Whether there was such a one that was not revoked.
+    /// Revokes a token. False if there is none of this number that was not revoked.
     fn revoke(&self, id: i64) -> Later<'_, Result<bool, String>>;
-    /// Puts another token, known by its digest, in the place of one that holds; nothing where there is no such one.
+    /// Replaces a valid token by another one, known by its digest; nothing if there is no such token.
     fn rotate(&self, id: i64, hash: TokenHash) -> Later<'_, Result<Option<NamedToken>, String>>;
     /// Begins a session.
     fn sign_in(&self, session: WebSession) -> Later<'_, Result<(), String>>;
-    /// Ends one.
+    /// Ends a session.
     fn sign_out(&self, hash: TokenHash) -> Later<'_, Result<(), String>>;
 }

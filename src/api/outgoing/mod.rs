@@ -1,7 +1,7 @@
-//! Requests of the server to others: webhooks, and the identity provider.
+//! Requests from the server to other systems: webhooks, and the identity provider.
 //!
 //! Main types: [`Outgoing`], [`targets::Targets`] (where webhooks may be sent), [`webhooks::Webhook`]. Refuses: to
-//! follow redirects, and certificates of authorities that nobody named.
+//! follow redirects, and certificates of authorities that the settings do not name.
 
 pub mod targets;
 pub mod webhooks;
@@ -13,18 +13,18 @@ use ureq::Agent;
 use ureq::tls::{Certificate, PemItem, RootCerts, TlsConfig, parse_pem};
 use ureq::unversioned::transport::DefaultConnector;
 
-/// What all requests to others have in common.
+/// What all outgoing requests have in common.
 #[derive(Clone, Debug, Default)]
 pub struct Outgoing {
-    /// Authorities in the place of the public ones.
+    /// Certificate authorities that replace the public ones.
     authorities: Option<RootCerts>,
 }
 
 impl Outgoing {
-    /// Trusts the authorities of a file in the place of the public ones, if there is one.
+    /// Trusts the certificate authorities in this file, if one is given, instead of the public ones.
     ///
     /// # Errors
-    /// Where the file cannot be read or holds no certificate; the text names the file.
+    /// If the file cannot be read or contains no certificate; the text names the file.
     pub fn trusting(ca_file: Option<&Path>) -> Result<Outgoing, String> {
         let Some(path) = ca_file else { return Ok(Outgoing::default()) };
         let wrong = |why: String| format!("ca_file: cannot read {}: {why}", path.display());
@@ -42,12 +42,12 @@ impl Outgoing {
         Ok(Outgoing { authorities: Some(RootCerts::new_with_certs(&all)) })
     }
 
-    /// What sends requests, each of which may take so long. Every answer is an answer, whatever its status.
+    /// An agent that sends requests with this timeout. It returns every answer, whatever its status.
     pub fn agent(&self, patience: Duration) -> Agent {
         self.config(patience).into()
     }
 
-    /// The same for addresses that somebody else chose: it talks to these targets alone.
+    /// An agent for addresses that other people chose: it connects only to these targets.
     pub fn agent_for(&self, targets: Targets, patience: Duration) -> Agent {
         Agent::with_parts(self.config(patience), DefaultConnector::default(), GuardedResolver::new(targets))
     }
@@ -66,7 +66,7 @@ impl Outgoing {
     }
 }
 
-/// Why a request failed, with what to do where that is known.
+/// Why a request failed, and what to do if that is known.
 pub fn failure(e: &ureq::Error) -> String {
     let said = e.to_string();
     if said.contains("UnknownIssuer") {

@@ -1,9 +1,9 @@
-//! Where webhooks may be sent: anywhere beyond the networks of this site, and to those inside that the settings name.
+//! Where webhooks may be sent: to public addresses, and to internal networks that the settings name.
 //!
-//! Main types: [`Targets`], [`Network`], [`GuardedResolver`]; main function: [`masked`]. Whoever may add a webhook
-//! chooses an address that this machine then talks to, perhaps one that only this machine reaches. So the addresses
-//! that a name resolves to are checked when a webhook is added, and again for each message. Refuses: to resolve a name
-//! to an address inside that no setting allows.
+//! Main types: [`Targets`], [`Network`], [`GuardedResolver`]; main function: [`masked`]. A caller who may add a webhook
+//! chooses an address to which this machine then connects, perhaps one that only this machine can reach. So the
+//! addresses to which a name resolves are checked when a webhook is added, and again for each message. Refuses: to
+//! resolve a name to an internal address that no setting allows.
 
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
 use std::str::FromStr;
@@ -18,7 +18,7 @@ use ureq::unversioned::transport::NextTimeout;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Network {
     first: IpAddr,
-    /// So many leading bits are the same in all its addresses.
+    /// The number of leading bits that all addresses of the network share.
     bits: u32,
 }
 
@@ -50,15 +50,15 @@ impl Network {
     }
 }
 
-/// Which addresses webhooks may have. Cheap to clone.
+/// The addresses to which webhooks may be sent. Cheap to clone.
 #[derive(Clone, Debug, Default)]
 pub struct Targets {
-    /// Networks inside that the settings name.
+    /// Internal networks that the settings name.
     allowed: Arc<[Network]>,
 }
 
 impl Targets {
-    /// Everything beyond this site, and these networks.
+    /// All public addresses, and these networks.
     pub fn allowing(allowed: impl IntoIterator<Item = Network>) -> Targets {
         Targets { allowed: allowed.into_iter().collect() }
     }
@@ -69,11 +69,11 @@ impl Targets {
         !is_inside(ip) || self.allowed.iter().any(|network| network.contains(ip))
     }
 
-    /// Whether a host may be told, as far as that is known now.
+    /// Checks whether messages may go to a host, as far as that is known now.
     ///
     /// # Errors
-    /// Where it has addresses and none of them may be; the text says what to do. A host that is not found may be found
-    /// later: each message checks again.
+    /// If the host has addresses and none of them is allowed; the text says what to do. A host that is not found may be
+    /// found later: each message checks again.
     pub async fn check(&self, host: &str, port: u16) -> Result<(), String> {
         let Ok(found) = tokio::net::lookup_host((host.trim_matches(['[', ']']), port)).await else {
             return Ok(());
@@ -93,7 +93,7 @@ fn refusal(ip: IpAddr) -> String {
     )
 }
 
-/// The address that packets to this one reach in the end: IPv4 written, or translated, as IPv6.
+/// The address that packets to this one reach in the end: an IPv4 address embedded in, or translated to, IPv6.
 fn reached(ip: IpAddr) -> IpAddr {
     let IpAddr::V6(v6) = ip.to_canonical() else { return ip.to_canonical() };
     let low = |v6: Ipv6Addr| IpAddr::V4(Ipv4Addr::from_bits(v6.segments()[6..].iter().fold(0, joined)));
@@ -109,7 +109,7 @@ fn joined(before: u32, next: &u16) -> u32 {
     before << 16 | u32::from(*next)
 }
 
-/// Whether an address is this machine's or of a network that is not the public one.
+/// Whether an address is this machine's or of a network that is not public.
 fn is_inside(ip: IpAddr) -> bool {
     match ip {
         IpAddr::V4(v4) => {
@@ -131,7 +131,7 @@ fn is_inside(ip: IpAddr) -> bool {
     }
 }
 
-/// Resolves the names of webhooks to addresses that may be told, and to no others.
+/// Resolves the hosts of webhooks, to allowed addresses only.
 #[derive(Debug)]
 pub struct GuardedResolver {
     targets: Targets,
@@ -139,7 +139,7 @@ pub struct GuardedResolver {
 }
 
 impl GuardedResolver {
-    /// One for these targets.
+    /// A resolver for these targets.
     pub fn new(targets: Targets) -> GuardedResolver {
         GuardedResolver { targets, names: DefaultResolver::default() }
     }
@@ -153,7 +153,7 @@ impl Resolver for GuardedResolver {
         timeout: NextTimeout,
     ) -> Result<ResolvedSocketAddrs, ureq::Error> {
         let found = self.names.resolve(uri, config, timeout)?;
-        // The environment of the server names its proxy; what the proxy then reaches is the proxy's to decide.
+        // The server's environment names its proxy; what the proxy then reaches is the proxy's decision.
         if config.proxy().is_some_and(|proxy| Some(proxy.host()) == uri.host()) {
             return Ok(found);
         }
@@ -168,16 +168,16 @@ impl Resolver for GuardedResolver {
     }
 }
 
-/// An address as people are shown it: without the user and the password in it.
+/// An address as people see it: without its user and password.
 #[derive(Clone, Copy, Debug)]
 pub struct Masked<'a>(&'a str);
 
-/// An address as people are shown it: without the user and the password in it.
+/// An address as people see it: without its user and password.
 pub fn masked(url: &str) -> Masked<'_> {
     Masked(url)
 }
 
-/// User and password of an address, with the `@` after them; nothing where it has none.
+/// User and password of an address, with the `@` after them; nothing if it has none.
 fn credentials(url: &str) -> Option<&str> {
     let (_, rest) = url.split_once("://")?;
     let authority = rest.split(['/', '?', '#']).next()?;
@@ -185,7 +185,7 @@ fn credentials(url: &str) -> Option<&str> {
 }
 
 impl Masked<'_> {
-    /// A text that may quote the address, without the user and the password.
+    /// A text that may quote the address, without user and password.
     pub fn text(self, text: &str) -> String {
         credentials(self.0).map_or_else(|| text.to_owned(), |known| text.replace(known, "***@"))
     }

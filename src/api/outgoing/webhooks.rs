@@ -1,4 +1,4 @@
-//! What webhooks are asked and told: requests about them, the message of some events, and its signature.
+//! Webhooks: requests to manage them, the message with some events, and its signature.
 //!
 //! Main types: [`Webhook`], [`HookRequest`], [`Taken`]; main functions: [`message`], [`signature`]. Messages and
 //! headers follow the Standard Webhooks specification 1.0.0 (standardwebhooks.com). Refuses: to send anything.
@@ -17,27 +17,27 @@ use serde_json::json;
 use sha2::Sha256;
 use tokio::sync::{mpsc, oneshot};
 
-/// Before the secret in base64.
+/// The prefix of a secret in base64.
 pub const SECRET_PREFIX: &str = "whsec_";
 
-/// Webhooks as handlers of requests see them.
+/// Access to webhooks for the handlers of requests.
 #[derive(Clone, Debug)]
 pub struct WebhookAccess {
-    /// Takes requests about them.
+    /// The queue for requests about webhooks.
     pub queue: mpsc::Sender<HookRequest>,
-    /// Where they may be.
+    /// Where webhooks may be sent.
     pub targets: Targets,
 }
 
-/// A receiver has taken a message. Only an answer with a status of 200 to 299 makes one.
+/// Proof that a receiver accepted a message. Only an answer with a status of 200 to 299 creates one.
 #[derive(Debug)]
 pub struct Taken(());
 
 impl Taken {
-    /// What an answer with this status means.
+    /// Whether an answer with this status means that the message was accepted.
     ///
     /// # Errors
-    /// Where it does not say that the message was taken; the text says what it was.
+    /// If the message was not accepted; the text names the status.
     pub fn of(status: StatusCode) -> Result<Taken, String> {
         if status.is_success() {
             return Ok(Taken(()));
@@ -54,17 +54,17 @@ impl Taken {
 /// A webhook, without its secret.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Webhook {
-    /// Its number.
+    /// The webhook's number.
     pub id: i64,
-    /// Where messages go, without a user and a password.
+    /// The address, without user and password.
     pub url: String,
-    /// Events of these kinds; of all kinds if there are none.
+    /// The kinds of events that are sent; empty for all kinds.
     pub kinds: Vec<EventKind>,
-    /// Since when it is.
+    /// When the webhook was added.
     pub created: Time,
     /// The number of the last event that was delivered or given up.
     pub cursor: i64,
-    /// How often the next message was tried in vain.
+    /// How often sending the next message has failed.
     pub attempts: u32,
     /// Why the last attempt failed.
     pub failed: Option<String>,
@@ -73,13 +73,13 @@ pub struct Webhook {
 /// A message that was given up.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FailedMessage {
-    /// Its number.
+    /// The message's number.
     pub id: i64,
-    /// The numbers of its first and its last event.
+    /// The numbers of the message's first and last events.
     pub events: (i64, i64),
-    /// When it was given up.
+    /// When the message was given up.
     pub at: Time,
-    /// How often it was tried.
+    /// How often the message was tried.
     pub attempts: u32,
     /// Why the last attempt failed.
     pub error: String,
@@ -88,16 +88,17 @@ pub struct FailedMessage {
 /// An answer about webhooks. Errors are texts for people.
 pub type HookReply<T> = oneshot::Sender<Result<T, String>>;
 
-/// What is asked about webhooks.
+/// A request about webhooks.
 #[derive(Debug)]
 pub enum HookRequest {
-    /// All of them.
+    /// List all webhooks.
     List(HookReply<Vec<Webhook>>),
-    /// One more: where to, which kinds, and the secret.
+    /// Add a webhook: address, kinds, and secret.
     Add(String, Vec<EventKind>, String, HookReply<Webhook>),
-    /// One less; whether there was one of this number.
+    /// Remove a webhook; the answer is whether there was one of this number.
     Remove(i64, HookReply<bool>),
-    /// Messages of one that were given up, before a number, so many at most; nothing where there is no such webhook.
+    /// List the given-up messages of a webhook: before a number, and at most this many; nothing if there is no such
+    /// webhook.
     Failures(i64, Option<i64>, u32, HookReply<Option<Vec<FailedMessage>>>),
 }
 
@@ -107,13 +108,13 @@ pub fn read_secret(text: &str) -> Option<Vec<u8>> {
     (24..=64).contains(&bytes.len()).then_some(bytes)
 }
 
-/// A secret that nobody has had before.
+/// A new random secret.
 pub fn new_secret() -> String {
     let (a, b) = (uuid::Uuid::new_v4(), uuid::Uuid::new_v4());
     format!("{SECRET_PREFIX}{}", STANDARD.encode([a.into_bytes(), b.into_bytes()].concat()))
 }
 
-/// The body of a message, with all that an administrator sees: nobody else adds webhooks.
+/// The body of a message, with everything that an administrator may see: only administrators add webhooks.
 pub fn message(names: Names<'_>, rows: Vec<EventRow>) -> String {
     let events: Vec<_> = rows.into_iter().map(|row| event(names, Role::Admin, row)).collect();
     json!({"type": "giveway.events", "timestamp": events.last().map(|e| e.at.clone()), "data": {"events": events}})
@@ -131,7 +132,7 @@ pub fn signature(secret: &[u8], id: &str, seconds: i64, body: &str) -> String {
 mod tests {
     use super::*;
 
-    /// The example of the specification's reference libraries.
+    /// The example from the specification's reference libraries.
     #[test]
     fn a_message_is_signed_as_the_specification_says() {
         let secret = read_secret("whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw").unwrap();

@@ -1,14 +1,14 @@
-//! Answers that are kept for requests that are to be carried out once.
+//! Answers that are kept for requests that must be carried out only once.
 //!
-//! Main types: [`AnswerPort`], [`KeyedRequest`], [`KnownRequest`]. Refuses: to know what is asked.
+//! Main types: [`AnswerPort`], [`KeyedRequest`], [`KnownRequest`]. Refuses: to know what the requests are about.
 
 use crate::port::Later;
 use giveway_floor::time::Time;
 
-/// A request that is to be carried out once.
+/// A request that must be carried out only once.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct KeyedRequest {
-    /// Who asked; keys of different callers have nothing to do with one another.
+    /// The caller; keys of different callers are independent.
     pub caller: String,
     /// The route.
     pub route: String,
@@ -19,42 +19,42 @@ pub struct KeyedRequest {
 /// An answer that is kept.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KeptAnswer {
-    /// Its status.
+    /// The HTTP status.
     pub status: u16,
-    /// Where what was made is.
+    /// The `Location` of the thing created.
     pub location: Option<String>,
-    /// Its body, JSON.
+    /// The body, as JSON.
     pub body: String,
 }
 
-/// What is known of a request.
+/// What is known about a request.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum KnownRequest {
-    /// Nothing: it is noted now that it has begun.
+    /// Nothing was known: the request is now recorded as begun.
     New,
-    /// It came before with another body.
+    /// The key came before with another body.
     Other,
-    /// It is being carried out.
+    /// The request is being carried out.
     Running,
-    /// It had begun when the server ended, or its answer was that nobody knows.
+    /// The request had begun when the server ended, or its outcome could not be determined.
     Unknown,
-    /// It came before, with this answer.
+    /// The request came before and got this answer.
     Answered(KeptAnswer),
 }
 
-/// Keeps the answers to requests that are to be carried out once. Errors are texts for people.
+/// Keeps the answers to requests that must be carried out only once. Errors are texts for people.
 pub trait AnswerPort: Send + Sync {
-    /// What is known of a request whose body has this digest. If nothing is, it is noted that it begins.
+    /// What is known about a request whose body has this digest. If nothing is, the request is recorded as begun.
     fn begin(
         &self,
         request: KeyedRequest,
         digest: String,
         now: Time,
     ) -> Later<'_, Result<KnownRequest, String>>;
-    /// Keeps the answer of a request that began.
+    /// Keeps the answer to a request that began.
     fn finish(&self, request: KeyedRequest, answer: KeptAnswer) -> Later<'_, ()>;
-    /// Forgets a request that came to nothing: it may be tried again.
+    /// Forgets a request that changed nothing: the client may try again.
     fn forget(&self, request: KeyedRequest) -> Later<'_, ()>;
-    /// Leaves open what came of a request.
+    /// Records that a request's outcome is unknown.
     fn leave(&self, request: &KeyedRequest);
 }

@@ -1,8 +1,8 @@
-//! What the API needs from the program that runs it, whoever asks: the clock, the fleet at one moment, answers to
-//! questions about it, answers to repeated requests, trials of maps.
+//! What the API needs from the program that runs it, independent of the caller: the clock, the fleet at one moment,
+//! answers to questions about it, answers to repeated requests, trials of maps.
 //!
 //! Main types: [`Now`], [`Later`], `moment::Moment`, `questions::Question`, `answers::AnswerPort`, `trial::Trials`. It
-//! is the lowest room: what needs to know the caller is in `access` and `state`. Refuses: to know what answers, and to
+//! is the lowest room: parts that know the caller are in `access` and `state`. Refuses: to know what answers, and to
 //! know callers, words and HTTP.
 
 pub mod answers;

@@ -7,8 +7,8 @@ use giveway_floor::id::{JobId, RobotId};
 use giveway_floor::time::{Span, Time};
 use tokio::sync::oneshot;
 
-/// What is too much to be in every view: the thread that owns the fleet works it out on request, from the fleet as it
-/// is then. Questions change nothing, and a replay answers them, too.
+/// A question about what is too large for every view: the thread that owns the fleet computes the answer on request,
+/// from the fleet's current state. Questions change nothing, and a replay answers them, too.
 #[derive(Debug)]
 pub enum Question {
     /// Why a robot does not go on.
@@ -17,24 +17,24 @@ pub enum Question {
     Job(JobId, oneshot::Sender<WaitChain>),
     /// What closing an area would do.
     Closing(Closure, oneshot::Sender<AnswerAt<ClosingEffect>>),
-    /// What holds the nodes of an area, for so long ahead.
+    /// The occupancy of an area's nodes, for this long ahead.
     Occupancy(Area, Span, oneshot::Sender<AnswerAt<Result<Vec<NodeOccupancy>, usize>>>),
 }
 
 /// A wait chain, link by link.
 pub type WaitChain = AnswerAt<Vec<Waiting>>;
 
-/// An answer, and when it was so.
+/// An answer and the time at which it was true.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AnswerAt<T> {
-    /// When.
+    /// The time at which the answer was true.
     pub at: Time,
-    /// What.
+    /// The answer.
     pub what: T,
 }
 
 impl Question {
-    /// Answers it; a receiver that is gone is no error.
+    /// Answers the question; a receiver that is gone is no error.
     pub fn answer(self, fleet: &Fleet, at: Time) {
         match self {
             Question::Robot(robot, reply) => {
@@ -53,8 +53,8 @@ impl Question {
     }
 }
 
-/// How many questions may wait.
+/// The most questions that wait.
 pub const QUESTIONS: usize = 64;
 
-/// How many questions are answered between two steps: robots come first.
+/// The most questions that are answered between two steps: robots come first.
 pub const QUESTIONS_AT_ONCE: usize = 4;

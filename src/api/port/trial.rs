@@ -1,7 +1,7 @@
-//! Maps that are tried out before anything is built: what a trial is asked, what it answers, and one at a time.
+//! Trials of maps before anything is built: the order, the result, and running one at a time.
 //!
-//! Main types: [`TrialOrder`], [`TrialFigures`], [`Trials`]. What simulates is handed in by the program that runs the
-//! API. Refuses: two at once, since the fleet of the server has the same processors.
+//! Main types: [`TrialOrder`], [`TrialFigures`], [`Trials`]. The program that runs the API supplies the simulation.
+//! Refuses: two trials at once, since the server's fleet uses the same processors.
 
 use giveway_floor::id::NodeId;
 use giveway_floor::time::Span;
@@ -10,55 +10,55 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{Semaphore, oneshot};
 
-/// What to try.
+/// The parameters of a trial.
 #[derive(Clone, Debug)]
 pub struct TrialOrder {
     /// The map; it has stations and racks, and a place to stay for every robot.
     pub map: Arc<Warehouse>,
-    /// How many robots.
+    /// How many robots drive.
     pub robots: usize,
-    /// So many jobs an hour; nothing for as many as the robots can do.
+    /// Jobs per hour; nothing for as many as the robots can do.
     pub jobs_per_hour: Option<f64>,
-    /// How long, of simulated time.
+    /// The simulated time.
     pub span: Span,
-    /// Of the dice.
+    /// The seed of the random numbers.
     pub seed: u64,
-    /// It ends after so much real time, with what happened until then.
+    /// The trial ends after this much real time, with the result so far.
     pub patience: Duration,
 }
 
-/// What came out.
+/// The result of a trial.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrialFigures {
     /// How much time was simulated.
     pub simulated: Span,
-    /// How much real time that took.
+    /// How much real time the trial took.
     pub took: Duration,
     /// Racks that were served.
     pub deliveries: u64,
-    /// From when a robot was given a job until it was done, on average; nothing where none was.
+    /// Mean time from when a robot got a job until it was done; nothing if no job was done.
     pub mean_job: Option<Span>,
-    /// How long robots waited for one another, for queues and for ways, and where.
+    /// How long robots waited for each other, for queues and for routes, by node.
     pub waited: Vec<(NodeId, Span)>,
     /// How often a law of the floor was broken.
     pub law_violations: u64,
-    /// The first of these, in words.
+    /// The first violations, in words.
     pub broken: Vec<String>,
 }
 
-/// Simulates. An error says for people why the map is not for this fleet.
+/// Simulates a trial. An error tells people why the map does not suit this fleet.
 pub type Simulate = dyn Fn(TrialOrder) -> Result<TrialFigures, String> + Send + Sync;
 
-/// Why there are no figures.
+/// Why a trial has no result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum NoTrial {
-    /// Another one runs.
+    /// Another trial runs.
     Busy,
-    /// This program simulates nothing.
+    /// This program cannot simulate.
     Nowhere,
-    /// The map is not for this fleet, for the reason told.
+    /// The map does not suit this fleet, for the given reason.
     Unfit(String),
-    /// It ended before it was done: a mistake in the program.
+    /// The trial ended before it was done: a bug in the program.
     Broken,
 }
 
@@ -76,21 +76,21 @@ impl Default for Trials {
 }
 
 impl Trials {
-    /// Trials by this simulation.
+    /// Trials with this simulation.
     pub fn by(simulate: Arc<Simulate>) -> Trials {
         Trials { simulate: Some(simulate), ..Trials::default() }
     }
 
-    /// Runs one on a thread of its own, after all other work of the program.
+    /// Runs a trial on a thread of its own, with lower priority than all other work of the program.
     ///
     /// # Errors
-    /// Why there are no figures.
+    /// Why the trial has no result.
     pub async fn run(&self, order: TrialOrder) -> Result<TrialFigures, NoTrial> {
         let simulate = self.simulate.clone().ok_or(NoTrial::Nowhere)?;
         let place = self.room.clone().try_acquire_owned().map_err(|_| NoTrial::Busy)?;
         let (reply, answer) = oneshot::channel();
         let work = move || {
-            // The place is kept until the work has ended, whoever still listens.
+            // The place is kept until the work has ended, even if no client waits any more.
             let _place = place;
             #[cfg(target_os = "linux")]
             let _ = rustix::process::nice(10);

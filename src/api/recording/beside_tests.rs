@@ -1,4 +1,4 @@
-//! What a recording has beside frames, as readers see it: sums, jobs that waited, details of encounters.
+//! What a recording contains besides frames, as readers see it: sums, waiting jobs, details of encounters.
 
 use super::tests::{TestFolder, cut};
 use super::*;
@@ -12,7 +12,7 @@ use giveway_floor::id::{ClosureId, Dense, JobId, NodeId, RackId, RobotId, Statio
 use giveway_floor::warehouse::lab;
 use serde_json::{Value, json};
 
-/// A robot that stands and would drive on, and a job that waits behind another; a delivery a second.
+/// A robot that stands although it should drive, and a job that waits for another; one delivery per second.
 fn frame(zero: Time, at_s: f64) -> Arc<Frame> {
     let map = Arc::new(lab());
     let now = zero + Span::from_secs_f64(at_s);
@@ -104,7 +104,7 @@ fn each_whole_picture_comes_with_sums_and_with_the_jobs_that_waited() {
 fn sums_are_there_after_a_restart_and_what_an_older_version_indexed_opens_without() {
     let place = TestFolder::new("sums");
     record(&place.folder(1000), 0, 30).finish().unwrap();
-    // Killed: without an index.
+    // As if killed: without an index.
     std::mem::forget(record(&place.folder(1040), 0, 30));
     let later = place.folder(1100);
     let times = |from, to| later.sums(from, to).iter().map(|s| s.at_s).collect::<Vec<_>>();

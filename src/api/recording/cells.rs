@@ -1,4 +1,4 @@
-//! Work cells as recordings have them: all of them with a key frame, else those that changed.
+//! Work cells in recordings: all of them with a key frame, else only the changed ones.
 //!
 //! Main function: [`line()`]. Refuses: to keep where hands were.
 
@@ -6,7 +6,7 @@ use crate::dto::cell::shown::ShownCell;
 use crate::live::Frame;
 use serde_json::{Map, json};
 
-/// The line of a frame, with those of its cells that are not as they were in the `last` one; nothing if all are.
+/// The line of a frame with the cells that changed since the `last` frame; nothing if none did.
 pub fn line(last: Option<&Frame>, frame: &Frame) -> Option<String> {
     let before = last.map_or(&[][..], |last| &last.beside.cells);
     let cells = frame.beside.cells.iter().enumerate();

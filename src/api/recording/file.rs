@@ -1,7 +1,7 @@
-//! One recording on file: lines, packed, readable up to wherever they were cut off.
+//! One recording file: compressed lines, readable up to the place where the file was cut off.
 //!
-//! Main types: [`Out`]; [`lines`] reads. Refuses: to call a file broken that merely ends too soon, which is what a
-//! server leaves behind that was killed.
+//! Main types: [`Out`]; [`lines`] reads. Refuses: to call a file broken that merely ends too soon, as a killed server
+//! leaves it behind.
 
 use flate2::Compression;
 use flate2::read::MultiGzDecoder;
@@ -17,7 +17,7 @@ impl Out {
     /// Begins a file.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// If the file cannot be written.
     pub fn create(path: &Path) -> io::Result<Out> {
         Ok(Out(GzEncoder::new(BufWriter::new(File::create(path)?), Compression::fast())))
     }
@@ -25,7 +25,7 @@ impl Out {
     /// Writes lines.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the disk is full or fails.
     pub fn put(&mut self, lines: &str) -> io::Result<()> {
         self.0.write_all(lines.as_bytes())
     }
@@ -33,7 +33,7 @@ impl Out {
     /// Makes everything so far readable.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the disk is full or fails.
     pub fn flush(&mut self) -> io::Result<()> {
         self.0.flush()
     }
@@ -41,7 +41,7 @@ impl Out {
     /// Ends the file.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the disk is full or fails.
     pub fn finish(self) -> io::Result<()> {
         self.0.finish()?.flush()
     }
@@ -50,7 +50,7 @@ impl Out {
 /// The lines of a recording, up to its end or to where it was cut off.
 ///
 /// # Errors
-/// Where the file cannot be opened.
+/// If the file cannot be opened.
 pub fn lines(path: &Path) -> io::Result<impl Iterator<Item = String> + use<>> {
     let mut file = BufReader::new(File::open(path)?);
     let packed = file.fill_buf()?.starts_with(&[0x1f, 0x8b]);
@@ -58,13 +58,13 @@ pub fn lines(path: &Path) -> io::Result<impl Iterator<Item = String> + use<>> {
     let mut text = BufReader::new(text);
     Ok(std::iter::from_fn(move || {
         let mut line = String::new();
-        // A line without its end is the place of the cut.
+        // A line without its line break is where the file was cut off.
         let whole = text.read_line(&mut line).is_ok() && line.ends_with('\n');
         whole.then(|| line.trim_end().to_owned())
     }))
 }
 
-/// Whether a file begins as recordings do.
+/// Whether a file begins like a recording.
 pub fn is_reel(path: &Path) -> bool {
     lines(path).ok().and_then(|mut lines| lines.next()).is_some_and(|line| line.starts_with("{\"reel\":"))
 }

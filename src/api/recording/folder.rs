@@ -1,8 +1,8 @@
-//! A folder of recordings: what it has of which time, and cutting a span out of it.
+//! A folder of recordings: which times it covers, and cutting spans out of it.
 //!
-//! Main types: [`Folder`], [`Piece`] (one file), [`PastSpan`] (what there is), [`Cut`]. Seconds count from the start of
-//! the run that asks; earlier runs lie before 0. Beside each file lies its index, which is made again where it is
-//! missing. Refuses: to keep frames in memory.
+//! Main types: [`Folder`], [`Piece`] (one file), [`PastSpan`] (what is kept), [`Cut`]. Seconds count from the start of
+//! the current run; earlier runs are before 0. Each file has an index beside it, which is rebuilt if it is missing.
+//! Refuses: to keep frames in memory.
 
 use super::{Limits, Mark, Out, RecordedFrame, RunningTotals, Sum, header, lines, split};
 use crate::wire::text::round3;
@@ -13,49 +13,49 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-/// Two files with less between them are one span, seconds.
+/// Files with a shorter gap than this between them form one span, seconds.
 const SEAM_S: f64 = 2.0;
 
-/// More bookmarks of one file are in the file only.
+/// The most bookmarks of one file that the index has; further ones are only in the file.
 const MOST_MARKS: usize = 5000;
 
 /// A folder of recordings.
 pub struct Folder {
     /// The building.
     pub map: Arc<Warehouse>,
-    /// What is shown: the name of the floor.
+    /// The name of the floor.
     pub name: String,
-    /// The time of day from which seconds count; nothing in a simulation.
+    /// The time of day at which the seconds are zero; nothing in a simulation.
     pub start: Option<Time>,
     path: PathBuf,
     pieces: Mutex<Vec<Piece>>,
 }
 
-/// One file.
+/// One recording file.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Piece {
     #[serde(skip)]
     path: PathBuf,
-    /// The start of its run, seconds since 1970.
+    /// The start of the file's run, seconds since 1970.
     start: Option<f64>,
     from_s: f64,
     to_s: f64,
     marks: Vec<Mark>,
-    /// None in what versions before this one wrote.
+    /// Empty for files of versions before this one.
     #[serde(default)]
     sums: Vec<Sum>,
 }
 
-/// What there is of the past, in seconds from the start.
+/// What is kept of the past, in seconds from the start.
 #[derive(Debug, Default, PartialEq)]
 pub struct PastSpan {
-    /// From when to when there are frames, in order.
+    /// Start and end of each span with frames, in order.
     pub spans: Vec<(f64, f64)>,
-    /// The bookmarks in them, in order.
+    /// The bookmarks in these spans, in order.
     pub marks: Vec<Mark>,
 }
 
-/// A span to be cut out.
+/// A span to cut out of the recordings.
 pub struct Cut {
     head: String,
     pieces: Vec<(PathBuf, f64)>,
@@ -64,10 +64,10 @@ pub struct Cut {
 }
 
 impl Folder {
-    /// Looks through a folder, which is made where there is none.
+    /// Opens a folder and reads its files' indexes; creates the folder if it is missing.
     ///
     /// # Errors
-    /// Where it cannot be read.
+    /// If the folder cannot be read.
     pub fn open(path: PathBuf, map: Arc<Warehouse>, name: String, start: Option<Time>) -> io::Result<Folder> {
         std::fs::create_dir_all(&path)?;
         let mut files: Vec<PathBuf> = std::fs::read_dir(&path)?
@@ -80,7 +80,7 @@ impl Folder {
         Ok(Folder { map, name, start, path, pieces: Mutex::new(pieces) })
     }
 
-    /// What there is from one time to another.
+    /// All spans, and the bookmarks between two times.
     pub fn past(&self, from_s: f64, to_s: f64) -> PastSpan {
         let mut past = PastSpan::default();
         for piece in self.pieces().iter() {
@@ -97,7 +97,7 @@ impl Folder {
         past
     }
 
-    /// The sums from one time to another, with the last one before and the first one after, in order.
+    /// The sums between two times, including the last one before and the first one after, in order.
     pub fn sums(&self, from_s: f64, to_s: f64) -> Vec<Sum> {
         let mut all: Vec<Sum> = Vec::new();
         for piece in self.pieces().iter() {
@@ -110,7 +110,7 @@ impl Folder {
         all[first.min(end)..end].to_vec()
     }
 
-    /// A span, to be cut out; nothing if there is no frame of it.
+    /// A span to cut out; nothing if no file has frames of it.
     pub fn cut(&self, from_s: f64, to_s: f64, with_map: bool) -> Option<Cut> {
         let marks = self.past(from_s, to_s).marks;
         let pieces = self.pieces();
@@ -138,7 +138,7 @@ impl Folder {
         Ok(out)
     }
 
-    /// Deletes the last file if no more than one frame of it can be read.
+    /// Deletes the last file if no more than one of its frames can be read.
     pub(super) fn forget_empty(&self) {
         let mut pieces = self.pieces();
         if let Some(empty) = pieces.pop_if(|piece| piece.to_s <= piece.from_s) {
@@ -146,7 +146,7 @@ impl Folder {
         }
     }
 
-    /// The last file has this, too.
+    /// Adds new lines' bookmarks and sums to the last file's entry.
     pub(super) fn grow(&self, news: RecordedFrame) {
         if let Some(piece) = self.pieces().last_mut() {
             piece.to_s = news.at_s;
@@ -182,7 +182,7 @@ impl Folder {
         pieces.drain(..old);
     }
 
-    /// What is to be added to the seconds of a file.
+    /// Seconds to add to a file's times to get times of the current run.
     fn shift(&self, piece: &Piece) -> f64 {
         match (piece.start, self.start) {
             (Some(then), Some(now)) => then - round3(now.as_secs_f64()),
@@ -196,7 +196,7 @@ impl Folder {
 }
 
 impl Piece {
-    /// What a file has, by its index, or by reading it where that is missing; nothing if it has no frame.
+    /// A file's entry, from its index or by reading the file; nothing if it has no frame.
     fn open(path: &Path) -> Option<Piece> {
         let index = |text: String| serde_json::from_str::<Piece>(&text).ok();
         let known = std::fs::read_to_string(path.with_extension("json")).ok().and_then(index);
@@ -242,14 +242,14 @@ impl Piece {
         self.path.with_extension("json")
     }
 
-    /// Writes its index, so that the next start need not read it all.
+    /// Writes the file's index, so that the next start need not read the whole file.
     pub(super) fn write_index(&self) -> io::Result<()> {
         std::fs::write(self.index(), serde_json::to_string(self).expect("plain"))
     }
 }
 
 impl Cut {
-    /// Hands on every line, from the last key frame before the span to its end, until `put` says that it is enough.
+    /// Passes on every line, from the last key frame before the span to its end, until `put` returns false.
     pub fn each(self, mut put: impl FnMut(&str) -> bool) {
         if !put(&self.head) {
             return;

@@ -1,8 +1,8 @@
 //! Bookmarks: the events that people look for in a recording.
 //!
-//! Main types: [`Mark`], [`MarkKind`], [`Met`] (the details of an encounter). Most follow from facts; alarms and lost
-//! workers from two frames that differ.
-//! Refuses: what happens all the time, such as robots that wait for one another.
+//! Main types: [`Mark`], [`MarkKind`], [`Met`] (the details of an encounter). Most bookmarks follow from facts; those
+//! of alarms and lost workers follow from differences between two frames. Refuses: everyday events, such as robots that
+//! wait for one another.
 
 use crate::live::Frame;
 use crate::wire::sentence::SentenceSchema;
@@ -21,24 +21,24 @@ use utoipa::ToSchema;
 /// A bookmark.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Mark {
-    /// When, seconds from the start.
+    /// When it happened, seconds from the start.
     pub at_s: f64,
-    /// What kind of thing happened.
+    /// The kind of event.
     pub kind: MarkKind,
     /// What happened, in words.
     #[schema(value_type = SentenceSchema)]
     pub words: Sentence,
-    /// Robots and workers that it happened to.
+    /// The robots and workers concerned.
     pub who: Vec<String>,
-    /// Where, metres.
+    /// Where it happened, `[x, y]`, metres.
     pub place: Option<[f64; 2]>,
-    /// The details of an encounter; absent from other kinds, and from what versions before this one wrote.
+    /// The details of an encounter; absent from other kinds, and from recordings of versions before this one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub encounter: Option<Met>,
 }
 
-/// The details of an encounter, as `GET /v1/encounters` has them.
+/// The details of an encounter, as in `GET /v1/encounters`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Met {
     /// Id of the worker.
@@ -46,29 +46,29 @@ pub struct Met {
     pub worker: String,
     /// Name of the robot.
     pub robot: String,
-    /// When it was over, seconds from the start.
+    /// When the encounter ended, seconds from the start.
     pub ended_s: f64,
-    /// Where the worker was, metres.
+    /// Position of the worker, x in metres.
     pub x: f64,
-    /// Metres.
+    /// Position of the worker, y in metres.
     pub y: f64,
-    /// Radius of region 1 then, metres.
+    /// Radius of region 1 at that time, metres.
     pub radius: f64,
     /// Closest distance between the centres, metres.
     pub closest: f64,
-    /// Speed of the robot when it came in, metres per second.
+    /// Speed of the robot when it entered the region, metres per second.
     pub robot_speed: f64,
-    /// Speed of the worker then.
+    /// Speed of the worker at that time, metres per second.
     pub worker_speed: f64,
     /// What the fleet did about the robot.
     #[schema(value_type = ReactionDto)]
     pub reaction: String,
-    /// How much later the robot's task ends than was planned when it began, seconds.
+    /// Delay of the robot's task against the plan when the encounter began, seconds.
     pub delay_s: f64,
 }
 
 impl Mark {
-    /// The same, so many seconds later.
+    /// The bookmark with its times shifted by `by_s` seconds.
     pub(super) fn moved(&self, by_s: f64) -> Mark {
         let later = |s: f64| round3(s + by_s);
         let met = |e: &Met| Met { ended_s: later(e.ended_s), ..e.clone() };
@@ -76,7 +76,7 @@ impl Mark {
     }
 }
 
-/// What kind of thing happened.
+/// The kind of event that a bookmark marks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum MarkKind {
@@ -84,19 +84,19 @@ pub enum MarkKind {
     Deviation,
     /// A moving robot came into region 1 of a worker.
     Encounter,
-    /// A robot got another way because of a worker, a closure, a robot that cannot drive, or an obstruction.
+    /// A robot was replanned because of a worker, a closure, a robot that cannot drive, or an obstruction.
     Replan,
-    /// Somebody stopped robots, or let them go on.
+    /// An operator stopped robots, or resumed them.
     Stop,
     /// A robot broke down, or works again.
     Failure,
     /// An area was closed, or opened.
     Closure,
-    /// An alarm, or a worker who is not seen any more.
+    /// An alarm, or a worker whom nothing sees any more.
     Alarm,
 }
 
-/// Alarms that a fact has a better bookmark for.
+/// Alarms for which a fact gives a better bookmark.
 const BY_FACT: [&str; 3] = ["stopped", "paused", "evacuation"];
 
 /// Whether a fact makes a bookmark.
@@ -112,7 +112,7 @@ pub fn is_notable(fact: &Fact) -> bool {
     )
 }
 
-/// The bookmark of a fact; `zero` is the time from which seconds count, `frame` the first one after it.
+/// The bookmark of a fact; `zero` is the time at which seconds are zero, `frame` the first frame after the fact.
 pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
     let seconds = |at: &Time| round3((*at - zero).as_secs_f64());
     let robot = |r: &RobotId| frame.robots.get(r.ix()).map(|robot| (robot.id.clone(), [robot.x, robot.y]));
@@ -182,7 +182,7 @@ pub fn of(fact: &Fact, zero: Time, frame: &Frame) -> Option<Mark> {
 /// Makes a sentence about the robot of this name.
 type OfRobot = Box<dyn Fn(&str) -> Sentence>;
 
-/// What a robot did for a worker, or to avoid a closure, a robot or an obstruction; and the id of the worker or robot.
+/// What a replanned robot did, and the id of the worker or robot that caused it.
 fn replanned(cause: &ReplanCause, frame: &Frame) -> Option<(OfRobot, Option<String>)> {
     Some(match cause {
         ReplanCause::Worker(worker) => {
@@ -202,7 +202,7 @@ fn replanned(cause: &ReplanCause, frame: &Frame) -> Option<(OfRobot, Option<Stri
     })
 }
 
-/// What people call a worker: by the name, where there is one.
+/// What people call a worker: the name if there is one, else the id.
 fn called(worker: WorkerId, frame: &Frame) -> String {
     frame.workers.get(worker.ix()).map_or_else(|| worker_name(worker), |w| w.name.clone())
 }
@@ -238,13 +238,13 @@ fn met(e: &Encounter, seconds: impl Fn(&Time) -> f64, robot: String, frame: &Fra
     Mark { at_s, kind: MarkKind::Encounter, words, who, place, encounter }
 }
 
-/// What a frame says that the one before did not.
+/// The bookmarks that follow from the differences between two frames.
 pub fn between(old: &Frame, new: &Frame) -> Vec<Mark> {
     let mut found = Vec::new();
     let rows = |frame: &Frame| frame.alarms.as_array().cloned().unwrap_or_default();
     if old.alarms != new.alarms {
         let before = rows(old);
-        // One that leaves a group was told with it, or before.
+        // An alarm that leaves a group was reported with the group, or before it.
         let has = |alarm: &serde_json::Value, id: &serde_json::Value| {
             alarm["id"] == *id
                 || alarm["members"].as_array().is_some_and(|all| all.iter().any(|m| m["id"] == *id))

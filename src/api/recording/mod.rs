@@ -1,9 +1,9 @@
-//! Recordings: frames of a fleet on file, so that what happened at 14:07 can be looked at again.
+//! Recordings: frames of a fleet on file, so that people can look again at what happened, say, at 14:07.
 //!
 //! Main types: [`Recording`] (frames and facts → lines), [`Mark`] (a bookmark), [`Sum`] (figures so far), [`Out`] (a
-//! file of them), [`Folder`] (many, by time), [`Rotation`] (writes a folder).
-//! A recording is JSON lines, packed with gzip; docs/replay.md writes the contract down. Patches are those of the thin
-//! live feed. Refuses: to compare frames in a way of its own, and to hold back the program that runs the fleet.
+//! file of them), [`Folder`] (many, by time), [`Rotation`] (writes a folder). A recording is JSON lines, compressed
+//! with gzip; docs/replay.md specifies the format. Patches are those of the thin live feed. Refuses: to compare frames
+//! in a way of its own, and to delay the program that runs the fleet.
 
 mod cells;
 mod file;
@@ -31,16 +31,17 @@ use std::fmt::Write;
 use std::sync::Arc;
 use sum::Counting;
 
-/// How often there is a frame.
+/// Interval between frames.
 pub const EVERY: Span = Span::from_millis(200);
 
 /// Interval between key frames, seconds: seeking reads at most this much before the moment.
 const KEY_EVERY_S: f64 = 10.0;
 
-/// So many facts wait for the next frame, which is long in coming if the disk takes nothing.
+/// The most facts that wait for the next frame, which is delayed if the disk accepts nothing.
 const MOST_WAITING: usize = 1000;
 
-/// For one cause robots are bookmarked once in this time: beside people they take other ways all the while.
+/// The shortest interval between two replan bookmarks of the same cause: beside people, robots are replanned all the
+/// time.
 const SAME_CAUSE: Span = Span::from_secs(30);
 
 /// Turns frames and facts into lines.
@@ -52,7 +53,7 @@ pub struct Recording {
     version: u64,
     keyed_s: f64,
     facts: Vec<Fact>,
-    /// The causes of the last bookmarks about robots that took another way, and when these were.
+    /// The causes of the latest replan bookmarks, and their times.
     causes: BTreeMap<ReplanCause, Time>,
     counting: Counting,
 }
@@ -60,9 +61,9 @@ pub struct Recording {
 /// What one frame adds to a recording.
 #[derive(Debug, Default)]
 pub struct RecordedFrame {
-    /// When, seconds from the start.
+    /// The frame's time, seconds from the start.
     pub at_s: f64,
-    /// The lines, each with its end.
+    /// The lines, each with its line break.
     pub lines: String,
     /// The bookmarks among the lines.
     pub marks: Vec<Mark>,
@@ -71,7 +72,7 @@ pub struct RecordedFrame {
 }
 
 impl Recording {
-    /// A recording of this fleet. `start` is the time from which its seconds count; nothing in a simulation.
+    /// A recording of this fleet. `start` is the time at which its seconds are zero; nothing in a simulation.
     pub fn new(map: Arc<Warehouse>, name: String, start: Option<Time>) -> Recording {
         let keyed_s = f64::NEG_INFINITY;
         let counting = Counting::default();
@@ -79,13 +80,13 @@ impl Recording {
         Recording { map, name, start, last: None, version: 0, keyed_s, facts, causes, counting }
     }
 
-    /// The first line of a file. The next frame comes with a key frame.
+    /// The first line of a file. The next frame will be a key frame.
     pub fn header(&mut self) -> String {
         self.keyed_s = f64::NEG_INFINITY;
         header(&self.name, self.start, Some(&self.map))
     }
 
-    /// Takes notice of a fact, for its bookmark.
+    /// Notes a fact that may become a bookmark.
     pub fn note(&mut self, fact: &Fact) {
         if !is_notable(fact) || self.facts.len() >= MOST_WAITING {
             return;
@@ -117,7 +118,7 @@ impl Recording {
         self.version += 1;
         let is_keyed = at_s - self.keyed_s >= KEY_EVERY_S;
         lines += &cells::line(self.last.as_deref().filter(|_| !is_keyed), frame).unwrap_or_default();
-        // Beside the patch, so that a reader that plays on need not begin anew.
+        // The key frame comes in addition to the patch, so that a reader that plays on need not start anew.
         if is_keyed {
             let whole = frame.snapshot(self.version);
             writeln!(lines, "{{\"at\":{at_s},\"key\":{whole}}}").expect("texts take everything");
@@ -138,14 +139,14 @@ impl Recording {
     }
 }
 
-/// The first line of a recording; without a map it is for readers that have the map.
+/// The first line of a recording; without the map, it is for readers that have the map already.
 fn header(name: &str, start: Option<Time>, map: Option<&Warehouse>) -> String {
     let start_s = start.map(|start| round3(start.as_secs_f64()));
     let map = map.map_or_else(|| "null".into(), map_text);
     format!("{{\"reel\":1,\"name\":{},\"start\":{},\"map\":{map}}}\n", json!(name), json!(start_s))
 }
 
-/// The time that a line begins with, and the rest of it.
+/// The time at the start of a line, and the rest of the line.
 fn split(line: &str) -> Option<(f64, &str)> {
     let (at, rest) = line.strip_prefix("{\"at\":")?.split_once(',')?;
     Some((at.parse().ok()?, rest))

@@ -1,6 +1,6 @@
-//! Waiting jobs as recordings list them.
+//! Waiting jobs in recordings.
 //!
-//! Main function: [`line()`]. Refuses: to say how many wait, which the frame does.
+//! Main function: [`line()`]. Refuses: to count waiting jobs; the frame does.
 
 use crate::live::Frame;
 use crate::wire::text::{job_name, round3};
@@ -11,21 +11,21 @@ use giveway_floor::warehouse::Warehouse;
 use serde::Serialize;
 use serde_json::json;
 
-/// A job that no robot had yet.
+/// A job that no robot has yet.
 #[derive(Serialize)]
 struct PendingDto {
     id: String,
     kind: &'static str,
-    /// Names of the rack or robot, and of the station or node it is to go to.
+    /// Names of the rack or robot, and of the station or node to which it is to go.
     what: Vec<String>,
     priority: u8,
     submitted_s: f64,
-    /// A job that had to be over first.
+    /// A job that must be over first.
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<String>,
 }
 
-/// The line that lists the waiting jobs of a frame. Its time is that of the list.
+/// The line that lists a frame's waiting jobs. Its time is the time of the list.
 pub fn line(frame: &Frame, map: &Warehouse) -> String {
     let seconds = |at: Time| round3((at - frame.beside.zero).as_secs_f64());
     let backlog = &frame.beside.backlog;

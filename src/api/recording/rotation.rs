@@ -1,7 +1,7 @@
-//! Writing a folder of recordings: a new file every few minutes, old ones deleted.
+//! Writes a folder of recordings: a new file every few minutes; old files are deleted.
 //!
-//! Main types: [`Rotation`], [`Limits`]. Refuses: to keep anything in memory but the last frame, and to grow without
-//! bound on the disk.
+//! Main types: [`Rotation`], [`Limits`]. Refuses: to keep more than the last frame in memory, and to grow without limit
+//! on the disk.
 
 use super::folder::Piece;
 use super::{Folder, Out, RecordedFrame, Recording};
@@ -10,18 +10,18 @@ use giveway_fleet::Fact;
 use std::io;
 use std::sync::Arc;
 
-/// How long one file is.
+/// Length of one file, seconds.
 const PIECE_S: f64 = 600.0;
 
-/// How much of the past is lost at most when the program is killed.
+/// The longest stretch that is lost if the program is killed, seconds.
 const FLUSH_EVERY_S: f64 = 2.0;
 
 /// How much of the past is kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Nothing older than this, seconds.
+    /// Nothing older than this is kept, seconds.
     pub age_s: f64,
-    /// Not more than this, bytes on disk.
+    /// No more than this is kept, bytes on disk.
     pub bytes: u64,
 }
 
@@ -37,7 +37,7 @@ pub struct Rotation {
 }
 
 impl Rotation {
-    /// Goes on writing a folder.
+    /// Continues writing a folder.
     pub fn new(folder: Arc<Folder>, limits: Limits) -> Rotation {
         let recording = Recording::new(folder.map.clone(), folder.name.clone(), folder.start);
         Rotation {
@@ -51,15 +51,15 @@ impl Rotation {
         }
     }
 
-    /// Takes notice of a fact.
+    /// Notes a fact that may become a bookmark.
     pub fn note(&mut self, fact: &Fact) {
         self.recording.note(fact);
     }
 
-    /// Takes a frame.
+    /// Writes a frame.
     ///
     /// # Errors
-    /// Where the disk takes no more; what was flushed stays, and the next frame begins a new file.
+    /// If the disk is full or fails; flushed data stays, and the next frame begins a new file.
     pub fn take(&mut self, frame: &Arc<Frame>) -> io::Result<()> {
         let taken = self.try_take(frame);
         if taken.is_err() {
@@ -72,7 +72,7 @@ impl Rotation {
     /// Ends the last file.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the disk is full or fails.
     pub fn finish(mut self) -> io::Result<()> {
         self.close()
     }
@@ -103,7 +103,7 @@ impl Rotation {
         Ok(())
     }
 
-    /// Lets readers know what there is.
+    /// Makes what was flushed available to readers.
     fn tell(&mut self) {
         let news = std::mem::take(&mut self.pending);
         self.pending.at_s = news.at_s;

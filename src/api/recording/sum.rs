@@ -1,30 +1,30 @@
-//! Running sums: what was counted since a recording was begun, for charts over any stretch of it.
+//! Running sums: counts since a recording began, for charts over any period of it.
 //!
 //! Main types: [`RunningTotals`] (the sums), [`Sum`] (with their time), [`Counting`] (adds them up from frame to
-//! frame). Differences of sums make figures, and any of them may be left out ([`thinned`]). Counters are those of the
-//! fleet, which go on after a restart; seconds begin anew. Refuses: rates.
+//! frame). Differences of sums make figures, and any of the sums may be left out ([`thinned`]). Counters are the
+//! fleet's, which continue after a restart; seconds start anew. Refuses: rates.
 
 use crate::live::Frame;
 use crate::wire::text::round3;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// Frames farther apart have a gap between them, of which nothing is counted, seconds.
+/// Frames farther apart than this have a gap between them, in which nothing is counted, seconds.
 const GAP_S: f64 = 1.0;
 
-/// Sums farther apart have a gap between them, seconds.
+/// Sums farther apart than this have a gap between them, seconds.
 const APART_S: f64 = 15.0;
 
-/// What was counted so far.
+/// What has been counted so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct RunningTotals {
-    /// Seconds of which there are frames.
+    /// Seconds that are covered by frames.
     pub covered_s: f64,
     /// Racks served at stations.
     pub robot_deliveries: u64,
     /// Assignments completed by workers.
     pub human_deliveries: u64,
-    /// Robots that came into region 1 of a worker.
+    /// How often a robot came into region 1 of a worker.
     pub encounters: u64,
     /// How often a worker left the path.
     pub deviations: u64,
@@ -32,27 +32,27 @@ pub struct RunningTotals {
     pub interruptions: u64,
     /// Routes planned anew because of workers and closures.
     pub replans: u64,
-    /// Seconds that robots stood although they would have driven on, all together.
+    /// Seconds that robots stood although they had to drive on, summed over all robots.
     pub waiting_s: f64,
-    /// Seconds of workers on the floor, all together.
+    /// Seconds that workers spent on the floor, summed over all workers.
     pub worker_s: f64,
-    /// Length of the last 1200 searches, median, microseconds; 0 if it was not measured. No sum.
+    /// Duration of the last 1200 route searches, median, microseconds; 0 if it was not measured. This is not a sum.
     pub plan_us_p50: u64,
-    /// The same, 99th percentile. No sum.
+    /// Duration of the last 1200 route searches, 99th percentile, microseconds. This is not a sum.
     pub plan_us_p99: u64,
 }
 
-/// The sums at a moment.
+/// The sums at a point in time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Sum {
-    /// When, seconds from the start.
+    /// The time of the sums, seconds from the start.
     pub at_s: f64,
-    /// What was counted so far.
+    /// What had been counted by then.
     #[serde(flatten)]
     pub tally: RunningTotals,
 }
 
-/// Adds up what lies between frames.
+/// Counts seconds between frames.
 #[derive(Debug, Default)]
 pub(super) struct Counting {
     covered_s: f64,
@@ -61,7 +61,7 @@ pub(super) struct Counting {
 }
 
 impl Counting {
-    /// Goes on from one frame to the next.
+    /// Adds the time from one frame to the next.
     pub(super) fn go(&mut self, old: &Frame, new: &Frame) {
         let span = new.time_s - old.time_s;
         if span <= GAP_S {
@@ -91,8 +91,8 @@ impl Counting {
     }
 }
 
-/// One of these for each `step_s` seconds: the first, and beside it the last of all and both ends of each gap, so that
-/// differences tell the same.
+/// One sum per `step_s` seconds: the first of each step, the last of all, and both ends of each gap, so that
+/// differences stay the same.
 pub fn thinned(sums: &[Sum], step_s: f64) -> Vec<Sum> {
     let apart = |a: &Sum, b: &Sum| b.at_s - a.at_s > APART_S || b.tally.covered_s < a.tally.covered_s;
     let step = |s: &Sum| (s.at_s / step_s).floor();

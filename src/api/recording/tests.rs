@@ -1,4 +1,4 @@
-//! Recordings as readers see them: what a folder has of which time, and what is left of a file that was cut off.
+//! Recordings as readers see them: which times a folder covers, and what is left of a file that was cut off.
 
 use super::*;
 use crate::port::moment::Moment;
@@ -14,7 +14,7 @@ use std::path::PathBuf;
 
 const NO_LIMITS: Limits = Limits { age_s: f64::INFINITY, bytes: u64::MAX };
 
-/// A folder that goes with the test.
+/// A folder that is deleted with the test.
 pub(super) struct TestFolder(PathBuf);
 
 impl TestFolder {
@@ -41,7 +41,7 @@ impl Drop for TestFolder {
     }
 }
 
-/// The frame at a moment, in which nothing but the clock and an alarm goes on.
+/// A frame in which only the clock and an alarm change.
 fn frame(at_s: f64, alarms: &Alarms) -> Arc<Frame> {
     let map = Arc::new(lab());
     let view = Fleet::new(map.clone(), Settings::default()).view(Time::ZERO);
@@ -50,7 +50,7 @@ fn frame(at_s: f64, alarms: &Alarms) -> Arc<Frame> {
     Arc::new(Frame::of(&map, &moment, &alarms.list(), 0.0))
 }
 
-/// Records from one second to another; a worker leaves the path at the end of each ten seconds.
+/// Records a period; a worker leaves the path at the end of each ten seconds.
 fn record(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Rotation {
     let mut rotation = Rotation::new(folder.clone(), NO_LIMITS);
     let start = folder.start.unwrap_or(Time::ZERO);
@@ -66,7 +66,7 @@ fn record(folder: &Arc<Folder>, from_s: u32, to_s: u32) -> Rotation {
     rotation
 }
 
-/// The lines of a span, read.
+/// The parsed lines of a span.
 pub(super) fn cut(folder: &Folder, from_s: f64, to_s: f64) -> Vec<Value> {
     let mut text = String::new();
     folder.cut(from_s, to_s, true).expect("something is kept").each(|lines| {
@@ -115,7 +115,7 @@ fn files_follow_one_another_without_a_seam_and_old_ones_go() {
 #[test]
 fn what_a_killed_server_wrote_is_there_after_the_restart_before_the_new_beginning() {
     let place = TestFolder::new("killed");
-    // Never finished: no index, and the file ends without its end.
+    // Never finished: no index, and the file is cut off.
     std::mem::forget(record(&place.folder(1000), 0, 60));
     let later = place.folder(1100);
     let past = later.past(f64::NEG_INFINITY, f64::INFINITY);

@@ -11,7 +11,7 @@ use giveway_floor::text::{Sentence, SentenceArg, SentenceArgs};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// How a secret came.
+/// How a client showed a secret.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SecretDoor {
     /// In the header `Authorization`, or offered by a WebSocket.
@@ -23,7 +23,7 @@ pub enum SecretDoor {
 }
 
 impl SecretDoor {
-    /// What was wrong, for the audit.
+    /// The wrong secret in words, for the audit.
     pub fn words(self) -> &'static str {
         match self {
             SecretDoor::Token => "wrong token",
@@ -48,39 +48,39 @@ pub struct Problem {
     /// What happened here, and what to do, in English.
     #[schema(value_type = String)]
     pub detail: Box<str>,
-    /// Which sentence `detail` is.
+    /// The code of the sentence in `detail`.
     #[schema(value_type = String, example = "no_such_thing")]
     pub code: Option<&'static str>,
-    /// What stands in its places.
+    /// The values for the placeholders of the sentence.
     #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
     /// The path of the request.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<String>, nullable = false)]
     pub instance: Option<Box<str>>,
-    /// The fields that are wrong; left out if no field is.
+    /// The wrong fields; left out if no field is wrong.
     #[serde(skip_serializing_if = "is_none")]
     #[schema(value_type = Vec<FieldError>)]
     pub errors: Box<[FieldError]>,
     /// Seconds after which a retry makes sense.
     #[serde(skip)]
     pub retry_after: Option<u16>,
-    /// By which door a wrong secret came, if that is the problem: whoever answers slows such answers down.
+    /// How the client showed a wrong secret, if that is the problem: the layer that answers delays such answers.
     #[serde(skip)]
     pub wrong_secret: Option<SecretDoor>,
 }
 
-/// One wrong field.
+/// A wrong field.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
 pub struct FieldError {
-    /// Its name.
+    /// The field's name.
     pub field: String,
-    /// What is wrong, and what is right, in English.
+    /// What is wrong, and what would be right, in English.
     pub detail: String,
-    /// Which sentence `detail` is.
+    /// The code of the sentence in `detail`.
     #[schema(value_type = String, example = "priority_out_of_range")]
     pub code: Option<&'static str>,
-    /// What stands in its places.
+    /// The values for the placeholders of the sentence.
     #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
 }
@@ -90,18 +90,18 @@ fn is_none(errors: &[FieldError]) -> bool {
 }
 
 impl FieldError {
-    /// A wrong field.
+    /// An error in this field.
     pub fn new(field: impl Into<String>, detail: Sentence) -> FieldError {
         let (code, args, detail) = detail.into_parts();
         FieldError { field: field.into(), detail, code, args }
     }
 
-    /// What is wrong.
+    /// What is wrong, as a sentence.
     pub fn sentence(&self) -> Sentence {
         Sentence::from_parts(self.code, self.args.clone(), self.detail.clone())
     }
 
-    /// What is wrong with the `name` of a machine: it has 1 to `longest` letters, digits, `-`, `_` and `.`.
+    /// The error in a machine's `name`, if it has any: a name has 1 to `longest` letters, digits, `-`, `_` and `.`.
     pub fn of_plain_name(name: &str, longest: usize) -> Option<FieldError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         let fits = (1..=longest).contains(&name.len()) && name.chars().all(plain);
@@ -127,7 +127,7 @@ impl Problem {
         }
     }
 
-    /// What happened.
+    /// What happened, as a sentence.
     pub fn sentence(&self) -> Sentence {
         Sentence::from_parts(self.code, self.args.clone(), self.detail.clone().into())
     }
@@ -138,23 +138,23 @@ impl Problem {
         Problem::new(StatusCode::BAD_REQUEST, "malformed", "The request cannot be read", detail)
     }
 
-    /// 401: a secret is wrong, which came by this door.
+    /// 401: the client showed a wrong secret, in this way.
     pub fn wrong_secret(door: SecretDoor, title: &'static str, detail: Sentence) -> Problem {
         let problem = Problem::new(StatusCode::UNAUTHORIZED, "unauthorized", title, detail);
         Problem { wrong_secret: Some(door), ..problem }
     }
 
-    /// 404: no such thing.
+    /// 404: there is no such thing.
     pub fn unknown(what: &str, detail: Sentence) -> Problem {
         Problem::new(StatusCode::NOT_FOUND, &format!("unknown-{what}"), "Not found", detail)
     }
 
-    /// 409: not in this state.
+    /// 409: impossible in the current state.
     pub fn conflict(kind: &str, title: &'static str, detail: Sentence) -> Problem {
         Problem::new(StatusCode::CONFLICT, kind, title, detail)
     }
 
-    /// 422: readable, but some fields cannot be.
+    /// 422: readable, but some fields are wrong.
     pub fn invalid(errors: Vec<FieldError>) -> Problem {
         let detail: Vec<_> =
             errors.iter().map(|e| requests::field_is_wrong(&e.field, e.sentence())).collect();
@@ -163,7 +163,7 @@ impl Problem {
         Problem { errors: errors.into(), ..Problem::new(status, "invalid", "Some fields are wrong", detail) }
     }
 
-    /// 400: order lines that nobody can pick.
+    /// 400: order lines that cannot be picked.
     pub fn bad_lines(errors: Vec<FieldError>) -> Problem {
         let title = "Lines that cannot be picked";
         let status = StatusCode::BAD_REQUEST.as_u16();
@@ -175,17 +175,17 @@ impl Problem {
         Problem::conflict("recording", "This is a recording", requests::of_recording())
     }
 
-    /// 429: there are as many as the server takes, and it gets room when somebody makes it.
+    /// 429: a limit is reached, and only people can make room.
     pub fn no_room(detail: Sentence) -> Problem {
         Problem::new(StatusCode::TOO_MANY_REQUESTS, "too-many", "A limit is reached", detail)
     }
 
-    /// 429: there are as many as the server takes, for a while.
+    /// 429: a limit is reached, for a while.
     pub fn too_many(detail: Sentence, retry_after: u16) -> Problem {
         Problem { retry_after: Some(retry_after), ..Problem::no_room(detail) }
     }
 
-    /// 503: not now.
+    /// 503: temporarily unavailable.
     pub fn unavailable(detail: Sentence, retry_after: u16) -> Problem {
         let status = StatusCode::SERVICE_UNAVAILABLE;
         let problem = Problem::new(status, "unavailable", "The server cannot do this now", detail);
@@ -197,13 +197,13 @@ impl Problem {
         Problem::unavailable(requests::unavailable(why), 2)
     }
 
-    /// 500: our mistake.
+    /// 500: a bug in this program.
     pub fn internal() -> Problem {
         let detail = requests::internal_error();
         Problem::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "Internal server error", detail)
     }
 
-    /// The same at this path.
+    /// The problem with this path.
     pub fn at(self, path: &str) -> Problem {
         Problem { instance: Some(path.into()), ..self }
     }
@@ -222,7 +222,7 @@ impl IntoResponse for Problem {
         if status == StatusCode::UNAUTHORIZED {
             headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer realm=\"giveway\""));
         }
-        // The path is filled in by the layer that knows it.
+        // The layer that knows the path fills it in.
         response.extensions_mut().insert(self);
         response
     }

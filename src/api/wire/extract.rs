@@ -1,7 +1,7 @@
 //! Reading requests: bodies, queries and paths, with every rejection a problem that says what to do.
 //!
 //! Main types: [`JsonBody`], [`Params`], [`PathPart`], [`IdempotencyKey`]. Refuses: unknown fields, bodies over 64 KiB
-//! (a batch of jobs may have more), other media types.
+//! (a batch of jobs may be longer), other media types.
 
 use super::error::{FieldError, Problem};
 use super::text::{LATEST, is_never, parse_time};
@@ -15,16 +15,16 @@ use giveway_floor::time::Time;
 use serde::de::DeserializeOwned;
 use std::time::Duration;
 
-/// How long a body may be, bytes.
+/// The longest body, in bytes.
 pub const BODY_LIMIT: usize = 64 * 1024;
 
-/// How long a body may take.
+/// How long a body may take to arrive.
 const BODY_TIME: Duration = Duration::from_secs(20);
 
-/// The longest name of somebody who signs, characters.
+/// The longest name of a person who signs, in characters.
 const LONGEST_SIGNATURE: usize = 80;
 
-/// The name of somebody who says something, without blanks around it; what is wrong with it otherwise.
+/// The trimmed name of the person who reports something, or the error in it.
 pub fn signed(by: &str) -> Result<String, FieldError> {
     let by = by.trim();
     if by.is_empty() || by.chars().count() > LONGEST_SIGNATURE || by.chars().any(char::is_control) {
@@ -33,7 +33,7 @@ pub fn signed(by: &str) -> Result<String, FieldError> {
     Ok(by.to_owned())
 }
 
-/// The time in a field, if there is one; complains where it is none.
+/// The time in a field, if given; adds an error if it is no time.
 pub fn read_time(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) -> Option<Time> {
     let text = text?;
     let time = parse_time(text);
@@ -43,12 +43,12 @@ pub fn read_time(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) 
     time
 }
 
-/// The same for an end, where a time later than any other means that there is none ([`is_never`]).
+/// The end time in a field; a time later than all others means that there is no end ([`is_never`]).
 pub fn read_end(field: &str, text: Option<&str>, errors: &mut Vec<FieldError>) -> Option<Time> {
     read_time(field, text.filter(|text| !is_never(text)), errors)
 }
 
-/// What is wrong with a text that is no time.
+/// The error for a text that is no time.
 pub fn no_time(text: &str) -> Sentence {
     match is_never(text) {
         true => requests::time_too_late(text, LATEST),
@@ -56,7 +56,7 @@ pub fn no_time(text: &str) -> Sentence {
     }
 }
 
-/// A JSON body of so many bytes at most.
+/// A JSON body of at most `LIMIT` bytes.
 pub struct JsonBody<T, const LIMIT: usize = BODY_LIMIT>(pub T);
 
 impl<T: DeserializeOwned, S: Send + Sync, const LIMIT: usize> FromRequest<S> for JsonBody<T, LIMIT> {
@@ -68,10 +68,10 @@ impl<T: DeserializeOwned, S: Send + Sync, const LIMIT: usize> FromRequest<S> for
     }
 }
 
-/// The text of a JSON body of so many bytes at most.
+/// The text of a JSON body of at most `limit` bytes.
 ///
 /// # Errors
-/// Where the body is of another kind, too long or too slow.
+/// If the body has another media type, is too long or arrives too slowly.
 pub(crate) async fn json_text(request: Request, limit: usize) -> Result<Bytes, Problem> {
     let media = request.headers().get(header::CONTENT_TYPE).and_then(|v| v.to_str().ok()).unwrap_or("");
     let media = media.split(';').next().unwrap_or("").trim();
@@ -91,12 +91,12 @@ pub(crate) async fn json_text(request: Request, limit: usize) -> Result<Bytes, P
         let detail = requests::malformed(format!("the body is cut off or longer than {limit} bytes"));
         Problem::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "The body is too large", detail)
     })?;
-    // Some programs begin every text with a byte order mark, which means nothing in UTF-8.
+    // Some programs begin every text with a byte order mark, which has no meaning in UTF-8.
     let mark = if bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
     Ok(bytes.slice(mark..))
 }
 
-/// A body that is no JSON, or JSON that is not what is wanted.
+/// The problem with a body that is no JSON, or not the expected JSON.
 pub(crate) fn not_as_wanted(e: &serde_json::Error) -> Problem {
     match e.classify() {
         serde_json::error::Category::Data => {

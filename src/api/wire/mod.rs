@@ -1,8 +1,7 @@
-//! How single values are written and read on the wire: ids, times, words, sentences, parts of requests, and problems
-//! where something went wrong.
+//! How single values are written and read on the wire: ids, times, words, sentences, parts of requests, and problems.
 //!
 //! Main types: [`error::Problem`], [`extract::JsonBody`]; main functions: [`text::time_text`], [`text::job_name`].
-//! Refuses: to know who calls, and what stands on the floor.
+//! Refuses: to know the caller, and what stands on the floor.
 
 pub mod error;
 pub mod extract;

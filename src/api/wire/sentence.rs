@@ -1,7 +1,7 @@
 //! How the API's description shows sentences ([`Sentence`]), which `text/sentence` lists.
 //!
 //! Main types: [`SentenceSchema`] and [`SentenceArgsSchema`], which fields name as their `value_type`. Main function:
-//! [`kept_parts`], which takes apart what a database keeps. Refuses: to make sentences.
+//! [`kept_parts`], which splits a sentence as a database keeps it. Refuses: to make sentences.
 
 use giveway_floor::text::{Sentence, SentenceArgs};
 use std::borrow::Cow;
@@ -9,10 +9,10 @@ use utoipa::openapi::schema::{AdditionalProperties, SchemaType};
 use utoipa::openapi::{ArrayBuilder, ObjectBuilder, OneOfBuilder, Ref, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
-/// Code, arguments and text, of a sentence that has these three.
+/// Code, arguments and text of a sentence, as far as it has them.
 pub type SentenceParts = (Option<&'static str>, Option<SentenceArgs>, Option<String>);
 
-/// The parts of a sentence as a database keeps it. One without a code has no arguments.
+/// The parts of a sentence as a database keeps it. A sentence without a code has no arguments.
 pub fn kept_parts(kept: Option<String>) -> SentenceParts {
     let Some(kept) = kept else { return SentenceParts::default() };
     let (code, args, text) = Sentence::read(&kept).into_parts();

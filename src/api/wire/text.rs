@@ -1,4 +1,4 @@
-//! Ids, times and numbers as they are written on the wire, and read from it.
+//! Ids, times and numbers: how they are written on the wire and read from it.
 //!
 //! Main functions: [`job_name`], [`worker_name`], [`time_text`], [`round3`] and their reverse. Jobs are "j17", workers
 //! "w1", assignments "a1", closures "c1". Refuses: to look anything up.
@@ -11,7 +11,7 @@ pub fn job_name(id: JobId) -> String {
     format!("j{}", id.0)
 }
 
-/// A job's number from its name, if it is one.
+/// A job's number from its name; nothing if the text is no such name.
 pub fn parse_job_name(text: &str) -> Option<JobId> {
     number(text, "j").map(JobId)
 }
@@ -29,7 +29,7 @@ pub fn parse_time(text: &str) -> Option<Time> {
 /// The latest time.
 pub const LATEST: &str = "9999-12-30T22:00:00Z";
 
-/// Whether a text is a time later than any that there is: business systems write 9999-12-31T23:59:59Z for "never".
+/// Whether a text is a time later than the latest one: business systems write 9999-12-31T23:59:59Z for "never".
 pub fn is_never(text: &str) -> bool {
     let pieces = jiff::fmt::temporal::Pieces::parse(text);
     let last = jiff::Timestamp::MAX.to_zoned(jiff::tz::TimeZone::UTC).date();
@@ -45,7 +45,7 @@ pub fn offset_text(offset: Span) -> String {
     format!("{sign}{:02}:{:02}", minutes.abs() / 60, minutes.abs() % 60)
 }
 
-/// An offset from UTC: +01:00, -05:30 or Z; not more than a day.
+/// Reads an offset from UTC: +01:00, -05:30 or Z; at most a day.
 pub fn parse_offset(text: &str) -> Option<Span> {
     if text == "Z" {
         return Some(Span::ZERO);
@@ -59,7 +59,7 @@ pub fn parse_offset(text: &str) -> Option<Span> {
     Some(of_day * sign)
 }
 
-/// A time of day as HH:MM, since midnight.
+/// Reads a time of day, HH:MM, as the time since midnight.
 pub fn parse_time_of_day(text: &str) -> Option<Span> {
     let (hours, minutes) = text.split_once(':')?;
     let digits = |t: &str| t.len() == 2 && t.bytes().all(|b| b.is_ascii_digit());
@@ -70,7 +70,7 @@ pub fn parse_time_of_day(text: &str) -> Option<Span> {
     (hours < 24 && minutes < 60).then(|| Span::from_secs(hours * 3600 + minutes * 60))
 }
 
-/// Rounded to a thousandth; never minus zero, never something JSON cannot say.
+/// Rounded to a thousandth; never minus zero, and never a value that JSON cannot express.
 pub fn round3(x: f64) -> f64 {
     let rounded = (x * 1000.0).round() / 1000.0;
     if rounded.is_finite() { rounded + 0.0 } else { 0.0 }
@@ -121,7 +121,7 @@ pub fn parse_token_name(text: &str) -> Option<i64> {
     number(text, "t").and_then(|id| i64::try_from(id).ok())
 }
 
-/// The number behind letters, from 1 on.
+/// The number after these letters, from 1 on.
 fn number(text: &str, letters: &str) -> Option<u64> {
     let digits = text.strip_prefix(letters)?;
     let plain = digits.bytes().all(|b| b.is_ascii_digit()) && !digits.starts_with('0');
@@ -138,7 +138,7 @@ pub fn parse_closure(text: &str) -> Option<ClosureId> {
     number(text, "c").map(ClosureId)
 }
 
-/// A worker's number from its name, if it is one.
+/// A worker's number from its name; nothing if the text is no such name.
 pub fn parse_worker_name(text: &str) -> Option<WorkerId> {
     number(text, "w").and_then(|n| u32::try_from(n - 1).ok()).map(WorkerId)
 }

@@ -1,8 +1,8 @@
 //! The words of the wire: every field that takes one of a few words has an enum here, which the API's description
 //! shows.
 //!
-//! Main macro: `words`. An enum that stands for a type of the core is made from it variant by variant, so the compiler
-//! finds words that are missing. Refuses: words that stand for nothing.
+//! Main macro: `words`. An enum that corresponds to a type of the core is made from it variant by variant, so the
+//! compiler finds missing words. Refuses: words without a meaning.
 
 use giveway_cell::{LineState, PickedBy};
 use giveway_fleet::alarm::{AlarmKind, AlarmSeverity, SubjectKind};
@@ -16,7 +16,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use utoipa::openapi::{ObjectBuilder, RefOr, Schema, Type};
 use utoipa::{PartialSchema, ToSchema};
 
-/// An enum whose variants travel as words; `of` makes one from each variant of a type of the core.
+/// An enum whose variants are words on the wire; with `of`, each variant of a core type has one.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident { $($variant:ident $word:tt,)+ }) => {
         $(#[$doc])*
@@ -48,15 +48,17 @@ macro_rules! words {
 }
 
 words! {
-    /// What a robot is up to; `gone` in the live feed only, where robots go by number.
+    /// The state of a robot. `busy`: at work on a job; `free`: without a job, on its way to a place to stay;
+    /// `interrupted`: without a route, waiting for a new one; `failed`: unable to drive; `gone` in the live feed only,
+    /// where robots go by number.
     RobotStateDto of RobotState {
         Idle "idle", Busy "busy", Free "free", Interrupted "interrupted", Failed "failed", Gone "gone",
     }
 }
 
 words! {
-    /// What a robot is at. `handling`: lifting a rack or setting it down; `waiting`: standing on its way; `offline`:
-    /// not heard of; `gone` in the live feed only, where robots go by number.
+    /// The activity of a robot. `handling`: lifting a rack or setting it down; `waiting`: standing on its way;
+    /// `offline`: not reporting; `gone` in the live feed only, where robots go by number.
     ActivityDto of Activity {
         Idle "idle", Driving "driving", Waiting "waiting", Handling "handling", Queueing "queueing",
         Picking "picking", Charging "charging", Paused "paused", Stopped "stopped",
@@ -65,7 +67,7 @@ words! {
 }
 
 words! {
-    /// What a robot is doing.
+    /// The step of its task that a robot performs.
     DoingDto of Doing {
         Idle "idle", ToRack "to_rack", Lifting "lifting", Carrying "carrying", Queueing "queueing",
         Picking "picking", Returning "returning", SettingDown "setting_down", ToCharger "to_charger",
@@ -128,7 +130,7 @@ words! {
 }
 
 words! {
-    /// Who may pick a line.
+    /// Whether a hand or the robot arm may pick a line.
     PickedByDto of PickedBy { Hand "hand", Arm "arm", Either "either", }
 }
 
@@ -143,14 +145,15 @@ impl From<PickedByDto> for PickedBy {
 }
 
 words! {
-    /// How far a line is. `lit`: picked now; `short`: pieces are missing; `undone`: confirmed before, and taken back.
+    /// How far the picking of a line has come. `lit`: being picked now; `short`: pieces are missing; `undone`:
+    /// confirmed before, and taken back; `arm`: the robot arm picks it.
     LineStateDto of LineState {
         Open "open", Lit "lit", Done "done", Short "short", Undone "undone", Arm "arm",
     }
 }
 
 words! {
-    /// With what something is wrong.
+    /// The sort of thing that an alarm is about.
     SubjectKindDto of SubjectKind {
         Robot "robot", Worker "worker", Job "job", Station "station", Closure "closure", Floor "floor",
         Server "server",
@@ -158,22 +161,22 @@ words! {
 }
 
 words! {
-    /// How bad an alarm is.
+    /// How severe an alarm is.
     AlarmSeverityDto of AlarmSeverity { Notice "notice", Warning "warning", Critical "critical", }
 }
 
 words! {
-    /// Whether the cause of an alarm is still there.
+    /// Whether the cause of an alarm is still present.
     AlarmStateDto { Active "active", Cleared "cleared", }
 }
 
 words! {
-    /// Whether a worker is on the floor, and how well the place is known.
+    /// Whether a worker is on the floor, and how well the position is known.
     PresenceDto of Presence { Absent "absent", Tracked "tracked", Stale "stale", Lost "lost", }
 }
 
 words! {
-    /// What a worker is told.
+    /// What a worker is told to do.
     GuidanceStateDto of GuidanceState {
         Idle "idle", Following "following", Deviating "deviating", Redirected "redirected", Stop "stop",
     }
@@ -190,7 +193,8 @@ words! {
 }
 
 words! {
-    /// `goal`: on the way to the place; `undecided`: to one of several; `elsewhere`: to no known place.
+    /// What a worker is doing. `goal`: walking to the place; `undecided`: to one of several places; `elsewhere`: to no
+    /// known place.
     IntentStateDto of IntentState { Goal "goal", Undecided "undecided", Elsewhere "elsewhere", }
 }
 
@@ -207,7 +211,7 @@ words! {
 }
 
 words! {
-    /// Whom a closed area keeps out.
+    /// Whether a closed area keeps out robots, people or both.
     BindsDto of Binds { Robots "robots", People "people", Both "both", }
 }
 
@@ -227,17 +231,17 @@ words! {
 }
 
 words! {
-    /// How the fleet deals with people.
+    /// How the fleet deals with people: the human-aware policy.
     PolicyDto of HumanAwarePolicy { Nhir "nhir", Shir "shir", Phir "phir", Giveway "giveway", }
 }
 
 words! {
-    /// What an amount counts.
+    /// The unit of an amount.
     HeatUnitDto { Seconds "seconds", Encounters "encounters", }
 }
 
 words! {
-    /// What holds a node, or around what a safety region is.
+    /// What holds a node, or has a safety region around it.
     HolderKindDto { Robot "robot", Worker "worker", }
 }
 
@@ -249,24 +253,25 @@ words! {
 }
 
 words! {
-    /// `closed`: no robot may be there; `still`: none may come or go; `slow`: only at `limit_mps`; `price`: being there
-    /// costs the search as much as being `price_s` later, which grows with the probability that a worker is there.
+    /// The effect of a condition on a node. `closed`: no robot may be there; `still`: no robot may enter or leave;
+    /// `slow`: only at `limit_mps`; `price`: being there costs the search as much as a delay of `price_s`, which grows
+    /// with the probability that a worker is there.
     EffectDto { Closed "closed", Still "still", Slow "slow", Price "price", }
 }
 
 words! {
-    /// What waits.
+    /// The party that waits.
     WaiterKindDto { Robot "robot", Job "job", Worker "worker", }
 }
 
 words! {
-    /// What is waited for.
+    /// What a party waits for.
     WaitedKindDto { Robot "robot", Worker "worker", Job "job", Closure "closure", Station "station", }
 }
 
 words! {
-    /// What a link of a wait chain is about. A robot that waits for nothing has `stop`, `drives`, `later` or `stays`; a
-    /// worker `robot`, `no_way`, `walks`, `stands` or `lost`.
+    /// What a link of a wait chain is about. The causes `stop`, `drives`, `later` and `stays` are of robots that wait
+    /// for nothing; a worker has `robot`, `no_way`, `walks`, `stands` or `lost`.
     WaitCauseDto {
         Resource "resource", Queue "queue", Turn "turn", Person "person", Closure "closure", Route "route",
         Failed "failed",
@@ -301,15 +306,15 @@ impl PartialSchema for AlarmKindDto {
 
 impl ToSchema for AlarmKindDto {}
 
-/// What a gaze ray comes from.
+/// Where a gaze ray comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GazeKind {
-    /// Straight ahead of the head.
+    /// Straight ahead from the head.
     Head,
-    /// Measured eyes.
+    /// Measured by eye tracking.
     Eye,
-    /// A model's estimate.
+    /// Estimated by a model.
     Estimated,
 }
 
