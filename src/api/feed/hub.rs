@@ -1,10 +1,10 @@
-//! Where poses of all sources and guidance for all workers meet.
+//! The hub of poses from all sources and of guidance for all workers.
 //!
-//! Main types: [`Feeds`], [`Connection`] (its place), [`HeardSighting`], [`Told`]. A worker has one headset at a time:
-//! a new connection takes the place of an old one. It may have another frame, so it begins an epoch; but it is the same
-//! worker, and only marks that were touched prove a new place. Reports of tags and of devices that report like robots
-//! count beside the headset. Guidance is the newest or none: there is no queue. Refuses: to know what is right for a
-//! worker, and to choose between sources.
+//! Main types: [`Feeds`], [`Connection`] (a connection's place), [`HeardSighting`], [`Told`]. A worker has one headset
+//! at a time: a new connection takes the place of the old one. It may have another frame, so it begins an epoch; but
+//! the worker is the same, and only marks that were touched prove a new position. Reports of tags and of devices that
+//! report like robots count beside the headset. Guidance is the newest or none: there is no queue. Refuses: to judge
+//! what is right for a worker, and to choose between sources.
 
 use super::intake::Senses;
 use super::lights::CellTold;
@@ -25,60 +25,60 @@ use nalgebra::Vector3;
 use std::sync::{Mutex, MutexGuard};
 use tokio::sync::{mpsc, watch};
 
-/// So many poses may wait for the next turn of the loop: a thousand workers at sixty a second, for a turn that
+/// The most poses that wait for the next turn of the loop: from a thousand workers at sixty a second, while one turn
 /// takes four times as long as it should.
 pub const WAITING: usize = 12_000;
 
-/// How high a head is of which nothing is said, metres.
+/// Assumed height of a head if the device gives none, metres.
 const HEAD_M: f64 = 1.6;
 
-/// What a headset said of gaze, hands and battery is forgotten when only reports have come for so long.
+/// A headset's gaze, hands and battery are forgotten after this long with only reports.
 const HEADSET_SILENT: Span = Span::from_secs(3);
 
 /// A sighting, with the time at which it was received.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeardSighting {
-    /// When.
+    /// The time of receipt.
     pub received: Time,
-    /// What.
+    /// The sighting.
     pub sighting: Sighting,
-    /// The hands, where they were seen.
+    /// The hands, if they were seen.
     pub hands: Option<HeardHands>,
 }
 
-/// Head and hands of who was seen, in the map's frame.
+/// Head and hands of a person who was seen, in the map's frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeardHands {
     /// The middle of the head, as well as it is known.
     pub head: Place,
-    /// Where it points, where that is known.
+    /// The direction in which the head points, if known.
     pub facing: Option<Vector3<f64>>,
-    /// Where the eyes look, where they are measured.
+    /// The direction in which the eyes look, if it is measured.
     pub eyes: Option<Vector3<f64>>,
-    /// Left and right.
+    /// The left and the right hand.
     pub hands: [Option<HandPoints>; 2],
 }
 
-/// The middle of the head of who is seen, as well as it is known.
+/// The middle of a seen person's head, as well as it is known.
 pub(crate) fn head_of(sighting: &Sighting, senses: &Senses) -> Place {
     Place::from(senses.gaze.map_or([sighting.at.x, sighting.at.y, HEAD_M], |gaze| gaze.origin))
 }
 
-/// Where the head of who is seen points. Eyes turn in a head: only a ray of the head says that; without one the pose
-/// does, and where that has a heading alone, the head is level.
+/// The direction in which a seen person's head points. Eyes turn in the head, so only a gaze ray of the head gives it;
+/// without one, the pose does, and if that has only a heading, the head is taken to be level.
 fn facing_of(sighting: &Sighting, senses: &Senses) -> Option<Vector3<f64>> {
     let ray = senses.gaze.filter(|gaze| gaze.kind == GazeKind::Head).map(|gaze| gaze.dir);
     let level = || sighting.heading.map(|heading| [heading.cos(), heading.sin(), 0.0]);
     ray.or(senses.ahead).or_else(level).map(Vector3::from)
 }
 
-/// Where the eyes look: an estimated ray is none of theirs.
+/// The direction in which the eyes look; an estimated ray is not measured at the eyes.
 fn eyes_of(senses: &Senses) -> Option<Vector3<f64>> {
     senses.gaze.filter(|gaze| gaze.kind == GazeKind::Eye).map(|gaze| gaze.dir.into())
 }
 
 impl HeardHands {
-    /// What a pose says of hands; nothing where it says nothing, or where the fleet drops it as late or repeated.
+    /// The hands in a pose; nothing if the pose has none, or if the fleet will drop it as late or repeated.
     fn of(sighting: &Sighting, senses: &Senses) -> Option<HeardHands> {
         if sighting.seq == 0 {
             return None;
@@ -93,38 +93,38 @@ impl HeardHands {
     }
 }
 
-/// What a worker is to be told.
+/// What a worker's connection sends to the worker.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Told {
-    /// When the poses were taken that it was decided with.
+    /// The time of the poses on which the guidance is based.
     pub at: Time,
-    /// Nothing where the fleet has nothing to say.
+    /// The guidance; nothing if the fleet has none.
     pub guidance: Option<Guidance>,
-    /// What is to be picked where the worker stands; nothing outside of workplaces.
+    /// What to pick at the worker's station; nothing outside of workplaces.
     pub cell: Option<CellTold>,
-    /// What became of the worker's poses.
+    /// Counts of the worker's poses, by what became of them.
     pub counts: FeedCounts,
 }
 
-/// What is carried through of a worker, and how the feed is.
+/// A worker's gaze, hands and battery, which the fleet does not use, and the state of the feed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CarriedSenses {
     /// Gaze, hands, battery.
     pub senses: Senses,
-    /// When a pose came last.
+    /// When the last pose arrived.
     pub received: Option<Time>,
     /// Whether a headset is connected.
     pub connected: bool,
     /// The version of the guidance that the headset showed last.
     pub acknowledged: Option<u64>,
-    /// How wrong the time of its poses may be.
+    /// How wrong the times of the headset's poses may be.
     pub clock_error: Option<Span>,
 }
 
-/// One connection's place.
+/// The place of one connection.
 #[derive(Debug)]
 pub struct Connection {
-    /// Its number: a later connection has a larger one.
+    /// The connection's number: a later connection has a larger one.
     pub number: u64,
     /// The number of the connection that has the place now.
     pub taken: watch::Receiver<u64>,
@@ -132,30 +132,30 @@ pub struct Connection {
     pub told: watch::Receiver<Told>,
 }
 
-/// Why a report is not taken.
+/// Why a report is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Untaken {
     /// There is no such worker.
     Unknown,
-    /// Too much is waiting.
+    /// Too many reports wait.
     Full,
 }
 
-/// Reports of one source of a worker.
+/// The reports of one source about a worker.
 #[derive(Debug, Default)]
 struct ReportQueue {
     count: u64,
-    /// Reports that come too fast; the newest waits.
+    /// Thins reports that come too fast; the newest waits.
     limiter: RateLimiter<HeardSighting>,
 }
 
 #[derive(Debug)]
 struct WorkerSlot {
     name: String,
-    /// The connection that the last pose came from, in which of its epochs, and when.
+    /// The connection from which the last pose came, its epoch there, and the time of receipt.
     feed: Option<(u64, u32, Time)>,
     epoch: u32,
-    /// The marks that a headset was aligned with last.
+    /// The marks with which the worker's headset was last aligned.
     marks: Vec<PointPair>,
     reports: [ReportQueue; SourceId::ALL.len()],
     taken: watch::Sender<u64>,
@@ -179,24 +179,24 @@ pub struct Feeds {
 }
 
 impl Feeds {
-    /// A worker who is known, by the name on the wire.
+    /// The worker of this name on the wire.
     ///
     /// # Errors
-    /// A problem that says where the known ones are listed.
+    /// A problem that says where the known workers are listed.
     pub fn worker(&self, text: &str) -> Result<WorkerId, Problem> {
         let known = parse_worker_name(text).filter(|w| self.name(*w).is_some());
         known
             .ok_or_else(|| Problem::unknown("worker", requests::no_such_thing("worker", text, "/v1/workers")))
     }
 
-    /// Feeds without workers, and the end from which sightings are taken.
+    /// Feeds without workers, and the receiver of sightings.
     pub fn new() -> (Feeds, mpsc::Receiver<HeardSighting>) {
         let (inbox, heard) = mpsc::channel(WAITING);
         (Feeds { inbox, slots: Mutex::default() }, heard)
     }
 
-    /// Makes workers known, by number. Nothing of one who is forgotten stays for the next one of this number: a
-    /// connection that is still there is told that another one has its place.
+    /// Makes workers known, by number. A new worker of a number inherits nothing from a forgotten one: a connection
+    /// that is still open is told that another one has its place.
     pub fn know(&self, names: &IdVec<WorkerId, String>) {
         let mut slots = self.slots();
         for (worker, name) in names.pairs() {
@@ -208,7 +208,7 @@ impl Feeds {
         }
     }
 
-    /// All workers' names, by number; empty where a place is free.
+    /// The names of all workers, by number; empty for a free number.
     pub fn names(&self) -> Vec<String> {
         self.slots().iter().map(|s| s.name.clone()).collect()
     }
@@ -223,7 +223,7 @@ impl Feeds {
         self.slots().pairs().find(|(_, s)| s.name == name).map(|(w, _)| w)
     }
 
-    /// Gives a new connection the worker's place; the connection that had it is told.
+    /// Gives a new connection the worker's place, and notifies the connection that had it.
     pub fn connect(&self, worker: WorkerId) -> Option<Connection> {
         let mut slots = self.slots();
         let slot = slots.get(worker)?;
@@ -235,7 +235,7 @@ impl Feeds {
         Some(Connection { number, taken: slot.taken.subscribe(), told: slot.told.subscribe() })
     }
 
-    /// The connection is gone.
+    /// Notes that a connection has ended.
     pub fn disconnect(&self, worker: WorkerId, connection: &Connection) {
         let mut slots = self.slots();
         let slot = &mut slots[worker];
@@ -244,7 +244,7 @@ impl Feeds {
         }
     }
 
-    /// Hands a pose of a connection on. Whether there was room.
+    /// Passes on a pose of a connection. False if there was no room.
     pub fn hand(
         &self,
         connection: &Connection,
@@ -254,7 +254,7 @@ impl Feeds {
     ) -> bool {
         let mut slots = self.slots();
         let slot = &mut slots[sighting.worker];
-        // Another connection, or another alignment of its frame, begins an epoch.
+        // A new connection, or a new alignment of its frame, begins an epoch.
         let hands = HeardHands::of(&sighting, &senses);
         let begins = slot.feed.is_none_or(|(n, epoch, _)| (n, epoch) != (connection.number, sighting.epoch));
         slot.epoch += u32::from(begins);
@@ -268,11 +268,11 @@ impl Feeds {
         self.inbox.try_send(HeardSighting { received, sighting, hands }).is_ok()
     }
 
-    /// Takes a report of a tag or the like, whose epoch and number are of no importance. What comes faster than sixty
-    /// times a second is thinned, the newest of each source wins.
+    /// Takes a report of a tag or a similar device; its epoch and number do not matter. Reports that come faster than
+    /// sixty times a second are thinned, and the newest of each source wins.
     ///
     /// # Errors
-    /// Why it is not taken.
+    /// Why the report is refused.
     pub fn report(&self, mut sighting: Sighting, received: Time) -> Result<(), Untaken> {
         let mut slots = self.slots();
         if slots.get(sighting.worker).is_none() {
@@ -291,51 +291,52 @@ impl Feeds {
         passes.map_or(Ok(()), |heard| self.inbox.try_send(heard).map_err(|_| Untaken::Full))
     }
 
-    /// Hands on reports that had to wait and may pass now. How many were left out since the last call.
+    /// Passes on waiting reports that are due. Returns how many were left out since the last call.
     pub fn pass(&self, now: Time) -> u64 {
         let mut left_out = 0;
         for queue in self.slots().iter_mut().flat_map(|slot| &mut slot.reports) {
             left_out += std::mem::take(&mut queue.limiter.thinned);
             if let Some(heard) = queue.limiter.ready(now) {
-                // If there is no room, the source is told so at its next report.
+                // If there is no room, the source is told at its next report.
                 let _ = self.inbox.try_send(heard);
             }
         }
         left_out
     }
 
-    /// Whether a worker's headset was not aligned with exactly these marks before: then somebody touched them now. A
-    /// client that connects again sends the marks that it remembers, to the last digit, and they prove nothing.
+    /// Whether the worker's headset was never aligned with exactly these marks before: then a person has touched them
+    /// now. A client that reconnects sends the marks that it remembers, equal to the last digit, and they prove
+    /// nothing.
     pub fn are_new_marks(&self, worker: WorkerId, marks: &[PointPair]) -> bool {
         self.slots()[worker].marks != marks
     }
 
-    /// A worker's headset was aligned with these marks.
+    /// Notes that a worker's headset was aligned with these marks.
     pub fn note_marks(&self, worker: WorkerId, marks: Vec<PointPair>) {
         self.slots()[worker].marks = marks;
     }
 
-    /// The headset shows the guidance of this version.
+    /// Notes that the headset shows the guidance of this version.
     pub fn acknowledge(&self, worker: WorkerId, version: u64) {
         self.slots()[worker].carried.acknowledged = Some(version);
     }
 
-    /// Notes how wrong the time of a worker's poses may be.
+    /// Notes how wrong the times of a worker's poses may be.
     pub fn clock_error(&self, worker: WorkerId, error: Option<Span>) {
         self.slots()[worker].carried.clock_error = error;
     }
 
-    /// What is carried through of a worker.
+    /// A worker's gaze, hands and battery, and the state of the feed.
     pub fn carried(&self, worker: WorkerId) -> Option<CarriedSenses> {
         self.slots().get(worker).map(|s| s.carried.clone())
     }
 
-    /// What is carried through of all workers, by number.
+    /// The gaze, hands and battery of all workers and the state of their feeds, by number.
     pub fn all_carried(&self) -> Vec<CarriedSenses> {
         self.slots().iter().map(|s| s.carried.clone()).collect()
     }
 
-    /// What a step decided with the poses that were there `at`, at once.
+    /// Passes on, at once, the guidance that a step decided with the poses known `at` that time.
     pub fn tell(&self, at: Time, guidance: Vec<(WorkerId, Guidance)>) {
         let slots = self.slots();
         for (worker, guidance) in guidance {
@@ -344,7 +345,7 @@ impl Feeds {
         }
     }
 
-    /// Warns those whose hands are wrong, at once.
+    /// Warns, at once, the people whose hands are wrong.
     pub fn warn(&self, warnings: &[CellWarning]) {
         if warnings.is_empty() {
             return;
@@ -354,7 +355,8 @@ impl Feeds {
             let Some(slot) = slots.get(WorkerId(warning.person)) else { continue };
             slot.told.send_if_modified(|told| {
                 let cell = told.cell.as_mut().filter(|cell| cell.station == warning.station);
-                // The first observation says since when it is known; what is told already is told once.
+                // The first observation of a mistake gives its time; a warning that was already passed on is not
+                // repeated.
                 let cell = cell.filter(|cell| cell.warning != Some(warning.wrong));
                 let warned = (Some(warning.wrong), Some(warning.seen));
                 cell.map(|cell| (cell.warning, cell.warned_of) = warned).is_some()
@@ -362,7 +364,7 @@ impl Feeds {
         }
     }
 
-    /// Takes guidance, what is to be picked, and counts from the newest view.
+    /// Updates guidance, lines to pick, and counts from the newest view.
     pub fn refresh(&self, view: &View, warehouse: &Warehouse) {
         for (worker, slot) in self.slots().pairs() {
             let seen = view.workers.get(worker.ix());
@@ -372,7 +374,7 @@ impl Feeds {
                 let warned_of = told.cell.as_ref().and_then(|cell| cell.warned_of);
                 let cell = cell.map(|cell| CellTold { warned_of, ..cell });
                 *told = Told {
-                    // Poses may have come in while the step was under way.
+                    // Poses may have arrived while the step was under way.
                     at: told.at.max(view.now),
                     guidance: seen.map(|w| w.guidance.clone()),
                     cell,

@@ -1,7 +1,7 @@
-//! What the wearer of a headset in a workplace is shown: the lit slot, its tote, and what is wrong.
+//! What a headset in a workplace shows its wearer: the lit slot, its tote, and mistakes.
 //!
-//! Main types: [`CellTold`] (what is to be shown), [`CellLightsDto`] (as it is sent). Refuses: to judge hands, which
-//! the core does.
+//! Main types: [`CellTold`] (what to show), [`CellLightsDto`] (its form on the wire). Refuses: to judge hands; the core
+//! does.
 
 use crate::dto::cell::station::{CellWarningDto, warning_dto};
 use giveway_fleet::{StationView, View, WrongReach};
@@ -12,25 +12,25 @@ use giveway_floor::warehouse::{Cell, SlotName, Warehouse};
 use serde::Serialize;
 use utoipa::ToSchema;
 
-/// What somebody in the workplace of a station is shown.
+/// What a person in the workplace of a station is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CellTold {
     /// The station.
     pub station: StationId,
-    /// Whether hands are of use.
+    /// Whether the joints of hands are useful.
     pub hears_hands: bool,
-    /// What is lit: from which slot how many pieces into which tote, by its number at the station.
+    /// The lit line: the slot, the number of pieces, and the tote by its number at the station.
     pub lit: Option<(SlotName, u32, usize)>,
     /// The type of the rack that stands there.
     pub rack: Option<RackTypeId>,
-    /// What their hand was warned of a moment ago.
+    /// The mistake of which the person's hand was warned a moment ago.
     pub warning: Option<WrongReach>,
-    /// When the hand was seen that was warned of, if that is so new that the warning has not been sent.
+    /// When the hand of that warning was seen, if the warning is so new that it has not been sent.
     pub warned_of: Option<Time>,
 }
 
 impl CellTold {
-    /// For a person at a place; nothing outside of all workplaces.
+    /// What a person at a place is shown; nothing outside of all workplaces.
     pub fn at(view: &View, warehouse: &Warehouse, at: Point) -> Option<CellTold> {
         let is_there = |cell: &Cell| inside(&cell.workplace, at);
         let (station, place) =
@@ -47,43 +47,43 @@ impl CellTold {
         Some(CellTold { station, hears_hands, lit, rack, warning, warned_of: None })
     }
 
-    /// Whether a wearer sees the same.
+    /// Whether a wearer would see the same.
     pub fn looks_like(&self, other: &CellTold) -> bool {
         let shown = |c: &CellTold| (c.station, c.lit, c.rack, c.warning);
         shown(self) == shown(other)
     }
 }
 
-/// A slot or tote in the room.
+/// The position of a slot or tote in the room.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct CellPlaceDto {
-    /// Its name.
+    /// The name of the slot or tote.
     #[schema(example = "C3")]
     pub id: String,
-    /// Where it is: map x, map y, height; metres. Of a slot the middle of its front, of a tote the middle of its rim.
+    /// Position: map x, map y, height; metres. For a slot the middle of its front, for a tote the middle of its rim.
     pub at: [f64; 3],
 }
 
-/// What is to be picked where the wearer stands.
+/// What is to be picked at the wearer's station.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, ToSchema)]
 pub struct CellLightsDto {
     /// The station in whose workplace the wearer stands; null outside of workplaces.
     #[schema(example = "S1")]
     pub station: Option<String>,
-    /// Whether joints of hands are wanted with each pose from now on.
+    /// Whether the client should send joints of hands with each pose from now on.
     pub hands: bool,
-    /// The slot that is lit.
+    /// The lit slot; null if none is lit.
     pub slot: Option<CellPlaceDto>,
-    /// How many pieces are still to be taken from it.
+    /// How many pieces are still to be taken from the slot.
     pub pieces: u32,
-    /// The tote into which they belong.
+    /// The tote into which the pieces belong.
     pub tote: Option<CellPlaceDto>,
-    /// What is wrong, or about to be.
+    /// A mistake of a hand that was made or is about to be made.
     pub warning: Option<CellWarningDto>,
 }
 
 impl CellLightsDto {
-    /// As it is sent.
+    /// The form on the wire.
     pub fn new(told: Option<&CellTold>, map: &Warehouse) -> CellLightsDto {
         let Some(told) = told else { return CellLightsDto::default() };
         let place = &map.stations[told.station];

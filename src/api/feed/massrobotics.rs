@@ -1,9 +1,9 @@
-//! Reports of the MassRobotics AMR Interoperability Standard, as a way to say where a worker is.
+//! Reports of the MassRobotics AMR Interoperability Standard, as a source of workers' positions.
 //!
 //! Main types: [`Interop`] (which uuids are workers, where frames lie), [`InteropReport`]. The standard (JSON schema of
 //! the AMR_Interop_Standard repository, May 2022) lets people carry a device that reports like a robot: a
-//! `statusReport` with location, orientation and time. Pure. Refuses: uuids that nobody made known, since a robot of
-//! another maker must not be taken for a person.
+//! `statusReport` with location, orientation and time. Pure. Refuses: unknown uuids, since a robot of another maker
+//! must not be taken for a person.
 
 use crate::feed::intake::align::Alignment;
 use crate::wire::text::parse_time;
@@ -14,29 +14,29 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
 
-/// One standard deviation of a position where a source does not say, metres: ultra-wideband in a hall with a line of
-/// sight (Sensors 22/8/2927: 0.21 to 0.25 m).
+/// Default standard deviation of a position, metres: ultra-wideband in a hall with a line of sight (Sensors 22/8/2927:
+/// 0.21 to 0.25 m).
 pub const USUAL_ACCURACY_M: f64 = 0.3;
 
-/// What is set up for these reports.
+/// Settings for these reports.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Interop {
     /// Names of workers by uuid. A worker whose name is the uuid needs no entry.
     pub workers: BTreeMap<String, String>,
-    /// Where planar datums lie, by uuid. Without any, every datum is the map's own frame.
+    /// Positions of planar datums by uuid. If there are none, every datum is the map's own frame.
     pub datums: BTreeMap<String, Datum>,
 }
 
-/// Where a frame lies on the map.
+/// The position of a frame on the map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Datum {
-    /// Its origin, metres.
+    /// The origin's x, metres.
     pub x: f64,
-    /// Its origin, metres.
+    /// The origin's y, metres.
     pub y: f64,
-    /// Where its x axis points, degrees, counter-clockwise from the map's.
+    /// The direction of the frame's x axis, degrees, counter-clockwise from the map's.
     #[serde(default)]
     pub heading_deg: f64,
 }
@@ -46,28 +46,28 @@ pub struct Datum {
 pub struct InteropReport {
     /// The uuid of the worker's device.
     pub uuid: String,
-    /// When, RFC 3339.
+    /// The time of the report, RFC 3339.
     pub timestamp: String,
-    /// In an identityReport.
+    /// In an identityReport, the maker of the device.
     #[serde(rename = "manufacturerName")]
     pub manufacturer: Option<String>,
-    /// In a statusReport: navigating, idle, disabled, offline, …
+    /// In a statusReport, the state of the device: navigating, idle, disabled, offline, …
     #[serde(rename = "operationalState")]
     pub state: Option<String>,
-    /// In a statusReport.
+    /// In a statusReport, the location of the device.
     pub location: Option<Location>,
 }
 
-/// Where a device is.
+/// The location of a device.
 #[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct Location {
-    /// Metres in the frame of the datum.
+    /// Position x in the frame of the datum, metres.
     pub x: f64,
-    /// Metres.
+    /// Position y in the frame of the datum, metres.
     pub y: f64,
-    /// Its orientation; z up.
+    /// The device's orientation; z up.
     pub angle: Angle,
-    /// The frame.
+    /// The uuid of the frame.
     #[serde(rename = "planarDatum", alias = "planarDatumUUID")]
     pub datum: String,
 }
@@ -81,39 +81,39 @@ pub struct Angle {
     w: f64,
 }
 
-/// Why a report is no sighting.
+/// Why a report gives no sighting.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unfit {
-    /// No worker is known under the uuid.
+    /// No worker has this uuid.
     #[error(
         "no worker is known as {0}: POST /v1/workers with this uuid as the name, or name the worker under \
          [massrobotics.workers] of the settings file"
     )]
     UnknownUuid(String),
-    /// The frame is not set up.
+    /// The settings do not contain the frame.
     #[error("planarDatum {0} is not set up: give its place under [massrobotics.datums] in the settings file")]
     UnknownDatum(String),
-    /// No time.
+    /// The timestamp is no time.
     #[error("timestamp \"{0}\" is not a time such as 2027-01-31T12:00:00Z")]
     Time(String),
-    /// Neither of the two reports.
+    /// The report is neither of the two kinds.
     #[error(
         "neither a statusReport (location is missing) nor an identityReport (manufacturerName is missing)"
     )]
     Neither,
-    /// Numbers that cannot be.
+    /// Impossible numbers.
     #[error("location has impossible numbers: give metres, and a quaternion of length 1")]
     Absurd,
 }
 
 impl Interop {
-    /// The worker's name for a uuid, if it is set up.
+    /// The worker's name for a uuid, if the settings contain it.
     pub fn worker(&self, uuid: &str) -> Option<&str> {
         let found = self.workers.iter().find(|(known, _)| known.eq_ignore_ascii_case(uuid));
         found.map(|(_, name)| name.as_str())
     }
 
-    /// Where a frame lies.
+    /// The position of a frame.
     fn datum(&self, uuid: &str) -> Option<Alignment> {
         if self.datums.is_empty() {
             return Some(Alignment::identity());
@@ -122,10 +122,10 @@ impl Interop {
         Some(Alignment::exact(datum.heading_deg.to_radians(), Vector::new(datum.x, datum.y)))
     }
 
-    /// What a report says of a worker; nothing where it only says who it is.
+    /// The sighting in a report; nothing if the report only identifies the device.
     ///
     /// # Errors
-    /// Why it says nothing.
+    /// Why the report gives no sighting.
     pub fn sighting(&self, worker: WorkerId, report: &InteropReport) -> Result<Option<Sighting>, Unfit> {
         let seen = parse_time(&report.timestamp).ok_or_else(|| Unfit::Time(report.timestamp.clone()))?;
         let Some(location) = &report.location else {

@@ -1,10 +1,10 @@
 //! Poses of people in, guidance out: the feed of headsets, tags and gateways.
 //!
-//! [`intake`] turns what devices say into sightings; it is pure, and so are [`thin`] and [`warn`]: numbers in, numbers
-//! out. [`wire`] is what headsets say, [`message`] what they are told, [`hub`] is where poses of all sources and
-//! guidance for all workers meet, [`lights`] is what is shown at a station, [`massrobotics`] reads reports of other
-//! devices. One connection is in `http/feeds/headset.rs`. Refuses: to judge where people can be, which the core does,
-//! and queues.
+//! [`intake`] turns messages of devices into sightings; it is pure, and so are [`thin`] and [`warn`]: numbers in,
+//! numbers out. [`wire`] has the messages of headsets, [`message`] the messages to them, [`hub`] brings together the
+//! poses of all sources and the guidance for all workers, [`lights`] is what is shown at a station, [`massrobotics`]
+//! reads reports of other devices. One connection is in `http/feeds/headset.rs`. Refuses: to judge where people can be,
+//! which the core does, and queues.
 
 pub mod hub;
 pub mod intake;

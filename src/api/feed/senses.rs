@@ -1,6 +1,6 @@
-//! What headsets say besides where they are, as it travels.
+//! What headsets report besides poses, on the wire.
 //!
-//! Makes a [`SensesDto`] of [`CarriedSenses`]. Refuses: to judge it.
+//! Makes a [`SensesDto`] from [`CarriedSenses`]. Refuses: to judge it.
 
 use crate::dto::people::{GazeDto, HandsDto, SensesDto};
 use crate::feed::hub::CarriedSenses;

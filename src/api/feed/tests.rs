@@ -1,4 +1,4 @@
-//! A connection over a real socket, with the fleet played by the test.
+//! A connection over a real socket; the test plays the fleet.
 
 use super::hub::{Feeds, HeardSighting};
 use crate::access::audit::AuditLog;
@@ -35,7 +35,7 @@ use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, connect_async};
 
 const ANNA: WorkerId = WorkerId(0);
 
-/// A store without anything.
+/// An empty store.
 struct Nothing;
 
 impl Records for Nothing {
@@ -72,7 +72,7 @@ impl Records for Nothing {
     }
 }
 
-/// A server without a fleet; its clock stands unless the test moves it.
+/// A server without a fleet; its clock stands still unless the test moves it.
 struct TestServer {
     at: SocketAddr,
     feeds: Arc<Feeds>,
@@ -152,7 +152,7 @@ impl Client {
         self.socket.send(Message::Text(message.to_string().into())).await.unwrap();
     }
 
-    /// The next message of this type; answers pings on the way, its clock reading 5000 ms always.
+    /// The next message of this type; answers pings in between, with a clock that always reads 5000 ms.
     async fn next(&mut self, kind: &str) -> Value {
         loop {
             let message = tokio::time::timeout(std::time::Duration::from_secs(5), self.socket.next()).await;
@@ -191,7 +191,7 @@ async fn a_stop_leaves_at_once_and_says_which_pose_it_was_decided_with() {
     anna.say(json!({"type": "pose", "epoch": 1, "seq": 7, "t": 5000.0, "at": [3.0, 4.0]})).await;
     let heard = stage.heard.recv().await.unwrap();
     assert_eq!((heard.sighting.worker, heard.sighting.at), (ANNA, Point::new(3.0, 4.0)));
-    // The clock stands from here on, so that nothing leaves because it is time.
+    // From here on the clock stands still, so that nothing is sent because it is due.
     stage.feeds.tell(stage.now(), vec![(ANNA, told(GuidanceState::Stop, 1))]);
     let stop = loop {
         let message = anna.next("guidance").await;
@@ -231,13 +231,13 @@ async fn a_new_socket_is_no_new_person() {
     let mut stage = TestServer::new().await;
     let mut track = Track::default();
     let mut seen = Vec::new();
-    // Two devices one after the other; the second says that the worker is ten metres away.
+    // Two devices one after the other; the second reports the worker ten metres away.
     for (x, poses, later) in [(3.0, 3, 0.0), (13.0, 4, 20.0)] {
         let mut anna = stage.connect("map").await;
         anna.next("clock").await;
         for seq in 1..=poses {
-            // The client's clock stands: only the number tells poses apart. The second device may be asked for its
-            // clock within the same millisecond as the first.
+            // The client's clock stands still: only the number distinguishes poses. The second device may be asked for
+            // its clock within the same millisecond as the first.
             let t = 5000.0 + later + seq as f64;
             anna.say(json!({"type": "pose", "epoch": 1, "seq": seq, "t": t, "at": [x, 4.0]})).await;
             let heard = stage.heard.recv().await.unwrap();
@@ -263,7 +263,7 @@ async fn an_acknowledgement_is_kept_for_those_who_ask() {
     assert_eq!((carried.acknowledged, carried.connected), (Some(12), true));
 }
 
-/// Joints of a hand in WebXR axes, near somebody who is at 3, 4.
+/// Joints of a hand in WebXR axes, near a person at (3, 4).
 fn joints(x: f64) -> Value {
     json!((0..25).map(|i| [x + 0.004 * f64::from(i), 1.2, -4.3, 0.01]).collect::<Vec<_>>())
 }

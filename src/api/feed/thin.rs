@@ -1,23 +1,23 @@
 //! At most sixty poses a second: faster ones are thinned, never queued.
 //!
-//! Main type: [`RateLimiter`]. A bucket of permits with room for a few, since radios deliver in bunches; beyond it only
-//! the newest pose waits, for the next permit. Pure. Refuses: to keep more than one.
+//! Main type: [`RateLimiter`]. A token bucket with room for a few permits, since radios deliver in bunches; beyond it
+//! only the newest pose waits, for the next permit. Pure. Refuses: to keep more than one pose waiting.
 
 use giveway_floor::time::{Span, Time};
 
-/// A little more than sixty a second, so that a clock that runs fast is not punished.
+/// Time per permit: a little more than sixty a second, so that a device whose clock runs fast is not penalised.
 const PERMIT: Span = Span(1_000_000 / 66);
 
-/// Permits that may gather.
+/// The most permits that accumulate.
 const MOST: i64 = 4;
 
-/// Thins what comes too fast.
+/// Thins items that come too fast.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RateLimiter<T> {
-    /// When the bucket was last empty; permits gather from there.
+    /// When the bucket was last empty; permits accumulate from there.
     empty: Option<Time>,
     waiting: Option<T>,
-    /// How many were left out.
+    /// How many items were left out.
     pub thinned: u64,
 }
 
@@ -28,7 +28,7 @@ impl<T> Default for RateLimiter<T> {
 }
 
 impl<T> RateLimiter<T> {
-    /// Offers a new one: what may pass now, the new one unless it must wait.
+    /// Offers a new item; returns it if it may pass now.
     pub fn offer(&mut self, item: T, now: Time) -> Option<T> {
         if self.permit(now) {
             self.thinned += u64::from(self.waiting.take().is_some());
@@ -38,12 +38,12 @@ impl<T> RateLimiter<T> {
         None
     }
 
-    /// When the waiting one may pass.
+    /// When the waiting item may pass.
     pub fn due(&self) -> Option<Time> {
         self.waiting.as_ref().and(self.empty).map(|empty| empty + PERMIT)
     }
 
-    /// The waiting one, if it may pass now.
+    /// The waiting item, if it may pass now.
     pub fn ready(&mut self, now: Time) -> Option<T> {
         if self.waiting.is_some() && self.permit(now) { self.waiting.take() } else { None }
     }
@@ -61,7 +61,7 @@ impl<T> RateLimiter<T> {
 mod tests {
     use super::*;
 
-    /// What passes of items that come at these milliseconds, looked at every millisecond.
+    /// The items that pass, of items that come at these milliseconds, polled every millisecond.
     fn pass(times: impl IntoIterator<Item = i64>) -> Vec<(i64, i64)> {
         let times: Vec<i64> = times.into_iter().collect();
         let mut limiter = RateLimiter::default();

@@ -1,8 +1,8 @@
-//! What the versions of the headset protocol differ in.
+//! The differences between versions of the headset protocol.
 //!
 //! Main function: [`encoded`]. Version 2 has sentences for people as objects with a code; in version 1 they are bare
-//! text, and a headset that was written for it goes on being served. Refuses: a version that the server does not
-//! speak; the greeting does.
+//! text, and a headset that was written for version 1 is still served. Refuses: versions that the server does not
+//! speak; the greeting handles these.
 
 use super::message::FeedMessage;
 use serde_json::Value;
@@ -10,12 +10,12 @@ use serde_json::Value;
 /// Versions of the protocol that this server speaks, best first.
 pub const VERSIONS: [u32; 2] = [2, 1];
 
-/// The best version that both speak.
+/// The best version that both sides speak.
 pub(crate) fn spoken(by_client: &[u32]) -> Option<u32> {
     VERSIONS.into_iter().find(|version| by_client.contains(version))
 }
 
-/// A message as it travels in a version.
+/// A message as it is sent in this version.
 pub(crate) fn encoded(message: &FeedMessage, version: u32) -> String {
     const PLAIN: &str = "messages are plain";
     if version > 1 {
@@ -26,7 +26,7 @@ pub(crate) fn encoded(message: &FeedMessage, version: u32) -> String {
     value.to_string()
 }
 
-/// Puts the text of each sentence in its place.
+/// Replaces each sentence by its text.
 fn say_bare(value: &mut Value) {
     match value {
         Value::Object(map) => {

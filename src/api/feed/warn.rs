@@ -1,21 +1,21 @@
-//! Warnings to a client: each kind at most every two seconds, with how many there were.
+//! Warnings to a client: each kind at most every two seconds, with a count.
 //!
 //! Main type: [`Warnings`]. Pure. Refuses: to answer a flood with a flood.
 
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// How often a client is told of one kind of fault.
+/// The shortest interval between two warnings of one kind.
 const OFTEN: Span = Span::from_secs(2);
 
-/// What a client was told of, and what it was not told of yet.
+/// Faults of which the client was warned, and faults that are still to be reported.
 #[derive(Clone, Debug, Default)]
 pub struct Warnings {
     kinds: BTreeMap<&'static str, (Option<Time>, u64)>,
 }
 
 impl Warnings {
-    /// Notes a fault. How many of its kind there were since the client was told last, if it is to be told now.
+    /// Notes a fault. Returns how many of its kind occurred since the last warning, if a warning is due now.
     pub fn note(&mut self, kind: &'static str, count: u64, now: Time) -> Option<u64> {
         let (told, untold) = self.kinds.entry(kind).or_default();
         *untold += count;

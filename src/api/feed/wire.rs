@@ -1,4 +1,4 @@
-//! What headsets say, as it travels: JSON texts with a `type`.
+//! Messages of headsets: JSON texts with a `type`.
 //!
 //! Main types: [`HeadsetMessage`], [`PoseSaid`], [`AnchorSaid`]. Unknown keys are ignored, so that newer headsets can
 //! talk to older servers. Refuses: to judge numbers; [`super::intake`] does.
@@ -16,34 +16,34 @@ pub enum HeadsetMessage {
     Hello(HelloSaid),
     /// The answer to a `ping`.
     Pong {
-        /// Of the ping.
+        /// The number of the ping.
         id: u64,
-        /// When the device got it, milliseconds of its own clock.
+        /// When the device received the ping, milliseconds of its own clock.
         t1: f64,
-        /// When the device answers.
+        /// When the device answered, milliseconds of its own clock.
         t2: f64,
     },
-    /// Marks on the floor that the device knows.
+    /// Marks on the floor whose positions the device knows.
     Anchors {
-        /// One with its direction, or two and more.
+        /// The marks: one with its direction, or two and more.
         pairs: Vec<AnchorSaid>,
     },
-    /// The device's origin jumped: poses up to now mean nothing any more.
+    /// The device's origin jumped: earlier poses have lost their meaning.
     Reset,
-    /// The device slept, or its page was hidden: its clock may have stood.
+    /// The device slept, or its page was hidden: its clock may have stopped meanwhile.
     Resync,
     /// A pose.
     Pose(Box<PoseSaid>),
     /// The wearer is done with an assignment.
     Done {
-        /// Its number, as guidance names it.
+        /// The assignment's number, as guidance gives it.
         assignment: String,
     },
     /// The wearer takes the device off, or closes its page: no more poses will come.
     Bye,
     /// The guidance of this version is on the screen.
     Ack {
-        /// Of the guidance.
+        /// The version of the guidance.
         version: u64,
     },
 }
@@ -53,7 +53,7 @@ pub enum HeadsetMessage {
 pub struct HelloSaid {
     /// Versions of the protocol that the client speaks.
     pub versions: Vec<u32>,
-    /// Which frame its poses are in.
+    /// The frame of the client's poses.
     #[serde(default)]
     pub frame: PoseFrame,
 }
@@ -62,53 +62,53 @@ pub struct HelloSaid {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum PoseFrame {
-    /// The device's own, which must be aligned.
+    /// The device's own frame, which must be aligned.
     #[default]
     Device,
-    /// The map's.
+    /// The map's frame.
     Map,
 }
 
 /// A mark on the floor.
 #[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct AnchorSaid {
-    /// Where the device has it: WebXR axes, metres.
+    /// The mark's position in the device's frame: WebXR axes, metres.
     pub device: [f64; 3],
-    /// Which way it points in the device's frame, as a rotation of "ahead".
+    /// The mark's direction in the device's frame, as a rotation of "ahead".
     pub quat: Option<[f64; 4]>,
-    /// Where it is on the map, metres.
+    /// The mark's position on the map, metres; alternatively give `mark`.
     pub map: Option<[f64; 2]>,
-    /// Or the name of a node that is there.
+    /// The name of a node at the mark; alternatively give `map`.
     pub mark: Option<String>,
-    /// Which way it points on the map, radians.
+    /// The mark's direction on the map, radians.
     pub heading: Option<f64>,
-    /// How much it counts.
+    /// The weight of the mark in the fit; 1 is usual.
     pub weight: Option<f64>,
 }
 
 /// A pose.
 #[derive(Clone, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct PoseSaid {
-    /// The alignment that it belongs to.
+    /// The alignment to which the pose belongs.
     pub epoch: u32,
-    /// Counts up within an epoch.
+    /// The pose's number, which grows within an epoch.
     pub seq: u64,
-    /// When it was so, milliseconds of the device's clock.
+    /// When the pose was measured, milliseconds of the device's clock.
     pub t: f64,
-    /// WebXR position, metres.
+    /// Position in WebXR axes, metres.
     pub pos: Option<[f64; 3]>,
-    /// WebXR orientation.
+    /// Orientation in WebXR axes, as a quaternion.
     pub quat: Option<[f64; 4]>,
-    /// Or, in the map's frame: x and y, metres.
+    /// Instead of `pos`, x and y in the map's frame, metres.
     pub at: Option<[f64; 2]>,
-    /// And where somebody faces, radians.
+    /// Instead of `quat`, where the wearer faces on the map, radians.
     pub heading: Option<f64>,
     /// One standard deviation of the position, metres.
     pub accuracy: Option<f64>,
-    /// How well the device knows it.
+    /// How well the device knows the pose.
     #[serde(default)]
     pub quality: QualitySaid,
-    /// Where somebody looks.
+    /// Where the wearer looks.
     pub gaze: Option<GazeSaid>,
     /// Joints of the hands.
     pub hands: Option<HandsSaid>,
@@ -120,49 +120,50 @@ pub struct PoseSaid {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum QualitySaid {
-    /// Measured.
+    /// The pose is measured.
     #[default]
     Tracked,
-    /// Guessed.
+    /// The pose is guessed.
     Emulated,
-    /// Unknown.
+    /// The pose is unknown.
     Lost,
 }
 
-/// Where somebody looks, in the device's frame.
+/// Where the wearer looks, in the device's frame.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, ToSchema)]
 pub struct GazeSaid {
-    /// What the ray comes from.
+    /// Where the ray comes from.
     pub kind: GazeKind,
-    /// Where it begins, WebXR axes, metres.
+    /// Where the ray begins, WebXR axes, metres.
     pub origin: [f64; 3],
-    /// Its direction.
+    /// The ray's direction, WebXR axes.
     pub dir: [f64; 3],
 }
 
 /// Joints of both hands: x, y, z in WebXR axes and radius, metres; usually 25 of them.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, ToSchema)]
 pub struct HandsSaid {
-    /// Left.
+    /// Joints of the left hand.
     #[schema(value_type = Option<Vec<[f64; 4]>>)]
     pub l: Option<HandSaid>,
-    /// Right.
+    /// Joints of the right hand.
     #[schema(value_type = Option<Vec<[f64; 4]>>)]
     pub r: Option<HandSaid>,
 }
 
-/// One hand. What is no hand spoils neither the other hand nor the pose.
+/// One hand. A hand that cannot be read spoils neither the other hand nor the pose.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged)]
 pub enum HandSaid {
-    /// Its joints.
+    /// The hand's joints.
     Joints(Vec<[f64; 4]>),
-    /// No joints: a number is missing, or one too many, or null, as browsers write what is not a number.
+    /// Unreadable joints: a number is missing or one too many, or it is null, which browsers write for what is not a
+    /// number.
     Unreadable(IgnoredAny),
 }
 
 impl HandSaid {
-    /// Its joints, where all of them can be read.
+    /// The hand's joints, if all of them can be read.
     pub fn joints(&self) -> Option<&[[f64; 4]]> {
         match self {
             HandSaid::Joints(joints) => Some(joints),
@@ -206,7 +207,8 @@ fn with_null_for_nan(text: &str) -> Option<String> {
     found.then_some(out)
 }
 
-/// How long the string is with which a text begins, quotes counted; all of the text if it does not end.
+/// The length in bytes of the string with which a text begins, including its quotes; all of the text if it does not
+/// end.
 fn string_length(text: &str) -> usize {
     let (mut escaped, bytes) = (false, text.as_bytes());
     for (i, byte) in bytes.iter().enumerate().skip(1) {

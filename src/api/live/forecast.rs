@@ -1,6 +1,6 @@
-//! Where people may be in the coming seconds, as it travels: few bell curves each, in centimetres and percent.
+//! Forecasts of people on the wire: a few normal distributions each, in centimetres and percent.
 //!
-//! Main types: [`ForecastDto`], [`PartDto`]; [`packed`] is the thin form, which says the same. Refuses: to forecast.
+//! Main types: [`ForecastDto`], [`PartDto`]; [`packed`] is the thin form with the same content. Refuses: to forecast.
 
 use crate::wire::text::{round3, worker_name};
 use giveway_fleet::Expected;
@@ -11,34 +11,34 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use utoipa::ToSchema;
 
-/// What is forecast of one worker.
+/// The forecast of one worker.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct ForecastDto {
     /// The worker.
     #[schema(example = "w1")]
     pub worker: String,
-    /// In order of time.
+    /// The parts in order of time.
     pub parts: Vec<PartDto>,
     #[serde(skip)]
     row: usize,
 }
 
-/// One bell curve: metres, standard deviations and correlation, and its share of the probability at that moment.
+/// One normal distribution, with its share of the probability at that time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
 pub struct PartDto {
-    /// Seconds from now.
+    /// How far ahead the forecast is, seconds.
     pub after_s: f64,
-    /// Its share of the probability at that moment.
+    /// The part's share of the probability at that time.
     pub p: f64,
-    /// Its middle, metres.
+    /// The mean's x, metres.
     pub x: f64,
-    /// Metres.
+    /// The mean's y, metres.
     pub y: f64,
     /// Standard deviation along x, metres.
     pub sx: f64,
-    /// Along y.
+    /// Standard deviation along y, metres.
     pub sy: f64,
-    /// The correlation of the two, -0.99 to 0.99.
+    /// The correlation of x and y, -0.99 to 0.99.
     pub tilt: f64,
 }
 
@@ -66,8 +66,8 @@ fn part(after: Span, part: &Part) -> PartDto {
     }
 }
 
-/// One list for each worker: row, then for each bell curve seconds ahead, percent, x, y, standard deviations along x
-/// and y in centimetres, and the correlation in percent.
+/// One list for each worker: the row, then for each part the seconds ahead, percent, x, y, the standard deviations
+/// along x and y in centimetres, and the correlation in percent.
 pub fn packed(all: &[ForecastDto]) -> Value {
     let whole = |x: f64| (x * 100.0).round() as i64;
     let one = |f: &ForecastDto| {

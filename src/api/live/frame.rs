@@ -1,4 +1,4 @@
-//! A frame: the view as it travels; and what changed from one to the next, in rows with names.
+//! A frame: the view on the wire; and the changes from one frame to the next, in rows with names.
 //!
 //! Main type: [`Frame`]. Refuses: to know versions or readers.
 
@@ -18,10 +18,10 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
-/// One row, or what changed of it.
+/// One row, or its changes.
 pub type FrameItem = Map<String, Value>;
 
-/// The view as it travels.
+/// The view on the wire.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     pub(crate) robots: Vec<RobotDto<usize>>,
@@ -34,22 +34,22 @@ pub struct Frame {
     pub(crate) counters: Value,
     pub(crate) alarms: Value,
     pub(crate) time_s: f64,
-    /// For recordings; the live feed sends only `zero` of it.
+    /// Data for recordings; the live feed sends only `zero` of it.
     pub(crate) beside: Beside,
 }
 
-/// What a frame has beside what changes in the live feed.
+/// Data of a frame that the live feed does not send.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Beside {
-    /// The time from which the seconds of the frame count.
+    /// The time at which the frame's seconds are zero.
     pub(crate) zero: Time,
-    /// The first of the jobs that wait.
+    /// The first of the waiting jobs.
     pub(crate) backlog: Arc<Backlog>,
-    /// Robots that stand and would drive on, as the figures over time have them.
+    /// How many robots stand although they should drive, as in the figures over time.
     pub(crate) waiting: usize,
-    /// Workers on the floor.
+    /// How many workers are on the floor.
     pub(crate) people: usize,
-    /// What is picked at work cells.
+    /// The states of work cells.
     pub(crate) cells: Vec<ShownCell>,
 }
 
@@ -68,7 +68,7 @@ impl Beside {
 }
 
 impl Frame {
-    /// The frame of a moment; alarms count from `started_s`.
+    /// The frame of a moment; times of alarms count from `started_s`.
     pub fn of(map: &Warehouse, moment: &Moment, active: &[Alarm], started_s: f64) -> Frame {
         let names = Names { map, view: &moment.view };
         let counts = moment.view.counts;
@@ -109,7 +109,7 @@ impl Frame {
         })
     }
 
-    /// What every patch begins with, to `new` from this frame, which has version `base`.
+    /// The fields with which every patch begins; the patch leads to `new` from this frame, which has version `base`.
     pub(super) fn head(&self, new: &Frame, base: u64) -> FrameItem {
         let mut out = FrameItem::new();
         out.insert("type".into(), "patch".into());
@@ -154,7 +154,7 @@ fn item(row: impl Serialize) -> FrameItem {
     }
 }
 
-/// Rows that changed: their id and the keys that did, but for those in `besides`. New rows are whole.
+/// Rows that changed: their ids and changed keys, except the keys in `besides`. New rows are complete.
 pub fn changes<T: Serialize + PartialEq>(old: &[T], new: &[T], besides: &[&str]) -> Value {
     let changed = |(i, row): (usize, &T)| match old.get(i) {
         None => Some(Value::Object(item(row))),

@@ -1,10 +1,9 @@
-//! The live feed: a snapshot, then patches with base and version, made once for all clients.
+//! The live feed: a snapshot, then patches with base and version, each encoded once for all clients.
 //!
 //! Main types: [`Live`], [`FeedReader`]. [`Live::publish`] compares the new frame with the last one and writes one
-//! patch for each format that has readers; these fetch what they miss by version, so that a slow reader costs
-//! nothing but its own fresh snapshot. Versions start above those of every earlier run, so that a reader that resumes
-//! after a restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for formats without
-//! readers.
+//! patch for each format that has readers; readers fetch what they lack by version, so that a slow reader costs nothing
+//! but its own fresh snapshot. Versions start above those of every earlier run, so that a reader that resumes after a
+//! restart gets a snapshot. Refuses: a queue per reader, an encoding per reader, and work for formats without readers.
 
 mod forecast;
 mod frame;
@@ -26,34 +25,34 @@ use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard};
 use tokio::sync::watch;
 
-/// How many patches are kept for readers that resume: half a minute.
+/// How many patches are kept for readers that resume: half a minute of them.
 const KEPT: usize = 300;
 
-/// A reader further behind than this while it reads gets a snapshot: five seconds.
+/// A reader that falls behind by more versions than this while it reads gets a snapshot: five seconds.
 pub const LAGGING: u64 = 50;
 
-/// How a reader wants what it is sent.
+/// The formats that a reader wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeedReader {
-    /// What is sent of each change.
+    /// The format of patches.
     pub patches: PatchFormat,
-    /// What is sent of the whole floor.
+    /// The format of snapshots.
     pub snapshots: SnapshotFormat,
 }
 
-/// How snapshots are sent.
+/// The format of snapshots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SnapshotFormat {
-    /// As a text message.
+    /// A text message.
     Text,
-    /// As a binary message: the text packed with gzip, about a tenth of the bytes.
+    /// A binary message: the text compressed with gzip, about a tenth of the bytes.
     Gzip,
 }
 
-/// How patches are written. Snapshots are the same in both.
+/// The format of patches. Snapshots are the same for both.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PatchFormat {
-    /// Rows by name, for programs that want to begin at once.
+    /// Rows by name, for programs that want a simple start.
     Plain,
     /// Numbers by row, for dashboards: about a tenth of the bytes.
     Thin,
@@ -63,7 +62,7 @@ pub enum PatchFormat {
 #[derive(Debug, Default)]
 struct RecentPatches {
     patches: VecDeque<Utf8Bytes>,
-    /// The version at the last read.
+    /// The version when a reader last read.
     read: Option<u64>,
 }
 
@@ -77,11 +76,11 @@ struct LiveState {
     thin: RecentPatches,
 }
 
-/// The feed.
+/// The live feed.
 #[derive(Debug)]
 pub struct Live {
     map: Arc<Warehouse>,
-    /// Names what is in the map: who reads on after a break learns whether it is still the same one.
+    /// The version of the map: a reader that resumes learns whether the map is still the same.
     map_version: String,
     state: Mutex<LiveState>,
     newest: watch::Sender<u64>,
@@ -106,12 +105,12 @@ impl Live {
         }
     }
 
-    /// Tells of every new version.
+    /// Announces every new version.
     pub fn subscribe(&self) -> watch::Receiver<u64> {
         self.newest.subscribe()
     }
 
-    /// Takes the frame of a new moment. Only one thread may publish; readers do not wait while it writes patches.
+    /// Publishes the frame of a new moment. Only one thread may publish; readers do not wait while it writes patches.
     pub fn publish(&self, moment: &Moment, alarms: &[Alarm], started_s: f64) {
         let new = Arc::new(Frame::of(&self.map, moment, alarms, started_s));
         let (old, base, plain, thin) = {
@@ -133,8 +132,8 @@ impl Live {
         self.newest.send_replace(base + 1);
     }
 
-    /// What a reader at version `since` misses, with the version it has then: patches if there are at most
-    /// `most`, else a snapshot.
+    /// What a reader at version `since` lacks, and the version that it then has: patches if there are at most `most` of
+    /// them, else a snapshot.
     pub fn after(&self, reader: FeedReader, since: Option<u64>, most: u64) -> (Vec<Message>, u64) {
         let mut state = self.state();
         let version = state.version;
@@ -163,13 +162,13 @@ impl Live {
         (vec![message], version)
     }
 
-    /// The latest frame; nothing before the first was published.
+    /// The latest frame; nothing before the first one was published.
     pub fn frame(&self) -> Option<Arc<Frame>> {
         let state = self.state();
         (!state.frame.counters.is_null()).then(|| state.frame.clone())
     }
 
-    /// How far back a reader may resume.
+    /// How many patches back a reader may resume.
     pub fn kept(&self) -> u64 {
         KEPT as u64
     }
@@ -180,7 +179,7 @@ impl Live {
 }
 
 impl RecentPatches {
-    /// Where a patch is missing, no reader can go on from before it.
+    /// Adds a patch. If a patch is missing, no reader can continue from before it, so the kept ones are dropped.
     fn push(&mut self, patch: Option<Utf8Bytes>) {
         let Some(patch) = patch else {
             self.patches.clear();

@@ -62,7 +62,7 @@ fn anna() -> WorkerView {
     }
 }
 
-/// A robot and a worker that go round and round, at whatever moment `t`.
+/// A robot and a worker that go round and round, at time `t`.
 fn picture(t: usize) -> Moment {
     let nodes = |from: usize, n: usize| (from..from + n).map(|i| NodeId::at(i % 17)).collect::<Vec<_>>();
     let robot = |r: usize| {
@@ -73,7 +73,7 @@ fn picture(t: usize) -> Moment {
             speed_mps: (t % 4) as f64 / 4.0,
             battery: 1.0 - t as f64 / 1000.0,
             granted: nodes(t / 3, 1 + t % 3),
-            // Now and then a way that has nothing to do with the one before.
+            // Now and then a route that has nothing to do with the previous one.
             held: if t.is_multiple_of(11) { nodes(5, t % 2) } else { nodes(t / 3 + 1 + t % 3, 4) },
             doing: if t.is_multiple_of(5) { Doing::Going } else { Doing::Idle },
             ..robot(&format!("r{r}"), 0.0)
@@ -96,7 +96,7 @@ fn picture(t: usize) -> Moment {
     }
 }
 
-/// Where a worker may be, at whatever moment `t`: it changes five times slower than the frame.
+/// Where a worker may be, at time `t`: this changes five times slower than the frame.
 fn expected(worker: usize, t: usize, parts: usize) -> Expected {
     let shift = (t / 5) as f64;
     let part = |k: usize| Part {
@@ -112,7 +112,7 @@ fn moment(robots: Vec<RobotView>) -> Moment {
     Moment { view: giveway_fleet::View { robots, ..Default::default() }, ..Default::default() }
 }
 
-/// A reader as the contract describes it, of either format.
+/// Applies a message as the contract describes it, in either format.
 fn apply(mirror: &mut Value, text: &str) {
     let message: Value = serde_json::from_str(text).unwrap();
     if message["type"] == "snapshot" {
@@ -208,7 +208,7 @@ fn live() -> Live {
     Live::new(Arc::new(map), 1000)
 }
 
-/// What a reader of texts misses.
+/// What a reader of text messages lacks.
 fn after(live: &Live, patches: PatchFormat, since: Option<u64>, most: u64) -> (Vec<Utf8Bytes>, u64) {
     let (messages, version) =
         live.after(FeedReader { patches, snapshots: SnapshotFormat::Text }, since, most);
@@ -291,7 +291,7 @@ fn a_patch_names_only_what_changed() {
 
 #[test]
 fn eight_hundred_moving_robots_and_twenty_people_are_150_kilobytes_a_second() {
-    // Every robot moves in every patch and reaches a node each second, half of them change speed, a tenth turn.
+    // Every robot moves in every patch and reaches a node each second; half of them change speed, a tenth turn.
     let nodes = |from: usize, n: usize| (from..from + n).map(|i| NodeId::at(i % 4000)).collect::<Vec<_>>();
     let robot = |r: usize, t: usize| RobotView {
         pose: Pose {
@@ -315,7 +315,7 @@ fn eight_hundred_moving_robots_and_twenty_people_are_150_kilobytes_a_second() {
     let moment = |t: usize| {
         let robots = (0..800).map(|r| robot(r, t)).collect();
         let workers = (0..20).map(|_| worker(t)).collect();
-        // Twice a second, in as many parts as there can be.
+        // Twice a second, with the most parts that there can be.
         let forecasts = Arc::new((0..20).map(|w| expected(w, t, 4)).collect());
         let view = giveway_fleet::View { robots, workers, ..Default::default() };
         Moment { view, forecasts, ..Default::default() }

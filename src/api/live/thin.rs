@@ -1,8 +1,8 @@
-//! What changed, in few bytes: whole numbers by row for what changes all the time, rows for the rest.
+//! Patches in few bytes: whole numbers by row for what changes all the time, rows with names for the rest.
 //!
-//! Main function: [`patch`]. Rows with names spend most bytes on names, and on ways that were sent before; steps in
-//! millimetres from the base, which every reader has, spend none. It stays JSON. Refuses: to be read
-//! without the contract, which docs/api.md writes down.
+//! Main function: [`patch`]. Rows with names spend most bytes on names, and on routes that were sent before; steps in
+//! millimetres from the base, which every reader has, avoid both. The format is still JSON. Refuses: to be read without
+//! the contract, which is in docs/api.md.
 
 use super::forecast;
 use super::frame::{Frame, changes};
@@ -10,10 +10,10 @@ use crate::dto::names::RobotDto;
 use crate::dto::people::WorkerDto;
 use serde_json::{Value, json};
 
-/// Keys of robots that travel as numbers.
+/// Keys of robots that are sent as numbers.
 const ROBOT: [&str; 6] = ["x", "y", "heading", "speed", "granted", "held"];
 
-/// Keys of workers that travel as numbers, and those that thin patches leave out.
+/// Keys of workers that are sent as numbers, and keys that thin patches leave out.
 const WORKER: [&str; 9] = ["x", "y", "heading", "speed", "path", "seen", "eta", "version", "feed"];
 
 /// The patch to `new` from `old`, which has version `base`.
@@ -48,8 +48,8 @@ fn thousandths(x: f64) -> i64 {
     (x * 1000.0).round() as i64
 }
 
-/// One list of all entries. Before each stands how many rows were passed over since the one before, which is a
-/// smaller number than the row's own.
+/// One list of all entries. Each is preceded by the number of rows skipped since the previous one, which is smaller
+/// than the row's own number.
 fn packed<V: Into<Value>, const N: usize>(entries: impl Iterator<Item = (usize, [V; N])>) -> Value {
     let mut next = 0;
     let pack = |(row, numbers): (usize, [V; N])| {
@@ -60,25 +60,25 @@ fn packed<V: Into<Value>, const N: usize>(entries: impl Iterator<Item = (usize, 
     entries.flat_map(pack).collect()
 }
 
-/// Row, and the step in millimetres.
+/// The row, and the step in millimetres.
 fn moved((i, (old, new)): Pair<RobotDto<usize>>) -> Option<(usize, [i64; 2])> {
     let step = [thousandths(new.x) - thousandths(old.x), thousandths(new.y) - thousandths(old.y)];
     (step != [0, 0]).then_some((i, step))
 }
 
-/// Row, and the heading in milliradians.
+/// The row, and the heading in milliradians.
 fn turned((i, (old, new)): Pair<RobotDto<usize>>) -> Option<(usize, [i64; 1])> {
     (old.heading != new.heading).then(|| (i, [thousandths(new.heading)]))
 }
 
-/// Row, and the speed in centimetres a second.
+/// The row, and the speed in centimetres per second.
 fn sped((i, (old, new)): Pair<RobotDto<usize>>) -> Option<(usize, [i64; 1])> {
     let cmps = |r: &RobotDto<usize>| (r.speed * 100.0).round() as i64;
     (cmps(old) != cmps(new)).then(|| (i, [cmps(new)]))
 }
 
-/// Row, how many nodes were left behind, how many are granted now, how many of the rest stay, and the nodes that
-/// come after them. The way is what is granted and then what is held.
+/// The row, how many nodes were left behind, how many are granted now, how many of the rest stay, and the nodes that
+/// follow them. The route is the granted nodes and then the held ones.
 fn way((i, (old, new)): Pair<RobotDto<usize>>) -> Option<Vec<usize>> {
     if old.granted == new.granted && old.held == new.held {
         return None;
@@ -91,7 +91,7 @@ fn way((i, (old, new)): Pair<RobotDto<usize>>) -> Option<Vec<usize>> {
     Some([i, left, new.granted.len(), stay].into_iter().chain(now[stay..].iter().copied()).collect())
 }
 
-/// Workers as far as anybody sees it on a screen: centimetres and percent, the five likeliest goals.
+/// Workers in the resolution of a screen: centimetres and percent, the five most probable goals.
 fn coarse(workers: &[WorkerDto]) -> Vec<WorkerDto> {
     let hundredth = |x: f64| (x * 100.0).round() / 100.0;
     let coarse = |w: &WorkerDto| {
@@ -107,7 +107,7 @@ fn coarse(workers: &[WorkerDto]) -> Vec<WorkerDto> {
     workers.iter().map(coarse).collect()
 }
 
-/// Row, place in millimetres, heading in milliradians, speed in centimetres a second.
+/// The row, the position in millimetres, the heading in milliradians, the speed in centimetres per second.
 fn walked((i, (old, new)): Pair<WorkerDto>) -> Option<(usize, [Value; 4])> {
     let whole = |x: Option<f64>| json!(x.map(thousandths));
     let all =
@@ -116,7 +116,7 @@ fn walked((i, (old, new)): Pair<WorkerDto>) -> Option<(usize, [Value; 4])> {
     (all(old) != now).then_some((i, now))
 }
 
-/// Row, how many points at the end of the path stay, and the points before them, as x and y in millimetres.
+/// The row, how many points at the end of the path stay, and the points before them, as x and y in millimetres.
 fn path((i, (old, new)): Pair<WorkerDto>) -> Option<Vec<i64>> {
     if old.path == new.path {
         return None;

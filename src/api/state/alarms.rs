@@ -1,7 +1,7 @@
 //! The alarms of a running server, which its parts raise and the API shows.
 //!
-//! Main type: [`Alarms`]. Every alarm that is new is logged here, once. Refuses: to find out what is wrong, and to
-//! write anything down: it hands out what changed.
+//! Main type: [`Alarms`]. Every new alarm is logged here, once. Refuses: to detect what is wrong, and to store
+//! anything: it hands out what changed.
 
 use giveway_fleet::View;
 use giveway_fleet::alarm::{
@@ -21,20 +21,20 @@ pub struct Alarms {
 }
 
 impl Alarms {
-    /// Goes on with what was active when an earlier run ended.
+    /// Continues with the alarms that were active when an earlier run ended.
     pub fn restore(&self, last: u64, active: Vec<Alarm>, now: Time) {
         self.register().restore(last, active, now);
         self.changed.notify_one();
     }
 
-    /// Raises an alarm of a part of the server, or gives an active one a new text. Whether it is new.
+    /// Raises an alarm about a part of the server, or updates the text of an active one. True if the alarm is new.
     pub fn raise(&self, kind: AlarmKind, text: Sentence, now: Time) -> bool {
         let new = self.register().raise(AlarmCondition::of_server(kind, text), now);
         self.tell(new.as_slice());
         new.is_some()
     }
 
-    /// Ends the alarms of a kind. Whether there was one.
+    /// Ends the alarms of a kind. True if there was one.
     pub fn clear(&self, kind: AlarmKind, now: Time) -> bool {
         let ended = self.register().clear(kind, now);
         if ended {
@@ -43,63 +43,63 @@ impl Alarms {
         ended
     }
 
-    /// Takes in everything that the watch over fleet and loop finds wrong now.
+    /// Updates the alarms that the watch over fleet and loop raises with everything that is wrong now.
     pub fn observe(&self, found: Vec<AlarmCondition>, now: Time) {
         let new = self.register().observe(AlarmScope::Watch, found, now);
         self.tell(&new);
     }
 
-    /// Takes in what a person stopped, by a view.
+    /// Updates the alarms about what operators have stopped, from a view.
     pub fn note(&self, view: &View) {
         let new = self.register().observe(AlarmScope::Operator, operator_conditions(view), view.now);
         self.tell(&new);
     }
 
-    /// Somebody takes note of an active alarm. Nothing where none of this number is active.
+    /// Acknowledges an active alarm in a person's name; nothing if no alarm of this number is active.
     pub fn acknowledge(&self, id: u64, by: &str, now: Time) -> Option<Alarm> {
         let alarm = self.register().acknowledge(id, by, now);
         self.changed.notify_one();
         alarm
     }
 
-    /// Somebody puts an active alarm aside.
+    /// Shelves an active alarm in a person's name.
     ///
     /// # Errors
-    /// Where it is not active, must always call, or too many are put aside.
+    /// If the alarm is not active, must not be shelved, or too many alarms are shelved.
     pub fn shelve(&self, id: u64, shelving: Shelving) -> Result<Alarm, CareRefusal> {
         let alarm = self.register().shelve(id, shelving);
         self.changed.notify_one();
         alarm
     }
 
-    /// Somebody takes an active alarm back up. Nothing where none of this number is active.
+    /// Unshelves an active alarm; nothing if no alarm of this number is active.
     pub fn unshelve(&self, id: u64) -> Option<Alarm> {
         let alarm = self.register().unshelve(id);
         self.changed.notify_one();
         alarm
     }
 
-    /// Somebody writes a note about an active alarm.
+    /// Adds a person's note to an active alarm.
     ///
     /// # Errors
-    /// Where it is not active, or has too many.
+    /// If the alarm is not active, or has too many notes.
     pub fn write_note(&self, id: u64, note: AlarmNote) -> Result<Alarm, CareRefusal> {
         let alarm = self.register().write_note(id, note);
         self.changed.notify_one();
         alarm
     }
 
-    /// The active alarm of this number, also where it is a member of a group.
+    /// The active alarm of this number, even if it is a member of a group.
     pub fn find(&self, id: u64) -> Option<Alarm> {
         self.register().find(id)
     }
 
-    /// All that are active, the worst first. Members are in their groups.
+    /// All active alarms, the worst first. Members are in their groups.
     pub fn list(&self) -> Vec<Alarm> {
         self.register().active()
     }
 
-    /// Active alarms about this, also where they are members of a group.
+    /// Active alarms about this subject, even if they are members of a group.
     pub fn about(&self, subject: &AlarmSubject) -> Vec<Alarm> {
         self.register().about(subject)
     }
@@ -114,12 +114,12 @@ impl Alarms {
         self.changed.notified().await;
     }
 
-    /// What has changed, to be written down.
+    /// The alarms that have changed and must be stored.
     pub fn take_changes(&self) -> Vec<Alarm> {
         self.register().take_changes()
     }
 
-    /// What could not be written down.
+    /// Returns changed alarms that could not be stored.
     pub fn put_back(&self, alarms: Vec<Alarm>) {
         self.register().put_back(alarms);
     }
@@ -137,7 +137,7 @@ impl Alarms {
                 AlarmSeverity::Critical => tracing::error!(kind, subject, "{}", alarm.text),
             }
         }
-        // Also where none is new: some may have ended.
+        // Even if no alarm is new: some may have ended.
         self.changed.notify_one();
     }
 }

@@ -1,7 +1,7 @@
-//! The state that all handlers share: the view, the ways to the fleet, and everything that answers requests.
+//! The state that all handlers share: the view, the queues to the fleet, and everything that answers requests.
 //!
-//! Main type: [`Api`]. Reads look at the latest view or at durable lists; [`Api::ask`] puts a request into the queue
-//! and answers when its facts are durable. Refuses: to decide anything about robots.
+//! Main type: [`Api`]. Reads use the latest view or the durable lists; [`Api::ask`] queues a request and answers when
+//! its facts are durable. Refuses: to decide anything about robots.
 
 use crate::access::audit::{AuditEntry, AuditLog};
 use crate::access::auth::Gate;
@@ -34,31 +34,31 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
 
-/// How long a request waits for being durable.
+/// How long a request waits until it is durable.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// What handlers see. Cheap to clone.
+/// The state that handlers share. Cheap to clone.
 #[derive(Clone)]
 pub struct Api {
     /// The building.
     pub map: Arc<Warehouse>,
-    /// Looks at the map for kinds of robots that are to be added.
+    /// Checks the map for robot kinds that are to be added.
     pub kind_checks: KindChecks,
     /// The latest view.
     pub moments: watch::Receiver<Arc<Moment>>,
-    /// Durable jobs.
+    /// Durable lists: jobs, assignments, alarms, encounters, events and more.
     pub records: Arc<dyn Records>,
     /// Figures over time.
     pub figures: Arc<SharedHistory>,
-    /// Takes requests; absent where a recording is shown, since the past takes none.
+    /// The queue of requests to the fleet; absent if a recording is shown, since the past accepts none.
     pub queue: Option<mpsc::Sender<QueuedRequest>>,
-    /// Webhooks; absent where a recording is shown.
+    /// Webhooks; absent if a recording is shown.
     pub hooks: Option<WebhookAccess>,
-    /// Takes questions.
+    /// The queue of questions to the fleet.
     pub questions: mpsc::Sender<Question>,
-    /// What stands.
+    /// Active alarms.
     pub alarms: Arc<Alarms>,
-    /// Frames of the past, if they are kept.
+    /// Recordings, if they are kept.
     pub past: Option<Arc<Folder>>,
     /// The live feed.
     pub live: Arc<Live>,
@@ -66,29 +66,29 @@ pub struct Api {
     pub feeds: Arc<Feeds>,
     /// Names of people.
     pub pseudonyms: Arc<Pseudonyms>,
-    /// Frames and workers of MassRobotics reports.
+    /// Settings for MassRobotics reports: workers and frames.
     pub interop: Arc<Interop>,
     /// The clock.
     pub now: Now,
-    /// Figures.
+    /// Metrics for Prometheus.
     pub metrics: Arc<Metrics>,
-    /// Tries maps out.
+    /// Runs trials of maps.
     pub trials: Trials,
-    /// Takes maps that are to become the server's own.
+    /// Publishes maps.
     pub maps: MapPort,
     /// Decides which requests are authorised.
     pub gate: Arc<Gate>,
     /// The identity provider, if people sign in with one.
     pub oidc: Option<Arc<Oidc>>,
-    /// Keeps named tokens; absent where a recording is shown.
+    /// Keeps named tokens; absent if a recording is shown.
     pub tokens: Option<Arc<dyn TokenPort>>,
-    /// Keeps answers to requests with keys; absent where a recording is shown.
+    /// Keeps answers to requests with keys; absent if a recording is shown.
     pub answers: Option<Arc<dyn AnswerPort>>,
-    /// Numbers requests that are to change something, and has them written down.
+    /// Numbers the audit entries of requests, and passes them on to be stored.
     pub audit: Arc<AuditLog>,
-    /// Who called, in the copy of this that one request has.
+    /// The caller, in the copy of this state that one request has.
     pub caller: Arc<Caller>,
-    /// The entry of that request, if it is to change something.
+    /// The audit entry of that request, if the request is to change something.
     pub entry: Option<Arc<AuditEntry>>,
     /// Turns true when the server shuts down.
     pub closing: watch::Receiver<bool>,
@@ -100,12 +100,12 @@ impl Api {
         self.moments.borrow().clone()
     }
 
-    /// Where requests go; a recording takes none, nor poses.
+    /// The queue of requests to the fleet; a recording accepts neither requests nor poses.
     pub fn queue(&self) -> Result<&mpsc::Sender<QueuedRequest>, Problem> {
         self.queue.as_ref().ok_or_else(Problem::of_recording)
     }
 
-    /// Asks what the view does not say.
+    /// Asks the fleet what the view does not contain.
     pub async fn query<T>(
         &self,
         question: impl FnOnce(oneshot::Sender<T>) -> Question,
@@ -119,7 +119,7 @@ impl Api {
         }
     }
 
-    /// The entry of a request that came over a feed.
+    /// The audit entry of a request that came over a feed.
     fn over_feed(&self, request: &Request) -> AuditEntry {
         let (words, worker) = match request {
             Request::Worker(WorkerAction::Finish(worker, _)) => ("done, over the feed", Some(*worker)),
@@ -129,12 +129,13 @@ impl Api {
         self.audit.begin(&self.caller, words.into(), worker.map(worker_name), (self.now)())
     }
 
-    /// Asks the fleet and waits until its answer is durable; a refusal is a problem that says why.
+    /// Sends a request to the fleet and waits until the answer is durable; a refusal becomes a problem that explains
+    /// it.
     pub async fn ask<A>(&self, ask: Ask<A>) -> Result<A, Problem> {
         self.answer_to(ask).await?.map_err(|why| refused(&self.map, why))
     }
 
-    /// The same, for those who do something else where the fleet refuses.
+    /// Like [`Api::ask`], but a refusal of the fleet is returned to the caller.
     pub async fn answer_to<A>(&self, ask: Ask<A>) -> Result<Result<A, Refusal>, Problem> {
         match self.durable_answer(ask.request.clone()).await? {
             Err(why) => Ok(Err(why)),

@@ -1,4 +1,4 @@
-//! The API as one request sees it.
+//! The shared state with the caller of one request.
 //!
 //! Main type: [`Called`]. Refuses: to check anything; the layer around the routes has done that.
 
@@ -10,7 +10,7 @@ use axum::http::request::Parts;
 use std::convert::Infallible;
 use std::sync::Arc;
 
-/// The API, knowing who called.
+/// The shared state, with the caller of this request.
 pub struct Called(pub Api);
 
 impl FromRequestParts<Api> for Called {

@@ -1,4 +1,4 @@
-//! Whether the map was drawn for a kind of robots that is to be added: it takes too long for the fleet.
+//! Checks whether the map suits a robot kind that is to be added: this takes too long for the fleet.
 //!
 //! Main type: [`KindChecks`]. Refuses: two checks at once.
 
@@ -9,7 +9,7 @@ use giveway_floor::warehouse::Warehouse;
 use std::sync::Arc;
 use tokio::sync::Semaphore;
 
-/// Looks at the map for kinds that are to be added, one at a time: on a large map that takes a while.
+/// Checks the map for robot kinds that are to be added, one at a time: on a large map a check takes a while.
 #[derive(Clone, Debug)]
 pub struct KindChecks(Arc<Semaphore>);
 
@@ -20,7 +20,7 @@ impl Default for KindChecks {
 }
 
 impl KindChecks {
-    /// Whether a building was drawn for robots of a kind.
+    /// Whether the building's map suits robots of a kind.
     pub async fn check(&self, building: Arc<Warehouse>, kind: RobotKind) -> Result<(), Problem> {
         let busy = |_| Problem::unavailable(requests::busy(), 1);
         let place = self.0.clone().try_acquire_owned().map_err(busy)?;

@@ -1,7 +1,7 @@
-//! Figures for Prometheus.
+//! Metrics for Prometheus.
 //!
-//! Main type: [`Metrics`]: a value, so that two servers in one test do not share it. Refuses: labels without
-//! a bound.
+//! Main type: [`Metrics`]: a value, so that two servers in one test do not share it. Refuses: labels with unlimited
+//! values.
 
 use crate::dto::names::JobCountsDto;
 use crate::port::moment::Moment;
@@ -24,60 +24,60 @@ pub struct HttpLabels {
     pub method: String,
     /// The route, not the path.
     pub route: String,
-    /// The status.
+    /// The HTTP status.
     pub status: u16,
 }
 
-/// A state, of a robot or of a job.
+/// The state of a robot, a job or a worker.
 #[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
 pub struct StateLabel {
-    /// Its word.
+    /// The state's word.
     pub state: String,
 }
 
-/// What a robot is at.
+/// The activity of a robot.
 #[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
 pub struct ActivityLabel {
-    /// Its word.
+    /// The activity's word.
     pub activity: &'static str,
 }
 
-/// How far ahead.
+/// The horizon of a forecast.
 #[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
 pub struct HorizonLabel {
-    /// Seconds.
+    /// How far ahead, in seconds.
     pub seconds: String,
 }
 
-/// Why something was refused.
+/// The reason for a refusal.
 #[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
 pub struct ReasonLabel {
-    /// Its word.
+    /// The reason's word.
     pub reason: &'static str,
 }
 
-/// What an alarm is about, and how bad it is.
+/// The kind and severity of an alarm.
 #[derive(Clone, Debug, Hash, PartialEq, Eq, EncodeLabelSet)]
 pub struct AlarmLabels {
-    /// The word of its kind.
+    /// The word for the kind.
     pub kind: &'static str,
     /// notice, warning or critical.
     pub severity: &'static str,
 }
 
-/// All figures.
+/// All metrics.
 #[derive(Debug)]
 pub struct Metrics {
     registry: Registry,
-    /// Length of steps, seconds.
+    /// Duration of steps, seconds.
     pub step_seconds: Histogram,
     /// Facts written per transaction.
     pub journal_batch: Histogram,
     /// Seconds from a step to its facts being durable.
     pub journal_lag: Histogram,
-    /// Facts not durable yet.
+    /// Facts that are not durable yet.
     pub journal_pending: Gauge,
-    /// Times the database refused.
+    /// How often the database refused to write.
     pub journal_errors: Counter,
     /// Open live feeds.
     pub live_clients: Gauge,
@@ -85,18 +85,18 @@ pub struct Metrics {
     pub event_streams: Gauge,
     /// Open feeds of headsets.
     pub feeds: Gauge,
-    /// Poses that came over feeds, as far as they were looked at.
+    /// Poses that arrived over feeds, as far as they were read.
     pub poses_received: Counter,
-    /// Poses left out since they came faster than sixty a second.
+    /// Poses left out because they came faster than sixty a second.
     pub poses_thinned: Counter,
     poses_refused: Family<ReasonLabel, Counter>,
-    /// Hands that were left out of poses because they cannot be.
+    /// Hands that were left out of poses because they are impossible.
     pub hands_refused: Counter,
-    /// From a pose that came in to the stop that a worker is sent because of it, seconds.
+    /// Seconds from the arrival of a pose to the stop that is sent to a worker because of it.
     pub pose_to_stop: Histogram,
-    /// From a pose that came in to the stop that a robot is sent in the step that took it, seconds.
+    /// Seconds from the arrival of a pose to the stop that is sent to a robot in the step that took the pose.
     pub pose_to_robot_stop: Histogram,
-    /// From a hand that was seen going wrong to the warning that its wearer is sent, seconds.
+    /// Seconds from the sighting of a hand going wrong to the warning that is sent to its wearer.
     pub hand_to_warning: Histogram,
     /// HTTP requests.
     pub http: Family<HttpLabels, Counter>,
@@ -120,7 +120,8 @@ pub struct Metrics {
     insertions_only_way: Gauge,
     insertion_gain: Gauge<f64, AtomicU64>,
     deliveries_per_hour: Gauge<f64, AtomicU64>,
-    /// Of forecasts of people, by horizon: how many, share covered, factor of regions, whether trusted.
+    /// Forecasts of people, by horizon: their number, the share covered, the factor of the regions, and whether they
+    /// are trusted.
     forecasts: Family<HorizonLabel, Gauge>,
     forecast_covered: Family<HorizonLabel, Gauge<f64, AtomicU64>>,
     forecast_scale: Family<HorizonLabel, Gauge<f64, AtomicU64>>,
@@ -264,7 +265,7 @@ impl Metrics {
         }
     }
 
-    /// Takes in the alarms that are active.
+    /// Updates the counts of active alarms.
     pub fn note_alarms(&self, active: &[Alarm]) {
         self.alarms.clear();
         for alarm in active {
@@ -314,7 +315,7 @@ impl Metrics {
         self.poses.get_or_create(&label("absurd")).set(sum(|f| f.absurd));
     }
 
-    /// All figures as text, those of the fleet as of `moment`.
+    /// All metrics as text, those of the fleet as of `moment`.
     pub fn text(&self, moment: &Moment) -> String {
         let counts = moment.view.counts;
         let label = |state: &str| StateLabel { state: state.into() };

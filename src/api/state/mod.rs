@@ -1,4 +1,4 @@
-//! What the handlers of all requests share, and the ways to the program that runs the API which need to know who calls.
+//! What the handlers of all requests share, and the ports to the program that runs the API that must know the caller.
 //!
 //! Main types: [`api::Api`], which each handler gets as [`called::Called`]; [`records::Records`],
 //! [`records::QueuedRequest`], [`publish::MapPort`], [`alarms::Alarms`], [`metrics::Metrics`]. Refuses: to know routes.

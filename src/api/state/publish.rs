@@ -1,7 +1,7 @@
-//! Maps that are to become the server's own: what would change, what cannot be carried over, and the order to switch.
+//! Publishing maps: what would change, what cannot be carried over, and the order to switch.
 //!
 //! Main types: [`MapRequest`], [`MapOutlook`], [`MapRefusal`], [`MapOrigin`]. The program that runs the API decides and
-//! carries out. Refuses: to know how.
+//! switches. Refuses: to know how.
 
 use crate::access::audit::AuditEntry;
 use crate::wire::error::Problem;
@@ -12,30 +12,30 @@ use giveway_floor::warehouse::{Difference, Draft, Review};
 use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot};
 
-/// Where the map in operation comes from, if it was published.
+/// The publication from which the map in operation comes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MapOrigin {
-    /// Which published map it is, counted from 1.
+    /// The number of the published map, counted from 1.
     pub number: u32,
     /// When it was published.
     pub at: Time,
-    /// Who did.
+    /// The publisher.
     pub by: String,
 }
 
-/// What a change to another map would mean now.
+/// What switching to another map would mean at present.
 #[derive(Clone, Debug)]
 pub struct MapOutlook {
-    /// What there is to say about the map itself.
+    /// The findings about the map itself.
     pub review: Review,
-    /// What is different from the map in operation; nothing where the map has errors.
+    /// The differences from the map in operation; empty if the map has errors.
     pub differences: Vec<Difference>,
     /// What the floor and the database cannot carry over.
     pub report: Report,
 }
 
 impl MapOutlook {
-    /// Whether the server does not switch to it.
+    /// Whether the server would refuse to switch to the map.
     pub fn is_refused(&self, accept_losses: bool) -> bool {
         let Report { obstacles, losses, .. } = &self.report;
         !self.review.is_good() || !obstacles.is_empty() || (!losses.is_empty() && !accept_losses)
@@ -55,18 +55,18 @@ pub struct MapOrder {
     pub map: Draft,
     /// Whether losses are accepted.
     pub accept_losses: bool,
-    /// Who asks, and as what it is written down.
+    /// The audit entry of the request, with the caller.
     pub by: Arc<AuditEntry>,
 }
 
-/// A map that the server has gone over to.
+/// The map to which the server has switched.
 #[derive(Clone, Debug)]
 pub struct MapDone {
-    /// Its version.
+    /// The map's version.
     pub version: String,
-    /// Where it comes from; nothing where the map in operation was the same one and nothing was done.
+    /// The publication of this map; nothing if it equals the map that was in operation and nothing was done.
     pub origin: Option<MapOrigin>,
-    /// What became of what was on the floor.
+    /// What became of everything on the floor.
     pub report: Report,
 }
 
@@ -79,26 +79,26 @@ pub enum MapRefusal {
     Failed(String),
 }
 
-/// What is asked of the program about maps.
+/// A request about maps to the program that runs the API.
 #[derive(Debug)]
 pub enum MapRequest {
-    /// What a change to this map would mean.
+    /// Check what switching to this map would mean.
     Check(Box<Draft>, oneshot::Sender<Result<MapOutlook, MapRefusal>>),
-    /// The change itself.
+    /// Switch to this map.
     Publish(Box<MapOrder>, oneshot::Sender<Result<MapDone, MapRefusal>>),
 }
 
-/// Takes requests about maps.
+/// The port for requests about maps.
 #[derive(Clone, Debug, Default)]
 pub struct MapPort {
-    /// Where the map in operation comes from, if it was published.
+    /// The publication of the map in operation, if it was published.
     pub origin: Option<MapOrigin>,
-    /// Where requests go; absent where a recording is shown.
+    /// The queue of requests; absent if a recording is shown.
     pub requests: Option<mpsc::Sender<MapRequest>>,
 }
 
 impl MapPort {
-    /// Asks, and waits for the answer, however long robots take to stand.
+    /// Sends a request and waits for the answer, however long robots take to stop.
     pub(crate) async fn ask<T>(
         &self,
         request: impl FnOnce(oneshot::Sender<Result<T, MapRefusal>>) -> MapRequest,

@@ -1,6 +1,6 @@
-//! Durable lists to read, and the queue of requests to the fleet.
+//! The port to the durable lists, and the requests in the queue to the fleet.
 //!
-//! Main types: [`Records`], [`QueuedRequest`]. Refuses: to know where lists are kept, and who takes requests.
+//! Main types: [`Records`], [`QueuedRequest`]. Refuses: to know where lists are kept, and what takes requests.
 
 use crate::access::audit::{AuditEntry, AuditQuery};
 use crate::port::Later;
@@ -33,15 +33,15 @@ pub trait Records: Send + Sync {
     fn encounters(&self, filter: EncounterQuery) -> Later<'_, Result<Listed<EncounterRow, i64>, String>>;
     /// What happened to a robot, newest first.
     fn robot_events(&self, filter: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>>;
-    /// What became of the jobs of a robot.
+    /// How the jobs of a robot ended.
     fn robot_jobs(&self, robot: RobotId) -> Later<'_, Result<RobotJobCounts, String>>;
-    /// Some events, in order; none where a recording is shown.
+    /// Some events, in order; none if a recording is shown.
     fn events(&self, _: EventQuery) -> Later<'_, Result<Vec<EventRow>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }
-    /// What the lists say about the time from one moment to another; what is not over lasts until the last of these.
+    /// What the lists say about a period; what is not over at `now` counts until then.
     fn shift(&self, between: (Time, Time), now: Time) -> Later<'_, Result<ShiftRows, String>>;
-    /// Which events are kept.
+    /// The range of events that are kept.
     fn event_span(&self) -> Later<'_, Result<EventSpan, String>> {
         Box::pin(async { Ok(EventSpan::default()) })
     }
@@ -49,12 +49,11 @@ pub trait Records: Send + Sync {
     fn events_changed(&self) -> watch::Receiver<()> {
         watch::channel(()).1
     }
-    /// Who asked to change something, newest first; nobody where a recording is shown.
+    /// Audit entries, newest first; none if a recording is shown.
     fn audit(&self, _: AuditQuery) -> Later<'_, Result<Vec<AuditEntry>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }
-    /// How often what was asked, as the audit has it, and done, from one moment to another; nothing where a recording
-    /// is shown.
+    /// How often each audited request was carried out in a period; nothing if a recording is shown.
     fn acts(&self, _: (Time, Time)) -> Later<'_, Result<Vec<(String, u64)>, String>> {
         Box::pin(async { Ok(Vec::new()) })
     }
@@ -63,10 +62,10 @@ pub trait Records: Send + Sync {
 /// A request on its way to the fleet.
 #[derive(Debug)]
 pub struct QueuedRequest {
-    /// What is asked.
+    /// The request.
     pub request: Request,
-    /// Who asks, and as what it is written down.
+    /// The audit entry of the request, with the caller.
     pub by: Arc<AuditEntry>,
-    /// Gets the answer once it is durable.
+    /// Receives the answer once it is durable.
     pub reply: oneshot::Sender<Answered>,
 }

@@ -1,75 +1,75 @@
-//! Frame alignment: where a device's own frame lies in the map, from points that both know.
+//! Frame alignment: where a device's own frame lies on the map, from points that both know.
 //!
 //! Main types: [`Alignment`], [`PointPair`], [`Misfit`]. A rotation about the vertical and a shift, no scale: the
 //! least-squares fit of Arun, Huang and Blostein 1987 ("Least-squares fitting of two 3-D point sets") in the plane,
-//! where the singular value decomposition is one arc tangent. Marks that lie on one line fit a frame with an exchanged
-//! axis as well: such an alignment is provisional and knows the line about which the other place lies
+//! where the singular value decomposition is one arc tangent. Marks that lie on one line also fit a mirrored frame, one
+//! with an exchanged axis: such an alignment is provisional and knows the line about which the other position lies
 //! ([`Alignment::mirrored`]). Pure. Refuses: pairs that no rigid movement brings together, marks of one floor at
-//! different heights, and to guess which of two stories is true.
+//! different heights, and to guess which of two possible alignments is true.
 
 use giveway_floor::geometry::{FARTHEST_M, Point, Vector, wrap_angle};
 use giveway_floor::text::sentence::{feed, remedies};
 use giveway_floor::text::{Sentence, SentenceArg};
 use nalgebra::Rotation2;
 
-/// One standard deviation of touching a mark, metres. Fits that look better than that are not believed.
+/// One standard deviation of touching a mark, metres. Fits that look better than this are not believed.
 const TOUCH_M: f64 = 0.03;
 
-/// Lengths in device and map may differ by this share.
+/// The share by which lengths in device and map may differ.
 const SCALE_TOLERANCE: f64 = 0.03;
 
 /// A fit whose marks are further off than this, root of the mean square, is refused; metres.
 pub const RMS_MAX_M: f64 = 0.15;
 
-/// Marks must be at least so far apart, metres.
+/// The least distance between marks, metres.
 pub const BASELINE_MIN_M: f64 = 1.0;
 
-/// All marks lie on one floor: their heights may differ by this, metres. Devices drift, and a ring is laid by hand.
+/// All marks lie on one floor: their heights may differ by this, metres. Devices drift, and rings are laid by hand.
 const FLOOR_M: f64 = 0.25;
 
-/// A direction of a mark may differ by this from the one that the places of the marks give, radians: 20 degrees.
+/// How far a mark's direction may differ from the direction that the marks' positions give, radians: 20 degrees.
 const DIRECTION_MAX: f64 = 0.35;
 
-/// A frame with an exchanged axis is ruled out where the marks would be further off in it than this, metres: twice what
-/// the right one may be off.
+/// A mirrored frame is ruled out if the marks' error in it exceeds this, metres: twice the error allowed for the right
+/// frame.
 const MIRRORED_MIN_M: f64 = 2.0 * RMS_MAX_M;
 
-/// How well the direction of a single mark is known: two degrees.
+/// The error of a single mark's direction, radians: two degrees.
 const YAW_ERROR: f64 = 0.035;
 
-/// How far devices drift, as a share of the way walked since the marks were seen. Headsets with inside-out tracking
-/// are usually within 0.5 to 1 %.
+/// How far devices drift, as a share of the distance walked since the marks were seen. Headsets with inside-out
+/// tracking usually stay within 0.5 to 1 %.
 const DRIFT: f64 = 0.0075;
 
-/// The most pairs that are looked at.
+/// The most pairs that are accepted.
 pub const MOST_PAIRS: usize = 32;
 
 /// A point of the floor that device and map both know.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointPair {
-    /// In the device's floor plan, metres.
+    /// Position in the device's floor plan, metres.
     pub device: Vector,
-    /// Its height in the device's frame, metres.
+    /// Height in the device's frame, metres.
     pub height_m: f64,
-    /// On the map, metres.
+    /// Position on the map, metres.
     pub map: Point,
-    /// How much it counts; 1 is usual.
+    /// Weight of the pair in the fit; 1 is usual.
     pub weight: f64,
-    /// How far the device's frame is turned, as this mark alone has it: its direction on the map less its direction
-    /// in the device's frame, radians.
+    /// How far the device's frame is turned according to this mark alone: the mark's direction on the map minus its
+    /// direction in the device's frame, radians.
     pub turn: Option<f64>,
-    /// Its direction on the map, radians, where both sides know it.
+    /// The mark's direction on the map, radians, if both sides know it.
     pub heading: Option<f64>,
 }
 
-/// Where a device's frame lies in the map: `p = R(theta) a + shift`.
+/// Where a device's frame lies on the map: `p = R(theta) a + shift`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Alignment {
-    /// How far the frame is turned, radians.
+    /// How far the device's frame is turned, radians.
     pub theta: f64,
-    /// Where its origin is.
+    /// The position of the frame's origin on the map.
     pub shift: Vector,
-    /// How far the marks are off, root of the mean square, metres.
+    /// Root mean square of the marks' errors, metres.
     pub rms_m: f64,
     /// One standard deviation of `theta`, radians: √2 σ / baseline for two marks.
     pub heading_error: f64,
@@ -77,58 +77,58 @@ pub struct Alignment {
     pub dropped: Vec<usize>,
     /// Height of the floor in the device's frame, metres.
     pub floor_m: f64,
-    /// The direction on the map, radians, of the line on which all marks lie; nothing where they rule out that an axis
-    /// of the device's frame is exchanged.
+    /// The direction on the map, radians, of the line on which all marks lie; nothing if the marks rule out that the
+    /// device's frame is mirrored.
     line: Option<f64>,
-    /// The middle of the marks, and one standard deviation of it, metres.
+    /// The centre of the marks, and one standard deviation of it, metres.
     centre: Point,
     centre_sigma_m: f64,
 }
 
-/// Why pairs make no alignment.
+/// Why pairs give no alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Misfit {
-    /// Nothing to go by.
+    /// There are too few marks.
     TooFew,
-    /// More than anybody touches.
+    /// There are more marks than a person would touch.
     TooMany(usize),
-    /// A number that cannot be.
+    /// A mark has impossible numbers; its index counts from 0.
     Absurd(usize),
-    /// Marks too close to tell a direction.
+    /// The marks are too close together to give a direction; their distance.
     TooClose(f64),
-    /// Distances differ.
+    /// The distances between marks differ between device and map; the ratio.
     Scale(f64),
     /// The floor is not level in the device's frame.
     Heights {
-        /// The lowest, metres.
+        /// The lowest mark, metres.
         low_m: f64,
-        /// The highest, metres.
+        /// The highest mark, metres.
         high_m: f64,
-        /// The one that is off the most, from 0.
+        /// The mark that is off the most, counted from 0.
         worst: usize,
     },
-    /// The marks fit with an axis exchanged, and not without.
+    /// The marks fit only a mirrored frame.
     Mirrored,
-    /// A mark points elsewhere than the places of the marks say.
+    /// A mark points in another direction than the marks' positions imply.
     Direction {
-        /// Which, from 0.
+        /// The mark, counted from 0.
         mark: usize,
-        /// How far.
+        /// How far its direction is off, degrees.
         degrees: f64,
     },
-    /// The marks do not lie as on the map.
+    /// The marks do not lie as they do on the map.
     Residual {
-        /// Root of the mean square, metres.
+        /// Root mean square of the marks' errors, metres.
         rms_m: f64,
-        /// The one that is off the most, from 0.
+        /// The mark that is off the most, counted from 0.
         worst: usize,
     },
-    /// One of three is wrong, and it is not certain which.
+    /// One of three marks is wrong, and it is unclear which.
     Ambiguous,
 }
 
 impl Misfit {
-    /// What is wrong with the marks.
+    /// The misfit in words.
     pub fn sentence(self) -> Sentence {
         let decimal = SentenceArg::rounded;
         match self {
@@ -147,7 +147,7 @@ impl Misfit {
         }
     }
 
-    /// What the person who wears the device can do.
+    /// What the wearer of the device can do.
     pub fn remedy(self) -> Sentence {
         match self {
             Misfit::TooFew => remedies::do_touch_two_marks(),
@@ -171,19 +171,19 @@ struct Fit {
     centre: Point,
     rms_m: f64,
     sigma_m: f64,
-    /// Root of the sum of squared distances from the middle, metres.
+    /// Root of the sum of squared distances from the centre, metres.
     spread_m: f64,
     scale: f64,
     worst: usize,
 }
 
 impl Alignment {
-    /// A device that knows the map's frame itself.
+    /// The alignment of a device that knows the map's frame itself.
     pub fn identity() -> Alignment {
         Alignment::exact(0.0, Vector::zeros())
     }
 
-    /// A frame whose place on the map is set up by hand.
+    /// The alignment of a frame whose position on the map is set by hand.
     pub fn exact(theta: f64, shift: Vector) -> Alignment {
         Alignment {
             theta,
@@ -198,11 +198,11 @@ impl Alignment {
         }
     }
 
-    /// The rigid movement that brings device and map together best. With three pairs or more the worst are left out,
-    /// up to a third of them, where that is what it takes.
+    /// The rigid movement that fits device and map best. With three pairs or more, up to a third of them, the worst,
+    /// are left out if necessary.
     ///
     /// # Errors
-    /// Where no such movement is good enough, or something else that the marks say contradicts it.
+    /// If no such movement is good enough, or the marks contradict it in another way.
     pub fn fit(pairs: &[PointPair]) -> Result<Alignment, Misfit> {
         check(pairs)?;
         let floor_m = floor(pairs)?;
@@ -214,7 +214,7 @@ impl Alignment {
         Ok(Alignment { floor_m, ..alignment })
     }
 
-    /// What the places of several marks say.
+    /// The alignment that the positions of several marks give.
     fn of_places(pairs: &[PointPair]) -> Result<Alignment, Misfit> {
         let mut kept: Vec<usize> = (0..pairs.len()).collect();
         let misfit = match fit_if_good(pairs, &kept) {
@@ -236,30 +236,30 @@ impl Alignment {
         Err(misfit)
     }
 
-    /// A point of the device's floor plan on the map.
+    /// The map position of a point in the device's floor plan.
     pub fn point(&self, a: Vector) -> Point {
         Point::from(Rotation2::new(self.theta) * a + self.shift)
     }
 
-    /// A direction of the device's floor plan on the map.
+    /// The map direction of a direction in the device's floor plan.
     pub fn heading(&self, phi: f64) -> f64 {
         wrap_angle(phi + self.theta)
     }
 
-    /// Whether the marks leave open that an axis of the device's frame is exchanged.
+    /// Whether the marks leave open that the device's frame is mirrored.
     pub fn is_provisional(&self) -> bool {
         self.line.is_some()
     }
 
-    /// Where a place on the map would be if the device's frame had an axis exchanged: on the other side of the line of
-    /// the marks. Nothing where the marks rule that out.
+    /// Where a map position would be if the device's frame were mirrored: on the other side of the line of the marks.
+    /// Nothing if the marks rule that out.
     pub fn mirrored(&self, at: Point) -> Option<Point> {
         let along = self.line.map(|angle| Vector::new(angle.cos(), angle.sin()))?;
         let from = at - self.centre;
         Some(self.centre + along * (2.0 * along.dot(&from)) - from)
     }
 
-    /// The directions of marks say the same as their places.
+    /// Checks that the marks' directions agree with their positions.
     fn check_directions(&self, pairs: &[PointPair]) -> Result<(), Misfit> {
         for (mark, pair) in pairs.iter().enumerate().filter(|(i, _)| !self.dropped.contains(i)) {
             let off = pair.turn.map_or(0.0, |turn| wrap_angle(turn - self.theta).abs());
@@ -270,8 +270,8 @@ impl Alignment {
         Ok(())
     }
 
-    /// What the alignment adds to the uncertainty of a place on the map, one standard deviation, metres: the marks,
-    /// the turn times the distance from them, and drift over the way walked since.
+    /// The alignment's share of the uncertainty of a map position, one standard deviation, metres: from the marks, the
+    /// error of the turn times the distance from them, and drift over the distance walked since.
     pub fn sigma_m(&self, at: Point, walked_m: f64) -> f64 {
         let turned = self.heading_error * (at - self.centre).norm();
         let drifted = if self.heading_error == 0.0 { 0.0 } else { DRIFT * walked_m };
@@ -291,7 +291,7 @@ fn check(pairs: &[PointPair]) -> Result<(), Misfit> {
     }
 }
 
-/// The height of the floor on which all marks lie: the middle one of theirs.
+/// The height of the floor on which all marks lie: the median of their heights.
 fn floor(pairs: &[PointPair]) -> Result<f64, Misfit> {
     let mut heights: Vec<f64> = pairs.iter().map(|p| p.height_m).collect();
     heights.sort_by(f64::total_cmp);
@@ -304,14 +304,14 @@ fn floor(pairs: &[PointPair]) -> Result<f64, Misfit> {
     Err(Misfit::Heights { low_m, high_m, worst: worst.map_or(0, |(i, _)| i) })
 }
 
-/// The same marks in a frame with one axis exchanged.
+/// The same marks in a mirrored frame.
 fn mirrored(pairs: &[PointPair]) -> Vec<PointPair> {
     let flip = |p: &PointPair| PointPair { device: Vector::new(p.device.x, -p.device.y), ..*p };
     pairs.iter().map(flip).collect()
 }
 
-/// The direction on the map of the line of the marks, where a frame with an exchanged axis fits them as well. The
-/// movement with that axis and the one without differ by a reflection about it.
+/// The map direction of the line of the marks, if a mirrored frame fits them, too. The movements of the two frames
+/// differ by a reflection about this line.
 fn line(pairs: &[PointPair], some: &[usize], theta: f64) -> Option<f64> {
     let other = solve(&mirrored(pairs), some);
     (other.rms_m <= MIRRORED_MIN_M).then(|| wrap_angle(theta + other.theta) / 2.0)
@@ -336,8 +336,8 @@ fn without(kept: &[usize], gone: usize) -> Vec<usize> {
     kept.iter().copied().filter(|i| *i != gone).collect()
 }
 
-/// Any two marks whose distance is right fit perfectly. So one of three is left out only where the other choices
-/// are no story at all, or tell the same.
+/// Any two marks with the right distance fit perfectly. So one of three is left out only if the other choices give no
+/// fit, or the same one.
 fn one_of_three(pairs: &[PointPair], fewer: &[Vec<usize>], misfit: Misfit) -> Result<Alignment, Misfit> {
     let mut stories = fewer.iter().filter_map(|some| fit_if_good(pairs, some).ok());
     let Some(first) = stories.next() else { return Err(misfit) };
@@ -402,7 +402,7 @@ fn solve(pairs: &[PointPair], some: &[usize]) -> Fit {
         shift,
         centre: Point::from(b_mean),
         rms_m: mean_square.sqrt(),
-        // Two numbers per mark, three of them used up by the fit.
+        // Each mark gives two numbers; the fit uses up three.
         sigma_m: (mean_square * n / (2.0 * n - 3.0)).sqrt().max(TOUCH_M),
         spread_m: (a_square * n / total).sqrt(),
         scale: (a_square / b_square).sqrt(),
@@ -503,7 +503,7 @@ mod tests {
         pairs[2].map += Vector::new(1.0, 3.0);
         let fit = Alignment::fit(&pairs).unwrap();
         assert_eq!(fit.dropped, [2]);
-        // Turned about the first mark, the third fits together with the first, with another turn.
+        // If turned about the first mark, the third fits together with the first, with another turn.
         let mut pairs = seen(0.4, Vector::new(1.0, 2.0), &marks);
         pairs[2].map = Point::new(10.0 * 0.3f64.sin(), 10.0 * 0.3f64.cos());
         assert_eq!(Alignment::fit(&pairs), Err(Misfit::Ambiguous));

@@ -1,58 +1,58 @@
-//! Clock synchronisation: when a moment of a device's clock was, on the server's clock.
+//! Clock synchronisation: converts times of a device's clock to the server's clock.
 //!
-//! Main types: [`ClockSync`], [`Exchange`]. The exchange of four stamps and the filter that trusts the sample with
-//! the least delay are those of NTP (RFC 5905, sections 8 and 10). Pure. Refuses: to turn the time of poses back and
+//! Main types: [`ClockSync`], [`Exchange`]. The exchange of four timestamps, and the filter that trusts the sample with
+//! the least delay, are those of NTP (RFC 5905, sections 8 and 10). Pure. Refuses: to move the times of poses back and
 //! forth; corrections are spread out, unless the device's clock itself has jumped.
 
 use giveway_floor::time::{Span, Time};
 use std::collections::VecDeque;
 
-/// So many samples are kept.
+/// How many samples are kept.
 const KEPT: usize = 8;
 
-/// The offset in use follows the best one by so much per second, microseconds.
+/// How fast the offset in use follows the best one, microseconds per second.
 const SLEW_US_PER_S: f64 = 1000.0;
 
-/// How much clocks of devices drift at most: 200 parts in a million.
+/// The most that device clocks drift: 200 parts per million.
 const DRIFT: f64 = 2e-4;
 
-/// At first a ping goes out this often, so many times; then seldom.
+/// Interval between the first pings, and the longer interval after them.
 const OFTEN: Span = Span::from_secs(1);
 const SELDOM: Span = Span::from_secs(10);
 const FIRST_PINGS: u32 = 8;
 
-/// The largest device time, milliseconds: device clocks may count from 1970, not from the stone age.
+/// The largest device time, milliseconds: device clocks may count from 1970, but not from much earlier.
 const LARGEST_MS: f64 = 1e13;
 
 /// A ping and its answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exchange {
-    /// When the server asked.
+    /// When the server sent the ping.
     pub asked: Time,
-    /// When the device got it, milliseconds of its clock.
+    /// When the device received the ping, milliseconds of its clock.
     pub got_ms: f64,
-    /// When the device answered.
+    /// When the device answered, milliseconds of its clock.
     pub answered_ms: f64,
-    /// When the server had the answer.
+    /// When the server received the answer.
     pub heard: Time,
 }
 
-/// What an exchange led to.
+/// The outcome of an exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PingOutcome {
-    /// The first one: the clock is known from now on.
+    /// The first exchange: the clock is known from now on.
     First,
-    /// One more.
+    /// A further exchange, which was accepted.
     Taken,
-    /// It contradicts the earlier ones: the device's clock has jumped, and only this one counts now.
+    /// The exchange contradicts earlier ones: the device's clock has jumped, and only this exchange counts now.
     Jumped,
-    /// It cannot be true.
+    /// The exchange is impossible.
     Absurd,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sample {
-    /// Server less device, microseconds.
+    /// The server's clock minus the device's, microseconds.
     offset_us: f64,
     delay_us: f64,
     at: Time,
@@ -72,38 +72,38 @@ pub struct ClockSync {
     used: Option<Used>,
     pings: u32,
     next: Option<Time>,
-    /// When a ping went out last.
+    /// When the last ping was sent.
     last: Option<Time>,
 }
 
 impl ClockSync {
-    /// When the next ping is due; nothing means at once.
+    /// When the next ping is due; nothing if it is due at once.
     pub fn due(&self) -> Option<Time> {
         self.next
     }
 
-    /// Notes that a ping goes out.
+    /// Notes that a ping is sent.
     pub fn pinged(&mut self, now: Time) {
         self.pings += 1;
         self.last = Some(now);
         self.next = Some(now + if self.pings < FIRST_PINGS { OFTEN } else { SELDOM });
     }
 
-    /// Starts again, since the device slept or its frame changed: the next sample counts at once.
+    /// Starts over, since the device slept or its frame changed: the next sample counts at once.
     pub fn resync(&mut self) {
         self.samples.clear();
         (self.pings, self.next) = (0, None);
     }
 
-    /// The clock may have jumped: the next ping is due at once, though not sooner than a second after the last one. The
-    /// samples stand until an answer contradicts them.
+    /// Notes that the clock may have jumped: the next ping is due at once, but not sooner than a second after the last
+    /// one. The samples stay until an answer contradicts them.
     pub fn doubt(&mut self, now: Time) {
         if self.last.is_none_or(|last| now - last >= OFTEN) {
             self.next = None;
         }
     }
 
-    /// Takes an exchange in.
+    /// Evaluates an exchange.
     pub fn take(&mut self, e: Exchange) -> PingOutcome {
         let plausible = |ms: f64| (0.0..LARGEST_MS).contains(&ms);
         let (got, answered) = (e.got_ms * 1000.0, e.answered_ms * 1000.0);
@@ -137,16 +137,16 @@ impl ClockSync {
         PingOutcome::Taken
     }
 
-    /// When a moment of the device's clock was; nothing while its clock is not known.
+    /// The server's time of a moment on the device's clock; nothing while that clock is not known.
     pub fn when(&mut self, device_ms: f64, now: Time) -> Option<Time> {
         self.slew(now);
         let us = device_ms * 1000.0 + self.used?.offset_us;
-        // Further away than any clock goes; casts saturate, so this is a time all the same.
+        // Such a time may be beyond what any clock shows; the cast saturates, so the result is still a time.
         Some(Time(us.round() as i64))
     }
 
-    /// How wrong [`ClockSync::when`] may be: half the delay of the best sample, its age times the drift, and what is
-    /// not slewed yet.
+    /// The error bound of [`ClockSync::when`]: half the delay of the best sample, its age times the drift, and the part
+    /// of the offset that is not slewed yet.
     pub fn error(&self, now: Time) -> Option<Span> {
         let (best, used) = (self.best()?, self.used?);
         let behind = (best.offset_us - used.offset_us).abs();
@@ -167,13 +167,13 @@ impl ClockSync {
 }
 
 impl Sample {
-    /// The true offset is within this of the sample's, if the clock runs.
+    /// The error bound of the sample's offset, microseconds, if the clock has not jumped.
     fn bound_us(self, now: Time) -> f64 {
         self.delay_us / 2.0 + DRIFT * (now - self.at).0.abs() as f64
     }
 }
 
-/// Whether no offset goes with both samples.
+/// Whether no offset is consistent with both samples.
 fn contradict(old: Sample, new: Sample) -> bool {
     let slack_us = 5000.0;
     (old.offset_us - new.offset_us).abs() > old.bound_us(new.at) + new.delay_us / 2.0 + slack_us
@@ -186,7 +186,7 @@ mod tests {
 
     const ZERO: i64 = 1_800_000_000_000_000;
 
-    /// A device with a clock that reads `offset_ms` less than the server's seconds, and runs fast by `ppm`.
+    /// A device whose clock reads `offset_ms` less than the server's, and runs fast by `ppm`.
     #[derive(Clone, Copy)]
     struct TestDevice {
         offset_ms: f64,
@@ -199,7 +199,7 @@ mod tests {
             s * (1.0 + self.ppm * 1e-6) + self.offset_ms
         }
 
-        /// Asked at second `s`, with these delays there and back.
+        /// An exchange that starts at second `s`, with these delays in both directions.
         fn exchange(self, s: f64, there_ms: f64, back_ms: f64) -> Exchange {
             let asked = Time(ZERO) + Span::from_secs_f64(s);
             let got = asked + Span::from_secs_f64(there_ms / 1000.0);

@@ -1,7 +1,7 @@
-//! Test: a headset whose client has its axes in another order or counts some backwards is refused, warned of, or right.
+//! Test: a headset whose client permutes or reverses its axes is refused, warned, or located correctly.
 //!
-//! All 48 signed orders of axes, with two, three and four marks, on walks of five metres in three directions: what the
-//! wearer's device says goes through the intake into a track, as live.
+//! All 48 signed permutations of axes, with two, three and four marks, on walks of five metres in three directions: the
+//! messages of the wearer's device pass through the intake into a track, as in operation.
 
 use super::align::{Alignment, Misfit, PointPair};
 use super::clock::Exchange;
@@ -19,19 +19,20 @@ const NOW: Time = Time(1_800_000_000_000_000);
 /// Marks of a floor: the first two and the last two lie on lines along its axes.
 const MARKS: [(f64, f64); 4] = [(0.0, 7.0), (12.0, 7.0), (12.0, 0.0), (0.0, 0.0)];
 
-/// Where walks begin, and which way they go, degrees: away from the line of the first two marks, along it, and between.
+/// Where walks begin, and their directions in degrees: away from the line of the first two marks, along it, and
+/// between.
 const WALKS: [(f64, f64, f64); 4] =
     [(3.0, 8.0, 90.0), (3.0, 10.0, 0.0), (3.0, 8.0, 40.0), (6.0, 6.0, -100.0)];
 
-/// How far a walk goes, and how far apart poses are, metres.
+/// The length of a walk, and the distance between poses, metres.
 const WAY_M: f64 = 5.0;
 const STEP_M: f64 = 0.05;
 
-/// One client: which of its axes is which of WebXR's, and the yaw of its origin.
+/// A client: how its axes map to WebXR's, and the yaw of its origin.
 struct AxisClient {
     axes: Matrix3<f64>,
     yaw: f64,
-    /// Whether it sends rotations.
+    /// Whether the client sends rotations.
     turns: bool,
 }
 
@@ -42,7 +43,7 @@ impl AxisClient {
         (self.axes * Vector3::new(turned.x, height_m, -turned.y)).into()
     }
 
-    /// Who faces so on the map, as a rotation in the axes of the client.
+    /// A heading on the map as a rotation in the client's axes.
     fn rotation(&self, heading: f64) -> [f64; 4] {
         let yaw = heading - self.yaw - std::f64::consts::FRAC_PI_2;
         let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), yaw);
@@ -61,18 +62,18 @@ impl AxisClient {
     }
 }
 
-/// What became of a walk.
+/// The outcome of a walk.
 #[derive(Debug, PartialEq)]
 enum WalkOutcome {
     /// The marks were refused.
     Refused(Misfit),
     /// Poses were refused.
     PosesRefused(PoseFault),
-    /// The wearer was warned, and robots kept away from so many places, one of which was right throughout or not.
+    /// The wearer was warned, and robots avoided this many positions; `covered`: one of them was right throughout.
     Warned { places: usize, covered: bool },
-    /// The place was right all the way, and the heading, if there was one.
+    /// The position was right all the way, and so was the heading, if there was one.
     Right,
-    /// None of these.
+    /// Position or heading was wrong without a warning; the largest error, metres or radians.
     SilentlyWrong(f64),
 }
 

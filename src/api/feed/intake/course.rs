@@ -1,31 +1,31 @@
-//! Whether somebody faces where they walk, as a device tells it: course against heading.
+//! Whether a person faces in the direction of walking, according to the device: course against heading.
 //!
-//! Main type: [`Course`]. Positions and rotations of a device in the right axes agree on that, whatever the alignment.
-//! Agreement proves nothing, since a frame with left and right exchanged in both agrees with itself. Pure. Refuses: to
-//! draw a conclusion from a few steps backwards.
+//! Main type: [`Course`]. If a device's axes are right, its positions and rotations agree on this, whatever the
+//! alignment. Agreement proves nothing, since a frame in which both have left and right exchanged agrees with itself.
+//! Pure. Refuses: to conclude anything from a few steps backwards.
 
 use giveway_floor::geometry::{Vector, wrap_angle};
 use std::collections::VecDeque;
 
-/// The way that is looked back on, metres.
+/// The distance walked that is considered, metres.
 const WAY_M: f64 = 2.5;
 
-/// Who walks the whole way at least so far off where they face walks askew: 60 degrees. Heads turn; over metres they
-/// face ahead.
+/// A person whose course differs from the heading by at least this much for the whole distance walks askew: 60 degrees.
+/// Heads turn, but over metres they face ahead.
 const ASKEW: f64 = std::f64::consts::FRAC_PI_3;
 
-/// The angles between course and heading agree with one another if the sum of their directions has at least this share
-/// of its greatest length.
+/// The angles between course and heading are consistent if the length of their vector sum is at least this share of the
+/// maximum.
 const AGREE: f64 = 0.8;
 
-/// The last strides: their length, and how far off the course the head faced, radians.
+/// The latest strides: their lengths, and by how many radians the course differed from the head's direction.
 #[derive(Clone, Debug, Default)]
 pub struct Course {
     strides: VecDeque<(f64, f64)>,
 }
 
 impl Course {
-    /// A stride in the device's floor plan, and where the head faced.
+    /// Adds a stride in the device's floor plan, with the direction that the head faced.
     pub fn stride(&mut self, way: Vector, faced: Option<f64>) {
         let Some(faced) = faced else { return };
         self.strides.push_back((way.norm(), wrap_angle(faced - way.y.atan2(way.x))));
@@ -36,7 +36,7 @@ impl Course {
         }
     }
 
-    /// Whether the head has faced elsewhere than the way went, all the way.
+    /// Whether the head has faced in another direction than the course for the whole distance.
     pub fn is_askew(&self) -> bool {
         let length_m = self.length_m();
         let sum: Vector = self.strides.iter().map(|(m, off)| Vector::new(off.cos(), off.sin()) * *m).sum();
@@ -52,7 +52,7 @@ impl Course {
 mod tests {
     use super::*;
 
-    /// Strides of a quarter of a metre along the x axis, facing so.
+    /// Strides of a quarter of a metre along the x axis, with these headings.
     fn walked(facing: impl IntoIterator<Item = f64>) -> bool {
         let mut course = Course::default();
         facing.into_iter().for_each(|faced| course.stride(Vector::new(0.25, 0.0), Some(faced)));

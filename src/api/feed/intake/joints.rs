@@ -1,8 +1,8 @@
-//! Hands that cannot be: joints that belong to no hand, a hand that no arm reaches, a hand that does not even tremble,
-//! hands that are taken for one another.
+//! Impossible hands: joints that form no hand, a hand out of the arm's reach, a hand that does not even tremble, and
+//! hands that are mistaken for one another.
 //!
-//! Main type: [`JointGate`]. Such a hand is not seen, and the pose counts all the same. Refuses: hands of other joint
-//! counts than WebXR's, which nobody reads.
+//! Main type: [`JointGate`]. Such a hand counts as unseen, and the pose still counts. Refuses: hands with other numbers
+//! of joints than WebXR's, which no part of the program reads.
 
 use super::pose::{Hand, hand_points};
 use super::swap::SwapWatch;
@@ -12,22 +12,22 @@ use giveway_cell::HandPoints;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Place;
 
-/// A hand that is farther than this from the head belongs to no arm of its owner, metres.
+/// A hand farther than this from the head is beyond its owner's reach, metres.
 const ARM_M: f64 = 1.4;
-/// Measured hands tremble: one that was exactly the same for so long is not seen any more.
+/// Measured hands tremble: a hand that has been exactly the same for this long is no longer tracked.
 const FROZEN: Span = Span::from_secs(1);
 
-/// What is remembered of one headset's hands.
+/// The memory about one headset's hands.
 #[derive(Clone, Debug, Default)]
 pub struct JointGate {
-    /// Where each hand was, and since when exactly there.
+    /// The position of each hand, and since when it has been exactly there.
     same: [Option<(HandPoints, Time)>; 2],
-    /// Whether each is taken for the other.
+    /// Detects hands that are mistaken for each other.
     swaps: SwapWatch,
 }
 
 impl JointGate {
-    /// Takes hands that cannot be out of what a pose said. How many these were.
+    /// Removes impossible hands from a pose. Returns how many there were.
     pub fn pass(
         &mut self,
         said: Option<&HandsSaid>,
@@ -73,7 +73,7 @@ mod tests {
 
     const HEAD: [f64; 3] = [1.0, 2.0, 1.6];
 
-    /// A hand with all joints within a few centimetres.
+    /// A hand whose joints are all within a few centimetres.
     fn hand(at: [f64; 3]) -> Option<Vec<[f64; 4]>> {
         let joint = |i: u32| [at[0] + 0.005 * f64::from(i), at[1], at[2], 0.01];
         Some((0..25).map(joint).collect())

@@ -1,9 +1,9 @@
-//! From a message to a sighting: frame, clock, numbers.
+//! From a message to a sighting: converts frame and time, and checks numbers.
 //!
-//! Main types: [`PoseIntake`] (what a connection knows), [`TakenPose`], [`PoseFault`]; [`align`] finds the frame,
-//! [`clock`] the time, [`course`] whether axes are right, [`pose`], [`joints`] and [`swap`] heads and hands. Pure. What
-//! cannot be read into a place and a time stops here, with a reason; what can, goes on, late and repeated ones too: the
-//! core judges and counts those. Refuses: to decide whether somebody can be where a pose says.
+//! Main types: [`PoseIntake`] (the state of a connection), [`TakenPose`], [`PoseFault`]; [`align`] finds the frame,
+//! [`clock`] the time, [`course`] whether axes are right, [`pose`], [`joints`] and [`swap`] heads and hands. Pure. A
+//! pose that gives no position and time stops here, with a reason; all others go on, even late and repeated ones: the
+//! core judges and counts these. Refuses: to decide whether a person can be where a pose says.
 
 pub mod align;
 pub mod clock;
@@ -30,32 +30,34 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use giveway_people::human::{Quality, Sighting, SourceId};
 
-/// Headsets predict poses for the moment at which they show them; this far ahead, beyond the error of the clock.
+/// How far ahead a pose may be, beyond the clock's error: headsets predict poses for the moment at which they show
+/// them.
 const AHEAD: Span = Span::from_millis(100);
 
-/// What is older than this is of no use.
+/// Poses older than this are useless.
 const OLDEST: Span = Span::from_secs(10);
 
-/// People walk this fast where nothing better is known, metres per second (ISO 13855: 1.6).
+/// Walking speed if nothing better is known, metres per second (ISO 13855: 1.6).
 const WALKING_MPS: f64 = 1.6;
 
-/// Movements shorter than this are sway, not way; metres.
+/// Movements shorter than this are sway, not walking; metres.
 const STRIDE_M: f64 = 0.25;
 
-/// So many poses in a row that are later, but have a smaller number than one before, are counted from there.
+/// After this many poses in a row with a later time but a smaller number than an earlier pose, counting continues from
+/// there.
 const RECOUNT: u32 = 5;
 
-/// Clocks that went on so differently between two poses are compared at once, milliseconds. Poses that were held up on
-/// their way look the same; then nothing is lost but a ping.
+/// If the two clocks advanced by amounts that differ this much between two poses, they are compared at once,
+/// milliseconds. Poses that were delayed on their way look the same; then the comparison costs only a ping.
 const JUMP_MS: f64 = 500.0;
 
-/// Eyes are this high above the floor of the marks: whoever lies on it, and whoever stands on a ladder; metres.
+/// Possible height of the eyes above the floor of the marks, from a person lying down to a person on a ladder; metres.
 const EYES_M: std::ops::RangeInclusive<f64> = -0.5..=4.0;
 
 /// The most joints of a hand.
 const MOST_JOINTS: usize = 32;
 
-/// What a connection knows.
+/// The state of a connection.
 #[derive(Clone, Debug)]
 pub struct PoseIntake {
     worker: WorkerId,
@@ -67,44 +69,44 @@ pub struct PoseIntake {
     /// Whether this epoch began with marks that were touched for it.
     at_marks: bool,
     last_seq: Option<u64>,
-    /// How many poses in a row had a smaller number than the last, but were later.
+    /// How many poses in a row had a smaller number than the last one, but a later time.
     recounted: u32,
-    /// How many poses of this epoch had a number that was new.
+    /// How many poses of this epoch had a new number.
     counted: u64,
-    /// The last time on the device's clock, milliseconds, and when it came.
+    /// The device time of the last pose, milliseconds, and when the pose arrived.
     heard: Option<(f64, Time)>,
-    /// The latest moment on the device's clock, milliseconds, and when that was.
+    /// The latest device time, milliseconds, and the server's time for it.
     latest: Option<(f64, Time)>,
-    /// Where the device was last, and where the head faced, in the device's frame.
+    /// The device's last position, and the direction that the head faced, in the device's frame.
     stood: Option<Vector>,
     faced: Option<f64>,
     /// Where the last stride ended, in the device's frame.
     strode: Option<Vector>,
     walked_m: f64,
-    /// Whether the wearer faces where the wearer walks.
+    /// Whether the wearer faces in the direction of walking.
     course: Course,
 }
 
 /// A pose that was understood.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TakenPose {
-    /// What the core gets.
+    /// The sighting for the core.
     pub sighting: Sighting,
-    /// What is carried through.
+    /// Gaze, hands and battery, which the core does not use.
     pub senses: Senses,
-    /// What the client should know all the same.
+    /// A fault of which the client should still know.
     pub fault: Option<PoseFault>,
-    /// Whether the wearer has walked for metres where the device says that the wearer does not face: then its axes are
-    /// in doubt, and what it says of directions is left out.
+    /// Whether the wearer has for metres walked in another direction than the device says the wearer faces: then the
+    /// device's axes are in doubt, and its directions are left out.
     pub is_askew: bool,
 }
 
-/// What decides nothing and is carried through to clients that ask.
+/// What no decision depends on; it is passed on to clients that ask for it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Senses {
-    /// Where somebody looks.
+    /// Where the wearer looks.
     pub gaze: Option<Gaze>,
-    /// Where the head points by its own rotation: map x, map y, height; of length one.
+    /// The direction of the head by its own rotation: map x, map y, height; a unit vector.
     pub ahead: Option<[f64; 3]>,
     /// Joints of the left and the right hand.
     pub hands: [Option<Hand>; 2],
@@ -112,39 +114,39 @@ pub struct Senses {
     pub battery: Option<f64>,
 }
 
-/// What is wrong with a pose.
+/// The fault of a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum PoseFault {
-    /// The device's clock is not known yet.
+    /// The clock offset of the device is not known yet.
     NoClock,
-    /// The device's frame is not known yet.
+    /// The frame of the device is not aligned yet.
     NotAligned,
-    /// It belongs to an alignment of before.
+    /// The pose belongs to an earlier alignment.
     OldEpoch,
-    /// It belongs to an alignment that there never was.
+    /// The pose belongs to an alignment that never existed.
     UnknownEpoch,
-    /// It says nowhere where.
+    /// The pose has no position.
     NoPosition,
-    /// Numbers that cannot be.
+    /// The pose has impossible numbers.
     Absurd,
     /// The eyes are below the floor of the marks, or high above it.
     Height,
-    /// The wearer walks where the wearer does not face.
+    /// The wearer walks in another direction than the device says the wearer faces.
     Askew,
     /// The quaternion is no rotation.
     Quaternion,
-    /// It was seen in the future.
+    /// The pose was seen in the future.
     Future,
-    /// It was seen long ago.
+    /// The pose was seen long ago.
     TooOld,
-    /// Its number came already.
+    /// The pose's number has come already.
     Repeated,
-    /// A later number came already.
+    /// A later number has come already.
     Reordered,
 }
 
 impl PoseFault {
-    /// The word for it on the wire.
+    /// The word for the fault on the wire.
     pub fn word(self) -> &'static str {
         match self {
             PoseFault::NoClock => "no-clock",
@@ -163,7 +165,7 @@ impl PoseFault {
         }
     }
 
-    /// What happened and what to do.
+    /// The fault in words, and what to do.
     pub fn sentence(self) -> Sentence {
         match self {
             PoseFault::NoClock => feed::pose_without_clock(),
@@ -184,7 +186,7 @@ impl PoseFault {
 }
 
 impl PoseIntake {
-    /// A new connection; poses in the frame of the map need no alignment.
+    /// The state of a new connection; poses in the map's frame need no alignment.
     pub fn new(worker: WorkerId, frame: PoseFrame) -> PoseIntake {
         PoseIntake {
             worker,
@@ -216,8 +218,8 @@ impl PoseIntake {
         self.alignment.as_ref()
     }
 
-    /// Aligns the device's frame anew; poses of the old epoch count no more. Where the marks do not fit, the old
-    /// alignment stands. `touched` says whether the wearer touched these marks now, which proves the new place; marks
+    /// Aligns the device's frame anew; poses of the old epoch no longer count. If the marks do not fit, the old
+    /// alignment stays. `touched` is whether the wearer touched these marks now, which proves the new position; marks
     /// that a client remembers prove nothing.
     ///
     /// # Errors
@@ -229,7 +231,7 @@ impl PoseIntake {
         Ok(self.alignment.insert(alignment))
     }
 
-    /// The device's origin jumped.
+    /// Notes that the device's origin jumped.
     pub fn reset(&mut self) {
         self.alignment = (self.frame == PoseFrame::Map).then(Alignment::identity);
         self.begin_epoch();
@@ -247,7 +249,7 @@ impl PoseIntake {
     /// Reads a pose.
     ///
     /// # Errors
-    /// Why it cannot be understood. It is not passed on then.
+    /// Why the pose cannot be understood. It is then not passed on.
     pub fn take(&mut self, said: &PoseSaid, now: Time) -> Result<TakenPose, PoseFault> {
         match said.epoch.cmp(&self.epoch) {
             std::cmp::Ordering::Less => return Err(PoseFault::OldEpoch),
@@ -293,7 +295,7 @@ impl PoseIntake {
         let heading = heading.filter(|_| !is_askew);
         (self.stood, self.faced) = (Some(device), faced);
         let quality = quality(said.quality);
-        // The fleet drops what has no number of its own.
+        // The fleet drops poses without a number of their own.
         let seq = if fault.is_none() { self.counted } else { 0 };
         let (worker, epoch) = (self.worker, self.epoch);
         let (source, at_marks) = (SourceId::Headset, self.at_marks);
@@ -302,8 +304,8 @@ impl PoseIntake {
         Ok(TakenPose { sighting, senses, fault, is_askew })
     }
 
-    /// What is later by the device's clock stays later, also where its offset is corrected in between: else the
-    /// first poses after a correction would count as late.
+    /// Keeps poses that are later on the device's clock later, even if its offset is corrected in between: otherwise
+    /// the first poses after a correction would count as late.
     fn in_order(&mut self, device_ms: f64, seen: Time) -> Time {
         let seen = match self.latest {
             Some((before, at)) if device_ms > before => seen.max(at + Span(1)),
@@ -315,12 +317,12 @@ impl PoseIntake {
         seen
     }
 
-    /// Where a pose is in the device's floor plan, and where the head faces.
+    /// The position of a pose in the device's floor plan, and the direction that the head faces.
     fn place(&self, said: &PoseSaid) -> Result<(Vector, Option<f64>), PoseFault> {
         let (device, given) = match (said.pos, said.at, self.frame) {
             (Some(pos), _, _) => (plan(pos), None),
             (None, Some([x, y]), PoseFrame::Map) => (Vector::new(x, y), said.heading),
-            // A device that is lost says so, and need not make a place up.
+            // A device that has lost its pose says so, and need not invent a position.
             _ if said.quality == QualitySaid::Lost => (self.stood.ok_or(PoseFault::NoPosition)?, self.faced),
             _ => return Err(PoseFault::NoPosition),
         };
@@ -332,14 +334,14 @@ impl PoseIntake {
         }
         let faced = match said.quat {
             None => given,
-            // A person who looks straight up or down faces where they faced before.
+            // A person who looks straight up or down faces as before.
             Some(quat) => facing(rotation(quat).ok_or(PoseFault::Quaternion)?).or(self.faced),
         };
         Ok((device, faced))
     }
 
-    /// Whether the number of a pose is new. A number that was far too large does not silence the feed: if several poses
-    /// in a row are later and have smaller ones, the device counts from there.
+    /// Checks that the number of a pose is new. A number that was far too large does not silence the feed: if several
+    /// poses in a row are later and have smaller numbers, the device's counting continues from there.
     fn count(&mut self, seq: u64, later: bool) -> Option<PoseFault> {
         let fault = match self.last_seq {
             Some(last) if seq == last => Some(PoseFault::Repeated),
@@ -356,8 +358,8 @@ impl PoseIntake {
         None
     }
 
-    /// Where the clocks of device and server went on differently since the pose before, the device's is measured
-    /// anew: it may have jumped.
+    /// Measures the device's clock anew if it and the server's advanced differently since the previous pose: it may
+    /// have jumped.
     fn compare_clocks(&mut self, device_ms: f64, now: Time) {
         let Some((before_ms, before)) = self.heard.replace((device_ms, now)) else { return };
         if (device_ms - before_ms - 1000.0 * (now - before).as_secs_f64()).abs() > JUMP_MS {
@@ -376,7 +378,7 @@ impl PoseIntake {
     }
 }
 
-/// Pairs from marks; nodes of the map by name.
+/// Pairs from marks; looks up nodes of the map by name.
 ///
 /// # Errors
 /// What is wrong, in words.
@@ -416,7 +418,7 @@ fn quality(said: QualitySaid) -> Quality {
     }
 }
 
-/// What is carried through, in the axes of the map. Parts that cannot be are left out.
+/// The senses in the map's axes. Impossible parts are left out.
 fn senses(alignment: &Alignment, said: &PoseSaid) -> Senses {
     let near = |p: &[f64; 3]| p.iter().all(|x| x.abs() <= FARTHEST_M);
     let gaze = said.gaze.filter(|g| near(&g.origin)).and_then(|g| {

@@ -1,7 +1,7 @@
-//! Poses as WebXR has them: metres, right-handed, y up, z backwards; quaternions as x, y, z, w.
+//! Poses in WebXR's conventions: metres, right-handed, y up, z backwards; quaternions as x, y, z, w.
 //!
-//! Main functions: [`plan`], [`facing`]; main type [`Gaze`] and [`Hand`], which are carried through and decide
-//! nothing. Pure. Refuses: quaternions that are no rotation.
+//! Main functions: [`plan`], [`facing`]; main type [`Gaze`] and [`Hand`], on which no decision depends. Pure. Refuses:
+//! quaternions that are no rotation.
 
 use super::align::Alignment;
 use crate::wire::words::GazeKind;
@@ -10,10 +10,10 @@ use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::warehouse::Place;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-/// Beyond this pitch the forward vector says little about where a head faces: 75 degrees.
+/// Beyond this pitch, the forward vector says little about the direction that a head faces: 75 degrees.
 const STEEP: f64 = 75.0 * std::f64::consts::PI / 180.0;
 
-/// A quaternion whose length is further from one than this is no rotation.
+/// A quaternion whose norm differs from one by more than this is no rotation.
 const NORM_TOLERANCE: f64 = 0.1;
 
 /// A position in the device's floor plan: x to the right, y ahead.
@@ -21,44 +21,44 @@ pub fn plan(position: [f64; 3]) -> Vector {
     Vector::new(position[0], -position[2])
 }
 
-/// The rotation that a quaternion stands for, if it is one.
+/// The rotation of a quaternion, if it is one.
 pub fn rotation(q: [f64; 4]) -> Option<UnitQuaternion<f64>> {
     let q = Quaternion::new(q[3], q[0], q[1], q[2]);
     let close = (q.norm() - 1.0).abs() <= NORM_TOLERANCE;
     close.then(|| UnitQuaternion::from_quaternion(q))
 }
 
-/// Where a head of this rotation points, in the device's axes.
+/// The direction in which a head of this rotation points, in the device's axes.
 pub fn ahead(rotation: UnitQuaternion<f64>) -> Vector3<f64> {
     rotation * Vector3::new(0.0, 0.0, -1.0)
 }
 
-/// Where somebody faces in the device's floor plan, radians; nothing where they look almost straight up or down.
+/// The heading in the device's floor plan, radians; nothing if the person looks almost straight up or down.
 pub fn facing(rotation: UnitQuaternion<f64>) -> Option<f64> {
     let ahead = ahead(rotation);
     let level = ahead.x.hypot(ahead.z);
     (ahead.y.abs().atan2(level) <= STEEP).then(|| (-ahead.z).atan2(ahead.x))
 }
 
-/// Where somebody looks.
+/// A gaze ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gaze {
     /// Whether the ray comes from the head, from the eyes, or is estimated.
     pub kind: GazeKind,
     /// Where the ray begins: map x, map y, height; metres.
     pub origin: [f64; 3],
-    /// Its direction in the same axes, of length one.
+    /// The ray's direction in the same axes, a unit vector.
     pub dir: [f64; 3],
 }
 
 /// Joints of a hand: map x, map y, height, radius; metres.
 pub type Hand = Vec<[f64; 4]>;
 
-/// Numbers of joints as WebXR Hand Input has them: the wrist, the metacarpal of the middle finger, and the tips of
-/// thumb and index finger.
+/// Indices of joints in WebXR Hand Input: the wrist, the metacarpal of the middle finger, and the tips of thumb and
+/// index finger.
 const JOINTS: [usize; 4] = [0, 10, 4, 9];
 
-/// What the core gets of a hand; nothing where joints are missing.
+/// The points of a hand for the core; nothing if joints are missing.
 pub fn hand_points(hand: &Hand) -> Option<HandPoints> {
     let joint = |i: usize| hand.get(i).map(|[x, y, z, _]| Place::new(*x, *y, *z));
     let [wrist, palm, thumb, index] = JOINTS.map(joint);
@@ -71,7 +71,7 @@ pub fn place(alignment: &Alignment, position: [f64; 3]) -> [f64; 3] {
     [at.x, at.y, position[1] - alignment.floor_m]
 }
 
-/// A direction of the device's frame in the same axes, of length one; nothing where it has no length.
+/// A direction of the device's frame in the same axes, a unit vector; nothing if it has no length.
 pub fn direction(alignment: &Alignment, dir: [f64; 3]) -> Option<[f64; 3]> {
     let length = Vector3::from(dir).norm();
     if !(1e-6..1e6).contains(&length) {

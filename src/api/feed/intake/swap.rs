@@ -1,35 +1,35 @@
-//! Hands that are taken for one another: the left one jumps to where the right one was, and the right one to where the
-//! left one was.
+//! Hands that are mistaken for each other: the left hand jumps to where the right one was, and the right one to where
+//! the left one was.
 //!
-//! Main type: [`SwapWatch`]. Pure. Refuses: to say which hand is which; hands that cross are where arms can have
-//! brought them, and are no swap.
+//! Main type: [`SwapWatch`]. Pure. Refuses: to say which hand is which; crossing hands are where arms can have moved
+//! them, and are no swap.
 
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Place;
 
-/// No hand is faster, metres per second …
+/// The top speed of a hand, metres per second.
 const FASTEST_MPS: f64 = 3.5;
-/// … nor known better than this, metres.
+/// The least error of a hand's position, metres.
 const ERR_M: f64 = 0.05;
-/// Hands that are nearer to each other may be mistaken for one another without harm, metres.
+/// Hands closer than this may be mistaken for each other without harm, metres.
 const APART_M: f64 = 0.2;
-/// What was seen so long ago says nothing of now.
+/// Observations older than this say nothing about the present.
 const GAP: Span = Span::from_millis(450);
-/// Hands that have kept their new names for so long have their right names.
+/// Hands that have kept their new names for this long have their right names.
 const SETTLED: Span = Span::from_millis(500);
 
-/// What is remembered of two hands.
+/// The memory about two hands.
 #[derive(Clone, Debug, Default)]
 pub struct SwapWatch {
-    /// Where the left and the right one were when both were seen last, and when.
+    /// The positions of the left and the right hand when both were last seen, and the time.
     last: Option<([Place; 2], Time)>,
-    /// Since when each has the other's name.
+    /// Since when the hands have had each other's names.
     since: Option<Time>,
 }
 
 impl SwapWatch {
-    /// Whether hands have each other's names now, as far as both were seen: until they change back, or have gone on
-    /// so for half a second. What was seen before what is known already changes nothing.
+    /// Whether the hands have each other's names now, as far as both were seen: until they change back, or have
+    /// continued so for half a second. An observation older than the latest one changes nothing.
     pub fn are_swapped(&mut self, hands: [Option<Place>; 2], seen: Time) -> bool {
         let was = self.since.filter(|since| seen - *since < SETTLED);
         let both = hands[0].zip(hands[1]).map(|(left, right)| [left, right]);
@@ -42,7 +42,7 @@ impl SwapWatch {
     }
 }
 
-/// Whether neither hand can have come to its place by now, but each to the place of the other.
+/// Whether neither hand can have reached its new position from its own old one, but each can from the other's.
 fn exchanged(before: [Place; 2], now: [Place; 2], gap: Span) -> bool {
     let reach_m = FASTEST_MPS * gap.as_secs_f64() + ERR_M;
     let can = |from: usize, to: usize| (now[to] - before[from]).norm() <= reach_m;
@@ -54,7 +54,7 @@ fn exchanged(before: [Place; 2], now: [Place; 2], gap: Span) -> bool {
 mod tests {
     use super::*;
 
-    /// Both hands on a line before somebody, by how far to the right they are.
+    /// Both hands on a line in front of a person, by how far to the right they are.
     fn swapped(watch: &mut SwapWatch, left: f64, right: f64, ms: i64) -> bool {
         let at = |x: f64| Some(Place::new(x, 0.4, 1.2));
         watch.are_swapped([at(left), at(right)], Time(ms * 1000))

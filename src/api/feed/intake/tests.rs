@@ -37,7 +37,7 @@ fn poses_stay_in_order_where_the_clock_is_corrected_in_between() {
     let mut intake = intake(PoseFrame::Map);
     let at = |seq: u64, t: f64| PoseSaid { t, ..pose(seq) };
     let first = intake.take(&at(1, 1000.0), NOW).unwrap().sighting.seen;
-    // The answer was held up on its way there, not on its way back: the offset was too large by 15 ms.
+    // The ping was delayed on its way to the device, its answer was not: the offset was too large by 15 ms.
     intake.reset();
     let asked = NOW + Span::from_millis(5);
     intake.clock.take(Exchange { asked, got_ms: 1020.0, answered_ms: 1020.0, heard: asked });
