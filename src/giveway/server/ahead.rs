@@ -1,4 +1,4 @@
-//! Where people may be in the coming seconds, worked out for dashboards and for the past that is kept, twice a second.
+//! Forecasts of people for dashboards and kept recordings, computed twice a second.
 //!
 //! Main type: [`LastForecasts`]. Refuses: to forecast for every frame.
 
@@ -6,10 +6,10 @@ use giveway_fleet::{Expected, Fleet};
 use giveway_floor::time::{Span, Time};
 use std::sync::Arc;
 
-/// How often, a little less than half a second, so that a frame does not just miss it.
+/// Interval between forecasts, a little less than half a second, so that a frame does not just miss the next one.
 const EVERY: Span = Span::from_millis(480);
 
-/// The last forecasts.
+/// The latest forecasts.
 #[derive(Debug, Default)]
 pub struct LastForecasts {
     last: Option<(Time, Arc<Vec<Expected>>)>,

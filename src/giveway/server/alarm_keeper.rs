@@ -1,7 +1,7 @@
-//! Writes alarms down as they change, so that they outlast a restart.
+//! Stores alarms as they change, so that they survive a restart.
 //!
-//! Main function: [`keep_alarms`]. Where the database refuses, alarms go on in memory and are written later. Refuses:
-//! to make anything wait for it.
+//! Main function: [`keep_alarms`]. If the database refuses, alarms continue in memory and are stored later. Refuses: to
+//! make anything wait for it.
 
 use giveway_api::Alarms;
 use giveway_store::Store;
@@ -10,16 +10,16 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::timeout;
 
-/// What changes within this is written at once.
+/// Changes within this time are stored together.
 const GATHER: Duration = Duration::from_millis(200);
 
-/// How long it rests after the database refused.
+/// How long to wait after the database refused.
 const REST: Duration = Duration::from_secs(2);
 
-/// How long the last alarms may take when the server goes down.
+/// How long the last alarms may take when the server shuts down.
 const LAST: Duration = Duration::from_secs(2);
 
-/// Writes changes down until `stop` says so, then the last ones.
+/// Stores changes until `stop` turns true, then the last ones.
 pub async fn keep_alarms(store: Arc<Store>, alarms: Arc<Alarms>, mut stop: watch::Receiver<bool>) {
     let mut refused = false;
     while !*stop.borrow_and_update() {
@@ -35,7 +35,7 @@ pub async fn keep_alarms(store: Arc<Store>, alarms: Arc<Alarms>, mut stop: watch
     }
 }
 
-/// Whether everything is written down.
+/// Stores all changes; true if that succeeded.
 async fn save(store: &Store, alarms: &Alarms, refused: &mut bool) -> bool {
     let changes = alarms.take_changes();
     if changes.is_empty() {

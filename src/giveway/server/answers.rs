@@ -1,7 +1,7 @@
 //! Answers to requests with an `Idempotency-Key` between API and store.
 //!
-//! Main type: [`AnswerKeeper`]. Which requests are being carried out is known to the process alone: after a restart
-//! nothing is. Refuses: to fail a request whose answer could not be kept; a repeat is told that nobody knows.
+//! Main type: [`AnswerKeeper`]. Only the process knows which requests are being carried out: after a restart, none are.
+//! Refuses: to fail a request whose answer could not be kept; a repeat is told that the outcome is unknown.
 
 use giveway_api::{AnswerPort, KeptAnswer, KeyedRequest, KnownRequest, Later};
 use giveway_floor::time::Time;
@@ -9,14 +9,14 @@ use giveway_store::{AnswerRow, Store, StoreError};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Keeps answers.
+/// Keeps the answers to requests.
 pub struct AnswerKeeper {
     store: Arc<Store>,
     running: Mutex<BTreeSet<KeyedRequest>>,
 }
 
 impl AnswerKeeper {
-    /// One that keeps them in this store.
+    /// A keeper with this store.
     pub fn new(store: Arc<Store>) -> AnswerKeeper {
         AnswerKeeper { store, running: Mutex::default() }
     }

@@ -1,6 +1,6 @@
-//! Writes down who asked for what, once it was answered.
+//! Stores audit entries once their requests have been answered.
 //!
-//! Main function: [`keep_audit`]. Requests that caused facts are in the journal's transaction already; here they get
+//! Main function: [`keep_audit`]. Requests that caused facts are already in the journal's transaction; here they get
 //! their outcome. Refuses: to let anything wait for it.
 
 use giveway_api::AuditEntry;
@@ -10,22 +10,22 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio::time::timeout;
 
-/// So many are written at once.
+/// How many entries are written at once.
 const MOST_AT_ONCE: usize = 200;
 
-/// How long it rests after the database refused.
+/// How long to wait after the database refused.
 const REST: Duration = Duration::from_secs(2);
 
-/// How long the last entries may take when the server goes down.
+/// How long the last entries may take when the server shuts down.
 const LAST: Duration = Duration::from_secs(2);
 
-/// An entry as the database has it.
+/// An entry as a row of the database.
 pub fn row_of(entry: &AuditEntry) -> AuditRow {
     let AuditEntry { id, actor, role, what, subject, status } = entry.clone();
     AuditRow { id, actor, role: role.word().into(), what, subject, outcome: status }
 }
 
-/// Writes entries down as they arrive, until `stop` says so, then the last ones.
+/// Stores entries as they arrive until `stop` turns true, then the last ones.
 pub async fn keep_audit(
     store: Arc<Store>,
     mut answered: mpsc::Receiver<AuditEntry>,
@@ -49,7 +49,7 @@ pub async fn keep_audit(
     }
 }
 
-/// Whether everything is written down.
+/// Stores the batch; true if that succeeded.
 async fn save(store: &Store, batch: &mut Vec<AuditEntry>) -> bool {
     if batch.is_empty() {
         return true;

@@ -1,7 +1,7 @@
-//! What a server is started with, and which map it takes: that of the file, or the one that was published to it.
+//! What a server is started with, and the map that it uses: the file's, or the one that was published to it.
 //!
-//! Main types: [`FloorBasis`]; main function [`FloorBasis::choose`]. Refuses: to choose where both the file was
-//! changed and a map was published.
+//! Main types: [`FloorBasis`]; main function [`FloorBasis::choose`]. Refuses: to choose if the file was changed and
+//! another map was published.
 
 use super::{FloorSource, ServedFloor};
 use anyhow::{Context, bail};
@@ -14,11 +14,11 @@ use std::sync::Arc;
 /// What stays the same from one map to the next.
 #[derive(Clone)]
 pub struct FloorBasis {
-    /// The floor as its file has it.
+    /// The floor as its file describes it.
     pub source: FloorSource,
     /// The digest of the map with which the server was started.
     pub file: String,
-    /// Where the map in operation comes from, if it was published.
+    /// The publication of the map in operation, if it was published.
     pub published: Option<PublishedMap>,
 }
 
@@ -28,11 +28,11 @@ impl FloorBasis {
         FloorBasis { source: floor.source.clone(), file: map_digest(&floor.map), published: None }
     }
 
-    /// Takes the map of the database in place of that of the file, where it was published since the server was started
-    /// with this file, or is the same one.
+    /// Uses the database's map instead of the file's, if it was published since the server was started with this file,
+    /// or is the same map.
     ///
     /// # Errors
-    /// Where the file was changed, too, or the published map is not for this fleet.
+    /// If the file was changed, too, or the published map does not suit this fleet.
     pub async fn choose(floor: ServedFloor, database: &Path) -> anyhow::Result<(ServedFloor, FloorBasis)> {
         let mut basis = FloorBasis::of(&floor);
         let Some((published, map)) = published_in(database).await? else { return Ok((floor, basis)) };
@@ -51,10 +51,10 @@ impl FloorBasis {
         Ok((ServedFloor { map, ..floor }, basis))
     }
 
-    /// The map for the robots of the site, and for what is simulated.
+    /// The map fitted to the robots of the site and to what is simulated.
     ///
     /// # Errors
-    /// Why it is not.
+    /// Why the map does not suit them.
     pub fn fit(&self, map: &Arc<Warehouse>) -> Result<Arc<Warehouse>, Vec<String>> {
         let mut why: Vec<String> = self.source.unfit(map);
         let fitted = match self.source.site().fit(map) {
@@ -68,35 +68,35 @@ impl FloorBasis {
         if why.is_empty() { Ok(fitted) } else { Err(why) }
     }
 
-    /// The map for the fleet of the scenario, where it is also for the kinds that were added: the fleet adds those.
+    /// The map fitted to the fleet of the scenario, if it also suits the added kinds: the fleet adds those.
     ///
     /// # Errors
-    /// Why it is not.
+    /// Why the map does not suit them.
     pub fn fit_all(&self, map: &Arc<Warehouse>, added: &[RobotKind]) -> Result<Arc<Warehouse>, Vec<String>> {
         let fitted = self.fit(map)?;
         let lost = not_for(&fitted, added);
         if lost.is_empty() { Ok(fitted) } else { Err(lost) }
     }
 
-    /// The floor with a map.
+    /// The floor with this map.
     pub fn with(&self, map: Arc<Warehouse>) -> ServedFloor {
         ServedFloor::new(self.source.clone(), map)
     }
 }
 
-/// What there is to say where a map is not for kinds of robots that were added.
+/// Why the map does not suit added robot kinds: one text for each such kind.
 pub fn not_for(map: &Warehouse, added: &[RobotKind]) -> Vec<String> {
     let lost = added.iter().filter(|kind| map.check_body(&kind.body()).is_err());
     lost.map(|kind| format!("the map is not for robots of the kind {:?}, which was added", kind.name))
         .collect()
 }
 
-/// The map that was published to a server with this database, if one was.
+/// The map that was published to a server with this database, if any.
 async fn published_in(database: &Path) -> anyhow::Result<Option<(PublishedMap, Warehouse)>> {
     if !std::fs::metadata(database).is_ok_and(|m| m.is_file() && m.len() > 0) {
         return Ok(None);
     }
-    // One that cannot be read is refused when it is opened.
+    // A database that cannot be read is refused when it is opened.
     let store = match Store::inspect(database).await {
         Ok(store) => store,
         Err(e) if e.is_no_room() => return Err(e.into()),
@@ -107,7 +107,7 @@ async fn published_in(database: &Path) -> anyhow::Result<Option<(PublishedMap, W
     found
 }
 
-/// Whether a database has gone over to this published map.
+/// Whether the database has switched to this published map.
 pub async fn has_gone_over(database: &Path, note: &PublishedMap) -> bool {
     matches!(published_in(database).await, Ok(Some((published, _))) if published == *note)
 }

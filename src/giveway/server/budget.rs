@@ -1,10 +1,11 @@
-//! One budget for all connections: how many there are, how many of them are strangers, and how many bytes wait for
-//! clients to take them.
+//! One budget for all connections: how many there are, how many of them are strangers, and how many bytes wait to be
+//! taken by clients.
 //!
-//! Main types: [`Budget`], [`Guest`]. A connection is a stranger until a caller is recognised on it. Where something is
-//! used up, one connection leaves: of strangers, the longest here of the address that has most of them; else the one
-//! that has been idle for longest; for bytes, the one that has taken nothing for longest, of the address with most
-//! bytes. Refuses: to let strangers use the descriptors of those who are known, and to close one that gets on.
+//! Main types: [`Budget`], [`Guest`]. A connection is a stranger until a caller is recognised on it. If a limit is
+//! exceeded, one connection must leave: among strangers, the oldest of the address with the most strangers; else the
+//! connection that has been idle longest; for bytes, the connection that has taken nothing for longest, of the address
+//! with the most bytes. Refuses: to let strangers use the descriptors of known clients, and to close a connection that
+//! makes progress.
 
 use giveway_api::access::secrets::network;
 use std::collections::{BTreeMap, HashMap};
@@ -14,15 +15,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use tokio::sync::Notify;
 
-/// So many connections may be strangers at once, and never more than half of all.
+/// The most connections that may be strangers at once, and never more than half of all.
 const MOST_STRANGERS: usize = 256;
-/// So many descriptors are kept for the database, recordings and requests to others.
+/// Descriptors that are reserved for the database, recordings and outgoing requests.
 const KEPT_BACK: usize = 64;
-/// So many bytes may wait for clients; then those leave that take none.
+/// The most bytes that may wait for clients; beyond it, clients that take none must leave.
 const MOST_BYTES: usize = 64 << 20;
-/// A connection that has taken nothing for so long does not get on.
+/// A connection that has taken nothing for this long makes no progress.
 const STALLED: Duration = Duration::from_secs(1);
-/// A stranger has to ask for something within this time, from its arrival and after each answer.
+/// A stranger must send a request within this time, from its arrival and after each answer.
 const STRANGER_IDLE: Duration = Duration::from_secs(15);
 
 /// All connections. Cheap to clone.
@@ -33,13 +34,13 @@ pub(super) struct Budget(Arc<Mutex<Open>>);
 struct Open {
     limits: ConnectionLimits,
     next: u64,
-    /// By number, so in order of arrival.
+    /// Connections by number, and so in order of arrival.
     guests: BTreeMap<u64, Place>,
-    /// Bytes that wait, of all.
+    /// Waiting bytes of all connections.
     bytes: usize,
 }
 
-/// How much of everything there may be.
+/// The limits on connections and bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ConnectionLimits {
     connections: usize,
@@ -47,16 +48,16 @@ struct ConnectionLimits {
     bytes: usize,
 }
 
-/// What is known of one connection.
+/// The state of one connection.
 #[derive(Debug)]
 struct Place {
     from: IpAddr,
     is_known: bool,
-    /// Whether no request of it is being answered.
+    /// Whether none of the connection's requests is being answered.
     is_idle: bool,
-    /// Bytes that wait for it to take them.
+    /// Bytes that wait for the client to take them.
     bytes: usize,
-    /// Since when it is idle, or when it took something last.
+    /// Since when the connection has been idle, or when its client last took bytes.
     since: Instant,
     leave: Arc<Leave>,
 }
@@ -68,7 +69,7 @@ struct Leave {
     notify: Notify,
 }
 
-/// One connection. Its place is free when this is dropped.
+/// One connection. Dropping this frees its place.
 #[derive(Debug)]
 pub(super) struct Guest {
     budget: Budget,
@@ -77,7 +78,7 @@ pub(super) struct Guest {
 }
 
 impl Budget {
-    /// A budget for a process that may have so many descriptors.
+    /// A budget for a process that may open this many descriptors.
     pub fn of(descriptors: usize) -> Budget {
         let connections = descriptors.saturating_sub(KEPT_BACK).max(8);
         let strangers = MOST_STRANGERS.min(connections / 2);
@@ -88,7 +89,7 @@ impl Budget {
         Budget(Arc::new(Mutex::new(Open { limits, next: 0, guests: BTreeMap::new(), bytes: 0 })))
     }
 
-    /// A new connection. If there are too many, one is told to leave, perhaps this one.
+    /// Adds a connection. If there are too many, one is told to leave, perhaps this one.
     pub fn arrive(&self, from: IpAddr, now: Instant) -> Guest {
         let leave = Arc::new(Leave::default());
         let mut open = self.open();
@@ -113,12 +114,12 @@ impl Budget {
 }
 
 impl Open {
-    /// Those that were not told to leave.
+    /// Connections that were not told to leave.
     fn staying(&self) -> impl Iterator<Item = (&u64, &Place)> {
         self.guests.iter().filter(|(_, place)| !place.leave.told.load(Ordering::Relaxed))
     }
 
-    /// The stranger who is here for longest, of those from the address that has most. A new one is spared.
+    /// The oldest stranger of the address with the most strangers, except the new connection.
     fn stranger_to_leave(&self, new: u64) -> Option<u64> {
         let strangers = || self.staying().filter(|(id, place)| !place.is_known && **id != new);
         let mut by_address: HashMap<IpAddr, usize> = HashMap::new();
@@ -127,13 +128,13 @@ impl Open {
         strangers().find(|(_, place)| by_address[&place.from] == *most).map(|(id, _)| *id)
     }
 
-    /// The one of these whose state has not changed for longest.
+    /// Of the connections that satisfy `which`, the one whose state has been unchanged for longest.
     fn longest(&self, which: impl Fn(&Place) -> bool) -> Option<u64> {
         let those = self.staying().filter(|(_, place)| which(place));
         those.min_by_key(|(_, place)| place.since).map(|(id, _)| *id)
     }
 
-    /// The one that does not take its bytes, of the address for which most wait.
+    /// The stalled connection of the address with the most waiting bytes.
     fn holder_to_leave(&self, now: Instant) -> Option<u64> {
         let mut by_address: HashMap<IpAddr, usize> = HashMap::new();
         self.staying().for_each(|(_, place)| *by_address.entry(place.from).or_default() += place.bytes);
@@ -155,27 +156,28 @@ impl Open {
 }
 
 impl Guest {
-    /// A caller was recognised on it.
+    /// Notes that a caller was recognised on the connection.
     pub fn let_in(&self) {
         self.change(|place| place.is_known = true);
     }
 
-    /// Whether a caller was recognised on it.
+    /// Whether a caller was recognised on the connection.
     pub fn is_known(&self) -> bool {
         self.budget.open().guests.get(&self.id).is_some_and(|place| place.is_known)
     }
 
-    /// A request of it begins to be answered.
+    /// Notes that a request of the connection is being answered.
     pub fn asks(&self) {
         self.change(|place| place.is_idle = false);
     }
 
-    /// Its request is answered, as far as the server is concerned.
+    /// Notes that the server has finished its answer.
     pub fn is_answered(&self, now: Instant) {
         self.change(|place| (place.is_idle, place.since) = (true, now));
     }
 
-    /// So many bytes wait for it from now on. If that is too much, somebody who takes none is told to leave.
+    /// Notes that this many more bytes wait for the client. If that exceeds the limit, a stalled connection is told to
+    /// leave.
     pub fn is_sent(&self, bytes: usize, now: Instant) {
         let mut open = self.budget.open();
         let Some(place) = open.guests.get_mut(&self.id) else { return };
@@ -189,7 +191,7 @@ impl Guest {
         }
     }
 
-    /// So many bytes do not wait for it any more, though it took none.
+    /// Notes that this many bytes no longer wait, although the client did not take them.
     pub fn releases(&self, bytes: usize) {
         let mut open = self.budget.open();
         let Some(place) = open.guests.get_mut(&self.id) else { return };
@@ -198,9 +200,9 @@ impl Guest {
         open.bytes -= counted;
     }
 
-    /// It has taken so many bytes, of which some may be of heads and of shared bodies, which were never counted.
+    /// Notes that the client took this many bytes; some may be of headers and shared bodies, which were never counted.
     pub fn takes(&self, bytes: usize, now: Instant) {
-        // Flushing what is flushed is no progress.
+        // Flushing nothing is no progress.
         if bytes == 0 {
             return;
         }
@@ -212,7 +214,7 @@ impl Guest {
         open.bytes -= counted;
     }
 
-    /// Whether it is a stranger who has asked for nothing for too long.
+    /// Whether the connection is a stranger that has sent no request for too long.
     pub fn is_overdue(&self, now: Instant) -> bool {
         let open = self.budget.open();
         let overdue = |place: &Place| {
@@ -221,12 +223,12 @@ impl Guest {
         open.guests.get(&self.id).is_some_and(overdue)
     }
 
-    /// Whether it was told to leave.
+    /// Whether the connection was told to leave.
     pub fn is_told(&self) -> bool {
         self.leave.told.load(Ordering::Relaxed)
     }
 
-    /// Waits until it is told to leave.
+    /// Waits until the connection is told to leave.
     pub async fn is_to_leave(&self) {
         if !self.is_told() {
             self.leave.notify.notified().await;

@@ -1,9 +1,9 @@
-//! What the server shows itself with over TLS: a certificate of one's own, or one that it makes for itself.
+//! The server's TLS certificate: the operator's, or one that the server makes for itself.
 //!
-//! Main types: [`Identity`], [`CertificateLocation`]. The own key is made once and kept beside the database, readable
-//! by its owner only; the certificate is made anew with the same key when the host got a name or an address that it
-//! does not have, or when it is about to end. Refuses: to overwrite files that it did not make, and keys that do not
-//! fit.
+//! Main types: [`Identity`], [`CertificateLocation`]. The server's own key is made once and kept beside the database,
+//! readable only by its owner; the certificate is renewed with the same key when the host has a name or an address that
+//! the certificate lacks, or before it expires. Refuses: to overwrite files that it did not make, and keys that do not
+//! match the certificate.
 
 use anyhow::{Context, anyhow, bail};
 use jiff::ToSpan;
@@ -20,29 +20,29 @@ use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How long an own certificate holds. Some systems take none that hold longer than 825 days.
+/// How long the server's own certificate is valid. Some systems accept none that is valid for longer than 825 days.
 const DAYS: i32 = 800;
 
-/// It is made anew so many days before it ends.
+/// How many days before its expiry the certificate is renewed.
 const DAYS_BEFORE: i32 = 30;
 
-/// The lines before an own certificate, which say what is in it.
+/// The lines before the server's own certificate, which describe it.
 const NAMES: &str = "Made by Giveway for: ";
 const UNTIL: &str = "Until: ";
 
-/// Where certificate and key are.
+/// The location of certificate and key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CertificateLocation {
     /// Files of the operator.
     Given {
-        /// The certificate, and those that it hangs on.
+        /// The certificate and its chain.
         certificate: PathBuf,
-        /// Its key.
+        /// The certificate's key.
         key: PathBuf,
     },
-    /// Files that the server makes, beside the database.
+    /// Files that the server makes beside the database.
     Own {
-        /// The database.
+        /// The database file.
         database: PathBuf,
         /// Names and addresses that clients use.
         names: BTreeSet<String>,
@@ -52,13 +52,13 @@ pub enum CertificateLocation {
 /// A certificate with its key, ready to serve.
 #[derive(Clone, Debug)]
 pub struct Identity {
-    /// For rustls.
+    /// The configuration for rustls.
     pub config: Arc<ServerConfig>,
     /// SHA-256 of the certificate, as browsers show it.
     pub fingerprint: String,
-    /// The file that it is in.
+    /// The certificate's file.
     pub certificate: PathBuf,
-    /// Names and addresses for which the server made it; none where it is given.
+    /// Names and addresses for which the server made the certificate; empty for the operator's certificate.
     pub names: Vec<String>,
 }
 
@@ -66,7 +66,7 @@ impl Identity {
     /// Reads the certificate, or makes one.
     ///
     /// # Errors
-    /// Where a file cannot be read or written, or certificate and key do not fit; the text names the file.
+    /// If a file cannot be read or written, or certificate and key do not match; the text names the file.
     pub fn open(place: &CertificateLocation, today: Date) -> anyhow::Result<Identity> {
         match place {
             CertificateLocation::Given { certificate, key } => Identity::read(certificate, key, Vec::new()),
@@ -110,7 +110,7 @@ pub fn own_files(database: &Path) -> (PathBuf, PathBuf) {
     (database.with_extension("cert.pem"), database.with_extension("key.pem"))
 }
 
-/// Makes what is missing; answers with the names that the certificate has.
+/// Makes what is missing; returns the names in the certificate.
 fn make(
     certificate: &Path,
     key: &Path,
@@ -154,7 +154,7 @@ fn sign(names: &BTreeSet<String>, from: Date, until: Date, pair: &KeyPair) -> an
     Ok(params.self_signed(pair).context("cannot sign the certificate")?.pem())
 }
 
-/// For which names an own certificate was made, and until when it holds.
+/// The names in the server's own certificate, and its expiry.
 fn known(certificate: &Path) -> anyhow::Result<(BTreeSet<String>, Date)> {
     let name = certificate.display();
     let text = std::fs::read_to_string(certificate).with_context(|| format!("cannot read {name}"))?;
@@ -165,7 +165,7 @@ fn known(certificate: &Path) -> anyhow::Result<(BTreeSet<String>, Date)> {
     Ok((names.split(", ").map(str::to_owned).collect(), until))
 }
 
-/// Writes a file whole or not at all, never readable by more than `mode` says.
+/// Writes a file completely or not at all, never readable by more users than `mode` allows.
 fn write(path: &Path, text: &str, mode: u32) -> anyhow::Result<()> {
     let fresh = path.with_extension("pem.new");
     let attempt = || -> std::io::Result<()> {
@@ -212,7 +212,7 @@ pub fn host_names(at: IpAddr) -> BTreeSet<String> {
     names
 }
 
-/// The addresses of this host in Linux's table of routes.
+/// The addresses of this host in Linux's routing table.
 fn local_addresses(table: &str) -> Vec<IpAddr> {
     let lines: Vec<&str> = table.lines().collect();
     let address = |pair: &[&str]| {
@@ -222,7 +222,8 @@ fn local_addresses(table: &str) -> Vec<IpAddr> {
     lines.windows(2).filter_map(address).collect()
 }
 
-/// The address from which this host reaches others. Nothing is sent: connecting a datagram only looks up the route.
+/// The address from which this host reaches others. Nothing is sent: connecting a datagram socket only looks up the
+/// route.
 fn outward() -> Option<IpAddr> {
     let socket = std::net::UdpSocket::bind("0.0.0.0:0").ok()?;
     socket.connect("192.0.2.1:9").ok()?;

@@ -1,7 +1,7 @@
 //! The only clock: microseconds since 1970, read from the system once and then counted on.
 //!
-//! Main type: [`Clock`]. Times are strictly increasing, and never before the last fact of the journal, even
-//! where the system's clock was set back in between. Refuses: to follow the system's clock while it runs.
+//! Main type: [`Clock`]. Times are strictly increasing, and never before the last fact of the journal, even if the
+//! system's clock was set back in between. Refuses: to follow the system's clock while it runs.
 
 use giveway_floor::time::{Span, Time};
 use std::sync::OnceLock;
@@ -20,7 +20,7 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// A clock that starts now, or just after `last` where that is later.
+    /// A clock that starts now, or just after `last` if that is later.
     pub fn start(last: Option<Time>) -> Clock {
         let wall = wall();
         let start = last.map_or(wall, |last| wall.max(last.0 + 1));
@@ -36,13 +36,13 @@ impl Clock {
         Time(self.start)
     }
 
-    /// By how much the system's clock is ahead of this one; negative where it is behind. It is not followed, since
-    /// times must not jump; if it was set while this one runs, somebody should know.
+    /// How far the system's clock is ahead of this one; negative if it is behind. This clock does not follow it, since
+    /// times must not jump; if the system's clock was set meanwhile, an operator should know.
     pub fn system_ahead(&self) -> Span {
         Span(wall() - self.now().0)
     }
 
-    /// Now; later than every answer before.
+    /// The current time, later than every time returned before.
     pub fn now(&self) -> Time {
         let elapsed = i64::try_from(self.origin.elapsed().as_micros()).unwrap_or(i64::MAX / 2);
         let now = self.start + elapsed;
@@ -57,7 +57,7 @@ fn wall() -> i64 {
     i64::try_from(wall).unwrap_or(0)
 }
 
-/// Nanoseconds since its first call, to tell how long something takes.
+/// Nanoseconds since the first call, for measuring durations.
 pub fn stopwatch() -> u64 {
     static ORIGIN: OnceLock<Instant> = OnceLock::new();
     u64::try_from(ORIGIN.get_or_init(Instant::now).elapsed().as_nanos()).unwrap_or(u64::MAX)

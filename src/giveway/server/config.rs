@@ -1,8 +1,8 @@
 //! Settings: flags before environment before file before defaults.
 //!
-//! Main types: [`Flags`] (what the command line takes), [`Config`] (what holds in the end). The environment
-//! has the same names in capitals after `GIVEWAY_`. Refuses: to listen beyond this machine without a token,
-//! and settings that it does not know.
+//! Main types: [`Flags`] (what the command line accepts), [`Config`] (the resulting settings). The environment has the
+//! same names in capitals after `GIVEWAY_`. Refuses: to listen beyond this machine without a token, and unknown
+//! settings.
 
 use super::certificate::{self, CertificateLocation};
 use anyhow::{Context, bail, ensure};
@@ -34,10 +34,10 @@ const FROM_ENVIRONMENT: [&str; 15] = [
     "ca_file",
 ];
 
-/// Schemes of other databases, which are told apart from the names of files even without `//`.
+/// Schemes of other databases, which are distinguished from file names even without `//`.
 const OTHERS: [&str; 4] = ["postgres", "postgresql", "mysql", "file"];
 
-/// The shortest token.
+/// The shortest token, in characters.
 const SHORTEST_TOKEN: usize = 16;
 
 /// Flags of `giveway serve`.
@@ -47,7 +47,7 @@ pub struct Flags {
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
     pub config: Option<PathBuf>,
-    /// The floor to run: map, kinds of robots, policy, links (docs/site.md) [env: GIVEWAY_SITE]
+    /// The floor to run: map, robot kinds, policy, links (docs/site.md) [env: GIVEWAY_SITE]
     #[arg(long, value_name = "FILE", conflicts_with = "scenario")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub site: Option<PathBuf>,
@@ -80,7 +80,7 @@ pub struct Flags {
     #[arg(long, value_name = "HOURS")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub past_hours: Option<u32>,
-    /// Most disk space that the kept past may use [default: 1000] [env: GIVEWAY_PAST_MB]
+    /// Most disk space that the recordings of the past may use [default: 1000] [env: GIVEWAY_PAST_MB]
     #[arg(long, value_name = "MEGABYTES")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub past_mb: Option<u32>,
@@ -89,12 +89,12 @@ pub struct Flags {
     #[arg(long, value_name = "DAYS")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub keep_days: Option<u32>,
-    /// For how long lists, events and the kept past say who it was; then encounters and assignments are anonymous
-    /// [default: 7] [env: GIVEWAY_PEOPLE_KEEP_DAYS]
+    /// How long lists, events and recordings contain people's identities; after that, encounters and assignments are
+    /// anonymous [default: 7] [env: GIVEWAY_PEOPLE_KEEP_DAYS]
     #[arg(long, value_name = "DAYS")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub people_keep_days: Option<u32>,
-    /// File with one token a line; a single token may be in GIVEWAY_TOKEN [env: GIVEWAY_TOKENS]
+    /// File with one token per line; a single token may be in GIVEWAY_TOKEN [env: GIVEWAY_TOKENS]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tokens: Option<PathBuf>,
@@ -114,18 +114,18 @@ pub struct Flags {
     #[arg(long = "tls-name", value_name = "NAME")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub tls_names: Vec<String>,
-    /// Authorities (PEM) that webhooks and the identity provider are trusted by, in the place of the public ones
+    /// Certificate authorities (PEM) to trust for webhooks and the identity provider, instead of the public ones
     /// [env: GIVEWAY_CA_FILE]
     #[arg(long, value_name = "FILE")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ca_file: Option<PathBuf>,
-    /// A network inside, such as 10.20.0.0/16, to which webhooks may be sent; may be given several times
+    /// An internal network, such as 10.20.0.0/16, to which webhooks may be sent; may be given several times
     #[arg(long, value_name = "NETWORK")]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub webhook_inside: Vec<String>,
 }
 
-/// What holds in the end.
+/// The settings that result.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
@@ -133,24 +133,24 @@ pub struct Config {
     pub site: Option<PathBuf>,
     /// A simulated floor to run instead.
     pub scenario: Option<PathBuf>,
-    /// How goals of workers are recognised, instead of as the floor's file says.
+    /// How workers' goals are recognised, instead of the method in the floor's file.
     pub method: Option<String>,
-    /// Where to listen.
+    /// The address and port to listen on.
     pub listen: String,
-    /// The database.
+    /// The database file.
     pub database: PathBuf,
-    /// Whether to start empty where traces of a database are.
+    /// Whether to start with an empty database even if there are traces of an old one.
     #[serde(default)]
     pub new: bool,
-    /// How many hours of the past are kept.
+    /// How many hours of recordings are kept.
     pub past_hours: u32,
-    /// How many megabytes of the past are kept.
+    /// How many megabytes of recordings are kept.
     pub past_mb: u32,
-    /// For how many days what is over stays in the lists.
+    /// How many days things that are over stay in the lists.
     pub keep_days: u32,
-    /// For how many days it is kept who it was.
+    /// How many days people's identities are kept.
     pub people_keep_days: u32,
-    /// Roles that see names of people; in the settings file only.
+    /// Roles that may see names of people; only in the settings file.
     pub people_names_for: Vec<Role>,
     /// A token.
     pub token: Option<String>,
@@ -158,47 +158,47 @@ pub struct Config {
     pub tokens: Option<PathBuf>,
     /// Whether to speak HTTPS with a certificate that the server makes.
     pub tls: bool,
-    /// A certificate to speak HTTPS with.
+    /// A certificate with which to speak HTTPS.
     pub tls_cert: Option<PathBuf>,
-    /// Its key.
+    /// The key of that certificate.
     pub tls_key: Option<PathBuf>,
-    /// More names of the certificate that the server makes.
+    /// Additional names for the certificate that the server makes.
     #[serde(default)]
     pub tls_names: Vec<String>,
-    /// Authorities by which others are trusted, in the place of the public ones.
+    /// Certificate authorities to trust for outgoing requests, instead of the public ones.
     pub ca_file: Option<PathBuf>,
-    /// An identity provider with which people sign in; in the settings file only.
+    /// An identity provider with which people sign in; only in the settings file.
     #[serde(default)]
     pub oidc: Option<OidcSettings>,
-    /// For how many seconds a webhook may take nothing before that is an alarm; in the settings file only.
+    /// How many seconds a webhook may accept nothing before an alarm is raised; only in the settings file.
     pub webhook_alarm_s: u32,
-    /// Networks inside to which webhooks may be sent, as `10.20.0.0/16`. There are none at first: whoever adds a
-    /// webhook could otherwise have this server talk to what only it reaches.
+    /// Internal networks to which webhooks may be sent, such as `10.20.0.0/16`. There are none by default: otherwise, a
+    /// caller who adds a webhook could make this server connect to what only the server can reach.
     #[serde(default)]
     pub webhook_inside: Vec<String>,
-    /// Origins of other sites whose pages may use the API with a token, as `https://wms.example`; in the settings file
-    /// only.
+    /// Origins of other sites whose pages may use the API with a token, such as `https://wms.example`; only in the
+    /// settings file.
     #[serde(default)]
     pub allowed_origins: Vec<String>,
-    /// Frames and workers of MassRobotics reports; in the settings file only.
+    /// Frames and workers of MassRobotics reports; only in the settings file.
     #[serde(default)]
     pub massrobotics: Interop,
 }
 
-/// What runs where no floor is named.
+/// The scenario that runs if no floor is named.
 const FIRST_SCENARIO: &str = "scenarios/first.json";
 
-/// Where a server reads what its floor is.
+/// The file that describes the server's floor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FloorFile {
     /// A site.
     Site(PathBuf),
-    /// A site with toys.
+    /// A scenario: a site with toys.
     Scenario(PathBuf),
 }
 
 impl FloorFile {
-    /// The file.
+    /// The file's path.
     pub fn path(&self) -> &Path {
         match self {
             FloorFile::Site(path) | FloorFile::Scenario(path) => path,
@@ -240,7 +240,7 @@ impl Config {
     /// Settings from flags, environment, file and defaults.
     ///
     /// # Errors
-    /// Where a file cannot be read or a setting is not known; the text names the culprit.
+    /// If a file cannot be read or a setting is unknown; the text names it.
     pub fn read(flags: &Flags) -> anyhow::Result<Config> {
         Config::merge(flags, |name| std::env::var(name).ok().filter(|v| !v.is_empty()))
     }
@@ -253,7 +253,7 @@ impl Config {
             figment = figment.merge(Toml::file_exact(file));
         }
         for key in FROM_ENVIRONMENT {
-            // By hand, since every value is a text, even one that looks like a number.
+            // Read by hand, since every value is a text, even one that looks like a number.
             if let Some(value) = environment(&format!("GIVEWAY_{}", key.to_uppercase())) {
                 figment = match (key, value.as_str()) {
                     ("tls", "true" | "1") => figment.merge(Serialized::default(key, true)),
@@ -281,7 +281,7 @@ impl Config {
         Ok(Config { database: database_file(&config.database)?, ..config })
     }
 
-    /// The file of the floor that is to run.
+    /// The file of the floor to run.
     pub fn floor(&self) -> FloorFile {
         match &self.site {
             Some(site) => FloorFile::Site(site.clone()),
@@ -289,10 +289,10 @@ impl Config {
         }
     }
 
-    /// The gate that the tokens make.
+    /// The gate that admits the tokens.
     ///
     /// # Errors
-    /// Where the file with tokens cannot be read, or a token is too short.
+    /// If the file with tokens cannot be read, or a token is too short.
     pub fn gate(&self) -> anyhow::Result<Gate> {
         let mut tokens: Vec<String> = self.token.iter().cloned().collect();
         if let Some(path) = &self.tokens {
@@ -322,10 +322,10 @@ impl Config {
         Ok(gate.with_provider(self.oidc.is_some()))
     }
 
-    /// Where to listen.
+    /// The address to listen on.
     ///
     /// # Errors
-    /// Where the address cannot be understood, or is beyond this machine and the gate is open.
+    /// If the address is invalid, or is beyond this machine while the gate needs no token.
     pub async fn address(&self, gate: &Gate) -> anyhow::Result<SocketAddr> {
         let resolved = tokio::net::lookup_host(&self.listen).await;
         let mut all = resolved.with_context(|| {
@@ -340,24 +340,24 @@ impl Config {
         Ok(address)
     }
 
-    /// Where the past is kept, and how much of it; nothing where none is to be.
+    /// The folder of recordings and their limits; nothing if none are to be kept.
     pub fn past(&self) -> Option<(PathBuf, Limits)> {
-        // Recordings show where people were.
+        // Recordings show where people were, so they are kept no longer than identities.
         let hours = self.past_hours.min(self.people_keep_days.saturating_mul(24));
         let limits = Limits { age_s: f64::from(hours) * 3600.0, bytes: u64::from(self.past_mb) * 1_000_000 };
         let any = self.past_hours > 0 && self.past_mb > 0;
         any.then(|| (self.past_folder(), limits))
     }
 
-    /// Where the past is, if any was kept.
+    /// The folder of recordings, if any were kept.
     pub fn past_folder(&self) -> PathBuf {
         self.database.with_extension("past")
     }
 
-    /// Where certificate and key are; nothing where plain HTTP is spoken.
+    /// The location of certificate and key; nothing if the server speaks plain HTTP.
     ///
     /// # Errors
-    /// Where only one of certificate and key is named.
+    /// If only one of certificate and key is named.
     pub fn tls(&self, address: SocketAddr) -> anyhow::Result<Option<CertificateLocation>> {
         match (&self.tls_cert, &self.tls_key) {
             (Some(certificate), Some(key)) => {
@@ -399,8 +399,8 @@ fn database_file(given: &Path) -> anyhow::Result<PathBuf> {
     Ok(given.into())
 }
 
-/// Whether this is what browsers send as `Origin`: scheme and host in small letters, with a port where it is not the
-/// usual one, and nothing after that.
+/// Whether this is what browsers send as `Origin`: scheme and host in lower case, with a port if it is not the usual
+/// one, and nothing after that.
 fn is_origin(text: &str) -> bool {
     let host = ["https://", "http://"].into_iter().find_map(|scheme| text.strip_prefix(scheme));
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.:[]".contains(c);

@@ -1,7 +1,7 @@
 //! Serves connections until the server closes.
 //!
-//! Main function: [`serve`]. A client has to get on in both directions: say what it wants, and take what it is sent.
-//! Refuses: to let connections of strangers, or of clients that do not get on, keep others out.
+//! Main function: [`serve`]. A client must make progress in both directions: send its request, and take what it is
+//! sent. Refuses: to let connections of strangers, or of stalled clients, keep others out.
 
 use super::budget::{Budget, Guest};
 use super::metered::{BodyKind, CountedBody, Metered};
@@ -26,31 +26,30 @@ use tokio::time::{interval, sleep};
 use tokio_rustls::TlsAcceptor;
 use tower::ServiceExt;
 
-/// The next request of a connection that is known has to be there after so long; strangers have less
-/// (`Guest::is_overdue`).
+/// How long a known connection may take to its next request; strangers have less time (`Guest::is_overdue`).
 const KEPT: Duration = Duration::from_secs(75);
-/// What clients are told of that. They should be done some time before the server is.
+/// The timeout that known clients are told. They should stop some time before the server does.
 const TOLD_KNOWN: &str = "timeout=60";
-/// The same for strangers.
+/// The timeout that strangers are told.
 const TOLD_STRANGERS: &str = "timeout=10";
-/// How often it is looked whether a connection is overdue.
+/// How often the server checks whether a connection is overdue.
 const LOOK: Duration = Duration::from_secs(1);
-/// What is written for a client and not yet taken is this much at most, besides one piece of a body, bytes.
+/// The most bytes that are written for a client and not yet taken, besides one piece of a body.
 const BUFFER: usize = 64 << 10;
-/// Open descriptors that the server asks the system for, if it may have so many.
+/// How many open descriptors the server requests from the system, if it may have so many.
 const DESCRIPTORS: u64 = 65_536;
 
-/// What all connections have in common.
+/// What all connections share.
 #[derive(Clone)]
 struct ConnectionService {
     router: Router,
-    /// Where HTTPS is spoken.
+    /// Present if the server speaks HTTPS.
     tls: Option<TlsAcceptor>,
     closes: watch::Receiver<bool>,
 }
 
-/// Serves every connection that comes to a listener, by TLS if there is a certificate, until `closes` says so; then
-/// ends them in order.
+/// Serves every connection to a listener, with TLS if there is a certificate, until `closes` turns true; then ends the
+/// connections in order.
 pub(super) async fn serve(
     listener: TcpListener,
     tls: Option<Arc<rustls::ServerConfig>>,
@@ -92,13 +91,13 @@ async fn accept(listener: &TcpListener) -> (TcpStream, SocketAddr) {
     }
 }
 
-/// Whether a client went away before it was accepted.
+/// Whether the error means that a client went away before it was accepted.
 fn is_of_client(e: &io::Error) -> bool {
     use io::ErrorKind::{ConnectionAborted, ConnectionRefused, ConnectionReset};
     matches!(e.kind(), ConnectionAborted | ConnectionRefused | ConnectionReset)
 }
 
-/// One connection, from its first byte.
+/// Serves one connection, from its first byte.
 async fn begin(stream: TcpStream, from: SocketAddr, service: ConnectionService, guest: Arc<Guest>) {
     let Some(acceptor) = service.tls.clone() else { return connection(stream, from, service, guest).await };
     let shaken = tokio::select! {
@@ -112,7 +111,7 @@ async fn begin(stream: TcpStream, from: SocketAddr, service: ConnectionService, 
     }
 }
 
-/// The requests of a connection, to the last, or until it is a WebSocket.
+/// Serves the requests of a connection, to the last, or until it becomes a WebSocket.
 async fn connection<I>(io: I, from: SocketAddr, service: ConnectionService, guest: Arc<Guest>)
 where
     I: tokio::io::AsyncRead + tokio::io::AsyncWrite + Unpin + Send + 'static,
@@ -143,7 +142,7 @@ where
     }
 }
 
-/// Waits until a stranger has asked for nothing for too long.
+/// Waits until a stranger has sent no request for too long.
 async fn is_overdue(guest: &Guest) {
     let mut looks = interval(LOOK);
     while !guest.is_overdue(Instant::now()) {
@@ -195,8 +194,8 @@ fn kind_of(response: &Response<Body>) -> BodyKind {
     }
 }
 
-/// How many descriptors the process may have open, after raising that to what the system allows: robots, headsets and
-/// dashboards need one each.
+/// How many descriptors the process may have open, after raising the limit to what the system allows: robots, headsets
+/// and dashboards need one each.
 fn descriptors() -> usize {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
     let limit = getrlimit(Resource::Nofile);

@@ -1,10 +1,10 @@
-//! The control loop: tokio around the pure driver. One thread owns the driver and the floor, and turns once in a
+//! The control loop: tokio around the pure driver. One thread owns the driver and the floor, and runs one turn per
 //! period.
 //!
 //! Main type: [`ControlLoop`]. Missed ticks are skipped, not caught up. A pose that calls for a stop does not wait for
-//! the next tick: the loop turns at once, and rests after that for as long as it took. What leaves when, what is kept,
-//! and what happens after a panic is the driver's ([`giveway_drive`]). Refuses: locks, waiting for the database, and
-//! decisions of its own.
+//! the next tick: the loop turns at once, and then rests for as long as the turn took. The driver ([`giveway_drive`])
+//! decides what leaves when, what is kept, and what happens after a panic. Refuses: locks, waiting for the database,
+//! and decisions of its own.
 
 use super::Planted;
 use super::ahead::LastForecasts;
@@ -28,66 +28,66 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 use tokio::time::{MissedTickBehavior, interval, sleep};
 
-/// How often the view is published; a little less than a tenth of a second, so that a tick does not just miss it.
+/// Interval between views; a little less than a tenth of a second, so that a tick does not just miss the next one.
 const PUBLISH: Span = Span::from_millis(95);
 
 /// Everything that the loop owns.
 pub struct ControlLoop {
-    /// Fleet, journal gate, outbox.
+    /// The driver: fleet, journal gate, outbox.
     pub drive: Drive,
-    /// Robots, and people who are simulated.
+    /// Links to robots, and to simulated people.
     pub links: Links,
     /// The clock.
     pub clock: Arc<Clock>,
-    /// Length of a turn.
+    /// Period of a turn.
     pub period: Span,
-    /// Requests.
+    /// Requests and sightings.
     pub inbox: Inbox,
-    /// Questions about the fleet as it is.
+    /// Questions about the fleet's current state.
     pub questions: mpsc::Receiver<Question>,
-    /// Facts.
+    /// Stores facts.
     pub journal: Journal,
-    /// Figures.
+    /// Measures the loop.
     pub measure: Measure,
-    /// Takes views for the figures over time.
+    /// Passes views on for the figures over time.
     pub notes: HistorianSender,
-    /// Figures for Prometheus.
+    /// Metrics for Prometheus.
     pub metrics: Arc<Metrics>,
-    /// Where people may be soon, for dashboards and recordings.
+    /// Forecasts of people, for dashboards and recordings.
     pub ahead: LastForecasts,
-    /// Gets guidance.
+    /// Receives guidance.
     pub feeds: Arc<Feeds>,
-    /// Gets what is worth a bookmark.
+    /// Receives facts that may become bookmarks.
     pub tap: BookmarkSender,
-    /// What stands.
+    /// Active alarms.
     pub alarms: Arc<Alarms>,
-    /// What lasts from one turn to the next.
+    /// State of the loop's timing.
     pub pace: LoopPace,
-    /// Whether the database is not where it was.
+    /// Whether the database files are no longer in their place.
     pub displaced: watch::Receiver<bool>,
-    /// Looks whether laws hold.
+    /// Checks whether laws hold.
     pub watchdog: Watchdog,
-    /// The journal, to make the fleet anew from.
+    /// The database, from which the fleet can be restored.
     pub store: Arc<Store>,
-    /// Gets the view.
+    /// Receives the view.
     pub moments: watch::Sender<Arc<Moment>>,
-    /// Asks that robots stand for a change of the map.
+    /// Requests that robots stop for a change of the map.
     pub settling: SettleQueue,
     /// Panics that tests plant.
     pub planted: Planted,
 }
 
-/// How the loop turns.
+/// The timing of the loop.
 #[derive(Debug, Default)]
 pub struct LoopPace {
-    /// When the pose was received that calls for a stop, if one waits for the next turn.
+    /// When the pose that calls for a stop was received, if it waits for the next turn.
     called: Option<Time>,
-    /// Until when the loop turns by its tick only.
+    /// Until when the loop turns only on its ticks.
     rests: Time,
 }
 
 impl ControlLoop {
-    /// Turns until `stop` says so. Gives the links as they are then.
+    /// Turns until `stop` turns true. Returns the links in their final state.
     pub async fn run(mut self, mut stop: watch::Receiver<bool>) -> Links {
         let mut tick = interval(Duration::from_micros(self.period.0.unsigned_abs().max(1000)));
         tick.set_missed_tick_behavior(MissedTickBehavior::Skip);
@@ -108,13 +108,13 @@ impl ControlLoop {
                 self.restore().await;
             }
         }
-        // The last turn must not be one of a fleet that a panic left half-way.
+        // The last turn must not be of a fleet that a panic left half-way.
         self.drive.stop_deciding();
         self.turn(&mut published);
         self.links
     }
 
-    /// Turns at once where a pose calls for a stop, or hands for a warning, and the loop has rested.
+    /// Turns at once if a pose calls for a stop, or hands for a warning, and the loop has rested.
     fn listen(&mut self, heard: &HeardSighting, published: &mut Time) {
         let now = self.clock.now();
         if self.drive.is_broken() {
@@ -140,7 +140,7 @@ impl ControlLoop {
         }
     }
 
-    /// Warnings of hands do not wait for the step that is to come: a headset does not notice that it repeats them.
+    /// Sends warnings about hands before the next step, which repeats them: a headset does not show the repetition.
     fn warn_ahead(&mut self, heard: &[Input], now: Time) {
         let warnings = self.drive.ask(GuardedCall::Pose, now, |fleet| {
             let warning = |input: &Input| match input {
@@ -152,7 +152,7 @@ impl ControlLoop {
         self.feeds.warn(&warnings.unwrap_or_default());
     }
 
-    /// Turns before its time, and rests then for as long as that took, whatever pose calls.
+    /// Turns ahead of the tick, and then rests for as long as that took, whatever pose calls.
     fn turn_early(&mut self, published: &mut Time) {
         let began = self.clock.now();
         self.turn(published);
@@ -160,7 +160,7 @@ impl ControlLoop {
         self.pace.rests = done + (done - began);
     }
 
-    /// One turn: everything that was heard goes into the driver, and what it sends goes where it belongs.
+    /// One turn: everything that was heard goes into the driver, and its output goes to the links, feeds and journal.
     fn turn(&mut self, published: &mut Time) {
         let now = self.clock.now();
         let called = self.pace.called.take();
@@ -179,7 +179,7 @@ impl ControlLoop {
             self.note(self.clock.now() - looked, facts);
         }
         let warned = self.send((looked, called), sent);
-        // A display of a station shows what somebody is warned of at once.
+        // The display of a station shows a warning to a person at once.
         if warned || now - *published >= PUBLISH {
             *published = now;
             self.publish(now);
@@ -190,19 +190,19 @@ impl ControlLoop {
         }
     }
 
-    /// Plants what a test wants planted.
+    /// Plants the next panic of a test, if there is one.
     fn plant(&mut self) {
         let planted = self.planted.lock().map(|mut traps| traps.pop());
         planted.ok().flatten().into_iter().for_each(|trap| self.drive.plant(trap));
     }
 
-    /// How the journal is.
+    /// The state of the journal.
     fn report(&self) -> JournalReport {
         self.journal.report(*self.displaced.borrow())
     }
 
-    /// Lets stops, and what workers are told, go at once: what was decided with the poses that were there `looked`, of
-    /// which one `called`. Hands the facts to the journal. Whether somebody was warned.
+    /// Sends stops and guidance at once; they were decided with the poses known at `looked`, one of which `called`.
+    /// Passes the facts to the journal. Returns whether there were warnings.
     fn send(&mut self, (looked, called): (Time, Option<Time>), sent: Sent) -> bool {
         self.links.take(self.clock.now(), &sent);
         let Sent { written, limits, guidance, warnings, refused, alarms, settled, .. } = sent;
@@ -230,14 +230,14 @@ impl ControlLoop {
         !warnings.is_empty()
     }
 
-    /// Lets go what is durable.
+    /// Releases what is durable.
     fn release(&mut self) {
         let released = self.drive.release(self.report());
         self.links.take(self.clock.now(), &released);
         released.replies.into_iter().for_each(|reply| self.inbox.answer(reply));
     }
 
-    /// Makes the fleet anew from the journal, everything that it was told of being durable.
+    /// Restores the fleet from the journal when everything recorded is durable.
     async fn restore(&mut self) {
         let loaded = self.store.load(self.drive.empty_ledger()).await;
         let folded = catch_unwind(AssertUnwindSafe(|| loaded.map(|loaded| loaded.into_parts())));
@@ -309,7 +309,7 @@ mod tests {
         control.links.sim().world().truth()
     }
 
-    /// A loop with a journal that is written only when the test lets the writer run.
+    /// A loop with a journal that writes only when the test runs the writer.
     async fn drive(
         folder: &std::path::Path,
     ) -> (ControlLoop, journal::JournalSender, mpsc::Sender<QueuedRequest>) {
@@ -354,7 +354,7 @@ mod tests {
         (drive, writer, queue)
     }
 
-    /// Turns until all robots have this limit.
+    /// Turns until all robots have this speed limit.
     async fn until(drive: &mut ControlLoop, limit: Option<f64>) {
         let mut published = drive.clock.now();
         for _ in 0..100 {

@@ -1,4 +1,4 @@
-//! Watches over the files of the database: an alarm within a second where they are no longer in their place.
+//! Watches the database files: raises an alarm within a second if they are no longer in their place.
 //!
 //! Main function: [`watch_over`]. Refuses: to touch them.
 
@@ -12,11 +12,11 @@ use std::time::Duration;
 use tokio::sync::watch;
 use tokio::time::interval;
 
-/// How often it looks.
+/// How often the files are checked.
 const EVERY: Duration = Duration::from_millis(250);
 
-/// Looks after the files until it is aborted, and tells through `displaced`. About once a second what the lock file
-/// knows is made to outlast a loss of power.
+/// Watches the files until it is aborted, and reports through `displaced`. About once a second, the content of the lock
+/// file is made to survive a loss of power.
 pub async fn watch_over(
     store: Arc<Store>,
     alarms: Arc<Alarms>,

@@ -1,7 +1,7 @@
-//! The door while the server starts or switches to another map: it answers at once, and leads inside as soon as there
-//! is an inside.
+//! The entrance while the server starts or switches to another map: it answers at once, and passes requests on as soon
+//! as the server is ready.
 //!
-//! Main type: [`Entrance`]. Until then every request gets 503 with the reason, but the one that asks whether the
+//! Main type: [`Entrance`]. Until then every request gets 503 with the reason, except the one that asks whether the
 //! process lives. Refuses: to keep a client waiting for the journal.
 
 use axum::Router;
@@ -18,20 +18,20 @@ use tokio::sync::watch;
 use tokio::time::sleep;
 use tower::ServiceExt;
 
-/// Seconds after which a new try makes sense while the journal loads.
+/// Seconds after which a retry makes sense while the journal loads.
 const AGAIN_S: u16 = 1;
 
-/// Seconds after which a new try makes sense where there is no room on the disk.
+/// Seconds after which a retry makes sense if there is no room on the disk.
 const ROOM_S: u16 = 10;
 
-/// Seconds after which a new try makes sense where a person has to act first.
+/// Seconds after which a retry makes sense if a person must act first.
 const MENDED_S: u16 = 60;
 
-/// How long requests that are inside may take when the map is changed, and how often it is looked.
+/// How long requests in progress may take when the map is changed, and how often their number is checked.
 const LEAVE: Duration = Duration::from_secs(3);
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What is behind the door.
+/// What the entrance leads to.
 #[derive(Clone, Debug)]
 enum Inside {
     /// The journal is being loaded.
@@ -40,17 +40,17 @@ enum Inside {
     Changing,
     /// The server.
     Open(Router),
-    /// Nothing yet, since there is no room on the disk, and why.
+    /// Nothing yet, since there is no room on the disk; the text gives the reason.
     NoRoom(String),
-    /// Nothing, and why.
+    /// Nothing; the text gives the reason.
     Shut(String),
 }
 
-/// The door. Cheap to clone.
+/// The entrance. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Entrance {
     inside: Arc<watch::Sender<Inside>>,
-    /// One for each request that is inside, and one more.
+    /// One reference for each request inside, and one for each clone of the entrance.
     visitors: Arc<()>,
 }
 
@@ -61,38 +61,38 @@ impl Default for Entrance {
 }
 
 impl Entrance {
-    /// What the listener serves, from the start to the end.
+    /// The router that the listener serves from start to end.
     pub fn router(&self) -> Router {
         Router::new().fallback(enter).with_state(self.clone())
     }
 
-    /// Leads inside from now on.
+    /// Passes requests on from now on.
     pub fn open(&self, inside: Router) {
         self.inside.send_replace(Inside::Open(inside));
     }
 
-    /// Says from now on that the map is being changed, and waits for a while until no more than `left` requests are
-    /// inside.
+    /// Answers from now on that the map is being changed, and waits for a while until no more than `left` requests are
+    /// in progress.
     pub async fn empty(&self, left: usize) {
         self.inside.send_replace(Inside::Changing);
         let begun = Instant::now();
-        // Each clone of the door has one.
+        // Each clone of the entrance has one reference.
         while Arc::strong_count(&self.visitors) > self.doors() + left && begun.elapsed() < LEAVE {
             sleep(LOOK).await;
         }
     }
 
-    /// How many clones of the door there are.
+    /// How many clones of the entrance there are.
     fn doors(&self) -> usize {
         Arc::strong_count(&self.inside)
     }
 
-    /// Says that the server starts as soon as there is room on the disk.
+    /// Answers from now on that the server will start as soon as there is room on the disk.
     pub fn wait_for_room(&self, why: String) {
         self.inside.send_replace(Inside::NoRoom(why));
     }
 
-    /// Says from now on why the server does not work.
+    /// Answers from now on with the reason why the server does not work.
     pub fn shut(&self, why: String) {
         self.inside.send_replace(Inside::Shut(why));
     }

@@ -1,8 +1,8 @@
-//! Keeps figures over time: takes views from the loop in, and writes buckets down.
+//! Keeps figures over time: takes views from the loop, and stores buckets.
 //!
 //! Main types: [`HistorianSender`] (the loop's end), [`Historian`] (the task). A crash costs the charts ten seconds,
-//! and the map of waiting a minute. Where the database refuses, figures go on in memory and are written later, as far
-//! back as they are kept. Refuses: to make the loop wait.
+//! and the heat map of waiting a minute. If the database refuses, figures continue in memory and are stored later, as
+//! far back as they are kept. Refuses: to make the loop wait.
 
 use giveway_api::{Moment, SharedHistory};
 use giveway_fleet::history::{HEAT_STEP, LoopTimes, TIERS, floor};
@@ -11,13 +11,13 @@ use giveway_store::Store;
 use std::sync::Arc;
 use tokio::sync::mpsc;
 
-/// So many views may wait: those of half a minute.
+/// The most views that wait: those of half a minute.
 const NOTES: usize = 320;
 
-/// How often the map of waiting is written down.
+/// Interval between stores of the heat map of waiting.
 const HEAT_EVERY: Span = Span::from_secs(60);
 
-/// A view, and how long searches and steps took since the one before.
+/// A view, with the durations of searches and steps since the previous one.
 struct Note {
     moment: Arc<Moment>,
     times: LoopTimes,
@@ -36,20 +36,20 @@ pub struct Historian {
     notes: mpsc::Receiver<Note>,
 }
 
-/// Both ends.
+/// Both ends of the channel.
 pub fn historian(figures: Arc<SharedHistory>, store: Arc<Store>) -> (HistorianSender, Historian) {
     let (sender, notes) = mpsc::channel(NOTES);
     (HistorianSender { sender, times: LoopTimes::default() }, Historian { figures, store, notes })
 }
 
 impl HistorianSender {
-    /// Notes how long a step and its searches took.
+    /// Notes the durations of a step and its searches.
     pub fn measure(&mut self, step: Span, searches_ns: &[u64]) {
         self.times.searches_us.extend(searches_ns.iter().map(|ns| ns / 1000));
         self.times.step_us = self.times.step_us.max(step.0.unsigned_abs());
     }
 
-    /// Hands a view on. If the historian is behind, what was measured goes with the next one.
+    /// Passes a view on. If the historian is behind, the measurements go with the next view.
     pub fn send(&mut self, moment: &Arc<Moment>) {
         if let Ok(place) = self.sender.try_reserve() {
             place.send(Note { moment: moment.clone(), times: std::mem::take(&mut self.times) });
@@ -57,7 +57,7 @@ impl HistorianSender {
     }
 }
 
-/// Up to when everything was written down.
+/// The times up to which everything was stored.
 struct Saved {
     buckets: Time,
     heat: Time,
@@ -65,7 +65,7 @@ struct Saved {
 }
 
 impl Historian {
-    /// Takes views in until the loop ends, then writes the last figures down.
+    /// Takes views until the loop ends, then stores the last figures.
     pub async fn run(mut self) {
         let mut last = None;
         let mut saved = Saved { buckets: self.figures.started, heat: self.figures.started, failed: false };
@@ -84,7 +84,7 @@ impl Historian {
     }
 
     async fn save(&self, now: Time, heat: bool, saved: &mut Saved) {
-        // From the beginning of the last ones on: they were not over.
+        // Starts with the last stored buckets, since these were not over.
         let buckets = self.figures.with(|h| h.since(saved.buckets));
         let places = if heat { self.figures.with(|h| h.heat().since(saved.heat)) } else { Vec::new() };
         match self.store.keep_history(now, &buckets, &places).await {
@@ -102,5 +102,5 @@ impl Historian {
     }
 }
 
-/// Where robots waited is kept in buckets of this length, so that many are written at once and seldom.
+/// The heat map of waiting is kept in buckets of this length, so that many of them are stored at once and seldom.
 const _: () = assert!(HEAT_STEP.0 % HEAT_EVERY.0 == 0);

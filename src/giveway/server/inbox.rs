@@ -1,7 +1,7 @@
-//! Requests and sightings on their way into a step, and where the answers go.
+//! Requests and sightings on their way into a step, and the handlers that wait for answers.
 //!
-//! Main type: [`Inbox`]. Refuses: requests that no handler waits for any more. Which others are refused is the driver's
-//! to say.
+//! Main type: [`Inbox`]. Refuses: requests for which no handler waits any more. The driver decides which other requests
+//! are refused.
 
 use super::audit_keeper::row_of;
 use giveway_api::{AuditEntry, HeardHands, HeardSighting, QueuedRequest};
@@ -15,25 +15,25 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use tokio::sync::{mpsc, oneshot};
 
-/// How many requests may wait on the queue.
+/// The most requests that wait in the queue.
 pub const QUEUE: usize = 1024;
 
-/// A request that was not answered yet.
+/// A request that has not been answered yet.
 #[derive(Debug)]
 struct WaitingRequest {
     by: Arc<AuditEntry>,
     reply: oneshot::Sender<Answered>,
 }
 
-/// Requests, and where their answers go.
+/// Requests, and the handlers that wait for their answers.
 #[derive(Debug)]
 pub struct Inbox {
     queue: mpsc::Receiver<QueuedRequest>,
     heard: mpsc::Receiver<HeardSighting>,
     waiting: BTreeMap<Token, WaitingRequest>,
-    /// Sightings that were taken out of the channel to look at them.
+    /// Sightings that were taken out of the channel early, to check them.
     early: Vec<HeardSighting>,
-    /// The workplaces of stations: hands of people there are of interest.
+    /// The workplaces of stations: hands of people there matter.
     workplaces: Vec<(StationId, Vec<Point>)>,
     next: u64,
 }
@@ -45,7 +45,7 @@ impl Inbox {
         Inbox { queue, heard, waiting, early, workplaces, next: 0 }
     }
 
-    /// The same, which hands on hands of people in the workplaces of a building.
+    /// An inbox that also passes on the hands of people in a building's workplaces.
     pub fn of(
         warehouse: &Warehouse,
         queue: mpsc::Receiver<QueuedRequest>,
@@ -56,13 +56,13 @@ impl Inbox {
         Inbox { workplaces, ..Inbox::new(queue, heard) }
     }
 
-    /// Requests that wait, `room` of them at most; the others wait in the queue, which refuses more than it holds.
+    /// Waiting requests, at most `room` of them; the others stay in the queue, which refuses more than it holds.
     pub fn requests(&mut self, room: usize) -> Vec<(Token, Request)> {
         let mut requests = Vec::new();
         while requests.len() < room
             && let Ok(ask) = self.queue.try_recv()
         {
-            // A request that no handler waits for any more is not carried out; but what is done by hand is.
+            // A request for which no handler waits any more is not carried out, except acts by hand.
             if ask.reply.is_closed() && !ask.request.is_by_hand() {
                 continue;
             }
@@ -78,14 +78,14 @@ impl Inbox {
         Token::from(self.next)
     }
 
-    /// The next sighting, as soon as it is there. It waits for the next step, too.
+    /// The next sighting, as soon as it arrives. It is also kept for the next step.
     pub async fn hear(&mut self) -> HeardSighting {
         let Some(heard) = self.heard.recv().await else { return std::future::pending().await };
         self.early.push(heard);
         heard
     }
 
-    /// Takes all sightings that wait, whatever the journal does: stopping waits for nothing.
+    /// Takes all waiting sightings, whatever the journal's state: stopping waits for nothing.
     pub fn look(&mut self, inputs: &mut Vec<Input>) {
         for heard in std::mem::take(&mut self.early) {
             self.see(&heard, inputs);
@@ -95,7 +95,7 @@ impl Inbox {
         }
     }
 
-    /// Hands of people in a workplace are seen beside their pose.
+    /// Adds a sighting and, for a person in a workplace, the hands seen with the pose.
     fn see(&self, heard: &HeardSighting, inputs: &mut Vec<Input>) {
         inputs.push(Input::Sighted(heard.sighting));
         inputs.extend(self.hands_of(heard).map(Input::Hands));
@@ -110,14 +110,14 @@ impl Inbox {
         Some(HandsSeen { station: *station, person, seen, head, facing, eyes, hands })
     }
 
-    /// Tells the handlers of these requests that nothing came of them.
+    /// Tells the handlers of these requests that the requests came to nothing.
     pub fn forget(&mut self, tokens: &[Token]) {
         for token in tokens {
             self.waiting.remove(token);
         }
     }
 
-    /// Which requests from outside caused which facts of a step.
+    /// Which external requests caused which facts of a step.
     pub fn causes(&self, caused: &[CausedFacts]) -> Vec<StepCause> {
         let of = |c: &CausedFacts| {
             let request = row_of(&self.waiting.get(&c.token)?.by);
@@ -126,7 +126,7 @@ impl Inbox {
         caused.iter().filter_map(of).collect()
     }
 
-    /// Answers a request; simulated customers want no answer.
+    /// Answers a request; simulated customers expect no answer.
     pub fn answer(&mut self, reply: Reply) {
         if let Some(waiting) = self.waiting.remove(&reply.token) {
             // A client that has left meanwhile finds the job in the list.
@@ -156,7 +156,7 @@ mod tests {
     const SCENARIO: &str =
         r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "jobs": {"backlog": 3}}"#;
 
-    /// An inbox with the ends that feed it.
+    /// An inbox with the senders that feed it.
     fn inbox() -> (Inbox, mpsc::Sender<QueuedRequest>, mpsc::Sender<HeardSighting>) {
         let ((queue, asks), (feed, heard)) = (mpsc::channel(QUEUE), mpsc::channel(1));
         (Inbox::new(asks, heard), queue, feed)
@@ -168,12 +168,12 @@ mod tests {
         answer
     }
 
-    /// Whether it hands in a job.
+    /// Whether the input submits a job.
     fn submits(input: &Input) -> bool {
         matches!(input, Input::Ask { request: Request::Job(JobAction::Submit(_)), .. })
     }
 
-    /// What the simulated customers order at first.
+    /// The first orders of the simulated customers.
     fn orders() -> Vec<Input> {
         let (map, source) = (Arc::new(lab()), FloorSource::parse(SCENARIO).unwrap());
         let mut drive = Drive::new(Fleet::new(map.clone(), source.site().settings()));

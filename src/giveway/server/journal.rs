@@ -1,9 +1,9 @@
-//! The journal's task: everything that waits becomes one transaction, tried until the database takes it.
+//! The journal's task: all waiting steps become one transaction, which is retried until the database accepts it.
 //!
-//! Main types: [`Journal`] (the loop's end: hands facts on, knows what is durable), [`JournalSender`] (the task). While
-//! the database refuses, steps wait in order and an alarm stands; nothing is dropped, and what is not durable is not
-//! acknowledged. The task folds what is durable into a ledger of its own and writes that down now and then, so that the
-//! loop pays nothing for it. Refuses: to try again what contradicts the journal; that ends the process.
+//! Main types: [`Journal`] (the loop's end: passes facts on, knows what is durable), [`JournalSender`] (the task).
+//! While the database refuses, steps wait in order and an alarm is active; nothing is dropped, and only durable facts
+//! are acknowledged. The task folds durable facts into a ledger of its own and stores a snapshot of it now and then, so
+//! that this costs the loop nothing. Refuses: to retry what contradicts the journal; that ends the process.
 
 use super::clock::Clock;
 use super::watchdog::Auditor;
@@ -20,16 +20,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 
-/// So many steps go into one transaction.
+/// The most steps in one transaction.
 const MOST_AT_ONCE: usize = 200;
 
-/// If the ledger could not be written down, it is tried again after so many facts.
+/// After a snapshot that could not be stored, it is retried after this many facts.
 const SNAPSHOT_AGAIN: usize = 1_000;
 
-/// A transaction that takes longer raises the alarm.
+/// A transaction that takes longer than this raises the alarm.
 const SLOW: Duration = Duration::from_secs(1);
 
-/// The first pause after a failure; each one is twice as long as the one before, up to the last.
+/// The first pause after a failure, and the longest; each pause is twice as long as the previous one.
 const PAUSES: (Duration, Duration) = (Duration::from_millis(250), Duration::from_secs(2));
 
 /// The loop's end of the journal.
@@ -46,7 +46,7 @@ pub struct JournalSender {
     steps: mpsc::UnboundedReceiver<StepEntry>,
     durable: watch::Sender<u64>,
     failing: watch::Sender<bool>,
-    /// Facts that are not durable.
+    /// The number of facts that are not durable.
     pending: Arc<AtomicU64>,
     next: i64,
     shadow: Shadow,
@@ -57,23 +57,23 @@ pub struct JournalSender {
     metrics: Arc<Metrics>,
 }
 
-/// Where the journal goes on.
+/// Where the journal continues.
 pub struct Start {
     /// The number of the first step.
     pub next: i64,
     /// The ledger before it.
     pub ledger: Ledger,
-    /// How many facts are behind the last snapshot.
+    /// How many facts there are since the last snapshot.
     pub behind: usize,
 }
 
-/// The fold of everything durable, and how many facts it is ahead of the last snapshot.
+/// The fold of everything durable, and the number of facts since the last snapshot.
 struct Shadow {
     ledger: Ledger,
     behind: usize,
 }
 
-/// Both ends.
+/// Both ends of the channel.
 pub fn journal(
     store: Arc<Store>,
     start: Start,
@@ -109,14 +109,14 @@ pub fn journal(
 }
 
 impl Journal {
-    /// Has the facts of a step written down, and which requests caused which.
+    /// Queues the facts of a step to be stored, with the requests that caused them.
     pub fn record(&mut self, at: Time, facts: Vec<Fact>, causes: Vec<StepCause>) {
         self.pending.fetch_add(facts.len() as u64, Ordering::Relaxed);
-        // Fails only where the task has ended; the server ends then, too.
+        // This fails only if the task has ended; then the server ends, too.
         let _ = self.steps.send(StepEntry { at, facts, causes });
     }
 
-    /// How it is; `gone` says that the database is not where it was.
+    /// The state of the journal; `gone` is whether the database is no longer in its place.
     pub fn report(&self, gone: bool) -> JournalReport {
         let state = match (gone, *self.failing.borrow()) {
             (true, _) => JournalState::Gone,
@@ -126,7 +126,7 @@ impl Journal {
         JournalReport { durable: *self.durable.borrow(), state }
     }
 
-    /// Waits until more are durable.
+    /// Waits until more steps are durable.
     pub async fn confirmed(&mut self) {
         if self.durable.changed().await.is_err() {
             std::future::pending::<()>().await;
@@ -135,10 +135,10 @@ impl Journal {
 }
 
 impl JournalSender {
-    /// Writes until the loop's end is dropped and everything is durable.
+    /// Stores steps until the loop's end is dropped and everything is durable.
     ///
     /// # Errors
-    /// Where the database contradicts what is to be written.
+    /// If the database contradicts what is to be stored.
     pub async fn run(mut self) -> Result<(), StoreError> {
         let mut batch = Vec::new();
         while self.steps.recv_many(&mut batch, MOST_AT_ONCE).await > 0 {
@@ -162,13 +162,13 @@ impl JournalSender {
         Ok(())
     }
 
-    /// Facts that are not durable.
+    /// The number of facts that are not durable.
     fn pending(&self) -> u64 {
         self.pending.load(Ordering::Relaxed)
     }
 
-    /// Writes the ledger down. Where that fails, nothing is lost: the steps are durable, and a start reads more of
-    /// them.
+    /// Stores a snapshot of the ledger. If that fails, nothing is lost: the steps are durable, and a start reads more
+    /// of them.
     async fn snapshot(&mut self, at: Time) -> Result<(), StoreError> {
         match self.store.snapshot(self.next - 1, at, self.shadow.ledger.to_parts()).await {
             Ok(()) => self.shadow.behind = 0,
@@ -182,7 +182,7 @@ impl JournalSender {
         Ok(())
     }
 
-    /// Writes one batch, however long it takes.
+    /// Stores one batch, however long that takes.
     async fn write(&self, batch: &[StepEntry]) -> Result<(), StoreError> {
         let (mut pause, longest) = PAUSES;
         loop {
@@ -205,9 +205,9 @@ impl JournalSender {
         }
     }
 
-    /// One try; raises the alarm where it takes long.
+    /// Tries once; raises the alarm if that takes long.
     async fn attempt(&self, batch: &[StepEntry]) -> Result<(), StoreError> {
-        // Never dropped half-way: a statement already sent would be carried out all the same.
+        // The future is never dropped half-way: a statement that was already sent would still be carried out.
         let append = self.store.append(self.next, batch);
         tokio::pin!(append);
         if let Ok(result) = tokio::time::timeout(SLOW, &mut append).await {

@@ -1,4 +1,4 @@
-//! What the loop measures of itself.
+//! The loop's measurements of itself.
 //!
 //! Main type: [`Measure`]. Keeps the last minute of steps and ten minutes of deliveries. Refuses: to
 //! influence anything.
@@ -7,13 +7,13 @@ use giveway_api::LoopFigures;
 use giveway_floor::time::{Span, Time};
 use std::collections::VecDeque;
 
-/// How many steps are looked back upon.
+/// How many steps the figures cover.
 const STEPS: usize = 1200;
 
-/// How long deliveries are looked back upon.
+/// The time over which deliveries are counted.
 const RECENT: Span = Span::from_secs(600);
 
-/// How often deliveries are noted.
+/// How often the number of deliveries is noted.
 const NOTED: Span = Span::from_secs(10);
 
 /// Sliding figures.
@@ -25,13 +25,13 @@ pub struct Measure {
 }
 
 impl Measure {
-    /// Notes a step of this length, with the lengths of its searches in nanoseconds.
+    /// Notes a step of this duration, with the durations of its searches in nanoseconds.
     pub fn step(&mut self, length: Span, searches_ns: &[u64]) {
         push(&mut self.steps, length.0.unsigned_abs());
         searches_ns.iter().for_each(|ns| push(&mut self.plans, ns / 1000));
     }
 
-    /// All figures, `deliveries` being the sum so far.
+    /// All figures; `deliveries` is the total so far.
     pub fn figures(&mut self, now: Time, deliveries: u64) -> LoopFigures {
         if self.deliveries.back().is_none_or(|(at, _)| now - *at >= NOTED) {
             self.deliveries.push_back((now, deliveries));

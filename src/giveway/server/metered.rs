@@ -1,7 +1,7 @@
-//! A connection's bytes on their way out, counted: those that wait, and those that the client takes.
+//! Counts a connection's outgoing bytes: those that wait, and those that the client takes.
 //!
 //! Main types: [`Metered`] (around a socket), [`CountedBody`] (around an answer). Refuses: clients that take an answer
-//! more slowly than [`LEAST`] bytes in [`PATIENCE`]; people on a bad line are faster.
+//! more slowly than [`LEAST`] bytes in [`PATIENCE`]; even people with a bad connection are faster.
 
 use super::budget::Guest;
 use axum::body::{Body, HttpBody};
@@ -15,19 +15,19 @@ use std::time::{Duration, Instant};
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Sleep, sleep};
 
-/// While bytes wait, a client has to take so many …
+/// While bytes wait, a client must take this many of them within [`PATIENCE`], or all of them.
 const LEAST: usize = 16 << 10;
-/// … in this time, or all of them.
+/// The time within which a client must take [`LEAST`] bytes.
 const PATIENCE: Duration = Duration::from_secs(15);
-/// What compressing an answer takes meanwhile, about.
+/// Approximate memory for compressing an answer.
 const COMPRESSOR: usize = 1 << 20;
 
-/// A socket whose client has to get on.
+/// A socket whose client must make progress.
 pub(super) struct Metered<I> {
     io: I,
     guest: Arc<Guest>,
     patience: Duration,
-    /// When its client must have taken [`LEAST`] bytes, if it keeps the server waiting, and how many it has taken.
+    /// If the client keeps the server waiting: when it must have taken [`LEAST`] bytes, and how many it has taken.
     waits: Option<(Pin<Box<Sleep>>, usize)>,
 }
 
@@ -37,7 +37,7 @@ impl<I> Metered<I> {
         Metered { io, guest, patience: PATIENCE, waits: None }
     }
 
-    /// What becomes of an attempt to write, or to flush, so many bytes.
+    /// The result of an attempt to write or flush `wanted` bytes, after checking the client's progress.
     fn judged(
         &mut self,
         cx: &mut Context<'_>,
@@ -65,7 +65,7 @@ impl<I> Metered<I> {
         }
     }
 
-    /// Fails where the connection was told to leave.
+    /// Fails if the connection was told to leave.
     fn stays(&self) -> io::Result<()> {
         if self.guest.is_told() { Err(io::ErrorKind::ConnectionAborted.into()) } else { Ok(()) }
     }
@@ -114,23 +114,23 @@ impl<I: AsyncWrite + Unpin> AsyncWrite for Metered<I> {
     }
 }
 
-/// The body of an answer, whose bytes count as waiting from when they are handed over until the client takes them.
+/// The body of an answer, whose bytes count as waiting from their creation until the client takes them.
 pub(super) struct CountedBody {
     inner: Body,
     guest: Arc<Guest>,
     kind: BodyKind,
 }
 
-/// What kind of body it is.
+/// The kind of an answer's body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BodyKind {
-    /// Made for this answer.
+    /// The body was made for this answer.
     Own,
-    /// Made for this answer, and compressed while it is sent.
+    /// The body was made for this answer, and is compressed while it is sent.
     Compressed,
-    /// In memory once for all: it costs nothing.
+    /// The body is in memory once for all clients: it costs nothing.
     Shared,
-    /// Of a connection that becomes a WebSocket, which is idle in no sense of HTTP.
+    /// The connection becomes a WebSocket, for which HTTP's idle time does not apply.
     Upgraded,
 }
 
@@ -194,7 +194,7 @@ mod tests {
         Arc::new(budget.arrive(IpAddr::from([10, 0, 0, 1]), Instant::now()))
     }
 
-    /// A socket with room for little, whose client has this long, and the client's end of it.
+    /// A socket with a small buffer, whose client has this much time, and the client's end of it.
     fn socket(patience: Duration) -> (Metered<DuplexStream>, DuplexStream) {
         let (ours, theirs) = tokio::io::duplex(1024);
         (Metered { patience, ..Metered::new(ours, guest()) }, theirs)

@@ -1,9 +1,9 @@
-//! The running server: reads settings, restores the fleet, wires the parts, and takes them down in order.
+//! The running server: reads settings, restores the fleet, wires the parts, and shuts them down in order.
 //!
-//! Main types: [`Server`] (started, with its address), [`Config`]. `running` is what runs behind the port, `drive` its
-//! loop. The port answers first, and says "starting" until the journal is loaded. Going down: no new requests, those
-//! on their way are answered, one last step, the journal flushed, sockets and files closed. Refuses: to start where
-//! anything is wrong with map, database, address or tokens.
+//! Main types: [`Server`] (started, with its address), [`Config`]. `running` is the core behind the port, `drive` its
+//! loop. The port answers first, and says "starting" until the journal is loaded. Shutting down: new requests are
+//! refused, requests in progress are answered, one last step runs, the journal is flushed, sockets and files are
+//! closed. Refuses: to start if anything is wrong with map, database, address or tokens.
 
 mod ahead;
 mod alarm_keeper;
@@ -66,13 +66,13 @@ use tokio::sync::{oneshot, watch};
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 
-/// How long requests on their way may take when the server goes down.
+/// How long requests in progress may take when the server shuts down.
 const DRAIN: Duration = Duration::from_secs(12);
 
-/// What the server runs.
+/// The floor that the server runs.
 #[derive(Clone)]
 pub struct ServedFloor {
-    /// What the floor is, and what of it is simulated.
+    /// The description of the floor, and of what is simulated there.
     pub source: FloorSource,
     /// The building.
     pub map: Arc<Warehouse>,
@@ -81,7 +81,7 @@ pub struct ServedFloor {
     pub planted: Planted,
 }
 
-/// Panics that are planted.
+/// Panics to plant.
 pub type Planted = Arc<Mutex<Vec<Trap>>>;
 
 impl ServedFloor {
@@ -90,10 +90,10 @@ impl ServedFloor {
         ServedFloor { source: source.into(), map, planted: Planted::default() }
     }
 
-    /// The same with the map that a database has, where it was published in place of this one.
+    /// The floor with the database's map, if one was published instead of this one.
     ///
     /// # Errors
-    /// Where both were changed since.
+    /// If both maps were changed since.
     pub async fn with_map_of(self, database: &Path) -> anyhow::Result<ServedFloor> {
         FloorBasis::choose(self, database).await.map(|(floor, _)| floor)
     }
@@ -109,24 +109,24 @@ pub struct Server {
     work: JoinHandle<anyhow::Result<()>>,
 }
 
-/// What was found at the start.
+/// The state that was found at the start.
 #[derive(Clone, Debug, Default)]
 pub struct StartSummary {
     /// Name of the map.
     pub map: String,
-    /// Where it comes from, if it was published to this server.
+    /// The publication of the map, if it was published to this server.
     pub published: Option<PublishedMap>,
-    /// Robots that the scenario has.
+    /// How many robots the scenario has.
     pub robots: usize,
-    /// Facts restored, behind the last snapshot.
+    /// How many facts since the last snapshot were restored.
     pub facts: usize,
-    /// Jobs accepted so far.
+    /// How many jobs were accepted so far.
     pub jobs: u64,
-    /// Of them, jobs that are not over.
+    /// How many of these jobs are not over.
     pub open_jobs: u64,
-    /// Why simulated customers order nothing, though the scenario has some.
+    /// Why simulated customers order nothing, although the scenario has some.
     pub idle: Option<&'static str>,
-    /// Why the server does nothing but say so.
+    /// Why the server does nothing except report this.
     pub trouble: Option<String>,
 }
 
@@ -134,7 +134,7 @@ impl Server {
     /// Starts a server.
     ///
     /// # Errors
-    /// Where anything is wrong; the text says what to do.
+    /// If anything is wrong; the text says what to do.
     pub async fn start(config: &Config, floor: ServedFloor) -> anyhow::Result<Server> {
         let gate = Arc::new(config.gate()?);
         if !config.new {
@@ -158,7 +158,7 @@ impl Server {
         tracing::info!("listening on {address}; the journal is being loaded");
         let entrance = front.entrance.clone();
         let restored = start::restore(config, &floor, |why| entrance.wait_for_room(why)).await;
-        // Each clone of the door counts.
+        // The entrance counts its clones.
         drop(entrance);
         let (store, built, summary) = match restored {
             Ok(restored) => restored,
@@ -167,59 +167,59 @@ impl Server {
         let ((stop, stopping), (stores, opened)) = (watch::channel(false), watch::channel(store));
         let config = Config { new: false, ..config.clone() };
         let work = tokio::spawn(ServerRun { config, front, stores, stopping }.run(built));
-        // It says nothing: being dropped is enough, and happens also where the work ends at once.
+        // No message is sent: dropping the sender is enough, and that also happens if the work ends at once.
         let _ = is_ready.await;
         Ok(Server { address, summary, identity, store: opened, stop, work })
     }
 
-    /// Where it listens.
+    /// The address on which the server listens.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// What it shows itself with, where it speaks HTTPS.
+    /// The server's certificate, if it speaks HTTPS.
     pub fn identity(&self) -> Option<&Identity> {
         self.identity.as_ref()
     }
 
-    /// What was found at the start.
+    /// The state that was found at the start.
     pub fn summary(&self) -> &StartSummary {
         &self.summary
     }
 
-    /// The database, as it was opened last.
+    /// The database that was opened last.
     pub fn store(&self) -> Arc<Store> {
         self.store.borrow().clone()
     }
 
-    /// Waits until the server ends by itself, which it does only where it cannot go on.
+    /// Waits until the server ends by itself, which happens only if it cannot go on.
     ///
     /// # Errors
-    /// Why it ended.
+    /// Why the server ended.
     pub async fn ended(&mut self) -> anyhow::Result<()> {
         (&mut self.work).await.context("the server ended unexpectedly")?
     }
 
-    /// Takes the server down in order.
+    /// Shuts the server down in order.
     ///
     /// # Errors
-    /// Where facts could not be written any more. None of them was acknowledged.
+    /// If facts could not be stored. None of them was acknowledged.
     pub async fn stop(self) -> anyhow::Result<()> {
         self.stop.send_replace(true);
         self.work.await.context("the server ended unexpectedly")?
     }
 }
 
-/// Where connections come in, and whether by TLS.
+/// The listener, and the TLS configuration if the server speaks HTTPS.
 type Door = (TcpListener, Option<Arc<rustls::ServerConfig>>);
 
-/// The side of the server that faces the network: it is there from the beginning to the end.
+/// The network side of the server, which exists from start to end.
 struct Front {
     entrance: Entrance,
     http: JoinHandle<std::io::Result<()>>,
     gate: Arc<Gate>,
     outbound: Outbound,
-    /// Dropped when it no longer says "starting".
+    /// Dropped when the server no longer says "starting".
     ready: Option<oneshot::Sender<()>>,
     closing: watch::Sender<bool>,
 }
@@ -239,12 +239,12 @@ impl Front {
     }
 }
 
-/// What the server needs for its own requests.
+/// Settings for the server's outgoing requests.
 struct Outbound {
     outgoing: Outgoing,
-    /// Where webhooks may be.
+    /// Where webhooks may be sent.
     targets: Targets,
-    /// How long a webhook may take nothing before that is an alarm.
+    /// How long a webhook may accept nothing before an alarm is raised.
     tolerance: Duration,
     oidc: Option<Arc<Oidc>>,
 }
@@ -262,7 +262,7 @@ impl Outbound {
     }
 }
 
-/// What it shows itself with, where it speaks HTTPS.
+/// The server's certificate, if it speaks HTTPS.
 fn identity(config: &Config, address: SocketAddr) -> anyhow::Result<Option<Identity>> {
     let Some(place) = config.tls(address)? else { return Ok(None) };
     let now = jiff::Timestamp::from_microsecond(Clock::start(None).started().0)?;
@@ -273,12 +273,12 @@ fn identity(config: &Config, address: SocketAddr) -> anyhow::Result<Option<Ident
 struct ServerRun {
     config: Config,
     front: Front,
-    /// Gets each store that is opened.
+    /// Receives each store that is opened.
     stores: watch::Sender<Arc<Store>>,
     stopping: watch::Receiver<bool>,
 }
 
-/// The answer to a request to change the map, when the server works again.
+/// Answers the request to change the map once the server works again.
 type LateAnswer = Box<dyn FnOnce() + Send>;
 
 impl ServerRun {
@@ -298,7 +298,7 @@ impl ServerRun {
             answer.take().into_iter().for_each(|answer| answer());
             let ended = match core.run(&mut self.front.http, &mut self.stopping).await {
                 CoreEnd::MapSwitch(order) => {
-                    // The request itself is inside until it is answered.
+                    // The request itself counts as in progress until it is answered.
                     core.close();
                     self.front.entrance.empty(1).await;
                     let links = core.end(true).await?;
@@ -322,7 +322,7 @@ impl ServerRun {
         self.stores.borrow().clone()
     }
 
-    /// Opens the database with another map, or, where that is refused in the last moment, with the one before.
+    /// Opens the database with another map or, if that is refused at the last moment, with the previous one.
     async fn switch_map(
         &self,
         order: MapSwitch,
@@ -368,7 +368,7 @@ impl ServerRun {
         Ok((start::open(&self.config, &floor, note).await?, floor))
     }
 
-    /// Says why the server does not work until it is told to stop: a process that ended would be started again, and
+    /// Answers why the server does not work until it is told to stop: a process that ended would be restarted again and
     /// again, and could tell no one.
     async fn explain(mut self, why: String) -> anyhow::Result<()> {
         tracing::error!("{why}");
@@ -382,7 +382,7 @@ impl ServerRun {
     }
 }
 
-/// Takes no more requests, and lets those that are being answered end, for a while.
+/// Accepts no more requests, and waits a while for requests in progress.
 async fn drain(mut http: JoinHandle<std::io::Result<()>>, closing: &watch::Sender<bool>) {
     closing.send_replace(true);
     if !http.is_finished() && timeout(DRAIN, &mut http).await.is_err() {

@@ -1,4 +1,4 @@
-//! The lists of a recording: jobs, assignments and encounters of then, kept in memory.
+//! The lists of a recording: its jobs, assignments and encounters, kept in memory.
 //!
 //! Main type: [`PastLists`]. Refuses: a database.
 
@@ -20,7 +20,7 @@ struct Lists {
     jobs: BTreeMap<JobId, JobRow>,
     assignments: BTreeMap<AssignmentId, AssignmentRow>,
     encounters: Vec<EncounterRow>,
-    /// What happened to robots besides their jobs; nothing for the whole fleet.
+    /// What happened to robots besides their jobs; events without a robot concern the whole fleet.
     changes: Vec<(Option<RobotId>, RobotEventRow)>,
 }
 
@@ -29,7 +29,7 @@ struct Lists {
 pub struct PastLists(Mutex<Lists>);
 
 impl PastLists {
-    /// Takes the facts of a step in.
+    /// Adds the facts of a step.
     pub fn add(&self, facts: &[Fact], at: Time) {
         let mut lists = self.lists();
         for fact in facts {
@@ -67,7 +67,7 @@ impl Lists {
         self.changes.push(noted);
     }
 
-    /// What happened to a robot, in no order.
+    /// What happened to a robot, in no particular order.
     fn events(&self, robot: RobotId) -> Vec<RobotEventRow> {
         let jobs = self.jobs.values().filter(|row| row.robot == Some(robot)).map(|row| RobotEventRow {
             at: row.updated,
@@ -216,7 +216,7 @@ impl Records for PastLists {
         Box::pin(async move { Ok(out) })
     }
 
-    /// Alarms of then are in the feed; a recording has no list of them.
+    /// The alarms of the recording are in the feed; there is no list of them.
     fn alarms(&self, _: AlarmQuery) -> Later<'_, Result<Vec<Alarm>, String>> {
         Box::pin(async move { Ok(Vec::new()) })
     }
@@ -239,7 +239,7 @@ impl Records for PastLists {
         Box::pin(async move { Ok(page) })
     }
 
-    /// Without alarms: a recording has no list of them.
+    /// Without alarms, of which a recording has no list.
     fn robot_events(&self, q: RobotEventQuery) -> Later<'_, Result<Vec<RobotEventRow>, String>> {
         let mut found = self.lists().events(q.robot);
         let key = |row: &RobotEventRow| (row.at, row.source, row.id);

@@ -13,10 +13,10 @@ struct PersonKeeper {
     now: Now,
 }
 
-/// The people of a database, whose names these roles see.
+/// The people of a database; these roles may see their names.
 ///
 /// # Errors
-/// Where the database does not answer.
+/// If the database does not answer.
 pub async fn pseudonyms(
     store: &Arc<Store>,
     now: &Now,
@@ -47,7 +47,7 @@ impl PersonPort for PersonKeeper {
     }
 }
 
-/// Logs the failure, once; the client only learns that it is the database.
+/// Logs the failure, once; the client only learns that the database failed.
 fn told(e: StoreError) -> String {
     tracing::error!("people: {e}");
     "the database does not answer, or takes nothing; the server's log says why".into()

@@ -1,8 +1,8 @@
-//! Maps that are published to the running server: looked at, and handed on when the floor stands.
+//! Publishes maps to the running server: checks them, and passes them on when all robots stand.
 //!
-//! Main types: [`MapKeeper`] (answers requests), [`MapSwitch`] (the order to the server). What decides is the carrying
-//! over of the database: the same as at a start with a changed map. Refuses: to begin while something is in the way,
-//! and to change anything itself.
+//! Main types: [`MapKeeper`] (answers requests), [`MapSwitch`] (the order to the server). Whether the database can be
+//! carried over decides: the same as at a start with a changed map. Refuses: to begin while there are obstacles, and to
+//! change anything itself.
 
 use super::audit_keeper::row_of;
 use super::basis::FloorBasis;
@@ -21,37 +21,37 @@ use std::time::Duration;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::timeout;
 
-/// What a robot beside its node needs.
+/// The remedy for a robot beside its node.
 const GET_THERE: &str =
     "let it drive on, or push it onto a free node, where it rejoins the fleet; then try again";
 
-/// How many requests may wait.
+/// The most requests that wait.
 const WAITING: usize = 2;
 
-/// How long the loop may take to answer; it gives robots less.
+/// How long the loop may take to answer; it gives robots less time.
 const PATIENCE: Duration = Duration::from_secs(40);
 
-/// The status of an answer that something is in the way.
+/// The status of an answer that reports obstacles.
 const REFUSED: u16 = 409;
 
-/// The order to switch to another map: everything that could be checked was, and the floor stands.
+/// The order to switch to another map: all checks passed, and all robots stand.
 pub struct MapSwitch {
     /// The map, not yet fitted to kinds of robots.
     pub map: Arc<Warehouse>,
     /// Whether losses are accepted.
     pub accept_losses: bool,
-    /// What is noted about it.
+    /// The publication to record.
     pub note: PublishedMap,
-    /// The request as it is written down when that has happened.
+    /// The request's audit entry, to be stored after the switch.
     pub request: AuditRow,
-    /// Gets the answer.
+    /// Receives the answer.
     pub reply: oneshot::Sender<Result<MapDone, MapRefusal>>,
 }
 
-/// A map that was looked at.
+/// A map that was checked.
 struct Looked {
     outlook: MapOutlook,
-    /// The building, and the same for all kinds of the site; nothing where it has errors.
+    /// The building, and the building fitted to all kinds of the site; nothing if it has errors.
     map: Option<(Arc<Warehouse>, Arc<Warehouse>)>,
 }
 
@@ -61,7 +61,7 @@ pub struct MapKeeper {
     basis: FloorBasis,
     /// The map in operation.
     map: Arc<Warehouse>,
-    /// The fleet at work: it knows which kinds of robots were added.
+    /// The fleet's latest view: it knows which robot kinds were added.
     moments: watch::Receiver<Arc<Moment>>,
     requests: mpsc::Receiver<MapRequest>,
     settle: mpsc::Sender<SettleRequest>,
@@ -80,7 +80,7 @@ fn obstacles(map: &Warehouse, standing: &[Unsettled]) -> Vec<ReportEntry> {
 }
 
 impl MapKeeper {
-    /// One for a server with this map in operation, and what handlers see of it.
+    /// A keeper for a server with this map in operation, and the port for handlers.
     pub fn new(
         store: &Arc<Store>,
         basis: &FloorBasis,
@@ -94,7 +94,7 @@ impl MapKeeper {
         (port, MapKeeper { store, basis, map, moments, requests, settle, switch_map })
     }
 
-    /// Answers until the requests end, or the server switches to another map.
+    /// Answers until there are no more requests, or the server switches to another map.
     pub async fn run(mut self) {
         while let Some(request) = self.requests.recv().await {
             match request {
@@ -115,7 +115,7 @@ impl MapKeeper {
                     let note = self.note(&by);
                     let request = AuditRow { outcome: Some(200), ..row_of(&by) };
                     let order = MapSwitch { map, accept_losses, note, request, reply };
-                    // The server takes this core down now, or is down already.
+                    // The server now shuts this core down, or already has.
                     let _ = self.switch_map.send(order).await;
                     return std::future::pending().await;
                 }
@@ -123,7 +123,7 @@ impl MapKeeper {
         }
     }
 
-    /// What is noted about a map that is published by this request.
+    /// The publication of a map by this request.
     fn note(&self, by: &AuditEntry) -> PublishedMap {
         let number = self.basis.published.as_ref().map_or(1, |published| published.number + 1);
         PublishedMap { number, at: Time(by.id), by: by.actor.clone(), file: self.basis.file.clone() }
@@ -140,8 +140,8 @@ impl MapKeeper {
         Ok(looked.outlook)
     }
 
-    /// Everything that is done before the server switches: looks, has robots stand, and compares once more. Nothing
-    /// where the map in operation is the same one.
+    /// All preparations before the server switches: checks the map, makes robots stop, and compares again. Nothing if
+    /// the map in operation is the same one.
     async fn prepare(&self, draft: Draft, accept_losses: bool) -> Result<Option<Arc<Warehouse>>, MapRefusal> {
         let mut looked = self.look(draft).await?;
         let Some((map, fitted)) = looked.map.take_if(|_| !looked.outlook.is_refused(accept_losses)) else {
@@ -166,13 +166,13 @@ impl MapKeeper {
         Ok(Some(map))
     }
 
-    /// Robots go on, since the map in operation stays.
+    /// Lets robots go on, since the map in operation stays.
     async fn go_on(&self, why: MapRefusal) -> MapRefusal {
         let _ = self.settle.send(SettleRequest::GoOn).await;
         why
     }
 
-    /// What a change to this map would mean now.
+    /// What switching to this map would mean at present.
     async fn look(&self, draft: Draft) -> Result<Looked, MapRefusal> {
         let added = self.moments.borrow().view.all_kinds.added().to_vec();
         let (basis, old) = (self.basis.clone(), self.map.clone());
@@ -184,14 +184,14 @@ impl MapKeeper {
         Ok(looked)
     }
 
-    /// What the floor and the database cannot carry over to a map, as everything is durable now.
+    /// What the floor and the database cannot carry over to a map, compared when everything is durable.
     async fn compare(&self, fitted: &Arc<Warehouse>) -> Result<Report, MapRefusal> {
         let kinds = &self.basis.source.site().kinds;
         let report = self.store.compare(fitted, kinds).await.map_err(|e| told(&e))?;
         Ok(report.unwrap_or_default())
     }
 
-    /// Has robots stand. An error is which robots do not, or what else is in the way.
+    /// Makes robots stop. An error names the robots that do not stand, or another obstacle.
     async fn have_robots_stand(&self) -> Result<(), Result<Vec<ReportEntry>, &'static str>> {
         let (reply, answer) = oneshot::channel();
         let stuck = "the control loop does not answer: look at the alarms. The map in operation stays.";
@@ -207,7 +207,7 @@ impl MapKeeper {
     }
 }
 
-/// What there is to say about a map without the floor, and the building.
+/// The findings about a map without the floor, and the building.
 fn look_at(draft: &Draft, basis: &FloorBasis, old: &Arc<Warehouse>, added: &[RobotKind]) -> Looked {
     let mut review = review(draft);
     let good = review.warehouse.take().filter(|_| review.is_good()).map(Arc::new);
@@ -222,7 +222,7 @@ fn look_at(draft: &Draft, basis: &FloorBasis, old: &Arc<Warehouse>, added: &[Rob
     Looked { outlook: MapOutlook { review, differences, report: Report::default() }, map: fitted }
 }
 
-/// An error that only this fleet makes one.
+/// An error that is one only for this fleet.
 fn not_for_fleet(review: &mut Review, why: String) {
     let finding = Finding {
         place: "the fleet of this server".into(),
@@ -245,12 +245,12 @@ fn told(e: &StoreError) -> MapRefusal {
 }
 
 impl MapSwitch {
-    /// The answer where it has happened.
+    /// The answer after the switch.
     pub fn done(note: Option<&PublishedMap>, map: &Warehouse, report: Report) -> MapDone {
         MapDone { version: map_version(map), origin: note.map(origin_of), report }
     }
 
-    /// The answer where the database could not be carried over after all: the floor changed in the last moment.
+    /// The answer if the database could not be carried over after all: the floor changed at the last moment.
     pub fn refused(why: &anyhow::Error) -> MapRefusal {
         match why.downcast_ref::<StoreError>() {
             Some(StoreError::ChangedMap { report, .. }) => {
@@ -267,7 +267,7 @@ impl MapSwitch {
         }
     }
 
-    /// The request as it is written down where it was refused.
+    /// The request's audit entry after a refusal.
     pub fn refused_request(request: AuditRow) -> AuditRow {
         AuditRow { outcome: Some(REFUSED), ..request }
     }

@@ -1,20 +1,20 @@
-//! The jobs that wait, looked up once a second for the past that is kept.
+//! Waiting jobs, queried once a second for kept recordings.
 //!
-//! Main type: [`LastBacklog`]. Recordings list them every ten seconds, with a key frame. The thread that writes them
-//! cannot ask the fleet, so every frame carries a list that is at most a second old. Refuses: to look them up for
-//! every frame.
+//! Main type: [`LastBacklog`]. Recordings list them every ten seconds, with a key frame. The thread that writes
+//! recordings cannot ask the fleet, so every frame carries a list that is at most a second old. Refuses: to query them
+//! for every frame.
 
 use giveway_fleet::{Backlog, Fleet};
 use giveway_floor::time::{Span, Time};
 use std::sync::Arc;
 
-/// How often, a little less than a second, so that a frame does not just miss it.
+/// Interval between queries, a little less than a second, so that a frame does not just miss the next one.
 const EVERY: Span = Span::from_millis(980);
 
-/// How many are listed; a frame says how many there are in all.
+/// The most jobs in the list; a frame has their total number.
 const MOST: usize = 200;
 
-/// The last list.
+/// The latest list.
 #[derive(Debug, Default)]
 pub struct LastBacklog(Option<Arc<Backlog>>);
 

@@ -11,7 +11,7 @@ use giveway_fleet::Fleet;
 use giveway_floor::time::Time;
 use std::sync::Arc;
 
-/// Takes frames of a fleet, as often as recordings have them.
+/// Takes frames of a fleet, at the interval of recordings.
 #[derive(Debug, Default)]
 pub struct FrameRecorder {
     alarms: Alarms,

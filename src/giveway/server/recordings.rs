@@ -1,8 +1,8 @@
-//! Keeps the past: a thread of its own writes frames of the live feed to disk, five a second.
+//! Keeps recordings: a thread of its own writes frames of the live feed to disk, five a second.
 //!
-//! Main types: [`KeptPast`], [`BookmarkSender`] (the loop's end, which never waits). Where the disk takes no more, an
-//! alarm and the log say so, the fleet goes on, and the thread tries again. Refuses: to hold the loop up; a fact that
-//! comes too fast loses its bookmark, not its place in the journal.
+//! Main types: [`KeptPast`], [`BookmarkSender`] (the loop's end, which never waits). If the disk is full or fails, an
+//! alarm and the log say so, the fleet goes on, and the thread tries again. Refuses: to delay the loop; when facts come
+//! too fast, some get no bookmark, but all of them are in the journal.
 
 use super::clock::Clock;
 use super::queue::LastBacklog;
@@ -20,13 +20,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::time::Duration;
 use tokio::sync::oneshot;
 
-/// So many facts may wait for their bookmarks.
+/// The most facts that wait for their bookmarks.
 const WAITING: usize = 1024;
 
-/// How long it rests after the disk refused something.
+/// How long to wait after the disk refused.
 const REST: Span = Span::from_secs(10);
 
-/// Where the loop tells what happened.
+/// Passes facts from the loop to the thread that writes recordings.
 #[derive(Debug, Default)]
 pub struct BookmarkSender {
     facts: Option<SyncSender<Fact>>,
@@ -34,7 +34,7 @@ pub struct BookmarkSender {
 }
 
 impl BookmarkSender {
-    /// Tells of the facts of a step, as far as they make bookmarks.
+    /// Passes on the facts of a step that may become bookmarks.
     pub fn note(&self, facts: &[Fact]) {
         let Some(send) = &self.facts else { return };
         for fact in facts.iter().filter(|fact| is_notable(fact)) {
@@ -42,26 +42,26 @@ impl BookmarkSender {
         }
     }
 
-    /// The jobs that wait, for the next frame; none if no past is kept.
+    /// Waiting jobs for the next frame; empty if no past is kept.
     pub fn backlog(&mut self, fleet: &Fleet, now: Time) -> Arc<Backlog> {
         self.facts.as_ref().map_or_else(Arc::default, |_| self.queue.of(fleet, now))
     }
 }
 
-/// The past that is kept, or none.
+/// The recordings that are kept, or none.
 #[derive(Default)]
 pub struct KeptPast {
-    /// What there is of it.
+    /// The folder of recordings.
     pub folder: Option<Arc<Folder>>,
-    /// For the loop.
+    /// The loop's end.
     pub tap: BookmarkSender,
     /// Ends with the thread that writes.
     pub ended: Option<oneshot::Receiver<()>>,
 }
 
 impl KeptPast {
-    /// Begins to keep the past in a folder, if that is wanted; ends when the tap is dropped. Where it cannot be kept,
-    /// the log says so, and that is all.
+    /// Begins to keep recordings in a folder, if wanted; the thread ends when the tap is dropped. If they cannot be
+    /// kept, only the log says so.
     pub fn keep(
         wanted: Option<(PathBuf, Limits)>,
         map: &Arc<Warehouse>,
@@ -99,7 +99,7 @@ struct Keeper {
     live: Arc<Live>,
     clock: Arc<Clock>,
     alarms: Arc<Alarms>,
-    /// Until when nothing is written, since the disk refused something.
+    /// Until when nothing is written, since the disk refused.
     rest: Option<Time>,
 }
 
@@ -163,7 +163,7 @@ mod tests {
         let rotation = Rotation::new(folder, Limits { age_s: 60.0, bytes: 1 << 20 });
         let mut keeper = Keeper { rotation, live, clock: clock.clone(), alarms: alarms.clone(), rest: None };
         let standing = || alarms.of_kind(AlarmKind::PastNotKept).map(|a| a.text.to_string());
-        // A file where the folder was refuses every file in it.
+        // A file in the place of the folder makes every write fail.
         fs::remove_dir_all(&path).unwrap();
         fs::write(&path, "in the way").unwrap();
         keeper.take_frame();

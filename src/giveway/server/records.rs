@@ -1,4 +1,4 @@
-//! The store as the API sees it.
+//! The store behind the API's durable lists.
 //!
 //! Main type: [`StoredRecords`]. Refuses: to write.
 
@@ -14,7 +14,7 @@ use giveway_store::{AuditFilter, AuditRow, Store, StoreError};
 use std::sync::Arc;
 use tokio::sync::watch;
 
-/// Durable lists, to be read.
+/// Durable lists, read from the store.
 pub struct StoredRecords(pub Arc<Store>);
 
 impl Records for StoredRecords {
@@ -83,13 +83,13 @@ impl Records for StoredRecords {
     }
 }
 
-/// A row as the API has it; nothing where its role is from another Giveway.
+/// A row as the API knows it; nothing if its role is of another version of Giveway.
 fn entry(row: AuditRow) -> Option<AuditEntry> {
     let AuditRow { id, actor, role, what, subject, outcome } = row;
     Some(AuditEntry { id, actor, role: Role::of_word(&role)?, what, subject, status: outcome })
 }
 
-/// Logs the failure, once; the client only learns that it is the database.
+/// Logs the failure, once; the client only learns that the database failed.
 fn told(e: StoreError) -> String {
     tracing::error!("a list cannot be read: {e}");
     "the database does not answer; the server's log says why".into()

@@ -1,7 +1,7 @@
-//! The running core: fleet, floor, journal and everything beside them, from when they are wired to when they are down.
+//! The running core: fleet, floor, journal and everything around them, from wiring to shutdown.
 //!
-//! Main types: [`RunningCore`], [`CoreEnd`]. A server has one core after another where its map is changed; the port
-//! and who may enter outlive it. Refuses: to leave a task behind that still knows the database.
+//! Main types: [`RunningCore`], [`CoreEnd`]. When the map is changed, the server replaces one core by another; the port
+//! and the gate outlive it. Refuses: to leave a task behind that still has the database.
 
 use super::inbox::Inbox;
 use super::links::{Links, trial};
@@ -33,10 +33,10 @@ use tokio::time::timeout;
 /// How long the journal may take for the last facts.
 const FLUSH: Duration = Duration::from_secs(10);
 
-/// How long the last frames of the past may take.
+/// How long the last frames of recordings may take.
 const LAST_FRAMES: Duration = Duration::from_secs(3);
 
-/// The loop is stuck when its view is older.
+/// The loop is stuck if its view is older than this.
 const STUCK: Span = Span::from_secs(2);
 
 /// What the loop shares with other parts.
@@ -95,25 +95,25 @@ fn control_loop(
     }
 }
 
-/// What runs side by side.
+/// The tasks of a core.
 struct Tasks {
     writer: JoinHandle<Result<(), StoreError>>,
     thread: oneshot::Receiver<Links>,
     feed: JoinHandle<()>,
     historian: JoinHandle<()>,
-    /// Of alarms and of the audit.
+    /// The tasks that store alarms and audit entries.
     keepers: [JoinHandle<()>; 2],
-    /// Those that end where they are.
+    /// Tasks that may be aborted at any point.
     others: Vec<JoinHandle<()>>,
-    /// Ends with the thread that keeps the past.
+    /// Ends with the thread that keeps recordings.
     past: Option<oneshot::Receiver<()>>,
 }
 
 /// Why a core ended.
 pub enum CoreEnd {
-    /// It was told to.
+    /// It was told to end.
     Told,
-    /// Something cannot go on.
+    /// A part failed and cannot go on.
     Failed(anyhow::Error),
     /// The server is to switch to another map.
     MapSwitch(Box<MapSwitch>),
@@ -131,7 +131,7 @@ pub struct RunningCore {
 }
 
 impl RunningCore {
-    /// Wires the parts and lets them run. Gives the routes that lead to them, too.
+    /// Wires the parts and starts them. Also returns the routes that lead to them.
     pub async fn begin(
         parts: ServerParts,
         store: Arc<Store>,
@@ -201,7 +201,7 @@ impl RunningCore {
         Ok((RunningCore { store, tasks, switch_map, closing, halt, displaced: gone }, router(api).0))
     }
 
-    /// Lets it run until told to stop, until the map is to be changed, or until something cannot go on.
+    /// Runs the core until it is told to stop, until the map is to be changed, or until a part cannot go on.
     pub async fn run(
         &mut self,
         http: &mut JoinHandle<std::io::Result<()>>,
@@ -218,13 +218,13 @@ impl RunningCore {
         }
     }
 
-    /// Ends sockets and streams: from here on nothing new comes.
+    /// Ends sockets and streams: no new requests come from here on.
     pub fn close(&self) {
         self.closing.send_replace(true);
     }
 
-    /// Takes it down, with the last step, its facts and the database; gives the floor as it is then. If it is not
-    /// `whole`, since something of it failed, nothing is waited for.
+    /// Shuts the core down, with the last step, its facts and the database; returns the floor in its final state. If
+    /// the core is not `whole`, since a part of it failed, it waits for nothing.
     pub async fn end(self, whole: bool) -> anyhow::Result<Option<Links>> {
         let Tasks { writer, thread, feed, historian, keepers, others, past } = self.tasks;
         self.halt.send_replace(true);
@@ -241,7 +241,7 @@ impl RunningCore {
         {
             tracing::warn!("the last frames of the past are still being written");
         }
-        // The files are given back whatever happened: nothing that still knows the store can use it from here on.
+        // The files are released in any case: tasks that still know the store cannot use it from here on.
         let others = others.iter().chain([&feed]).map(JoinHandle::abort_handle);
         for task in others.chain([abort]) {
             task.abort();
@@ -251,7 +251,7 @@ impl RunningCore {
     }
 }
 
-/// Lets the last step, its facts and the figures over time be written; gives the links.
+/// Waits until the last step, its facts and the figures over time are stored; returns the links.
 async fn flush(
     thread: oneshot::Receiver<Links>,
     writer: JoinHandle<Result<(), StoreError>>,
@@ -259,7 +259,7 @@ async fn flush(
     displaced: bool,
 ) -> anyhow::Result<Option<Links>> {
     let links = thread.await.ok();
-    // A database that was taken away is hardly brought back now.
+    // Files of a database that were taken away are unlikely to come back now.
     let patience = if displaced { FLUSH / 10 } else { FLUSH };
     let lost = "the journal did not take the last facts. None of them was acknowledged";
     timeout(patience, writer).await.context(lost)?.context(lost)?.context(lost)?;
@@ -269,7 +269,7 @@ async fn flush(
     Ok(links)
 }
 
-/// Runs the loop on a thread of its own: steps are work, and nothing else may wait for them.
+/// Runs the loop on a thread of its own: steps are CPU work, and nothing else may wait for them.
 fn spawn_loop(
     drive: control::ControlLoop,
     halted: watch::Receiver<bool>,
@@ -284,7 +284,7 @@ fn spawn_loop(
     Ok(end)
 }
 
-/// Publishes every new view in the live feed; if none comes, raises an alarm.
+/// Publishes every new view in the live feed; raises an alarm if none comes.
 async fn feed(
     live: Arc<Live>,
     mut picture: watch::Receiver<Arc<Moment>>,

@@ -1,22 +1,22 @@
-//! Robots stand on nodes before the server switches to another map: requests for that, and their answers.
+//! Makes robots stand on nodes before the server switches to another map: requests for that, and their answers.
 //!
-//! Main types: [`SettleQueue`] (the loop's end), [`SettleRequest`]. Refuses: to keep robots standing when
-//! the request for it is gone.
+//! Main types: [`SettleQueue`] (the loop's end), [`SettleRequest`]. Refuses: to keep robots standing when the request
+//! for it is gone.
 
 use giveway_drive::{Drive, NotStanding};
 use giveway_floor::time::Time;
 use tokio::sync::mpsc::error::TryRecvError;
 use tokio::sync::{mpsc, oneshot};
 
-/// What is asked of the loop.
+/// A request to the loop.
 #[derive(Debug)]
 pub enum SettleRequest {
-    /// Which robots stand beside their nodes, and so would be in the way of a change.
+    /// Ask which robots stand beside their nodes, and so would be obstacles to a change.
     Look(oneshot::Sender<NotStanding>),
-    /// All robots are to stand. The answer comes when they do, and what they did is durable; or names those that do
-    /// not, or none where the journal takes no facts, and then all go on.
+    /// Make all robots stand. The answer comes when they stand and their facts are durable; or it names the robots that
+    /// do not stand, or none if the journal accepts no facts, and then all robots go on.
     Stand(oneshot::Sender<Result<(), NotStanding>>),
-    /// Robots go on.
+    /// Let robots go on.
     GoOn,
 }
 
@@ -28,16 +28,16 @@ pub struct SettleQueue {
 }
 
 impl SettleQueue {
-    /// One that takes these requests.
+    /// A queue of these requests.
     pub fn new(requests: mpsc::Receiver<SettleRequest>) -> SettleQueue {
         SettleQueue { requests, waits: None }
     }
 
-    /// Hands on what is asked.
+    /// Passes the next request on to the driver.
     pub fn look(&mut self, drive: &mut Drive, now: Time) {
         match self.requests.try_recv() {
             Ok(SettleRequest::Look(reply)) => {
-                // Dropped where the fleet cannot be asked: who asked is told that there is no answer.
+                // Dropped if the fleet cannot be asked: the sender of the request learns that there is no answer.
                 drive.standing_off(now).map(|off| reply.send(off));
             }
             Ok(SettleRequest::Stand(reply)) => {
@@ -52,7 +52,7 @@ impl SettleQueue {
         }
     }
 
-    /// Passes the driver's answer on. If nobody waits for it any more, robots go on.
+    /// Passes the driver's answer on. If its receiver is gone, robots go on.
     pub fn answer(&mut self, settled: Option<Result<(), NotStanding>>, drive: &mut Drive) {
         let Some(answer) = settled else { return };
         let heard = self.waits.take().is_some_and(|reply| reply.send(answer).is_ok());

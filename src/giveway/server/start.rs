@@ -1,7 +1,7 @@
-//! From files to parts: opens the database, folds the journal, makes what the server consists of.
+//! From files to parts: opens the database, folds the journal, builds the parts of the server.
 //!
-//! Main types: [`ServerParts`], [`Built`]. The fold is work for a thread of its own, so that the port answers
-//! meanwhile. Refuses: to end the process where the journal contradicts itself; then the server stays up and says so.
+//! Main types: [`ServerParts`], [`Built`]. The fold runs on a thread of its own, so that the port answers meanwhile.
+//! Refuses: to end the process if the journal contradicts itself; then the server stays up and says so.
 
 use super::basis::{FloorBasis, not_for};
 use super::clock::{self, Clock};
@@ -20,10 +20,10 @@ use std::time::Duration;
 use tokio::sync::mpsc;
 use tokio::task::JoinHandle;
 
-/// How often it is looked whether there is room on the disk.
+/// How often the server checks whether there is room on the disk.
 const LOOK: Duration = Duration::from_secs(2);
 
-/// What the parts of the server are made of.
+/// The parts of the server.
 pub struct ServerParts {
     pub fleet: Fleet,
     pub links: Links,
@@ -42,7 +42,7 @@ pub struct ServerParts {
     pub planted: Planted,
     /// What stays the same from one map to the next.
     pub basis: FloorBasis,
-    /// The number of the last request that was written down.
+    /// The number of the last stored audit entry.
     pub last_audit: i64,
 }
 
@@ -54,22 +54,22 @@ pub struct Charts {
 }
 
 impl Charts {
-    /// Begins to keep them.
+    /// Starts to keep the figures.
     fn keep(figures: Arc<SharedHistory>, store: &Arc<Store>) -> Charts {
         let (notes, historian) = historian::historian(figures.clone(), store.clone());
         Charts { figures, notes, historian: tokio::spawn(historian.run()) }
     }
 }
 
-/// What became of the files.
+/// The result of reading the files.
 pub enum Built {
-    /// All parts.
+    /// All parts were built.
     Whole(Box<ServerParts>),
-    /// No fleet: the journal contradicts itself, as this says.
+    /// There is no fleet: the journal contradicts itself, as the text says.
     Broken(String),
 }
 
-/// Opens the database; `note` is noted about its map, and losses are accepted where that is so.
+/// Opens the database, carried over to this floor with losses only if `accept_losses`; records `note` about its map.
 pub async fn open(
     config: &Config,
     floor: &ServedFloor,
@@ -87,9 +87,9 @@ pub async fn open(
     Ok(Arc::new(store.keep_days(config.keep_days).keep_people_days(config.people_keep_days)))
 }
 
-/// Everything that a start makes of the files: the map that is in operation, the database, the parts. Where there is
-/// no room on the disk, it says so through `waits`, and tries again until there is: nothing can be promised
-/// meanwhile, and a process that ended would only be started again.
+/// Builds everything from the files: the map in operation, the database, the parts. If there is no room on the disk, it
+/// reports that through `waits` and tries again until there is: nothing can be promised meanwhile, and a process that
+/// ended would only be restarted.
 pub async fn restore(
     config: &Config,
     floor: &ServedFloor,
@@ -142,8 +142,8 @@ async fn try_restore(
     }
 }
 
-/// Refuses robots of a kind that there is not, and a map that is not for a kind that was added: its lanes may have
-/// been changed for other kinds, and the ids in the journal not.
+/// Refuses robots of an unknown kind, and a map that does not suit an added kind: its lanes may have been changed for
+/// other kinds while the ids in the journal were not.
 fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
     let ledger = fleet.ledger();
     if let Some((robot, kind)) = ledger.unknown_kinds().first() {
@@ -164,10 +164,10 @@ fn check_kinds(fleet: &Fleet) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Steps are written down so many at once.
+/// The most steps that are stored at once.
 const AT_ONCE: usize = 500;
 
-/// Writes down what the floor did before this moment, for a scenario that begins in the middle of a shift.
+/// Stores the floor's history before this moment, for a scenario that begins in the middle of a shift.
 async fn begin_in_the_middle(
     store: &Store,
     map: &Arc<Warehouse>,
@@ -189,7 +189,8 @@ async fn begin_in_the_middle(
     Ok(())
 }
 
-/// What the database has; what the floor did before this moment, where it has nothing and that is wanted.
+/// The content of the database; if it is empty and the scenario wants that, with a simulated history before this
+/// moment.
 async fn load(store: &Store, floor: &ServedFloor) -> anyhow::Result<Loaded> {
     let empty = || Ledger::new(floor.map.clone(), &floor.source.site().kinds, false);
     let loaded = store.load(empty()).await?;
@@ -200,7 +201,7 @@ async fn load(store: &Store, floor: &ServedFloor) -> anyhow::Result<Loaded> {
     Ok(store.load(empty()).await?)
 }
 
-/// Makes the parts from what the database has.
+/// Builds the parts from the content of the database.
 pub async fn build(
     config: &Config,
     floor: ServedFloor,

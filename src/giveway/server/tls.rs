@@ -1,4 +1,4 @@
-//! The first bytes of a connection where the server speaks HTTPS.
+//! The first bytes of a connection if the server speaks HTTPS.
 //!
 //! Main function: [`shake`]. A client that speaks plain HTTP is told so in words. Refuses: handshakes that take longer
 //! than ten seconds.
@@ -21,10 +21,10 @@ const HANDSHAKE_RECORD: u8 = 22;
 const PLAIN: &str = "HTTP/1.1 400 Bad Request\r\ncontent-type: text/plain; charset=utf-8\r\nconnection: close\r\n\r\n\
     This port speaks HTTPS: write https:// before the address.\n";
 
-/// A connection after its handshake; none if the client speaks plain HTTP.
+/// A connection after its handshake; nothing if the client speaks plain HTTP.
 ///
 /// # Errors
-/// Where the handshake fails, or takes too long.
+/// If the handshake fails or takes too long.
 pub(super) async fn shake(
     stream: TcpStream,
     acceptor: &TlsAcceptor,

@@ -1,7 +1,7 @@
-//! Named tokens and sessions between database and gate: what is written is in force before it is answered, and tokens
-//! that another program writes within a second.
+//! Named tokens and sessions between database and gate: a change is in force before it is answered, and tokens that
+//! another program writes are in force within a second.
 //!
-//! Main type: [`TokenKeeper`]. Refuses: roles that this Giveway does not know; such a token does not hold.
+//! Main type: [`TokenKeeper`]. Refuses: roles that this version of Giveway does not know; such a token is invalid.
 
 use giveway_api::{
     Alarms, Gate, Later, NamedToken, Now, Role, SessionHolder, TokenHash, TokenPort, WebSession,
@@ -18,10 +18,10 @@ use tokio::task::JoinHandle;
 /// How often the table is read.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// So many addresses are named in the alarm about wrong secrets.
+/// The most addresses that the alarm about wrong secrets names.
 const MOST_NAMED: usize = 5;
 
-/// Every so many looks it is written down when tokens were used.
+/// The times of tokens' last use are stored once in this many reads of the table.
 const USES: u32 = 10;
 
 /// Keeps tokens of a running server.
@@ -33,7 +33,7 @@ pub struct TokenKeeper {
     now: Now,
 }
 
-/// The tokens of a database that nobody has opened yet; none where there is no database.
+/// The tokens of a database that is not open yet; empty if there is no database.
 pub async fn tokens_of(database: &Path) -> Vec<NamedToken> {
     if !std::fs::metadata(database).is_ok_and(|m| m.is_file() && m.len() > 0) {
         return Vec::new();
@@ -44,7 +44,7 @@ pub async fn tokens_of(database: &Path) -> Vec<NamedToken> {
     rows.into_iter().filter_map(known).collect()
 }
 
-/// A row as the gate needs it; nothing where its role is from another Giveway.
+/// A row as the gate needs it; nothing if its role is of another version of Giveway.
 fn known(row: TokenRow) -> Option<NamedToken> {
     let TokenRow { id, name, role, subject, hash, created, expires, revoked, last_used } = row;
     let (role, hash) = (Role::of_word(&role)?, hash.try_into().ok()?);
@@ -52,7 +52,7 @@ fn known(row: TokenRow) -> Option<NamedToken> {
 }
 
 impl TokenKeeper {
-    /// One that keeps this gate as the database says, and its task.
+    /// A keeper that keeps this gate in agreement with the database, and its task.
     pub async fn start(
         (store, alarms): (&Arc<Store>, &Arc<Alarms>),
         gate: &Arc<Gate>,
@@ -66,10 +66,10 @@ impl TokenKeeper {
         (keeper, task)
     }
 
-    /// Reads the table again and again, and writes down when tokens were used.
+    /// Reads the table repeatedly, and stores when tokens were used.
     async fn run(self) {
         for look in 0u32.. {
-            // Where the database does not answer, what is known stays in force.
+            // If the database does not answer, the known tokens stay in force.
             if let Err(e) = self.learn().await {
                 tracing::debug!("tokens cannot be read: {e}");
             }
@@ -83,7 +83,7 @@ impl TokenKeeper {
         }
     }
 
-    /// Raises an alarm about addresses that show many wrong secrets, or ends it.
+    /// Raises or ends the alarm about addresses that show many wrong secrets.
     fn warn(&self) {
         let many = self.gate.wrong_secrets().alarming(Instant::now());
         let guesses = |(from, n): &(_, _)| sentence::address_guesses(format!("{from}"), *n);
@@ -102,14 +102,14 @@ impl TokenKeeper {
         }
     }
 
-    /// Puts what the database says in force.
+    /// Puts the tokens in the database in force.
     async fn learn(&self) -> Result<(), StoreError> {
         let rows = self.store.tokens().all().await?;
         self.gate.learn(rows.into_iter().filter_map(known).collect(), (self.now)());
         Ok(())
     }
 
-    /// Puts the sessions of the database in force.
+    /// Puts the sessions in the database in force.
     async fn learn_sessions(&self) -> Result<(), StoreError> {
         let rows = self.store.sessions().await?;
         let known = |row: SessionRow| {
@@ -131,7 +131,7 @@ impl TokenKeeper {
         Ok(())
     }
 
-    /// Writes while the files are still the database, then puts that in force.
+    /// Writes while the files are still the database, then puts the result in force.
     async fn change<T>(&self, write: impl Future<Output = Result<T, StoreError>>) -> Result<T, String> {
         let written = async {
             self.store.check_place()?;
@@ -199,7 +199,7 @@ impl TokenPort for TokenKeeper {
     }
 }
 
-/// Logs the failure, once; the client only learns that it is the database.
+/// Logs the failure, once; the client only learns that the database failed.
 fn told(e: StoreError) -> String {
     tracing::error!("tokens: {e}");
     "the database does not answer, or takes nothing; the server's log says why".into()

@@ -1,9 +1,9 @@
-//! Tells webhooks of events, in order, each until it takes them or they are given up. An alarm stands while one has
-//! taken nothing for long.
+//! Sends events to webhooks, in order, each until the webhook accepts it or it is given up. An alarm is active while a
+//! webhook has accepted nothing for long.
 //!
-//! Main types: [`HookKeeper`], [`Sender`]. How far a webhook is stands in the database: after a restart it goes on
-//! there, and events may come twice. A message counts as delivered only with a [`Taken`]. Refuses: to follow redirects,
-//! to show users and passwords in addresses, and to let one webhook wait for another.
+//! Main types: [`HookKeeper`], [`Sender`]. The progress of a webhook is in the database: after a restart it continues
+//! there, and events may be sent twice. A message counts as delivered only with a [`Taken`]. Refuses: to follow
+//! redirects, to show users and passwords in addresses, and to let one webhook wait for another.
 
 use super::Outbound;
 use giveway_api::outgoing::failure;
@@ -22,66 +22,66 @@ use tokio::sync::mpsc;
 use tokio::task::JoinSet;
 use tokio::time::{Instant, sleep_until};
 
-/// How many requests may wait.
+/// The most requests that wait.
 const WAITING: usize = 16;
 
-/// So many events are in a message at most.
+/// The most events in a message.
 const AT_ONCE: u32 = 100;
 
-/// How long a receiver may take.
+/// How long a receiver may take to answer.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// The pause after a failure; each one is twice as long as the one before, up to the last.
+/// The first pause after a failure, and the longest; each pause is twice as long as the previous one.
 const PAUSES: (Duration, Duration) = (Duration::from_secs(1), Duration::from_secs(300));
 
-/// A message is given up after so many attempts, which take more than an hour.
+/// A message is given up after this many attempts, which take more than an hour.
 const ATTEMPTS: u32 = 20;
 
-/// How often each webhook is looked at, at least.
+/// The longest interval between two checks of a webhook.
 const LOOK: Duration = Duration::from_secs(30);
 
-/// The end that the API has.
+/// The queue of requests about webhooks.
 pub fn hook_queue() -> (mpsc::Sender<HookRequest>, mpsc::Receiver<HookRequest>) {
     mpsc::channel(WAITING)
 }
 
-/// Answers requests about webhooks, and tells them of events.
+/// Answers requests about webhooks, and sends them events.
 pub struct HookKeeper {
     store: Arc<Store>,
     api: Api,
     sender: Sender,
     requests: mpsc::Receiver<HookRequest>,
-    /// Webhooks to which a message is on its way.
+    /// Webhooks to which a message is being sent.
     busy: BTreeSet<i64>,
     on_the_way: JoinSet<(i64, u64, Result<Delivery, StoreError>)>,
-    /// Webhooks that rest after a failure, and until when.
+    /// Webhooks that pause after a failure, and until when.
     resting: Vec<(i64, Instant)>,
-    /// The webhooks as the database has them; nothing after a change.
+    /// The webhooks in the database; nothing after a change.
     hooks: Option<Vec<HookRow>>,
-    /// How often there was news.
+    /// How often there was news of events.
     news: u64,
-    /// Webhooks that know everything up to this news.
+    /// The news up to which each webhook has received everything.
     known: BTreeMap<i64, u64>,
-    /// Webhooks that have taken nothing since then, and why.
+    /// Webhooks that have accepted nothing: since when, and why.
     failing: BTreeMap<i64, (Instant, String)>,
-    /// For how long that raises no alarm.
+    /// How long a webhook may accept nothing before an alarm is raised.
     tolerance: Duration,
 }
 
-/// What came of an attempt.
+/// The result of an attempt.
 enum Delivery {
-    /// There was nothing to tell.
+    /// There was nothing to send.
     Nothing,
-    /// A message was taken.
+    /// A message was accepted.
     Done,
-    /// The webhook is past events that are not for it, or are not kept any more.
+    /// The webhook's position moved past events that are not for it, or are no longer kept.
     Skipped,
-    /// A message was not taken; after so many attempts, and why.
+    /// A message was refused: after how many attempts, and why.
     Refused(u32, String),
 }
 
 impl HookKeeper {
-    /// One for a server.
+    /// A keeper for a server.
     pub fn new(
         store: Arc<Store>,
         api: Api,
@@ -107,7 +107,7 @@ impl HookKeeper {
         }
     }
 
-    /// Until nothing can ask any more.
+    /// Runs until no more requests can come.
     pub async fn run(mut self) {
         let mut changed = self.store.events_changed();
         loop {
@@ -132,7 +132,7 @@ impl HookKeeper {
         }
     }
 
-    /// Starts a message to each webhook that neither rests nor has one on its way.
+    /// Starts a message to each webhook that neither pauses nor is being sent one.
     async fn begin(&mut self) -> Result<(), StoreError> {
         self.resting.retain(|(_, until)| *until > Instant::now());
         let hooks = match self.hooks.take() {
@@ -152,10 +152,10 @@ impl HookKeeper {
         Ok(())
     }
 
-    /// Lets a webhook rest after a failure.
+    /// Notes the result of an attempt; makes the webhook pause after a failure.
     fn note(&mut self, done: Result<(i64, u64, Result<Delivery, StoreError>), tokio::task::JoinError>) {
         let Ok((id, news, told)) = done else {
-            // Which one it was is not known any more: all may have another message, under the same id.
+            // It is unknown which webhook it was: all may be sent another message, under the same id.
             self.busy.clear();
             return;
         };
@@ -186,7 +186,7 @@ impl HookKeeper {
         self.resting.push((id, Instant::now() + pause.min(PAUSES.1)));
     }
 
-    /// Raises an alarm about webhooks that have taken nothing for too long, or ends it.
+    /// Raises or ends the alarm about webhooks that have accepted nothing for too long.
     fn warn(&mut self) {
         let Some(hooks) = &self.hooks else { return };
         let now = (self.api.now)();
@@ -201,7 +201,7 @@ impl HookKeeper {
         }
     }
 
-    /// A receiver of an answer that is gone is no error.
+    /// Answers a request; a receiver that is gone is no error.
     async fn answer(&mut self, request: HookRequest) {
         let text = |e: StoreError| {
             tracing::error!("webhooks: {e}");
@@ -241,7 +241,7 @@ impl HookKeeper {
     }
 }
 
-/// Sends a webhook what comes next, and writes down what came of it.
+/// Sends a webhook its next message, and stores the result.
 async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Result<Delivery, StoreError> {
     let span = store.event_span().await?;
     if hook.cursor < span.before {
@@ -254,7 +254,7 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
     // A message that is tried again has the same events: receivers know it by its id.
     rows.retain(|row| hook.pending.is_none_or(|pending| row.seq <= pending));
     let (Some(first), Some(last)) = (rows.first().map(|r| r.seq), rows.last().map(|r| r.seq)) else {
-        // So that events of other kinds, when they are deleted, do not look like events that were missed.
+        // Events of other kinds then do not look missed when they are deleted.
         if hook.cursor < (span.before + span.last) / 2 {
             store.webhook_reached(hook.id, span.last).await?;
             return Ok(Delivery::Skipped);
@@ -293,7 +293,7 @@ async fn tell(store: &Store, api: &Api, sender: &Sender, hook: &HookRow) -> Resu
 pub struct Sender(ureq::Agent);
 
 impl Sender {
-    /// Posts a message under an id, with its time and signature; says why it was not taken.
+    /// Posts a message with its id, time and signature; says why it was not accepted.
     async fn post(&self, url: String, headers: [String; 3], body: String) -> Result<Taken, String> {
         let agent = self.0.clone();
         let post = move || {

@@ -167,7 +167,7 @@ pub struct ArmLineDto {
 pub struct NextRackDto {
     /// The rack's name; null if the robot does not carry it yet.
     pub rack: Option<String>,
-    /// The robot that brings it.
+    /// The robot that brings the rack.
     pub robot: String,
     /// Seconds until its planned arrival; null if the robot waits for something whose end is unknown.
     pub in_s: Option<f64>,
@@ -192,7 +192,7 @@ pub struct VisitDto {
     pub job: String,
     /// The rack.
     pub rack: Option<String>,
-    /// The robot under it.
+    /// The robot under the rack.
     pub robot: String,
     /// When the rack arrived, RFC 3339; null if that was before the server started.
     pub since: Option<String>,

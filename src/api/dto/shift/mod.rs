@@ -103,7 +103,7 @@ pub struct StationShiftDto {
     pub late: u64,
     /// Seconds from submission until the rack stood at the station; null if nothing was delivered.
     pub order_to_station_s: Option<QuantilesDto>,
-    /// Seconds from then until the job was done; null if nothing was delivered.
+    /// Seconds from the arrival of the rack until the job was done; null if nothing was delivered.
     pub pick_s: Option<QuantilesDto>,
     /// Share of the covered time in which a rack was picked from, 0 to 1.
     pub picking_share: f64,
