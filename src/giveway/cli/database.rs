@@ -1,9 +1,9 @@
-//! `giveway database`: checks the server's database, copies it while the server runs, puts a copy back, carries it over
-//! to a changed map.
+//! `giveway database`: checks the server's database, copies it while the server runs, restores a copy, carries the
+//! database over to a changed map.
 //!
-//! Main type: [`DatabaseArgs`]. Exit codes: 0 all is well, 1 something is wrong or was refused. A copy is checked
-//! before it gets its name, a source before anything is moved. Refuses: to overwrite a file, and to touch a database
-//! that a server has.
+//! Main type: [`DatabaseArgs`]. Exit codes: 0 the database is sound, 1 something is wrong or was refused. A copy is
+//! checked before it gets its name, a source before anything is moved. Refuses: to overwrite a file, and to touch a
+//! database that a server uses.
 
 use super::files::{read_map, write};
 use super::sim::Setup;
@@ -44,16 +44,16 @@ pub struct DatabaseArgs {
 enum DatabaseCommand {
     #[command(flatten)]
     Reported(ReportedCommand),
-    /// Write the database's own map as a map file: the map that was published to the server, say. Works while a server
-    /// runs.
+    /// Write the database's own map as a map file, for example a map that was published to the server. Works while a
+    /// server runs.
     Map {
-        /// The file; standard output if absent.
+        /// The file to write; standard output if absent.
         #[arg(long, value_name = "FILE")]
         output: Option<PathBuf>,
     },
 }
 
-/// What ends in a report about the database.
+/// Commands that end in a report about the database.
 #[derive(Subcommand)]
 enum ReportedCommand {
     /// Look for damage, load the journal and fold it. Works while a server runs and changes nothing. With a map other
@@ -68,26 +68,27 @@ enum ReportedCommand {
         /// The changed map; the scenario's if absent.
         #[arg(long, value_name = "FILE")]
         map: Option<PathBuf>,
-        /// Carry it over even if something is lost: jobs fail, assignments are cancelled, closures end, as listed.
+        /// Carry the database over even if something is lost: jobs fail, assignments are cancelled, closures end, as
+        /// listed.
         #[arg(long)]
         accept_losses: bool,
     },
-    /// Let a database go on now whose last step is later than that, since the system's clock had been wrong. Robots
-    /// stand where they are, jobs that they had wait again, and a backup is made first.
+    /// Let a database continue now although its last step is later, because the system's clock was wrong. Robots stay
+    /// where they are, jobs that they had wait again, and a backup is made first.
     SetClock,
     /// Write everything committed into a new file and check that file. Works while a server runs.
     Backup {
         /// The new file.
         target: PathBuf,
     },
-    /// Check a backup and put it in the place of the database, which is moved aside.
+    /// Check a backup and replace the database by it; the database is moved aside.
     Restore {
         /// The backup.
         source: PathBuf,
     },
 }
 
-/// What carrying a database over to another map means.
+/// The effect of carrying a database over to another map.
 #[derive(Debug, Serialize)]
 struct Changed {
     /// Name of the other map.
@@ -108,38 +109,38 @@ impl Changed {
     }
 }
 
-/// What was found in a database.
+/// The findings about a database.
 #[derive(Debug, Serialize)]
 struct DatabaseReport {
-    /// Whether nothing is wrong.
+    /// Whether the database is sound.
     ok: bool,
-    /// Which file was looked at.
+    /// The file that was examined.
     database: PathBuf,
-    /// Size of the main file.
+    /// Size of the main file, in bytes.
     bytes: u64,
-    /// Name of the map to which it belongs.
+    /// Name of the map to which the database belongs.
     map: Option<String>,
-    /// Facts in the journal.
+    /// How many facts the journal has.
     facts: usize,
-    /// When the last of them happened.
+    /// When the last fact happened.
     last: Option<String>,
-    /// Jobs, and those of them that are not over.
+    /// How many jobs there are, and how many of them are not over.
     jobs: u64,
     open_jobs: u64,
-    /// Robots that the journal knows; nothing where it was not folded.
+    /// How many robots the journal knows; nothing if it was not folded.
     robots: Option<usize>,
-    /// What is wrong, or was not looked at.
+    /// Faults, and what could not be examined.
     problems: Vec<String>,
     notes: Vec<String>,
-    /// What a start with the map that was named does, where that is another one than the database's own.
+    /// What a start with the named map would do, if that is not the database's own map.
     #[serde(skip_serializing_if = "Option::is_none")]
     changed_map: Option<Changed>,
-    /// Where a backup is, or what was moved aside by restoring one.
+    /// The backup, or what was moved aside when one was restored.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     files: Vec<PathBuf>,
 }
 
-/// The map to fold with.
+/// The map and settings with which to fold the journal; nothing if no map is known.
 type FoldSettings = Option<(Arc<Warehouse>, Settings)>;
 
 impl ReportedCommand {
@@ -152,12 +153,12 @@ impl ReportedCommand {
         }
     }
 
-    /// Whether the database is taken as a start takes it: with the map that was published, if one was.
+    /// Whether the command uses the map that a start would use: the published one, if there is one.
     fn is_as_published(&self) -> bool {
         self.map().is_none() && !matches!(self, ReportedCommand::Carry { .. })
     }
 
-    /// The file that is read: the backup, or the database itself.
+    /// The file to read: the backup, or the database itself.
     fn read_from<'a>(&'a self, database: &'a Path) -> &'a Path {
         if let ReportedCommand::Restore { source } = self { source } else { database }
     }
@@ -218,7 +219,7 @@ async fn map_of(path: &Path) -> anyhow::Result<String> {
     Ok(json::write(&map?.context(none)?))
 }
 
-/// Opens a database that is there, to be read.
+/// Opens an existing database for reading.
 async fn inspect(path: &Path) -> anyhow::Result<Store> {
     ensure!(path.is_file(), "there is no database {}: name it with --database FILE", path.display());
     Ok(Store::inspect(path).await?)
@@ -245,7 +246,7 @@ async fn check(path: &Path, floor: FoldSettings, named: bool) -> anyhow::Result<
     Ok(report)
 }
 
-/// Carries a database over to the map; says what that means where it is refused.
+/// Carries a database over to the map; if that is refused, reports why.
 async fn carry(config: &Config, floor: FoldSettings, accept_losses: bool) -> anyhow::Result<DatabaseReport> {
     let path = &config.database;
     ensure!(path.is_file(), "there is no database {}: name it with --database FILE", path.display());
@@ -273,7 +274,7 @@ async fn carry(config: &Config, floor: FoldSettings, accept_losses: bool) -> any
     Ok(report)
 }
 
-/// Lets a database go on now whose last step is later.
+/// Lets a database whose last step is later continue now.
 async fn set_clock(config: &Config, floor: FoldSettings) -> anyhow::Result<DatabaseReport> {
     let path = &config.database;
     ensure!(path.is_file(), "there is no database {}: name it with --database FILE", path.display());
@@ -299,7 +300,7 @@ async fn set_clock(config: &Config, floor: FoldSettings) -> anyhow::Result<Datab
     Ok(report)
 }
 
-/// Everything that can be said about a database without changing it.
+/// All findings about a database that need no change to it.
 async fn examine(store: &Store, floor: FoldSettings, named: bool) -> anyhow::Result<DatabaseReport> {
     let path = store.path();
     let bytes = std::fs::metadata(path).map_or(0, |m| m.len());
@@ -360,7 +361,7 @@ async fn look_inside(
     Ok(())
 }
 
-/// What a start with another map does. The journal is folded under the database's own map, if that is known.
+/// The effect of starting with another map. The journal is folded with the database's own map, if that is known.
 async fn compare(
     store: &Store,
     about: &Belongs,
@@ -411,7 +412,7 @@ async fn backup(
     copied?;
     let mut report = look(&partial, floor, named).await?;
     if report.ok {
-        // The program that creates the name owns it: a file that came meanwhile is not overwritten.
+        // Creating the name claims it: a file that appeared meanwhile is not overwritten.
         let claim = std::fs::File::create_new(target).and_then(|_| std::fs::rename(&partial, target));
         claim.with_context(|| format!("cannot write {}", target.display()))?;
         report.database = target.into();

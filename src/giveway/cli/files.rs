@@ -1,7 +1,7 @@
 //! Files that commands read and write.
 //!
-//! Main functions: [`read`], [`write()`], [`read_map`], [`read_model`], [`read_pick_model`]. Refuses: an error that
-//! does not name its file.
+//! Main functions: [`read`], [`write()`], [`read_map`], [`read_model`], [`read_pick_model`]. Refuses: errors that do
+//! not name their file.
 
 use super::out;
 use anyhow::Context;
@@ -11,7 +11,7 @@ use giveway_people::reach::PickModel;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Reads a text file, naming it where that fails. However a program wrote it, it begins without a byte order mark and
+/// Reads a text file; an error names the file. However a program wrote the file, the text has no byte order mark and
 /// its lines end with LF.
 pub fn read(path: &Path) -> anyhow::Result<String> {
     let bytes = std::fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
@@ -20,7 +20,7 @@ pub fn read(path: &Path) -> anyhow::Result<String> {
     Ok(text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n"))
 }
 
-/// Writes a text file, or standard output where no path is given.
+/// Writes a text file, or to standard output if no path is given.
 pub fn write(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
     match path {
         Some(path) => std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display())),
@@ -39,7 +39,7 @@ pub fn read_map(path: &Path) -> anyhow::Result<Arc<Warehouse>> {
     Ok(Arc::new(warehouse))
 }
 
-/// Reads a model; the built-in one where none is named.
+/// Reads a model; the built-in one if no path is given.
 pub fn read_model(path: Option<&Path>) -> anyhow::Result<Arc<Model>> {
     path.map_or_else(
         || Ok(Model::builtin()),
@@ -50,7 +50,7 @@ pub fn read_model(path: Option<&Path>) -> anyhow::Result<Arc<Model>> {
     )
 }
 
-/// Reads what was learned of pickers.
+/// Reads what was learned about pickers.
 pub fn read_pick_model(path: &Path) -> anyhow::Result<Arc<PickModel>> {
     let model = PickModel::parse(&read(path)?);
     Ok(Arc::new(model.with_context(|| format!("{} is refused", path.display()))?))

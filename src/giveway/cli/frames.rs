@@ -1,4 +1,4 @@
-//! Recordings and pages of a run that is stepped here.
+//! Recordings and pages of a run that this process steps.
 //!
 //! Main types: [`FrameWriter`]; [`write_page`]. Refuses: to leave a page without its recording.
 
@@ -10,19 +10,19 @@ use giveway_fleet::{Fact, Fleet};
 use giveway_floor::time::Time;
 use std::path::{Path, PathBuf};
 
-/// A recording being made.
+/// A recording in progress.
 pub struct FrameWriter {
     record: FrameRecorder,
     recording: Recording,
     out: Out,
     path: PathBuf,
     page: Option<PathBuf>,
-    /// Whether the recording was only wanted for the page.
+    /// Whether the recording is only wanted for the page.
     passing: bool,
 }
 
 impl FrameWriter {
-    /// Begins a recording, where a recording or a page is wanted.
+    /// Begins a recording, if a recording or a page is wanted.
     pub fn create(
         recording: Option<&Path>,
         page: Option<&Path>,
@@ -42,7 +42,7 @@ impl FrameWriter {
         Ok(Some(FrameWriter { record, recording: reel_of, out, path, page, passing: recording.is_none() }))
     }
 
-    /// Takes a step.
+    /// Adds a step.
     pub fn step(&mut self, fleet: &Fleet, now: Time, facts: &[Fact]) -> anyhow::Result<()> {
         facts.iter().for_each(|fact| self.recording.note(fact));
         let frame = self.record.take_frame(fleet, now).and_then(|frame| self.recording.add(&frame));
@@ -52,7 +52,7 @@ impl FrameWriter {
         Ok(())
     }
 
-    /// Ends the recording, and makes the page of it.
+    /// Ends the recording, and writes its page if wanted.
     pub fn finish(self) -> anyhow::Result<()> {
         self.out.finish().with_context(|| format!("cannot write to {}", self.path.display()))?;
         let written = self.page.map_or(Ok(()), |page| write_page(&page, &self.path));

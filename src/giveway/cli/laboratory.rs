@@ -1,6 +1,7 @@
-//! `giveway experiment`, `learn` and `bench`: the laboratory's commands, by the program `giveway-lab` beside this one.
+//! `giveway experiment`, `learn` and `bench`: the laboratory's commands, which run the program `giveway-lab` beside
+//! this one.
 //!
-//! Main type: [`LabArgs`]. Refuses: to look for that program anywhere but beside this one, where the build puts it.
+//! Main type: [`LabArgs`]. Refuses: to look for that program anywhere except beside this one, where the build puts it.
 
 use anyhow::Context;
 use clap::Args;
@@ -8,7 +9,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-/// Arguments of one of the laboratory's commands, which it reads itself.
+/// Arguments of a laboratory command, which the laboratory itself parses.
 #[derive(Args)]
 #[command(disable_help_flag = true)]
 pub struct LabArgs {
@@ -17,7 +18,7 @@ pub struct LabArgs {
 }
 
 impl LabArgs {
-    /// Runs `giveway-lab` with them; its exit code is ours.
+    /// Runs `giveway-lab` with these arguments; its exit code becomes this program's.
     pub fn run(self, command: &str) -> anyhow::Result<ExitCode> {
         let ours = std::env::current_exe().context("cannot tell where this program is")?;
         let lab = ours.with_file_name(format!("giveway-lab{}", std::env::consts::EXE_SUFFIX));
@@ -29,12 +30,13 @@ impl LabArgs {
         }
         let ran = Command::new(&lab).arg(command).args(&self.arguments).status();
         let status = ran.with_context(|| format!("cannot run {}", lab.display()))?;
-        // One that a signal ended has no code; shells would see 128 and its number, and here that it failed.
+        // A program that a signal ended has no code; shells show 128 plus the signal's number, but here it is a plain
+        // failure.
         Ok(status.code().map_or(ExitCode::FAILURE, |code| ExitCode::from(code.clamp(0, 255) as u8)))
     }
 }
 
-/// The command that builds it beside this program.
+/// The command that builds `giveway-lab` beside this program.
 fn how(ours: &Path) -> &'static str {
     let is_release = ours.parent().is_some_and(|folder| folder.ends_with("release"));
     if is_release {

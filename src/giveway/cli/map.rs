@@ -1,6 +1,6 @@
 //! `giveway map`: check, show, make and import maps.
 //!
-//! Main type: [`Map`]. Refuses: to write a map that it would not read.
+//! Main type: [`Map`]. Refuses: to write a map that it would not accept.
 
 use super::files::{read, write};
 use clap::{Args, Subcommand};
@@ -13,12 +13,12 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// What to do with maps.
+/// Commands about maps.
 #[derive(Subcommand)]
 pub enum Map {
-    /// Read a map, list every problem with its place and remedy, and summarise what the map holds.
+    /// Read a map, list every problem with its place and remedy, and summarise the map's content.
     Check(CheckArgs),
-    /// Draw a map as SVG; a refused one, too, with what is wrong in red.
+    /// Draw a map as SVG, even a refused one, with its errors in red.
     Show(ShowArgs),
     /// Make a map of rack blocks from parameters.
     Generate(GenerateArgs),
@@ -39,33 +39,33 @@ pub struct CheckArgs {
     json: bool,
 }
 
-/// What `map check --json` prints of a good map.
+/// The output of `map check --json` for an accepted map.
 #[derive(Serialize)]
 struct Checked {
     #[serde(flatten)]
     summary: MapSummary,
-    /// Where a broken robot would shut others in.
+    /// Places where a broken robot would shut others in.
     findings: Vec<ShutIn>,
-    /// What else looks odd.
+    /// Other warnings.
     warnings: Vec<Found>,
 }
 
-/// What `map check --json` prints of a refused map.
+/// The output of `map check --json` for a refused map.
 #[derive(Serialize)]
 struct Refused {
-    /// Why it is refused.
+    /// Errors because of which the map is refused.
     errors: Vec<Found>,
-    /// What looks odd.
+    /// Warnings.
     warnings: Vec<Found>,
 }
 
-/// A remark for programs.
+/// A finding in a form for programs.
 #[derive(Serialize)]
 struct Found {
     place: String,
     problem: String,
     remedy: String,
-    /// Where on the floor, metres.
+    /// Places on the floor, metres.
     at: Vec<[f64; 2]>,
 }
 
@@ -107,10 +107,10 @@ pub struct GenerateArgs {
     /// Stations on the east side.
     #[arg(long, default_value_t = 2)]
     stations_east: usize,
-    /// Waiting places before each station.
+    /// Queue places before each station.
     #[arg(long, default_value_t = 4)]
     queue: usize,
-    /// Usual length of a pick, seconds.
+    /// Usual duration of a pick, seconds.
     #[arg(long, default_value_t = 8.0)]
     pick: f64,
     /// Chargers.
@@ -132,7 +132,7 @@ pub struct GenerateArgs {
 pub struct ImportArgs {
     /// Grid file.
     grid: PathBuf,
-    /// Name of the map; the file's if absent.
+    /// Name of the map; the name of the file if absent.
     #[arg(long)]
     name: Option<String>,
     /// Stations to add beside a warehouse grid.
@@ -144,7 +144,7 @@ pub struct ImportArgs {
 }
 
 impl Map {
-    /// Does it.
+    /// Runs the command.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         match self {
             Map::Check(c) => c.run(),
@@ -155,7 +155,7 @@ impl Map {
     }
 }
 
-/// Reads a map of any known format without refusing it for what it says; notes of an import go to standard error.
+/// Reads a map of any known format and reviews it instead of refusing it; notes of an import go to standard error.
 fn reviewed(path: &Path) -> anyhow::Result<Review> {
     let (draft, notes) = formats::import_draft(&read(path)?, &formats::Options::default())
         .map_err(|e| anyhow::anyhow!("{} is refused:\n{e}", path.display()))?;

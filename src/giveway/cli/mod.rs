@@ -1,9 +1,9 @@
 //! The command line: reads files, calls the library, prints tables or JSON.
 //!
-//! Main function: [`run`]. One file per command. Refuses: to contain anything that a library user would miss. Exit
-//! codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments, 141 the reader of the output has left.
+//! Main function: [`run`]. One file per command. Refuses: to contain anything that a user of the library would miss.
+//! Exit codes: 0 done, 1 the work failed or a law was broken, 2 wrong arguments, 141 the reader of the output has left.
 
-// First, since its `println!` and `eprintln!` hold in all that follow.
+// This module comes first, since its `println!` and `eprintln!` apply to all modules that follow.
 #[macro_use]
 pub mod out;
 
@@ -32,7 +32,7 @@ use std::process::ExitCode;
 struct Arguments {
     #[command(subcommand)]
     command: Option<CliCommand>,
-    /// Without a command: serve.
+    /// Without a command, `serve` runs.
     #[command(flatten)]
     serve: serve::Serve,
 }
@@ -54,7 +54,7 @@ enum CliCommand {
     Bench(laboratory::LabArgs),
     /// Check, back up and restore the server's database.
     Database(database::DatabaseArgs),
-    /// Make, list, renew and revoke named tokens.
+    /// Make, list, rotate and revoke named tokens.
     Token(token::TokenArgs),
     /// Learn about people from recorded tracks; the server and simulations use what was learned (the laboratory's).
     Learn(laboratory::LabArgs),
@@ -62,7 +62,7 @@ enum CliCommand {
     Experiment(laboratory::LabArgs),
 }
 
-/// Parses arguments, runs the command, prints what went wrong with all its causes.
+/// Parses the arguments, runs the command, and prints an error with all its causes.
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
     let result = match arguments.command {

@@ -1,6 +1,6 @@
-//! Recording files, packed or not.
+//! Recording files, compressed or not.
 //!
-//! Main types: [`RecordingWriter`], [`create`], [`open`]. Refuses: to leave half a file behind without saying so.
+//! Main types: [`RecordingWriter`], [`create`], [`open`]. Refuses: to leave half a file behind without an error.
 
 use anyhow::Context;
 use flate2::Compression;
@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// A recording being written.
+/// A recording in progress.
 pub struct RecordingWriter {
     path: PathBuf,
     out: RecordingOut,
@@ -47,7 +47,7 @@ impl RecordingWriter {
         written.with_context(|| format!("cannot write to {}", self.path.display()))
     }
 
-    /// Makes sure that everything is on the disk.
+    /// Makes sure that everything is written.
     pub fn finish(self) -> anyhow::Result<()> {
         let done = match self.out {
             RecordingOut::Plain(mut f) => f.flush(),

@@ -1,7 +1,7 @@
-//! `giveway replay`: step through a recording again, or make a reel or a page of it.
+//! `giveway replay`: steps through a recording again, or makes a reel or a page of it.
 //!
-//! Main type: [`ReplayArgs`]. Refuses: to simulate; robots and customers say what they said then, and the digest tells
-//! whether the core still makes the same of it.
+//! Main type: [`ReplayArgs`]. Refuses: to simulate; the recorded messages of robots and customers are replayed, and the
+//! digest tells whether the core still decides the same.
 
 use super::frames::{FrameWriter, write_page};
 use super::recording;
@@ -19,18 +19,18 @@ use std::process::ExitCode;
 /// Arguments of `replay`.
 #[derive(Args)]
 pub struct ReplayArgs {
-    /// Recording made with `giveway sim --record`; for a page also a reel.
+    /// Recording made with `giveway sim --record`; for a page, a reel is also accepted.
     recording: PathBuf,
-    /// Write a reel to this file, which the dashboard of any server opens.
+    /// Write a reel to this file; the dashboard of any server can open it.
     #[arg(long, value_name = "FILE")]
     reel: Option<PathBuf>,
-    /// Write one page with the reel in it, which opens in a browser without any server.
+    /// Write a page that contains the reel; it opens in a browser without a server.
     #[arg(long, value_name = "FILE")]
     page: Option<PathBuf>,
-    /// Only step through it, as fast as possible, and say whether the core still decides the same.
+    /// Only step through the recording, as fast as possible, and report whether the core still decides the same.
     #[arg(long)]
     check: bool,
-    /// Address and port of the page that shows it.
+    /// Address and port on which to show the recording.
     #[arg(long, default_value = "127.0.0.1:8081")]
     listen: std::net::SocketAddr,
     /// Playback speed, as a multiple of real time.

@@ -7,17 +7,17 @@ use giveway_sim::measure::rings::closest_quantiles;
 use giveway_sim::{EncounterFigures, RingColumn};
 use serde_json::{Map, Value, json};
 
-/// The radius as a key.
+/// The key of a radius.
 pub fn key(ring: usize) -> String {
     format!("{:.1}", RINGS_M[ring])
 }
 
-/// Each radius with a value.
+/// An object with a value for each radius.
 pub fn by_radius(value: impl Fn(usize) -> Value) -> Value {
     (0..RINGS_M.len()).map(|ring| (key(ring), value(ring))).collect::<Map<_, _>>().into()
 }
 
-/// The curve of one run.
+/// The encounters of one run by radius.
 pub fn of_run(figures: &EncounterFigures) -> Value {
     by_radius(|ring| {
         let mut columns =

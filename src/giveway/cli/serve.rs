@@ -1,7 +1,7 @@
-//! `giveway serve`: the server, until it is told to stop.
+//! `giveway serve`: runs the server until it is told to stop.
 //!
-//! Main type: [`Serve`]. Says on standard output where it listens and what it restored; traces go to standard error.
-//! Refuses: to end with 0 where anything was lost.
+//! Main type: [`Serve`]. Prints on standard output where the server listens and what it restored; traces go to standard
+//! error. Refuses: to end with 0 if anything was lost.
 
 use super::sim::Setup;
 use crate::server::{Config, Flags, ServedFloor, Server};
@@ -20,11 +20,11 @@ pub struct Serve {
     /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, if absent.
     #[arg(long)]
     model: Option<std::path::PathBuf>,
-    /// What was learned of pickers (`giveway learn picks`); the built-in figures if absent.
+    /// What was learned about pickers (`giveway learn picks`); the built-in figures if absent.
     #[arg(long)]
     pick_model: Option<std::path::PathBuf>,
     /// A map other than the scenario's, in any format that `map import` knows. The database is carried over to it. A
-    /// map that was published to the running server since takes precedence over the same file.
+    /// map published to the running server since then takes precedence over the same file.
     #[arg(long)]
     map: Option<std::path::PathBuf>,
 }
@@ -59,14 +59,15 @@ impl Serve {
     }
 }
 
-/// What the server writes says who was where: its files and folders are for its own user alone.
+/// The server's files show which person was where: files and folders are accessible only to the server's own user.
 #[cfg(unix)]
 fn keep_files_private() {
     use rustix::fs::Mode;
     rustix::process::umask(Mode::RWXG | Mode::RWXO);
 }
 
-/// A database that others of this machine may read stays as it is, since somebody may want that, but is told about.
+/// A database that other users of this machine may read is left so, since an operator may want that, but a warning is
+/// logged.
 #[cfg(unix)]
 fn warn_of_readers(database: &Path) {
     use std::os::unix::fs::PermissionsExt;
@@ -78,7 +79,7 @@ fn warn_of_readers(database: &Path) {
     }
 }
 
-/// Traces go to standard error; `RUST_LOG` says which.
+/// Sends traces to standard error; `RUST_LOG` selects them.
 pub(super) fn trace_to_stderr() {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info"));
     tracing_subscriber::fmt()
@@ -88,17 +89,17 @@ pub(super) fn trace_to_stderr() {
         .init();
 }
 
-/// What to do where no floor is named.
+/// The error if no floor is named.
 const NOTHING: &str = "there is nothing to run: name a site with --site, or a scenario with --scenario";
 
-/// Prints a line for its reader; a server goes on if its output was closed.
+/// Prints a line; the server goes on if its output was closed.
 macro_rules! say {
     ($($argument:tt)*) => { super::out::tell(format_args!($($argument)*)) };
 }
 
 async fn serve(config: &Config, floor: ServedFloor) -> anyhow::Result<()> {
     outlive_limits().context("cannot prepare for a limit on the size of files")?;
-    // A start may wait for room on the disk for as long as nobody makes any.
+    // A start may wait indefinitely for room on the disk.
     let mut server = tokio::select! {
         server = Server::start(config, floor) => server?,
         signal = asked_to_stop() => {
@@ -143,12 +144,12 @@ async fn serve(config: &Config, floor: ServedFloor) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A file that may not grow any more (RLIMIT_FSIZE, `ulimit -f`) is a full disk and not the end: a process that handles
-/// SIGXFSZ gets an error for what it writes beyond the limit. The handler stays for good; nothing waits for the signal.
+/// Treats a file that may not grow any more (RLIMIT_FSIZE, `ulimit -f`) as a full disk, not as the end: a process that
+/// handles SIGXFSZ gets an error for writes beyond the limit. The handler stays for good; nothing waits for the signal.
 #[cfg(unix)]
 fn outlive_limits() -> std::io::Result<()> {
     use tokio::signal::unix::{SignalKind, signal};
-    /// The same on Linux for all but MIPS, on macOS and the BSDs.
+    /// The number is the same on Linux except MIPS, on macOS and on the BSDs.
     const SIGXFSZ: i32 = 25;
     signal(SignalKind::from_raw(SIGXFSZ)).map(drop)
 }

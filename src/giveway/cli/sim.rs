@@ -1,6 +1,6 @@
-//! `giveway sim`: a scenario without a server.
+//! `giveway sim`: runs a scenario without a server.
 //!
-//! Main type: [`SimArgs`]. Refuses: to exit with success where a law was broken.
+//! Main type: [`SimArgs`]. Refuses: to exit with success if a law was broken.
 
 use super::files::{read, read_map, read_model, read_pick_model};
 use super::frames::FrameWriter;
@@ -31,7 +31,7 @@ use std::time::Instant;
 pub struct SimArgs {
     /// Scenario file.
     scenario: PathBuf,
-    /// Seed; the scenario's own if absent.
+    /// Seed; the scenario's if absent.
     #[arg(long)]
     seed: Option<u64>,
     /// A map other than the scenario's, in any format that `map import` knows.
@@ -49,16 +49,16 @@ pub struct SimArgs {
     /// What was learned about people (`giveway learn`); the scenario's own, or the built-in figures, if absent.
     #[arg(long)]
     model: Option<PathBuf>,
-    /// What was learned of pickers (`giveway learn picks`); the built-in figures if absent.
+    /// What was learned about pickers (`giveway learn picks`); the built-in figures if absent.
     #[arg(long)]
     pick_model: Option<PathBuf>,
-    /// Leave out the second run that measures the bound on throughput.
+    /// Skip the second run, which measures the throughput bound.
     #[arg(long)]
     no_bound: bool,
-    /// Write a recording for `giveway replay`; packed if the name ends with `.gz`.
+    /// Write a recording for `giveway replay`; compressed if the name ends with `.gz`.
     #[arg(long)]
     record: Option<PathBuf>,
-    /// Write a reel of the run to this file, which the dashboard of any server opens.
+    /// Write a reel of the run to this file; the dashboard of any server can open it.
     #[arg(long, value_name = "FILE")]
     reel: Option<PathBuf>,
     /// Print JSON.
@@ -66,22 +66,22 @@ pub struct SimArgs {
     json: bool,
 }
 
-/// Everything that a run needs.
+/// The input of a run.
 pub struct Setup {
     /// The scenario.
     pub scenario: Scenario,
-    /// Its map.
+    /// The scenario's map.
     pub warehouse: Arc<Warehouse>,
-    /// Its order lines.
+    /// The scenario's order lines.
     pub lines: Vec<OrderFileLine>,
-    /// The file as it was read.
+    /// The text of the file, as it was read.
     pub text: String,
-    /// Whether it is a site without toys.
+    /// Whether the file is a site without toys.
     is_site: bool,
 }
 
 impl Setup {
-    /// Reads what a server is to run; `map` is taken instead of the map that the file names.
+    /// Reads the floor for a server; `map` replaces the map that the file names.
     pub fn of_floor(file: &FloorFile, map: Option<&Path>) -> anyhow::Result<Setup> {
         match file {
             FloorFile::Scenario(path) => Setup::read(path, map, None),
@@ -126,14 +126,14 @@ impl Setup {
         Ok(Setup { scenario, warehouse, lines, text, is_site: false })
     }
 
-    /// The floor that a server runs. On a site without simulated robots, none is simulated.
+    /// The floor for a server. On a site without simulated robots, nothing is simulated.
     pub fn served(self) -> ServedFloor {
         let Setup { scenario, warehouse, lines, is_site, .. } = self;
         let is_simulated = !is_site || scenario.site.links.sim.is_some();
         ServedFloor::new(FloorSource { scenario, lines, is_simulated }, warehouse)
     }
 
-    /// Takes figures about people from a file, if one is named.
+    /// Replaces the figures about people by those in a file, if one is named.
     pub fn use_model(&mut self, path: Option<&Path>) -> anyhow::Result<()> {
         if path.is_some() {
             self.scenario.site.learned = read_model(path)?;
@@ -141,7 +141,7 @@ impl Setup {
         Ok(())
     }
 
-    /// Takes figures about pickers from a file, if one is named.
+    /// Replaces the figures about pickers by those in a file, if one is named.
     pub fn use_pick_model(&mut self, path: Option<&Path>) -> anyhow::Result<()> {
         if let Some(path) = path {
             self.scenario.site.picks = read_pick_model(path)?;
@@ -150,13 +150,13 @@ impl Setup {
     }
 }
 
-/// A path that a file names, relative to that file.
+/// The path that a file names, resolved relative to that file.
 fn beside(file: &Path, named: &str) -> PathBuf {
     file.parent().unwrap_or(Path::new(".")).join(named)
 }
 
-/// The map that a site names in the file at `path`, or another one, with room for so many robots of the site's kinds;
-/// and the figures about people that the site names.
+/// Reads the map that the site names in the file at `path`, or another one, with room for this many robots of the
+/// site's kinds; and the figures about people that the site names.
 fn take_map(
     site: &mut Site,
     path: &Path,
@@ -257,16 +257,16 @@ fn simulate(
     Ok(sim.outcome())
 }
 
-/// A recording is of the duration, as the digest of the report is; not of the time in which the floor drains.
+/// A recording covers the duration, like the digest of the report, but not the time in which the floor drains.
 fn end_recording(mut file: super::recording::RecordingWriter, sim: &Simulation) -> anyhow::Result<()> {
     file.write(&Recorder::end(sim.trace_hash()))?;
     file.finish()
 }
 
-/// What the floor could deliver at least, if robots never got in each other's way. A run in which they pass through
-/// one another shows that, but not as a proof: it is dispatched by the same heuristics, which meet other situations
-/// there and sometimes choose worse. On a floor whose stations are the limit, such a run can end a few deliveries short
-/// of the true one. What was truly delivered is possible, so the bound is never less.
+/// A lower bound on what the floor could deliver if robots never got in each other's way. A run in which they pass
+/// through one another estimates it, but does not prove it: the same heuristics dispatch that run, meet other
+/// situations and sometimes choose worse. On a floor that is limited by its stations, such a run can deliver slightly
+/// less than the real one. Whatever the real run delivered is possible, so the bound is never less than that.
 fn throughput_bound(delivered: u64, unhindered: u64) -> u64 {
     unhindered.max(delivered)
 }
@@ -309,7 +309,7 @@ fn report(setup: &Setup, seed: u64, o: &Outcome, wall: f64, bound: Option<u64>) 
     })
 }
 
-/// Routes that were inserted by moving others.
+/// Counts of routes that were inserted by moving other robots.
 fn insertions(counts: &InsertionCounts) -> Value {
     json!({
         "tried": counts.tried,
@@ -319,7 +319,7 @@ fn insertions(counts: &InsertionCounts) -> Value {
     })
 }
 
-/// Whether the filter of people's motion knows how wrong it is; nothing where nobody was seen.
+/// Whether the error estimates of the motion filter for people are consistent; null if no person was seen.
 fn nees(c: &Consistency) -> Value {
     let figures = |n: &NeesFigures| {
         json!({
@@ -334,7 +334,7 @@ fn nees(c: &Consistency) -> Value {
     json!({ "place": place.as_ref().map(figures), "place_and_velocity": motion.as_ref().map(figures) })
 }
 
-/// What became of jobs of one kind.
+/// How the jobs of one kind ended.
 pub fn tally(t: &JobTally) -> Value {
     json!({
         "accepted": t.accepted,
@@ -345,7 +345,7 @@ pub fn tally(t: &JobTally) -> Value {
     })
 }
 
-/// Quantiles of ascending nanoseconds, in microseconds.
+/// Quantiles of durations in ascending order: input nanoseconds, output microseconds.
 pub fn quantiles(ns: &[u64]) -> Value {
     let at = |q: f64| {
         ns.get(((ns.len() as f64 * q) as usize).min(ns.len().saturating_sub(1))).copied().unwrap_or(0)

@@ -1,7 +1,7 @@
-//! `giveway swarm`: floors drawn from seeds, under all laws; failures are shrunk and printed as commands.
+//! `giveway swarm`: runs floors drawn from seeds under all laws; failures are shrunk and printed as commands.
 //!
-//! Main types: [`SwarmArgs`], [`SwarmReport`]. Seeds are spread over threads; what is printed does not depend on their
-//! number. Refuses: to end the sweep where a step panics, and to exit with success where a run failed.
+//! Main types: [`SwarmArgs`], [`SwarmReport`]. Seeds are spread over threads; the output does not depend on their
+//! number. Refuses: to end the sweep when a step panics, and to exit with success if a run failed.
 
 use super::files::{read_map, write};
 use super::progress::progress;
@@ -20,27 +20,27 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// At most so many cases are run to shrink one failure.
+/// The most runs for shrinking one failure.
 const SHRINK_RUNS: usize = 80;
 
 thread_local! {
-    /// The panic that was caught last on this thread: where in the sources, and what it said.
+    /// The last panic on this thread: its place in the sources, and its message.
     static PANIC: RefCell<Option<(String, String)>> = const { RefCell::new(None) };
 }
 
 /// Arguments of `swarm`.
 #[derive(Args)]
 pub struct SwarmArgs {
-    /// Seeds: one, or the first and the last as in 1..200.
+    /// Seeds: one, or the first and the last, as in 1..200.
     #[arg(long, value_name = "A..B", value_parser = seeds)]
     seeds: (u64, u64),
-    /// How long faults last in each run, minutes. Then everything has to end.
+    /// How long faults last in each run, minutes. After that, all jobs must come to an end.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     minutes: u32,
-    /// `random` for random halls only, or a map file; drawn among random halls and the maps that ship if absent.
+    /// `random` for random halls only, or a map file; if absent, drawn from random halls and the maps that ship.
     #[arg(long, value_name = "random|FILE")]
     map: Option<String>,
-    /// Number of robots, fewer on maps without room for so many; drawn if absent.
+    /// Number of robots, fewer on maps without enough room; drawn if absent.
     #[arg(long)]
     robots: Option<usize>,
     /// Number of people; drawn if absent.
@@ -52,11 +52,11 @@ pub struct SwarmArgs {
     /// departures, sensors, causes, fleet, abilities.
     #[arg(long, value_delimiter = ',', value_parser = part)]
     without: Vec<SwarmPart>,
-    /// Threads; as many as the machine has cores if absent.
+    /// Number of threads; the number of the machine's cores if absent.
     #[arg(long)]
     threads: Option<usize>,
-    /// Write each failure into this folder, as a file with its shrunk command; those of tests/seeds are run again by
-    /// the tests until they pass.
+    /// Write each failure into this folder, as a file with its shrunk command; the tests run the files in tests/seeds
+    /// until they pass.
     #[arg(long, value_name = "FOLDER")]
     keep: Option<PathBuf>,
     /// Do not shrink failures.
@@ -88,22 +88,22 @@ struct SwarmFinding {
     seed: u64,
     /// How the whole case failed.
     failure: SwarmFailure,
-    /// The smallest case that fails in the same way.
+    /// The smallest case found that fails in the same way.
     shrunk: Shrunk,
 }
 
-/// All runs of a sweep.
+/// The results of a sweep.
 #[derive(Default)]
 struct SwarmReport {
     tally: SwarmTally,
     findings: Vec<SwarmFinding>,
 }
 
-/// What is done to a simulation before each step: nothing, except in tests.
+/// A change to a simulation before each step: none, except in tests.
 type Meddling = fn(&mut Simulation);
 
 impl SwarmArgs {
-    /// Runs all seeds and prints what happened.
+    /// Runs all seeds and prints the results.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let case = self.case()?;
         SwarmSetup::draw(&case).map_err(|e| anyhow::anyhow!("{case} cannot be run:\n{e}"))?;
@@ -133,7 +133,7 @@ impl SwarmArgs {
     }
 }
 
-/// Writes a failure into a file of its own.
+/// Writes a failure to a file of its own.
 fn keep(folder: &Path, finding: &SwarmFinding) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder)?;
     let Shrunk { case, failure, .. } = &finding.shrunk;
@@ -147,7 +147,7 @@ fn keep(folder: &Path, finding: &SwarmFinding) -> anyhow::Result<()> {
     write(Some(&folder.join(format!("seed-{}.json", finding.seed))), &text)
 }
 
-/// Runs the case with each of the seeds, and shrinks what fails.
+/// Runs the case with each of the seeds, and shrinks failures.
 fn sweep(
     case: &SwarmCase,
     (first, last): (u64, u64),
@@ -173,7 +173,7 @@ fn sweep(
                     match (outcome, all.as_mut()) {
                         (Ok((tally, finding)), Ok(all)) => {
                             all.tally.add(&tally);
-                            // A sweep may be ended before it prints its report.
+                            // Printed now, since a sweep may be ended before it prints its report.
                             if let Some(f) = &finding {
                                 bar.suspend(|| {
                                     eprintln!("seed {seed}: {}; repeat: {}", f.failure.kind, f.shrunk.case)
@@ -212,7 +212,7 @@ fn run_seed(
     Ok((tally, finding))
 }
 
-/// Runs what a case draws; a panic is a failure like others.
+/// Runs a drawn case; a panic is a failure like any other.
 fn run(setup: &SwarmSetup, meddle: Meddling) -> (SwarmTally, Option<SwarmFailure>) {
     let mut run = SwarmRun::new(setup);
     let go = AssertUnwindSafe(|| {
@@ -307,7 +307,7 @@ mod tests {
     use super::*;
     use giveway_floor::time::Time;
 
-    /// After half a minute a robot is put onto another one, if there are three.
+    /// After half a minute, a robot is put onto another one, if there are three.
     fn overlaps(sim: &mut Simulation) {
         let places: Vec<_> = sim.world.places().collect();
         if sim.now() == Time::from_secs_f64(30.0) && places.len() >= 3 {
@@ -315,7 +315,7 @@ mod tests {
         }
     }
 
-    /// After half a minute every step panics over a robot, if there are two.
+    /// After half a minute, every step panics over a robot, if there are two.
     fn panics(sim: &mut Simulation) {
         let many = sim.fleet().ledger().robots.len() >= 2;
         assert!(sim.now() < Time::from_secs_f64(30.0) || !many, "a test asked for it");
@@ -340,7 +340,7 @@ mod tests {
             assert!(finding.shrunk.failure.words.contains("overlap"), "{}", finding.shrunk.failure.words);
             let json = report.json().to_string();
             assert!(json.contains(&command), "{json}");
-            // The command repeats it.
+            // The printed command reproduces the failure.
             let again = run(&SwarmSetup::draw(&finding.shrunk.case).expect("as before"), overlaps).1;
             assert_eq!(again.as_ref(), Some(&finding.shrunk.failure));
         }

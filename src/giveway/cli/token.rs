@@ -1,7 +1,7 @@
-//! `giveway token`: makes, lists, renews and revokes named tokens in the server's database, also while it runs.
+//! `giveway token`: makes, lists, rotates and revokes named tokens in the server's database, even while it runs.
 //!
-//! Main type: [`TokenArgs`]. A running server takes changes over within a second. Exit codes: 0 done, 1 refused.
-//! Refuses: to print a token a second time.
+//! Main type: [`TokenArgs`]. A running server adopts changes within a second. Exit codes: 0 done, 1 refused. Refuses:
+//! to print a token a second time.
 
 use crate::server::{Config, Flags};
 use anyhow::{Context, bail, ensure};
@@ -36,33 +36,33 @@ pub struct TokenArgs {
 enum TokenCommand {
     /// Make a token and print it, once.
     Add {
-        /// Who uses it; the audit shows this name.
+        /// The user of the token; the audit shows this name.
         name: String,
         /// viewer, operator, integrator, device or admin
         #[arg(long)]
         role: String,
-        /// The worker or robot that a device speaks for, such as w1 or robot-2
+        /// The worker or robot for which a device speaks, such as w1 or robot-2
         #[arg(long, value_name = "ID")]
         subject: Option<String>,
-        /// After so many days it no longer holds; it does not expire if absent
+        /// After how many days the token expires; it does not expire if absent
         #[arg(long)]
         days: Option<u32>,
     },
-    /// List all tokens, also those that no longer hold; never the tokens themselves.
+    /// List all tokens, including invalid ones; the secrets are never listed.
     List,
-    /// Put another token in the place of one, and print it, once.
+    /// Replace a token by a new one, and print it, once.
     Rotate {
-        /// Its name, or its number such as t3.
+        /// The token's name, or its number such as t3.
         token: String,
     },
     /// Revoke a token.
     Revoke {
-        /// Its name, or its number such as t3.
+        /// The token's name, or its number such as t3.
         token: String,
     },
 }
 
-/// A token as it is listed.
+/// A token in the list.
 #[derive(Serialize)]
 struct TokenLine {
     id: String,
@@ -73,7 +73,7 @@ struct TokenLine {
     expires: Option<String>,
     revoked: Option<String>,
     last_used: Option<String>,
-    /// The token itself, where it was just made.
+    /// The secret, if the token was just made.
     #[serde(skip_serializing_if = "Option::is_none")]
     token: Option<String>,
 }
@@ -169,7 +169,7 @@ async fn carry_out(table: &TokenTable, command: TokenCommand) -> anyhow::Result<
     }
 }
 
-/// A token to be kept, or what is wrong with it.
+/// The token to keep, or what is wrong with it.
 fn draft(
     (name, role, subject): (&str, &str, Option<String>),
     days: Option<u32>,
@@ -193,7 +193,7 @@ fn draft(
     Ok(TokenDraft { name: name.into(), role: role.word().into(), subject, hash, created: now, expires })
 }
 
-/// The number of the token that has this name or number: of several, the one that was not revoked.
+/// The number of the token with this name or number; among several of a name, the one that was not revoked.
 async fn find(table: &TokenTable, text: &str) -> anyhow::Result<i64> {
     let all = table.all().await?;
     let named = all.iter().filter(|t| t.name == text).max_by_key(|t| (t.revoked.is_none(), t.id));
@@ -202,7 +202,7 @@ async fn find(table: &TokenTable, text: &str) -> anyhow::Result<i64> {
     Ok(found.id)
 }
 
-/// The token to print, after it was written down what was done to it.
+/// The token to print, after the change to it was audited.
 async fn shown(
     table: &TokenTable,
     id: i64,

@@ -1,8 +1,9 @@
-//! What robots and people are behind: the one room of the server that knows the simulator.
+//! The links to robots and people: the only room of the server that knows the simulator.
 //!
-//! Main type: [`Links`]. Data goes through it: what is heard comes as inputs of the fleet, what leaves as
-//! [`giveway_drive::LinkOutput`]. `sim` is the floor that this process simulates, `trial` tries a map out, `recording`
-//! plays what was recorded. A floor without a link has no robots. Refuses: to decide, and to keep what was not taken.
+//! Main type: [`Links`]. Data passes through it: what is heard becomes inputs of the fleet, what leaves is
+//! [`giveway_drive::LinkOutput`]. `sim` is the floor that this process simulates, `trial` tries out a map, `recording`
+//! plays a recording. A floor without a link has no robots. Refuses: to decide, and to keep output that a link did not
+//! take.
 
 pub mod recording;
 mod sim;
@@ -22,24 +23,24 @@ pub struct Links {
 }
 
 impl Links {
-    /// Those of a floor that this process simulates, if it does.
+    /// The links of a floor; simulated, if this process simulates it.
     pub fn new(sim: Option<SimulatedFloor>) -> Links {
         Links { sim }
     }
 
-    /// Everything that was heard since the last time.
+    /// Everything that was heard since the last call.
     pub fn hear(&mut self, now: Time, drive: &mut Drive) -> Vec<Input> {
         self.sim.as_mut().map(|sim| sim.hear(now, drive)).unwrap_or_default()
     }
 
-    /// Hands on what leaves.
+    /// Passes output on to the links.
     pub fn take<'a>(&mut self, now: Time, out: impl Into<LinkOutput<'a>>) {
         if let Some(sim) = &mut self.sim {
             sim.take(now, out.into());
         }
     }
 
-    /// The floor was made anew for another map: robots stay as they were before.
+    /// Keeps the robots as they were when the floor is rebuilt for another map.
     pub fn keep_robots_of(&mut self, before: &Links) {
         if let (Some(sim), Some(before)) = (&mut self.sim, &before.sim) {
             sim.keep_robots_of(before);

@@ -1,8 +1,8 @@
-//! A recording on the screen: the same pages and feeds, with the fleet of then.
+//! Shows a recording: the same pages and feeds, with the recorded fleet.
 //!
-//! Main type: [`Show`]. One player goes at the pace of then and answers questions; another runs ahead as fast as it can
-//! and writes its frames into a folder of its own, so that the page can seek to any moment. Lists are kept in
-//! memory; requests are refused, since the past takes none. Refuses: a database.
+//! Main type: [`Show`]. One player runs at the recorded pace and answers questions; another runs ahead as fast as it
+//! can and writes its frames into a folder of its own, so that the page can seek to any moment. Lists are kept in
+//! memory; requests are refused, since the past accepts none. Refuses: a database.
 
 use crate::server::ahead::LastForecasts;
 use crate::server::clock::Clock;
@@ -30,10 +30,10 @@ use tokio::net::TcpListener;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
-/// How often the view is published, in recorded time at normal speed.
+/// Interval between views, in recorded time at normal speed.
 const PUBLISH: Span = Span::from_millis(95);
 
-/// How often the floor is looked at for alarms.
+/// Interval between checks of the floor for alarms.
 const LOOKS: Span = Span::from_secs(1);
 
 /// A recording that is being shown.
@@ -45,7 +45,7 @@ pub struct Show {
     _reels: Recordings,
 }
 
-/// The folder of the frames, which is deleted with the show.
+/// The folder of frames, which is deleted with the show.
 struct Recordings(PathBuf);
 
 impl Drop for Recordings {
@@ -54,11 +54,11 @@ impl Drop for Recordings {
     }
 }
 
-/// A folder for this show alone has no limits.
+/// The folder is for this show only, so it has no limits.
 const ALL: Limits = Limits { age_s: f64::INFINITY, bytes: u64::MAX };
 
 impl Show {
-    /// Begins to show a recording. `ahead` plays the same one.
+    /// Begins to show a recording. `ahead` plays the same recording.
     ///
     /// # Errors
     /// If the address is taken, or the folder of frames cannot be made.
@@ -81,7 +81,7 @@ impl Show {
         let (ask, questions) = mpsc::channel(QUESTIONS);
         let (clock, arm) = (Clock::start(None), player.fleet.settings().policy.word());
         let live = Arc::new(Live::new(map.clone(), clock.now().0.unsigned_abs()));
-        // Poses of today change nothing in the past: they are dropped.
+        // Current poses change nothing in the past: they are dropped.
         let (feeds, past) = (Arc::new(Feeds::new().0), Arc::new(PastLists::default()));
         let figures = Arc::new(SharedHistory::new(Time::ZERO, arm, History::default()));
         let (closing, closes) = watch::channel(false);
@@ -133,12 +133,12 @@ impl Show {
         Ok(Show { address, http, play, _closing: closing, _reels: recordings })
     }
 
-    /// Where it listens.
+    /// The address on which the show listens.
     pub fn address(&self) -> SocketAddr {
         self.address
     }
 
-    /// Plays to the end and stays on the last frame; returns only if something breaks.
+    /// Plays to the end and stays on the last frame; returns only if an error occurs.
     ///
     /// # Errors
     /// If the recording cannot be read to its end.
@@ -151,10 +151,10 @@ impl Show {
     }
 }
 
-/// Records a whole recording, as fast as it goes.
+/// Plays a whole recording into a folder, as fast as possible.
 fn run_ahead(mut player: Player, mut rotation: Rotation) {
     let mut record = FrameRecorder::default();
-    // Where it cannot be read any further, the other player says so.
+    // If the recording cannot be read any further, the other player reports it.
     while let Ok(Turn::Step(now, step)) = player.turn() {
         step.facts.iter().for_each(|fact| rotation.note(fact));
         if let Some(Err(e)) = record.take_frame(&player.fleet, now).map(|frame| rotation.take(&frame)) {
@@ -166,7 +166,7 @@ fn run_ahead(mut player: Player, mut rotation: Rotation) {
     }
 }
 
-/// What a recording is shown on.
+/// What a recording is shown with: feed, alarms, figures.
 struct Screen {
     live: Arc<Live>,
     feeds: Arc<Feeds>,
@@ -175,7 +175,7 @@ struct Screen {
     past: Arc<PastLists>,
     figures: Arc<SharedHistory>,
     watch: FloorWatch,
-    /// When the floor was looked at last.
+    /// When the floor was last checked for alarms.
     looked: Option<Time>,
     ahead: LastForecasts,
     measure: Measure,
@@ -213,7 +213,7 @@ impl Screen {
 
     fn publish(&mut self, player: &Player, now: Time) {
         let view = player.fleet.view(now);
-        // How long searches took when it was recorded is in no recording.
+        // The durations of searches are in no recording.
         self.figures.note(&view, &LoopTimes::default());
         self.feeds.know(&player.fleet.ledger().workers);
         self.feeds.refresh(&view, player.fleet.warehouse());
@@ -226,7 +226,7 @@ impl Screen {
         self.moments.send_replace(moment);
     }
 
-    /// Alarms of then, but for those about the server of then, which is not in the recording.
+    /// The alarms of the recording, except those about the recorded server, which is not in the recording.
     fn note_alarms(&mut self, fleet: &Fleet, view: &View) {
         self.alarms.note(view);
         if self.looked.is_none_or(|at| view.now - at >= LOOKS) {
@@ -235,7 +235,7 @@ impl Screen {
         }
     }
 
-    /// The last frame stays; the feed goes on, so that no page takes the connection for lost.
+    /// Stays on the last frame; the feed goes on, so that no page takes the connection for lost.
     async fn stay(&mut self, fleet: &Fleet, same: bool, now: Time) -> anyhow::Result<()> {
         let told = if same { sentence::recording_ended() } else { sentence::recording_ended_otherwise() };
         self.alarms.raise(AlarmKind::RecordingEnded, told, now);

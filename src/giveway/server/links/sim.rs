@@ -1,8 +1,8 @@
 //! Robots, people and customers that this process simulates: the toys of a scenario, or the robots of a site.
 //!
-//! Main types: [`FloorSource`] (what the floor is, and what of it is simulated), [`SimulatedFloor`] (while it runs).
-//! Refuses: to show the simulated floor anything of the fleet but what was promised, which any client can read, and
-//! what was sent to it.
+//! Main types: [`FloorSource`] (the floor, and what of it is simulated), [`SimulatedFloor`] (while it runs). Refuses:
+//! to show the simulated floor anything of the fleet except the ledger, which any client can read, and what was sent to
+//! it.
 
 use giveway_drive::{Drive, GuardedCall, LinkOutput};
 use giveway_fleet::{Input, Ledger};
@@ -13,14 +13,14 @@ use giveway_site::Site;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// What a floor is, and what of it is simulated.
+/// The description of a floor, and what of it is simulated.
 #[derive(Clone)]
 pub struct FloorSource {
     /// The site, with toys: robots, customers, people, faults.
     pub scenario: Scenario,
-    /// What the customers order, where the scenario names a file.
+    /// The order lines of the customers, if the scenario names a file.
     pub lines: Vec<OrderFileLine>,
-    /// Whether anything is simulated. Else no robot is, also none that is registered later.
+    /// Whether anything is simulated. If not, no robot is, not even one that is registered later.
     pub is_simulated: bool,
 }
 
@@ -37,31 +37,31 @@ impl From<Site> for FloorSource {
 }
 
 impl FloorSource {
-    /// That of a scenario's text.
+    /// The floor of a scenario's text.
     ///
     /// # Errors
-    /// Where and what is wrong with it.
+    /// What is wrong with the text, and where.
     #[cfg(test)]
     pub fn parse(text: &str) -> Result<FloorSource, giveway_site::SiteError> {
         Scenario::parse(text).map(FloorSource::from)
     }
 
-    /// What the floor is.
+    /// The site.
     pub fn site(&self) -> &Site {
         &self.scenario.site
     }
 
-    /// What the floor is, to be changed before it works.
+    /// The site, to be changed before the floor runs.
     pub fn site_mut(&mut self) -> &mut Site {
         &mut self.scenario.site
     }
 
-    /// How many robots are simulated from the beginning on.
+    /// How many robots are simulated from the start.
     pub fn robots(&self) -> usize {
         self.scenario.robots
     }
 
-    /// Why a map is not for what is simulated; nothing where it is.
+    /// Why a map does not suit what is simulated; empty if it does.
     pub fn unfit(&self, map: &Arc<Warehouse>) -> Vec<String> {
         let room = room_for(map, self.scenario.robots).err();
         let room = room.into_iter().flat_map(|findings| findings.0).map(|finding| finding.to_string());
@@ -70,22 +70,22 @@ impl FloorSource {
         room.chain(areas.into_iter().chain(recurring).map(|e| e.to_string())).collect()
     }
 
-    /// Why simulated customers order nothing, though the scenario has some.
+    /// Why simulated customers order nothing, although the scenario has some.
     pub fn idle(&self, map: &Warehouse) -> Option<&'static str> {
         nothing_to_order(&self.scenario, map)
     }
 
-    /// Whether a floor that has no past yet begins in the middle of a shift.
+    /// Whether a floor without a history begins in the middle of a shift.
     pub fn begins_in_the_middle(&self) -> bool {
         self.scenario.warm_up > Span::ZERO
     }
 
-    /// What the floor did before this moment.
+    /// The simulated history of the floor before this moment.
     pub fn past(&self, map: &Arc<Warehouse>, now: impl Fn() -> Time) -> WarmUp {
         warm_up(map, &self.scenario, &self.lines, now)
     }
 
-    /// The simulated floor as a ledger has it, if anything is simulated.
+    /// The simulated floor in the state of a ledger, if anything is simulated.
     pub fn begin(&self, map: Arc<Warehouse>, ledger: &Ledger, now: Time) -> Option<SimulatedFloor> {
         let world = || World::new(map, &self.scenario, &self.lines, self.scenario.seed, ledger, now);
         self.is_simulated.then(|| SimulatedFloor { world: world() })
@@ -98,7 +98,8 @@ pub struct SimulatedFloor {
 }
 
 impl SimulatedFloor {
-    /// What the floor says. While the fleet cannot be looked at, what it makes of it may end in a panic.
+    /// The messages of the floor. While the fleet decides nothing, the floor's reaction to the ledger may panic; the
+    /// panic is caught.
     pub fn hear(&mut self, now: Time, drive: &mut Drive) -> Vec<Input> {
         let world = &mut self.world;
         let passing = world.robots_beside();
@@ -113,12 +114,12 @@ impl SimulatedFloor {
         catch_unwind(AssertUnwindSafe(|| world.advance(now, ledger))).unwrap_or_default()
     }
 
-    /// What leaves arrives on the floor.
+    /// Delivers output to the floor.
     pub fn take(&mut self, now: Time, out: LinkOutput<'_>) {
         self.world.take(now, out);
     }
 
-    /// Robots stay as they were on a floor before this one.
+    /// Keeps the robots as they were on the previous floor.
     pub fn keep_robots_of(&mut self, before: &SimulatedFloor) {
         self.world.keep_robots_of(&before.world);
     }

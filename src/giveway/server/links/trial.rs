@@ -1,6 +1,6 @@
-//! A map tried out: the same simulation as `giveway sim`, on another map and for half an hour.
+//! Tries out a map: the simulation of `giveway sim` on a submitted map, by default for half an hour.
 //!
-//! Main function: [`simulate`]. Refuses: to touch the fleet of the server, and to run longer than it may.
+//! Main function: [`simulate`]. Refuses: to touch the server's fleet, and to run longer than allowed.
 
 use giveway_api::{TrialFigures, TrialOrder, Trials};
 use giveway_fleet::history::waits;
@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// How often it is looked where robots wait.
+/// Interval between checks of which robots wait.
 const LOOK: Span = Span::from_secs(1);
-/// So many broken laws are told in words.
+/// The most violations of laws that are reported in words.
 const TOLD: usize = 5;
 
 /// Trials by [`simulate`].
@@ -22,10 +22,10 @@ pub fn trials() -> Trials {
     Trials::by(Arc::new(simulate))
 }
 
-/// Simulates an order to its end, or until its patience ends.
+/// Simulates an order to its end, or until its patience runs out.
 ///
 /// # Errors
-/// Why the map is not for these robots.
+/// Why the map does not suit these robots.
 pub fn simulate(order: TrialOrder) -> Result<TrialFigures, String> {
     let begun = Instant::now();
     let scenario = scenario(&order)?;
@@ -56,7 +56,7 @@ pub fn simulate(order: TrialOrder) -> Result<TrialFigures, String> {
     })
 }
 
-/// Robots as scenarios have them where they say nothing else.
+/// The scenario of a trial, with default robots.
 fn scenario(order: &TrialOrder) -> Result<Scenario, String> {
     let text = r#"{"giveway_scenario": 1, "name": "trial", "map": "", "robots": 0}"#;
     let plain = Scenario::parse(text).map_err(|e| e.to_string())?;

@@ -1,7 +1,7 @@
-//! Looks at everything that was promised, where the journal's task folds what is durable, so that the control loop pays
+//! Checks the whole ledger, on the journal's task, which folds durable facts anyway, so that this costs the control loop
 //! nothing.
 //!
-//! Main type: [`Auditor`]. Refuses: to mend what contradicts itself.
+//! Main type: [`Auditor`]. Refuses: to repair contradictions.
 
 use giveway_api::Alarms;
 use giveway_drive::panic_text;
@@ -11,17 +11,17 @@ use giveway_floor::text::sentence::alarms as sentence;
 use giveway_floor::time::Time;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// So many facts are taken in between two looks at everything that was promised.
+/// How many facts are folded between two checks.
 const AUDIT_AFTER: usize = 20_000;
 
-/// Looks at everything that was promised, after so many facts.
+/// Checks the whole ledger, each time after `AUDIT_AFTER` facts.
 #[derive(Debug, Default)]
 pub struct Auditor {
     facts: usize,
 }
 
 impl Auditor {
-    /// So many facts were taken in.
+    /// Notes that this many facts were folded; checks if it is time.
     pub fn note(&mut self, facts: usize, ledger: &Ledger, now: Time, alarms: &Alarms) {
         self.facts += facts;
         if self.facts < AUDIT_AFTER {

@@ -1,8 +1,8 @@
-//! Looks at the fleet, the loop and the clock about once a second, and hands what is wrong to the alarms; the laws of
-//! the simulation that make sense live, cheap and sampled, among it.
+//! Checks the fleet, the loop and the clock about once a second, and passes faults to the alarms; among the checks are
+//! those laws of the simulation that make sense in operation, cheap and sampled.
 //!
 //! Main types: [`Watchdog`] (robots, people, jobs, steps), [`Auditor`] (reservations, and jobs against the robots that
-//! serve them). Refuses: to mend anything, and to look at everything in one turn of the loop.
+//! serve them). Refuses: to repair anything, and to check everything in one turn of the loop.
 
 mod auditor;
 
@@ -14,10 +14,10 @@ use giveway_fleet::{Fleet, View, untrue};
 use giveway_floor::text::sentence::alarms;
 use giveway_floor::time::{Span, Time};
 
-/// The fleet is looked at this often.
+/// Interval between checks of the fleet.
 const LOOKS: Span = Span::from_secs(1);
 
-/// Looks at the fleet now and then.
+/// Checks the fleet at intervals.
 #[derive(Debug, Default)]
 pub struct Watchdog {
     looked: Option<Time>,
@@ -26,13 +26,13 @@ pub struct Watchdog {
 }
 
 impl Watchdog {
-    /// Notes how long a step took.
+    /// Notes the duration of a step.
     pub fn note_step(&mut self, now: Time, length: Span, period: Span) {
         self.health.period = period;
         self.health.steps.note(now, length > period);
     }
 
-    /// Raises and ends alarms; every second, however often it is called. `clock_ahead` says how far the system's clock
+    /// Raises and ends alarms, once a second, however often it is called. `clock_ahead` is how far the system's clock
     /// is ahead.
     pub fn look(&mut self, fleet: &Fleet, view: &View, clock_ahead: Span, alarms: &Alarms) {
         let now = view.now;
@@ -47,7 +47,7 @@ impl Watchdog {
     }
 }
 
-/// Robots that wait for what does not keep them. What ends in this very step has not lasted.
+/// Robots that wait for something that does not hold them up. Waiting that ends in this very step does not count.
 fn waits_in_vain(fleet: &Fleet, now: Time) -> Option<AlarmCondition> {
     let in_vain = fleet.ledger().present().filter(|r| untrue(fleet, *r, now).is_some());
     let names: Vec<&str> = in_vain.map(|r| fleet.ledger().robots[r].name.as_str()).collect();
