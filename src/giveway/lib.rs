@@ -28,37 +28,38 @@
 //!   lab     tables that others can repeat, learning, benchmarks: a program of its own
 //! ```
 //!
-//! Each line is a member of the workspace, in a folder of `src/`, and knows those above it; `store` and `api` know the
-//! core, but neither each other nor `sim`. Cargo keeps that. Inside a member, a module names only modules before it,
-//! and `human` and `route` meet only in `aware`: `tests/walls/` enforces this and the purity. This crate shows all
-//! members under one name.
+//! Each line is a member of the workspace, in a folder of `src/`, and knows the members above it; `store` and `api`
+//! know the core, but neither each other nor `sim`. Cargo enforces that. Inside a member, a module names only modules
+//! before it, and `human` and `route` meet only in `aware`: `tests/walls/` enforces this and the purity. This crate
+//! re-exports all members under one name.
 //!
 //! # The code, in reading order
 //!
 //! - [`time`], [`id`], [`text`], [`geometry`]: integer microseconds and half-open windows; one newtype per kind of
 //!   thing; names and tables as people write them, and every sentence for people, with a code of its own
 //!   (`text/sentence/mod.rs`); metres and radians in the map's frame.
-//! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them get in each other's way; checks that
-//!   refuse a map on which robots could get stuck; formats.
+//! - [`warehouse`]: the building. Nodes, lanes, racks, stations; which of them conflict; checks that refuse a map on
+//!   which robots could get stuck; formats.
 //! - [`timeline`]: which robot holds which resource when, and in which order. Makes [`timeline::Reserved`], the proof
-//!   that something is held. Searches look at it through a [`timeline::Overlay`], as if some robots had made way.
+//!   of a reservation. Searches read it through a [`timeline::Overlay`], as if some robots had made way.
 //! - [`route`]: the one search, over free windows.
-//! - [`human`]: people as beliefs. Where they are, whether they keep to their path, which goals are theirs, where they
-//!   will be when. Every kind of bad sighting has one answer (`human/source.rs`). Forecasts are mixtures whose figures
-//!   were learned from recorded people (`human/forecast.rs`, `human/model.rs`) and are judged while the system runs.
-//! - [`aware`]: what people mean for robots: conditions on nodes for the search and the grants, regions for speeds,
+//! - [`human`]: people as beliefs. Where they are, whether they keep to their path, their probable goals, where they
+//!   will be when. Every kind of bad sighting has one answer (`human/source.rs`). Forecasts are mixtures whose
+//!   parameters were learned from recorded people (`human/forecast.rs`, `human/model.rs`) and are judged while the
+//!   system runs.
+//! - [`aware`]: the effects of people on robots: conditions on nodes for the search and the grants, regions for speeds,
 //!   encounters. There is no second planner.
-//! - [`reach`]: a person at arm's length, as beliefs: which place a hand is going to, where the arm will be, where the
-//!   eyes look. Small nets, forward only; they are learned in `lab/learning/picks`.
-//! - [`cell`]: the picking station as a work cell: order lines, how far each is, and what hands do about them; a robot
-//!   arm beside the picker (`cell/arm/mod.rs`). It knows neither routes nor timelines.
+//! - [`reach`]: a person at arm's length, as beliefs: the target of a hand, where the arm will be, where the eyes look.
+//!   Small neural nets, forward only; they are learned in `lab/learning/picks`.
+//! - [`cell`]: the picking station as a work cell: order lines, how far each has come, and how hands change them; a
+//!   robot arm beside the picker (`cell/arm/mod.rs`). It knows neither routes nor timelines.
 //! - [`local`]: how a robot with a corridor passes a person beside its line: the dynamic window. Simulated robots only;
 //!   real ones get the corridor and plan for themselves. It knows neither routes nor timelines.
 //! - [`fleet`]: the state machine. `fleet/lib.rs` shows one step on one screen; each phase is a file.
 //! - [`history`]: what happened over time, as figures in buckets of bounded number. It decides nothing.
-//! - [`alarm`]: what is wrong, causes only, and the life of an alarm: raised, acknowledged, cleared. It decides nothing
-//!   about robots.
-//! - [`site`]: what one floor is, and the site file. A scenario is a site with toys.
+//! - [`alarm`]: what is wrong (causes only), and the life of an alarm: raised, acknowledged, cleared. It decides
+//!   nothing about robots.
+//! - [`site`]: the description of one floor, and the site file. A scenario is a site with toys.
 //! - [`sim`]: robots with inertia, radios that lose messages, customers; laws; recordings; the driver without a server.
 //!   Pure.
 //! - `lab`: benchmark floors and published tables, driven by the same search; recorded people, and what is
@@ -106,67 +107,66 @@
 //!
 //! # The life of a step
 //!
-//! One loop turns the fleet: [`drive::Drive::turn`]`(now, heard)` takes in what was heard, steps the fleet, and says
-//! what is to be written down and sent (`drive/lib.rs` shows it on one screen). The server is sockets, a clock and a
-//! database around it (`server/control.rs`), a simulation a floor in memory and a journal that may fail
-//! (`sim/run/host.rs`). All that is decided is decided in [`fleet::Fleet::step`]`(now, inputs)`.
+//! One loop drives the fleet: [`drive::Drive::turn`]`(now, heard)` takes in what was heard, steps the fleet, and
+//! returns what must be stored and sent (`drive/lib.rs` shows it on one screen). The server adds sockets, a clock and a
+//! database (`server/control.rs`), a simulation adds a floor in memory and a journal that may fail (`sim/run/host.rs`).
+//! All decisions are made in [`fleet::Fleet::step`]`(now, inputs)`.
 //!
-//! Robots, and everything that is simulated, are behind links (`server/links/`): what they say comes as inputs, what
-//! leaves goes out as one [`drive::LinkOutput`]. A simulated floor reads the ledger, as any client of the API can, and
+//! Robots, and everything that is simulated, are behind links (`server/links/`): their messages become inputs, and
+//! output leaves as one [`drive::LinkOutput`]. A simulated floor reads the ledger, as any client of the API can, and
 //! never the fleet.
 //!
 //! Inside `fleet`, each folder is a room. The rooms share `fleet/state/`: the ledger, which only facts change; the
-//! scene; the restrictions on robots in this step; and the read-only `Floor` for questions about all of these. What a
-//! room remembers is its own (`HumanState`, `Yielding`, `Traffic`). What it may know of another room is passed to it as
-//! an argument: people and dispatch know `state` alone, traffic asks dispatch for places in storage, yielding plans
-//! with traffic and knows people, `waits` and `read` see these rooms, and none of them calls those two.
-//! `tests/walls/rooms.rs` has the table and enforces it, as it does for the rooms of `sim`, of `api` and of
-//! its handlers.
+//! scene; the restrictions on robots in this step; and the read-only `Floor` for questions about all of these. The
+//! memory of a room is private to it (`HumanState`, `Yielding`, `Traffic`). What it may know of another room is passed
+//! to it as an argument: people and dispatch know only `state`, traffic asks dispatch for places in storage, yielding
+//! plans with traffic and knows people, `waits` and `read` see these rooms, and none of them calls `waits` or `read`.
+//! `tests/walls/rooms.rs` has the table and enforces it, as it does for the rooms of `sim`, of `api` and of its
+//! handlers.
 //!
 //! 1. **Absorb** (`requests/absorb.rs`): all inputs are taken in before anything is decided. Telemetry goes to the
 //!    scene, where the report that was *seen* last counts. Requests become facts or refusals.
 //! 2. **Evaluate people** (`people/evaluate.rs`): people are followed along their paths. A worker who stays off a path
 //!    deviates and is shown a way back (`people/routing.rs`); intents are updated (`people/intent.rs`). Beliefs become
-//!    conditions on nodes: *closed* where a person will almost surely walk within seconds, *no entry or exit*
-//!    around a person, *slow* farther out, a *soft cost* where a person may walk. Speed limits and stops leave at once
+//!    conditions on nodes: *closed* where a person will almost surely walk within seconds, *no entry or exit* around a
+//!    person, *slow* farther out, a *soft cost* where a person may walk. Speed limits and stops leave at once
 //!    (`yielding/speed_limit.rs`), and so does guidance (`people/guidance.rs`). On a floor without people and closures
 //!    this phase does nothing.
-//! 3. **Progress** (`traffic/progress.rs`): what has come true? Visits behind a robot are released. A stop that is done
+//! 3. **Progress** (`traffic/progress.rs`): what has come true? Visits behind a robot are released. A finished stop
 //!    leads to the next task. If a robot is late, its windows slide, and with them those of all robots after it. A
-//!    broken robot keeps its place. A robot that stands elsewhere is taken up there or treated as broken
+//!    broken robot keeps its place. A robot that stands elsewhere continues from there or is treated as broken
 //!    (`traffic/displaced.rs`).
-//! 4. **Dispatch** (`dispatch/jobs.rs`): waiting jobs and idle robots are matched together, at the least sum of costs
-//!    (`dispatch/assignment.rs`). A robot that was just picked from takes part with the rack that it has
-//!    (`dispatch/chains.rs`): its next job is cheaper for it, and a more urgent one still goes first. A robot
+//! 4. **Dispatch** (`dispatch/jobs.rs`): waiting jobs and idle robots are matched together, at the least total cost
+//!    (`dispatch/assignment.rs`). A robot whose rack was just picked from takes part with that rack
+//!    (`dispatch/chains.rs`): the rack's next job is cheaper for it, and a more urgent job still goes first. A robot
 //!    that gets no job charges if it should, or makes way for others.
 //! 5. **Plan** (`traffic/plan.rs`): each robot that has a task and no route gets a search, the longest waiting first,
 //!    until the step's budget of expansions is spent. A route is committed only when it is complete. Then robots whose
 //!    route leads into an announced closure get another one (`traffic/closures.rs`). Then robots whose reservations
 //!    meet a worker's windows wait, or change their route if they would wait for long, or leave the worker's path
 //!    (`yielding/evade.rs`). Then robots that are held up look for a better route.
-//! 6. **Grant** (`traffic/grant.rs`): each robot may drive as far as it needs to keep its speed, but not past a stop
-//!    that is not done, nor past a robot that holds an earlier reservation. Grants become commands.
+//! 6. **Grant** (`traffic/grant.rs`): each robot may drive as far as it needs to keep its speed, but not past an
+//!    unfinished stop, nor past a robot that holds an earlier reservation. Grants become commands.
 //! 7. **Waits** (`waits/`): what each robot and each worker waits for, and where each chain of waiting ends, goes into
-//!    the wait-for graph. All that is shown or decided about waiting reads it (`read/why.rs`, `yielding/evade.rs`).
+//!    the wait-for graph. Everything shown or decided about waiting comes from it (`read/why.rs`, `yielding/evade.rs`).
 //!
 //! Every change of durable state is a [`fleet::Fact`], recorded by one function and applied by one other,
 //! [`fleet::Ledger::evolve`], live and on load alike. Facts carry results (the new times of visits that a delay moved),
 //! never how to compute them, so a better algorithm cannot rewrite history. The step returns facts, commands and
-//! replies. The server writes the facts of a step as one row, whole or not at all, and sends commands and replies when
-//! the row is durable. If the database is gone, robots finish what was granted and stand.
+//! replies. The server writes the facts of a step as one row, completely or not at all, and sends commands and replies
+//! when the row is durable. If the database is gone, robots drive to the end of their grants and stop.
 //!
-//! The journal's task folds what is durable into a ledger of its own and writes a snapshot of it now and then; steps
-//! that the snapshots cover are deleted. After a restart the ledger is the last snapshot with the steps after it folded
-//! in, and the scene is empty. To the step that is a floor of silent robots, and nothing special.
+//! The journal's task folds durable facts into a ledger of its own and stores a snapshot of it now and then; steps that
+//! the snapshots cover are deleted. After a restart the ledger is the last snapshot with the later steps folded in, and
+//! the scene is empty. To the step, that is a floor of silent robots, and nothing special.
 //!
-//! A map that is published to the running server is a restart within the process: robots stand on nodes
-//! (`drive/settle.rs`), the core is taken down, the database is carried over in one transaction, and another core is
-//! made from it behind the same port. So a kill at any instant is a kill before or after it.
+//! Publishing a map to the running server is a restart within the process: robots stand on nodes (`drive/settle.rs`),
+//! the core is shut down, the database is carried over in one transaction, and another core is made from it behind the
+//! same port. So a kill at any instant is a kill before or after the change.
 //!
-//! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced off
+//! A step that panics is undone: the fleet is folded from the journal again, and the robot at hand is fenced
 //! (`fleet/traffic/fence.rs`): it is treated as failed, whatever it reports, until a person releases it. After a
-//! question that panics (a view, a query, what a pose calls for), the robot at hand is fenced off, too
-//! (`drive/rescue.rs`).
+//! question that panics (a view, a query, what a pose calls for), the robot at hand is fenced, too (`drive/rescue.rs`).
 //!
 //! # What is not there
 //!
@@ -175,14 +175,14 @@
 //!   in for figures and decides nothing. Same build, same seed, same bytes.
 //! - No random number is drawn outside of `sim/random.rs`; no map with a random order is used above the line.
 //! - Nothing reacts to a message. Decisions look at state, so repeated, late and reordered messages do no harm.
-//! - No code but `Ledger::evolve` changes what was promised; loading facts never plans.
+//! - Only `Ledger::evolve` changes the promises of the ledger; loading facts never plans.
 //! - No robot is told to drive without a [`timeline::Reserved`], and only [`timeline::Timeline`] makes one. There is no
 //!   [`warehouse::Warehouse`] that was not validated.
 //! - Types of the core are not serialised: `api` and `store` have wire types of their own.
 //! - The [`fleet::View`] is an input to no decision.
-//! - What merely *exists* costs a step nothing that grows with its number: idle robots, waiting jobs that cannot start,
-//!   announced closures and open assignments are looked up in indexes, which change when they do.
-//! - No hold is given back because its time is over. Times are plans; only what a robot reports frees anything.
+//! - Things that merely *exist* cost a step nothing that grows with their number: idle robots, waiting jobs that cannot
+//!   start, announced closures and open assignments are looked up in indexes, which change when these things do.
+//! - No hold is released because its time is over. Times are plans; only a robot's report releases anything.
 //!
 //! # Why no robot is ever stuck
 //!
@@ -231,11 +231,11 @@
 //!   next search (`fleet/traffic/first_step.rs`): no robot is before it there, and a person who keeps it from the one
 //!   need not keep it from the other.
 //!
-//! The argument is about robots that have routes. One whose route was truncated holds the node where it stands without
-//! end, and finds no new route while other robots stand on its way for the same reason: after a repair, robots around a
-//! station can surround one another. So a robot that finds no route for its whole task takes one to the nearest place
-//! where it may stay (`fleet/traffic/step_out.rs`), and plans its task from there. The outermost robots can always do
-//! that, since no place where a robot may stay is in the way of another; then those behind them can.
+//! The argument is about robots that have routes. A robot whose route was truncated holds the node where it stands
+//! without end, and finds no new route while other robots stand on its way for the same reason: after a repair, robots
+//! around a station can surround one another. So a robot that finds no route for its whole task takes a route to the
+//! nearest place where it may stay (`fleet/traffic/step_out.rs`), and plans its task from there. The outermost robots
+//! can always do that, since no place where a robot may stay is in the way of another; then the robots behind them can.
 //!
 //! Then all robots without routes stand where they may stay, and each of them wants a place. If no robot keeps that
 //! place for ever, the search finds a route in the end, since every place can be reached without crossing a lasting
@@ -266,16 +266,17 @@
 //! - *A robot finds no route* past robots that wait likewise. They are planned together, or leave one after the other
 //!   (the argument above).
 //!
-//! People who come and go before a robot make no standstill, and it can wait without end all the same. So the graph
-//! also knows how long people have kept each robot in one place, and after 90 seconds those in its way stand aside
-//! until it has passed, for 30 seconds at most (`fleet/people/lets_pass.rs`). Robots that carry racks to one station
-//! have tickets in the order in which they lifted them (`fleet/state/tickets.rs`): none overtakes another unless that
-//! one lies still, and a place that was promised to a robot without a prospect of getting there lapses
-//! (`fleet/traffic/turns.rs`), as one at a charger does. So a robot that cannot go on keeps no other from its turn.
+//! People who come and go in front of a robot make no standstill, but the robot can still wait without end. So the
+//! graph also knows how long people have kept each robot in one place, and after 90 seconds the people in its way stand
+//! aside until it has passed, for 30 seconds at most (`fleet/people/lets_pass.rs`). Robots that carry racks to one
+//! station have tickets in the order in which they lifted them (`fleet/state/tickets.rs`): no robot overtakes another
+//! unless the other lies still, and a place promised to a robot that has no prospect of getting there lapses
+//! (`fleet/traffic/turns.rs`), as a place at a charger does. So a robot that cannot go on keeps no other from its turn.
 //!
-//! In each of them the one that has waited longest is first, and no other is sent where it would wait for that one, so
-//! the number that wait for the root of a chain falls. That this always ends is measured (`docs/robustness.md`) and
-//! not argued: a person may do anything, and a standstill that lasts a minute is an alarm with names.
+//! In each of these cases the party that has waited longest is first, and no other party is sent where it would wait
+//! for that one, so the number of parties that wait for the root of a chain falls. That this always ends is measured
+//! (`docs/robustness.md`), not proved: a person may do anything, and a standstill of a minute raises an alarm with
+//! names.
 //!
 //! One thing must be true of the floor for (a) to be possible at all: every place can be reached without crossing a
 //! place where a robot may stay for ever. `warehouse/check/floor.rs` refuses maps where that is not so.
@@ -285,7 +286,7 @@
 //! | what | where |
 //! |---|---|
 //! | how fast robots drive, turn, lift | `route/motion.rs`; for one scenario its `fleet` or `kinds` |
-//! | a kind of robots | `fleet/state/kind.rs`; in files: `site/kinds.rs`; added: `fleet/requests/kinds.rs` |
+//! | a robot kind | `fleet/state/kind.rs`; in files: `site/kinds.rs`; added: `fleet/requests/kinds.rs` |
 //! | what one floor is, and its file | `site/lib.rs`, `site/file.rs`; `docs/site.md` |
 //! | what robots are behind (links) | `server/links/mod.rs`, `drive/link.rs`; simulated: `server/links/sim.rs` |
 //! | a kind of job | `fleet/state/job_kind.rs`, `life.rs`; `fleet/dispatch/jobs.rs`, `fleet/traffic/progress.rs` |
@@ -300,7 +301,7 @@
 //! | when a pick ends, a station that is paused | `fleet/requests/station.rs`; `api/http/floor/stations.rs` |
 //! | which waiting job comes first (queue) | `fleet/state/index/queue.rs`; jobs after jobs: `waits.rs` |
 //! | what a fact changes; what is looked up | `fleet/state/ledger/evolve.rs`; `upkeep.rs`, `fleet/state/index/` |
-//! | how many of anything there may be (limits) | `fleet/state/settings.rs`; what users read: `docs/operate.md` |
+//! | limits on how many of something there may be | `fleet/state/settings.rs`; what users read: `docs/operate.md` |
 //! | when a robot is planned, and how often again | `fleet/traffic/plan.rs`; over which legs: `stages.rs` |
 //! | the search, its order, its bounds | `route/search.rs`, `route/label.rs`, `route/estimate.rs` |
 //! | joint replanning (insertion) | `fleet/traffic/joint.rs`; on what it searches: `timeline/overlay.rs` |
@@ -316,13 +317,13 @@
 //! | robots that keep one another's goals | `fleet/traffic/goal_chain.rs` |
 //! | what closing an area would do | `fleet/read/closing.rs`; `api/http/floor/closing.rs` |
 //! | deadlock: why there is none | the argument above; what is stuck: `sim/laws/`, `server/watchdog/` |
-//! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; who waits, and why: `fleet/waits/` |
+//! | what waits for what (wait-for graph) | `fleet/state/wait_graph.rs`; which party waits, and why: `fleet/waits/` |
 //! | the map format | `warehouse/formats/json.rs` and `maps/map.schema.json`; `tests/maps.rs` compares them |
 //! | which maps are refused; warnings | `warehouse/check/`; `warehouse/check/shut_in.rs`, `improbable.rs` |
 //! | maps: drawn, tried | `api/http/floor/maps.rs`; `api/port/trial.rs`, `server/links/trial.rs`; `web/src/editor/` |
 //! | a map that is published to the running server | `api/http/floor/publish.rs`, `server/publish.rs`, `settle.rs` |
 //! | which map a start takes: the file's, the published one | `server/basis.rs`, `store/published.rs` |
-//! | what is different between two maps | `warehouse/differences.rs` |
+//! | the differences between two maps | `warehouse/differences.rs` |
 //! | where people walk | `warehouse/walkway/` |
 //! | which observations are believed; what a deviation is | `human/source.rs`; `human/deviation.rs` |
 //! | which of several sources is believed, and where else a worker may be | `human/track.rs` |
@@ -330,7 +331,7 @@
 //! | poses are thinned (rate limit) | `api/feed/thin.rs` |
 //! | a headset that is silent, a worker who is lost | `human/source.rs`; `aware/effects.rs` (the region grows) |
 //! | how robots pass people beside their line | `local/`; `warehouse/corridor.rs`, `warehouse/check/corridor.rs` |
-//! | whether they do | `fleet/yielding/passing.rs`, `fleet/state/passing.rs`; simulated: `sim/robot/passing.rs` |
+//! | whether robots pass | `fleet/yielding/passing.rs`, `fleet/state/passing.rs`; simulated: `sim/robot/passing.rs` |
 //! | radii of regions | `aware/regions.rs` |
 //! | robots go slow or stop near a person | `fleet/yielding/speed_limit.rs` |
 //! | what people mean for the search (soft cost, no entry) | `aware/effects.rs`; `route/search/constrained.rs` |
@@ -346,14 +347,14 @@
 //! | which robots were replanned, because of whom | `fleet/waits/replans.rs`; as events: `fleet/read/events.rs` |
 //! | which report of a robot is the newest; its clock | `fleet/state/robot_clock.rs` |
 //! | how a person's intent is inferred | `fleet/people/intent.rs`, `human/intention/`; stories: `lab/stories/` |
-//! | which method does that (`method`), goals on tiles | `sim/scenario/workforce.rs`; `human/tiles.rs` |
+//! | the method of inference (`method`), goals on tiles | `sim/scenario/workforce.rs`; `human/tiles.rs` |
 //! | which object a person fetches | `lab/objects/`; nets: `lab/learning/picks/places.rs` |
 //! | where people will be (forecast) | `human/forecast.rs`, `human/motion/`; learned: `lab/learning/` |
 //! | whether forecasts hold | `human/coverage.rs`; which robots brake: `fleet/yielding/speed_limit.rs` |
 //! | stop of the whole fleet, pause of a robot | `fleet/requests/operator.rs`; `api/http/fleet/halt.rs` |
 //! | a robot joins (registration), leaves | `fleet/requests/enrolment.rs`; `fleet/dispatch/leaving.rs` |
 //! | maintenance | `fleet/dispatch/maintenance.rs` |
-//! | kinds of robots, footprints | `warehouse/body.rs`, `footprint.rs`; `fleet/state/kind.rs` |
+//! | robot kinds, footprints | `warehouse/body.rs`, `footprint.rs`; `fleet/state/kind.rs` |
 //! | what changes when a kind is added | `fleet/state/ledger/refit.rs`; `Fleet::refit`; `timeline/refit.rs` |
 //! | conflicts where two kinds meet | the rule and its cost: `warehouse/body.rs` |
 //! | the view; why a robot or a job waits | `fleet/read/build.rs`, `view.rs`; `fleet/read/why.rs` |
@@ -373,21 +374,21 @@
 //! | what `/openapi.json`, `/asyncapi.json`, `/docs` say | `api/http/describe/`; `web/src/docs/` |
 //! | what may be changed about a job; many jobs at once | `fleet/requests/change.rs`; `api/http/orders/batch.rs` |
 //! | an error by its status: 400, 404, 409, 429, 503 | `api/wire/error.rs`; the fleet's: `api/dto/refusal.rs` |
-//! | idempotency | `fleet/state/keys.rs`; whose a key is: `api/access/caller.rs`; `api/http/once.rs` |
+//! | idempotency | `fleet/state/keys.rs`; owner of a key: `api/access/caller.rs`; `api/http/once.rs` |
 //! | what is stored, and how | `store/record.rs` (facts), `store/ledger_record.rs` (snapshots), `migrations/` |
 //! | rows of lists (jobs, assignments, encounters) | `fleet/read/rows.rs`; read by `store/jobs.rs`, `people.rs` |
 //! | retention | `store/retention.rs`; idempotency keys: `fleet/state/keys.rs` |
 //! | what is kept of the past; its bookmarks | `api/recording/`, `server/recordings.rs`; `api/recording/mark.rs` |
 //! | a figure over time, how long it is kept | `history/`, `api/http/past/history.rs`, `migrations/` |
-//! | who is let in: tokens, sessions, an identity provider | `api/access/auth.rs`, `api/http/access/`; `api/oidc/` |
+//! | access: tokens, sessions, an identity provider | `api/access/auth.rs`, `api/http/access/`; `api/oidc/` |
 //! | what becomes of wrong tokens and cookies | `api/access/secrets.rs`; the alarm: `server/tokens.rs` |
 //! | how many connections, bytes that wait for clients | `server/budget.rs`, `metered.rs`, `connections.rs` |
-//! | how the server asks others (authorities, redirects) | `api/outgoing/mod.rs` |
+//! | outgoing requests (authorities, redirects) | `api/outgoing/mod.rs` |
 //! | webhooks: delivery, retries, where they may be | `server/webhooks.rs`; `api/outgoing/webhooks.rs`, `targets.rs` |
 //! | the audit: what is written down of a request | `api/access/audit.rs`; `server/audit_keeper.rs`, `store/audit.rs` |
 //! | metrics | `api/state/metrics.rs`; what feeds them: `server/control.rs`, `server/measure.rs` |
 //! | TLS, certificates | `server/tls.rs`, `server/certificate.rs` |
-//! | privacy: who sees names, pseudonyms | `api/access/pseudonyms.rs`; `server/people.rs`, `store/people.rs` |
+//! | privacy: names, pseudonyms | `api/access/pseudonyms.rs`; `server/people.rs`, `store/people.rs` |
 //! | backup, restore, check of a database | `cli/database.rs`; `store/check.rs` |
 //! | evacuation | `fleet/traffic/evacuation.rs`, `fleet/people/evacuate.rs`; `api/http/floor/evacuation.rs` |
 //! | closures that recur | `fleet/state/recurring.rs`, `local_clock.rs`; `api/http/floor/recurring.rs` |
@@ -397,7 +398,7 @@
 //! | MassRobotics reports | `api/feed/massrobotics.rs` |
 //! | a setting of the server | `server/config.rs`, `docs/operate.md` |
 //! | which file is the database; its lock | `store/opening.rs`, `store/identity.rs`; `store/lock.rs` |
-//! | what happens where a call of the fleet panics | `drive/rescue.rs`, `fleet/traffic/fence.rs` |
+//! | what happens when a call of the fleet panics | `drive/rescue.rs`, `fleet/traffic/fence.rs` |
 //! | what becomes of a database whose map was changed | `fleet/carry/`, `store/carry.rs` |
 //! | a command | `cli/` |
 //! | a wall | `tests/walls/`, and the picture above |
@@ -422,14 +423,14 @@
 //! - *Regions 2 and 3 are measured on foot*, round the racks, since they say how far a person walks meanwhile; region 1
 //!   is as the crow flies. They are between centres: the separation distance plus half a person and half a robot.
 //! - *The region of a worker who is not seen does not widen at walking speed for ever* (`human/source.rs`). For three
-//!   seconds it does. Then a person is taken to turn anywhere after each such piece of way, so the distance grows with
-//!   the square root of time, up to eight metres on foot; after half a minute a supervisor is asked. At walking speed,
-//!   one dead headset closed a hall within ten seconds, and robots stood behind racks that the worker could not have
-//!   walked round. The wearer is told to stand meanwhile, and robots see a person who walked farther as they see
-//!   everybody without a headset: Giveway is no safety function.
+//!   seconds it does. Then a person is assumed to turn anywhere after each such stretch, so the distance grows with the
+//!   square root of time, up to eight metres on foot; after half a minute a supervisor is asked. At walking speed, one
+//!   dead headset closed a hall within ten seconds, and robots stood behind racks that the worker could not have walked
+//!   round. The wearer is told to stand meanwhile, and robots detect a person who walked farther like any person
+//!   without a headset: Giveway is no safety function.
 //! - *A worker may be at several places.* Sources that contradict one another, the places before and after a jump, and
 //!   both sides of marks that lie on one line all keep robots away ([`human::Track::others`]).
-//!   [`human::Whereabouts`] is the best one: forecasts, encounters and guidance know only that.
+//!   [`human::Whereabouts`] is the most trusted one: forecasts, encounters and guidance know only that.
 
 pub use giveway_api as api;
 pub use giveway_cell as cell;

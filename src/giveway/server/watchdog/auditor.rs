@@ -1,4 +1,4 @@
-//! Checks the whole ledger, on the journal's task, which folds durable facts anyway, so that this costs the control loop
+//! Checks the whole ledger, on the journal's task, which folds durable facts anyway: this costs the control loop
 //! nothing.
 //!
 //! Main type: [`Auditor`]. Refuses: to repair contradictions.
