@@ -79,9 +79,9 @@ pub struct AlarmMemberDto {
     /// The values for the placeholders of the sentence.
     #[schema(value_type = SentenceArgsSchema)]
     pub args: SentenceArgs,
-    /// Where on the map the subject is, x in metres; null if the alarm has no single place.
+    /// The alarm's place on the map, x in metres; null if it has no single place.
     pub x: Option<f64>,
-    /// The same place, y in metres.
+    /// The alarm's place on the map, y in metres; null if it has no single place.
     pub y: Option<f64>,
     /// Since when the cause has been present, RFC 3339.
     pub since: String,
@@ -139,9 +139,9 @@ pub struct AlarmDto {
     /// What a person should do about the alarm.
     #[schema(value_type = SentenceSchema)]
     pub remedy: Sentence,
-    /// Where on the map the subject is, x in metres; null if the alarm has no single place.
+    /// The alarm's place on the map, x in metres; null if it has no single place.
     pub x: Option<f64>,
-    /// The same place, y in metres.
+    /// The alarm's place on the map, y in metres; null if it has no single place.
     pub y: Option<f64>,
     /// How many robots wait because of the alarm's cause.
     pub waiting: usize,
@@ -241,9 +241,9 @@ pub struct AlarmRowDto {
     /// What a person should do about the alarm.
     #[schema(value_type = SentenceSchema)]
     pub remedy: Sentence,
-    /// Where on the map the subject is, x in metres; null if the alarm has no single place.
+    /// The alarm's place on the map, x in metres; null if it has no single place.
     pub x: Option<f64>,
-    /// The same place, y in metres.
+    /// The alarm's place on the map, y in metres; null if it has no single place.
     pub y: Option<f64>,
     /// How many robots wait because of the alarm's cause.
     pub waiting: usize,

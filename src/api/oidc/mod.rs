@@ -118,7 +118,7 @@ pub struct SignedOn {
 /// Why a sign-on failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OidcRefusal {
-    /// It took too long, was already finished, was begun in another browser, or was begun before the server restarted.
+    /// The sign-on took too long, was already finished, or was begun in another browser or before a server restart.
     Stale,
     /// The provider or the person refused.
     Denied,

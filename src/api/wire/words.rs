@@ -25,7 +25,7 @@ macro_rules! words {
         pub enum $name { $(#[serde(rename = $word)] $variant,)+ }
 
         impl $name {
-            /// All of them.
+            /// All words.
             #[allow(dead_code, reason = "some are only serialised")]
             pub const ALL: [$name; [$($name::$variant),+].len()] = [$($name::$variant),+];
 

@@ -111,7 +111,7 @@ struct Tasks {
 
 /// Why a core ended.
 pub enum CoreEnd {
-    /// It was told to end.
+    /// The core was told to end.
     Told,
     /// A part failed and cannot go on.
     Failed(anyhow::Error),

@@ -74,8 +74,8 @@ pub struct AssignmentParams {
     cursor: Option<String>,
 }
 
-/// List a worker's assignments, newest first. Those that are over, with their times, would reveal how fast a person
-/// works: administrators see them, and a device sees those of its own worker; other callers get only open ones.
+/// List a worker's assignments, newest first. Ended assignments, with their times, would reveal how fast a person
+/// works: administrators see them, and a device sees its own worker's; other callers get only open assignments.
 #[utoipa::path(get, path = "/v1/workers/{id}/assignments", tag = "people", operation_id = "listAssignmentsOfWorker",
     params(("id" = String, Path, example = "w1"), AssignmentParams), responses(
     (status = 200, description = "Assignments, newest first", body = Page<AssignmentDto>),
