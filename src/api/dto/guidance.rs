@@ -18,7 +18,7 @@ use utoipa::ToSchema;
 /// The part of guidance whose changes are sent to the client at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct GuidanceKey {
-    /// What the worker is told.
+    /// The state of the worker's guidance.
     pub state: GuidanceState,
     reason: Option<GuidanceReason>,
     version: u64,
@@ -45,7 +45,7 @@ pub struct GuidanceContext<'a> {
 /// Guidance for a worker.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct GuidanceDto {
-    /// What the worker is told to do.
+    /// The state of the worker's guidance.
     pub state: GuidanceStateDto,
     /// Why the worker is told this, in words.
     #[schema(value_type = Option<SentenceSchema>)]

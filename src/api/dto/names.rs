@@ -113,7 +113,7 @@ pub struct StationDto {
     pub served: u64,
     /// Whether a rack stands there to be picked from. If so, `POST /v1/stations/{id}/done` ends the pick.
     pub picking: bool,
-    /// Since when an operator has paused picking, RFC 3339; null if it is not paused.
+    /// Since when picking has been paused by hand, RFC 3339; null if it is not paused.
     pub paused: Option<String>,
 }
 

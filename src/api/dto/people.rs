@@ -52,7 +52,7 @@ pub struct WorkerDto {
     pub area: Vec<[f64; 2]>,
     /// Radii of the stop, keep-out and slow zones around the worker, metres, for a robot without a rack.
     pub regions: [f64; 3],
-    /// What the worker is told to do.
+    /// The state of the worker's guidance.
     pub state: GuidanceStateDto,
     /// Why the worker is told this, in words.
     #[schema(value_type = Option<SentenceSchema>)]

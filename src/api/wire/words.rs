@@ -176,7 +176,7 @@ words! {
 }
 
 words! {
-    /// What a worker is told to do.
+    /// The state of a worker's guidance.
     GuidanceStateDto of GuidanceState {
         Idle "idle", Following "following", Deviating "deviating", Redirected "redirected", Stop "stop",
     }

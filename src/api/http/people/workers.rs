@@ -58,7 +58,7 @@ pub struct ListedWorkerDto {
     pub seen: Option<String>,
     /// One standard deviation of the position, metres; it grows while no pose arrives.
     pub accuracy: f64,
-    /// What the worker is told to do.
+    /// The state of the worker's guidance.
     pub state: GuidanceStateDto,
     /// Why the worker is told this, in words.
     #[schema(value_type = Option<SentenceSchema>)]
