@@ -24,7 +24,7 @@ use giveway_floor::id::{IdVec, JobId, NodeId, RackId, RobotId, StationId};
 use giveway_floor::route::Stage;
 use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How many waiting jobs and idle robots one step matches at most.
 const JOBS: usize = 128;
@@ -43,7 +43,7 @@ pub(crate) fn assign(
 ) -> Vec<RobotId> {
     writer.advance_queue(now);
     give_back_jobs(writer, now);
-    give_back_blocked(writer, needs, now);
+    give_back_blocked(writer, now);
     let_leave(writer, now);
     send_to_maintenance(writer, now);
     assign_named(writer, planners, now);
@@ -197,6 +197,8 @@ fn candidates(
     let enough = stations_with_enough(floor, needs, now);
     let has_room = |goal| !matches!(goal, RackGoal::Station(s) if enough.contains(&s));
     let mut seen: BTreeSet<RackId> = BTreeSet::new();
+    // Jobs from behind one that cannot go on: for the same rack, the first job of another line may be more urgent.
+    let mut behind: BTreeMap<RackId, (JobId, RackId, NodeId, i64)> = BTreeMap::new();
     let mut found = Vec::new();
     for id in queue.offers(now, has_room) {
         if found.len() == JOBS || seen.len() == wanted {
@@ -219,13 +221,23 @@ fn candidates(
         let has_one_goal = floor.ledger.jobs[&id].request.kind.station().is_some();
         let is_shut = floor.is_shut_off(node) || has_one_goal && !is_open(&id);
         let mut all = std::iter::once(id).chain(queue.behind(id).take_while(|_| !is_shut));
-        if let Some(id) = all.find(|id| is_open(id) && is_theirs(id)) {
-            seen.insert(rack);
-            found.push((id, rack, node, queue.urgency_ms(id, now, &oldest)));
+        if let Some(job) = all.find(|id| is_open(id) && is_theirs(id)) {
+            let offer = (job, rack, node, queue.urgency_ms(job, now, &oldest));
+            let best =
+                behind.remove(&rack).filter(|(.., urgency_ms)| *urgency_ms >= offer.3).unwrap_or(offer);
+            // What the other lines have for this rack is no more urgent than the first job of this one.
+            if best.3 >= queue.urgency_ms(id, now, &oldest) {
+                seen.insert(rack);
+                found.push(best);
+            } else {
+                behind.insert(rack, best);
+            }
         } else if floor.is_shut_off(node) {
             seen.insert(rack);
         }
     }
+    found.extend(behind.into_values());
+    found.sort_by_key(|(.., urgency_ms)| std::cmp::Reverse(*urgency_ms));
     found
 }
 

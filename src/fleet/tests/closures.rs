@@ -277,3 +277,27 @@ fn a_closure_survives_a_restart_and_is_forgotten_a_day_after_it_is_over() {
     );
     assert_eq!(floor.fleet.view(floor.now + day).closures, []);
 }
+
+#[test]
+fn a_job_behind_one_whose_goal_is_closed_does_not_pass_by_a_more_urgent_one_for_the_same_rack() {
+    let mut floor = TestFloor::thesis(1);
+    let w = floor.fleet.warehouse().clone();
+    let is_free = |n: &NodeId| (0..w.racks.len()).all(|k| floor.rack(k as u32) != RackAt::Stored(*n));
+    let storage = w.nodes.ids().filter(|n| w.kind(*n) == NodeKind::Storage && is_free(n));
+    let free: Vec<NodeId> = storage.take(2).collect();
+    floor.step(vec![Input::ask(5, FloorAction::Halt(Some(RobotId(0))))]);
+    floor.close(closed(&floor, &[&w.nodes[free[0]].name], Time::MAX));
+    let rack = RackId(0);
+    let mut submit = |kind| {
+        let job = floor.submit(request(kind));
+        floor.run(20);
+        job
+    };
+    let shut = submit(JobKind::Relocate { rack, node: free[0] });
+    let deliver = submit(deliver(0));
+    let relocate = submit(JobKind::Relocate { rack, node: free[1] });
+    floor.step(vec![Input::ask(7, FloorAction::Release(Some(RobotId(0))))]);
+    let waits = |f: &TestFloor| [shut, deliver, relocate].map(|job| f.is(job, "waiting"));
+    floor.until(60, "one of them begins", |f| waits(f) != [true; 3]);
+    assert_eq!(waits(&floor), [true, false, true], "the most urgent one that can be done");
+}
