@@ -17,6 +17,7 @@ use giveway_floor::id::{IdVec, NodeId, RobotId};
 use giveway_floor::route::{NoRoute, Route, RouteQuery, Stage};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::timeline::Visit;
+use std::collections::BTreeSet;
 
 /// The first pause after a failed search; it doubles up to [`RETRY_MAX`].
 const RETRY: Span = Span::from_millis(400);
@@ -84,7 +85,8 @@ impl Traffic {
     }
 
     /// Robots whose task asks for a route that they do not have, longest waiting first: since they lifted their racks
-    /// if they go to a station.
+    /// if they go to a station. If one of them is sent to a node, so are those that have waited for that node, though
+    /// their pauses are not over: else each newcomer would get there before them.
     fn in_need(&mut self, floor: Floor<'_>, now: Time) -> Vec<RobotId> {
         for robot in floor.ledger.present() {
             if floor.lacks_route(robot) {
@@ -95,7 +97,15 @@ impl Traffic {
                 self.needs.waiting.remove(&robot);
             }
         }
-        let due = self.needs.waiting.iter().filter(|(_, n)| n.next_try <= now);
+        let goal = |robot: &RobotId| match floor.ledger.robots[*robot].task {
+            Task::Move { goal, .. } => Some(goal),
+            Task::Idle | Task::Fetch { .. } | Task::Deliver { .. } | Task::Store { .. } => None,
+        };
+        let is_due = |need: &Need| need.next_try <= now;
+        let wanted: BTreeSet<NodeId> =
+            self.needs.waiting.iter().filter(|(_, n)| is_due(n)).filter_map(|(r, _)| goal(r)).collect();
+        let is_wanted = |robot: &RobotId| goal(robot).is_some_and(|n| wanted.contains(&n));
+        let due = self.needs.waiting.iter().filter(|(r, n)| is_due(n) || is_wanted(r));
         let turn = |robot: &RobotId, need: &Need| self.needs.tickets.since(*robot).unwrap_or(need.since);
         let mut robots: Vec<(Time, RobotId)> = due.map(|(r, n)| (turn(r, n), *r)).collect();
         robots.sort_unstable();
