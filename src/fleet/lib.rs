@@ -269,6 +269,7 @@ impl Fleet {
         traffic.plan_needed(writer, now);
         yielding.plan_interrupted(writer, traffic, now);
         traffic.route_round_closures(writer, now);
+        traffic.set_down_cut_off(writer, now);
         yielding.give_way(writer, people, traffic, now);
         traffic.improve(writer, now);
     }

@@ -13,6 +13,7 @@ use giveway_floor::id::{ArcId, ClosureId, IdVec, NodeId, RobotId, StationId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::{Arc, NodeKind, Warehouse};
 use std::collections::{BTreeMap, VecDeque};
+use std::sync::OnceLock;
 
 /// A station that has been blocked for this long is blocked for long: racks for it wait in storage, not on robots.
 const LONG: Span = Span::from_secs(60);
@@ -56,6 +57,18 @@ pub struct CutOff {
     /// What the others are joined to.
     open: BTreeMap<StationId, Region>,
     storage: BTreeMap<NodeId, Barrier>,
+    reach: ReachedNodes,
+}
+
+/// Nodes to which a robot gets from each node, without and with a rack, past nothing that is held. The walk for a node
+/// is done when it is first asked for, so what was asked for makes no difference between two of these.
+#[derive(Clone, Debug, Default)]
+struct ReachedNodes(IdVec<NodeId, [OnceLock<IdVec<NodeId, bool>>; 2]>);
+
+impl PartialEq for ReachedNodes {
+    fn eq(&self, _: &ReachedNodes) -> bool {
+        true
+    }
 }
 
 /// What a station is joined to: nodes from which robots get there, without and with a rack, and to which they get from
@@ -101,7 +114,8 @@ impl CutOff {
         if found.held.is_empty() {
             return found;
         }
-        let walks = FloorWalks { w, held: &found.held, into: incoming(w) };
+        found.reach = ReachedNodes(w.nodes.ids().map(|_| Default::default()).collect());
+        let walks = FloorWalks { into: incoming(w), ..FloorWalks::new(w, &found.held) };
         for station in w.stations.ids() {
             match walks.blocks(station) {
                 Some(cut) => {
@@ -131,11 +145,7 @@ impl CutOff {
         if self.held.is_empty() || w.kind(here) == NodeKind::Storage {
             return false;
         }
-        // It may leave a closed area in which it stands.
-        let mut held = self.held.clone();
-        held.remove(&here);
-        let walks = FloorWalks { w, held: &held, into: IdVec::new() };
-        !walks.walk([here], LaneSense::Forward, true, |n| w.kind(n) == NodeKind::Storage).ended
+        !w.nodes.ids().any(|n| w.kind(n) == NodeKind::Storage && self.reaches(w, (here, n), true))
     }
 
     /// Stations that have been blocked for long.
@@ -158,11 +168,25 @@ impl CutOff {
         !self.open.is_empty() && !self.open.values().any(|r| r.from[usize::from(loaded)][here])
     }
 
-    /// Whether a robot with a rack is cut off from a storage node. Robots that are cut off from all stations may get to
-    /// any that is, too.
-    pub fn is_between(&self, here: NodeId, storage: NodeId) -> bool {
-        let is_joined = |r: &Region| r.from[1][here] && r.from[1][storage];
-        !self.open.is_empty() && !self.is_shut_in(here, true) && !self.open.values().any(is_joined)
+    /// Whether lanes lead a robot from where it stands to a node that is no place of a station, past nothing that is
+    /// held. It may leave a closed area in which it stands.
+    pub fn reaches(&self, w: &Warehouse, (here, node): (NodeId, NodeId), loaded: bool) -> bool {
+        if self.held.is_empty() || here == node {
+            return true;
+        }
+        let walks = || FloorWalks { leaves: Some(here), ..FloorWalks::new(w, &self.held) };
+        let walked = || walks().walk([here], LaneSense::Forward(None), loaded, |_| false).seen;
+        self.reach.0[here][usize::from(loaded)].get_or_init(walked)[node]
+    }
+
+    /// Whether something that is held keeps a robot with a rack from a node.
+    pub fn keeps_rack_from(&self, w: &Warehouse, here: NodeId, goal: NodeId) -> bool {
+        let Some(station) = w.kind(goal).reserved_for().filter(|_| !self.held.is_empty()) else {
+            return !self.reaches(w, (here, goal), true);
+        };
+        let joined = |n: NodeId| self.open.get(&station).is_some_and(|r| r.from[1][n]);
+        let leaves = |a: &Arc| is_way(w, a, Some(station), true) && joined(a.to);
+        !joined(here) && !(self.held.contains_key(&here) && w.out(here).any(|(_, a)| leaves(a)))
     }
 
     /// Whether a robot without a rack gets to a rack, as far as is known.
@@ -177,7 +201,7 @@ impl CutOff {
         }
         let goes_on = match *kind {
             JobKind::Deliver { station, .. } => self.open.get(&station).is_none_or(|r| r.from[1][rack_at]),
-            JobKind::Relocate { node, .. } => !self.is_between(rack_at, node),
+            JobKind::Relocate { node, .. } => self.reaches(w, (rack_at, node), true),
             _ => true,
         };
         if goes_on { None } else { self.first_met(w, rack_at) }
@@ -185,8 +209,8 @@ impl CutOff {
 
     /// The first cut on the ways of a rack from a node, else any.
     pub fn first_met(&self, w: &Warehouse, node: NodeId) -> Option<Barrier> {
-        let walks = FloorWalks { w, held: &self.held, into: IdVec::new() };
-        walks.walk([node], LaneSense::Forward, true, |_| false).met.or(self.held.values().next().copied())
+        let walk = FloorWalks::new(w, &self.held).walk([node], LaneSense::Forward(None), true, |_| false);
+        walk.met.or(self.held.values().next().copied())
     }
 
     /// The first cut on the ways of a robot from where it is to a node, if none of them leads there past all of them
@@ -200,17 +224,12 @@ impl CutOff {
     ) -> Option<Barrier> {
         let mut held: BTreeMap<NodeId, Barrier> = obstructed.map(|n| (n, Barrier::Obstruction(n))).collect();
         held.extend(self.held.iter().map(|(n, cut)| (*n, *cut)));
-        held.remove(&here);
         if held.is_empty() {
             return None;
         }
-        let walks = FloorWalks { w, held: &held, into: incoming(w) };
-        let (start, end, along) = match w.kind(goal).reserved_for() {
-            // The places of a station are for robots bound for it: back from there.
-            Some(_) => (goal, here, LaneSense::Back),
-            None => (here, goal, LaneSense::Forward),
-        };
-        let walk = walks.walk([start], along, loaded, |n| n == end);
+        let walks = FloorWalks { leaves: Some(here), ..FloorWalks::new(w, &held) };
+        let along = LaneSense::Forward(w.kind(goal).reserved_for());
+        let walk = walks.walk([here], along, loaded, |n| n == goal);
         if walk.ended { None } else { walk.met }
     }
 }
@@ -236,23 +255,30 @@ fn held_by_failed(ledger: &Ledger, scene: &Scene) -> BTreeMap<NodeId, Barrier> {
 struct FloorWalks<'a> {
     w: &'a Warehouse,
     held: &'a BTreeMap<NodeId, Barrier>,
-    /// The arcs that end at each node.
+    /// Where a robot stands that may leave, though this node is held.
+    leaves: Option<NodeId>,
+    /// The arcs that end at each node; needed by walks back along the lanes alone.
     into: IdVec<NodeId, Vec<ArcId>>,
 }
 
-/// Which way along the lanes.
+/// Which way along the lanes, and for which station robots are bound meanwhile.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum LaneSense {
-    Forward,
-    Back,
+    Forward(Option<StationId>),
+    Back(Option<StationId>),
 }
 
-impl FloorWalks<'_> {
+impl<'a> FloorWalks<'a> {
+    /// Walks that lead along the lanes.
+    fn new(w: &'a Warehouse, held: &'a BTreeMap<NodeId, Barrier>) -> FloorWalks<'a> {
+        FloorWalks { w, held, leaves: None, into: IdVec::new() }
+    }
+
     /// What no rack passes on its way from storage to a station, or from there to storage.
     fn blocks(&self, station: StationId) -> Option<Barrier> {
         let node = self.w.stations[station].node;
         let is_end = |n: NodeId| self.w.kind(n) == NodeKind::Storage;
-        [LaneSense::Forward, LaneSense::Back].into_iter().find_map(|along| {
+        [LaneSense::Forward(None), LaneSense::Back(Some(station))].into_iter().find_map(|along| {
             let walk = self.walk([node], along, true, is_end);
             if walk.ended { None } else { walk.met }
         })
@@ -261,8 +287,8 @@ impl FloorWalks<'_> {
     /// What a station is joined to.
     fn region(&self, station: StationId) -> Region {
         let seen = |along, loaded| self.walk([self.w.stations[station].node], along, loaded, |_| false).seen;
-        let from = [false, true].map(|loaded| seen(LaneSense::Back, loaded));
-        Region { from, to: seen(LaneSense::Forward, false) }
+        let from = [false, true].map(|loaded| seen(LaneSense::Back(Some(station)), loaded));
+        Region { from, to: seen(LaneSense::Forward(None), false) }
     }
 
     /// Storage nodes from which no rack comes to a station that is open, or which no robot reaches from there; with
@@ -273,8 +299,8 @@ impl FloorWalks<'_> {
         let mut cut_off: BTreeMap<NodeId, Barrier> = held.map(|(n, r)| (*n, *r)).collect();
         let is_joined = |n: NodeId| open.is_empty() || open.values().any(|r| r.from[1][n] && r.to[n]);
         for n in self.w.nodes.ids().filter(|n| is_storage(n) && !is_joined(*n)) {
-            let out = self.walk([n], LaneSense::Forward, true, |_| false);
-            let met = out.met.or_else(|| self.walk([n], LaneSense::Back, false, |_| false).met);
+            let out = self.walk([n], LaneSense::Forward(None), true, |_| false);
+            let met = out.met.or_else(|| self.walk([n], LaneSense::Back(None), false, |_| false).met);
             // If nothing was met, no way leads there on an open floor either.
             cut_off.extend(met.map(|cut| (n, cut)));
         }
@@ -297,7 +323,7 @@ impl FloorWalks<'_> {
             if walk.seen[n] {
                 continue;
             }
-            if let Some(cut) = self.held.get(&n) {
+            if let Some(cut) = self.held.get(&n).filter(|_| self.leaves != Some(n)) {
                 walk.met = walk.met.or(Some(*cut));
                 continue;
             }
@@ -310,11 +336,15 @@ impl FloorWalks<'_> {
             if loaded && w.kind(n) == NodeKind::Storage && !starts.contains(&n) {
                 continue;
             }
-            let theirs = |a: &&Arc| is_way(w, a, along, loaded);
             match along {
-                LaneSense::Forward => next.extend(w.out(n).map(|(_, a)| a).filter(theirs).map(|a| a.to)),
-                LaneSense::Back => {
-                    next.extend(self.into[n].iter().map(|a| &w.arcs[*a]).filter(theirs).map(|a| a.from));
+                LaneSense::Forward(bound) => {
+                    let ways = w.out(n).map(|(_, a)| a).filter(|a| is_way(w, a, bound, loaded));
+                    next.extend(ways.map(|a| a.to));
+                }
+                LaneSense::Back(bound) => {
+                    let ways =
+                        self.into[n].iter().map(|a| &w.arcs[*a]).filter(|a| is_way(w, a, bound, loaded));
+                    next.extend(ways.map(|a| a.from));
                 }
             }
         }
@@ -331,14 +361,11 @@ struct FloorWalk {
     ended: bool,
 }
 
-/// The places of a station are for robots bound for it, and on their way out of it.
-fn is_way(w: &Warehouse, a: &Arc, along: LaneSense, loaded: bool) -> bool {
+/// Whether a robot that is bound for a station, or for none, drives along a lane: places of a station are for robots
+/// that are bound for it, and for those that stand in one of them already.
+fn is_way(w: &Warehouse, a: &Arc, bound: Option<StationId>, loaded: bool) -> bool {
     let (from, to) = (w.kind(a.from).reserved_for(), w.kind(a.to).reserved_for());
-    let is_theirs = match along {
-        LaneSense::Forward => to.is_none() || to == from,
-        LaneSense::Back => from.is_none() || to == from,
-    };
-    a.users.allows(loaded) && is_theirs
+    a.users.allows(loaded) && (to.is_none() || to == bound || to == from)
 }
 
 fn incoming(w: &Warehouse) -> IdVec<NodeId, Vec<ArcId>> {

@@ -90,9 +90,10 @@ impl Floor<'_> {
         self.nearest_free(robot, NodeKind::Storage, empty)
     }
 
-    /// Whether a robot that cannot drive stands between a robot and a storage node.
-    fn is_cut_off_from(&self, robot: RobotId, node: NodeId) -> bool {
-        self.restrictions.cut_off.is_between(self.ledger.node_of(robot), node)
+    /// Whether closed areas and robots that cannot drive are on all ways of a robot to a place where it can stay.
+    pub(crate) fn is_cut_off_from(&self, robot: RobotId, node: NodeId) -> bool {
+        let (here, loaded) = (self.ledger.node_of(robot), self.ledger.rack_on(robot).is_some());
+        !self.restrictions.cut_off.reaches(self.warehouse(), (here, node), loaded)
     }
 
     /// Whether a storage node cannot be promised to `rack` on `robot`.

@@ -26,8 +26,8 @@ use std::collections::BTreeMap;
 /// A robot whose route leads into a closed area looks for another one this often at most.
 const AGAIN: Span = Span::from_secs(5);
 
-/// For a rack that cannot be brought to where it was meant to go, so many storage nodes near it are tried.
-const NEAR: usize = 16;
+/// A robot that has stood with its rack for this long, cut off from where the rack is to go, sets it down elsewhere.
+const LONG: Span = Span::from_secs(60);
 
 /// Begins and ends announced closures, and forgets those that have been over for long. What else bound robots in the
 /// step before does not any more.
@@ -121,8 +121,7 @@ impl Traffic {
         }
         let old = writer.ledger().robots[robot].task;
         let floor = writer.floor();
-        let elsewhere = Some(floor.task_elsewhere(robot)).filter(|task| *task != old);
-        let task = elsewhere.or_else(|| floor.stored_nearer(robot)).unwrap_or(old);
+        let task = floor.task_elsewhere(robot);
         if task != old {
             writer.record(RobotFact::Tasked { robot, task });
         }
@@ -135,8 +134,27 @@ impl Traffic {
         }
     }
 
-    /// A robot with a rack whose job is cut off for long brings the rack to storage that it can reach, and gives the
-    /// job back: it would stand with the rack until the area is opened.
+    /// Robots that have stood with racks for a while, cut off from where these are to go, set them down elsewhere.
+    pub(crate) fn set_down_cut_off(&mut self, writer: &mut Writer, now: Time) {
+        if writer.restrictions.cut_off.is_empty() {
+            self.cut_off.clear();
+            return;
+        }
+        for robot in writer.ledger().present() {
+            if !writer.floor().stands_cut_off(robot, now) {
+                self.cut_off.remove(&robot);
+                continue;
+            }
+            let due = *self.cut_off.entry(robot).or_insert(now + LONG);
+            if due <= now && !self.effort.is_spent() {
+                self.cut_off.insert(robot, now + AGAIN);
+                self.set_down_instead(writer, robot, now);
+            }
+        }
+    }
+
+    /// A robot that is cut off from where its rack is to go brings it to storage that it can reach, and gives the job
+    /// back if it has one: it would stand with the rack until the area is opened, or the robot repaired.
     fn set_down_instead(&mut self, writer: &mut Writer, robot: RobotId, now: Time) {
         let floor = writer.floor();
         let Some((job, rack)) = floor.carries_in_vain(robot, now) else { return };
@@ -145,7 +163,10 @@ impl Traffic {
         let stage = Stage { loaded: true, stay: lift, ..Stage::to_stay(store) };
         if let Ok(route) = self.search(writer.floor(), robot, &[stage], now) {
             let task = Task::Store { job: None, rack, store };
-            writer.progress(job, JobState::Waiting, Some((robot, task)), now);
+            match job {
+                Some(job) => writer.progress(job, JobState::Waiting, Some((robot, task)), now),
+                None => writer.record(RobotFact::Tasked { robot, task }),
+            }
             commit(writer, robot, route);
         }
     }
@@ -187,17 +208,31 @@ impl Floor<'_> {
         })
     }
 
-    /// The job and the rack of a robot that carries it, if a closed area or a broken robot cuts it off for long from
-    /// where it is to go.
-    fn carries_in_vain(&self, robot: RobotId, now: Time) -> Option<(JobId, RackId)> {
-        let (job, rack) = match self.ledger.robots[robot].task {
-            Task::Deliver { job, rack, .. } | Task::Store { job: Some(job), rack, .. } => (job, rack),
-            Task::Idle | Task::Fetch { .. } | Task::Store { .. } | Task::Move { .. } => return None,
+    /// The rack that a robot carries, and its job if it has one, if closed areas or broken robots are on all ways to
+    /// where the rack is to go.
+    fn carries_in_vain(&self, robot: RobotId, now: Time) -> Option<(Option<JobId>, RackId)> {
+        let (job, rack, goal) = match self.ledger.robots[robot].task {
+            Task::Deliver { job, rack, station, store } => match self.ledger.jobs.get(&job).map(|j| &j.state)
+            {
+                Some(JobState::Carrying { .. }) => (Some(job), rack, station),
+                Some(JobState::Picking { .. }) => return None,
+                _ => (None, rack, store),
+            },
+            Task::Store { job, rack, store } => (job, rack, store),
+            Task::Idle | Task::Fetch { .. } | Task::Move { .. } => return None,
         };
-        let (cut_off, kind) = (&self.restrictions.cut_off, &self.ledger.jobs[&job].request.kind);
-        let here = self.ledger.node_of(robot);
-        let is_blocked = kind.station().is_some_and(|s| cut_off.blocks_for_long(s, now).is_some());
-        (is_blocked || cut_off.blocks_job(self.warehouse(), kind, here).is_some()).then_some((job, rack))
+        let (here, cut_off) = (self.ledger.node_of(robot), &self.restrictions.cut_off);
+        let station = self.warehouse().kind(goal).reserved_for();
+        let is_blocked = station.is_some_and(|s| cut_off.blocks_for_long(s, now).is_some());
+        (is_blocked || cut_off.keeps_rack_from(self.warehouse(), here, goal)).then_some((job, rack))
+    }
+
+    /// Whether a robot stands with a rack, cut off from where it is to bring it, at the end of what it was granted.
+    fn stands_cut_off(&self, robot: RobotId, now: Time) -> bool {
+        let chain = self.ledger.chain(robot);
+        let stands = chain.first() + 1 == chain.granted() && !self.next_stop_is_granted(robot);
+        let can_drive = !self.ledger.robots[robot].failed && self.scene.fit(robot, now).is_some();
+        stands && can_drive && self.carries_in_vain(robot, now).is_some()
     }
 
     /// Whether a robot on its way to a rack would not be out with it before the way is closed.
@@ -229,25 +264,9 @@ impl Floor<'_> {
         }
     }
 
-    /// Another storage node for a rack that no station waits for, where all ways to the one that was meant for it are
-    /// closed and there is one to this: the robot would wait with the rack until they are opened. A few walks over the
-    /// floor, since [`CutOff::is_between`](crate::state::cut_off::CutOff::is_between) knows no one-way lanes.
-    fn stored_nearer(&self, robot: RobotId) -> Option<Task> {
-        let Task::Store { job: None, rack, store } = self.ledger.robots[robot].task else { return None };
-        let here = self.ledger.node_of(robot);
-        let cut_off = &self.restrictions.cut_off;
-        let has_way = |to| cut_off.between(self.warehouse(), (here, to), true, std::iter::empty()).is_none();
-        if has_way(store) {
-            return None;
-        }
-        let near = self.stays_near(robot, NEAR, |_| true);
-        let nearer = near.into_iter().find(|n| has_way(*n))?;
-        Some(Task::Store { job: None, rack, store: nearer })
-    }
-
     /// Whether a storage node is closed, will be soon, or is cut off from a robot.
     fn is_no_end(&self, robot: RobotId, store: NodeId) -> bool {
-        self.is_closing(store) || self.restrictions.cut_off.is_between(self.ledger.node_of(robot), store)
+        self.is_closing(store) || self.is_cut_off_from(robot, store)
     }
 
     /// Whether a robot has a route of which something may be changed.

@@ -124,6 +124,8 @@ pub struct Traffic {
     pub(super) obstructions: BTreeMap<NodeId, Obstruction>,
     /// When each robot last looked for a route round a closed area.
     pub(super) looked_round: BTreeMap<RobotId, Time>,
+    /// When each robot that stands with a rack, cut off from where the rack is to go, looks for another place next.
+    pub(super) cut_off: BTreeMap<RobotId, Time>,
     /// When each robot on a way out last looked for a place to leave for, while the building is evacuated.
     pub(super) cleared: BTreeMap<RobotId, Time>,
     /// Whether robots drive to the end of what they were granted, and no further.
@@ -146,6 +148,7 @@ impl Traffic {
             directions: BTreeMap::new(),
             obstructions: BTreeMap::new(),
             looked_round: BTreeMap::new(),
+            cut_off: BTreeMap::new(),
             cleared: BTreeMap::new(),
             settling: false,
         }
