@@ -1,18 +1,18 @@
-//! The parties of a simulated floor that ask the fleet for something, each with a number of its own.
+//! The parties of a simulated floor that send requests to the fleet, each with its own asker number.
 //!
 //! Refuses: to be a client of a server, which has the number 0.
 
 use giveway_fleet::Asker;
 
-/// Customers, who hand jobs in and change their minds, and people at stations without a cell.
+/// Customers, who submit jobs and change their minds, and people at stations without a cell.
 pub const CUSTOMERS: Asker = Asker(1);
 /// Robots that join, leave and come back.
 pub const ROBOTS: Asker = Asker(2);
 /// Supervisors who close areas and order evacuations.
 pub const SUPERVISORS: Asker = Asker(3);
-/// Workers and those who give them assignments.
+/// Workers, and the people who give them assignments.
 pub const CREW: Asker = Asker(4);
-/// Stations at which work stops for a while.
+/// Stations that stop working for a while.
 pub const OUTAGES: Asker = Asker(5);
-/// People who pick at cells.
+/// People who pick at work cells.
 pub const PICKERS: Asker = Asker(6);

@@ -1,5 +1,5 @@
-//! A floor that exists only in memory: robots with inertia, people with minds of their own, links that lose and delay,
-//! customers that order.
+//! A floor that exists only in memory: robots with inertia, people with minds of their own, links that lose and delay
+//! messages, customers that order.
 //!
 //! Main types: [`Scenario`] (what to simulate), [`World`] (turns commands into inputs), [`Simulation`] (the driver that
 //! steps world and fleet and checks the [`laws`]). Each folder is a room, and each knows those before it in this list:

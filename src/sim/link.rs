@@ -1,6 +1,6 @@
-//! Radio between server and robots: it delays and loses.
+//! Radio between server and robots: it delays and loses messages.
 //!
-//! Main types: [`Link`], [`LinkFaults`]. Refuses: to repeat what was lost; the sender must.
+//! Main types: [`Link`], [`LinkFaults`]. Refuses: to resend lost messages; the sender must.
 
 use crate::random::Stream;
 use crate::scenario::Faults;
@@ -8,7 +8,7 @@ use giveway_floor::time::{Span, Time};
 use std::collections::VecDeque;
 use std::ops::AddAssign;
 
-/// A message that is under way for longer than this is counted as late.
+/// A message that takes longer than this counts as late.
 const LATE: Span = Span::from_secs(2);
 
 /// One direction of one robot's radio.
@@ -17,9 +17,9 @@ pub(super) struct Link<T> {
     faults: LinkFaults,
     losses: Stream,
     delays: Stream,
-    /// With when each arrives, in that order.
+    /// Messages under way with their arrival times, in order of arrival.
     under_way: VecDeque<(Time, T)>,
-    /// What became of the messages so far.
+    /// Counts of messages so far.
     pub counts: LinkCounts,
 }
 
@@ -27,7 +27,7 @@ pub(super) struct Link<T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LinkFaults {
     delay: Span,
-    /// Up to so much more, drawn for each message.
+    /// Largest additional delay, drawn for each message.
     jitter: Span,
     /// Share of messages that get lost.
     loss: f64,
@@ -43,13 +43,13 @@ impl From<&Faults> for LinkFaults {
     }
 }
 
-/// What became of messages.
+/// Counts of messages that were lost or delayed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct LinkCounts {
     pub lost: u64,
-    /// Under way for longer than two seconds.
+    /// Messages that took longer than two seconds.
     pub late: u64,
-    /// Sent later than another one that arrives later.
+    /// Messages that arrived before one sent earlier.
     pub overtaking: u64,
 }
 
@@ -62,17 +62,17 @@ impl AddAssign for LinkCounts {
 }
 
 impl<T> Link<T> {
-    /// A radio with streams for what it loses and for how long each message takes.
+    /// A radio with one stream for losses and one for delays.
     pub fn new(faults: LinkFaults, losses: Stream, delays: Stream) -> Link<T> {
         Link { faults, losses, delays, under_way: VecDeque::new(), counts: LinkCounts::default() }
     }
 
-    /// From now on it does this to messages; those under way arrive as they would have.
+    /// Changes the faults from now on; messages under way arrive as planned.
     pub fn set_faults(&mut self, faults: LinkFaults) {
         self.faults = faults;
     }
 
-    /// Sends; what is lost never arrives.
+    /// Sends a message; a lost one never arrives.
     pub fn send(&mut self, now: Time, message: T) {
         let LinkFaults { delay, jitter, loss } = self.faults;
         // Without jitter no number is drawn.

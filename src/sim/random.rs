@@ -10,7 +10,7 @@ use rand_pcg::rand_core::{Rng, SeedableRng};
 pub struct Stream(Pcg64Mcg);
 
 impl Stream {
-    /// The stream of number `who` for one purpose.
+    /// The stream of item number `who` for one purpose.
     pub fn new(seed: u64, purpose: u64, who: u64) -> Stream {
         let mut mixed =
             seed ^ purpose.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ who.wrapping_mul(0xd1b5_4a32_d192_ed03);
@@ -28,12 +28,12 @@ impl Stream {
         (self.unit() * n as f64) as usize
     }
 
-    /// Whether something of this probability happens.
+    /// Whether an event of this probability happens.
     pub fn happens(&mut self, probability: f64) -> bool {
         probability > 0.0 && self.unit() < probability
     }
 
-    /// The same, but always takes a number off the stream.
+    /// Whether an event of this probability happens; always takes a number off the stream.
     pub fn happens_of(&mut self, probability: f64) -> bool {
         self.unit() < probability
     }

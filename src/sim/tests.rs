@@ -23,7 +23,7 @@ fn simulation(scenario: &Scenario, seed: u64) -> Simulation {
     Simulation::new(Arc::new(thesis()), scenario, &[], seed, false, || 0)
 }
 
-/// Runs it to the end under all laws; with how often each fault happened, and all facts.
+/// Runs a scenario to the end under all laws; also gives how often each fault happened, and all facts.
 #[track_caller]
 fn drains(
     scenario: &Scenario,
@@ -139,7 +139,7 @@ fn after_the_faults_have_ended_nothing_is_broken_lost_or_late() {
     // Robots that stand between nodes are still pushed onto one.
     let same = |mut counts: std::collections::BTreeMap<&'static str, u64>| {
         counts.remove("pushes");
-        // What was under way is overtaken by what is quick.
+        // Quick messages overtake those that were under way.
         counts.remove("messages_overtaking");
         counts
     };
@@ -178,7 +178,8 @@ fn an_evacuation_in_a_scenario_keeps_robots_off_the_ways_out_and_the_work_is_don
             served = sim.fleet().ledger().counts.robot_deliveries;
         }
     }
-    // One is shut in between loaded robots in a road that is one robot wide: what docs/people.md says is not solved.
+    // One worker is shut in between loaded robots in a road one robot wide: docs/people.md says that this is not
+    // solved.
     assert!(inside <= 1, "{inside} of 3 are still inside after more than three minutes");
     assert!(sim.fleet().ledger().counts.robot_deliveries > served, "work goes on afterwards");
     assert!(sim.fleet().ledger().next_closure > 3, "the closure recurs");

@@ -1,7 +1,8 @@
 //! The robot arms of a simulated floor: they follow trajectories, grip, report ten times a second, and fall silent.
 //!
-//! Main types: [`SimArms`], [`ArmFigures`]. Each has its own protective stop, which sees the picker's true limbs and
-//! nothing of what was planned. Refuses: to read anything of the fleet but which line a piece is for, to count it.
+//! Main types: [`SimArms`], [`ArmFigures`]. Each arm has its own protective stop, which sees the picker's true limbs
+//! and none of the plan. Refuses: to read anything of the fleet except which line a piece is for, which it needs to
+//! count the piece.
 
 pub mod simulated_arm;
 
@@ -19,33 +20,33 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use std::collections::BTreeMap;
 
-/// Purpose of its stream of random numbers.
+/// Purpose of the arms' stream of random numbers.
 const ARM: u64 = 63;
-/// An arm reports this often.
+/// Interval between an arm's reports.
 const REPORTS: Span = Span::from_millis(100);
 /// How long a gripper takes to find and grasp a piece, and to let go of it.
 const TAKE: Span = Span::from_millis(900);
 const PUT: Span = Span::from_millis(300);
 /// Share of grasps that find nothing.
 const EMPTY: f64 = 0.02;
-/// Its stop leaves so much, metres: a hand that stood still may be as fast as hands are before the arm stands. So an
-/// arm that stands nearer to a person does not start, whichever way.
+/// Distance that the arm's stop leaves, metres: a hand that stood still may reach full hand speed before the arm
+/// stands. So an arm nearer to a person than this does not start, in any direction.
 const LEFT_M: f64 = 0.06;
 
-/// What became of one arm.
+/// Figures of one arm over a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ArmFigures {
-    /// How often its own stop acted.
+    /// How often the arm's own stop acted.
     pub stops: u64,
-    /// Overlaps with a person while it moved: the law forbids them.
+    /// Overlaps with a person while the arm moved: the law forbids them.
     pub contacts: u64,
-    /// How often a person came upon it while it stood.
+    /// How often a person touched the arm while it stood.
     pub touched: u64,
-    /// Pieces that it put into totes.
+    /// Pieces that the arm put into totes.
     pub pieces: u64,
-    /// How often it fell silent.
+    /// How often the arm fell silent.
     pub silences: u64,
-    /// How long a person waited for it, seconds.
+    /// How long a person waited for the arm, seconds.
     pub person_waits_s: f64,
 }
 
@@ -59,21 +60,21 @@ struct SimArmPost {
     next_report: Time,
     newest: u64,
     wanted: Option<ArmGrip>,
-    /// Whom it picks for, as it was told last.
+    /// The job and line that the arm picks for, by the last order.
     line: Option<(JobId, usize)>,
     grips: Option<(ArmGrip, Time)>,
     gripped: Option<(u64, Gripped)>,
     holds: bool,
     silent_until: Option<Time>,
     is_touched: bool,
-    /// How far the person is from it, metres, and whether it stands.
+    /// How far the person is from the arm, metres, and whether the arm stands.
     apart_m: f64,
     stands: bool,
     random: Stream,
     figures: ArmFigures,
 }
 
-/// All arms that are on.
+/// All arms that are switched on.
 #[derive(Debug)]
 pub struct SimArms {
     all: Vec<SimArmPost>,
@@ -81,16 +82,17 @@ pub struct SimArms {
     silent: Span,
     /// Pieces that an arm put down for a line.
     lines: BTreeMap<(JobId, usize), u32>,
-    /// Lines of visits that may be on, of which an arm has put pieces down, with how many pieces were ordered.
+    /// Lines of visits that may still be open and of which an arm has put down pieces, with the number of pieces
+    /// ordered.
     watched: BTreeMap<(JobId, usize), u32>,
-    /// Lines of which arm and hand together put down more than was ordered.
+    /// Lines of which arm and hand together put down more pieces than were ordered.
     twice: Vec<(JobId, usize)>,
-    /// Where arm and person touched while the arm moved.
+    /// Stations where arm and person touched while the arm moved.
     contacts: Vec<StationId>,
 }
 
 impl SimArms {
-    /// The arms of a scenario; nothing if none is on.
+    /// The arms of a scenario; none if no arm is switched on.
     pub fn new(warehouse: &Warehouse, cells: &WorkCells, seed: u64, now: Time) -> Option<SimArms> {
         let post = |(i, name): (usize, &String)| {
             let (station, place) = warehouse.stations.pairs().find(|(_, s)| s.name == *name)?;
@@ -134,7 +136,7 @@ impl SimArms {
         })
     }
 
-    /// Trajectories and grips arrive, but at an arm that is silent.
+    /// Delivers trajectories and grips to the arms; a silent arm receives nothing.
     pub fn follow(&mut self, orders: &[ArmOrder]) {
         for order in orders {
             let Some(post) = self.all.iter_mut().find(|p| p.station == order.station) else { continue };
@@ -158,12 +160,12 @@ impl SimArms {
         self.all.iter().find(|p| p.station == station).map(seen)
     }
 
-    /// Stations in whose opening, or rack, an arm is.
+    /// Stations with an arm in the opening or in the rack.
     pub fn inside(&self) -> impl Iterator<Item = StationId> {
         self.all.iter().filter(|p| p.is_inside(&p.arm.links())).map(|p| p.station)
     }
 
-    /// Everything goes on for a tick beside people with these limbs.
+    /// Advances all arms by one tick beside people with these limbs.
     pub fn advance(&mut self, dt: Span, limbs: impl Fn(StationId) -> Vec<Capsule>) {
         for post in &mut self.all {
             let before = *post.arm.joints();
@@ -178,8 +180,8 @@ impl SimArms {
         }
     }
 
-    /// Looks for lines of which arm and hand together put down more than was ordered. `by_hand` says how many pieces a
-    /// hand put down.
+    /// Looks for lines of which arm and hand together put down more than was ordered. `by_hand` gives the number of
+    /// pieces that a hand put down.
     pub fn note_twice(&mut self, ledger: &Ledger, by_hand: impl Fn((JobId, usize)) -> u32) {
         let (lines, twice) = (&self.lines, &mut self.twice);
         self.watched.retain(|line, ordered| {
@@ -191,14 +193,14 @@ impl SimArms {
         });
     }
 
-    /// A person waits for the arm at a station.
+    /// Counts the time that a person waits for the arm at a station.
     pub fn note_waiting(&mut self, station: StationId, dt: Span) {
         if let Some(post) = self.all.iter_mut().find(|p| p.station == station) {
             post.figures.person_waits_s += dt.as_secs_f64();
         }
     }
 
-    /// Grips end and begin; what the arms say. `has_rack` says whether a rack truly stands at a station.
+    /// Ends and begins grips, and returns the arms' reports. `has_rack` says whether a rack truly stands at a station.
     pub fn say(
         &mut self,
         (from, now): (Time, Time),
@@ -215,7 +217,7 @@ impl SimArms {
                 self.watched.extend(ordered.map(|n| ((job, line), n)));
             }
             if post.silent_until.take_if(|until| now >= *until).is_some() {
-                // Who brought it back took out of its gripper what was in it.
+                // The person who restarted the arm took out of its gripper what was in it.
                 (post.holds, post.grips, post.wanted) = (false, None, None);
             }
             if fails > 0.0 && post.silent_until.is_none() && post.random.happens(fails) {
@@ -235,39 +237,39 @@ impl SimArms {
         said
     }
 
-    /// Nothing goes wrong any more.
+    /// Ends all faults for good.
     pub fn end_faults(&mut self) {
         self.silences_per_hour = 0.0;
     }
 
-    /// Where arm and person touched while the arm moved: for the laws.
+    /// Stations where arm and person touched while the arm moved: for the laws.
     pub fn contacts(&self) -> &[StationId] {
         &self.contacts
     }
 
-    /// Lines that were picked by arm and hand: for the laws.
+    /// Lines that both arm and hand picked: for the laws.
     pub fn twice(&self) -> &[(JobId, usize)] {
         &self.twice
     }
 
-    /// What became of each arm.
+    /// Figures of each arm.
     pub fn figures(&self) -> impl Iterator<Item = (StationId, ArmFigures)> {
         self.all.iter().map(|p| (p.station, p.figures))
     }
 
-    /// Pieces that arms truly put into totes, by lines.
+    /// Pieces that arms truly put into totes, by line.
     pub fn lines(&self) -> &BTreeMap<(JobId, usize), u32> {
         &self.lines
     }
 }
 
 impl SimArmPost {
-    /// Whether any link but the base is in the opening or beyond it.
+    /// Whether any link except the base is in the opening or beyond it.
     fn is_inside(&self, links: &[Capsule]) -> bool {
         links.iter().skip(1).any(|l| [l.a, l.b].iter().any(|at| self.face.is_inside(self.face.of(*at))))
     }
 
-    /// A grip goes on. Gives the line for which a piece was put down.
+    /// Advances a grip. Gives the line for which a piece was put down.
     fn grip(&mut self, now: Time, has_rack: bool) -> Option<(JobId, usize)> {
         let is_done = |number: u64| self.gripped.is_some_and(|(done, _)| done == number);
         if let Some(wanted) = self.wanted.filter(|w| self.grips.is_none() && !is_done(w.number)) {
@@ -299,7 +301,7 @@ mod tests {
     use giveway_floor::warehouse::stations;
     use std::sync::Arc;
 
-    /// Long visits: with the usual short ones an arm puts down a piece in ten minutes or so.
+    /// A scenario with long visits: with the usual short ones an arm puts down about one piece in ten minutes.
     fn scenario(mode: ArmMode, seconds: i64) -> Scenario {
         let mut scenario = Scenario::parse(include_str!("../../../scenarios/stations.json")).unwrap();
         (scenario.robots, scenario.duration, scenario.drain) = (14, Span::from_secs(seconds), Span::ZERO);
@@ -314,7 +316,7 @@ mod tests {
         Simulation::new(Arc::new(stations()), scenario, &[], 3, false, || 0)
     }
 
-    /// Runs it to its end. How many lines were given to the arm, and back to the hand.
+    /// Runs a simulation to its end; counts the lines given to the arm and those given back to the hand.
     fn run(sim: &mut Simulation) -> [usize; 2] {
         let mut given = [0; 2];
         while !sim.is_over() {
@@ -339,7 +341,7 @@ mod tests {
 
     #[test]
     fn arms_pick_lines_beside_people_in_every_mode_touch_nobody_and_no_line_is_picked_twice() {
-        // By turns, an arm brings a piece every seven minutes or so.
+        // In mode `Turns`, an arm picks about one piece every seven minutes.
         for (mode, seconds) in [(ArmMode::Turns, 1200), (ArmMode::Reactive, 600), (ArmMode::Predictive, 600)]
         {
             let mut sim = simulation(&scenario(mode, seconds));

@@ -1,7 +1,7 @@
 //! A robot arm that follows trajectories, with its own protective stop.
 //!
 //! Main types: [`SimulatedArm`], [`StopRule`]. The stop knows nothing of the planner: it sees true distances a little
-//! late and brakes along the way. Refuses: trajectories that do not begin where the arm is.
+//! late and brakes along the path. Refuses: trajectories that do not begin where the arm is.
 
 use giveway_cell::arm::{ArmKind, Capsule, Joints, between, joint_distance, least_distance_m};
 use nalgebra::Isometry3;
@@ -9,15 +9,15 @@ use nalgebra::Isometry3;
 /// When the arm's own stop acts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopRule {
-    /// From a distance to the brakes, seconds.
+    /// Delay from a measured distance to the brakes, seconds.
     pub react_s: f64,
-    /// From full speed to a stand, seconds.
+    /// Time from full speed to a stand, seconds.
     pub brake_s: f64,
-    /// What must be left then, metres.
+    /// Distance that must remain at the stand, metres.
     pub left_m: f64,
-    /// So much more before it goes on, metres …
+    /// Additional distance before the arm moves on, metres …
     pub hysteresis_m: f64,
-    /// … for so long, seconds.
+    /// … and for how long it must last, seconds.
     pub clear_s: f64,
 }
 
@@ -27,31 +27,31 @@ impl Default for StopRule {
     }
 }
 
-/// What the arm came to in one step of the simulation.
+/// Outcome of one simulation step of an arm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ArmStep {
-    /// Arm and person overlap while the arm moves.
+    /// Whether arm and person overlap while the arm moves.
     pub contact: bool,
-    /// The person is in an arm that stands.
+    /// Whether the person overlaps an arm that stands.
     pub touched: bool,
-    /// The protective stop began.
+    /// Whether the protective stop began.
     pub stopped: bool,
-    /// The least distance of surfaces, metres.
+    /// Least distance between the surfaces of arm and person, metres.
     pub distance_m: f64,
 }
 
-/// An arm as it is.
+/// A simulated arm and its state.
 #[derive(Clone, Debug)]
 pub struct SimulatedArm {
     kind: ArmKind,
     base: Isometry3<f64>,
     rule: StopRule,
     joints: Joints,
-    /// Configurations with this interval, the first one where the arm was when it began.
+    /// Configurations at this interval; the first is where the arm was when the trajectory began.
     way: Vec<Joints>,
     step_s: f64,
     at_s: f64,
-    /// Share of the way's speed: 1 follows it, 0 stands.
+    /// Share of the trajectory's speed: 1 follows it, 0 stands.
     pace: f64,
     is_stopped: bool,
     /// For how long there has been room enough to go on, seconds.
@@ -60,15 +60,15 @@ pub struct SimulatedArm {
     before: Vec<Capsule>,
 }
 
-/// Farther than this from where the arm is no trajectory begins, radians.
+/// A trajectory does not begin if its start is farther than this from the arm's joints, radians.
 const OFF_RAD: f64 = 0.02;
-/// A person who does not come nearer may be so near to an arm that starts, metres.
+/// Distance that an arm may start at from a person who does not come nearer, metres.
 const RESTS_M: f64 = 0.02;
-/// Slower than this they do not come nearer.
+/// A person slower than this does not come nearer, metres per second.
 const COMES_NEARER_MPS: f64 = 0.01;
 
 impl SimulatedArm {
-    /// Standing.
+    /// An arm that stands at these joints.
     pub fn new(kind: ArmKind, base: Isometry3<f64>, joints: Joints) -> SimulatedArm {
         let way = vec![joints];
         let rule = StopRule::default();
@@ -87,17 +87,17 @@ impl SimulatedArm {
         }
     }
 
-    /// With another stop.
+    /// The arm with another stop rule.
     pub fn with_rule(self, rule: StopRule) -> SimulatedArm {
         SimulatedArm { rule, ..self }
     }
 
-    /// Its angles.
+    /// The arm's joint angles.
     pub fn joints(&self) -> &Joints {
         &self.joints
     }
 
-    /// Whether its own stop holds it.
+    /// Whether the arm's own stop holds it.
     pub fn is_stopped(&self) -> bool {
         self.is_stopped
     }
@@ -107,14 +107,14 @@ impl SimulatedArm {
         self.kind.pose(&self.base, &self.joints).points[7]
     }
 
-    /// Its links, as thick as they are.
+    /// The arm's links with their thickness.
     pub fn links(&self) -> Vec<Capsule> {
         self.kind.capsules(&self.kind.pose(&self.base, &self.joints), 0.0)
     }
 
-    /// Takes a trajectory from now on, its configurations `step_s` apart, the first one so long from now. What does
-    /// not begin where the arm is, or cannot be followed, is not taken: the arm keeps the one it has. While its own
-    /// stop holds the arm, only what leads away from the person is taken.
+    /// Takes a trajectory from now on: its configurations are `step_s` apart, the first one `step_s` from now. A
+    /// trajectory that does not begin where the arm is, or that the arm cannot follow, is dropped: the arm keeps the
+    /// one it has. While its own stop holds the arm, it takes only a trajectory that leads away from the person.
     pub fn follow(&mut self, steps: &[Joints], step_s: f64) -> bool {
         let can = |q: &Joints| q.iter().all(|x| x.is_finite()) && self.kind.allows(q);
         let fastest = self.kind.speed_radps.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -128,7 +128,7 @@ impl SimulatedArm {
         true
     }
 
-    /// Whether the arm stands, and these configurations are farther and farther from where the person was seen.
+    /// Whether the arm stands and these configurations move farther and farther from where the person was seen.
     fn leads_away(&self, steps: &[Joints]) -> bool {
         let distance = |q: &Joints| {
             let links = self.kind.capsules(&self.kind.pose(&self.base, q), 0.0);
@@ -140,7 +140,7 @@ impl SimulatedArm {
         self.pace <= 0.0 && all.windows(2).all(away) && all.last() > all.first()
     }
 
-    /// Goes on for a time beside a person with these limbs.
+    /// Advances the arm by `dt_s` beside a person with these limbs.
     pub fn advance(&mut self, dt_s: f64, limbs: &[Capsule]) -> ArmStep {
         let links_before = self.links();
         let before = self.joints;
@@ -166,7 +166,8 @@ impl SimulatedArm {
 
     /// The protective stop: while a link and a limb come nearer, they must stay apart if both go on as they do until
     /// the arm stands (ISO/TS 15066, 5.5.4, with directed speeds of both). An arm that stands is held in the same way
-    /// (5.5.2, monitored standstill), so that it does not start towards somebody. Whether it stopped an arm that moved.
+    /// (5.5.2, monitored standstill), so that it does not start towards a person. Gives whether it stopped a moving
+    /// arm.
     fn guard(&mut self, dt_s: f64, links_before: &[Capsule], limbs: &[Capsule]) -> bool {
         let links = self.links();
         let takes_s = self.rule.react_s + self.rule.brake_s;
@@ -177,12 +178,12 @@ impl SimulatedArm {
                 let normal = nearest.normal();
                 let arm = (link.at(nearest.s) - link_before.at(nearest.s)).dot(&-normal) / dt_s;
                 let person = (limb.at(nearest.t) - limb_before.at(nearest.t)).dot(&normal) / dt_s;
-                // While it brakes it goes half as far as while it reacts.
+                // While the arm brakes it covers half the distance that it would cover at full speed.
                 let arm_m = arm * (self.rule.react_s + self.rule.brake_s / 2.0);
                 let apart_m = nearest.apart_m - link.radius_m - limb.radius_m;
                 let left_m = apart_m - arm_m - person.max(0.0) * takes_s;
                 let comes_nearer = arm + person >= COMES_NEARER_MPS;
-                // What rests beside it holds it only if it touches it nearly, or neither would ever go away.
+                // A limb at rest holds the arm only if it almost touches the arm, or neither would ever move away.
                 let enough_m = if comes_nearer { self.rule.left_m + self.rule.hysteresis_m } else { RESTS_M };
                 is_clear &= left_m > enough_m;
                 if comes_nearer {
@@ -197,7 +198,7 @@ impl SimulatedArm {
             self.is_stopped = true;
         } else if self.is_stopped && self.clear_s >= self.rule.clear_s {
             self.is_stopped = false;
-            // What it was following is over; it stands until something newer comes.
+            // The arm drops its trajectory and stands until a newer one comes.
             self.way = vec![self.joints];
             (self.at_s, self.pace) = (0.0, 1.0);
         }
@@ -217,7 +218,7 @@ mod tests {
         SimulatedArm::new(ArmKind::collaborative().clone(), Isometry3::identity(), HOME)
     }
 
-    /// The base turns evenly.
+    /// A trajectory that turns the base at a constant rate.
     fn turning() -> Vec<Joints> {
         let step = |k: usize| {
             let mut q = HOME;
@@ -250,7 +251,7 @@ mod tests {
         assert_eq!(arm.joints(), &HOME);
     }
 
-    /// Someone stands where it would turn to.
+    /// A person who stands where the arm would turn to.
     fn in_its_way(arm: &SimulatedArm) -> [Capsule; 1] {
         let tip = SimulatedArm::new(arm.kind.clone(), arm.base, turning()[7]).tip();
         [Capsule { a: tip, b: tip + nalgebra::Vector3::z() * 0.3, radius_m: 0.05 }]

@@ -1,4 +1,4 @@
-//! Where a simulated worker comes in: the door, or a place close to it where somebody stands in the door.
+//! Where a simulated worker enters: at the door, or close to it if another person stands in the door.
 //!
 //! Main function: [`entrance`]. Refuses: to let anybody step out in front of a robot that could not stop.
 
@@ -6,14 +6,14 @@ use crate::walker::{APART_M, PersonNear, RobotNear};
 use giveway_floor::geometry::Point;
 use giveway_floor::warehouse::walkway::Walkways;
 
-/// A robot nearer to a door than this keeps a worker from coming in, metres.
+/// A robot nearer to a door than this keeps a worker from entering, metres.
 const DOOR_M: f64 = 1.5;
-/// A moving robot does so from this many seconds of travel farther away.
+/// A moving robot keeps workers out from this many seconds of travel farther away.
 const DOOR_S: f64 = 2.5;
-/// Nobody comes in nearer than this to somebody who stands there, metres.
+/// No worker enters nearer than this to a person who is there, metres.
 const DOOR_APART_M: f64 = APART_M + 0.05;
 
-/// Where somebody can come in at a door now; nothing while robots or people are in the way.
+/// Where a worker can enter at a door now; nothing while robots or people are in the way.
 pub(super) fn entrance<'a>(
     door: Point,
     walkways: &Walkways,

@@ -1,7 +1,8 @@
-//! The simulated workers together: where they come in, how they are seen, who walks with whom, and whose work it is.
+//! The simulated workers together: where they enter, how devices see them, which of them walk in pairs, and who does
+//! what.
 //!
-//! Main types: `workers::Crew`, `sensor::Device` (how one of them is seen). What goes on in one worker is the room
-//! `walker`. Refuses: to show the fleet anything but what devices measure.
+//! Main types: `workers::Crew`, `sensor::Device` (how a device sees one of them). The behaviour of one worker is the
+//! room `walker`. Refuses: to show the fleet anything but what devices measure.
 
 mod entrance;
 mod pairs;

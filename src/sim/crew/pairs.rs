@@ -1,7 +1,7 @@
 //! Which simulated workers walk in pairs, and where the second of a pair works.
 //!
-//! Main type: [`Pairs`]. The second of a pair works next to where the first does, so that they have their ways in
-//! common; each has assignments and a headset of its own. Refuses: to draw from the streams of workers who walk alone.
+//! Main type: [`Pairs`]. The second of a pair works next to the first, so that they have the same way to work; each has
+//! assignments and a headset of its own. Refuses: to draw from the streams of workers who walk alone.
 
 use crate::random::Stream;
 use giveway_floor::geometry::Point;
@@ -9,30 +9,30 @@ use giveway_floor::geometry::Point;
 /// Purpose of the stream, see [`Stream::new`].
 const PURPOSE: u64 = 35;
 
-/// Who walks with whom.
+/// For each worker, the other one of the pair, if there is one.
 #[derive(Clone, Debug)]
 pub(super) struct Pairs(Vec<Option<usize>>);
 
 impl Pairs {
-    /// Neighbours by number, each two of them with the probability that is the share of workers in pairs.
+    /// Pairs workers with neighbouring numbers, each pair with the probability `share`.
     pub fn draw(share: f64, count: usize, seed: u64) -> Pairs {
         let pair = |k: u64| Stream::new(seed, PURPOSE, k).happens_of(share);
         let mate = |i: usize| (i ^ 1 < count && pair(i as u64 / 2)).then_some(i ^ 1);
         Pairs((0..count).map(mate).collect())
     }
 
-    /// With whom a worker walks.
+    /// The other worker of the pair, if there is one.
     pub fn mate(&self, worker: usize) -> Option<usize> {
         self.0[worker]
     }
 
-    /// The one whose assignments a worker's are next to: itself unless it is the second of a pair.
+    /// The worker that decides where this one works: the first of the pair, or the worker itself if it has no mate.
     pub fn leader(&self, worker: usize) -> usize {
         self.mate(worker).map_or(worker, |mate| mate.min(worker))
     }
 }
 
-/// The place nearest to one of them, as numbers.
+/// The place nearest to place number `place`, as a number.
 pub(super) fn next_to(place: usize, places: &[Point]) -> usize {
     let far = |i: &usize| (places[*i] - places[place]).norm();
     let others = (0..places.len()).filter(|i| *i != place);

@@ -1,4 +1,4 @@
-//! How a worker is seen: poses with age, noise, drift, wrong anchors, jumps, new frames, silence, loss and repeats.
+//! How devices see a worker: poses with age, noise, drift, wrong anchors, jumps, new frames, silence, loss and repeats.
 //!
 //! Main type: [`Device`]. Faults act on the measurement only, never on the worker. Refuses: to say which poses are
 //! wrong.
@@ -11,15 +11,15 @@ use giveway_floor::time::{Span, Time};
 use giveway_people::human::{Quality, Sighting, SourceId};
 use nalgebra::Rotation2;
 
-/// Purposes of the second device's streams are these of the first and so many more.
+/// Offset from the purposes of the first device's streams to those of the second.
 const SECOND: u64 = 100;
 
-/// How long a device that lost itself says so before the new frame begins.
+/// How long a device reports that it is lost before the new frame begins.
 const LOST: Span = Span::from_millis(300);
-/// Shortest and longest jump of a position, metres, and how long it lasts, seconds.
+/// Shortest and longest jump of a position, metres, and shortest and longest duration of a jump, seconds.
 const JUMP: ((f64, f64), (f64, f64)) = ((1.0, 3.0), (0.5, 2.0));
 
-/// Something that happens now and then, and lasts.
+/// A fault that occurs at random and lasts for some time.
 #[derive(Debug)]
 struct Spell {
     per_hour: f64,
@@ -35,7 +35,7 @@ impl Spell {
         Spell { per_hour, next, until: now, random, count: 0 }
     }
 
-    /// Whether one begins by `now`; it then lasts between `low` and `high` seconds.
+    /// Whether a spell begins by `now`; it then lasts between `low` and `high` seconds.
     fn begins(&mut self, now: Time, low: f64, high: f64) -> bool {
         if now < self.next {
             return false;
@@ -55,7 +55,7 @@ fn after(now: Time, per_hour: f64, random: &mut Stream) -> Time {
     now + Span::from_secs_f64(random.exponential(3600.0 / per_hour))
 }
 
-/// What a worker carries.
+/// A device that a worker carries.
 #[derive(Debug)]
 pub(super) struct Device {
     sensor: Sensor,
@@ -63,7 +63,7 @@ pub(super) struct Device {
     radio: Stream,
     frames: Stream,
     silence: Spell,
-    /// Besides, it sends nothing until then.
+    /// Until when the device also sends nothing because it was told to.
     mute_until: Time,
     jumps: Spell,
     resets: Spell,
@@ -71,7 +71,7 @@ pub(super) struct Device {
     next: Time,
     epoch: u32,
     seq: u64,
-    /// Where and after how many metres the last anchor was, and how wrong it and the drift are.
+    /// Where the last anchor was and after how many metres walked; then the error of its direction, and the drift.
     anchor: Option<(Point, f64)>,
     anchor_turn: f64,
     drift: Vector,
@@ -84,8 +84,8 @@ impl Device {
         Device::drawing(sensor, |purpose| Stream::new(seed, purpose, who), now)
     }
 
-    /// What worker number `who` wears besides it. It draws numbers of its own, so that the device sees the same with
-    /// it.
+    /// A second device for worker number `who`. It draws from streams of its own, so that the first device sees the
+    /// same with and without it.
     pub fn second(sensor: Sensor, seed: u64, who: u64, now: Time) -> Device {
         Device::drawing(sensor, |purpose| Stream::new(seed, purpose + SECOND, who), now)
     }
@@ -111,7 +111,7 @@ impl Device {
         }
     }
 
-    /// Looks at the worker, who truly is at `pose` after `walked_m` metres, where it is time to.
+    /// Measures the worker, whose true pose is `pose` after `walked_m` metres, if a measurement is due.
     pub fn look(&mut self, now: Time, worker: WorkerId, pose: Pose, walked_m: f64) {
         if now < self.next {
             return;
@@ -128,23 +128,23 @@ impl Device {
         }
     }
 
-    /// Sends nothing until then.
+    /// The device sends nothing until `until`.
     pub fn fall_silent(&mut self, until: Time) {
         self.mute_until = until;
     }
 
-    /// Begins a new frame at an anchor where its wearer is, without the errors of the one before: it lost its position,
-    /// or marks were touched.
+    /// Begins a new frame at an anchor where the wearer is, without the errors of the old frame: the device lost its
+    /// position, or the worker touched marks.
     pub fn begin_frame(&mut self) {
         (self.epoch, self.seq, self.anchor) = (self.epoch + 1, 0, None);
     }
 
-    /// How often it was silent, was off by far, and began a new frame.
+    /// How often the device was silent, jumped, and began a new frame.
     pub fn counts(&self) -> [u64; 3] {
         [self.silence.count, self.jumps.count, self.resets.count]
     }
 
-    /// What has come in by `now`, in the order in which it comes in.
+    /// Observations that have arrived by `now`, in order of arrival.
     pub fn arrivals(&mut self, now: Time) -> Vec<Sighting> {
         self.under_way.sort_by_key(|(due, order, _)| (*due, *order));
         let count = self.under_way.partition_point(|(due, ..)| *due <= now);
@@ -186,7 +186,7 @@ impl Device {
         }
     }
 
-    /// An anchor puts the position right, and turns the frame wrong by a little.
+    /// An anchor corrects the position and turns the frame by a small random angle.
     fn meet_anchor(&mut self, at: Point, walked_m: f64) -> (Point, f64) {
         self.anchor = Some((at, walked_m));
         self.anchor_turn = self.frames.between(-1.0, 1.0) * self.sensor.anchor_deg.to_radians();
@@ -197,7 +197,7 @@ impl Device {
 
     fn send(&mut self, now: Time, sighting: Sighting) {
         let Sensor { loss, repeat, delay_ms, jitter_ms, .. } = self.sensor;
-        // The same draws for each pose, whatever becomes of it.
+        // Each pose takes the same number of draws, whatever happens to it.
         let (lost, twice) = (self.radio.happens_of(loss), self.radio.happens_of(repeat));
         for copy in [true, twice] {
             let delay = delay_ms + jitter_ms * self.radio.unit();
@@ -213,7 +213,7 @@ impl Device {
 mod tests {
     use super::*;
 
-    /// All that comes in while a worker walks along x at 1.2 m/s for so many seconds, with when it came.
+    /// All observations while a worker walks along x at 1.2 m/s for `seconds`, each with its arrival time.
     fn seen(sensor: Sensor, seconds: i64) -> Vec<(Time, Sighting)> {
         let mut device = Device::new(sensor, 1, 0, Time::ZERO);
         let mut all = Vec::new();

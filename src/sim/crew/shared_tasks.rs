@@ -1,6 +1,6 @@
-//! Work that no simulated worker has of its own: some of it always waits for the nearest one who is free.
+//! Assignments that belong to no simulated worker: some of them always wait for the nearest free one.
 //!
-//! Main type: [`SharedTasks`]. Refuses: to say who is to do it.
+//! Main type: [`SharedTasks`]. Refuses: to choose the worker.
 
 use crate::random::Stream;
 use crate::scenario::Assignments;
@@ -11,7 +11,7 @@ use giveway_floor::time::Span;
 /// Purpose of the stream, see [`Stream::new`].
 const PURPOSE: u64 = 36;
 
-/// What is to be done by whoever is near.
+/// Assignments for whichever worker is near.
 #[derive(Debug)]
 pub(super) struct SharedTasks {
     places: Stream,
@@ -20,12 +20,12 @@ pub(super) struct SharedTasks {
 }
 
 impl SharedTasks {
-    /// Nothing yet.
+    /// No assignments yet.
     pub fn new(seed: u64) -> SharedTasks {
         SharedTasks { places: Stream::new(seed, PURPOSE, 0), asked: 0, seed }
     }
 
-    /// What is asked for, so that one assignment waits for each of `workers`.
+    /// Requests for new assignments, so that one waits for each of `workers`.
     pub fn ask(
         &mut self,
         workers: usize,
@@ -46,7 +46,7 @@ impl SharedTasks {
                 _ => self.places.below(fronts.len()),
             };
             self.asked += 1;
-            // A restarted world may have asked for the same before: the key says so.
+            // A world before a restart may have made the same request; the key identifies it.
             let key = Some(format!("shared/{}/{}", self.seed, self.asked));
             let stay = Span::from_secs_f64(*stay_s);
             AssignmentRequest { place: fronts[at], stay, what: "pick".into(), key: key.map(Into::into) }
@@ -55,7 +55,7 @@ impl SharedTasks {
     }
 }
 
-/// Assignments that nobody has.
+/// Assignments without a worker.
 pub(super) fn unassigned(ledger: &Ledger) -> impl Iterator<Item = AssignmentId> + '_ {
     ledger.assignments.iter().filter(|(_, a)| a.worker.is_none()).map(|(id, _)| *id)
 }

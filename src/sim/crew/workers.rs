@@ -1,4 +1,4 @@
-//! All simulated workers: they join, get their assignments, come in by a door, are seen, are told, and leave.
+//! All simulated workers: they join, get assignments, enter by a door, are seen, are guided, and leave.
 //!
 //! Main type: [`Crew`]. Refuses: to show the fleet anything but what their devices measure and what any client
 //! may read over the API.
@@ -24,17 +24,17 @@ use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// So many assignments of a worker are always open.
+/// Number of open assignments that each worker always has.
 const AHEAD: u64 = 2;
-/// Purpose of the streams that draw where each works, see [`Stream::new`].
+/// Purpose of the streams that draw where each worker works, see [`Stream::new`].
 const TASKS: u64 = 20;
-/// Workers come in one after another, so far apart.
+/// Interval between two workers entering.
 const APART: Span = Span::from_secs(3);
-/// Who was on the floor before this world began is not put nearer than this to a robot, metres.
+/// A worker who was on the floor before this world began is placed at least this far from robots, metres.
 const BESIDE_M: f64 = 1.0;
-/// What has not come through, either way, is sent again after this.
+/// Interval after which a lost message is sent again, in either direction.
 const AGAIN: Span = Span::from_millis(300);
-/// Workers who are told that the headset does not know where it is have touched marks after this.
+/// Workers who are told that the headset is lost touch marks after this time.
 const TOUCHES_MARKS: Span = Span::from_secs(15);
 
 /// One worker with device and radio.
@@ -43,28 +43,28 @@ struct Member {
     name: String,
     id: Option<WorkerId>,
     enters: Time,
-    /// Where the fleet knew it to be before this world began: it never left.
+    /// Where the fleet knew the worker before this world began: that worker never left.
     stays: Option<Point>,
     leaves: Time,
     walker: Option<Walker>,
     device: Option<Device>,
-    /// What it wears besides.
+    /// The tag that the worker also wears, if any.
     tag: Option<Device>,
     tasks: Stream,
     asked: u64,
     done: BTreeSet<AssignmentId>,
-    /// What the fleet wants it to be told, how often that changed, and when it was sent last.
+    /// The latest guidance for the worker, how often it changed, and when it was last sent.
     told: Option<(u64, Guidance)>,
     sent: Time,
     heard: u64,
     radio: Link<(u64, Guidance)>,
-    /// The other way: what it is done with, and when it last said so.
+    /// The other direction: the assignment that the worker reports as done, and when it last did so.
     button: Link<AssignmentId>,
     pressed: Time,
-    /// What it may do next, and places that everybody knows.
+    /// What the worker may do next, and the places that everybody knows.
     job: Option<Errand>,
     known: Vec<Point>,
-    /// Since when it has been told that the headset does not know, or knows badly, where it is.
+    /// Since when the worker has been told that the headset is lost or has a poor position.
     asked_for_marks: Option<Time>,
 }
 
@@ -75,10 +75,10 @@ pub(crate) struct Crew {
     walkways: Walkways,
     doors: Vec<Point>,
     fronts: Vec<NodeId>,
-    /// Where those are.
+    /// Positions of `fronts`.
     places: Vec<Point>,
     seed: u64,
-    /// When the scenario began: its times count from here.
+    /// When the scenario began; the scenario's times count from here.
     start: Time,
     asked: u64,
     members: Vec<Member>,
@@ -88,19 +88,19 @@ pub(crate) struct Crew {
     counts: [u64; 3],
 }
 
-/// A worker as it truly is.
+/// The truth about a worker.
 #[derive(Clone, Copy, Debug)]
 pub struct TrueWorker {
-    /// Its number.
+    /// The worker's number.
     pub worker: usize,
-    /// Where, and where the head faces.
+    /// Where the worker is, and where the head faces.
     pub pose: Pose,
-    /// How fast, metres per second.
+    /// The worker's speed, metres per second.
     pub speed_mps: f64,
 }
 
 impl Crew {
-    /// The workers of a scenario, all outside; nothing where it has none or the map has no floor for people.
+    /// The workers of a scenario, all outside; none if the scenario has none or the map has no floor for people.
     pub fn new(warehouse: &Arc<Warehouse>, scenario: &Scenario, seed: u64, now: Time) -> Option<Crew> {
         let workers = scenario.workers.clone();
         if workers.count == 0 {
@@ -139,7 +139,7 @@ impl Crew {
         })
     }
 
-    /// What is asked of the fleet, and what the devices have sent, by `now`.
+    /// Requests to the fleet, and what the devices have sent, by `now`.
     pub fn say(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
         let mut inputs = Vec::new();
         self.share(now, ledger, &mut inputs);
@@ -173,7 +173,7 @@ impl Crew {
         Input::ask(Token { asker: CREW, number: self.asked }, action)
     }
 
-    /// A worker whom the fleet does not know joins; the number is known a step later.
+    /// Joins a worker that the fleet does not know; its number is known one step later.
     fn join(&mut self, i: usize, ledger: &Ledger, inputs: &mut Vec<Input>) {
         if self.members[i].id.is_none() {
             let name = self.members[i].name.clone();
@@ -190,7 +190,7 @@ impl Crew {
         }
     }
 
-    /// Keeps assignments waiting for whoever is near, and takes them back when the last worker leaves.
+    /// Keeps shared assignments open, and takes them back when the last worker leaves.
     fn share(&mut self, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
         if self.workers.tasks != TaskSharing::Nearest {
             return;
@@ -208,7 +208,7 @@ impl Crew {
         }
     }
 
-    /// Keeps assignments open for a worker until it leaves, and takes them back then.
+    /// Keeps assignments open for a worker until it leaves; then takes them back.
     fn want_assignments(&mut self, i: usize, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
         let Some(worker) = self.members[i].id else { return };
         if now >= self.members[i].leaves {
@@ -235,11 +235,11 @@ impl Crew {
                 Assignments::List { .. } => member.asked as usize % self.fronts.len(),
                 _ => member.tasks.below(self.fronts.len()),
             };
-            // Both of a pair draw the same places; the second takes the next one.
+            // Both workers of a pair draw the same places; the second takes the next one.
             let at = if self.pairs.leader(i) == i { at } else { next_to(at, &self.places) };
             let place = self.fronts[at];
             member.asked += 1;
-            // A restarted world may have asked for the same before: the key says so.
+            // A world before a restart may have made the same request; the key identifies it.
             let key = Some(format!("{}/{}/{}", member.name, self.seed, member.asked));
             let stay = Span::from_secs_f64(stay_s);
             let request = AssignmentRequest { place, stay, what: "pick".into(), key: key.map(Into::into) };
@@ -247,7 +247,7 @@ impl Crew {
         }
     }
 
-    /// A worker says what it is done with, until the fleet knows.
+    /// Reports what a worker has done until the fleet knows it.
     fn confirm(&mut self, i: usize, now: Time, ledger: &Ledger, inputs: &mut Vec<Input>) {
         let member = &mut self.members[i];
         let Some(worker) = member.id else { return };
@@ -261,7 +261,7 @@ impl Crew {
         }
     }
 
-    /// Sends what the fleet says to a worker.
+    /// Sends the fleet's guidance to a worker.
     pub fn tell(&mut self, now: Time, worker: WorkerId, guidance: Guidance) {
         if let Some(member) = self.members.iter_mut().find(|m| m.id == Some(worker)) {
             let number = member.told.as_ref().map_or(1, |(n, _)| n + 1);
@@ -270,7 +270,7 @@ impl Crew {
         }
     }
 
-    /// Everybody lives for `dt` seconds, up to `now`.
+    /// Advances all workers by `dt` seconds, up to `now`.
     pub fn tick(&mut self, now: Time, dt: f64, robots: &[RobotNear]) {
         let colleagues: Vec<Vec<Point>> = (0..self.members.len()).map(|i| self.colleagues(i, now)).collect();
         let seen = |m: &Member| m.walker.as_ref().filter(|w| !w.is_gone()).map(|w| w.seen(now));
@@ -309,7 +309,7 @@ impl Crew {
             let work = WorkKnowledge { job, known: &member.known, colleagues: &colleagues[i], companion };
             let around = WalkerSurroundings { walkways: &self.walkways, robots, people: &near };
             walker.tick(now, dt, &around, &work);
-            // Those who walk after this one see where it is now.
+            // Workers later in this loop see where this one is now.
             people[i] = Some(walker.seen(now)).filter(|_| !walker.is_gone());
             member.done.extend(walker.finished.drain(..));
             let (pose, walked_m) = (walker.pose(now), walker.walked_m());
@@ -320,7 +320,7 @@ impl Crew {
         }
     }
 
-    /// Their radios do this to messages from now on.
+    /// From now on, the workers' radios have these faults.
     pub fn set_faults(&mut self, faults: LinkFaults) {
         for member in &mut self.members {
             member.radio.set_faults(faults);
@@ -328,13 +328,13 @@ impl Crew {
         }
     }
 
-    /// The headset of a worker sends nothing until then. Whether there is one.
+    /// Silences the headset of a worker until `until`. Gives whether there is one.
     pub fn silence(&mut self, worker: WorkerId, until: Time) -> bool {
         let device = self.members.iter_mut().find(|m| m.id == Some(worker)).and_then(|m| m.device.as_mut());
         device.map(|device| device.fall_silent(until)).is_some()
     }
 
-    /// How often their devices had each kind of fault.
+    /// How often the workers' devices had each kind of fault.
     pub fn injected(&self) -> impl Iterator<Item = (&'static str, u64)> {
         let mut counts = self.counts;
         let devices = self.members.iter().filter_map(|m| m.device.as_ref());
@@ -346,14 +346,14 @@ impl Crew {
         self.present(now).filter(|p| p.worker != i).map(|p| p.pose.at).collect()
     }
 
-    /// Those on the floor, as they truly are.
+    /// The true workers on the floor.
     pub fn present(&self, now: Time) -> impl Iterator<Item = TrueWorker> {
         let walkers = self.members.iter().enumerate().filter_map(|(i, m)| m.walker.as_ref().map(|w| (i, w)));
         let present = walkers.filter(|(_, w)| !w.is_gone());
         present.map(move |(worker, w)| TrueWorker { worker, pose: w.pose(now), speed_mps: w.speed_mps() })
     }
 
-    /// The truth about each worker that has been on the floor: its number in the fleet, and the walker.
+    /// The truth about each worker who has been on the floor: its number in the fleet, and the walker.
     pub fn walkers(&self) -> impl Iterator<Item = (WorkerId, &Walker)> {
         self.members.iter().filter_map(|m| m.id.zip(m.walker.as_ref()))
     }
@@ -398,7 +398,7 @@ impl Member {
         }
     }
 
-    /// A worker who has been told for a while that the headset does not know where it is touches marks again.
+    /// Workers who have been told for a while that the headset is lost touch marks again.
     fn touch_marks(&mut self, now: Time) {
         if self.asked_for_marks.is_some_and(|since| now - since >= TOUCHES_MARKS) {
             self.asked_for_marks = None;
@@ -406,7 +406,7 @@ impl Member {
         }
     }
 
-    /// Takes guidance off the radio, and asks for it again where it did not come through.
+    /// Receives guidance from the radio, and asks for guidance that was lost.
     fn listen(&mut self, now: Time) {
         if let Some((number, _)) = &self.told
             && *number > self.heard
@@ -430,7 +430,7 @@ impl Member {
         }
     }
 
-    /// Looks up what there is to do, and where.
+    /// Looks up the next errand of each worker.
     fn look_up(&mut self, ledger: &Ledger, doors: &[Point], walkways: &Walkways) {
         self.job = self.next_job(ledger, walkways);
         let Some(worker) = self.id else { return };
@@ -439,11 +439,11 @@ impl Member {
         self.known = doors.iter().copied().chain(places.filter_map(|p| stand(p, walkways))).collect();
     }
 
-    /// What it is to do next: what the device shows, or else the first that is not done.
+    /// A worker's next errand: the one that the device shows, or else the first one not done.
     fn next_job(&self, ledger: &Ledger, walkways: &Walkways) -> Option<Errand> {
         let worker = self.id?;
         let all = &ledger.assignments;
-        // Told to leave or to wait outside, it looks for no work.
+        // A worker who is told to leave or to wait outside looks for no work.
         let reason = self.told.as_ref().and_then(|(_, g)| g.reason);
         if matches!(
             reason,
@@ -480,12 +480,12 @@ fn shown(g: &Guidance) -> Shown {
     }
 }
 
-/// Where somebody stands to reach a place.
+/// Where a person stands to reach a place.
 fn stand(place: Point, walkways: &Walkways) -> Option<Point> {
     walkways.on_floor(place).map(|p| ease(p, walkways))
 }
 
-/// Nodes where there is something to do for people: storage places that can be reached on foot, or those named.
+/// Nodes with work for people: storage places that can be reached on foot, or those that the scenario names.
 fn fronts(warehouse: &Warehouse, assignments: &Assignments, walkways: &Walkways) -> Vec<NodeId> {
     let named = |n: NodeId, places: &[String]| places.contains(&warehouse.nodes[n].name);
     let all = match assignments {

@@ -1,7 +1,7 @@
-//! Draws what simulated customers want beside deliveries, how they change their minds, and what operators do by hand.
+//! Draws what simulated customers want besides deliveries, how they change their minds, and what operators do by hand.
 //!
-//! Main type: [`Choices`]. Refuses: to draw anything where a
-//! scenario has no such customers, so that its runs stay as they were.
+//! Main type: [`Choices`]. Refuses: to draw anything if a scenario has no such customers, so that its runs stay as they
+//! were.
 
 use crate::random::Stream;
 use crate::scenario::Habits;
@@ -16,10 +16,10 @@ use std::collections::{BTreeMap, VecDeque};
 
 /// The purpose of the stream of random numbers.
 const PURPOSE: u64 = 41;
-/// So many accepted jobs may be named in `after`, the newest ones.
+/// At most this many of the newest accepted jobs may be named in `after`.
 const REMEMBERED: usize = 32;
 
-/// Something that somebody is to undo.
+/// An action that somebody will undo later.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Undo {
     Cancel(JobId),
@@ -33,21 +33,22 @@ enum Undo {
 pub(super) struct Choices {
     habits: Habits,
     random: Stream,
-    /// For what came later, so that older runs repeat.
+    /// A second stream for habits that were added later, so that older runs repeat.
     later_random: Stream,
     storage: Vec<NodeId>,
     /// Places where robots may stay.
     places: Vec<NodeId>,
-    /// Tokens of jobs that are to be cancelled when they are accepted, with how long after that.
+    /// Tokens of jobs that will be cancelled once accepted, with the delay after acceptance.
     doomed: BTreeMap<Token, Span>,
-    /// Those of jobs that are to be given to another robot: which one, if any, and how long after acceptance.
+    /// Tokens of jobs that will be given to another robot: which one, if any, and the delay after acceptance.
     moved: BTreeMap<Token, (Option<RobotId>, Span)>,
     accepted: VecDeque<JobId>,
     later: Vec<(Time, Undo)>,
-    /// Requests that are handed in a second time.
+    /// Requests to submit a second time.
     again: Vec<JobRequest>,
     keys: u64,
-    /// The pick last decided at a station: the robot, the serial number of its visit, and whether goods are missing.
+    /// The last decision on a pick at a station: the robot, the serial number of its visit, and whether goods are
+    /// missing.
     picks: BTreeMap<StationId, (RobotId, u64, bool)>,
 }
 
@@ -74,7 +75,7 @@ impl Choices {
         self.habits == Habits::default()
     }
 
-    /// A job in place of a plain delivery, handed in with this token.
+    /// A job in place of a plain delivery, submitted with this token.
     pub fn request(&mut self, plain: JobKind, token: Token, now: Time, ledger: &Ledger) -> JobRequest {
         let mut request = JobRequest::new(plain);
         if self.is_plain() {
@@ -108,7 +109,7 @@ impl Choices {
         request
     }
 
-    /// More stations for a delivery, and another robot for a job.
+    /// Adds more stations to a delivery, and draws whether a job goes to another robot.
     fn want_more(&mut self, request: &mut JobRequest, token: Token, ledger: &Ledger) {
         let (h, random) = (self.habits, &mut self.later_random);
         if h.more_stops > 0.0 && random.happens(h.more_stops) {
@@ -159,7 +160,7 @@ impl Choices {
         }
     }
 
-    /// What the fleet answered.
+    /// Takes the fleet's reply.
     pub fn hear(&mut self, reply: &Reply, now: Time) {
         let Reply { token, answer: Ok(Answer::Job(Made { id: job, new: true })) } = *reply else { return };
         if let Some(after) = self.doomed.remove(&token) {
@@ -174,7 +175,7 @@ impl Choices {
         }
     }
 
-    /// What else is said now: cancels, pauses, and their ends. `stopped` customers begin nothing any more.
+    /// Other requests due now: cancels, pauses, and their ends. Once `stopped`, customers begin nothing new.
     pub fn meddle(&mut self, now: Time, period: Span, stopped: bool, ledger: &Ledger) -> Vec<Undone> {
         if self.is_plain() {
             return Vec::new();
@@ -212,7 +213,7 @@ impl Choices {
         said
     }
 
-    /// Sends several robots, half of the time all, to one another's places.
+    /// Sends several robots to one another's places; half of the time, all of them.
     fn trade(&mut self, ledger: &Ledger) -> Vec<Undone> {
         let mut robots: Vec<RobotId> = ledger.present().collect();
         self.later_random.shuffle(&mut robots);
@@ -224,7 +225,7 @@ impl Choices {
         robots.into_iter().zip(goals).map(|(robot, goal)| Undone::Go(robot, goal)).collect()
     }
 
-    /// How a pick ends at which a robot stands.
+    /// How the pick with this robot at this station ends.
     pub fn pick(&mut self, station: StationId, robot: RobotId, serial: u64) -> StationOrder {
         let known = self.picks.get(&station).filter(|(r, s, _)| (*r, *s) == (robot, serial)).map(|p| p.2);
         let short = known.unwrap_or_else(|| self.random.happens(self.habits.short));
@@ -233,7 +234,7 @@ impl Choices {
     }
 }
 
-/// Something said beside jobs.
+/// A request other than a new job.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Undone {
     Cancel(JobId),
@@ -256,7 +257,7 @@ impl From<Undo> for Undone {
 }
 
 impl Undone {
-    /// As a request.
+    /// The request to the fleet.
     pub fn request(self) -> Request {
         match self {
             Undone::Cancel(job) => JobAction::Cancel(job).into(),

@@ -1,6 +1,6 @@
 //! Simulated customers: they keep jobs waiting, or order at random times, or work through a file of order lines.
 //!
-//! Main type: [`Customers`]. Refuses: to look at anything a customer could not see (it counts waiting jobs, no more).
+//! Main type: [`Customers`]. Refuses: to look at anything a customer could not see (it only counts waiting jobs).
 
 mod choices;
 
@@ -22,18 +22,18 @@ const LINES: u64 = 60;
 /// One line of an order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OrderFileLine {
-    /// The order it belongs to; lines of one order go to one station.
+    /// The order that the line belongs to; lines of one order go to one station.
     pub order: String,
     /// Where its goods lie; one rack holds the goods of one location.
     pub location: String,
 }
 
 impl OrderFileLine {
-    /// Reads a table ([`TextTable`]) with the columns `OrderNumber` and `AlleyCell` (or `Location`, or `SKU`); others
-    /// are passed over.
+    /// Reads a table ([`TextTable`]) with the columns `OrderNumber` and `AlleyCell` (or `Location`, or `SKU`); it
+    /// ignores other columns.
     ///
     /// # Errors
-    /// What is wrong, with its line. A table without a line is wrong, too: nobody would order anything.
+    /// The first problem with its line number. A table without lines is an error, too: there would be no orders.
     pub fn parse_csv(text: &str) -> Result<Vec<OrderFileLine>, String> {
         let table = TextTable::read(text).map_err(|fault| fault.to_string())?;
         let named = || {
@@ -61,7 +61,7 @@ impl OrderFileLine {
     }
 }
 
-/// Why customers order nothing on a map, though the scenario has some; for people.
+/// Why customers order nothing on a map although the scenario has some; a text for people.
 pub fn nothing_to_order(scenario: &Scenario, warehouse: &Warehouse) -> Option<&'static str> {
     match (&scenario.demand, warehouse.racks.len(), warehouse.stations.len()) {
         (Demand::None, ..) => None,
@@ -86,12 +86,12 @@ pub(super) struct Customers {
     stations: usize,
     random: Stream,
     sent: u64,
-    /// Orders that were not answered yet.
+    /// Orders without a reply yet.
     unanswered: BTreeSet<u64>,
     choices: Choices,
-    /// What they order of racks at work cells, if they do.
+    /// What customers order of racks at work cells, if they do.
     order_lines: Option<(LineDemand, Stream)>,
-    /// Whether they want nothing new.
+    /// Whether customers have stopped ordering.
     stopped: bool,
 }
 
@@ -117,17 +117,17 @@ impl Customers {
         }
     }
 
-    /// They want nothing new from now on.
+    /// From now on, customers order nothing new.
     pub fn stop(&mut self) {
         self.stopped = true;
     }
 
-    /// Whether they want nothing new any more.
+    /// Whether customers have stopped ordering.
     pub fn have_stopped(&self) -> bool {
         self.stopped
     }
 
-    /// What the fleet answered.
+    /// Takes the fleet's reply.
     pub fn hear(&mut self, reply: &Reply, now: Time) {
         if reply.token.asker == CUSTOMERS {
             self.unanswered.remove(&reply.token.number);
@@ -135,12 +135,12 @@ impl Customers {
         self.choices.hear(reply, now);
     }
 
-    /// The process that they ask has died: what it did not answer is asked again, or never answered.
+    /// The server process has died: requests without a reply are sent again, or never get one.
     pub fn expect_no_answers(&mut self) {
         self.unanswered.clear();
     }
 
-    /// What they order, and what else is said, now.
+    /// Orders and other requests due now.
     pub fn order(&mut self, now: Time, period: Span, ledger: &Ledger) -> Vec<Input> {
         let mut inputs = if self.stopped { Vec::new() } else { self.jobs(now, ledger) };
         for said in self.choices.meddle(now, period, self.stopped, ledger) {
@@ -150,7 +150,7 @@ impl Customers {
         inputs
     }
 
-    /// What the picker says of a rack that stands at a station, once all that was wanted is picked from it.
+    /// What the picker reports of a rack at a station once all wanted goods are picked from it.
     pub fn pick(&mut self, station: StationId, robot: RobotId, serial: u64) -> Input {
         let order = self.choices.pick(station, robot, serial);
         Input::ask(self.token(), Request::Station(station, order))
@@ -219,7 +219,7 @@ impl Customers {
     }
 }
 
-/// What is ordered of a rack at a station; nothing where that is no cell, or the rack has no slots.
+/// Order lines for a rack at a station; none if the station has no cell or the rack has no slots.
 fn lines_of(
     w: &Warehouse,
     (rack, station): (RackId, StationId),

@@ -1,7 +1,7 @@
-//! What a scenario says to the fleet beside orders: the areas that are closed for a time, at the start, and when the
-//! building is evacuated.
+//! What a scenario tells the fleet besides orders: the areas closed for a time, at the start, and when the building is
+//! evacuated.
 //!
-//! Main type: [`Announcements`]. Refuses: to say it again to a fleet that was told before a restart.
+//! Main type: [`Announcements`]. Refuses: to repeat an announcement to a fleet that got it before a restart.
 
 use crate::askers::SUPERVISORS;
 use crate::scenario::Scenario;
@@ -9,16 +9,16 @@ use giveway_fleet::{FloorAction, Input, Ledger, Token};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 
-/// What is still to be said, and when.
+/// Announcements to come, each with its time.
 #[derive(Debug)]
 pub(crate) struct Announcements {
-    /// In the order in which they are said at one time.
+    /// Pending announcements with their times; those of one time leave in this order.
     ahead: Vec<(Time, FloorAction)>,
     said: u64,
 }
 
 impl Announcements {
-    /// What a scenario says that begins at `start`, with a fleet that may have been told.
+    /// The announcements of a scenario that begins at `start`, to a fleet that may already have got them.
     ///
     /// # Panics
     /// If the map does not have a node that the scenario closes: see [`Scenario::areas`].
@@ -32,7 +32,7 @@ impl Announcements {
             ahead.extend(areas.map(|area| (start, FloorAction::Close(area))));
             ahead.extend(recurring.map(|closure| (start, FloorAction::Recur(closure))));
         }
-        // A fleet with robots has been at work: its evacuations were ordered before.
+        // A fleet with robots has been running: its evacuations were ordered before.
         for e in scenario.evacuations.iter().filter(|_| ledger.robots.is_empty()) {
             let at = |s: f64| start + Span::from_secs_f64(s);
             ahead.push((at(e.at_s), FloorAction::Evacuate));
@@ -41,7 +41,7 @@ impl Announcements {
         Announcements { ahead, said: 0 }
     }
 
-    /// What is due.
+    /// Announcements that are due.
     pub fn say(&mut self, now: Time) -> Vec<Input> {
         let due = self.ahead.extract_if(.., |(at, _)| *at <= now);
         let ask = |(_, action)| {

@@ -1,7 +1,7 @@
 //! Robots that are taken off the floor, and brought back later.
 //!
-//! Main type: [`Leavers`]. Refuses: to take one away that the fleet has not let go to where it rests, unless it is
-//! broken.
+//! Main type: [`Leavers`]. Refuses: to take away a robot that the fleet has not released at its resting place, unless
+//! the robot is broken.
 
 use crate::askers::ROBOTS;
 use crate::random::Stream;
@@ -12,7 +12,7 @@ use giveway_floor::warehouse::NodeKind;
 
 /// The token of requests about robots that leave and come back.
 const TOKEN: Token = Token { asker: ROBOTS, number: 0 };
-/// Where there is no room for a robot that comes back, another place is tried after this.
+/// If there is no room for a returning robot, another place is tried after this time.
 const AGAIN: Span = Span::from_secs(5);
 
 /// Which robots leave, and when they are brought back.
@@ -25,13 +25,13 @@ pub(crate) struct Leavers {
 }
 
 impl Leavers {
-    /// So many robots leave in an hour, and are brought back after so long.
+    /// `per_hour` robots leave in an hour, and each is brought back after `away_s` seconds.
     pub fn new(per_hour: f64, away_s: f64, seed: u64) -> Leavers {
         let random = Stream::new(seed, 8, 0);
         Leavers { per_hour, away: Span::from_secs_f64(away_s), random, next_try: Time::ZERO }
     }
 
-    /// What is said now. Robots that are away come back although customers have `stopped`.
+    /// The request due now, if any. Robots that are away come back even after customers have `stopped`.
     pub fn say(&mut self, now: Time, period: Span, stopped: bool, ledger: &Ledger) -> Option<Input> {
         if self.per_hour <= 0.0 {
             return None;
@@ -59,7 +59,7 @@ impl Leavers {
     }
 }
 
-/// Whether a robot that is to leave can be switched off and taken away.
+/// Whether a leaving robot can be switched off and taken away.
 pub(crate) fn may_be_taken(ledger: &Ledger, robot: RobotId) -> bool {
     let (record, chain) = (&ledger.robots[robot], ledger.chain(robot));
     let rests = record.task == Task::Idle && chain.first() + 1 == chain.end();

@@ -1,7 +1,7 @@
 //! Stations that stop, and chargers that give no current.
 //!
-//! Main type: [`Outages`]. A stop of a station and its end are said to the fleet as operators say them. Of a
-//! charger the fleet hears from the robot on it alone. Refuses: to draw a number where a scenario has no such faults.
+//! Main type: [`Outages`]. The fleet is told of a station's stop and its end as operators would tell it. It hears of a
+//! charger only from the robot on it. Refuses: to draw a number if a scenario has no such faults.
 
 use crate::askers::OUTAGES;
 use crate::random::Stream;
@@ -17,7 +17,7 @@ const TOKEN: Token = Token { asker: OUTAGES, number: 0 };
 const CHARGERS: u64 = 10;
 const STATIONS: u64 = 11;
 
-/// Something that is out of order now and then.
+/// A station or charger that is out of order now and then.
 #[derive(Debug)]
 struct Outage<T> {
     of: T,
@@ -38,7 +38,7 @@ pub(crate) struct Outages {
 }
 
 impl Outages {
-    /// All work at first.
+    /// All stations and chargers, in order at first.
     pub fn new(faults: &Faults, warehouse: &Warehouse, seed: u64) -> Outages {
         let stream = |purpose, i: usize| Stream::new(seed, purpose, i as u64);
         let works = |(i, of)| Outage { of, until: None, luck: stream(CHARGERS, i) };
@@ -54,7 +54,7 @@ impl Outages {
         }
     }
 
-    /// What begins and ends between `from` and `to`, and what is said to the fleet about it.
+    /// Begins and ends outages between `from` and `to`; gives what the fleet is told.
     pub fn say(&mut self, from: Time, to: Time) -> Vec<Input> {
         let hours = (to - from).as_secs_f64() / 3600.0;
         let (chargers, stations) =
@@ -73,12 +73,12 @@ impl Outages {
         said
     }
 
-    /// Until when a charger gives no current; nothing for one that does, and for other nodes.
+    /// Until when a charger gives no current; nothing if it works or the node is no charger.
     pub fn at(&self, node: NodeId) -> Option<Time> {
         self.chargers.iter().find(|c| c.of == node)?.until
     }
 
-    /// Nothing is out of order any more; stations say so with the next [`Outages::say`].
+    /// Ends all outages; stations report it with the next [`Outages::say`].
     pub fn end(&mut self, now: Time) {
         (self.charger_outages_per_hour, self.station_stops_per_hour) = (0.0, 0.0);
         self.chargers.iter_mut().for_each(|c| c.until = None);
@@ -87,7 +87,7 @@ impl Outages {
 }
 
 impl<T> Outage<T> {
-    /// Whether it is out of order from now on, or works again; nothing where nothing changes.
+    /// Whether an outage begins (true) or ends (false) now; nothing if neither.
     fn look(&mut self, now: Time, probability: f64, lasts: Span) -> Option<bool> {
         match self.until {
             Some(until) if now >= until => {

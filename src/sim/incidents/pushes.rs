@@ -1,7 +1,7 @@
-//! Where people push robots: onto a node nearby, or to a place between nodes, where no robot is about to come.
+//! Where people push robots: onto a node nearby, or to a place between nodes that no robot is about to reach.
 //!
-//! Main type: [`PushSurroundings`]. Refuses: to put a robot before one that drives; people would see that, and the
-//! fleet hears of it only after a report and an order.
+//! Main type: [`PushSurroundings`]. Refuses: to put a robot in front of a driving one; people would see it coming, and
+//! the fleet learns of the push only after a report and an order.
 
 use crate::random::Stream;
 use giveway_fleet::{OFF_ROUTE_M, RackAt};
@@ -10,37 +10,37 @@ use giveway_floor::id::{IdVec, NodeId, RackId};
 use giveway_floor::route::Kinematics;
 use giveway_floor::warehouse::Warehouse;
 
-/// Nobody pushes a robot farther than this, metres, if there is a place.
+/// People push a robot at most this far, if there is a place, metres.
 pub(crate) const NEARBY_M: f64 = 4.0;
-/// A place between nodes is so much farther from each than what counts as being there, metres.
+/// A place between nodes is this much farther from each node than the distance that counts as being there, metres.
 const BETWEEN_M: f64 = 0.05;
-/// It may be so far beside the lane, metres: as far as robots on lanes side by side are apart. Within [`OFF_ROUTE_M`]
-/// of its own lane a robot counts as on it, so farther out others would touch it.
+/// Largest distance of a pushed robot from its lane, metres: as far as robots on parallel lanes are apart. Within
+/// [`OFF_ROUTE_M`] of its own lane a robot counts as on it, so farther out others would touch it.
 const BESIDE_M: f64 = 0.1;
-/// Places that are tried.
+/// How many places are tried.
 const TRIES: usize = 20;
-/// No robot is pushed nearer to a person, metres between centres.
+/// A robot is pushed no nearer than this to a person, metres between centres.
 const PERSON_M: f64 = 1.2;
-/// Robots that only just touch are too near, metres.
+/// Extra room around a robot, since robots that just touch are too near, metres.
 const ROOM_M: f64 = 0.05;
 
-/// What is around a robot that is pushed.
+/// The surroundings of a robot that is pushed.
 pub(crate) struct PushSurroundings<'a> {
     pub warehouse: &'a Warehouse,
     pub racks: &'a IdVec<RackId, RackAt>,
-    /// Where other robots are, and how fast.
+    /// Positions and speeds of other robots.
     pub others: Vec<(Point, f64)>,
-    /// The ways of those that cannot be told to stop.
+    /// Ways of robots that cannot be told to stop.
     pub headlong: Vec<Segment>,
-    /// Where people are: nobody pushes a robot onto a person.
+    /// Where people are: a robot is never pushed onto a person.
     pub people: Vec<Point>,
     pub kinematics: Kinematics,
-    /// How long another robot may drive on before it hears of a push, seconds.
+    /// How long another robot may drive on before it learns of a push, seconds.
     pub blind_s: f64,
 }
 
 impl PushSurroundings<'_> {
-    /// A place near `at`, with the node nearest to it; nothing where none was found.
+    /// A free place near `at`, with the node nearest to it; nothing if none was found.
     pub fn place_near(
         &self,
         (at, nearby_m): (Point, f64),
@@ -62,7 +62,7 @@ impl PushSurroundings<'_> {
         Some((there, nearest))
     }
 
-    /// Somewhere on a lane that begins at a node, or a little beside it.
+    /// A place on or a little beside a lane that begins at a node.
     fn beside(&self, node: NodeId, random: &mut Stream) -> Point {
         let ways: Vec<NodeId> = self.warehouse.ways(node).map(|(_, w)| w.to).collect();
         let at = |n: NodeId| self.warehouse.nodes[n].at;
@@ -79,7 +79,8 @@ impl PushSurroundings<'_> {
         self.warehouse.nodes_within(p, OFF_ROUTE_M + BETWEEN_M).is_empty()
     }
 
-    /// Whether no robot comes here before it hears of it, and no rack stands where a rack is brought.
+    /// Whether no robot can reach this place before it learns of the push, and a loaded robot meets no stored rack
+    /// there.
     fn is_free(&self, p: Point, loaded: bool) -> bool {
         let side = self.warehouse.footprint_m;
         let of_robots =
@@ -93,7 +94,7 @@ impl PushSurroundings<'_> {
         of_robots && of_ways && of_people && !(loaded && self.racks.iter().any(stored))
     }
 
-    /// How far a robot may come before it stands, metres: one that stands now speeds up and brakes as long.
+    /// How far a robot may drive before it stands, metres: one that stands now accelerates and brakes for as long.
     fn reach(&self, speed_mps: f64) -> f64 {
         let (top, accel) = (self.kinematics.top_mps(false), self.kinematics.accel_mps2(true));
         let driving = top * self.blind_s + top * top / (2.0 * accel);

@@ -1,8 +1,8 @@
 //! The laws of calm guidance: a message stands for two seconds unless it becomes more severe, and no person is told to
 //! stand for a robot that waits for that person.
 //!
-//! Main types: [`CalmLaws`], [`CalmFigures`]. They look at what the fleet says in each step, for every policy; the
-//! published ones do not promise that one goes. Refuses: to judge what is said.
+//! Main types: [`CalmLaws`], [`CalmFigures`]. They check the fleet's guidance at each step for every policy; the
+//! published policies do not promise the second law. Refuses: to judge the content of a message.
 
 use super::violation::Violation;
 use giveway_fleet::{Edge, Fleet, GuidanceReason, GuidanceState, MESSAGE, Party, STANDOFF, replaces};
@@ -16,17 +16,17 @@ use std::collections::BTreeMap;
 pub struct CalmFigures {
     /// Messages that replaced another one.
     pub changes: u64,
-    /// How many of them told somebody to stop.
+    /// How many of these messages told a worker to stop.
     pub stops: u64,
-    /// For how long people were told to stop for a robot that waited for them, all in all.
+    /// For how long, in total, people were told to stop for a robot that waited for them.
     pub against: Span,
 }
 
-/// What is said to workers, and for how long.
+/// Current message of each worker, and since when.
 #[derive(Debug, Default)]
 pub(super) struct CalmLaws {
     told: BTreeMap<WorkerId, (Words, Time)>,
-    /// Workers who are told to stop for a robot that waits for them: which, and since when.
+    /// Workers who are told to stop for a robot that waits for them: the robot, and since when.
     against: BTreeMap<WorkerId, (RobotId, Time)>,
     looked: Option<Time>,
     pub figures: CalmFigures,
@@ -53,7 +53,7 @@ impl CalmLaws {
             };
             self.figures.against += step;
             let (_, since) = *self.against.entry(worker).or_insert((robot, now));
-            // What is said a moment before it would end stands for as long as any message.
+            // A message from just before the limit stands as long as any message.
             if now - since > STANDOFF + MESSAGE && fleet.settings().policy == HumanAwarePolicy::Giveway {
                 self.against.insert(worker, (robot, now));
                 broken.push(Violation::Standoff(worker, robot));
@@ -62,14 +62,14 @@ impl CalmLaws {
         broken
     }
 
-    /// A worker is told this now.
+    /// Takes the message that a worker gets now.
     fn hear(&mut self, worker: WorkerId, words: Words, now: Time) -> Option<Violation> {
         let Some((before, since)) = self.told.get(&worker).copied() else {
             self.told.insert(worker, (words, now));
             return None;
         };
         if before.0 == words.0 {
-            // The reason is always what is so now, and what may replace it goes by that.
+            // The reason is always the current one, and it decides which message may replace this one.
             self.told.insert(worker, (words, since));
             return None;
         }

@@ -1,9 +1,9 @@
-//! The law about racks on robots: none is carried for long without a way to where it is to go, while a free place in
-//! storage can be reached, at which the robot could set it down.
+//! The law about racks on robots: no robot carries a rack for long without a way to its goal while it could set the
+//! rack down at a free storage place that it can reach.
 //!
-//! Main type: [`CarryLaws`]. It walks over the floor anew, from the closed areas and broken robots of this moment, and
-//! asks nothing of what the fleet has worked out. Refuses: to judge robots that are told to stand, and those before
-//! which people or other robots stand: these are no lasting cuts.
+//! Main type: [`CarryLaws`]. It searches the floor anew, from the areas closed and robots broken at this moment, and
+//! uses nothing that the fleet has computed. Refuses: to judge robots that are told to stand, and robots blocked by
+//! people or other robots: these do not cut a way off for long.
 
 use super::violation::{CARRIED, Violation};
 use crate::world::World;
@@ -13,10 +13,10 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::{NodeKind, Warehouse};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Every how many steps robots are looked at.
+/// Number of steps between two checks of all robots.
 const LOOKS_EVERY: u64 = 50;
 
-/// Robots that stand with a rack and have no way for it, since when and where.
+/// Robots that stand with a rack and have no way for it: where, and since when.
 #[derive(Debug, Default)]
 pub(super) struct CarryLaws {
     in_vain: BTreeMap<RobotId, (NodeId, Time)>,
@@ -37,7 +37,7 @@ impl CarryLaws {
         self.look(now, world, fleet, &held)
     }
 
-    /// Looks at all robots, which do not get past what is held.
+    /// Checks all robots; no robot passes a node of `held`.
     fn look(&mut self, now: Time, world: &World, fleet: &Fleet, held: &BTreeSet<NodeId>) -> Vec<Violation> {
         let ledger = fleet.ledger();
         let taken = taken_storage(fleet);
@@ -74,7 +74,7 @@ impl CarryLaws {
     }
 }
 
-/// Where a robot is to bring the rack that it carries.
+/// The goal of the rack that a robot carries.
 fn bound_for(fleet: &Fleet, robot: RobotId) -> Option<NodeId> {
     let ledger = fleet.ledger();
     match ledger.robots[robot].task {
@@ -97,7 +97,7 @@ fn held(fleet: &Fleet, now: Time) -> BTreeSet<NodeId> {
     closed.chain(failed).collect()
 }
 
-/// Storage nodes on which a rack stands, or to which one is being brought, with the robot that brings it.
+/// Storage nodes that hold a rack or that a robot is bringing one to, with that robot.
 fn taken_storage(fleet: &Fleet) -> BTreeMap<NodeId, Option<RobotId>> {
     let ledger = fleet.ledger();
     let promised = ledger.robots.pairs().filter_map(|(robot, r)| match r.task {
@@ -108,8 +108,8 @@ fn taken_storage(fleet: &Fleet) -> BTreeMap<NodeId, Option<RobotId>> {
     promised.chain(stored.map(|n| (n, None))).collect()
 }
 
-/// Nodes that a robot with a rack gets to, on its way to a goal: not past what is held, through storage, or through the
-/// places of a station for which it is not bound.
+/// Nodes that a loaded robot can reach on its way to a goal, without passing held nodes, storage, or the places of a
+/// station other than its own.
 fn reached(w: &Warehouse, held: &BTreeSet<NodeId>, here: NodeId, goal: NodeId) -> BTreeSet<NodeId> {
     let bound = w.kind(goal).reserved_for();
     let (mut seen, mut next) = (BTreeSet::from([here]), vec![here]);
@@ -138,11 +138,12 @@ mod tests {
     use giveway_floor::warehouse::formats;
     use std::sync::Arc;
 
-    /// Robots are looked at so often.
+    /// Interval between two checks of the robots.
     const LOOK: Span = Span::from_secs(5);
 
-    /// How often the law is broken within a time, where a robot stands with the rack that it has just lifted; where
-    /// nobody gets to its station, or everybody does. The fleet is not told, so that it does nothing about it.
+    /// How often the law is broken within a time, for a robot that stands with the rack it has just lifted: with
+    /// `closes`, no robot can reach the station; else every robot can. The fleet is not told, so it does nothing about
+    /// it.
     fn broken(closes: bool, within: Span) -> usize {
         let map = formats::json::parse(include_str!("../../../docs/small.json")).expect("a map");
         let text = r#"{"giveway_scenario": 1, "name": "t", "map": "", "robots": 1, "period_ms": 100, "duration_s": 600,

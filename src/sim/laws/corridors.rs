@@ -1,7 +1,7 @@
-//! The law about the line: a robot that passes somebody stays within the corridor that it was granted, at every instant
-//! and with all of its outline; any other robot stays on its line.
+//! The law about the line: a robot that passes a person stays within its granted corridor, at every instant and with
+//! all of its outline; any other robot stays on its line.
 //!
-//! Main type: [`CorridorLaws`]. Refuses: to judge robots that people pushed or drive, and those that stand.
+//! Main type: [`CorridorLaws`]. Refuses: to judge robots that stand, and robots that people pushed or drive.
 
 use super::violation::Violation;
 use crate::world::World;
@@ -14,7 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Rounding allowed, metres.
 const SLACK_M: f64 = 1e-3;
 
-/// What robots may use besides their lines, as of the last step, and those that are outside of that.
+/// The floor granted to robots besides their lines, as of the last step, and the robots outside of it.
 #[derive(Debug, Default)]
 pub(super) struct CorridorLaws {
     granted: BTreeMap<RobotId, Hull>,
@@ -35,7 +35,7 @@ impl CorridorLaws {
         }
         let granted = fleet.ledger().present().filter_map(|r| Some((r, fleet.passing_floor(r)?))).collect();
         let before = std::mem::replace(&mut self.granted, granted);
-        // One that was fenced off on the way drives on to the end of what it was granted, whatever the ledger says.
+        // A robot that was fenced off while driving drives on to the end of its grant, whatever the ledger says.
         let is_fenced = |r: &RobotId| fleet.ledger().robots.get(*r).is_some_and(|r| r.fenced.is_some());
         for (robot, floor) in before.into_iter().filter(|(r, _)| is_fenced(r)) {
             self.granted.entry(robot).or_insert(floor);
@@ -54,12 +54,12 @@ impl CorridorLaws {
     }
 }
 
-/// Whether a place is off all that a robot was granted.
+/// Whether a place is off all lanes that a robot was granted.
 fn is_off_line(fleet: &Fleet, robot: RobotId, at: Point) -> bool {
     let chain = fleet.ledger().chain(robot);
     let place = |s: u64| chain.get(s).map(|v| fleet.warehouse().nodes[v.node].at);
     let (first, granted) = (chain.first(), chain.granted());
-    // What it has left by the newest report may be behind it by a moment.
+    // The newest report may lag: the robot may still be on a lane that it has left by that report.
     let mut lanes = (first..granted).filter_map(|s| Some((place(s)?, place((s + 1).min(granted - 1))?)));
     lanes.all(|(a, b)| Segment { a, b }.distance_to(at) > OFF_ROUTE_M)
 }

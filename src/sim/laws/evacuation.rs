@@ -1,11 +1,11 @@
-//! The law of evacuations: no robot is let onto the way of a worker to a door, but to leave it.
+//! The law of evacuations: no robot is granted a place on a worker's way to a door, except to leave that way.
 //!
-//! Refuses: to judge what a robot was granted before; it may drive that to its end.
+//! Refuses: to judge earlier grants; a robot may drive those to their end.
 
 use super::violation::Violation;
 use giveway_fleet::{Fact, Fleet, RouteFact};
 
-/// Robots that were granted a place on a way out while they were on none.
+/// Robots that were granted a place on a way out while they were on no way out.
 pub(super) fn entered(fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {
     if fleet.ledger().evacuation.is_none() {
         return Vec::new();

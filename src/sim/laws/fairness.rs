@@ -1,11 +1,11 @@
-//! The law of fairness: no job for a rack waits while others that are less urgent begin, one after the other.
+//! The law of fairness: no job for a rack waits while less urgent jobs begin one after the other.
 //!
-//! Main type: [`FairLaws`]. The order is the stated one: priority, age and nearness of the deadline, by which a
-//! priority is worth eight minutes of waiting. A job counts as passed by where it is less urgent by more than ways can
-//! make up for, and only by a robot that could have done the one that waits: its rack stands free in storage, and its
-//! station has room or is the one at which the other job ended up. Jobs that name a robot, and jobs for which an
-//! operator chose one, are orders to that robot and have an order of their own. Refuses: to count the first jobs that
-//! pass: two robots may settle in one step what each of them alone would have done otherwise.
+//! Main type: [`FairLaws`]. The order is the stated one: priority, age and nearness of the deadline, where one priority
+//! is worth eight minutes of waiting. A job counts as passed by if the other one is less urgent by more than driving
+//! distances can make up for, and only if the robot could have done the waiting job: its rack stands free in storage,
+//! and its station has room or is the station of the other job. Jobs that name a robot, and jobs for which an operator
+//! chose one, are orders to that robot and have an order of their own. Refuses: to count the first jobs that pass: two
+//! robots may settle in one step what each alone would have settled otherwise.
 
 use super::violation::{PASSED_BY, Violation};
 use crate::world::World;
@@ -17,26 +17,26 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::Warehouse;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a rack that is under way to a station makes others there cost at most, milliseconds.
+/// Most that a rack on its way to a station adds to the cost of others there, milliseconds.
 const CONGESTION_MS: i64 = 8_000;
 
-/// Jobs that wait, and how many less urgent ones have begun since.
+/// Waiting jobs, with how many less urgent jobs have begun since.
 #[derive(Debug)]
 pub(super) struct FairLaws {
     waiting: BTreeMap<JobId, u32>,
-    /// Stations for which no more racks were fetched after the step before.
+    /// Stations for which no more racks were fetched after the previous step.
     full: BTreeSet<StationId>,
-    /// Which robots stood on which nodes, or were to end there, after the step before.
+    /// Which robot stood on, or was to end at, each node after the previous step.
     stood: BTreeMap<NodeId, RobotId>,
-    /// The sum of all sides of the floor, metres.
+    /// The extent of the floor: the sum of its sides, metres.
     extent_m: f64,
 }
 
-/// A job that has begun, and with which robot.
+/// A job that has begun, and the robot that does it.
 struct Begun {
     job: JobId,
     robot: RobotId,
-    /// Whether the robot went on with the rack that it had.
+    /// Whether the robot continued with the rack it already had.
     goes_on: bool,
 }
 
@@ -52,7 +52,7 @@ impl FairLaws {
         }
     }
 
-    /// Looks at which jobs began in a step, and which waited meanwhile.
+    /// Checks which jobs began in a step, and which waited meanwhile.
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {
         let mut begun = Vec::new();
         let mut fresh = BTreeSet::new();
@@ -77,7 +77,7 @@ impl FairLaws {
         broken
     }
 
-    /// Counts a job that has begun for all that waited and were more urgent.
+    /// Counts one job that has begun against all more urgent jobs that waited.
     fn passed_by(
         &mut self,
         begun: &Begun,
@@ -122,7 +122,7 @@ impl FairLaws {
         broken
     }
 
-    /// Whether a job that waits could have begun in place of one that has.
+    /// Whether a waiting job could have begun in place of this one.
     fn could_go_first(
         &self,
         (id, waits): (JobId, &Job),
@@ -141,8 +141,8 @@ impl FairLaws {
         let Some(rack) = waits.request.kind.rack() else { return false };
         let same_rack = job.request.kind.rack() == Some(rack);
         let same_station = station.is_some() && station == job.request.kind.station();
-        // Which of the jobs for one rack comes first costs no ways, but their stations may differ in crowds, and a
-        // robot that goes on keeps no station for a place at another one.
+        // The choice among jobs for one rack costs no driving, but their stations may differ in load, and a robot that
+        // continues does not trade its station for a place at another one.
         if same_rack {
             let has_room = || !begun.goes_on && station.is_none_or(|s| is_open(s) && has_room(fleet, s));
             let could = match begun.goes_on {
@@ -152,7 +152,8 @@ impl FairLaws {
             return could && (same_station || has_room());
         }
         let RackAt::Stored(node) = ledger.racks[rack] else { return false };
-        // No other robot gets beneath a rack under which one stands, though that one may set off in the same step.
+        // No other robot can drive under a rack while a robot stands there, even if that robot may set off in the same
+        // step.
         if self.stood.get(&node).is_some_and(|r| *r != begun.robot) {
             return false;
         }
@@ -165,15 +166,17 @@ impl FairLaws {
         has_room && !ledger.present().any(fetches) && fleet.could_do(begun.robot, id, now)
     }
 
-    /// By how much the ways of one robot to two racks can differ, at most, and what crowds at stations are worth.
+    /// Largest difference between one robot's ways to two racks, plus what congestion at stations is worth,
+    /// milliseconds.
     fn ways_ms(&self, fleet: &Fleet, begun: &Begun) -> i64 {
         let moves = &fleet.ledger().kinds().of(&fleet.ledger().robots[begun.robot].kind).kinematics;
         let places = fleet.warehouse().stations.iter().map(|s| s.queue.len() + 1).max().unwrap_or(1);
         (self.extent_m / moves.speed_mps * 1000.0) as i64 + CONGESTION_MS * places as i64
     }
 
-    /// By how much a job may be more urgent than one with which a robot goes on: by what a rack saves that is not put
-    /// away, at most; at the station at which it stands also by as much as robots behind it may have to wait.
+    /// How much more urgent another job may be than one with which a robot continues, milliseconds: at most what it
+    /// saves not to put the rack away; at the same station, if that is more, the time that robots behind it may have to
+    /// wait.
     fn chain_ms(&self, fleet: &Fleet, begun: &Begun, at_one_station: bool) -> i64 {
         let moves = &fleet.ledger().kinds().of(&fleet.ledger().robots[begun.robot].kind).kinematics;
         let saves_ms = chain_saves_ms(self.extent_m, moves.speed_loaded_mps);
@@ -181,7 +184,7 @@ impl FairLaws {
     }
 }
 
-/// Which robots stand on which nodes, or are to end there.
+/// Which robot stands on, or is to end at, each node.
 fn stood(fleet: &Fleet) -> BTreeMap<NodeId, RobotId> {
     let ledger = fleet.ledger();
     let ends = |r: RobotId| ledger.chain(r).visits().last().map(|v| v.node);
@@ -192,7 +195,7 @@ fn stood(fleet: &Fleet) -> BTreeMap<NodeId, RobotId> {
         .collect()
 }
 
-/// Whether fewer racks are under way to a station than it has places, and what they cost is no matter of order lines.
+/// Whether fewer racks are on their way to a station than it has places, and order lines do not affect their cost.
 fn has_room(fleet: &Fleet, station: StationId) -> bool {
     let place = &fleet.warehouse().stations[station];
     let ledger = fleet.ledger();
@@ -203,7 +206,7 @@ fn has_room(fleet: &Fleet, station: StationId) -> bool {
     !counts_lines && under_way <= place.queue.len() + 1
 }
 
-/// Whether a robot is to charge before it fetches another rack.
+/// Whether a robot must charge before it fetches another rack.
 fn is_low(robot: RobotId, world: &World, fleet: &Fleet) -> bool {
     let charging = &fleet.ledger().kinds().of(&fleet.ledger().robots[robot].kind).charging;
     world.truth().any(|(r, t)| r == robot && t.battery < charging.low + 0.01)

@@ -1,7 +1,8 @@
-//! The law about hands in openings: no rack comes or goes while one is inside, and the fleet does not leave that to the
-//! guards of stations.
+//! The law about hands in openings: no rack arrives or leaves while a hand is inside, and the fleet does not leave that
+//! to the guards of stations.
 //!
-//! Main type: [`HandLaws`]. Refuses: to blame the fleet for a hand that nobody has seen; the guard is there for that.
+//! Main type: [`HandLaws`]. Refuses: to blame the fleet for a hand that no device has seen; that is what the guard is
+//! for.
 
 use super::violation::Violation;
 use crate::world::World;
@@ -10,14 +11,14 @@ use giveway_floor::id::{RobotId, StationId};
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// A robot is told within this that a hand is seen inside, whatever messages were lost.
+/// Within this time a robot learns that a hand is seen inside, whatever messages were lost.
 const TOLD: Span = Span::from_secs(3);
 
-/// What robots did at hands.
+/// Robots that moved, or were held, while a hand was inside.
 #[derive(Debug, Default)]
 pub(super) struct HandLaws {
     moved: usize,
-    /// Robots that a guard alone holds at a hand which the fleet sees, since when.
+    /// Robots that only a guard holds at a hand that the fleet sees, and since when.
     held: BTreeMap<RobotId, Time>,
 }
 

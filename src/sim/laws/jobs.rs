@@ -1,7 +1,7 @@
-//! Laws about jobs: every job ends or says what it waits for, ends are true, the floor delivers, and it drains.
+//! Laws about jobs: every job ends or has a true reason to wait, ends are true, the floor delivers, and it drains.
 //!
-//! Main type: [`JobLaws`]. Ends are compared with where racks and robots truly are. Refuses: to take a reason for true
-//! that the floor does not show.
+//! Main type: [`JobLaws`]. It compares ends with where racks and robots truly are. Refuses: to accept a reason that the
+//! floor does not show.
 
 use crate::world::World;
 
@@ -13,14 +13,14 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::NodeKind;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Every how many steps open jobs are looked at.
+/// Number of steps between two checks of open jobs.
 const LOOKS_EVERY: u64 = 100;
 
-/// What is remembered of open jobs.
+/// State of the laws about jobs.
 #[derive(Debug)]
 pub(super) struct JobLaws {
     open: BTreeMap<JobId, (JobKind, JobState, Time)>,
-    /// Jobs without a true reason when they were looked at last.
+    /// Jobs without a true reason at the last check.
     suspects: BTreeSet<JobId>,
     deliveries: Deliveries,
     steps: u64,
@@ -38,7 +38,7 @@ impl JobLaws {
         }
     }
 
-    /// Looks at what happened in one step.
+    /// Checks what happened in one step.
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet, facts: &[Fact]) -> Vec<Violation> {
         let mut broken = Vec::new();
         for fact in facts {
@@ -67,7 +67,7 @@ impl JobLaws {
         broken
     }
 
-    /// A rack was served at a station that is not its last: it truly stood there.
+    /// Checks that a rack served at a station other than its last one truly stood there.
     fn served(
         &mut self,
         job: JobId,
@@ -106,7 +106,7 @@ impl JobLaws {
         lie.then_some(Violation::UntrueEnd(job, kind))
     }
 
-    /// Jobs that have been in one state for long, without a true reason now and when they were looked at before.
+    /// Jobs that have been in one state for long, without a true reason now and at the previous check.
     fn unexplained(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
         let overdue: Vec<(JobId, JobState)> = (self.open.iter())
             .filter(|(_, (_, _, since))| now - *since > OVERDUE)
@@ -122,7 +122,7 @@ impl JobLaws {
         for (id, state) in overdue {
             let Some(job) = fleet.ledger().jobs.get(&id) else { continue };
             let why = view.why_job(fleet.warehouse(), id, job);
-            // A job at work goes on with its robot, about which there is a law of its own.
+            // A job being carried out is covered by the law about its robot's progress.
             let at_work = state.robot().is_some() && why.is_none();
             if at_work || why.is_some_and(|w| is_true(w, job, now, (world, fleet))) {
                 continue;
@@ -146,7 +146,7 @@ impl JobLaws {
     }
 }
 
-/// Whether a job that is said to be done was: where racks and robots truly are.
+/// Whether a job reported as done truly was, by where racks and robots are.
 fn happened(kind: &JobKind, before: JobState, world: &World, fleet: &Fleet) -> bool {
     let w = fleet.warehouse();
     let stands = |r: RobotId| world.node_of(r);
@@ -166,7 +166,7 @@ fn happened(kind: &JobKind, before: JobState, world: &World, fleet: &Fleet) -> b
     }
 }
 
-/// Whether a reason why a job waits is one that the floor shows.
+/// Whether the floor shows the reason why a job waits.
 fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) -> bool {
     let ledger = fleet.ledger();
     let works = |r: RobotId| ledger.robots[r].task != Task::Idle;
@@ -174,12 +174,12 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
         JobWhy::After(job) => ledger.jobs.contains_key(&job),
         JobWhy::RackBusy(rack, robot, _) => {
             let fetches = matches!(ledger.robots[robot].task, Task::Fetch { rack: k, .. } if k == rack);
-            // The robot has set it down, and its word for that is on the way.
+            // The robot has set the rack down, and its report is on the way.
             let there = world.node_of(robot).is_some_and(|n| world.racks()[rack] == RackAt::Stored(n));
             fetches || there || world.racks()[rack] == RackAt::On(robot)
         }
         JobWhy::RobotBusy(robot, _) => works(robot),
-        // Whether a displaced robot truly is has a law of its own.
+        // The law about places covers whether a displaced robot truly is.
         JobWhy::Robot(_, why) if why.is_by_itself() => true,
         JobWhy::Robot(robot, _) => works(robot),
         JobWhy::RobotLow(robot) => {
@@ -232,7 +232,7 @@ fn is_true(why: JobWhy, job: &Job, now: Time, (world, fleet): (&World, &Fleet)) 
     }
 }
 
-/// Whether any of these kinds can do a job that waits for a robot.
+/// Whether a robot of any of these kinds can do a job that waits for a robot.
 fn is_any_fit(mut kinds: impl Iterator<Item = BodyId>, job: &Job, fleet: &Fleet) -> bool {
     let Some(rack) = job.request.kind.rack() else { return false };
     let RackAt::Stored(node) = fleet.ledger().racks[rack] else { return false };
@@ -250,7 +250,7 @@ pub(crate) fn undrained(world: &World, fleet: &Fleet) -> (usize, usize) {
     (fleet.ledger().jobs.len(), world.racks().iter().filter(stored).count())
 }
 
-/// Why the first open jobs and the first robots with racks wait.
+/// Why the first open jobs and the first loaded robots wait.
 pub(super) fn why_undrained(now: Time, fleet: &Fleet) -> Vec<String> {
     let view = fleet.view(now);
     let jobs = fleet.ledger().jobs.iter().take(3).map(|(id, job)| {

@@ -1,7 +1,7 @@
 //! Laws that hold in every simulation, checked at every step (DESIGN §8).
 //!
-//! Main types: [`Laws`], [`Violation`]. They look at where robots truly are, not at what the fleet believes.
-//! Refuses: to mend anything; one violation fails the run.
+//! Main types: [`Laws`], [`Violation`]. They judge by where robots truly are, not by what the fleet believes. Refuses:
+//! to repair anything; one violation fails the run.
 
 mod calm;
 mod carried;
@@ -36,17 +36,17 @@ use jobs::{JobLaws, why_undrained};
 use std::collections::BTreeSet;
 use waits::WaitLaws;
 
-/// Every how many steps the whole timeline and ledger are compared.
+/// Number of steps between two full comparisons of timeline and ledger.
 const AUDIT_EVERY: u64 = 500;
-/// Rounding allowed between squares, metres.
+/// Rounding allowed between footprints, metres.
 const SLACK_M: f64 = 1e-3;
 
-/// Everything the laws remember.
+/// State of all laws.
 #[derive(Debug)]
 pub struct Laws {
     shadow: Ledger,
     over: BTreeSet<JobId>,
-    /// How many jobs were over before it looked.
+    /// How many jobs had ended before the laws began to check.
     before: u64,
     accepted: u64,
     progress: ProgressLaws,
@@ -63,19 +63,19 @@ pub struct Laws {
     corridors: CorridorLaws,
     steps: u64,
     reach_m: f64,
-    /// What was broken, and when; the first hundred.
+    /// The first hundred violations, with their times.
     pub broken: Vec<(Time, Violation)>,
-    /// How often laws were broken.
+    /// How many violations there were.
     pub count: u64,
 }
 
-/// Robots that are farther apart along both axes do not touch: kinds of robots may be added.
+/// Robots farther apart than this along both axes do not touch; computed anew, since kinds of robots may be added.
 fn reach_m(fleet: &Fleet) -> f64 {
     2.0 * fleet.warehouse().widest_half_m() - SLACK_M
 }
 
 impl Laws {
-    /// Laws for a fleet that starts as `fleet` is.
+    /// Laws for a fleet in its current state.
     pub fn new(fleet: &Fleet) -> Laws {
         Laws {
             shadow: fleet.ledger().clone(),
@@ -111,8 +111,8 @@ impl Laws {
         self.calm.figures
     }
 
-    /// There is another fleet, made from `fold`: the process died and started again, or a step panicked. What is
-    /// remembered of the floor stays.
+    /// Continues with another fleet, made from `fold`, after the process died or a step panicked. What the laws
+    /// remember of the floor stays.
     pub fn begin_again(&mut self, fleet: &Fleet, fold: Ledger) {
         // Facts of the new fleet that leave with its first step are in its ledger already.
         let anew = Laws { shadow: fold, ..Laws::new(fleet) };
@@ -124,7 +124,7 @@ impl Laws {
         self.waits.keep_count(&old.waits);
     }
 
-    /// Looks at the floor alone, while there is no fleet to look at.
+    /// Checks the floor alone, while there is no fleet.
     pub fn check_floor(&mut self, now: Time, world: &World) {
         self.check_places(now, world);
         self.check_people(now, world);
@@ -132,7 +132,7 @@ impl Laws {
         self.check_arms(now, world);
     }
 
-    /// Notes a broken law.
+    /// Records a violation.
     pub(super) fn break_law(&mut self, now: Time, violation: Violation) {
         self.count += 1;
         if self.broken.len() < 100 {
@@ -141,7 +141,7 @@ impl Laws {
         }
     }
 
-    /// Looks at the floor and at the facts of one step.
+    /// Checks the floor and the facts of one step.
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet, facts: &[Fact]) {
         self.steps += 1;
         self.reach_m = reach_m(fleet);
@@ -189,7 +189,7 @@ impl Laws {
         places.sort_unstable_by_key(|(c, r, _)| (*c, *r));
         let mut overlaps = Vec::new();
         for (i, (cell, r, at)) in places.iter().enumerate() {
-            // Half of the neighbourhood: each pair is looked at once.
+            // Half of the neighbourhood: each pair is compared once.
             for (dx, dy) in [(0, 0), (0, 1), (1, -1), (1, 0), (1, 1)] {
                 let other = (cell.0 + dx, cell.1 + dy);
                 let from =
@@ -226,7 +226,7 @@ impl Laws {
         new.into_iter().for_each(|(r, k)| self.break_law(now, Violation::Misplaced(r, k)));
     }
 
-    /// No arm that moves touches a person, and no line is picked by arm and hand.
+    /// No moving arm touches a person, and no line is picked by both arm and hand.
     fn check_arms(&mut self, now: Time, world: &World) {
         let Some(arms) = world.arms() else { return };
         let (touched, twice) = (&arms.contacts()[self.arms.0..], &arms.twice()[self.arms.1..]);
@@ -235,7 +235,7 @@ impl Laws {
         twice.iter().for_each(|(job, line)| self.break_law(now, Violation::PickedTwice(*job, *line)));
     }
 
-    /// The time is up in which everything was to end after the customers stopped. Whether it has.
+    /// Checks at the end of the drain time that everything has ended. Gives whether it has.
     pub fn check_drained(&mut self, now: Time, world: &World, fleet: &Fleet) -> bool {
         let (jobs, racks) = undrained(world, fleet);
         if jobs + racks > 0 {

@@ -1,4 +1,4 @@
-//! The law about where robots stand: the fleet takes none for being where it is not, nor for displaced when it is not.
+//! The law about where robots stand: the fleet places no robot where it is not, and calls none displaced that is not.
 //!
 //! Main type: [`PlaceLaws`]. Refuses: to judge robots that drive or cannot report, and reports that are still on their
 //! way.
@@ -10,12 +10,12 @@ use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// A robot that stands is seen where it is within this while its link is up, whatever messages were lost.
+/// The fleet knows where a standing robot is within this time while its link is up, whatever messages were lost.
 const SEEN: Span = Span::from_secs(30);
-/// Every how many steps robots are looked at.
+/// Number of steps between two checks of the robots.
 const LOOKS_EVERY: u64 = 10;
 
-/// Robots of which the fleet believes what is not so, since when.
+/// Robots about which the fleet is wrong, and since when.
 #[derive(Debug, Default)]
 pub(super) struct PlaceLaws {
     wrong: BTreeMap<RobotId, Time>,

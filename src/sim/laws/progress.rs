@@ -1,8 +1,8 @@
-//! The law that no robot stands for ever: one with a task gets on with it, or waits its turn in a line that moves.
+//! The law that no robot stands for ever: a robot with a task makes progress, or waits its turn in a line that moves.
 //!
-//! Main type: [`ProgressLaws`]. A robot behind one that truly cannot drive waits for the person who repairs that one,
-//! and one at a station whose picker is truly away for the picker, with those behind it. Refuses: to excuse a robot
-//! because it has any other reason; a line that stands is no excuse.
+//! Main type: [`ProgressLaws`]. A robot blocked by one that truly cannot drive waits for the person who repairs it; a
+//! robot at a station whose picker is truly away waits for the picker, and so do the robots behind it. Refuses: to
+//! excuse a robot for any other reason; a line that stands is no excuse.
 
 use super::violation::{STUCK, Violation};
 use crate::world::World;
@@ -11,13 +11,13 @@ use giveway_floor::id::{NodeId, RobotId, StationId};
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// Every how many steps lines at stations are looked at.
+/// Number of steps between two checks of lines at stations.
 const LOOKS_EVERY: u64 = 100;
-/// A robot's turn at a station comes within this, however many racks are wanted there; so does the repair of one that
-/// is in its way, and the picker who is away.
+/// A robot's turn at a station comes within this time, however many racks are wanted there; so does the repair of a
+/// robot in its way, and the return of a picker who is away.
 const TURN: Span = Span::from_secs(3600);
 
-/// How far each robot has come, and which stations serve.
+/// The progress of each robot, and how many racks each station has served and when.
 #[derive(Debug, Default)]
 pub(super) struct ProgressLaws {
     robots: BTreeMap<RobotId, Stood>,
@@ -25,14 +25,14 @@ pub(super) struct ProgressLaws {
     steps: u64,
 }
 
-/// A robot that is where it was.
+/// A robot that has made no progress.
 #[derive(Clone, Copy, Debug)]
 struct Stood {
-    /// The visit at which it is, and the last stop that it has done.
+    /// The visit that the robot is at, and the last stop it has done.
     at: (u64, Option<u64>),
-    /// Since when it is there.
+    /// Since when the robot is there.
     since: Time,
-    /// Since when it has not been waiting in a line that moves.
+    /// Since when the robot has not been waiting in a line that moves.
     unexcused: Time,
 }
 
@@ -59,8 +59,8 @@ impl ProgressLaws {
         broken
     }
 
-    /// A robot that waits with its rack until its station has room waits its turn while the station serves others. One
-    /// behind a broken robot waits for the repair, and one whose picker is away for the picker.
+    /// A robot that waits with its rack until its station has room waits its turn while the station serves others. A
+    /// robot behind a broken one waits for the repair, and one whose picker is away waits for the picker.
     fn look_at_lines(&mut self, now: Time, world: &World, fleet: &Fleet) {
         let away: Vec<StationId> = world.pickers_away().collect();
         let nodes: Vec<NodeId> = away.iter().map(|s| fleet.warehouse().stations[*s].node).collect();
@@ -83,8 +83,8 @@ impl ProgressLaws {
     }
 }
 
-/// Whether what a robot waits for leads to one that cannot drive, or to one that is picked from at one of these places,
-/// where nobody is; it may be that robot itself.
+/// Whether following what a robot waits for leads to a broken robot, or to a robot that is picked from at one of the
+/// places `away`, where the picker is absent; that may be the robot itself.
 fn waits_for_people(fleet: &Fleet, robot: RobotId, away: &[NodeId]) -> bool {
     let ledger = fleet.ledger();
     let mut at = robot;
@@ -109,7 +109,7 @@ mod tests {
     use giveway_floor::warehouse::stations;
     use std::sync::Arc;
 
-    /// Robots of which the law says that they stood, in half an hour with these pickers.
+    /// How often the law finds a robot stuck in 25 minutes, with these pickers.
     fn stood(change: impl FnOnce(&mut Scenario)) -> usize {
         let mut scenario = Scenario::parse(include_str!("../../../scenarios/stations.json")).unwrap();
         (scenario.robots, scenario.duration, scenario.drain) = (14, Span::from_secs(1500), Span::ZERO);

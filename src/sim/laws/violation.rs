@@ -1,4 +1,4 @@
-//! What the laws of a simulation find broken, in words.
+//! Violations of the laws of a simulation, in words.
 //!
 //! Main type: [`Violation`]. Refuses: to judge.
 
@@ -7,31 +7,31 @@ use giveway_floor::id::{JobId, NodeId, RackId, RobotId, StationId, WorkerId};
 use giveway_floor::time::Span;
 use std::fmt;
 
-/// A robot with a task, but without any progress for this long, is stuck.
+/// A robot with a task and without progress for this long is stuck.
 pub const STUCK: Span = Span::from_secs(600);
-/// A job in one state for longer than this has a reason that is true.
+/// A job in one state for longer than this needs a true reason.
 pub const OVERDUE: Span = Span::from_secs(600);
-/// While jobs wait and robots can drive, something is delivered within this.
+/// While jobs wait and robots can drive, something is delivered within this time.
 pub const DELIVERS: Span = Span::from_secs(1200);
 
-/// No robots and workers wait for one another for longer than this.
+/// Robots and workers wait for one another no longer than this.
 pub(crate) const CIRCLE: Span = Span::from_secs(60);
-/// Nobody stands in one spot because of the fleet for longer than this.
+/// The fleet keeps no person in one spot for longer than this.
 pub const KEPT: Span = Span::from_secs(60);
 
-/// No robot stands for longer than this with a rack for which there is no way, while it could set the rack down.
+/// A robot stands no longer than this with a rack that has no way to its goal while it could set the rack down.
 pub(crate) const CARRIED: Span = Span::from_secs(180);
 
-/// So many jobs that are less urgent may begin while one waits: two robots are given jobs in one step, and each may be
-/// meant for what the other one then does.
+/// This many less urgent jobs may begin while one waits: if two robots get jobs in one step, each may be meant for what
+/// the other one then does.
 pub const PASSED_BY: u32 = 3;
 
-/// A broken law.
+/// A violation of one law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Violation {
     /// Two robots overlap.
     Overlap(RobotId, RobotId),
-    /// A robot is beyond what it was granted.
+    /// A robot is beyond its grant.
     BeyondGrant(RobotId),
     /// A robot has had a task without progress for too long.
     Stuck(RobotId, Task, Option<Why>),
@@ -39,13 +39,13 @@ pub enum Violation {
     JobLost(JobId),
     /// A job was acknowledged, and is not in the journal.
     AcknowledgedLost(JobId),
-    /// A robot was sent farther than the journal has it granted.
+    /// A robot was sent farther than the journal has granted.
     SentUndurable(RobotId),
     /// A job was done twice.
     DoneTwice(JobId),
     /// A rack was lifted where it did not stand, or set down onto another one.
     Misplaced(RobotId, RackId),
-    /// A robot moved at a station while somebody's hand was in the opening or in its rack.
+    /// A robot moved at a station while a person's hand was in the opening or in its rack.
     MovedAtHand(RobotId, StationId),
     /// The guard of a station alone held a robot at a hand that the fleet saw.
     LeftToGuard(RobotId, StationId),
@@ -53,33 +53,33 @@ pub enum Violation {
     ArmTouched(StationId),
     /// Arm and hand together put down more pieces of a line than were ordered.
     PickedTwice(JobId, usize),
-    /// A job ended as what did not happen.
+    /// A job was reported as ended in a way that did not happen.
     UntrueEnd(JobId, JobKind),
-    /// A job has been in one state for too long without a reason that is true.
+    /// A job has been in one state for too long without a true reason.
     Unexplained(JobId, JobState, Option<JobWhy>),
-    /// A job has waited while more than [`PASSED_BY`] less urgent ones began, the last of which is this one.
+    /// The first job has waited while more than [`PASSED_BY`] less urgent ones began; the second is the last of these.
     PassedBy(JobId, JobId),
     /// Jobs wait and robots can drive, but nothing has been delivered for too long.
     NothingDelivered,
-    /// After the customers stopped, so many jobs did not end, and so many racks are not in storage.
+    /// After the customers stopped, this many jobs did not end, and this many racks are not in storage; then reasons.
     NotDrained(usize, usize, Vec<String>),
-    /// A robot drove into a worker and did not brake.
+    /// A robot drove into a worker without braking.
     RunOver(RobotId, usize),
-    /// A robot has been standing where the fleet does not know it to be, or is called displaced and is not.
+    /// A robot has stood where the fleet does not know it to be, or is called displaced without being so.
     Misjudged(RobotId),
-    /// A robot has stood for too long with a rack for which there is no way, though it could set the rack down.
+    /// A robot has stood for too long with a rack that has no way to its goal, though it could set the rack down.
     CarriedInVain(RobotId),
     /// Robots and workers have waited for one another for too long.
     Circle(Vec<Party>),
-    /// A person has stood in one spot for too long, waiting for a robot or for a way; what for at last.
+    /// A person has stood in one spot for too long, waiting for a robot or for a way; last for this.
     Kept(WorkerId, Edge),
-    /// A message to a person was replaced too soon by one that is no more severe.
+    /// A message to a person was replaced too soon by one that is not more severe.
     Flickers(WorkerId),
     /// A person has been told for too long to stop for a robot that waits for that person.
     Standoff(WorkerId, RobotId),
-    /// A robot waits for what does not keep it any more.
+    /// A robot waits for something that no longer keeps it.
     NotSo(RobotId, Why),
-    /// A robot was let onto the way of a worker to a door.
+    /// A robot was granted a place on a worker's way to a door.
     OntoWayOut(RobotId, NodeId),
     /// A robot was outside of the corridor that it was granted, or off its line without one.
     LeftCorridor(RobotId),

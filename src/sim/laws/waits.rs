@@ -1,9 +1,9 @@
-//! The laws of waiting: none wait for one another for long, no person is kept in one spot by the fleet, and nothing
-//! waits for what does not keep it.
+//! The laws of waiting: no parties wait for one another for long, the fleet keeps no person in one spot, and no robot
+//! waits for something that no longer keeps it.
 //!
-//! Main type: [`WaitLaws`]. They read the fleet's own wait-for graph, and compare it with the floor: a person is where
-//! the simulation has the person. The published policies do not promise that nothing waits for long, and are measured
-//! instead of held to it. Refuses: to excuse a person's wait because it was interrupted; it adds up in one spot.
+//! Main type: [`WaitLaws`]. It reads the fleet's own wait-for graph and compares it with the floor: a person is where
+//! the simulation has the person. The published policies do not promise short waits, so they are measured but not held
+//! to the laws. Refuses: to excuse a person's wait because it was interrupted; it adds up in one spot.
 
 use super::violation::{CIRCLE, KEPT, Violation};
 use crate::world::World;
@@ -17,12 +17,12 @@ use std::collections::BTreeMap;
 /// A person within this is in the same spot, metres.
 const SPOT_M: f64 = 0.75;
 
-/// Circles of waiting and people in one spot, with since when.
+/// Circles of waiting and people in one spot, each with its beginning.
 #[derive(Debug, Default)]
 pub(super) struct WaitLaws {
     circles: BTreeMap<Party, Time>,
     kept: BTreeMap<WorkerId, KeptPerson>,
-    /// How often people were kept in one spot for [`KEPT`]; one who is kept on counts again.
+    /// How often people were kept in one spot for [`KEPT`]; a person who stays kept counts again.
     standstills: u64,
 }
 
@@ -30,25 +30,25 @@ pub(super) struct WaitLaws {
 #[derive(Clone, Copy, Debug)]
 struct KeptPerson {
     spot: Point,
-    /// For how long of the time there the fleet was the reason.
+    /// How much of the time there the fleet was the reason.
     waited: Span,
-    /// When that was looked at last.
+    /// When `waited` was last updated.
     looked: Time,
 }
 
 impl WaitLaws {
-    /// How often people were kept in one spot for a minute, by whatever policy.
+    /// How often people were kept in one spot for a minute, under any policy.
     pub fn standstills(&self) -> u64 {
         self.standstills
     }
 
-    /// Goes on counting where an earlier one ended.
+    /// Continues the count of an earlier object.
     pub fn keep_count(&mut self, earlier: &WaitLaws) {
         self.standstills = earlier.standstills;
     }
 
     pub fn check(&mut self, now: Time, world: &World, fleet: &Fleet) -> Vec<Violation> {
-        // Standstills of people are counted for every policy, and are a broken law for ours alone.
+        // Standstills are counted for every policy, but break a law only for ours.
         let kept = self.look_at_people(now, world, fleet);
         let mut broken = Vec::new();
         if fleet.settings().policy == HumanAwarePolicy::Giveway {
@@ -86,7 +86,7 @@ impl WaitLaws {
             }
             let wait = fleet.wait(Party::Worker(worker));
             let because = wait.edge;
-            // What stands by a person's hand, or is broken, the fleet cannot move.
+            // The fleet cannot move what a person holds in place, or what is broken.
             if matches!(because, Edge::On(_) | Edge::NoWay | Edge::Until(_)) && !wait.is_for_an_operator() {
                 kept.waited += now - kept.looked;
             }

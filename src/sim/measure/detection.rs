@@ -1,4 +1,4 @@
-//! How well the fleet tells when people leave their path and where they go, scored against the truth.
+//! How well the fleet detects when people leave their path and where they go, scored against the truth.
 //!
 //! Main types: [`Watch`] (collects what the fleet says), [`Score`]. Refuses: to tell the fleet anything.
 
@@ -9,13 +9,13 @@ use giveway_floor::id::WorkerId;
 use giveway_floor::time::{Span, Time};
 use std::collections::BTreeMap;
 
-/// Deviations shorter than this are not asked for.
+/// Shorter deviations than this need not be detected.
 const SHORTEST: Span = Span::from_secs(1);
-/// What the fleet says up to this long after a deviation is still about it.
+/// An alarm up to this long after a deviation still counts for it.
 const GRACE: Span = Span::from_secs(2);
-/// Beliefs about goals are looked at this often.
+/// Interval between two looks at the beliefs about goals.
 const LOOK: Span = Span::from_secs(1);
-/// A goal nearer to the true one than this is the same, metres.
+/// A goal nearer to the true one than this counts as the same, metres.
 const SAME_GOAL_M: f64 = 1.5;
 /// Ends of the classes of time left to the goal, seconds.
 pub const TO_GOAL_S: [f64; 5] = [2.0, 4.0, 8.0, 16.0, f64::INFINITY];
@@ -23,47 +23,47 @@ pub const TO_GOAL_S: [f64; 5] = [2.0, 4.0, 8.0, 16.0, f64::INFINITY];
 /// What the fleet says about one worker.
 #[derive(Clone, Debug, Default)]
 struct WorkerSaid {
-    /// When it began, and when it ceased, to hold that the worker is off the path.
+    /// From when to when the fleet held that the worker is off the path.
     off_path: Vec<(Time, Time)>,
     alarms: Vec<Time>,
     goals: Vec<(Time, Point)>,
 }
 
-/// Collects what the fleet says.
+/// Collects the fleet's statements about workers.
 #[derive(Clone, Debug, Default)]
 pub struct Watch {
     said: BTreeMap<WorkerId, WorkerSaid>,
     next_look: Time,
 }
 
-/// How one cause fared.
+/// How well one cause was detected.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CauseScore {
-    /// Times it came up, for a second at least.
+    /// How often the cause occurred for at least a second.
     pub times: u64,
-    /// Times the fleet held that the worker was off the path. For causes that keep to the path: alarms meanwhile.
+    /// How often the fleet held that the worker was off the path. For causes that keep to the path: alarms meanwhile.
     pub noticed: u64,
 }
 
-/// How well the fleet did.
+/// How well the fleet detected deviations and goals.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Score {
-    /// By the word of the cause.
+    /// Scores by the word of the cause.
     pub causes: BTreeMap<&'static str, CauseScore>,
-    /// From the beginning of each deviation that was noticed to when it was, seconds, ascending.
+    /// Delays from the beginning of each noticed deviation to its detection, seconds, ascending.
     pub delays_s: Vec<f64>,
-    /// Alarms, and those without a deviation.
+    /// All alarms.
     pub alarms: u64,
-    /// Of these, without a deviation.
+    /// Alarms without a deviation.
     pub false_alarms: u64,
     /// Time of workers on the floor, hours.
     pub hours: f64,
-    /// Per class of time left to the goal: looks, and looks at which the most probable goal was the true one.
+    /// Per class of time left to the goal: looks, and those where the most probable goal was the true one.
     pub top1: [(u64, u64); TO_GOAL_S.len()],
 }
 
 impl Watch {
-    /// Takes in what a step said.
+    /// Records the alarms and guidance of a step.
     pub fn note(&mut self, now: Time, facts: &[Fact], guidance: &[(WorkerId, Guidance)]) {
         for fact in facts {
             if let Fact::Encounter(EncounterFact::Deviated { worker, at }) = fact {
@@ -83,7 +83,7 @@ impl Watch {
         }
     }
 
-    /// Looks at the beliefs about goals, now and then.
+    /// Records the beliefs about goals at intervals.
     pub fn look(&mut self, now: Time, fleet: &Fleet) {
         if now < self.next_look || fleet.ledger().workers.is_empty() {
             return;
@@ -95,14 +95,14 @@ impl Watch {
             {
                 self.said.entry(worker).or_default().goals.push((now, *goal));
             } else if view.pose.is_some() {
-                // Nothing is said: that is no hit either.
+                // The fleet names no goal: that counts as a miss.
                 let nowhere = Point::new(f64::INFINITY, f64::INFINITY);
                 self.said.entry(worker).or_default().goals.push((now, nowhere));
             }
         }
     }
 
-    /// Scores what was said against the truth until `end`.
+    /// Scores the fleet's statements against the truth until `end`.
     pub fn score<'a>(&self, logs: impl Iterator<Item = (WorkerId, &'a Log)>, end: Time) -> Score {
         let mut score = Score::default();
         let silent = WorkerSaid::default();
@@ -145,7 +145,7 @@ impl Score {
         }
     }
 
-    /// Stretches that were walked to their end tell how early the goal was known.
+    /// Only stretches that were walked to their end show how early the goal was known.
     fn add_goals(&mut self, said: &WorkerSaid, s: &CauseStretch, to: Time, end: Time) {
         let Some(goal) = s.goal.filter(|_| s.to < end) else { return };
         for (at, top) in said.goals.iter().filter(|(at, _)| s.from <= *at && *at < to) {
@@ -161,13 +161,13 @@ impl Score {
         (self.alarms > 0).then(|| 1.0 - self.false_alarms as f64 / self.alarms as f64)
     }
 
-    /// Deviations that came up.
+    /// Deviations that occurred.
     pub fn deviations(&self) -> u64 {
         let is_deviation = |word: &str| WalkCause::ALL.iter().any(|c| c.word() == word && c.is_deviation());
         self.causes.iter().filter(|(word, _)| is_deviation(word)).map(|(_, c)| c.times).sum()
     }
 
-    /// Takes another score in.
+    /// Adds another score to this one.
     pub fn merge(&mut self, other: &Score) {
         for (word, theirs) in &other.causes {
             let ours = self.causes.entry(word).or_default();

@@ -10,8 +10,8 @@ use std::hash::{Hash, Hasher};
 pub struct Digest(Fnv);
 
 impl Digest {
-    /// Takes the facts of one step in. What is noted for the record alone is no part of what happened: recordings of
-    /// older builds, which noted less, have the same digest.
+    /// Adds the facts of one step. Facts noted only for the record are not part of the digest: recordings of older
+    /// builds, which noted fewer, have the same digest.
     pub fn add(&mut self, facts: &[Fact]) {
         let promised = facts.iter().filter(|f| !matches!(f, Fact::Noted(_)));
         promised.for_each(|f| f.hash(&mut self.0));
@@ -68,7 +68,7 @@ mod tests {
         });
         let mut all = Digest::default();
         all.add(&[fact]);
-        // Its number among the kinds of facts, as eight bytes, then what it holds.
+        // Its number among the kinds of facts, as eight bytes, then its content.
         assert_eq!(all.value(), 0xf37f_c843_8d0d_2408);
     }
 

@@ -1,8 +1,8 @@
 //! Encounters of robots and people, measured where both truly are, and whether they touch.
 //!
-//! Main types: [`EncounterMeter`], [`EncounterFigures`], [`Ring`]. What an encounter is, is said once, in
-//! [`aware::Meter`]. How near is near is a matter of opinion, so all is also measured within each of [`RINGS_M`].
-//! Refuses: what the fleet believes.
+//! Main types: [`EncounterMeter`], [`EncounterFigures`], [`Ring`]. [`aware::Meter`] is the one definition of an
+//! encounter. Which radius counts as near is a matter of opinion, so everything is also measured within each of
+//! [`RINGS_M`]. Refuses: what the fleet believes.
 
 use crate::walker::RobotNear;
 use giveway_floor::geometry::Point;
@@ -11,56 +11,56 @@ use giveway_floor::time::{Span, Time};
 use giveway_people::aware::{self, Near};
 use std::collections::BTreeSet;
 
-/// Pairs farther apart than the radius by this are of no interest, metres.
+/// Pairs farther apart than the radius plus this are ignored, metres.
 const BEYOND_M: f64 = 1.0;
 /// Radii within which encounters are counted besides the scenario's own, metres.
 pub const RINGS_M: [f64; 6] = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0];
 
-/// What happened within some distance of workers.
+/// Encounters within one distance of workers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ring {
-    /// The distance between the centres, metres.
+    /// The distance between the centres of robot and worker, metres.
     pub radius_m: f64,
     /// Moving robots that came within it, or drove nearer after they stood within it.
     pub entries: u64,
-    /// How long robots within it drove towards a worker, all pairs together.
+    /// How long robots within the radius drove towards a worker, summed over all pairs.
     pub towards: Span,
-    /// The fastest that a robot within it drove towards a worker, metres per second.
+    /// Highest speed at which a robot within the radius drove towards a worker, metres per second.
     pub fastest_mps: f64,
     /// Least distance between the centres in each of the entries, metres, in no particular order.
     pub closest_m: Vec<f64>,
 }
 
-/// What a run came to.
+/// Figures of encounters in one run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EncounterFigures {
     /// Moving robots that came into region 1 of a worker.
     pub encounters: u64,
-    /// Least distance between the centres in any of them, metres.
+    /// Least distance between the centres in any of these encounters, metres.
     pub closest_m: Option<f64>,
     /// Time of workers on the floor.
     pub worker_time: Span,
     /// How often a robot's square and a worker's body touched.
     pub contacts: u64,
-    /// Metres that robots drove while workers were on the floor, all together.
+    /// Metres that all robots drove while workers were on the floor.
     pub driven_m: f64,
-    /// The same within each of [`RINGS_M`].
+    /// Encounters within each of [`RINGS_M`].
     pub rings: Vec<Ring>,
 }
 
-/// Watches robots and workers.
+/// Measures encounters of robots and workers.
 #[derive(Debug)]
 pub struct EncounterMeter {
     radius_m: f64,
     inner: aware::Meter,
     rings: [aware::Meter; RINGS_M.len()],
     near: Vec<Near>,
-    /// How long what is looked at lasts.
+    /// Duration of the current interval.
     passed: Span,
     touching: BTreeSet<(RobotId, usize)>,
-    /// Robots that drove on into a worker, with the worker: a broken law.
+    /// Robots that drove on into a worker, with the worker: a violation.
     pub run_over: Vec<(RobotId, usize)>,
-    /// What was measured.
+    /// The figures so far.
     pub figures: EncounterFigures,
 }
 
@@ -76,7 +76,7 @@ pub struct MeteredPerson {
 }
 
 impl EncounterMeter {
-    /// A meter for meetings within this radius, metres.
+    /// A meter for encounters within this radius, metres.
     pub fn new(radius_m: f64) -> EncounterMeter {
         EncounterMeter {
             radius_m,
@@ -93,7 +93,7 @@ impl EncounterMeter {
         }
     }
 
-    /// Counts the time of those on the floor, and what robots drive meanwhile. It goes before the looks at all pairs.
+    /// Counts the time of people on the floor, and what robots drive meanwhile. Call it before looking at the pairs.
     pub fn pass_time(&mut self, people: usize, robots: &[RobotNear], span: Span) {
         self.passed = span;
         self.figures.worker_time += span * people as i64;
@@ -103,7 +103,7 @@ impl EncounterMeter {
         }
     }
 
-    /// Looks at a robot and a worker; [`EncounterMeter::count_pairs`] counts when all pairs were looked at.
+    /// Adds a pair of robot and worker; [`EncounterMeter::count_pairs`] counts after all pairs.
     pub fn look(&mut self, robot: RobotId, seen: &RobotNear, person: &MeteredPerson) {
         let way = person.at - seen.at;
         let distance_m = way.norm();
@@ -130,7 +130,7 @@ impl EncounterMeter {
         });
     }
 
-    /// Counts what all pairs that were looked at mean.
+    /// Counts encounters once all pairs are added.
     pub fn count_pairs(&mut self, now: Time) {
         let ended = self.inner.observe(now, &self.near);
         for ((ring, meter), radius_m) in self.figures.rings.iter_mut().zip(&mut self.rings).zip(RINGS_M) {
@@ -145,7 +145,7 @@ impl EncounterMeter {
         figures.closest_m = closest.chain(figures.closest_m).reduce(f64::min);
     }
 
-    /// What was measured so far, with the encounters that have not ended.
+    /// The figures so far, including open encounters.
     pub fn so_far(&self) -> EncounterFigures {
         let mut figures = self.figures.clone();
         for (ring, meter) in figures.rings.iter_mut().zip(&self.rings) {
@@ -155,7 +155,7 @@ impl EncounterMeter {
         figures
     }
 
-    /// Notes whether a robot and a worker touch. A robot that moves then must be braking.
+    /// Records whether a robot and a worker touch. A robot that moves then must be braking.
     pub fn touch(&mut self, id: RobotId, worker: usize, touch: bool, speed_mps: f64, brakes: bool) {
         let key = (id, worker);
         if !touch {

@@ -1,5 +1,5 @@
-//! What is measured of a simulation against the truth: encounters, how well the fleet tells where people go, what
-//! became of jobs, a digest of all facts.
+//! What is measured of a simulation against the truth: encounters, how well the fleet detects where people go, outcomes
+//! of jobs, a digest of all facts.
 //!
 //! Main types: [`encounter::EncounterMeter`], [`rings::RingColumn`], [`detection::Score`], [`tally::JobTally`],
 //! [`digest::Digest`]. Refuses: to tell the fleet anything.

@@ -1,12 +1,12 @@
-//! Encounters as a curve over the distance that counts as near: how often, how long and how fast robots drove up.
+//! Encounters as a curve over the radius that counts as near: how often, how long and how fast robots approached.
 //!
 //! Main types: [`RingColumn`]. A figure within one radius says little: a policy whose robots stand where others drive
 //! looks good close by and bad farther out. Refuses: to choose the radius at which one policy looks best.
 
 use crate::measure::encounter::EncounterFigures;
 
-/// A figure within one radius. The time of workers on the floor and the way that robots drove meanwhile make runs
-/// comparable.
+/// A figure within one radius. Dividing by the workers' time on the floor, or by the distance that robots drove
+/// meanwhile, makes runs comparable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RingColumn {
     /// Entries per minute of workers on the floor.
@@ -20,7 +20,7 @@ pub enum RingColumn {
 }
 
 impl RingColumn {
-    /// All of them.
+    /// All figures.
     pub const ALL: [RingColumn; 4] = [
         RingColumn::EntriesPerWorkerMinute,
         RingColumn::EntriesPerKilometre,
@@ -28,7 +28,7 @@ impl RingColumn {
         RingColumn::FastestMps,
     ];
 
-    /// The word for it in reports.
+    /// The figure's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             RingColumn::EntriesPerWorkerMinute => "entries_per_worker_minute",
@@ -38,7 +38,7 @@ impl RingColumn {
         }
     }
 
-    /// The figure of one run within one of the radii; nothing where nobody was on the floor, or nothing drove.
+    /// The figure of one run within one radius; nothing if no person was on the floor, or no robot drove.
     pub fn of(self, figures: &EncounterFigures, ring: usize) -> Option<f64> {
         let minutes = figures.worker_time.as_secs_f64() / 60.0;
         let per = |n: f64, of: f64| (of > 0.0).then(|| n / of);
@@ -52,8 +52,8 @@ impl RingColumn {
     }
 }
 
-/// Quantiles of the closest distances of all entries within one of the radii, over all runs, metres: of every hundred
-/// encounters five, 25, 50 and 75 came nearer.
+/// Quantiles of the closest distances of all entries within one radius, over all runs, metres: the distances that 5,
+/// 25, 50 and 75 of every hundred encounters came nearer than.
 pub fn closest_quantiles<'a>(
     runs: impl Iterator<Item = &'a EncounterFigures>,
     ring: usize,

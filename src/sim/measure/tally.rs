@@ -1,4 +1,4 @@
-//! What became of jobs, by kind.
+//! Outcomes of jobs, by kind.
 //!
 //! Main types: [`JobTally`], `Tallies`. Refuses: to look at anything but facts.
 
@@ -6,22 +6,22 @@ use giveway_fleet::{Fact, Fleet, JobFact, JobState};
 use giveway_floor::id::JobId;
 use std::collections::BTreeMap;
 
-/// What became of jobs of one kind.
+/// Outcomes of the jobs of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct JobTally {
-    /// Accepted.
+    /// Jobs that were accepted.
     pub accepted: u64,
-    /// Done.
+    /// Jobs that were done.
     pub done: u64,
-    /// Could not be done.
+    /// Jobs that could not be done.
     pub failed: u64,
-    /// Cancelled.
+    /// Jobs that were cancelled.
     pub cancelled: u64,
-    /// Not over at the end.
+    /// Jobs still open at the end.
     pub open_at_end: u64,
 }
 
-/// What became of all jobs.
+/// Outcomes of all jobs.
 #[derive(Debug, Default)]
 pub(crate) struct Tallies {
     open: BTreeMap<JobId, &'static str>,
@@ -55,7 +55,7 @@ impl Tallies {
         }
     }
 
-    /// All of them, with what the ledger has open in the end.
+    /// All counts, with the ledger's open jobs at the end.
     pub fn all(&self, fleet: &Fleet) -> BTreeMap<&'static str, JobTally> {
         let mut all = self.kinds.clone();
         for job in fleet.ledger().jobs.values() {

@@ -1,73 +1,73 @@
 //! Where a simulated picker looks, and where the head faces meanwhile.
 //!
-//! Main type: [`Eyes`]. Eyes jump from place to place; the head goes part of the way after them, and smoothly. Refuses:
-//! to know where hands are; whoever moves them says what they go for.
+//! Main type: [`Eyes`]. Eyes jump from place to place; the head follows part of the way, smoothly. Refuses: to know
+//! where the hands are; the code that moves them gives their target.
 
 use super::watch::angles_of;
 use giveway_cell::FacePlace;
 use giveway_floor::time::{Span, Time};
 
-/// The head turns by so much of the yaw and of the pitch of what is looked at, as that of recorded people does.
+/// Shares of a target's yaw and pitch that the head turns, as measured of recorded people.
 const TURNS: [f64; 2] = [0.7, 0.4];
-/// The head follows through two lags of this length in a row, seconds: it gets under way and comes to rest smoothly,
-/// and has done half of a turn after 0.17 s.
+/// The head follows through two lags of this length in a row, seconds: it starts and stops smoothly, and has completed
+/// half of a turn after 0.17 s.
 const LAG_S: f64 = 0.1;
 
-/// Eyes and head.
+/// Eyes and head of a picker.
 #[derive(Clone, Copy, Debug)]
 pub struct Eyes {
-    /// What is looked at, and since when.
+    /// The place that the eyes look at, and since when.
     at: FacePlace,
     since: Time,
-    /// What is looked at next, and from when on.
+    /// The next place to look at, and from when.
     next: Option<(Time, FacePlace)>,
-    /// How far the head was from where it faces in the end when the eyes jumped, and how fast that changed: yaw and
-    /// pitch of what it seemed to be turned to, radians and radians per second.
+    /// How far the head was from its final direction when the eyes jumped, and how fast that changed: yaw and pitch,
+    /// radians and radians per second.
     lags: [[f64; 2]; 2],
 }
 
 impl Eyes {
-    /// Eyes that have been at rest on a place.
+    /// Eyes that have rested on a place.
     pub fn new(at: FacePlace, now: Time) -> Eyes {
         Eyes { at, since: now, next: None, lags: [[0.0; 2]; 2] }
     }
 
-    /// They jump to a place, seen from where the head is.
+    /// The eyes jump to a place now, seen from the position of the head.
     pub fn look_at(&mut self, place: FacePlace, now: Time, head: FacePlace) {
         self.follow(now, head);
         self.next = None;
         self.jump(place, now, head);
     }
 
-    /// They stay where they are until then, and jump to a place.
+    /// The eyes jump to a place at a later time.
     pub fn look_later(&mut self, place: FacePlace, at: Time) {
         self.next = Some((at, place));
     }
 
-    /// They make the jumps that are due by now.
+    /// Makes the jumps that are due by now.
     pub fn follow(&mut self, now: Time, head: FacePlace) {
         if let Some((at, place)) = self.next.take_if(|(at, _)| *at <= now) {
             self.jump(place, at, head);
         }
     }
 
-    /// A jump that is not due yet comes so much later.
+    /// Delays a pending jump by `by`.
     pub fn delay(&mut self, by: Span) {
         self.next = self.next.map(|(at, place)| (at + by, place));
     }
 
-    /// What is looked at, and since when.
+    /// The place that the eyes look at, and since when.
     pub fn place(&self) -> (FacePlace, Time) {
         (self.at, self.since)
     }
 
-    /// Yaw and pitch of the eyes, seen from where the head is.
+    /// Yaw and pitch of the eyes, seen from the position of the head.
     pub fn looks(&self, head: FacePlace) -> [f64; 2] {
         let (yaw, pitch) = angles_of(self.at - head);
         [yaw, pitch]
     }
 
-    /// Yaw and pitch of the head, where it is.
+    /// Yaw and pitch of the head at its position.
     pub fn faces(&self, now: Time, head: FacePlace) -> [f64; 2] {
         let (looks, lags) = (self.looks(head), self.lags_at(now));
         [0, 1].map(|i| TURNS[i] * (looks[i] + lags[i][0]))
@@ -83,7 +83,7 @@ impl Eyes {
         self.lags = [0, 1].map(|i| [lags[i][0] + before[i] - after[i], lags[i][1]]);
     }
 
-    /// What is left of each lag, and how fast that changes.
+    /// The remainder of each lag, and how fast it changes.
     fn lags_at(&self, now: Time) -> [[f64; 2]; 2] {
         let t = (now - self.since).as_secs_f64().max(0.0);
         let left = libm::exp(-t / LAG_S);

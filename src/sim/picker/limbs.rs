@@ -1,12 +1,12 @@
 //! Where a simulated picker's limbs truly are: arms by head and hands, trunk and head.
 //!
 //! Main function: [`limbs`]. Lengths are shares of the body height (Winter, Biomechanics and Motor Control of Human
-//! Movement). Refuses: to be what the fleet believes; elbows hang otherwise than it assumes.
+//! Movement). Refuses: to match what the fleet believes; elbows hang differently from what it assumes.
 
 use giveway_cell::arm::Capsule;
 use giveway_cell::{FacePlace, PickFace};
 
-/// Half the width of the shoulders, and how far below the middle of the head they are, shares of the height.
+/// Half the width of the shoulders, and how far they are below the middle of the head, shares of the height.
 const HALF_WIDTH: f64 = 0.115;
 const DROP: f64 = 0.125;
 /// Upper and lower arm, shares of the height.
@@ -35,7 +35,7 @@ pub fn limbs(face: &PickFace, height_m: f64, head: FacePlace, grips: [FacePlace;
         let wrist = grip + back * HAND_M;
         let (upper, lower) = (UPPER * height_m, LOWER * height_m);
         let lacks_m = (wrist - shoulder).norm() - 0.99 * (upper + lower);
-        // A shoulder goes along with a hand that is farther than the arm is long.
+        // If the hand is farther than the arm is long, the shoulder moves along with it.
         shoulder -= back * lacks_m.max(0.0);
         let way = wrist - shoulder;
         let far = way.norm().max((upper - lower).abs() + 0.02);

@@ -1,7 +1,7 @@
 //! People who pick at work cells, as ground truth: arms, eyes and mistakes, and headsets that see some of it.
 //!
 //! Main types: [`Pickers`], [`SimPicker`], [`PickFigures`]. Refuses: to read anything of the fleet that is not on the
-//! screen of the station.
+//! station's screen.
 
 mod beside_arm;
 pub mod eyes;
@@ -38,15 +38,15 @@ use watch::HandWatch;
 const PERSON: u64 = 61;
 const WATCH: u64 = 62;
 const TREMOR: u64 = 64;
-/// A server sends a warning so long after the hands came that it is about, as measured through its sockets.
+/// Delay from the arrival of hands to the warning about them, as measured through a server's sockets.
 const SENDS: Span = Span::from_millis(26);
-/// The token of what pickers say.
+/// The token of pickers' requests.
 const TOKEN: Token = Token { asker: PICKERS, number: 0 };
-/// Steps in which the rest of a visit is foreseen, and how far at most.
+/// Step length for foreseeing the rest of a visit, and the longest time foreseen.
 const FORESEEN: Span = Span::from_millis(20);
 const FARTHEST: Span = Span::from_secs(1200);
 
-/// The button for a line that is over already: who presses it says that nothing is left to do.
+/// Confirms a line that is already over; pressing it means that nothing is left to do.
 const AGAIN: StationOrder = StationOrder::Line(0, LineChange::Done(1));
 
 /// A robot that truly stands at a station with a rack.
@@ -64,33 +64,33 @@ struct PickerPlace {
     station: StationId,
     picker: SimPicker,
     watch: HandWatch,
-    /// Whether an arm picks there, too. Then nobody lets a rack go by saying that all is out of it.
+    /// Whether an arm picks there too. Then the picker never releases a rack by reporting that all is out of it.
     has_arm: bool,
-    /// The visit that was on when it was looked at last.
+    /// The visit in progress at the last look.
     visit: Option<JobId>,
     idle: Span,
     there: Span,
     beside_arm: BesideArm,
 }
 
-/// Everybody who picks.
+/// All pickers.
 #[derive(Debug)]
 pub struct Pickers {
     all: Vec<PickerPlace>,
     flow: Flow,
 }
 
-/// How long somebody was at a station, and how long with nothing to pick.
+/// How long a picker was at a station, and how much of that with nothing to pick.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PickerTime {
-    /// At the station.
+    /// Time at the station.
     pub there: Span,
-    /// Of that, with nothing to pick.
+    /// Time at the station with nothing to pick.
     pub idle: Span,
 }
 
 impl Pickers {
-    /// The people of a scenario. Stations whose racks have no types get none.
+    /// The pickers of a scenario; none at a station whose racks have no types.
     pub(super) fn new(warehouse: &Warehouse, cells: &WorkCells, flow: Flow, seed: u64, now: Time) -> Pickers {
         let stand = |(i, habits): (usize, crate::scenario::PickerHabits)| {
             let (station, place) = warehouse.stations.pairs().find(|(_, s)| s.name == habits.station)?;
@@ -108,7 +108,8 @@ impl Pickers {
         Pickers { all, flow }
     }
 
-    /// Everybody lives from `from` to `to`. `standing` says which robot truly stands at a station with its rack.
+    /// Advances all pickers from `from` to `to`. `standing` gives the robot that truly stands at a station with its
+    /// rack.
     pub(super) fn advance(
         &mut self,
         (from, to): (Time, Time),
@@ -131,7 +132,7 @@ impl Pickers {
             }
             let said = stand.live((from, to), &screen, (i as u32, self.flow.hears_hands()));
             let station = stand.station;
-            // Who lets a rack go beside an arm would say that the arm is out, too.
+            // To release a rack beside an arm would state that the arm is out, too.
             let lets_go = if stand.has_arm { AGAIN } else { StationOrder::Release };
             let said = said.into_iter().map(|o| if o == StationOrder::Release { lets_go } else { o });
             inputs.extend(said.map(|order| Input::ask(TOKEN, Request::Station(station, order))));
@@ -140,7 +141,8 @@ impl Pickers {
         inputs
     }
 
-    /// Who would come upon the arm beside them stops before it for a while, then goes on. Gives where that is.
+    /// A person about to touch the arm beside them stops for a while, then goes on. Gives the stations where that
+    /// happens.
     pub(super) fn give_way(
         &mut self,
         now: Time,
@@ -165,7 +167,7 @@ impl Pickers {
         self.all.iter().filter_map(|s| s.picker.figures.lines.get(&line)).map(|l| l.right).sum()
     }
 
-    /// Somebody will be warned, as soon as a server would have sent that.
+    /// Delivers a warning to the person at a station when a server would have sent it.
     pub(super) fn warn(&mut self, now: Time, warning: &CellWarning) {
         if let Some(stand) = self.all.iter_mut().find(|s| s.station == warning.station) {
             let came = stand.watch.came_at(warning.seen);
@@ -173,7 +175,7 @@ impl Pickers {
         }
     }
 
-    /// Stations in whose opening or rack somebody's hand is.
+    /// Stations with a person's hand in the opening or in the rack.
     pub(super) fn hands_inside(&self, now: Time) -> impl Iterator<Item = StationId> {
         self.all.iter().filter(move |s| s.picker.is_inside(now)).map(|s| s.station)
     }
@@ -183,7 +185,7 @@ impl Pickers {
         self.all.iter().filter(|s| s.picker.is_away()).map(|s| s.station)
     }
 
-    /// What truly happened at each station, with how long somebody was there.
+    /// True figures of each station, with how long a person was there.
     pub fn figures(&self) -> impl Iterator<Item = (StationId, &PickFigures, PickerTime)> {
         let time = |s: &PickerPlace| PickerTime { there: s.there, idle: s.idle };
         self.all.iter().map(move |s| (s.station, &s.picker.figures, time(s)))
@@ -191,7 +193,7 @@ impl Pickers {
 }
 
 impl PickerPlace {
-    /// Gives what the person says.
+    /// Advances the person and gives what the person reports.
     fn live(
         &mut self,
         (from, to): (Time, Time),
@@ -252,7 +254,7 @@ fn face_of(warehouse: &Warehouse, station: StationId, rack: RackId) -> Option<Pi
     Some(PickFace::new(place.cell.as_ref()?, warehouse.nodes[place.node].at, rack_type))
 }
 
-/// Whether the visit for which a robot is picked from has lines.
+/// Whether the visit that a robot is picked from has lines.
 pub(super) fn has_lines(ledger: &Ledger, robot: RobotId) -> bool {
     let job = ledger.robots.get(robot).and_then(|record| record.task.job());
     job.and_then(|job| ledger.jobs.get(&job)).is_some_and(|job| job.lines_now().is_some())
@@ -277,7 +279,7 @@ mod tests {
         Pickers::new(&stations(), cells, Flow::default(), 1, Time::ZERO).all.swap_remove(0)
     }
 
-    /// Goes on for so long beside an arm. Whether the person is away at the end.
+    /// Advances a person beside an arm by `seconds`. Gives whether the person is away at the end.
     fn passes(stand: &mut PickerPlace, now: &mut Time, seconds: f64, arm: &ArmSeen) -> bool {
         let until = *now + Span::from_secs_f64(seconds);
         while *now < until {
@@ -289,7 +291,7 @@ mod tests {
         stand.picker.is_away()
     }
 
-    /// The same, so much higher.
+    /// The capsules, `by_m` higher.
     fn raised(all: &[Capsule], by_m: f64) -> Vec<Capsule> {
         let by = nalgebra::Vector3::new(0.0, 0.0, by_m);
         all.iter().map(|c| Capsule { a: c.a + by, b: c.b + by, ..*c }).collect()

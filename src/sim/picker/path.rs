@@ -1,8 +1,8 @@
 //! How a hand moves from place to place.
 //!
-//! Main type: [`HandPath`]. The way is a curve that leaves and enters slots straight; along it the hand moves by a
-//! minimum jerk (Flash and Hogan 1985) warped so that its speed peaks at 37 % of the time, as that of recorded people
-//! does. How long it takes follows Fitts (1954). Refuses: straight and symmetric movements.
+//! Main type: [`HandPath`]. The path is a curve that leaves and enters slots straight; along it the hand moves by a
+//! minimum jerk (Flash and Hogan 1985) warped so that its speed peaks at 37 % of the time, as recorded hands do. The
+//! duration follows Fitts (1954). Refuses: straight and symmetric movements.
 
 use super::motion::minimum_jerk;
 use crate::random::Stream;
@@ -15,34 +15,34 @@ const WARP: f64 = 0.775;
 const BASE_S: f64 = 0.3;
 const BIT_S: f64 = 0.145;
 const WIDTH_M: f64 = 0.1;
-/// Spread of the logarithm of the time.
+/// Standard deviation of the logarithm of the duration.
 const TIME_SPREAD: f64 = 0.14;
-/// A second, short movement mends the end of so many movements, and is on so much of the time.
+/// Share of movements with a short second one that corrects the end, and its share of the duration.
 const MENDED: f64 = 0.3;
 const MEND_SHARE: f64 = 0.22;
-/// Where such a movement first ends too early or too late, as a share of the distance.
+/// Largest error of a first movement that is corrected, either way, as a share of the distance.
 const MISS: f64 = 0.06;
-/// Ways bend sideways by this share of their length, in the mean square.
+/// Sideways bend of a path in the mean square, as a share of its length.
 const BEND: f64 = 0.09;
-/// A place on a way is looked for in so many steps.
+/// Number of steps in which a place on a path is searched.
 const PARTS: i64 = 64;
 
 /// One movement of a hand.
 #[derive(Clone, Debug)]
 pub struct HandPath {
     from: FacePlace,
-    /// The curve (a Bézier curve of the third degree) bends towards these.
+    /// Control points of the curve, a cubic Bézier curve.
     via: [FacePlace; 2],
     to: FacePlace,
     start: Time,
     end: Time,
-    /// How far the first of two movements goes, of the whole; nothing of a movement that is not mended.
+    /// How far the first of two movements goes, as a share of the whole; nothing if there is no correction.
     first: Option<f64>,
 }
 
 impl HandPath {
-    /// A movement that begins at `start`. `leave` and `enter` are where it passes on its way out of a slot and into
-    /// another, if it does. `pace` stretches its time.
+    /// A movement that begins at `start`. `leave` and `enter` are the points that it passes on its way out of one slot
+    /// and into another, if any. `pace` stretches its duration.
     pub fn new(
         [from, to]: [FacePlace; 2],
         [leave, enter]: [Option<FacePlace>; 2],
@@ -66,22 +66,22 @@ impl HandPath {
         HandPath { from: at, via: [at; 2], to: at, start: now, end: now, first: None }
     }
 
-    /// It goes on so much later.
+    /// Delays the rest of the movement by `by`.
     pub fn delay(&mut self, by: Span) {
         (self.start, self.end) = (self.start + by, self.end + by);
     }
 
-    /// When it ends.
+    /// When the movement ends.
     pub fn end(&self) -> Time {
         self.end
     }
 
-    /// Where it ends.
+    /// Where the movement ends.
     pub fn to(&self) -> FacePlace {
         self.to
     }
 
-    /// Where the hand is.
+    /// Position of the hand at a time.
     pub fn at(&self, now: Time) -> FacePlace {
         if now >= self.end {
             return self.to;
@@ -92,7 +92,7 @@ impl HandPath {
         self.from * (r * r * r) + a * (3.0 * r * r * s) + b * (3.0 * r * s * s) + self.to * (s * s * s)
     }
 
-    /// When the hand first is where it is asked for, on its way or at its end.
+    /// When the hand first meets a condition, on its way or at its end.
     pub fn first(&self, is_there: impl Fn(FacePlace) -> bool) -> Option<Time> {
         let part = |i: i64| self.start + Span((self.end - self.start).0 * i / PARTS);
         let found = (0..=PARTS).find(|i| is_there(self.at(part(*i))))?;
@@ -117,7 +117,7 @@ impl HandPath {
     }
 }
 
-/// The share of the way after a share of the time.
+/// The share of the path covered after a share of the time.
 fn jerk(t: f64) -> f64 {
     minimum_jerk(t.powf(WARP))
 }
@@ -132,7 +132,7 @@ mod tests {
         [0.05, 0.5, 0.95].map(|q| all[(q * (all.len() - 1) as f64) as usize])
     }
 
-    /// Whether quantiles are those of recorded people, with a tolerance.
+    /// Asserts that quantiles match those of recorded people within a tolerance.
     fn assert_like(what: &str, found: [f64; 3], recorded: [f64; 3], tolerance: f64) {
         for (f, r) in found.iter().zip(recorded) {
             assert!((f - r).abs() <= tolerance, "{what}: {found:?}, recorded {recorded:?}");
@@ -161,7 +161,7 @@ mod tests {
             ratios.push(steps.iter().sum::<f64>() / distance);
         }
         assert_like("seconds", quantiles(times), [0.68, 0.88, 1.24], 0.12);
-        // Ours are a little slower at their fastest.
+        // Simulated peaks are a little slower.
         assert_like("peak, m/s", quantiles(peaks), [1.3, 2.1, 3.0], 0.5);
         let found = quantiles(peak_at);
         assert!((found[1] - 0.37).abs() < 0.05 && found[0] > 0.2 && found[2] < 0.55, "peak at {found:?}");

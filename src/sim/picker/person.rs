@@ -1,4 +1,4 @@
-//! One simulated person who picks: what is on the screen, what the hands do about it, and what goes wrong.
+//! One simulated person who picks: reads the screen, moves the hands accordingly, and makes mistakes.
 //!
 //! Main types: [`SimPicker`], [`StationScreen`]. Refuses: to know what the fleet believes; it sees the screen, the rack
 //! and the totes.
@@ -21,33 +21,33 @@ use giveway_floor::id::JobId;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::SlotName;
 
-/// Where the picker stands, metres from the rack's middle.
+/// Distance of the picker from the rack's middle, metres.
 const STANDS_M: f64 = 1.05;
 /// How long a hand is in a tote (a light position and a release in MTM-1) and at a button, seconds.
 const PUT_S: f64 = 0.25;
 const PRESS_S: f64 = 0.12;
-/// A line that is still lit so long after its last piece was put down is confirmed by the button, seconds.
+/// A line still lit this long after its last piece was put down is confirmed by the button, seconds.
 const ASKED_S: f64 = 0.8;
-/// A rack that still stands there so long after its last line was over is let go by the button.
+/// A rack still there this long after its last line was over is released by the button.
 const STUCK: Span = Span::from_secs(3);
-/// Spread of the logarithm of the time in a slot.
+/// Standard deviation of the logarithm of the time in a slot.
 const RUMMAGE_SPREAD: f64 = 0.35;
-/// So high above the floor the screen is, over the opening, metres.
+/// Height of the screen above the floor, over the opening, metres.
 const SCREEN_M: f64 = 2.15;
-/// Who reaches lower than this bends, by so much of it; metres.
+/// A person who reaches lower than this bends down by this share of the difference; metres.
 const BENDS_BELOW_M: f64 = 1.0;
 const BENDS: f64 = 0.45;
-/// A head that is lowered so faces down by so much, radians for each metre: about a third of what the trunk bows if it
-/// does all of that; knees and neck do the rest. Recorded people stood upright.
+/// How far a lowered head tilts down, radians per metre: about a third of the trunk's bend if the trunk does all the
+/// lowering; knees and neck do the rest. Recorded people stood upright.
 const NODS: f64 = 0.9;
 
-/// What comes when the present movement or stay is over.
+/// The picker's next action when the present movement or stay is over.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Next {
     Look,
     /// The hand sets out, towards another slot first where one is named.
     SetOut(Option<SlotName>),
-    /// It was on its way to this slot.
+    /// The hand was on its way to this slot and turns.
     Redirect(SlotName),
     Enter,
     Out,
@@ -59,14 +59,14 @@ enum Next {
     Pressed(PickButton),
 }
 
-/// What a press of the button says.
+/// What a press of the button reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PickButton {
     /// The line is done.
     Done,
-    /// Pieces are missing.
+    /// Pieces of the line are missing.
     Short,
-    /// The rack may go.
+    /// The rack may leave.
     LetGo,
 }
 
@@ -79,14 +79,14 @@ struct ClaimedLine {
     button: PickButton,
 }
 
-/// A simulated person who picks.
+/// A simulated picker.
 #[derive(Clone, Debug)]
 pub struct SimPicker {
     habits: PickerHabits,
-    /// Whether each line is confirmed by a button.
+    /// Whether the picker confirms each line by a button.
     presses: bool,
     random: Stream,
-    /// How hands shake is drawn apart, so that a person acts in the same way whether somebody looks or not.
+    /// A separate stream for tremor, so that a person acts the same whether or not a headset looks.
     tremor: Stream,
     face: PickFace,
     hands: [HandPath; 2],
@@ -95,22 +95,22 @@ pub struct SimPicker {
     until: Time,
     work: Option<LineWork>,
     claim: Option<ClaimedLine>,
-    /// Since when a rack stands there of which nothing is left to pick.
+    /// Since when a rack stands there with nothing left to pick from it.
     stuck: Option<Time>,
-    /// Warnings that are on their way, with when they come.
+    /// Warnings under way, with their arrival times.
     warnings: Vec<(Time, WrongReach)>,
-    /// When the person acts on a warning, and which.
+    /// When the person acts on a warning, and on which.
     react: Option<(Time, WrongReach)>,
-    /// When the hand was on a wrong way last, and where that led.
+    /// When the hand last was on a wrong path, and where that led.
     astray: Option<(Time, WrongReach)>,
     away: Option<Time>,
     goes_away: Time,
-    /// What truly happened.
+    /// True figures of this person's picks.
     pub figures: PickFigures,
 }
 
 impl SimPicker {
-    /// A person who stands before a rack's face; one of the streams is for what they do, the other for how they shake.
+    /// A person who stands before a rack's face; one of the streams is for actions, the other for tremor.
     pub fn new(
         habits: PickerHabits,
         presses: bool,
@@ -142,12 +142,12 @@ impl SimPicker {
         }
     }
 
-    /// The face of the rack that is there, or was last.
+    /// The face of the rack that is there, or of the last one.
     pub fn face(&self) -> &PickFace {
         &self.face
     }
 
-    /// Another rack is there.
+    /// Turns to the face of another rack.
     pub fn turn_to(&mut self, face: PickFace) {
         self.face = face;
     }
@@ -162,7 +162,7 @@ impl SimPicker {
         self.work.is_none() && self.claim.is_none() && self.away.is_none() && self.next == Next::Look
     }
 
-    /// The line that is picked, or was picked last, with how many of its pieces are put down.
+    /// The line in progress, or the last one, with how many of its pieces are put down.
     pub fn pieces_put(&self) -> Option<((JobId, usize), u32)> {
         let work = self.work.as_ref().or(self.figures.finished.as_ref())?;
         Some(((work.line.job, work.line.n), work.put()))
@@ -173,7 +173,7 @@ impl SimPicker {
         self.hands.iter().any(|hand| self.face.is_inside(hand.at(now)))
     }
 
-    /// Where the person is.
+    /// The person's true head and hands.
     pub fn truth(&mut self, now: Time) -> TruePicker {
         let head = self.head(now);
         self.eyes.follow(now, head);
@@ -187,33 +187,33 @@ impl SimPicker {
         TruePicker { head, faces, looks, grips }
     }
 
-    /// Where the middle of the head is.
+    /// Position of the middle of the head.
     fn head(&self, now: Time) -> FacePlace {
         FacePlace::new(0.0, STANDS_M, 0.93 * self.habits.height_m - self.lowered_m(now))
     }
 
-    /// By how much the head is lower than that of who stands upright, metres: who reaches low bends down.
+    /// How much lower the head is than upright, metres: a person who reaches low bends down.
     fn lowered_m(&self, now: Time) -> f64 {
         BENDS * (BENDS_BELOW_M - self.hands[self.main()].at(now).z).max(0.0)
     }
 
-    /// Steps back, out of reach, until then; a person who is away longer anyway stays away.
+    /// The person steps back, out of reach, until `until`; a person already away for longer stays away.
     pub fn step_back(&mut self, until: Time) {
         self.away = self.away.max(Some(until));
     }
 
-    /// Arms, head and trunk where they are, or would be if the person were there.
+    /// Capsules of arms, head and trunk, even of a person who is away.
     pub fn limbs_there(&self, now: Time) -> Vec<Capsule> {
         let grips = [0, 1].map(|i| self.hands[i].at(now));
         limbs(&self.face, self.habits.height_m, self.head(now), grips)
     }
 
-    /// Arms, head and trunk; nothing of a person who is away.
+    /// Capsules of arms, head and trunk; none of a person who is away.
     pub fn limbs(&self, now: Time) -> Vec<Capsule> {
         if self.is_away() { Vec::new() } else { self.limbs_there(now) }
     }
 
-    /// The hands stop for so long.
+    /// Stops the hands for `by`.
     pub fn wait(&mut self, now: Time, by: Span) {
         if self.until > now {
             self.hands.iter_mut().filter(|hand| hand.end() > now).for_each(|hand| hand.delay(by));
@@ -229,7 +229,7 @@ impl SimPicker {
         }
     }
 
-    /// Lives until `now`. Gives what the person says, with when.
+    /// Advances the person to `now`. Gives what the person reports, with times.
     pub fn advance(&mut self, now: Time, screen: &StationScreen) -> Vec<(Time, StationOrder)> {
         let mut said = Vec::new();
         loop {
@@ -289,9 +289,9 @@ impl SimPicker {
         }
     }
 
-    /// Nothing is in hand: what is to be done next?
+    /// With nothing in hand, decides what to do next.
     fn look(&mut self, at: Time, now: Time, screen: &StationScreen) {
-        // It looks again at the next moment at which the screen may have changed.
+        // The person looks again at the next moment at which the screen may have changed.
         self.until = now + Span(1);
         if let Some(back) = self.away {
             if at < back {
@@ -338,7 +338,7 @@ impl SimPicker {
         self.stay(at, looks_s + glances_s, Next::SetOut(first));
     }
 
-    /// The hand is in a slot. If the rack has left meanwhile, there is nothing.
+    /// The hand is in a slot. If the rack has left meanwhile, the hand finds nothing.
     fn enter(&mut self, at: Time, screen: &StationScreen) -> Option<StationOrder> {
         if !screen.is_here {
             self.note_lead(at);
@@ -393,7 +393,7 @@ impl SimPicker {
         None
     }
 
-    /// What the button says, of what is on the screen.
+    /// What a press of the button reports, given the screen.
     fn press(&mut self, at: Time, button: PickButton, screen: &StationScreen) -> Option<StationOrder> {
         if button == PickButton::LetGo {
             self.figures.released += u64::from(screen.is_over);
@@ -415,7 +415,7 @@ impl SimPicker {
     }
 }
 
-/// Where the screen is, over the opening to a rack.
+/// Position of the screen, over the opening to a rack.
 fn screen_over(face: &PickFace) -> FacePlace {
     FacePlace::new(0.0, face.opening_m(), SCREEN_M)
 }

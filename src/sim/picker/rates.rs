@@ -1,4 +1,4 @@
-//! Whether simulated pickers do what their habits say, as somebody beside them sees it, over many lines.
+//! Whether simulated pickers follow their habits, as an observer sees them over many lines.
 
 use super::person::SimPicker;
 use super::screen::{ShownLine, StationScreen};
@@ -18,31 +18,31 @@ const STEP: Span = Span::from_millis(10);
 /// The right hand, which picks.
 const MAIN: usize = 1;
 
-/// What is seen of one reach into a slot.
+/// Observation of one reach into a slot.
 #[derive(Clone, Debug)]
 struct ReachSeen {
     lit: SlotName,
-    /// Slots that were looked at on the way, each with since when.
+    /// Slots that the eyes were on during the reach, each with its beginning.
     looked: Vec<(SlotName, Time)>,
     /// When the finger tips passed the face, and for how long they rested behind it, seconds.
     passed: Time,
     rested_s: f64,
-    /// Where they were deepest.
+    /// Position of the finger tips at their deepest.
     deepest: FacePlace,
     /// Whether the other hand was in, too.
     both: bool,
 }
 
-/// What is seen of many lines.
+/// Observations of many lines.
 #[derive(Debug, Default)]
 struct ShiftSeen {
     reaches: Vec<ReachSeen>,
     lines: u64,
     short: u64,
-    /// Lines of two pieces and more, and those that both hands picked.
+    /// Lines of two pieces and more, and how many of these both hands picked.
     of_several: u64,
     by_both: u64,
-    /// Pieces that were put down, and those in a wrong tote.
+    /// Pieces that were put down, and how many of these went into a wrong tote.
     pieces: u64,
     strayed: u64,
 }
@@ -54,7 +54,7 @@ struct PickerShift {
     dice: Stream,
     line: ShownLine,
     seen: ShiftSeen,
-    /// Slots that were looked at since the hand was in one.
+    /// Slots that the eyes were on since the hand was last in one.
     looked: Vec<(SlotName, Time)>,
     before: Option<TruePicker>,
     reach: Option<ReachSeen>,
@@ -62,7 +62,7 @@ struct PickerShift {
     both: bool,
 }
 
-/// People who do nothing but right, and do not shake.
+/// Habits of people who make no mistakes and do not shake.
 fn steady() -> PickerHabits {
     PickerHabits {
         wanders: 0.0,
@@ -103,7 +103,7 @@ impl PickerShift {
         shift
     }
 
-    /// Another line is lit.
+    /// Lights another line.
     fn light(&mut self) {
         let slot = SlotName::new(self.dice.below(4) as u8, self.dice.below(5) as u8);
         let (n, left) = (self.line.n + 1, 1 + self.dice.below(3) as u32);
@@ -111,7 +111,7 @@ impl PickerShift {
         (self.put, self.both) = (0, false);
     }
 
-    /// Lives for one step. Gives where the person is then.
+    /// Advances by one step. Gives where the person is then.
     fn step(&mut self) -> TruePicker {
         self.now += STEP;
         let screen = StationScreen { lit: Some(self.line), is_here: true, ..StationScreen::default() };
@@ -184,7 +184,7 @@ impl PickerShift {
         }
     }
 
-    /// So many lines are picked.
+    /// Lets the person pick this many lines.
     fn pick(mut self, lines: u64) -> ShiftSeen {
         while self.seen.lines < lines {
             self.step();
@@ -192,7 +192,7 @@ impl PickerShift {
         self.seen
     }
 
-    /// Goes on until the hand is on its way to a wrong slot. Gives that slot.
+    /// Advances until the hand is on its way to a wrong slot. Gives that slot.
     fn until_wrong(&mut self) -> SlotName {
         while self.picker.figures.wrong == 0 || self.looked.is_empty() {
             self.step();
@@ -201,7 +201,7 @@ impl PickerShift {
         self.looked.last().expect("the eyes are there").0
     }
 
-    /// When the hand is first so deep behind the face, if nothing else comes.
+    /// When the hand first meets a condition on its depth, if nothing else happens.
     fn passes(&self, is_there: impl Fn(&PickFace, FacePlace) -> bool) -> Time {
         let (mut picker, mut at) = (self.picker.clone(), self.now);
         let screen = StationScreen { lit: Some(self.line), is_here: true, ..StationScreen::default() };
@@ -213,7 +213,7 @@ impl PickerShift {
     }
 }
 
-/// Whether a share is as good as the habit from which it comes.
+/// Asserts that a share matches the habit that it comes from.
 fn assert_share(what: &str, (found, of): (u64, u64), habit: f64) {
     let share = found as f64 / of as f64;
     let bound = 3.5 * (habit * (1.0 - habit) / of as f64).sqrt();
@@ -262,7 +262,7 @@ fn minds_are_changed_and_both_hands_used_as_often_as_habits_say() {
 fn hands_rummage_as_long_as_habits_say_and_find_pieces_beside_the_middle_of_their_slot() {
     let seen = PickerShift::new(PickerHabits { rummage_s: 0.6, pace: 1.2, ..steady() }, 5).pick(800);
     let rested_s = mean(seen.reaches.iter().map(|r| r.rested_s));
-    // A time of which the logarithm is normal is in the mean longer than in the median.
+    // The mean of a log-normal time is longer than its median.
     let expected_s = 0.6 * 1.2 * (0.35_f64 * 0.35 / 2.0).exp();
     assert!((rested_s - expected_s).abs() < 0.03, "{rested_s} s, but {expected_s} s by the habit");
     let aside = |r: &ReachSeen| r.deepest.x - FACE.slot(r.lit).x;
@@ -374,20 +374,21 @@ fn a_warning_that_comes_when_the_piece_is_out_counts_as_none() {
     assert!(found.warned_leads.is_empty());
 }
 
-/// What was stated of a hand that is seen, and what came.
+/// Probabilities stated for a visible hand, and what happened.
 #[derive(Default)]
 struct Foreseen {
-    /// For each part of the probabilities: moments, the sum of what was stated, and how often the hand came inside.
+    /// For each range of probabilities: number of moments, sum of the stated values, and how often the hand came
+    /// inside.
     parts: [[f64; 3]; 5],
 }
 
 impl Foreseen {
-    /// Probabilities are looked at in these parts.
+    /// Lower bounds of the ranges of probabilities.
     const PARTS: [f64; 5] = [0.0, 0.1, 0.3, 0.6, 0.9];
-    /// So far is foreseen, in steps.
+    /// How far ahead a probability looks, in steps.
     const AHEAD: usize = 30;
 
-    /// Somebody picks so many lines and is seen.
+    /// Adds a person who picks this many lines while a headset watches.
     fn watch(&mut self, seed: u64, lines: u64) {
         let (face, model) = (Arc::new(FACE.clone()), PickModel::builtin());
         let mut shift = PickerShift::new(PickerHabits::default(), seed);
@@ -406,7 +407,7 @@ impl Foreseen {
             for seen in watch.come(shift.now) {
                 hands.see(CellHandsScene { face: &face, model: &model, lit, tote }, &seen);
                 let is_seen = seen.hands.map(|hand| hand.is_some());
-                // A hand that was lost a moment ago is held to be where it was: that is no forecast.
+                // A hand lost a moment ago is taken to be where it was: that is no forecast.
                 let is_known = |i: usize| is_seen[i] || seen.seen - last[i] > Span::from_secs(1);
                 if (0..2).all(is_known) {
                     let step = (seen.seen - Time::ZERO).0 / STEP.0;
@@ -437,7 +438,7 @@ fn hands_that_are_seen_come_inside_no_more_often_than_was_stated_until_they_are_
     assert!(shares.iter().all(|[n, ..]| *n > 300.0), "too few to say: {shares:?}");
     let found: Vec<f64> = shares.iter().map(|[_, _, found]| *found).collect();
     assert!(found[0] < found[1] && found[1] < found[2] && found[2] < found[3], "{shares:?}");
-    // Hands that rest near the opening are held to be likelier than they are: racks wait rather than move.
+    // For hands that rest near the opening the stated probability is too high: racks wait rather than move.
     assert!(found[1] <= shares[1][1] && found[2] <= shares[2][1], "{shares:?}");
     assert!(found[3] > 0.9 && found[4] > 0.9, "{shares:?}");
 }

@@ -10,15 +10,15 @@ use giveway_floor::warehouse::SlotName;
 /// A line on the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShownLine {
-    /// The job.
+    /// The job that the line belongs to.
     pub job: JobId,
-    /// Its number, from 0.
+    /// The line's number in the job, from 0.
     pub n: usize,
-    /// Where its pieces are.
+    /// The slot that holds the pieces.
     pub slot: SlotName,
-    /// Where they go, by the number of the tote.
+    /// The number of the tote that the pieces go to.
     pub tote: usize,
-    /// How many are still to be picked.
+    /// How many pieces are still to be picked.
     pub left: u32,
 }
 
@@ -27,11 +27,11 @@ pub struct ShownLine {
 pub struct StationScreen {
     /// The line that is lit.
     pub lit: Option<ShownLine>,
-    /// The line of the rack before that is not confirmed yet.
+    /// The line of the previous rack that is not confirmed yet.
     pub last: Option<ShownLine>,
     /// Whether a rack stands there.
     pub is_here: bool,
-    /// Whether a rack stands there of which all lines are over.
+    /// Whether a rack stands there with all its lines over.
     pub is_over: bool,
 }
 

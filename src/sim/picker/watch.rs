@@ -1,7 +1,7 @@
 //! How a headset sees the hands of a simulated picker.
 //!
-//! Main type: [`HandWatch`]. What it gives is late, noisy, sometimes missing, swapped or elsewhere; the hands are where
-//! they are. Of gaze it gives what its kind knows of it. Refuses: to change what is true.
+//! Main type: [`HandWatch`]. Its observations are late, noisy, sometimes missing, swapped or misplaced; the hands are
+//! where they are. Of gaze it reports what its kind measures. Refuses: to change the truth.
 
 use crate::random::Stream;
 use crate::scenario::{HandSensor, SeenGaze};
@@ -10,28 +10,28 @@ use giveway_floor::id::StationId;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Place;
 
-/// How long hands are taken for one another, and how long one is seen elsewhere, seconds.
+/// How long the hands are taken for each other, and how long one is seen elsewhere, seconds.
 const SWAP_S: f64 = 0.5;
 const JUMP_S: f64 = 0.1;
-/// How far away, metres.
+/// How far away a misplaced hand is seen, metres.
 const JUMP_M: f64 = 0.5;
-/// From the finger tips to palm and wrist, metres.
+/// Distance from the finger tips to palm and wrist, metres.
 const PALM_M: f64 = 0.09;
 const WRIST_M: f64 = 0.17;
-/// Eyes are measured this well, radians in each of yaw and pitch: 1 degree off in the median, as those of the recorded
-/// wearer are.
+/// Error of measured eye directions, radians in each of yaw and pitch: 1 degree in the median, like those of the
+/// recorded wearer.
 const EYES_RAD: f64 = 0.015;
-/// When hands came is known for so long.
+/// How long the arrival times of hands are kept.
 const REMEMBERS: Span = Span::from_secs(1);
 
-/// Where a picker truly is at one instant, in the frame of the face.
+/// A picker's true head and hands at one instant, in the frame of the face.
 #[derive(Clone, Copy, Debug)]
 pub struct TruePicker {
     /// The middle of the head.
     pub head: FacePlace,
     /// Where the head faces: yaw to the right of straight at the rack and pitch up, radians.
     pub faces: [f64; 2],
-    /// Where the eyes look, in the same way.
+    /// Where the eyes look, as yaw and pitch like those of `faces`, radians.
     pub looks: [f64; 2],
     /// Where the finger tips of the left and the right hand are.
     pub grips: [FacePlace; 2],
@@ -46,9 +46,9 @@ pub struct HandWatch {
     swapped_until: Time,
     jumps_until: [Time; 2],
     jump: FacePlace,
-    /// What was seen and has not come yet, with when it comes.
+    /// Observations under way, with their arrival times.
     under_way: Vec<(Time, HandsSeen)>,
-    /// When hands were seen that came of late, and when they came.
+    /// Recent observations: when the hands were seen, and when the observation arrived.
     came: Vec<(Time, Time)>,
 }
 
@@ -69,17 +69,17 @@ impl HandWatch {
         }
     }
 
-    /// When it looks next.
+    /// When the headset looks next.
     pub fn next(&self) -> Time {
         self.next
     }
 
-    /// Nobody wears it now.
+    /// Skips one look while nobody wears the headset.
     pub fn pass(&mut self) {
         self.next += Span::from_secs_f64(1.0 / self.sensor.rate_hz);
     }
 
-    /// Looks once.
+    /// Makes one observation.
     pub fn look(&mut self, (station, person): (StationId, u32), face: &PickFace, truth: &TruePicker) {
         let (now, period) = (self.next, 1.0 / self.sensor.rate_hz);
         self.next = now + Span::from_secs_f64(period);
@@ -150,7 +150,7 @@ impl HandWatch {
         (yaw - truth.faces[0]).abs() <= wide && (pitch - truth.faces[1]).abs() <= high
     }
 
-    /// What has come by now, in the order in which it came.
+    /// Observations that have arrived by now, in order of arrival.
     pub fn come(&mut self, now: Time) -> Vec<HandsSeen> {
         let (mut come, left): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.under_way).into_iter().partition(|(at, _)| *at <= now);
@@ -161,13 +161,13 @@ impl HandWatch {
         come.into_iter().map(|(_, seen)| seen).collect()
     }
 
-    /// When hands came that were seen then, if that was a moment ago.
+    /// When the observation made at `seen` arrived, if that was a moment ago.
     pub fn came_at(&self, seen: Time) -> Option<Time> {
         self.came.iter().find(|(of, _)| *of == seen).map(|(_, at)| *at)
     }
 }
 
-/// Yaw to the right of straight at the rack, and pitch up, of a direction in the frame of the face; radians.
+/// Yaw to the right of straight at the rack, and pitch up, of a direction in the frame of the face, radians.
 pub fn angles_of(off: FacePlace) -> (f64, f64) {
     (off.x.atan2(-off.y), off.z.atan2(off.xy().norm()))
 }

@@ -1,7 +1,6 @@
-//! What truly becomes of a line that a simulated person picks.
+//! What truly happens to a line that a simulated person picks.
 //!
-//! Main types: [`LineWork`] (the line in hand), [`PickFigures`] (the truth about all of them). Refuses: to ask the
-//! fleet.
+//! Main types: [`LineWork`] (the line in hand), [`PickFigures`] (the truth about all lines). Refuses: to ask the fleet.
 
 use super::screen::ShownLine;
 use giveway_fleet::WrongReach;
@@ -10,77 +9,77 @@ use giveway_floor::time::Time;
 use giveway_floor::warehouse::SlotName;
 use std::collections::BTreeMap;
 
-/// A line that is picked.
+/// A line in progress.
 #[derive(Clone, Debug)]
 pub struct LineWork {
-    /// As it was on the screen when it began.
+    /// The line as the screen showed it when it began.
     pub line: ShownLine,
     /// Whether both hands pick.
     pub both_hands: bool,
-    /// Where the hand goes.
+    /// The slot that the hand goes to.
     pub aims_at: SlotName,
-    /// The tote where a piece was put last that belongs elsewhere.
+    /// The wrong tote that the last piece was put into, if any.
     pub misplaced: Option<usize>,
     /// When a warning about the present reach came.
     warned: Option<Time>,
     is_missing: bool,
     in_hand: u32,
-    /// Whether these are of a wrong slot.
+    /// Whether the pieces in hand come from a wrong slot.
     is_wrong: bool,
     put: u32,
 }
 
-/// What is truly in totes for a line.
+/// True contents of the totes for one line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TrueLine {
     /// Right pieces in the right tote.
     pub right: u32,
     /// Wrong pieces, or pieces in a wrong tote.
     pub wrong: u32,
-    /// Whether a button was pressed for it.
+    /// Whether a button was pressed for the line.
     pub is_pressed: bool,
 }
 
-/// How long before a hand was in a wrong slot a warning came; less than 0 after it.
+/// How long before a hand was in a wrong slot a warning came; negative if it came later.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WarnedLead {
-    /// Before the finger tips passed the rack's face, seconds.
+    /// Time before the finger tips passed the rack's face, seconds.
     pub face_s: f64,
-    /// Before they came to rest at the piece, seconds.
+    /// Time before the finger tips came to rest at the piece, seconds.
     pub piece_s: f64,
 }
 
-/// What truly happened at one station.
+/// True figures of one station.
 #[derive(Clone, Debug, Default)]
 pub struct PickFigures {
-    /// Lines that were picked, with what is in the totes.
+    /// Lines that were picked, with the contents of the totes.
     pub lines: BTreeMap<(JobId, usize), TrueLine>,
-    /// The line whose pieces were all put down last, as long as nothing else was begun.
+    /// The last line with all its pieces put down, until another one begins.
     pub finished: Option<LineWork>,
-    /// Reaches to a wrong slot, and those of them that were warned of before the piece was out.
+    /// Reaches to a wrong slot.
     pub wrong: u64,
-    /// Those of them.
+    /// Reaches to a wrong slot with a warning before the piece was out.
     pub wrong_warned: u64,
-    /// How long before a hand was in a wrong slot the warning of that came.
+    /// For each reach to a wrong slot with a warning: how early the warning came.
     pub warned_leads: Vec<WarnedLead>,
-    /// Pieces put into a wrong tote, and those of them that were warned of.
+    /// Pieces put into a wrong tote.
     pub wrong_totes: u64,
-    /// Those of them.
+    /// Pieces put into a wrong tote with a warning.
     pub wrong_totes_warned: u64,
-    /// Whether the tote of the last piece was warned of.
+    /// Whether there was a warning about the tote of the last piece.
     tote_is_warned: bool,
-    /// Warnings of what was right, or of another place than the wrong one.
+    /// Warnings about a right place, or about another place than the wrong one.
     pub false_warnings: u64,
     /// Racks that left while pieces were still to be taken from them.
     pub dismissed_early: u64,
     /// How often a button was pressed.
     pub presses: u64,
-    /// How often it was pressed to let a rack go of which nothing was left to pick.
+    /// How often a button was pressed to release a rack with nothing left to pick.
     pub released: u64,
 }
 
 impl LineWork {
-    /// A line that is begun. `is_missing` says whether its slot has one piece too few.
+    /// A line that begins. `is_missing` says whether its slot has one piece too few.
     pub fn new(line: ShownLine, is_missing: bool, both_hands: bool) -> LineWork {
         LineWork {
             aims_at: line.slot,
@@ -96,19 +95,19 @@ impl LineWork {
         }
     }
 
-    /// Whether the slot has no more pieces.
+    /// Whether the slot has no more pieces for this line.
     pub fn finds_nothing(&self) -> bool {
         self.is_missing && self.aims_at == self.line.slot && self.put + 1 == self.line.left
     }
 
-    /// Takes what the hands can hold.
+    /// Takes as many pieces as the hands can hold.
     pub fn grasp(&mut self) {
         let left = self.line.left - self.put - u32::from(self.is_missing);
         self.in_hand = if self.both_hands { left.clamp(1, 2) } else { 1 };
         self.is_wrong = self.aims_at != self.line.slot;
     }
 
-    /// What is in the hands goes back.
+    /// Puts the pieces in hand back.
     pub fn drop_pieces(&mut self) {
         (self.in_hand, self.is_wrong) = (0, false);
     }
@@ -125,13 +124,13 @@ impl LineWork {
 }
 
 impl PickFigures {
-    /// A reach to a wrong slot begins.
+    /// Counts a reach to a wrong slot.
     pub fn begin_wrong(&mut self, work: &mut LineWork) {
         work.warned = None;
         self.wrong += 1;
     }
 
-    /// A warning came. `is_right` says whether it names the place where the hand is, or goes, and should not.
+    /// Takes a warning. `is_right` says whether it names a place where the hand wrongly is or goes.
     pub fn note_warning(
         &mut self,
         wrong: WrongReach,
@@ -164,8 +163,8 @@ impl PickFigures {
         work.is_some_and(of) || done.is_some_and(of)
     }
 
-    /// The warning of a reach to a wrong slot, if one came, is counted with how long before two instants it came: when
-    /// the finger tips passed the rack's face, and when they came to rest at the piece, or would have.
+    /// Counts the warning of a reach to a wrong slot, if one came, with how long it came before two instants: when the
+    /// finger tips passed the rack's face, and when they came to rest at the piece, or would have.
     pub fn note_lead_of(&mut self, work: &mut LineWork, [passes, arrives]: [Time; 2]) {
         let lead = |warned: Time| WarnedLead {
             face_s: (passes - warned).as_secs_f64(),
@@ -174,13 +173,13 @@ impl PickFigures {
         self.warned_leads.extend(work.warned.take().map(lead));
     }
 
-    /// Pieces are carried to a tote, which may be a wrong one.
+    /// Counts pieces on their way to a tote, which may be a wrong one.
     pub fn carry(&mut self, is_wrong: bool) {
         self.wrong_totes += u64::from(is_wrong);
         self.tote_is_warned = false;
     }
 
-    /// Pieces are put into a tote.
+    /// Counts pieces put into a tote.
     pub fn put(&mut self, work: &mut LineWork, tote: usize) {
         let line = self.lines.entry((work.line.job, work.line.n)).or_default();
         let is_right = !work.is_wrong && tote == work.line.tote;
@@ -192,7 +191,7 @@ impl PickFigures {
         self.finished = None;
     }
 
-    /// A piece is taken out of a wrong tote again.
+    /// Counts a piece taken out of a wrong tote again.
     pub fn take_up(&mut self, work: &mut LineWork, from: usize) {
         if work.misplaced == Some(from) {
             let line = self.lines.entry((work.line.job, work.line.n)).or_default();

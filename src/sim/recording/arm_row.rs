@@ -7,8 +7,8 @@ use giveway_floor::id::StationId;
 use giveway_floor::time::Time;
 use serde::{Deserialize, Serialize};
 
-/// Station, seen, joints (nothing where one is no number), whether its own stop holds it, the last grip that it has
-/// ended with whether that was in vain.
+/// Station, seen, joints (nothing for one that is not a number), whether the arm's own stop holds it, the last grip
+/// that ended and whether it was in vain.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct ArmRow(u32, i64, [Option<f64>; 6], bool, Option<(u64, bool)>);
 

@@ -13,35 +13,35 @@ use std::collections::BTreeMap;
 /// A job as it was submitted.
 #[derive(Serialize, Deserialize)]
 pub struct JobLine {
-    /// Of the request.
+    /// The token of the request.
     pub token: u64,
     kind: LineKind,
     priority: u8,
     deadline: Option<i64>,
     after: Vec<u64>,
     key: Option<String>,
-    /// Whose key it is.
+    /// The owner of the key.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     owner: Option<u64>,
-    /// Stations that the rack goes on to, and how long the picks take.
+    /// Further stations of the rack, and how long the picks take.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     then: Vec<(u32, Option<i64>)>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reference: Option<String>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     labels: BTreeMap<String, String>,
-    /// What is picked at each station: slot, pieces, tote, item, by whom.
+    /// Order lines at each station: slot, pieces, tote, item, picker.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     lines: Vec<Vec<OrderRow>>,
 }
 
-/// What is wanted: an object with one field, whose name is the word for the kind, and whose value has the numbers of
-/// the parts in the order of the kind's fields.
+/// The wanted job: an object with one field, named by the word for the kind; its value has the numbers of the parts in
+/// the order of the kind's fields.
 #[derive(Clone, Copy, Serialize, Deserialize)]
 #[serde(try_from = "BTreeMap<String, PartNumbers>", into = "BTreeMap<String, PartNumbers>")]
 struct LineKind(JobKind);
 
-/// The numbers of the parts of a job. One alone stands for itself.
+/// The numbers of a job's parts; a single one is written without a list.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(untagged)]
 enum PartNumbers {
@@ -82,11 +82,11 @@ impl TryFrom<BTreeMap<String, PartNumbers>> for LineKind {
     }
 }
 
-/// What was changed about a job.
+/// A change to a job.
 #[derive(Serialize, Deserialize)]
 pub struct ChangeLine {
     priority: Option<u8>,
-    /// A list of none or one, where it was given.
+    /// The new deadline: an empty list for none; absent if unchanged.
     deadline: Option<Vec<i64>>,
     station: Option<u32>,
     robot: Option<u32>,
@@ -118,7 +118,7 @@ fn order_row(line: &OrderLine) -> OrderRow {
     (slot.to_string(), *quantity, tote.clone(), item.clone(), by.word().to_owned())
 }
 
-/// A line as it was written; nothing for one that no program has written.
+/// The order line of a row; nothing for one that no program has written.
 fn order_line((slot, quantity, tote, item, by): OrderRow) -> Option<OrderLine> {
     Some(OrderLine { slot: slot.parse().ok()?, quantity, tote, item, by: PickedBy::named(&by)? })
 }

@@ -1,7 +1,7 @@
 //! Kinds of robots that are added, as recordings have them.
 //!
-//! Main type: [`KindRow`]. Refuses: to round, and to leave out what is as usual: what is usual may change, and a
-//! recording must play again to the same digest.
+//! Main type: [`KindRow`]. Refuses: to round, and to leave out usual values: these may change, and a recording must
+//! play again to the same digest.
 
 use giveway_fleet::{Capabilities, Charging, FloorAction, ObeyedLimits, RobotKind};
 use giveway_floor::geometry::Point;
@@ -10,7 +10,7 @@ use giveway_floor::time::Span;
 use giveway_floor::warehouse::Footprint;
 use serde::{Deserialize, Serialize};
 
-/// A kind of robots: all its figures, nothing where one is without bound.
+/// A kind of robots with all its figures; nothing for one without a bound.
 #[derive(Serialize, Deserialize)]
 pub(super) struct KindRow {
     name: String,
@@ -18,7 +18,7 @@ pub(super) struct KindRow {
     speed: [f64; 2],
     accel: [f64; 2],
     turn: Option<f64>,
-    /// Lift, clearance, reaction, in microseconds.
+    /// Times for lift, clearance and reaction, microseconds.
     spans: [i64; 3],
     /// Critical, low, enough, full, hours of driving.
     battery: [f64; 5],
@@ -27,7 +27,7 @@ pub(super) struct KindRow {
     carries: Option<Vec<String>>,
     payload: Option<f64>,
     free: bool,
-    /// Revocation, limits, driving back, nodes of a horizon; absent from before there were any to lack.
+    /// Revocation, limits, driving back, nodes of a horizon; absent in recordings from before kinds could lack any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     can: Option<(bool, String, bool, usize)>,
 }
@@ -37,12 +37,12 @@ pub(super) struct KindRow {
 enum OutlineRow {
     Square(f64),
     Circle(f64),
-    /// Corners, and whether it turns.
+    /// Corners, and whether the outline turns with the robot.
     Polygon(Vec<[f64; 2]>, bool),
 }
 
 impl KindRow {
-    /// What was asked for.
+    /// The request of this row.
     pub fn action(self) -> FloorAction {
         FloorAction::PutKind(Box::new(self.into()))
     }
@@ -97,7 +97,7 @@ impl From<KindRow> for RobotKind {
     }
 }
 
-/// What robots of a kind can do; of an unknown word for their limits, that they obey none.
+/// What robots of a kind can do; an unknown word for limits means that they obey none.
 fn can((revocation, limits, drives_back, horizon_nodes): (bool, String, bool, usize)) -> Capabilities {
     let limits = ObeyedLimits::of_word(&limits).unwrap_or(ObeyedLimits::Nothing);
     Capabilities { revocation, limits, drives_back, horizon_nodes }

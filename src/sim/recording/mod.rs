@@ -1,8 +1,8 @@
-//! Recordings: the inputs of every step, so that a run can be looked at again and stepped through again.
+//! Recordings: the inputs of every step, so that a run can be viewed and stepped through again.
 //!
-//! Main types: [`Header`], [`Recorder`] (steps → lines), [`Playback`] (lines → steps). One JSON text per line:
-//! the header, then a line per step, then the digest of all facts. What a robot says twice in the same words is
-//! written once. Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
+//! Main types: [`Header`], [`Recorder`] (steps → lines), [`Playback`] (lines → steps). One JSON text per line: the
+//! header, then a line per step, then the digest of all facts. A report that a robot repeats unchanged is written once.
+//! Refuses: to record facts; they follow from the inputs, and the digest tells whether they still do.
 
 mod arm_row;
 mod hand_row;
@@ -21,7 +21,7 @@ use giveway_people::human::{Quality, Sighting, SourceId};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// What stands in the first line.
+/// Content of the first line.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Header {
@@ -33,42 +33,42 @@ pub struct Header {
     pub map: String,
     /// The seed.
     pub seed: u64,
-    /// What was learned about people, as text; absent where the built-in figures held.
+    /// The learned model of people, as text; absent if the built-in one was used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<String>,
-    /// What was learned of pickers, as text; absent where the built-in figures held.
+    /// The learned model of pickers, as text; absent if the built-in one was used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub picks: Option<String>,
 }
 
-/// A recording that cannot be read.
+/// Error of a recording that cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("line {line} of the recording: {message}")]
 pub struct Broken {
-    /// Where.
+    /// Number of the line.
     pub line: usize,
-    /// What.
+    /// What is wrong with the line.
     pub message: String,
 }
 
-/// What a station says.
+/// The inputs of one step.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RecordingLine {
     t: i64,
-    /// Robots that say something new.
+    /// Reports of robots that changed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     r: Vec<TelemetryRow>,
-    /// Robots that say the same again, with the time they say it at where that is not `t`.
+    /// Robots whose report is unchanged, with its time if that is not `t`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     s: Vec<(u32, i64)>,
-    /// Robots among those of `r` that have followed another number of recalls than before, with that number.
+    /// Robots in `r` whose number of followed recalls changed, with that number.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     c: BTreeMap<u32, u64>,
-    /// Workers that were seen.
+    /// Workers that devices have seen.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     w: Vec<SightingRow>,
-    /// Everything else, in the order in which it came.
+    /// All other inputs, in order of arrival.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     i: Vec<RequestRow>,
 }
@@ -76,15 +76,15 @@ struct RecordingLine {
 /// Robot, seen, x, y, heading, speed, reached, known, acted, rack, battery, what is wrong, limit.
 type TelemetryRow =
     (u32, i64, f64, f64, f64, f64, u64, u64, Option<u64>, Option<u32>, f64, Wrong, Option<f64>);
-/// What is wrong with a robot: `false` for nothing, `true` where it is broken, else the word of the fault.
+/// The fault of a robot: `false` for none, `true` if it is broken, else the word of the fault.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Wrong {
     Broken(bool),
     Other(String),
 }
-/// Worker, seen, epoch, number, x, y, heading, accuracy, and quality (0 tracked, 1 emulated, 2 lost) with 4 for a tag
-/// or 8 for a device that reports like a robot, and 16 where the epoch did not begin with marks.
+/// Worker, seen, epoch, number, x, y, heading, accuracy, and quality (0 tracked, 1 emulated, 2 lost), plus 4 for a tag
+/// or 8 for a device that reports like a robot, plus 16 if the epoch did not begin with marks.
 type SightingRow = (u32, i64, u32, u64, f64, f64, Option<f64>, f64, u8);
 
 #[derive(Serialize, Deserialize)]
@@ -99,11 +99,11 @@ pub struct Recorder {
     last: BTreeMap<RobotId, LastSaid>,
 }
 
-/// What a robot said last.
+/// The last report of a robot.
 #[derive(Debug)]
 struct LastSaid {
     report: Telemetry,
-    /// The time of the line in which that was new.
+    /// The time of the line in which the report was new.
     new_in: Time,
 }
 
@@ -119,11 +119,11 @@ impl Recorder {
             RecordingLine { t: now.0, r: vec![], s: vec![], c: BTreeMap::new(), w: vec![], i: vec![] };
         for input in inputs {
             match input {
-                // Nobody takes one that was overtaken.
+                // An overtaken report has no effect.
                 Input::Telemetry(t)
                     if self.last.get(&t.robot).is_some_and(|said| t.seq <= said.report.seq) => {}
                 Input::Telemetry(t) => {
-                    // What a robot says again is read as what it said before this line, and before the rest of it.
+                    // A repeated report is read as the robot's last one before this line, not as one within it.
                     let same = |said: &LastSaid| {
                         let before = Telemetry { seq: t.seq, seen: t.seen, ..said.report };
                         said.new_in != now && before == *t
@@ -191,7 +191,7 @@ fn wrong(fault: Option<Fault>) -> Wrong {
     }
 }
 
-/// A fault of a later version is at least one.
+/// The fault of a row; an unknown word of a later version still counts as a fault.
 fn fault_of(wrong: &Wrong) -> Option<Fault> {
     match wrong {
         Wrong::Broken(broken) => broken.then_some(Fault::Broken),
@@ -209,10 +209,10 @@ fn sighted(s: &Sighting) -> SightingRow {
     (s.worker.0, s.seen.0, s.epoch, s.seq, s.at.x, s.at.y, s.heading, s.accuracy_m, quality)
 }
 
-/// A line of a recording, read.
+/// One line of a recording after reading.
 #[derive(Debug)]
 pub enum Played {
-    /// A step.
+    /// A step with its time and inputs.
     Step(Time, Vec<Input>),
     /// The end, with the digest of all facts.
     End(u64),

@@ -1,4 +1,4 @@
-//! Stepping through a recording: the core with the inputs of then.
+//! Stepping through a recording: the core runs on the recorded inputs.
 //!
 //! Main types: [`Player`], [`Turn`]. Refuses: to simulate anything.
 
@@ -17,7 +17,7 @@ pub type Lines = Box<dyn Iterator<Item = Result<String, String>> + Send>;
 
 /// A recording being played.
 pub struct Player {
-    /// The fleet as it was then.
+    /// The fleet at the current step.
     pub fleet: Fleet,
     /// The scenario that was recorded.
     pub scenario: Scenario,
@@ -31,9 +31,9 @@ pub struct Player {
 pub enum Turn {
     /// A step at this time.
     Step(Time, Step),
-    /// The end; whether the core decided the same.
+    /// The end of the recording.
     End {
-        /// Whether it did.
+        /// Whether the core reached the recorded digest.
         same: bool,
     },
 }
@@ -82,7 +82,7 @@ impl Player {
         }
     }
 
-    /// Steps played.
+    /// Number of steps played.
     pub fn steps(&self) -> u64 {
         self.steps
     }

@@ -1,7 +1,7 @@
-//! Requests and observations that have no place of their own in a line of a recording, as they are written.
+//! Rows of a recording for requests and observations that have no field of their own in a line.
 //!
-//! Main type: [`RequestRow`]. Older spellings are read and never written. Refuses: to know who gets an answer: when a
-//! recording is played, nobody does.
+//! Main type: [`RequestRow`]. It reads older spellings and never writes them. Refuses: to know who gets a reply: in
+//! playback there is no requester.
 
 use super::arm_row::ArmRow;
 use super::hand_row::HandsRow;
@@ -20,19 +20,19 @@ use giveway_floor::id::{
 use giveway_floor::time::{Span, Time, Window};
 use serde::{Deserialize, Serialize};
 
-/// So many bits of a token's number are behind those of the asker.
+/// Number of low bits of a token; the asker is above them.
 const ASKER_BITS: u32 = 56;
 
-/// What is asked, with the token first.
+/// A request, with its token first.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(super) enum RequestRow {
     #[serde(rename = "enlist")]
     Register(String, u32),
-    /// Of a kind that is not the usual one.
+    /// Registers a robot of a kind other than the usual one.
     #[serde(rename = "enlist_as")]
     RegisterAs(String, u32, String),
-    /// Of any kind, reached by a link that is named.
+    /// Registers a robot of any kind, with the name of its link.
     #[serde(rename = "enlist_at")]
     RegisterAt(String, u32, String, String),
     /// Robot, whether it is connected, how many visits it holds, why it takes no orders.
@@ -41,7 +41,7 @@ pub(super) enum RequestRow {
     Retire(u64, u32),
     TakeRack(u64, u32, u32),
     Submit(JobLine),
-    /// Token, and lines whose tokens mean nothing.
+    /// Token, and job lines whose own tokens are ignored.
     SubmitBatch(u64, Vec<JobLine>),
     Cancel(u64, u64),
     #[serde(rename = "hire")]
@@ -64,19 +64,19 @@ pub(super) enum RequestRow {
     Release(u64, Option<u32>),
     PutKind(u64, KindRow),
     RemoveKind(u64, String),
-    /// From before more than the priority could be changed.
+    /// From versions in which only the priority could be changed.
     Prioritise(u64, u64, u8),
     Change(u64, u64, ChangeLine),
     Reassign(u64, u64, Option<u32>),
-    /// Token, station, what it says.
+    /// Token, station, the station's request.
     Station(u64, u32, Says),
     Hands(HandsRow),
-    /// Station, true end of the visit that is on.
+    /// Station, true end of the current visit.
     VisitEnds(u32, i64),
     Arm(ArmRow),
 }
 
-/// About where a lost worker is.
+/// A statement about where a lost worker is.
 #[derive(Serialize, Deserialize)]
 pub(super) struct NarrowRow {
     token: u64,
@@ -86,7 +86,7 @@ pub(super) struct NarrowRow {
     within: i64,
 }
 
-/// What a worker is to do.
+/// An assignment for a worker.
 #[derive(Serialize, Deserialize)]
 pub(super) struct AssignRow {
     token: u64,
@@ -99,7 +99,7 @@ pub(super) struct AssignRow {
     owner: Option<u64>,
 }
 
-/// An area that is closed, times in microseconds.
+/// An area that is closed; times in microseconds.
 #[derive(Serialize, Deserialize)]
 pub(super) struct CloseRow {
     token: u64,
@@ -109,41 +109,42 @@ pub(super) struct CloseRow {
     from: i64,
     until: i64,
     reason: String,
-    /// From before people could be kept out: robots alone.
+    /// Absent in recordings from before people could be kept out: only robots are.
     #[serde(default = "robots", skip_serializing_if = "is_robots")]
     binds: String,
 }
 
-/// What is closed again and again, times in microseconds; `from` and `until` are those of the first occurrence.
+/// A recurring closure, times in microseconds; `from` and `until` are those of the first occurrence.
 #[derive(Serialize, Deserialize)]
 pub(super) struct RecurLine {
     outline: Vec<(i64, i64)>,
     nodes: Vec<u32>,
-    /// Of the first occurrence.
+    /// Beginning of the first occurrence.
     from: i64,
     until: i64,
     reason: String,
     binds: String,
     every: i64,
     weekdays: u8,
-    /// Ahead of UTC, before the first change of the clocks.
+    /// Offset ahead of UTC before the clocks first change.
     utc_offset: i64,
     /// The time zone, and when its clocks change to which offset.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     zone: Option<(String, Vec<(i64, i64)>)>,
-    /// When it recurs no more.
+    /// End of the recurrence.
     last: i64,
-    /// When the next occurrence begins, where that is not the first one.
+    /// Beginning of the next occurrence, if that is not the first one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     next: Option<i64>,
 }
 
-/// A token as recordings have it: the asker in the first eight bits.
+/// A token as recordings write it: the asker in the top eight bits.
 fn number_of(token: Token) -> u64 {
     u64::from(token.asker.0) << ASKER_BITS | token.number
 }
 
-/// Recordings of versions before this one have other bits there; answers go to nobody when they are played.
+/// The token of a number. Recordings of earlier versions have other bits in place of the asker; replies in playback
+/// reach no requester.
 fn token_of(number: u64) -> Token {
     Token { asker: Asker((number >> ASKER_BITS) as u8), number: number & ((1 << ASKER_BITS) - 1) }
 }
@@ -161,13 +162,13 @@ impl RequestRow {
         }
     }
 
-    /// How it is with a robot at its link.
+    /// The row for the state of a robot's link.
     pub fn link(robot: RobotId, state: &LinkState) -> RequestRow {
         let LinkState { connected, capacity, refuses } = state.clone();
         RequestRow::Link(robot.0, connected, capacity, refuses)
     }
 
-    /// The input that it was.
+    /// The input of this row.
     pub fn input(self) -> Input {
         let ask = |token, request| Input::ask(token_of(token), request);
         match self {
@@ -237,23 +238,23 @@ impl RequestRow {
     }
 }
 
-/// Maintenance begins or ends.
+/// Begins or ends maintenance of a robot.
 fn maintained(robot: u32, begins: bool) -> RobotAction {
     let robot = RobotId(robot);
     if begins { RobotAction::BeginMaintenance(robot) } else { RobotAction::EndMaintenance(robot) }
 }
 
-/// What was believed of a worker is wrong, somebody says.
+/// A person's statement that the belief about a worker is wrong.
 fn cleared(worker: u32, by: String) -> WorkerAction {
     WorkerAction::Clear { worker: WorkerId(worker), by }
 }
 
-/// How it was with a robot at its link.
+/// The input for the state of a robot's link.
 fn linked(robot: u32, (connected, capacity, refuses): (bool, Option<usize>, Option<String>)) -> Input {
     Input::Link(RobotId(robot), LinkState { connected, capacity, refuses })
 }
 
-/// A robot joins. The answer was given when this was recorded.
+/// Registers a robot. The reply was given when this was recorded.
 fn joins((name, kind, link): (String, String, Option<String>), node: u32) -> Input {
     Input::ask(0, RobotAction::Register { name, kind, node: NodeId(node), link })
 }

@@ -1,6 +1,6 @@
-//! What stations say as recordings have it.
+//! Requests of stations in recordings.
 //!
-//! Main type: [`Says`]. Refuses: to drop anything that was said.
+//! Main type: [`Says`]. Refuses: to drop any request.
 
 use giveway_cell::LineChange;
 use giveway_fleet::StationOrder;
@@ -14,17 +14,17 @@ pub(super) enum Says {
     Pause,
     Resume,
     Release,
-    /// So many more pieces of this line.
+    /// Number of additional pieces picked of this line.
     Picked(usize, u32),
     /// This line is short.
     Missing(usize),
-    /// The same of the line that was not confirmed when its rack left.
+    /// Pieces of the line that was not confirmed when its rack left, as in `Picked`; `Missing` and `Undo` follow.
     LastPicked(u32),
     LastMissing,
     LastUndo,
-    /// What was said of this line is taken back.
+    /// Takes back what was reported of this line.
     Undo(usize),
-    /// This line is the arm's, or the hand's again; and the same of the line that was not confirmed.
+    /// Gives this line to the arm, or back to the hand; then the same for the line that was not confirmed.
     ToArm(usize),
     ToHand(usize),
     LastToArm,

@@ -6,26 +6,26 @@ use giveway_fleet::ForeseenPerson;
 use giveway_floor::time::Time;
 use giveway_people::local::{DriveLimits, LocalMethod, Twist};
 
-/// What a robot may do beside the line, and what it does there.
+/// A robot's abilities and state beside the line.
 #[derive(Debug)]
 pub(crate) struct BesideLine {
-    /// Whether its kind may leave the line.
+    /// Whether the robot's kind may leave the line.
     pub may: bool,
-    /// How it finds its way.
+    /// The robot's local planner.
     pub method: LocalMethod,
-    /// What motors and brakes allow, without and with a rack.
+    /// Limits of motors and brakes, without and with a rack.
     pub limits: [DriveLimits; 2],
-    /// People near it, as it was told.
+    /// People near the robot, as the fleet foresees them.
     pub people: Vec<ForeseenPerson>,
-    /// How it moves, if it is beside the line or about to leave it.
+    /// The robot's motion, if it is beside the line or about to leave it.
     pub twist: Option<Twist>,
-    /// How it is to move.
+    /// The motion that the robot wants.
     pub wanted: Twist,
-    /// When it decided that.
+    /// When the robot last decided its motion.
     pub decided: Option<Time>,
-    /// Since when it has stood although nothing but its own planner keeps it.
+    /// Since when the robot has stood although only its own planner keeps it.
     pub stuck: Option<Time>,
-    /// It keeps to the line until then.
+    /// Until when the robot keeps to the line.
     pub on_line_until: Time,
 }
 
@@ -45,12 +45,12 @@ impl BesideLine {
         }
     }
 
-    /// Whether it steers by itself.
+    /// Whether the robot steers by itself.
     pub fn steers(&self) -> bool {
         self.twist.is_some()
     }
 
-    /// It keeps to the line from now on.
+    /// The robot keeps to the line from now on.
     pub fn end(&mut self) {
         (self.twist, self.decided, self.stuck) = (None, None, None);
     }

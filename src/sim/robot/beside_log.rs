@@ -1,4 +1,4 @@
-//! Notes of robots beside the line: where they were, and how often scanners stopped robots.
+//! Log of robots beside the line: where they were, and how often scanners stopped robots.
 //!
 //! Main type: [`BesideLog`]. Refuses: to judge; the laws do.
 
@@ -8,29 +8,29 @@ use giveway_floor::id::RobotId;
 use giveway_floor::time::Time;
 use giveway_people::local::LocalMethod;
 
-/// How robots find their way beside the line, and what was noted of it.
+/// How robots steer beside the line, and the log of it.
 #[derive(Debug)]
 pub(crate) struct BesideLog {
-    /// The method of their local planner.
+    /// The method of the robots' local planner.
     pub method: LocalMethod,
-    /// Where robots were beside the line at each instant since the last step.
+    /// Poses of robots beside the line at each instant since the last step.
     poses: Vec<(RobotId, Pose)>,
     /// How often robots' own scanners stopped them while they drove, on the line or beside it.
     own_stops: u64,
 }
 
 impl BesideLog {
-    /// Nothing is noted yet.
+    /// An empty log.
     pub fn new(method: LocalMethod) -> BesideLog {
         BesideLog { method, poses: Vec::new(), own_stops: 0 }
     }
 
-    /// Another step begins.
+    /// Begins another step.
     pub fn clear(&mut self) {
         self.poses.clear();
     }
 
-    /// Where robots were beside the line at each instant of this step.
+    /// Poses of robots beside the line at each instant of this step.
     pub fn poses(&self) -> &[(RobotId, Pose)] {
         &self.poses
     }
@@ -40,14 +40,14 @@ impl BesideLog {
         self.own_stops
     }
 
-    /// Notes where a robot is, if it is beside the line.
+    /// Records a robot's pose, if it is beside the line.
     pub fn note(&mut self, body: &RobotBody) {
         if body.beside.steers() {
             self.poses.push((body.id, body.pose));
         }
     }
 
-    /// A robot's scanner looks for people; whether it stops the robot is noted.
+    /// Lets a robot's scanner look for people; counts if it stops the robot.
     pub fn scan(&mut self, body: &mut RobotBody, now: Time, half_m: f64, people: &[Point]) {
         let was_guarded = body.is_guarded();
         body.scan(now, half_m, people);

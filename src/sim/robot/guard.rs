@@ -1,37 +1,39 @@
-//! A simulated robot's own protection: it stops before people, whatever the fleet says.
+//! A simulated robot's own protection: it stops before people, whatever the fleet commands.
 //!
-//! Main type: [`Guard`]. The field is the robot's square, pushed forward by its stopping distance and half a metre at
-//! least (ISO 3691-4 asks for 0.5 m of clearance; scanners switch longer fields at higher speeds). Like a scanner's
-//! field it counts the robot's own way only, not that people walk. A robot beside its line turns as it drives, so it
-//! also looks sideways. Refuses: to slow down for comfort, and to look back: driving away from people is allowed.
+//! Main type: [`Guard`]. The field is the robot's square, pushed forward by its stopping distance, at least half a
+//! metre (ISO 3691-4 asks for 0.5 m of clearance; scanners switch longer fields at higher speeds). Like a scanner's
+//! field it allows for the robot's own motion only, not for people's. A robot beside its line turns as it drives, so
+//! its field also extends sideways. Refuses: to slow down for comfort, and to look back: driving away from people is
+//! allowed.
 
 use crate::walker::BODY_M;
 use giveway_floor::geometry::{Point, Vector};
 use giveway_floor::time::{Span, Time};
 
-/// From a person in the field to brakes that hold, seconds.
+/// Time from a person in the field to brakes that hold, seconds.
 const REACTION_S: f64 = 0.1;
-/// Least length of the field before the square, metres.
+/// Least length of the field in front of the square, metres.
 const LEAST_M: f64 = 0.5;
 /// Room beyond the stopping distance and beside the square, metres.
 const MARGIN_M: f64 = 0.05;
-/// It drives on when the field has been clear for so long.
+/// The robot drives on when the field has been clear for this long.
 const RESTART: Span = Span::from_secs(1);
 
 /// Whether a robot's scanner holds it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Guard {
-    /// Since it was stopped: when somebody was in the field last, and how long the field was when it was stopped.
+    /// While the robot is stopped: when a person was last in the field, and the field's length when it stopped.
     stopped: Option<(Time, f64)>,
 }
 
-/// How far before its square a robot of this speed looks, metres.
+/// Length of the field in front of the square at this speed, metres.
 fn length_m(speed_mps: f64, brake_mps2: f64) -> f64 {
     LEAST_M.max(speed_mps * speed_mps / (2.0 * brake_mps2) + speed_mps * REACTION_S + MARGIN_M)
 }
 
 impl Guard {
-    /// Looks at the people around a robot that stands or drives at `at`, bound `ahead`; sideways, too, if it `turns`.
+    /// Looks at the people around a robot that is at `at` and drives or would drive `ahead`; also sideways if it
+    /// `turns`.
     #[allow(clippy::too_many_arguments)]
     pub fn look(
         &mut self,
@@ -51,7 +53,7 @@ impl Guard {
         if let Some((_, then)) = self.stopped.filter(|_| speed_mps > 0.0) {
             length = length.max(then);
         }
-        // The square keeps to the map's axes: its extent along the way, and across it.
+        // The square is aligned to the map's axes: its extent along the way, and across it.
         let reach = half_m * (way.x.abs() + way.y.abs()) + BODY_M;
         let stops_m = speed_mps * speed_mps / (2.0 * brake_mps2) + speed_mps * REACTION_S + MARGIN_M;
         let somebody = people.iter().any(|p| {
@@ -80,7 +82,7 @@ mod tests {
 
     const HALF_M: f64 = 0.45;
 
-    /// A robot drives east at 1.5 m/s and brakes with 0.5 m/s² while it is stopped; where it comes to rest.
+    /// A robot drives east at 1.5 m/s and brakes with 0.5 m/s² while stopped; gives where it comes to rest.
     fn comes_to_rest(person: Point) -> Option<f64> {
         let (mut guard, mut x, mut speed) = (Guard::default(), 0.0, 1.5f64);
         for tick in 0..2000 {

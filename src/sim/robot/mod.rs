@@ -1,7 +1,7 @@
 //! A simulated robot: drives along granted waypoints with inertia, turns in place, lifts, waits, breaks down.
 //!
-//! Main type: [`RobotBody`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond what it
-//! was told, and it can always stop before the end of it. Refuses: to know where others are.
+//! Main type: [`RobotBody`]. Between two calls it integrates in steps of at most 20 ms. It never drives beyond its
+//! orders, and it can always stop before their end. Refuses: to know where others are.
 
 mod beside;
 pub(crate) mod beside_log;
@@ -23,13 +23,13 @@ use std::collections::VecDeque;
 
 /// Longest step of integration, seconds.
 const TICK_S: f64 = 0.02;
-/// Closer than this is there, metres.
+/// A robot closer than this to a place has arrived, metres.
 const THERE_M: f64 = 1e-4;
-/// Headings closer than this are the same, radians.
+/// Headings closer than this count as equal, radians.
 const STRAIGHT: f64 = 0.1;
-/// Share of the drain while standing.
+/// Battery drain while standing, as a share of the drain while driving.
 const STANDING_DRAIN: f64 = 0.2;
-/// Somebody exchanges a flat battery after this long, for one with this charge.
+/// Time until a worker exchanges a flat battery, and the charge of the new one.
 const EXCHANGE: Span = Span::from_secs(900);
 const EXCHANGED: f64 = 0.5;
 /// Charge gained per second at a charger: a quarter in ten minutes.
@@ -53,40 +53,40 @@ pub(crate) struct RobotBody {
     pub id: RobotId,
     pub pose: Pose,
     pub speed_mps: f64,
-    /// The visit whose centre it reached last; the node of that, or where people put it since.
+    /// The visit whose centre the robot reached last; then its node, or the node where people put the robot since.
     pub reached: u64,
     pub node: NodeId,
-    /// Where that visit was: it may have been pushed elsewhere since.
+    /// Where that visit was: people may have pushed the robot elsewhere since.
     stood_at: Point,
     /// The node of that visit.
     pub stood_on: NodeId,
     pub rack: Option<RackId>,
-    /// What is wrong with it, and until when.
+    /// The robot's fault, and until when it lasts.
     pub fault: Option<(Fault, Time)>,
-    /// The limit of its speed that it was told last.
+    /// The last speed limit that the robot got, metres per second.
     pub limit_mps: Option<f64>,
-    /// How many revocations it has obeyed.
+    /// How many revocations the robot has obeyed.
     recalls: u64,
-    /// Whether it forgot its waypoints between two nodes, and people have not moved it since.
+    /// Whether the robot forgot its waypoints between two nodes, and people have not moved it since.
     is_halfway: bool,
     battery: f64,
     /// Hours of driving on a full charge.
     driving_h: f64,
-    /// Since when its battery has been flat.
+    /// Since when the battery has been flat.
     flat_since: Option<Time>,
     acted: Option<u64>,
-    /// What it is to do where it stands, and until when it is at it.
+    /// The action at the current place, and until when it lasts.
     acting: Option<(u64, Act, Option<Time>)>,
     path: VecDeque<Target>,
     kinematics: Kinematics,
     capabilities: Capabilities,
-    /// What it takes of the floor, without and with a rack.
+    /// The robot's footprints, without and with a rack.
     footprints: [Footprint; 2],
-    /// Its own scanner stopped it; see `guard`.
+    /// The robot's own scanner, which may stop it; see `guard`.
     guard: Guard,
-    /// The guard of the station where it is stops it: a hand is inside.
+    /// Whether the guard of the robot's station stops it because a hand is inside.
     pub hand_guard: bool,
-    /// What it does beside the line.
+    /// The robot's state beside the line.
     pub beside: BesideLine,
 }
 
@@ -130,29 +130,29 @@ impl RobotBody {
         }
     }
 
-    /// What it takes of the floor, with the rack that it has.
+    /// The robot's footprint with its present load.
     pub fn footprint(&self) -> &Footprint {
         &self.footprints[usize::from(self.rack.is_some())]
     }
 
-    /// Whether its outline touches a person.
+    /// Whether the robot's outline touches a person.
     pub fn touches(&self, person: Point) -> bool {
         self.footprint().at(self.pose).distance_to(person) <= BODY_M
     }
 
-    /// Puts it where the ledger has it: a restarted simulation.
+    /// Puts the robot in the ledger's state after a restart of the simulation.
     pub fn resume(&mut self, reached: u64, acted: Option<u64>, recalls: u64, rack: Option<RackId>) {
         (self.reached, self.acted, self.recalls, self.rack) = (reached, acted, recalls, rack);
     }
 
-    /// It is turned, charged and broken as another one was.
+    /// Takes over the heading, charge and faults of another body.
     pub fn stay_as(&mut self, before: &RobotBody) {
         self.pose.heading = before.pose.heading;
         (self.battery, self.flat_since, self.fault) = (before.battery, before.flat_since, before.fault);
     }
 
-    /// People switch it off, push it elsewhere and switch it on: it has forgotten its waypoints. `node` is the one to
-    /// which it is nearest there.
+    /// People switch the robot off, push it elsewhere and switch it on: it has forgotten its waypoints. `node` is the
+    /// nearest node there.
     pub fn put(&mut self, at: Point, node: NodeId) {
         (self.pose.at, self.node, self.speed_mps) = (at, node, 0.0);
         (self.acting, self.is_halfway) = (None, false);
@@ -160,7 +160,7 @@ impl RobotBody {
         self.beside.end();
     }
 
-    /// Whether it has this fault.
+    /// Whether the robot has this fault.
     pub fn has(&self, fault: Fault) -> bool {
         self.fault.is_some_and(|(f, _)| f == fault)
     }
@@ -169,7 +169,7 @@ impl RobotBody {
         self.fault.is_some_and(|(fault, _)| fault.is_immobile())
     }
 
-    /// A person drives it: it forgets its waypoints.
+    /// A person drives the robot: it forgets its waypoints.
     pub fn take_over(&mut self, until: Time) {
         self.fault = Some((Fault::Manual, until));
         (self.acting, self.is_halfway) = (None, false);
@@ -178,23 +178,23 @@ impl RobotBody {
         self.speed_mps = 0.0;
     }
 
-    /// Whether it is on its way, with somewhere to come to.
+    /// Whether the robot drives and has a place to reach.
     pub fn is_on_its_way(&self) -> bool {
         self.speed_mps > 0.0 && self.acting.is_none() && !self.path.is_empty() && !self.returns()
     }
 
-    /// Whether it stands, carries nothing out and could be pushed.
+    /// Whether the robot stands, does no action and could be pushed.
     pub fn can_be_pushed(&self) -> bool {
         let free = self.fault.is_none_or(|(fault, _)| fault == Fault::Manual);
         self.speed_mps == 0.0 && self.acting.is_none() && free
     }
 
-    /// Whether it stands without a rack, whatever the fleet knows of that.
+    /// Whether the robot stands without a rack, whatever the fleet knows of that.
     pub fn can_be_taken(&self) -> bool {
         self.speed_mps == 0.0 && self.rack.is_none()
     }
 
-    /// Whether it was pushed elsewhere and has not been told yet where it is.
+    /// Whether the robot was pushed elsewhere and has not been told yet where it is.
     pub fn is_astray(&self) -> bool {
         self.path.is_empty() && !self.is_near(self.stood_at)
     }
@@ -203,28 +203,28 @@ impl RobotBody {
         (at - self.pose.at).norm() <= OFF_ROUTE_M
     }
 
-    /// Whether it stands on the straight way from what it reached last to another place.
+    /// Whether the robot stands on the straight line from the last node it reached to another place.
     fn is_on_the_way_to(&self, next: Point) -> bool {
         Segment { a: self.stood_at, b: next }.distance_to(self.pose.at) <= OFF_ROUTE_M
     }
 
-    /// The lanes that it was told to drive along, from where it is.
+    /// The lanes of the robot's orders, from where it is.
     pub fn way(&self) -> impl Iterator<Item = Segment> + '_ {
         let from = std::iter::once(self.pose.at).chain(self.path.iter().map(|t| t.at));
         from.zip(self.path.iter().map(|t| t.at)).map(|(a, b)| Segment { a, b })
     }
 
-    /// Whether it stands when it is told to.
+    /// Whether the robot stops when told to.
     pub fn obeys_stops(&self) -> bool {
         self.capabilities.limits != ObeyedLimits::Nothing
     }
 
-    /// Serial number of the last waypoint it knows.
+    /// Serial number of the last waypoint the robot knows.
     pub fn known(&self) -> u64 {
         self.path.back().map_or(self.reached, |t| t.serial)
     }
 
-    /// Whether it drives back to the node that it reached last.
+    /// Whether the robot drives back to the node that it reached last.
     fn returns(&self) -> bool {
         self.path.front().is_some_and(|t| t.serial == self.reached)
     }
@@ -247,7 +247,7 @@ impl RobotBody {
         }
     }
 
-    /// Where it stands, on a node or on the way to the next, it forgets all waypoints.
+    /// A robot that stands on a node or on the way to the next one forgets all its waypoints.
     fn forget(&mut self, reached: u64, number: u64) {
         let next = self.path.front().map_or(self.stood_at, |t| t.at);
         let stands = self.speed_mps == 0.0 && self.acting.is_none() && self.is_on_the_way_to(next);
@@ -260,8 +260,8 @@ impl RobotBody {
         self.beside.end();
     }
 
-    /// An order that ends with the visit that it reached last brings a robot back there that has forgotten its
-    /// waypoints; any other one turns it round again, once it stands. Whether it is to take on what the order says.
+    /// An order that ends with the last reached visit brings a robot that has forgotten its waypoints back there; any
+    /// other order turns it round again, once it stands. Gives whether the robot takes on the order.
     fn turn(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) -> bool {
         let ends_here = waypoints.last().is_some_and(|w| w.serial == self.reached);
         if ends_here
@@ -288,7 +288,7 @@ impl RobotBody {
         true
     }
 
-    /// An order that begins later than all it knows is for the place where it was put, if it stands there.
+    /// An order that begins after all known waypoints is for the place where people put the robot, if it stands there.
     fn take_up(&mut self, first: &Waypoint, warehouse: &Warehouse) {
         let at = warehouse.nodes[first.node].at;
         if first.serial > self.known() && self.path.is_empty() && self.speed_mps == 0.0 && self.is_near(at) {
@@ -298,15 +298,15 @@ impl RobotBody {
         }
     }
 
-    /// Waypoints that it knows already are skipped, an act for the place where it stands is begun. It takes no
-    /// waypoint on to which it does not stand on the way, and does nothing where it was not to do it: it was pushed
-    /// elsewhere meanwhile.
+    /// Skips known waypoints, and begins an action for the place where the robot stands. A robot that was pushed
+    /// elsewhere meanwhile takes no waypoint whose lane it does not stand on, and does no action meant for another
+    /// place.
     fn learn(&mut self, waypoints: &[Waypoint], warehouse: &Warehouse) {
         if !self.turn(waypoints, warehouse) {
             return;
         }
         waypoints.iter().take(1).for_each(|first| self.take_up(first, warehouse));
-        // It is sent on: the pick has ended, whatever was planned.
+        // The robot is sent on: the pick has ended, whatever was planned.
         if let Some((serial, Act::Pick(_), _)) = self.acting
             && waypoints.iter().any(|w| w.serial > serial)
         {
@@ -335,21 +335,21 @@ impl RobotBody {
         }
     }
 
-    /// Its battery has so much charge from now on, of 1.
+    /// Sets the charge of the battery, as a share of 1.
     pub fn set_battery(&mut self, charge: f64) {
         self.battery = charge;
     }
 
-    /// Whether the picker has all that was wanted from the rack on it.
+    /// Whether the picker has taken everything wanted from the robot's rack.
     pub fn is_picked(&self, serial: u64) -> bool {
         self.acting.is_none() && self.acted >= Some(serial)
     }
 
-    /// What it says of itself.
+    /// The robot's report.
     pub fn report(&self, now: Time) -> Telemetry {
         Telemetry {
             robot: self.id,
-            // It makes one at a time.
+            // The robot makes one report at a time.
             seq: now.0.unsigned_abs(),
             seen: now,
             pose: self.pose,
@@ -365,7 +365,7 @@ impl RobotBody {
         }
     }
 
-    /// Its scanner looks for people: a person in front of it stops it, whatever the fleet says.
+    /// Lets the robot's scanner look for people: a person in front stops it, whatever the fleet commands.
     pub fn scan(&mut self, now: Time, half_m: f64, people: &[Point]) {
         let ahead = self.path.front().map(|t| t.at - self.pose.at).and_then(|d| d.try_normalize(THERE_M));
         let along = Vector::new(self.pose.heading.cos(), self.pose.heading.sin());
@@ -374,12 +374,12 @@ impl RobotBody {
         self.guard.look(now, self.pose.at, ahead, self.speed_mps, self.accel(), half_m, people);
     }
 
-    /// Whether its own scanner keeps it from driving.
+    /// Whether the robot's own scanner keeps it from driving.
     pub fn is_guarded(&self) -> bool {
         self.guard.stops()
     }
 
-    /// How it moves, metres per second in the map's frame.
+    /// The robot's velocity, metres per second in the map's frame.
     pub fn velocity(&self) -> Vector {
         let ahead = self.path.front().map(|t| t.at - self.pose.at).and_then(|d| d.try_normalize(THERE_M));
         let along = Vector::new(self.pose.heading.cos(), self.pose.heading.sin());
@@ -387,7 +387,7 @@ impl RobotBody {
         ahead.unwrap_or(along) * self.speed_mps
     }
 
-    /// Lives from `from` to `to`. `charging` says whether the node it stands on is a charger.
+    /// Advances the robot from `from` to `to`. `charging` says whether it stands on a charger.
     pub fn advance(&mut self, from: Time, to: Time, charging: bool) {
         let seconds = (to - from).as_secs_f64();
         let ticks = (seconds / TICK_S - 1e-9).ceil().max(1.0);
@@ -426,7 +426,7 @@ impl RobotBody {
         if self.acting.is_some() {
             return self.act(now);
         }
-        // It does not turn either.
+        // The robot does not turn either.
         if self.hand_guard {
             return self.coast(dt);
         }
@@ -448,13 +448,13 @@ impl RobotBody {
         }
     }
 
-    /// Whether it would move now if no guard held it.
+    /// Whether the robot would move now if no guard held it.
     pub fn would_move(&self) -> bool {
         let is_told = self.limit_mps != Some(0.0) && self.acting.is_none();
         is_told && !self.is_immobile() && self.flat_since.is_none() && !self.path.is_empty()
     }
 
-    /// Broken or told to stop: it comes to rest on the way it was on.
+    /// Brings a robot that is broken or told to stop to rest on its way.
     fn coast(&mut self, dt: f64) {
         let stop = self.speed_mps;
         self.go(dt, (stop - self.accel() * dt).max(0.0));
@@ -464,7 +464,7 @@ impl RobotBody {
         self.kinematics.accel_mps2(self.rack.is_some())
     }
 
-    /// Speeds up as far as top speed, lane and the next place to stop allow.
+    /// Accelerates as far as top speed, lane and the next place to stop allow.
     fn drive(&mut self, dt: f64, limit: f64) {
         let a = self.accel();
         let d = self.distance_to_stop();
@@ -506,7 +506,7 @@ impl RobotBody {
         self.path.pop_front();
         self.is_halfway = false;
         if returns {
-            // It has left what it stood before.
+            // The robot has left the place of the obstacle.
             self.fault = self.fault.filter(|(fault, _)| *fault != Fault::Obstructed);
         }
         (self.reached, self.node, self.pose.at) = (target.serial, target.node, target.at);
@@ -514,7 +514,7 @@ impl RobotBody {
         self.acting = target.act.map(|act| (target.serial, act, None));
     }
 
-    /// Whether it must come to rest at the waypoint `i` of its path.
+    /// Whether the robot must come to rest at waypoint `i` of its path.
     fn must_stop(&self, i: usize) -> bool {
         let here = &self.path[i];
         let Some(next) = self.path.get(i + 1) else { return true };

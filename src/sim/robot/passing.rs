@@ -1,8 +1,8 @@
-//! A simulated robot beside the line: it passes people within the corridor that it was granted, by the local planner.
+//! A simulated robot beside the line: it passes people within its granted corridor, by the local planner.
 //!
-//! Adds to [`RobotBody`]. It leaves the line only where somebody is near and the order says that it may, and it is on
-//! the line again at the end of that. Its own scanner and the station's guard stop it as they do on the line. Refuses:
-//! to see people where they truly are: it is told what the fleet believes.
+//! Adds to [`RobotBody`]. The robot leaves the line only if a person is near and its order allows that, and it is on
+//! the line again at the end. Its own scanner and the station's guard stop it as they do on the line. Refuses: to see
+//! people where they truly are: it knows what the fleet believes.
 
 use super::{RobotBody, THERE_M, Target};
 use giveway_fleet::{Fault, ForeseenPerson, Waypoint};
@@ -15,36 +15,36 @@ use giveway_people::local::{
     DriveLimits, DriveState, LocalPlanner, NearPerson, PassingRoom, RobotOutline, Twist,
 };
 
-/// It decides this often.
+/// Interval between two decisions of the local planner.
 const PERIOD: Span = Span::from_millis(100);
-/// It leaves the line only if somebody is nearer than this …
+/// The robot leaves the line only if a person is nearer than this, metres …
 const NEAR_M: f64 = 6.0;
-/// … and keeps to it again when nobody is nearer than this.
+/// … and returns to it when no person is nearer than this, metres.
 const CLEAR_M: f64 = 7.0;
 /// A robot nearer to the line than this is on it, metres …
 const ON_LINE_M: f64 = 0.02;
 /// … if it also heads along it, radians.
 const ALONG: f64 = 0.03;
-/// A node is behind a robot beside the line when all of the robot is, and so much more, metres.
+/// A node is behind a robot beside the line when all of the robot is past it, by at least this much, metres.
 const BEHIND_M: f64 = 0.05;
-/// So near to the end it has arrived, metres.
+/// A robot this near to the end has arrived, metres.
 const END_M: f64 = 0.06;
-/// A robot that comes to rest beside the end of its corridor, with no more than this to drive along the line, drives
-/// there straight, metres …
+/// A robot at rest beside the end of its corridor, with no more than this left along the line, drives there straight,
+/// metres …
 const LAST_M: f64 = 1.0;
-/// … if nobody is so near to that way.
+/// … if no person is this near to that path, metres.
 const LAST_CLEAR_M: f64 = 1.5;
-/// It goes round people on a side where nobody is more probably in the way than this.
+/// The robot passes people on a side where the probability that a person is in the way is at most this.
 const DOUBT: f64 = 0.5;
-/// A robot whose planner finds no way from the line for so long keeps to the line: it stands in somebody's way as long
-/// as it tries …
+/// A robot whose planner finds no way from the line for this long returns to the line, since it blocks a person while
+/// it tries …
 const TRIES: Span = Span::from_secs(8);
-/// … and does not leave it again for so long.
+/// … and does not leave the line again for this long.
 const KEEPS_TO_LINE: Span = Span::from_secs(30);
 /// A robot slower than this stands, metres per second.
 const STANDS_MPS: f64 = 0.02;
 
-/// The corridor of a lane, as a robot drives it that may leave its line.
+/// The corridor of a lane in its driving direction.
 fn corridor(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<Corridor> {
     let (_, arc) = warehouse.out(from).find(|(_, arc)| arc.to == to)?;
     let lane = &warehouse.lanes[arc.lane];
@@ -52,24 +52,25 @@ fn corridor(warehouse: &Warehouse, from: NodeId, to: NodeId) -> Option<Corridor>
 }
 
 impl RobotBody {
-    /// Whether it may leave the line where it is, or soon.
+    /// Whether the robot may leave the line on its current lane.
     pub fn may_pass(&self) -> bool {
         self.path.front().is_some_and(|t| t.corridor.is_some())
     }
 
-    /// The corridor of the lane to a waypoint, if the order says that the robot may leave its line and it can.
+    /// The corridor of the lane to a waypoint, if the order allows the robot to leave its line and it can.
     pub(super) fn corridor_of(&self, w: &Waypoint, from: NodeId, warehouse: &Warehouse) -> Option<Corridor> {
         w.passes.filter(|_| self.beside.may).and_then(|_| corridor(warehouse, from, w.node))
     }
 
-    /// It may leave the line on its way to a waypoint that it knows already.
+    /// Allows the robot to leave the line on its way to a known waypoint.
     pub(super) fn may_leave_line(&mut self, w: &Waypoint, warehouse: &Warehouse) {
         let Some(i) = self.path.iter().position(|t| t.serial == w.serial) else { return };
         let from = if i == 0 { self.stood_on } else { self.path[i - 1].node };
         self.path[i].corridor = self.corridor_of(w, from, warehouse);
     }
 
-    /// Lives for a moment beside the line, if it is there or leaves it now. Whether it does.
+    /// Advances the robot for `dt` seconds beside the line, if it is there or leaves it now. Gives whether it is or
+    /// does.
     pub(super) fn tick_beside(&mut self, now: Time, dt: f64) -> bool {
         if !self.begins(now) {
             return false;
@@ -99,7 +100,8 @@ impl RobotBody {
         true
     }
 
-    /// Whether it steers by itself from now on: it does already, or heads along the line towards somebody near.
+    /// Whether the robot steers by itself from now on: it already does, or heads along the line with a person near
+    /// ahead.
     fn begins(&mut self, now: Time) -> bool {
         if self.beside.steers() {
             return true;
@@ -110,8 +112,8 @@ impl RobotBody {
         is_along && now >= self.beside.on_line_until && self.acting.is_none() && self.somebody_within(NEAR_M)
     }
 
-    /// Whether it stands beside the end and nobody is in the way there. The corridor is convex: straight on it stays
-    /// within.
+    /// Whether the robot stands beside the end and no person is in its way there. The corridor is convex, so a straight
+    /// path stays within it.
     fn drives_last(&self, goal: Target, ahead: Vector) -> bool {
         let is_next = self.path.front().is_some_and(|t| t.serial == goal.serial);
         let is_beside = is_next && ahead.dot(&(goal.at - self.pose.at)) < LAST_M;
@@ -121,7 +123,7 @@ impl RobotBody {
         is_beside && stands && self.beside.people.iter().all(is_clear)
     }
 
-    /// Whether somebody is ahead of it, or beside it, so near.
+    /// Whether a person is within this distance, ahead of the robot or beside it.
     fn somebody_within(&self, metres: f64) -> bool {
         let ahead = Vector::new(self.pose.heading.cos(), self.pose.heading.sin());
         let is_near = |p: &ForeseenPerson| {
@@ -131,13 +133,13 @@ impl RobotBody {
         self.beside.people.iter().any(is_near)
     }
 
-    /// Whatever keeps a robot from driving on the line does so beside it.
+    /// Whether the robot must brake: whatever stops it on the line stops it beside the line, too.
     fn brakes(&self) -> bool {
         let is_out = self.is_immobile() || self.has(Fault::Obstructed) || self.flat_since.is_some();
         is_out || self.guard.stops() || self.hand_guard || self.limit_mps == Some(0.0)
     }
 
-    /// The line of the lanes ahead whose corridor it may use, the narrowest of these, and the last of its waypoints
+    /// The line of the lanes ahead with a usable corridor, the narrowest of their corridors, and the last waypoint
     /// there.
     fn ahead(&self) -> Option<(Segment, Corridor, Target)> {
         let mut all = self.path.iter().map_while(|t| Some((*t, t.corridor?)));
@@ -154,7 +156,7 @@ impl RobotBody {
         let mut limits = self.beside.limits[usize::from(self.rack.is_some())];
         let lane_mps = self.path.front().map_or(f64::INFINITY, |t| t.limit_mps);
         let most_mps = self.limit_mps.unwrap_or(f64::INFINITY).min(lane_mps);
-        // It becomes no slower at once than its brakes allow.
+        // The speed cannot fall faster than the brakes allow.
         let least_mps = twist.speed_mps - limits.brake_mps2 * limits.period_s;
         limits.speed_mps = limits.speed_mps.min(most_mps).max(least_mps);
         let planner = LocalPlanner::new(self.footprint(), limits, line, corridor, self.beside.method);
@@ -168,8 +170,8 @@ impl RobotBody {
         }
     }
 
-    /// Passes waypoints, and is on the line again at the last of those beside which it may drive, or before that if it
-    /// is on the line and nobody is near.
+    /// Passes waypoints. Returns to the line at the last waypoint that allows driving beside it, or earlier if the
+    /// robot is on the line and no person is near.
     fn get_on(&mut self, line: Segment, goal: Target, now: Time) {
         let ahead = (line.b - line.a).normalize();
         let circle_m = RobotOutline::of(self.footprint()).circle_m();
@@ -198,7 +200,7 @@ impl RobotBody {
                 self.beside.on_line_until = now + KEEPS_TO_LINE;
             }
             if !back {
-                // It turns to its goal on the spot.
+                // The robot turns to its goal on the spot.
                 self.speed_mps = 0.0;
                 self.path.front_mut().expect("it has not arrived").corridor = None;
             }

@@ -1,4 +1,4 @@
-//! Simulated robots drive, turn, brake and act as they are told.
+//! Tests that simulated robots drive, turn, brake and act on orders.
 
 use super::*;
 use giveway_floor::id::BodyId;
@@ -97,7 +97,7 @@ fn a_robot_that_the_guard_of_a_station_holds_neither_drives_nor_turns() {
     assert!(body.pose.heading != heading && body.pose.at != before.at);
 }
 
-/// Turns a robot away from its way by a quarter. Gives where it heads then.
+/// Turns a robot a quarter away from its path. Gives its heading then.
 fn turned_away(w: &Warehouse, body: &mut RobotBody) -> f64 {
     let next = body.path.iter().find(|t| (t.at - body.pose.at).norm() > 0.1).expect("it has a way");
     let way = Segment { a: w.nodes[body.node].at, b: next.at };

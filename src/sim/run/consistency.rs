@@ -1,8 +1,9 @@
-//! Whether the filter of people's motion knows how wrong it is: its errors against the truth, in units of what it says.
+//! Whether the filter of people's motion knows how wrong it is: its errors against the truth, in units of its own
+//! stated error.
 //!
 //! Main types: [`Consistency`] (collects errors), [`NeesFigures`]. The normalised estimation error squared has a
-//! chi-square distribution where the filter is consistent (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Refuses:
-//! to tell the fleet anything.
+//! chi-square distribution if the filter is consistent (Bar-Shalom, Li and Kirubarajan 2001, section 5.4). Refuses: to
+//! tell the fleet anything.
 
 use crate::world::World;
 use giveway_fleet::Fleet;
@@ -11,39 +12,39 @@ use giveway_floor::id::WorkerId;
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Errors of one moment and of the next are much the same: they are taken this far apart.
+/// Interval between two samples, since errors of successive moments are much the same.
 const APART: Span = Span::from_secs(2);
-/// The truth is remembered for so long: no pose is older when it is the newest.
+/// How long the truth is kept: the newest pose of a worker is never older.
 const TRAIL: Span = Span::from_secs(3);
-/// Between these a chi-square variable of two and of four degrees of freedom is in 95 % of all cases.
+/// Interval that holds 95 % of a chi-square variable of two, and of four, degrees of freedom.
 const WITHIN_95: [(f64, f64); 2] = [(0.050_636, 7.377_759), (0.484_419, 11.143_287)];
 
-/// Errors of the filter.
+/// Collected errors of the filter.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Consistency {
     trails: BTreeMap<WorkerId, VecDeque<(Time, Point)>>,
     next: Time,
-    /// Of the place, and of place and velocity.
+    /// Normalised squared errors of the position, and of position and velocity.
     nees: [Vec<f64>; 2],
 }
 
-/// What the errors say.
+/// Statistics of the errors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeesFigures {
-    /// Degrees of freedom: what the mean is where the filter is consistent.
+    /// Degrees of freedom, which a consistent filter has as its mean.
     pub freedom: f64,
-    /// How many errors.
+    /// Number of errors.
     pub samples: usize,
-    /// Their mean. Higher: the filter is too sure; lower: it is too unsure.
+    /// Mean of the errors. Higher: the filter is too sure; lower: it is too unsure.
     pub mean: f64,
-    /// Where the mean of as many independent errors of a consistent filter is in 95 % of all cases.
+    /// Interval that holds the mean of this many independent errors of a consistent filter in 95 % of all cases.
     pub mean_bounds: [f64; 2],
-    /// The share of single errors within the 95 % bounds of one.
+    /// The share of single errors within their 95 % bounds.
     pub within: f64,
 }
 
 impl Consistency {
-    /// Compares what the fleet knows after a step with where people truly were.
+    /// Compares the fleet's estimates after a step with where people truly were.
     pub(crate) fn note(&mut self, now: Time, world: &World, fleet: &Fleet) {
         for (worker, walker) in world.walkers().filter(|(_, w)| !w.is_gone()) {
             let trail = self.trails.entry(worker).or_default();
@@ -63,7 +64,7 @@ impl Consistency {
         }
     }
 
-    /// Where a worker truly was, and how fast, between two steps; nothing at the ends of what is remembered.
+    /// A worker's true position and velocity between two steps; nothing outside of what is kept.
     fn truth(&self, worker: WorkerId, t: Time) -> Option<(Point, Vector)> {
         let trail = self.trails.get(&worker)?;
         let after = trail.partition_point(|(known, _)| *known <= t);
@@ -72,7 +73,7 @@ impl Consistency {
         Some((a + (b - a) * share, (b - a) / (t1 - t0).as_secs_f64()))
     }
 
-    /// Of the place, and of place and velocity; nothing where there are no errors.
+    /// Figures of the position, and of position and velocity; nothing if there are no errors.
     pub fn figures(&self) -> [Option<NeesFigures>; 2] {
         std::array::from_fn(|i| figures(&self.nees[i], [2.0, 4.0][i], WITHIN_95[i]))
     }
@@ -90,7 +91,7 @@ fn figures(nees: &[f64], freedom: f64, (low, high): (f64, f64)) -> Option<NeesFi
     Some(NeesFigures { freedom, samples, mean, mean_bounds, within })
 }
 
-/// The quantile of a chi-square distribution at so many standard deviations of a normal one (Wilson and Hilferty 1931).
+/// The quantile of a chi-square distribution at `z` standard deviations of a normal one (Wilson and Hilferty 1931).
 fn chi_square(freedom: f64, z: f64) -> f64 {
     let v = 2.0 / (9.0 * freedom);
     freedom * (1.0 - v + z * v.sqrt()).max(0.0).powi(3)
@@ -110,12 +111,12 @@ mod tests {
 
     #[test]
     fn errors_that_are_what_the_filter_says_are_consistent_and_others_are_not() {
-        // Quantiles of a chi-square distribution with two degrees of freedom, evenly spread.
+        // Quantiles of a chi-square distribution with two degrees of freedom, evenly spaced.
         let honest: Vec<f64> = (0..1000).map(|i| -2.0 * (1.0 - (f64::from(i) + 0.5) / 1000.0).ln()).collect();
         let found = figures(&honest, 2.0, WITHIN_95[0]).expect("there are errors");
         assert!((found.within - 0.95).abs() < 0.002, "{found:?}");
         assert!((found.mean_bounds[0]..found.mean_bounds[1]).contains(&found.mean), "{found:?}");
-        // A filter that takes its standard deviation to be half of what it is.
+        // A filter that takes its standard deviation to be half of the true one.
         let sure: Vec<f64> = honest.iter().map(|e| 4.0 * e).collect();
         let found = figures(&sure, 2.0, WITHIN_95[0]).expect("there are errors");
         assert!(found.mean > found.mean_bounds[1] && found.within < 0.7, "{found:?}");

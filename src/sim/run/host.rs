@@ -1,8 +1,8 @@
-//! The process that runs the driver, and its journal, as far as they can fail.
+//! The process that runs the driver, and its journal, with their failures.
 //!
-//! Main types: [`Host`], [`HostTurn`]. A process dies at a random point of a turn and starts again some seconds later
-//! from what is durable; clients repeat requests that it did not acknowledge. Refuses: to go on after
-//! a panic that nobody planted.
+//! Main types: [`Host`], [`HostTurn`]. A process dies at a random point of a turn and restarts some seconds later from
+//! what is durable; clients repeat requests that it did not acknowledge. Refuses: to go on after a panic that was not
+//! planted.
 
 use super::journal::SimJournal;
 use crate::askers::SUPERVISORS;
@@ -17,27 +17,27 @@ use giveway_floor::id::{Dense, JobId, RobotId};
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Purpose of the stream of random numbers.
+/// Purpose of the host's stream of random numbers.
 const HOST: u64 = 40;
-/// A process that has started again dies in its first turn with this probability.
+/// Probability that a restarted process dies in its first turn.
 const AGAIN: f64 = 0.25;
-/// At most one panic is planted in so long: more of them stop the floor for good.
+/// Least time between two planted panics: more of them stop the floor for good.
 const PANICS_APART: Span = Span::from_secs(30);
 
-/// What a turn of the process came to.
+/// Outcome of a turn of the process.
 #[derive(Debug, Default)]
 pub struct HostTurn {
-    /// What left at once.
+    /// Output that left at once.
     pub sent: Sent,
-    /// What left since its facts are durable.
+    /// Output that left because its facts are durable.
     pub released: Released,
-    /// Facts that became durable, if these are others than the turn's own.
+    /// Facts that became durable, if other than the turn's own.
     pub durable: Option<Vec<Fact>>,
-    /// What the fleet was made from, if it is another one than before: the process died, or a step panicked.
+    /// The ledger that a new fleet was made from, if the process died or a step panicked.
     pub anew: Option<Ledger>,
-    /// Whether a process has begun that knows nothing of links.
+    /// Whether a new process has begun, which knows nothing of links.
     pub begun: bool,
-    /// Laws about what is durable that were broken.
+    /// Violations of the laws about durability.
     pub broken: Vec<Violation>,
 }
 
@@ -45,14 +45,14 @@ pub struct HostTurn {
 pub struct Host {
     /// The driver.
     pub drive: Drive,
-    /// How many steps with facts are durable, where the journal takes everything at once.
+    /// How many steps with facts are durable, if the journal writes everything at once.
     durable: u64,
-    /// Where something of it fails.
+    /// The failing process and journal, if anything can fail.
     failing: Option<Box<FailingHost>>,
 }
 
 impl Host {
-    /// A process that has just begun.
+    /// A host whose process has just begun.
     pub fn new(fleet: Fleet, faults: &Faults, seed: u64) -> Host {
         let failing = faults.has_host_faults().then(|| {
             let delay = Span::from_millis(faults.journal_delay_ms);
@@ -62,17 +62,17 @@ impl Host {
         Host { drive: Drive::new(fleet), durable: 0, failing }
     }
 
-    /// Whether the process runs, and its fleet can be looked at.
+    /// Whether the process runs, so that its fleet can be read.
     pub fn is_up(&self) -> bool {
         self.drive.decides() && self.failing.as_ref().is_none_or(|failing| failing.down_until.is_none())
     }
 
-    /// How often each of its failures has happened.
+    /// How often each failure of the host has happened.
     pub fn injected(&self) -> BTreeMap<&'static str, u64> {
         self.failing.as_ref().map_or_else(BTreeMap::new, |failing| failing.counts.clone())
     }
 
-    /// One turn, and what may leave after it; the last one was at `from`.
+    /// Runs one turn, and gives what may leave after it; the previous turn was at `from`.
     ///
     /// # Panics
     /// If the fleet does, and the panic was not planted.
@@ -82,7 +82,7 @@ impl Host {
             None => self.prompt_turn(now, inputs),
         };
         if let Some(said) = self.drive.take_panic().filter(|said| !said.contains(PLANTED)) {
-            // Not `panic!`, which would say that it was here.
+            // Not `panic!`, which would report this place.
             std::panic::resume_unwind(Box::new(said));
         }
         turn
@@ -98,34 +98,34 @@ impl Host {
     }
 }
 
-/// Where in a turn a process dies.
+/// The point in a turn at which a process dies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum DeathPoint {
-    /// Before it takes anything in.
+    /// Before it takes in any input.
     Before,
-    /// When it has decided, and nothing of that has left.
+    /// After it has decided, before any output has left.
     Decided,
-    /// When stops and guidance have left, and facts are with the journal; but no order or answer.
+    /// After stops and guidance have left and facts are with the journal, but before any order or reply.
     Handed,
 }
 
-/// A process and a journal that fail.
+/// A process and a journal that can fail.
 struct FailingHost {
     journal: SimJournal,
     faults: Faults,
     luck: Stream,
-    /// While it is down: until when.
+    /// Until when the process is down, if it is.
     down_until: Option<Time>,
     /// Requests that no process has taken in.
     unheard: Vec<Input>,
-    /// Requests that were taken in: after which step of this process they are durable.
+    /// Requests taken in, each with the step of this process whose facts make it durable.
     asked: VecDeque<(u64, Input)>,
-    /// Steps with facts of this process.
+    /// Number of steps of this process with facts.
     recorded: u64,
-    /// Fences that a person takes down, and when.
+    /// Fences that a person will take down, and when.
     fenced: Vec<(Time, RobotId)>,
     panicked: Option<Time>,
-    /// Whether it dies again in the next turn.
+    /// Whether the process dies again in the next turn.
     dies_again: bool,
     /// The newest job that was acknowledged.
     acknowledged: Option<JobId>,
@@ -200,13 +200,13 @@ impl FailingHost {
         self.unheard.extend(inputs.into_iter().filter(is_made_again));
     }
 
-    /// Notes which requests this turn takes in.
+    /// Records which requests this turn takes in.
     fn note_asked(&mut self, inputs: &[Input]) {
         let after = self.recorded + 1;
         self.asked.extend(inputs.iter().filter(|i| is_made_again(i)).map(|i| (after, i.clone())));
     }
 
-    /// What fails between `from` and `now`; where the process dies, if it does.
+    /// Draws the failures between `from` and `now`; gives the point where the process dies, if it does.
     fn meet_faults(&mut self, drive: &mut Drive, from: Time, now: Time) -> Option<DeathPoint> {
         if self.faults.until_s.is_some_and(|s| now >= Time::ZERO + Span::from_secs_f64(s)) {
             (self.journal.delay, self.journal.slow_until, self.journal.refuses_until) = Default::default();
@@ -234,7 +234,7 @@ impl FailingHost {
         happens
     }
 
-    /// Plants a panic over some robot.
+    /// Plants a panic at a random robot.
     fn plant(&mut self, drive: &mut Drive, now: Time, hours: f64) {
         let robots = drive.fleet().ledger().robots.len();
         let lately = self.panicked.is_some_and(|at| now - at < PANICS_APART);
@@ -249,7 +249,7 @@ impl FailingHost {
         self.fenced.push((now + Span::from_secs_f64(self.faults.repair_s), robot));
     }
 
-    /// What a server asks its fleet in each turn.
+    /// Makes the queries that a server makes in each turn.
     fn ask(&mut self, drive: &mut Drive, now: Time) {
         if self.panicked == Some(now) {
             drive.ask(GuardedCall::View, now, |fleet| fleet.view(now).robots.len());
@@ -257,14 +257,14 @@ impl FailingHost {
         }
     }
 
-    /// Somebody has looked at the robots that were fenced off, and lets them go on.
+    /// Requests of a person who has looked at fenced robots and lets them go on.
     fn release_robots(&mut self, now: Time) -> Vec<Input> {
         let due = self.fenced.extract_if(.., |(at, _)| now >= *at);
         let token = Token { asker: SUPERVISORS, number: 0 };
         due.map(|(_, robot)| Input::ask(token, FloorAction::Release(Some(robot)))).collect()
     }
 
-    /// The process dies, and starts from what is durable.
+    /// The process dies, and restarts from what is durable.
     fn die(&mut self, drive: &mut Drive, now: Time, turn: &mut HostTurn) {
         let pending = self.journal.pending();
         let on_disk = if self.faults.torn_writes { self.luck.below(pending + 1) } else { 0 };
@@ -284,7 +284,7 @@ impl FailingHost {
         self.down_until = Some(now + Span::from_secs_f64(down_s));
     }
 
-    /// Nothing leaves before the facts behind it are durable.
+    /// Checks that nothing leaves before its facts are durable.
     fn look(&mut self, turn: &mut HostTurn) {
         for (robot, order) in &turn.released.orders {
             let Command::Drive { waypoints, .. } = order else { continue };
@@ -303,7 +303,7 @@ impl FailingHost {
     }
 }
 
-/// Whether a client repeats this request where it gets no answer. Pickers repeat what they say of their picks until the
+/// Whether a client repeats this request if it gets no reply. Pickers repeat what they report of their picks until the
 /// screen shows it.
 fn is_made_again(input: &Input) -> bool {
     match input {

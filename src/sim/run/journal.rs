@@ -1,6 +1,6 @@
 //! A journal in memory that may be late, refuse, and lose what it has not confirmed.
 //!
-//! Main type: [`SimJournal`]. Refuses: to lose what it has confirmed; no journal that does can be recovered from.
+//! Main type: [`SimJournal`]. Refuses: to lose what it has confirmed; nothing could recover from such a journal.
 
 use giveway_drive::{JournalReport, JournalState, WrittenStep};
 use giveway_fleet::{Fact, Ledger};
@@ -8,22 +8,22 @@ use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};
 use std::collections::{BTreeMap, VecDeque};
 
-/// A write that takes longer is called slow.
+/// A write that takes at least this long counts as slow.
 const SLOW: Span = Span::from_secs(1);
-/// How much longer a write takes in a slow hour.
+/// How much longer a write takes in a slow period.
 const SLOWER: Span = Span::from_millis(1_500);
 
-/// A journal.
+/// The simulated journal.
 pub struct SimJournal {
-    /// The fold of what is durable.
+    /// The fold of the durable facts.
     ledger: Ledger,
     /// How many steps of this process are durable.
     durable: u64,
-    /// How far each robot was ever granted, by what is durable: the serial number of the first visit that was not.
+    /// The highest durable grant of each robot ever: the serial number of the first visit not granted.
     granted: BTreeMap<RobotId, u64>,
-    /// Steps that are not, and when they will be.
+    /// Steps not yet durable, and when they will be.
     queue: VecDeque<(Time, WrittenStep)>,
-    /// How long a write takes.
+    /// Duration of a write.
     pub delay: Span,
     /// Until when writes take much longer.
     pub slow_until: Time,
@@ -32,7 +32,7 @@ pub struct SimJournal {
 }
 
 impl SimJournal {
-    /// A journal that has what is in this ledger.
+    /// A journal that contains this ledger.
     pub fn new(ledger: Ledger, delay: Span) -> SimJournal {
         let (slow_until, refuses_until) = (Time::ZERO, Time::ZERO);
         SimJournal {
@@ -46,24 +46,24 @@ impl SimJournal {
         }
     }
 
-    /// The fold of what is durable.
+    /// The fold of the durable facts.
     pub fn ledger(&self) -> &Ledger {
         &self.ledger
     }
 
-    /// Whether a robot was granted this visit by anything that is durable.
+    /// Whether any durable fact granted this visit to a robot.
     pub fn has_granted(&self, robot: RobotId, serial: u64) -> bool {
         serial < self.granted.get(&robot).copied().unwrap_or(0).max(self.ledger.chain(robot).granted())
     }
 
-    /// Takes a step to be written.
+    /// Queues a step to be written.
     pub fn write(&mut self, now: Time, step: WrittenStep) {
         let slower = if now < self.slow_until { SLOWER } else { Span::ZERO };
         let after = self.queue.back().map_or(now, |(due, _)| *due).max(now);
         self.queue.push_back((after.max(now + self.delay + slower), step));
     }
 
-    /// Writes what is due; gives the facts that are durable since.
+    /// Writes what is due; gives the facts that became durable.
     pub fn advance(&mut self, now: Time) -> Vec<Fact> {
         let mut facts = Vec::new();
         while now >= self.refuses_until && self.queue.front().is_some_and(|(due, _)| *due <= now) {
@@ -73,7 +73,7 @@ impl SimJournal {
         facts
     }
 
-    /// The facts of the oldest step that was not durable; it is now.
+    /// Makes the oldest queued step durable and gives its facts.
     fn take_one(&mut self) -> Vec<Fact> {
         let (_, step) = self.queue.pop_front().expect("the caller looked");
         for fact in &step.facts {
@@ -86,7 +86,7 @@ impl SimJournal {
         step.facts
     }
 
-    /// How it is.
+    /// The journal's state.
     pub fn report(&self, now: Time) -> JournalReport {
         let late = self.queue.front().is_some_and(|(_, step)| now - step.at >= SLOW);
         let state = match (now < self.refuses_until, late) {
@@ -102,8 +102,8 @@ impl SimJournal {
         self.queue.len()
     }
 
-    /// The process dies. So many steps that were not confirmed are on the disk all the same; the others are lost. Gives
-    /// the facts that turn out to be durable.
+    /// The process dies. `on_disk` unconfirmed steps are on the disk all the same; the others are lost. Gives the facts
+    /// that turn out to be durable.
     pub fn die(&mut self, on_disk: usize) -> Vec<Fact> {
         let kept = (0..on_disk.min(self.queue.len())).flat_map(|_| self.take_one()).collect();
         self.queue.clear();

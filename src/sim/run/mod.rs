@@ -1,4 +1,4 @@
-//! A floor in memory around the same driver that the server turns: world, turn, laws, and the figures at the end.
+//! A floor in memory around the same driver that the server runs: world, turn, laws, and the figures at the end.
 //!
 //! Main types: [`Simulation`], [`SimTurn`], [`Outcome`]. Refuses: clocks; turns are measured with a stopwatch that the
 //! caller passes in, which decides nothing.
@@ -49,27 +49,27 @@ pub struct Simulation {
 /// What one turn of a simulation did.
 #[derive(Clone, Debug, Default)]
 pub struct SimTurn {
-    /// What was seen and asked for.
+    /// The inputs of the turn.
     pub inputs: Vec<Input>,
-    /// What left at once, and what was written down.
+    /// Output that left at once, and what was written to the journal.
     pub sent: Sent,
-    /// What left since the facts behind it are durable.
+    /// Output that left because its facts are durable.
     pub released: Released,
 }
 
 impl SimTurn {
-    /// What happened, in order.
+    /// The facts of the turn, in order.
     pub fn facts(&self) -> &[Fact] {
         self.sent.written.as_ref().map_or(&[], |written| &written.facts)
     }
 }
 
-/// What came out.
+/// The results of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     /// Simulated time.
     pub simulated: Span,
-    /// Sums.
+    /// Totals from the ledger.
     pub counts: Counts,
     /// Durations of searches, nanoseconds, ascending.
     pub plan_ns: Vec<u64>,
@@ -77,39 +77,40 @@ pub struct Outcome {
     pub step_ns: Vec<u64>,
     /// How often laws were broken.
     pub law_violations: u64,
-    /// The first of them, in words.
+    /// The first violations, in words.
     pub broken: Vec<String>,
-    /// Whether every job ended and every rack came to storage after the customers stopped; nothing where they did not.
+    /// Whether every job ended and every rack came to storage after the customers stopped; nothing if they did not
+    /// stop.
     pub drained: Option<bool>,
-    /// How long that took.
+    /// How long draining took.
     pub drain: Span,
-    /// What became of jobs of each kind, to the very end.
+    /// Outcomes of jobs of each kind, to the very end.
     pub jobs: BTreeMap<&'static str, JobTally>,
     /// A digest of all facts of the duration: same build, same seed, same digest.
     pub trace_hash: u64,
-    /// What became of people, measured where they truly were.
+    /// Figures of people, measured where they truly were.
     pub people: People,
 }
 
-/// What became of people.
+/// Figures of people.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct People {
-    /// Meetings with robots, contacts, time on the floor.
+    /// Encounters with robots, contacts, time on the floor.
     pub figures: EncounterFigures,
-    /// Assignments that they truly completed.
+    /// Assignments that people truly completed.
     pub completed: u64,
-    /// How well the fleet knew what they did.
+    /// How well the fleet knew what people did.
     pub score: Score,
-    /// How often one was kept in one spot for a minute by robots, or without a way; for each minute of it.
+    /// How often a person was kept in one spot for a minute by robots, or without a way; counted for each minute.
     pub standstills: u64,
     /// How calm guidance was.
     pub calm: CalmFigures,
-    /// Whether the filter of their motion knew how wrong it was.
+    /// Whether the filter of people's motion knew how wrong it was.
     pub consistency: Consistency,
 }
 
 impl Simulation {
-    /// Everything at its start. `without_conflicts` lets robots pass through one another.
+    /// A simulation at its start. `without_conflicts` lets robots pass through one another.
     pub fn new(
         warehouse: Arc<Warehouse>,
         scenario: &Scenario,
@@ -122,7 +123,7 @@ impl Simulation {
             scenario.site.fit(&warehouse).expect("a scenario is refused with its map where it is read");
         let settings = Settings { without_conflicts, stopwatch, ..scenario.site.settings() };
         let fleet = Fleet::new(warehouse.clone(), settings);
-        // The bound on throughput is without people.
+        // The bound on throughput is computed without people.
         let alone = without_conflicts
             .then(|| Scenario { workers: crate::scenario::Workers::default(), ..scenario.clone() });
         let floor = alone.as_ref().unwrap_or(scenario);
@@ -174,22 +175,22 @@ impl Simulation {
         &mut self.host.drive
     }
 
-    /// Whether the time is up.
+    /// Whether the run is over.
     pub fn is_over(&self) -> bool {
         let drained = || undrained(&self.world, self.fleet()) == (0, 0);
         self.now >= self.end && (self.now >= self.end + self.drain || drained())
     }
 
-    /// Whether the duration is over, and the floor only drains.
+    /// Whether the duration is over and the floor only drains.
     pub fn drains(&self) -> bool {
         self.now >= self.end
     }
 
-    /// One control period.
+    /// Runs one control period.
     pub fn step(&mut self) -> SimTurn {
         let now = self.now;
         if now >= self.end && self.measured.is_none() {
-            // What is counted is counted until here; then everything has to end.
+            // Counting ends here; then everything has to end.
             self.measured = Some((self.fleet().view(now).counts, self.trace.value()));
             self.world.stop_customers();
         }
@@ -208,7 +209,7 @@ impl Simulation {
         SimTurn { inputs, sent, released }
     }
 
-    /// Looks at laws and figures.
+    /// Checks the laws and updates the figures.
     fn look(&mut self, turn: &HostTurn) {
         let (now, fleet) = (self.now, self.host.drive.fleet());
         let written = turn.sent.written.as_ref().map_or(&[][..], |written| &written.facts);
@@ -236,12 +237,12 @@ impl Simulation {
         self.consistency.note(now, &self.world, fleet);
     }
 
-    /// The laws that were broken so far, and when; the first hundred.
+    /// The first hundred violations so far, with their times.
     pub fn broken(&self) -> &[(Time, Violation)] {
         &self.laws.broken
     }
 
-    /// Racks that were served so far.
+    /// How many racks were served so far.
     pub fn robot_deliveries(&self) -> u64 {
         self.fleet().ledger().counts.robot_deliveries
     }
@@ -251,7 +252,7 @@ impl Simulation {
         self.trace.value()
     }
 
-    /// The figures.
+    /// The results of the run.
     pub fn outcome(mut self) -> Outcome {
         self.plan_ns.sort_unstable();
         self.step_ns.sort_unstable();

@@ -1,7 +1,7 @@
-//! A floor that has worked for a while: what a server begins with that is to show the middle of a shift.
+//! A floor that has worked for a while: the initial state of a server that shows the middle of a shift.
 //!
-//! Main function: [`warm_up`]. What it gives is a past like any other: facts, which a journal takes, and figures.
-//! Refuses: laws and measurements, which are for the simulation.
+//! Main function: [`warm_up`]. It gives a past like any other: facts, which a journal takes, and figures. Refuses: laws
+//! and measurements, which are for the simulation.
 
 use crate::customers::OrderFileLine;
 use crate::scenario::Scenario;
@@ -12,19 +12,19 @@ use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::Warehouse;
 use std::sync::Arc;
 
-/// Figures are taken as often as this.
+/// Interval between two entries of the figures.
 const LOOK: Span = Span::from_secs(1);
 
-/// What a floor did before a server began.
+/// The past of a floor before a server began.
 pub struct WarmUp {
-    /// The facts of each step that had some, and when it was.
+    /// The facts of each step that had some, with its time.
     pub steps: Vec<(Time, Vec<Fact>)>,
     /// Figures over time.
     pub history: History,
 }
 
-/// Lets a new floor work for the scenario's `warm_up_s`, up to this moment; the time that this takes is caught up with,
-/// or people would be lost for as long when the server begins.
+/// Lets a new floor work for the scenario's `warm_up_s`, up to now. It also simulates the time that the warm-up itself
+/// takes; otherwise people would be lost for as long when the server begins.
 pub fn warm_up(
     map: &Arc<Warehouse>,
     scenario: &Scenario,
@@ -32,7 +32,7 @@ pub fn warm_up(
     until: impl Fn() -> Time,
 ) -> WarmUp {
     let mut now = until() - scenario.warm_up;
-    // A machine that is slower than the floor itself never gets there.
+    // A machine slower than the floor itself would never catch up.
     let last = now + scenario.warm_up + scenario.warm_up;
     let mut fleet = Fleet::new(map.clone(), scenario.site.settings());
     let mut world = World::new(map.clone(), scenario, lines, scenario.seed, fleet.ledger(), now);

@@ -1,4 +1,4 @@
-//! The part of a scenario that is about picking stations: what is ordered there, who picks, and how hands are seen.
+//! The part of a scenario about picking stations: what is ordered there, who picks, and how devices see hands.
 //!
 //! Main types: [`WorkCells`], [`PickerHabits`], [`HandSensor`]. Refuses: shares, rates and stations that cannot be.
 
@@ -12,44 +12,44 @@ use serde::Deserialize;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct WorkCells {
-    /// What the fleet makes of lines and hands. In files alone: a scenario that was read has it in its site, and so has
-    /// the mode of the arms.
+    /// How the fleet uses lines and hands. Only in files: a scenario that was read has it in its site, like the mode of
+    /// the arms.
     #[serde(deserialize_with = "words::flow")]
     pub flow: Option<Flow>,
     /// Order lines of customers' deliveries to stations with a cell.
     pub lines: LineDemand,
-    /// Stations whose arm is on.
+    /// Stations whose arm is switched on.
     pub arms: Vec<String>,
     /// When arms move beside pickers.
     #[serde(deserialize_with = "words::arm_mode")]
     pub arm_mode: Option<ArmMode>,
-    /// How often an hour an arm falls silent.
+    /// How often an arm falls silent, per hour.
     pub arm_silences_per_hour: f64,
-    /// For how long, seconds.
+    /// How long an arm stays silent, seconds.
     pub arm_silent_s: f64,
-    /// Who picks; one usual person at each station with a cell where absent, nobody where empty.
+    /// The pickers; where absent, one usual person at each station with a cell; none where empty.
     pub pickers: Option<Vec<PickerHabits>>,
-    /// How hands are seen.
+    /// How devices see hands.
     pub sensor: HandSensor,
 }
 
-/// What is ordered.
+/// Order lines of a visit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct LineDemand {
-    /// Fewest and most lines of a visit, all numbers equally often.
+    /// Fewest and most lines of a visit, each number equally likely.
     pub per_visit: [u32; 2],
     /// Fewest and most pieces of a line.
     pub quantity: [u32; 2],
 }
 
-/// A person who picks.
+/// A person who picks, and the person's habits.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PickerHabits {
-    /// Where.
+    /// Name of the station.
     pub station: String,
-    /// How long movements take, relative to usual people.
+    /// Duration of movements, relative to usual people.
     pub pace: f64,
     /// The hand that picks.
     pub hand: HandSide,
@@ -57,7 +57,7 @@ pub struct PickerHabits {
     pub height_m: f64,
     /// How long the eyes search before the first reach of a line, seconds.
     pub looks_first_s: f64,
-    /// Share of reaches in whose beginning the eyes are on another slot first.
+    /// Share of reaches in which the eyes are on another slot at first.
     pub wanders: f64,
     /// Share of reaches to a wrong slot.
     pub mispick: f64,
@@ -65,27 +65,27 @@ pub struct PickerHabits {
     pub mistote: f64,
     /// Share of reaches that begin towards another slot.
     pub changes_mind: f64,
-    /// How long the hand is in a slot before it has a piece, seconds, in the median.
+    /// Median time that the hand is in a slot before it has a piece, seconds.
     pub rummage_s: f64,
     /// Share of lines of several pieces that both hands pick.
     pub both_hands: f64,
-    /// How much hands shake, metres.
+    /// Tremor of the hands, metres.
     pub tremor_m: f64,
-    /// Share of lines of which a piece is missing.
+    /// Share of lines with a missing piece.
     pub missing: f64,
-    /// How often an hour the person goes away.
+    /// How often the person goes away, per hour.
     pub away_per_hour: f64,
-    /// For how long in the mean, seconds.
+    /// Mean time that the person is away, seconds.
     pub away_s: f64,
 }
 
-/// A hand.
+/// The left or the right hand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HandSide {
-    /// The left one.
+    /// The left hand.
     Left,
-    /// The right one.
+    /// The right hand.
     #[default]
     Right,
 }
@@ -94,36 +94,36 @@ pub enum HandSide {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HandSensor {
-    /// Observations a second.
+    /// Observations per second.
     pub rate_hz: f64,
-    /// One standard deviation of each coordinate, metres.
+    /// Standard deviation of each coordinate, metres.
     pub sigma_m: f64,
-    /// How late they come, milliseconds.
+    /// Mean delay of an observation, milliseconds.
     pub delay_ms: f64,
-    /// One standard deviation of that, milliseconds.
+    /// Standard deviation of the delay, milliseconds.
     pub jitter_ms: f64,
     /// Width and height of the field of view, degrees.
     pub view_deg: [f64; 2],
-    /// Share of observations that do not come.
+    /// Share of observations that get lost.
     pub loss: f64,
-    /// How often an hour left and right are taken for one another, for half a second.
+    /// How often left and right are taken for each other, per hour, for half a second.
     pub swaps_per_hour: f64,
-    /// How often an hour a hand is seen elsewhere, for a tenth of a second.
+    /// How often a hand is seen elsewhere, per hour, for a tenth of a second.
     pub jumps_per_hour: f64,
-    /// Which ray it sends of where the picker looks.
+    /// The ray that the headset sends for where the picker looks.
     pub gaze: SeenGaze,
 }
 
-/// Which ray a headset sends of where its wearer looks.
+/// The ray that a headset sends for where its wearer looks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SeenGaze {
-    /// None.
+    /// No ray.
     None,
     /// Where the head faces.
     #[default]
     Head,
-    /// Where the eyes look, as it measures them.
+    /// Where the eyes look, as the headset measures them.
     Eyes,
 }
 
@@ -187,7 +187,7 @@ impl Default for HandSensor {
 }
 
 impl WorkCells {
-    /// What the file chooses for the site.
+    /// The file's choices for the site.
     pub(super) fn take_choices(&mut self) -> (Option<Flow>, Option<ArmMode>) {
         (self.flow.take(), self.arm_mode.take())
     }
@@ -210,10 +210,10 @@ impl WorkCells {
         self.sensor.check()
     }
 
-    /// Whether the stations that are named are in the building, have what is said of them, and are named once.
+    /// Whether the named stations are in the building, have what the scenario needs of them, and are named once.
     ///
     /// # Errors
-    /// Which is not so.
+    /// The first station for which that is not so.
     pub fn check_stations(&self, warehouse: &Warehouse) -> Result<(), SiteError> {
         let station = |name: &str| warehouse.stations.iter().find(|s| s.name == name);
         let wrong = |key, message| Err(SiteError::Wrong { key, message });
@@ -242,7 +242,7 @@ impl WorkCells {
         Ok(())
     }
 
-    /// Who picks in a building.
+    /// The pickers in a building.
     pub fn pickers_in(&self, warehouse: &Warehouse) -> Vec<PickerHabits> {
         let usual = |name: &String| PickerHabits { station: name.clone(), ..PickerHabits::default() };
         let cells = || warehouse.stations.iter().filter(|s| s.cell.is_some()).map(|s| usual(&s.name));

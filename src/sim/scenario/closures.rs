@@ -1,6 +1,6 @@
-//! The part of a scenario that is about areas closed for a time: known from the start, in force later.
+//! The part of a scenario about areas closed for a time: known from the start, in force later.
 //!
-//! Main type: [`Closing`]. Refuses: areas of nothing, times that cannot be, and nodes that the map does not have.
+//! Main type: [`Closing`]. Refuses: empty areas, impossible times, and nodes that the map does not have.
 
 use giveway_fleet::{Binds, Closure, LocalClock, MOST_OFTEN, Recurrence, RecurringClosure, Weekdays};
 use giveway_floor::geometry::{Point, Spot};
@@ -18,24 +18,24 @@ const AROUND_NODE_M: f64 = 0.25;
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Closing {
-    /// Its corners, metres.
+    /// Corners of the area, metres.
     #[serde(default)]
     pub outline: Vec<[f64; 2]>,
-    /// Or names of nodes.
+    /// Names of closed nodes, instead of an outline.
     #[serde(default)]
     pub nodes: Vec<String>,
-    /// From when on, seconds from the start.
+    /// Beginning of the closure, seconds from the start.
     pub from_s: f64,
-    /// Until when; for ever where absent.
+    /// End of the closure, seconds from the start; for ever where absent.
     #[serde(default)]
     pub until_s: Option<f64>,
-    /// It recurs: from the beginning of one occurrence to that of the next.
+    /// Interval between the beginnings of two occurrences, seconds, if the closure recurs.
     #[serde(default)]
     pub every_s: Option<f64>,
-    /// Why.
+    /// Reason of the closure.
     #[serde(default = "why")]
     pub reason: String,
-    /// Whom it keeps out: robots, people or both.
+    /// Whether the closure keeps out robots, people or both.
     #[serde(default)]
     pub binds: BindsWord,
 }
@@ -44,11 +44,11 @@ pub struct Closing {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BindsWord {
-    /// Robots alone.
+    /// Only robots.
     Robots,
-    /// People alone.
+    /// Only people.
     People,
-    /// Everybody.
+    /// Robots and people.
     #[default]
     Both,
 }
@@ -85,14 +85,14 @@ impl Closing {
         }
     }
 
-    /// What recurs, as the fleet takes it.
+    /// The recurring closure for the fleet, if it recurs.
     pub(super) fn recurring(&self, area: Closure) -> Option<RecurringClosure> {
         let (every, weekdays) = (Span::from_secs_f64(self.every_s?), Weekdays::ALL);
         let recurrence = Recurrence { every, weekdays, clock: LocalClock::default(), until: Time::MAX };
         Some(RecurringClosure::new(area, recurrence))
     }
 
-    /// The areas as the fleet takes them, for a scenario that begins at `start`: one for an outline, one for each node.
+    /// The closures for the fleet, if the scenario begins at `start`: one for an outline, or one for each node.
     pub(super) fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, SiteError> {
         let at = |s: f64| start + Span::from_secs_f64(s);
         let window = Window::new(at(self.from_s), self.until_s.map_or(Time::MAX, at));

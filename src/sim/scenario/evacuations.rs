@@ -1,17 +1,17 @@
 //! The part of a scenario that says when the building is evacuated.
 //!
-//! Main type: [`Evacuation`]. Refuses: times that cannot be, and one before the other is over.
+//! Main type: [`Evacuation`]. Refuses: impossible times, and an evacuation before the previous one is over.
 
 use giveway_site::{SiteError, check};
 use serde::Deserialize;
 
-/// Everybody leaves the building for a time.
+/// A time in which everybody leaves the building.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Evacuation {
-    /// From when on, seconds from the start.
+    /// Beginning, seconds from the start.
     pub at_s: f64,
-    /// Until when.
+    /// End, seconds from the start.
     pub until_s: f64,
 }
 

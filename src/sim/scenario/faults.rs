@@ -1,6 +1,6 @@
-//! The part of a scenario that is about faults: of radios, clocks, robots, stations and chargers.
+//! The part of a scenario about faults: of radios, clocks, robots, stations and chargers.
 //!
-//! Main type: [`Faults`]. Refuses: shares, rates and times that cannot be.
+//! Main type: [`Faults`]. Refuses: impossible shares, rates and times.
 
 use giveway_site::{SiteError, check};
 use serde::Deserialize;
@@ -8,7 +8,7 @@ use serde::Deserialize;
 /// The longest delay of a message, milliseconds.
 const LONGEST_DELAY_MS: f64 = 30_000.0;
 
-/// What goes wrong.
+/// All faults of a scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Faults {
@@ -16,9 +16,9 @@ pub struct Faults {
     pub message_loss: f64,
     /// Delay of each message, milliseconds.
     pub message_delay_ms: i64,
-    /// Up to so much more, drawn for each message, milliseconds: messages overtake one another.
+    /// Largest additional delay, drawn for each message, milliseconds: messages overtake one another.
     pub message_jitter_ms: i64,
-    /// How wrong the clock of each robot is at most, either way, milliseconds; drawn once for each.
+    /// Largest error of a robot's clock, either way, milliseconds; drawn once for each robot.
     pub clock_skew_ms: i64,
     /// Break-downs per robot and hour of driving.
     pub failures_per_hour: f64,
@@ -26,41 +26,41 @@ pub struct Faults {
     pub emergency_stops_per_hour: f64,
     /// Obstacles on the way, per robot and hour of driving.
     pub obstacles_per_hour: f64,
-    /// How often a person takes each robot over while it drives, per hour of driving.
+    /// How often a person takes over each driving robot, per hour of driving.
     pub manual_drives_per_hour: f64,
-    /// How often each robot loses the current at a charger, per hour of standing there.
+    /// How often each robot loses the current at a charger, per hour on it.
     pub unplugged_per_hour: f64,
-    /// How often each charger is out of order, whichever robot stands on it.
+    /// How often each charger is out of order, per hour, whichever robot stands on it.
     pub charger_outages_per_hour: f64,
-    /// How often each station stops.
+    /// How often each station stops, per hour.
     pub station_stops_per_hour: f64,
-    /// How long each of these lasts, seconds; and how long a robot stands that was pushed between nodes.
+    /// How long each of these faults lasts, seconds; also how long a robot pushed between nodes stands there.
     pub repair_s: f64,
-    /// How often each robot is pushed elsewhere by people while it stands.
+    /// How often people push each standing robot elsewhere, per hour.
     pub robot_pushes_per_hour: f64,
-    /// How often a robot's clock is set, by up to an hour either way.
+    /// How often a robot's clock is set, per hour, by up to an hour either way.
     pub clock_steps_per_hour: f64,
-    /// How often the link of each robot is down, takes no orders for it, or holds few visits, for up to `repair_s`.
+    /// How often each robot's link is down, takes no orders, or holds few visits, per hour, for up to `repair_s`.
     pub link_outages_per_hour: f64,
-    /// How often the process of Giveway is killed at any point, and starts again. These and the following are about
-    /// Giveway itself: a simulation has them, a server has its own.
+    /// How often the Giveway process is killed at any point and restarts, per hour. This fault and the following ones
+    /// are about Giveway itself: a simulation has them, a server has its own.
     pub restarts_per_hour: f64,
-    /// How long it is down then, at most, seconds.
+    /// Longest time that the process is down, seconds.
     pub restart_s: f64,
-    /// How long the journal takes for a step, milliseconds.
+    /// How long the journal takes to write a step, milliseconds.
     pub journal_delay_ms: i64,
-    /// How often it takes a second and a half longer for a while.
+    /// How often the journal takes a second and a half longer for a while, per hour.
     pub journal_slow_per_hour: f64,
-    /// How often it takes nothing for a while.
+    /// How often the journal writes nothing for a while, per hour.
     pub journal_refuses_per_hour: f64,
-    /// How long each of these lasts, seconds.
+    /// How long each of these journal faults lasts, seconds.
     pub journal_outage_s: f64,
-    /// Whether steps that the journal has not confirmed may be on the disk all the same when the process dies.
+    /// Whether steps that the journal has not confirmed may be on the disk when the process dies.
     pub torn_writes: bool,
-    /// How often a step or a question panics over some robot; a person lets that robot go on after `repair_s`.
+    /// How often a step or a query panics at some robot, per hour; a person lets that robot go on after `repair_s`.
     pub panics_per_hour: f64,
-    /// When all faults end, seconds from the start: what is broken is repaired, messages arrive soon, and nothing
-    /// goes wrong any more. Clocks stay wrong. Nothing for never.
+    /// When all faults end, seconds from the start: what is broken is repaired, messages arrive soon, and nothing more
+    /// goes wrong. Clocks stay wrong. Absent for never.
     pub until_s: Option<f64>,
 }
 
@@ -128,7 +128,7 @@ impl Faults {
         check("faults.until_s", self.until_s.unwrap_or(0.0), 0.0..=1e7, "from 0 to 10000000")
     }
 
-    /// Whether anything of this is about Giveway itself.
+    /// Whether any of these faults is about Giveway itself.
     pub fn has_host_faults(&self) -> bool {
         let rates = [
             self.restarts_per_hour,
@@ -139,12 +139,12 @@ impl Faults {
         self.journal_delay_ms > 0 || rates.iter().any(|rate| *rate > 0.0)
     }
 
-    /// How long a message may be under way, seconds.
+    /// The longest time that a message may be under way, seconds.
     pub(crate) fn longest_delay_s(&self) -> f64 {
         (self.message_delay_ms + self.message_jitter_ms) as f64 / 1000.0
     }
 
-    /// The same floor after its faults have ended.
+    /// The faults that remain after all faults have ended.
     pub(crate) fn ended(&self) -> Faults {
         let clock_skew_ms = self.clock_skew_ms;
         let message_delay_ms = self.message_delay_ms.min(Faults::default().message_delay_ms);

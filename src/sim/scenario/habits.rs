@@ -1,39 +1,39 @@
-//! The part of a scenario that is about customers: what they want beside deliveries, how they change their minds, and
-//! what operators do by hand.
+//! The part of a scenario about customers: what they want besides deliveries, how they change their minds, and what
+//! operators do by hand.
 //!
-//! Main type: [`Habits`]. Refuses: shares and rates that cannot be.
+//! Main type: [`Habits`]. Refuses: impossible shares and rates.
 
 use giveway_site::{SiteError, check};
 use serde::Deserialize;
 
-/// What customers want and do.
+/// What customers and operators do, and how often.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Habits {
-    /// How often each kind is wanted, relative to the others.
+    /// How often deliveries are wanted, relative to the other kinds.
     pub deliver: f64,
-    /// Racks to be put back onto the best storage node.
+    /// How often racks are to be put back onto the best storage node.
     #[serde(rename = "return")]
     pub put_back: f64,
-    /// Racks to be put onto a certain storage node.
+    /// How often racks are to be put onto a given storage node.
     pub relocate: f64,
-    /// Robots sent to a charger.
+    /// How often a robot is sent to a charger.
     pub charge: f64,
-    /// Robots sent to a parking place.
+    /// How often a robot is sent to a parking place.
     pub park: f64,
-    /// Robots sent to a node.
+    /// How often a robot is sent to a node.
     pub go: f64,
     /// Share of jobs with a priority above 0.
     pub priority: f64,
     /// Share of jobs that are due within the hour.
     pub deadline: f64,
-    /// Share of jobs that come after one or two others.
+    /// Share of jobs that wait for one or two others.
     pub after: f64,
-    /// Share of jobs with a key that are handed in twice.
+    /// Share of jobs with a key that are submitted twice.
     pub twice: f64,
     /// Share of jobs that are cancelled.
     pub cancel: f64,
-    /// After how long, in the mean, seconds.
+    /// Mean time until a job is cancelled, seconds.
     pub cancel_after_s: f64,
     /// Share of deliveries whose rack is wanted at one or two more stations.
     pub more_stops: f64,
@@ -41,23 +41,23 @@ pub struct Habits {
     pub reassign: f64,
     /// Share of `go` jobs that name a place where robots may stay, so that some robot is likely to be there.
     pub go_to_places: f64,
-    /// How often an hour several robots, or all, are sent to one another's places.
+    /// How often several robots, or all, are sent to one another's places, per hour.
     pub trades_per_hour: f64,
-    /// Share of deliveries at which the picker takes long.
+    /// Share of deliveries with a slow pick.
     pub slow_pick: f64,
-    /// How long then, seconds.
+    /// Duration of a slow pick, seconds.
     pub slow_pick_s: f64,
-    /// Share of picks at which goods are missing.
+    /// Share of picks with missing goods.
     pub short: f64,
-    /// How often an hour somebody pauses a robot.
+    /// How often an operator pauses a robot, per hour.
     pub robot_pauses_per_hour: f64,
-    /// How often an hour nobody picks at some station.
+    /// How often a station is paused, per hour.
     pub station_pauses_per_hour: f64,
-    /// How long either lasts, seconds.
+    /// Duration of either pause, seconds.
     pub pause_s: f64,
-    /// How often an hour a robot leaves the floor.
+    /// How often a robot leaves the floor, per hour.
     pub departures_per_hour: f64,
-    /// After how long it is brought back, seconds.
+    /// Time until a robot is brought back, seconds.
     pub away_s: f64,
 }
 

@@ -1,7 +1,7 @@
-//! Scenario files: a map, a fleet, customers, faults, how long and with which seed.
+//! Scenario files: a map, a fleet, customers, faults, the duration and the seed.
 //!
-//! Main type: [`Scenario`]. Takes text; the caller reads the file and resolves the paths in it. Refuses: unknown
-//! keys and numbers that cannot be.
+//! Main type: [`Scenario`]. Takes text; the caller reads the file and resolves the paths in it. Refuses: unknown keys
+//! and impossible numbers.
 
 mod cells;
 mod closures;
@@ -29,46 +29,45 @@ use giveway_site::{KindFigures, Site, SiteError, SiteLinks, check, words};
 use serde::Deserialize;
 use shares::KindFile;
 
-/// What to simulate: a site, and toys.
+/// What to simulate: a site, and what is simulated on it.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// What the floor is.
+    /// The site to simulate.
     pub site: Site,
-    /// How many robots.
+    /// Number of robots.
     pub robots: usize,
-    /// How many of each round of robots are of each of the site's kinds. With shares 1 and 2, of three robots the first
-    /// is of the first kind and the others of the second. Kinds behind the last share have none of the scenario's
-    /// robots.
+    /// How many robots of each round are of each of the site's kinds. With shares 1 and 2, of three robots the first is
+    /// of the first kind and the others of the second. Kinds after the last share get none of the scenario's robots.
     pub shares: Vec<usize>,
-    /// How long.
+    /// Duration of the run.
     pub duration: Span,
-    /// The seed unless another is given.
+    /// The default seed.
     pub seed: u64,
     /// Where jobs come from.
     pub demand: Demand,
-    /// What customers want beside deliveries, and what is done by hand.
+    /// What customers want besides deliveries, and what operators do by hand.
     pub customers: Habits,
-    /// How long everything may take to end after the customers have stopped, which they do at the end of the
-    /// duration; zero for no such phase.
+    /// Longest time for everything to end after the customers have stopped, which they do at the end of the duration;
+    /// zero for no such phase.
     pub drain: Span,
-    /// For how long the floor has worked already when a server begins with an empty database.
+    /// How long the floor has already worked when a server begins with an empty database.
     pub warm_up: Span,
-    /// What goes wrong.
+    /// All faults.
     pub faults: Faults,
     /// The people on the floor.
     pub workers: Workers,
-    /// Picking stations with people at them; nothing where customers' jobs have no lines.
+    /// Picking stations with people at them; nothing if customers' jobs have no lines.
     pub cells: Option<WorkCells>,
     /// Areas closed for a time.
     pub closures: Vec<Closing>,
-    /// When the building is evacuated, in order.
+    /// Evacuations of the building, in order.
     pub evacuations: Vec<Evacuation>,
-    /// How robots find their way that leave the line to pass people.
+    /// The local planner of robots that leave the line to pass people.
     pub local_planner: LocalPlannerWord,
 }
 
 impl From<Site> for Scenario {
-    /// The floor with the robots of its simulated link, and nothing else that is simulated.
+    /// The site with the robots of its simulated link, and nothing else simulated.
     fn from(site: Site) -> Scenario {
         Scenario {
             robots: site.links.sim.map_or(0, |sim| sim.robots),
@@ -90,20 +89,20 @@ impl From<Site> for Scenario {
     }
 }
 
-/// Where jobs come from.
+/// The source of jobs.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Demand {
-    /// Nowhere but from outside.
+    /// No simulated jobs; only those from outside.
     None,
-    /// So many jobs are always waiting; racks by a skewed popularity, stations evenly.
+    /// This many jobs are always waiting; racks by a skewed popularity, stations evenly.
     Backlog(usize),
-    /// So many an hour, at random times.
+    /// Jobs per hour, at random times.
     PerHour(f64),
-    /// Order lines from a file, relative to the scenario file, so many always waiting; repeated from the start
+    /// Order lines from a file, relative to the scenario file, with a constant number waiting; repeated from the start
     /// when used up.
     File {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// How many lines are always waiting.
         backlog: usize,
@@ -169,7 +168,7 @@ impl Scenario {
     /// Reads a scenario file.
     ///
     /// # Errors
-    /// Where and what is wrong.
+    /// Where the problem is and what it is.
     pub fn parse(text: &str) -> Result<Scenario, SiteError> {
         let file: ScenarioFile = serde_json::from_str(text).map_err(|e| SiteError::syntax(&e))?;
         check(
@@ -228,10 +227,10 @@ impl Scenario {
         })
     }
 
-    /// All areas that the scenario closes again and again, if it begins at `start`.
+    /// All areas that the scenario closes repeatedly, if it begins at `start`.
     ///
     /// # Errors
-    /// Where the map does not have a node that is to be closed.
+    /// If the map lacks a node that is to be closed.
     pub fn recurring(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<RecurringClosure>, SiteError> {
         let mut all = Vec::new();
         for closing in self.closures.iter().filter(|c| c.every_s.is_some()) {
@@ -245,22 +244,22 @@ impl Scenario {
     /// All areas that the scenario closes once, if it begins at `start`.
     ///
     /// # Errors
-    /// Where the map does not have a node that is to be closed.
+    /// If the map lacks a node that is to be closed.
     pub fn areas(&self, warehouse: &Warehouse, start: Time) -> Result<Vec<Closure>, SiteError> {
         let once = self.closures.iter().filter(|c| c.every_s.is_none());
         let areas: Result<Vec<_>, _> = once.map(|c| c.areas(warehouse, start)).collect();
         Ok(areas?.concat())
     }
 
-    /// Whether the policy and the floor have room for the method by which goals of workers are recognised.
+    /// Whether the policy and the floor support the method by which workers' goals are recognised.
     ///
     /// # Errors
-    /// What has none, and what to do.
+    /// What does not support it, and what to do.
     pub fn check_method(&self, warehouse: &Warehouse) -> Result<(), SiteError> {
         self.site.check_method(warehouse, "workers.method")
     }
 
-    /// The same with robots of these kinds in turn.
+    /// The scenario with robots of these kinds in turn.
     pub fn with_kinds(mut self, kinds: impl Into<Vec<RobotKind>>) -> Scenario {
         self.site.kinds = kinds.into();
         self.shares = vec![1; self.site.kinds.len()];

@@ -1,6 +1,6 @@
-//! Which of a scenario's robots are of which kind, and how simulated robots pass people.
+//! The kinds of a scenario's robots, and how simulated robots pass people.
 //!
-//! Main types: [`KindFile`], [`LocalPlannerWord`]. Refuses: kinds of which there are none.
+//! Main types: [`KindFile`], [`LocalPlannerWord`]. Refuses: kinds without a robot.
 
 use giveway_fleet::RobotKind;
 use giveway_people::local::{ImprovedWeights, LocalMethod, TraditionalWeights};
@@ -22,7 +22,7 @@ fn one() -> usize {
     1
 }
 
-/// The kinds of a file, `fleet` for all robots or `kinds`, with their shares.
+/// Reads the kinds of a file and their shares: `fleet` for all robots, or `kinds`.
 pub(super) fn read(
     fleet: Option<KindFigures>,
     kinds: Vec<KindFile>,
@@ -39,10 +39,10 @@ pub(super) fn read(
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LocalPlannerWord {
-    /// The improved dynamic window.
+    /// The improved dynamic window approach.
     #[default]
     Improved,
-    /// The traditional one.
+    /// The traditional dynamic window approach.
     Traditional,
 }
 

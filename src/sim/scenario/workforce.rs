@@ -1,7 +1,7 @@
-//! The part of a scenario that is about people: how many, what they are to do, what they do instead, how they are seen.
+//! The part of a scenario about people: how many, their assignments, what they do instead, how devices see them.
 //!
-//! Main types: [`Workers`], [`Assignments`], [`Deviations`], [`Rates`], [`Sensor`], [`Personas`]. Refuses: numbers
-//! that cannot be, and to simulate anybody.
+//! Main types: [`Workers`], [`Assignments`], [`Deviations`], [`Rates`], [`Sensor`], [`Personas`]. Refuses: impossible
+//! numbers, and to simulate anybody.
 
 use giveway_people::aware::NodeWindows;
 use giveway_people::human::Method;
@@ -12,119 +12,119 @@ use serde::Deserialize;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Workers {
-    /// How many.
+    /// Number of workers.
     pub count: usize,
-    /// When the first of them comes in by a door, seconds; the others follow, three seconds apart.
+    /// When the first worker enters by a door, seconds; the others follow, three seconds apart.
     pub enter_s: f64,
-    /// When they go to a door and leave, seconds; nothing for never.
+    /// When the workers go to a door and leave, seconds; absent for never.
     pub leave_s: Option<f64>,
-    /// What they are to do.
+    /// The workers' assignments.
     pub assignments: Assignments,
-    /// Who takes which.
+    /// How assignments are shared among workers.
     pub tasks: TaskSharing,
-    /// What they do instead.
+    /// What workers do instead of their assignments.
     pub deviations: Deviations,
-    /// How they are seen.
+    /// How devices see the workers.
     pub sensor: Sensor,
-    /// So many of them, the first ones, are seen by [`Workers::liar_sensor`] instead.
+    /// The first so many workers are seen by [`Workers::liar_sensor`] instead.
     pub liars: usize,
-    /// How those are seen; needed where there are any.
+    /// How devices see the `liars`; needed if there are any.
     pub liar_sensor: Option<Sensor>,
-    /// A tag that every worker wears besides; nothing for none.
+    /// A tag that every worker also wears; absent for none.
     pub tag: Option<SecondTag>,
-    /// How they take robots, in shares of all workers.
+    /// How workers respond to robots, in shares of all workers.
     pub personas: Personas,
     /// Share of the workers who walk in pairs.
     pub pairs: f64,
-    /// Radius within which a moving robot counts as met, metres.
+    /// Radius within which a moving robot counts as encountered, metres.
     pub encounter_m: f64,
-    /// How the fleet recognises where they are going. In files alone: a scenario that was read has it in its site, and
-    /// so with the two that follow.
+    /// How the fleet recognises workers' goals. Only in files: a scenario that was read has it in its site, and so with
+    /// the two that follow.
     #[serde(deserialize_with = "words::method")]
     pub method: Option<Method>,
-    /// How the fleet finds out when they take a node.
+    /// How the fleet predicts when workers occupy a node.
     #[serde(deserialize_with = "words::node_windows")]
     pub node_windows: Option<NodeWindows>,
-    /// What a second of theirs is worth to the fleet, in seconds of a robot.
+    /// What a second of a worker's time is worth to the fleet, in seconds of a robot.
     pub price: Option<f64>,
 }
 
-/// What workers are to do.
+/// What workers are assigned to do.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Assignments {
-    /// Nothing but what comes from outside.
+    /// Only assignments from outside.
     None,
     /// One rack after another, at random.
     Random {
-        /// How long each takes, seconds.
+        /// Duration of each assignment, seconds.
         stay_s: f64,
     },
-    /// These places in turn, from the start again when done.
+    /// The listed places in turn, from the start again when done.
     List {
         /// Names of nodes.
         places: Vec<String>,
-        /// How long each takes, seconds.
+        /// Duration of each assignment, seconds.
         stay_s: f64,
     },
 }
 
-/// Who takes what is to be done.
+/// How assignments are shared among workers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TaskSharing {
     /// Each worker has assignments of its own.
     #[default]
     Own,
-    /// The nearest worker who is free takes the oldest one.
+    /// The nearest free worker takes the oldest assignment.
     Nearest,
 }
 
-/// What workers do instead of what they are to do.
+/// What workers do instead of their assignments.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Deviations {
-    /// When every worker sets off to a place that the fleet does not know of, seconds.
+    /// When every worker sets off to a place unknown to the fleet, seconds.
     pub at_s: Vec<f64>,
-    /// Other reasons.
+    /// Other causes of deviations.
     pub causes: Causes,
 }
 
-/// Which reasons there are to deviate, besides robots in the way.
+/// Causes of deviations besides robots in the way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Causes {
-    /// None.
+    /// No causes.
     #[default]
     None,
-    /// All, as often as [`Rates::USUAL`] says.
+    /// All causes, as often as [`Rates::USUAL`] says.
     All,
-    /// These.
+    /// Causes at these rates.
     Rates(Rates),
 }
 
-/// How often each thing happens to a worker who walks to work.
+/// How often each deviation happens to a worker who walks to work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Rates {
-    /// Stops for a moment, the phone perhaps, per hour.
+    /// Stops for a moment, perhaps for the phone, per hour.
     pub pause_per_hour: f64,
-    /// Looks around while walking.
+    /// Looks around while walking, per hour.
     pub look_per_hour: f64,
-    /// Turns to another place that the fleet knows of.
+    /// Turns to another place that the fleet knows of, per hour.
     pub mind_per_hour: f64,
-    /// Goes to a place that the fleet does not know of.
+    /// Goes to a place that the fleet does not know of, per hour.
     pub unknown_per_hour: f64,
-    /// Walks about without any goal.
+    /// Walks about without any goal, per hour.
     pub wander_per_hour: f64,
-    /// Runs to help a colleague, or to something that fell.
+    /// Runs to help a colleague, or to something that fell, per hour.
     pub help_per_hour: f64,
     /// Probability that a new path is not followed.
     pub ignore: f64,
 }
 
 impl Rates {
-    /// What simulated workers do unless told otherwise: a proposal, there are no published rates.
+    /// Default rates of simulated workers: a proposal, since there are no published rates.
     pub const USUAL: Rates = Rates {
         pause_per_hour: 30.0,
         look_per_hour: 60.0,
@@ -137,7 +137,7 @@ impl Rates {
 }
 
 impl Causes {
-    /// As rates.
+    /// The causes as rates.
     pub fn rates(self) -> Rates {
         match self {
             Causes::None => Rates::default(),
@@ -147,7 +147,7 @@ impl Causes {
     }
 }
 
-/// What a worker carries.
+/// A device that a worker carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Source {
@@ -157,39 +157,39 @@ pub enum Source {
     Tag,
 }
 
-/// How workers are seen. The usual values are those of a source without faults.
+/// How devices see workers. The usual values are those of a source without faults.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Sensor {
-    /// What they carry.
+    /// The device that workers carry.
     pub source: Source,
-    /// Poses per second; where absent 20 of a headset, 5 of a tag.
+    /// Poses per second; where absent 20 for a headset, 5 for a tag.
     pub rate_hz: Option<f64>,
-    /// One standard deviation of each pose, metres; where absent 0.02 of a headset, 0.25 of a tag.
+    /// Standard deviation of each pose, metres; where absent 0.02 for a headset, 0.25 for a tag.
     pub sigma_m: Option<f64>,
-    /// One standard deviation of the head's direction, degrees.
+    /// Standard deviation of the head's direction, degrees.
     pub yaw_sigma_deg: f64,
-    /// Age of a pose when it comes in, milliseconds.
+    /// Age of a pose on arrival, milliseconds.
     pub delay_ms: f64,
-    /// Up to so much more, at random: poses overtake each other.
+    /// Largest additional random delay, milliseconds: poses overtake each other.
     pub jitter_ms: f64,
     /// Share of poses that get lost.
     pub loss: f64,
-    /// Share of poses that come twice.
+    /// Share of poses that arrive twice.
     pub repeat: f64,
     /// Error gained per metre walked since the last anchor, metres.
     pub drift: f64,
     /// Metres walked from one anchor to the next.
     pub anchor_m: f64,
-    /// Anchors are turned by up to so much, either way, degrees.
+    /// Largest rotation of an anchor, either way, degrees.
     pub anchor_deg: f64,
     /// How often a position is off by one to three metres for a moment, per hour.
     pub jumps_per_hour: f64,
     /// How often the device loses itself and starts a new frame, per hour.
     pub resets_per_hour: f64,
-    /// How often it says nothing for a while, per hour.
+    /// How often the device is silent for a while, per hour.
     pub silences_per_hour: f64,
-    /// How long then, seconds.
+    /// Duration of a silence, seconds.
     pub silence_s: f64,
 }
 
@@ -216,7 +216,7 @@ impl Default for Sensor {
 }
 
 impl Sensor {
-    /// The same source with every fault there is.
+    /// The same source with all kinds of faults.
     pub fn faulty(self) -> Sensor {
         let tag = self.source == Source::Tag;
         Sensor {
@@ -237,21 +237,21 @@ impl Sensor {
         self.rate_hz.unwrap_or(if self.source == Source::Tag { 5.0 } else { 20.0 })
     }
 
-    /// One standard deviation of a position, metres.
+    /// Standard deviation of a position, metres.
     pub fn sigma(&self) -> f64 {
         self.sigma_m.unwrap_or(if self.source == Source::Tag { 0.25 } else { 0.02 })
     }
 }
 
-/// A tag that a worker wears besides the device: positions without faults, less exact than a headset's.
+/// A tag that a worker also wears: positions without faults, less exact than a headset's.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SecondTag {
-    /// One standard deviation of each position, metres.
+    /// Standard deviation of each position, metres.
     pub accuracy_m: f64,
-    /// From one position to the next, seconds.
+    /// Interval between two positions, seconds.
     pub period_s: f64,
-    /// Age of a position when it comes in, milliseconds.
+    /// Age of a position on arrival, milliseconds.
     pub delay_ms: f64,
 }
 
@@ -262,7 +262,7 @@ impl Default for SecondTag {
 }
 
 impl SecondTag {
-    /// As what a worker carries.
+    /// The tag as a sensor.
     pub(crate) fn sensor(self) -> Sensor {
         Sensor {
             source: Source::Tag,
@@ -280,17 +280,17 @@ impl SecondTag {
     }
 }
 
-/// How workers take robots, in shares of all workers.
+/// How workers respond to robots, in shares of all workers.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Personas {
-    /// Step aside, or stop.
+    /// Share who step aside, or stop.
     pub yields: f64,
-    /// Walk faster.
+    /// Share who walk faster.
     pub hurries: f64,
-    /// Stand until the robot stands, or is away.
+    /// Share who stand until the robot stands, or is away.
     pub freezes: f64,
-    /// Take no notice.
+    /// Share who take no notice.
     pub cuts_through: f64,
 }
 
@@ -324,7 +324,7 @@ impl Default for Workers {
 }
 
 impl Workers {
-    /// Refuses numbers that cannot be.
+    /// Refuses impossible numbers.
     pub(super) fn check(&self) -> Result<(), SiteError> {
         let times = 0.0..=1e7;
         check("workers.price", self.price.unwrap_or(0.0), 0.0..=1000.0, "from 0 to 1000")?;
@@ -366,7 +366,7 @@ impl Workers {
         }
     }
 
-    /// How worker number `i` is seen.
+    /// How the device of worker number `i` sees the worker.
     pub(crate) fn sensor_of(&self, i: usize) -> Sensor {
         self.liar_sensor.filter(|_| i < self.liars).unwrap_or(self.sensor)
     }

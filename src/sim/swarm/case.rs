@@ -1,4 +1,4 @@
-//! One case of the swarm: a seed, and what of that which the seed draws is cut down.
+//! One case of the swarm: a seed, and what is cut down of what the seed draws.
 //!
 //! Main types: [`SwarmCase`], [`SwarmPart`], [`SwarmMap`]. A case is the flags of one command, so that a reader of
 //! a failure can repeat it. Refuses: to draw anything.
@@ -9,20 +9,20 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// Parts of a case, each with its name in a command, in the order in which the shrinking tries to switch them off.
+/// Parts of a case, each with its name on the command line, in the order in which shrinking tries to switch them off.
 macro_rules! swarm_parts {
     ($($(#[$doc:meta])+ $part:ident = $word:literal,)+) => {
-        /// What can be switched off in a case.
+        /// A part of a case that can be switched off.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub enum SwarmPart {
             $($(#[$doc])+ $part,)+
         }
 
         impl SwarmPart {
-            /// All of them.
+            /// All parts.
             pub const ALL: &[SwarmPart] = &[$(SwarmPart::$part,)+];
 
-            /// Its name in a command.
+            /// The part's name on the command line.
             pub fn word(self) -> &'static str {
                 match self {
                     $(SwarmPart::$part => $word,)+
@@ -33,13 +33,13 @@ macro_rules! swarm_parts {
 }
 
 swarm_parts! {
-    /// The process of Giveway is killed at any point, and starts again.
+    /// The Giveway process is killed at any point, and restarts.
     Restarts = "restart",
-    /// A step, a view or a query panics over some robot.
+    /// A step, a view or a query panics at some robot.
     Panics = "panic",
-    /// The journal takes nothing for a while.
+    /// The journal writes nothing for a while.
     JournalRefuses = "journal_refuses",
-    /// The journal takes long.
+    /// The journal is slow for a while.
     JournalSlow = "journal_slow",
     /// Steps that the journal did not confirm may be on the disk all the same.
     JournalTorn = "journal_torn",
@@ -57,15 +57,15 @@ swarm_parts! {
     Closures = "closures",
     /// Clocks of robots are wrong.
     Skew = "skew",
-    /// Messages take long, some of them, and overtake one another.
+    /// Some messages take long, and overtake others.
     Jitter = "jitter",
-    /// Messages take long, all of them.
+    /// All messages take long.
     Delay = "delay",
     /// Messages get lost.
     Loss = "loss",
     /// Robots break down.
     Failures = "failures",
-    /// Somebody presses the emergency stops of robots.
+    /// People press the emergency stops of robots.
     Estops = "estops",
     /// Things stand in the way of robots.
     Obstacles = "obstacles",
@@ -87,11 +87,11 @@ swarm_parts! {
     Reassigned = "reassigned",
     /// Robots are sent to places where others rest, and to one another's places.
     Trades = "trades",
-    /// Jobs have priorities, deadlines and others before them, and are handed in twice.
+    /// Jobs have priorities, deadlines and predecessors, and are submitted twice.
     Wishes = "wishes",
     /// Customers want racks put back.
     Returns = "returns",
-    /// Customers want racks put onto certain nodes.
+    /// Customers want racks put onto given nodes.
     Relocations = "relocations",
     /// Customers send robots to chargers.
     Charges = "charges",
@@ -101,62 +101,62 @@ swarm_parts! {
     Goes = "goes",
     /// Devices of people are wrong, silent or late.
     Sensors = "sensors",
-    /// People do something else than they were told.
+    /// People do something other than what they were told.
     Causes = "causes",
     /// Robots differ from the usual kind.
     Fleet = "fleet",
-    /// Robots of some kind cannot do what others can.
+    /// Robots of some kind lack abilities that others have.
     Abilities = "abilities",
 }
 
 impl SwarmPart {
-    /// The part of this name.
+    /// The part with this name.
     pub fn of_word(word: &str) -> Option<SwarmPart> {
         SwarmPart::ALL.iter().copied().find(|part| part.word() == word)
     }
 }
 
-/// On which map a case runs.
+/// The map of a case.
 #[derive(Clone, Debug)]
 pub enum SwarmMap {
-    /// The seed draws among those that ship and random ones.
+    /// The seed draws among the maps that ship and random ones.
     Any,
-    /// A random one.
+    /// A random map.
     Random,
-    /// The map of a file, with the name of that as the command has it.
+    /// The map of a file, with the file's name as on the command line.
     Given(String, Arc<Warehouse>),
 }
 
-/// What to run.
+/// A case to run.
 #[derive(Clone, Debug)]
 pub struct SwarmCase {
-    /// Draws everything.
+    /// The seed that draws everything.
     pub seed: u64,
     /// How long faults last, minutes.
     pub minutes: u32,
-    /// On which map.
+    /// The map of the case.
     pub map: SwarmMap,
-    /// How many robots, fewer where the map has no room for them; as many as the seed draws where absent.
+    /// Number of robots, fewer if the map has no room for them; drawn by the seed where absent.
     pub robots: Option<usize>,
-    /// How many people; as many as the seed draws where absent.
+    /// Number of workers; drawn by the seed where absent.
     pub workers: Option<usize>,
-    /// What is switched off.
+    /// Parts that are switched off.
     pub without: BTreeSet<SwarmPart>,
 }
 
 impl SwarmCase {
-    /// All that a seed draws.
+    /// The case with everything that a seed draws.
     pub fn whole(seed: u64, minutes: u32) -> SwarmCase {
         SwarmCase { seed, minutes, map: SwarmMap::Any, robots: None, workers: None, without: BTreeSet::new() }
     }
 
-    /// Whether a part is left in.
+    /// Whether a part is switched on.
     pub(super) fn has(&self, part: SwarmPart) -> bool {
         !self.without.contains(&part)
     }
 }
 
-/// Reads what [`SwarmCase`] displays, but for maps of files.
+/// Reads what [`SwarmCase`] displays, except maps of files.
 impl FromStr for SwarmCase {
     type Err = String;
 

@@ -1,8 +1,8 @@
 //! What a seed draws: map, robots, people, jobs, closures and faults, as the text of a scenario file.
 //!
-//! Main type: [`SwarmSetup`]. Each thing has a stream of its own, and is drawn whether or not it is switched off: what
-//! is cut down leaves everything else as it was. The text goes through the checks of every scenario file. Refuses:
-//! to run anything.
+//! Main type: [`SwarmSetup`]. Each part has a stream of its own, and is drawn whether or not it is switched off, so
+//! that cutting one down leaves everything else as it was. The text goes through the checks of every scenario file.
+//! Refuses: to run anything.
 
 use super::case::{SwarmCase, SwarmMap, SwarmPart};
 use super::maps::draw_map;
@@ -21,7 +21,7 @@ pub const HEALS_WITHIN: Span = Span::from_secs(7200);
 
 /// The largest number of robots that a seed draws.
 const MOST_ROBOTS: usize = 30;
-/// Robots take this share of the places where a robot may stay, at most.
+/// Largest share of the places where a robot may stay that robots take.
 const CROWDED: f64 = 0.7;
 /// Purposes of the streams of random numbers.
 const MAP: u64 = 100;
@@ -38,22 +38,22 @@ const HOST: u64 = 110;
 const LINKS: u64 = 111;
 const ABILITIES: u64 = 112;
 
-/// What a case runs.
+/// The setup that a case runs.
 #[derive(Clone, Debug)]
 pub struct SwarmSetup {
-    /// As a scenario file has it, except that the name of its map may be of no file.
+    /// The text of the scenario file, except that its map may have no file.
     pub text: String,
-    /// What is in that text.
+    /// The scenario of that text.
     pub scenario: Scenario,
     /// The map.
     pub warehouse: Arc<Warehouse>,
 }
 
 impl SwarmSetup {
-    /// What a case draws.
+    /// Draws the setup of a case.
     ///
     /// # Errors
-    /// Why the map that was given, or the number of robots, cannot be.
+    /// Why the given map, or the number of robots, is impossible.
     pub fn draw(case: &SwarmCase) -> Result<SwarmSetup, String> {
         let warehouse = match &case.map {
             SwarmMap::Given(_, warehouse) => warehouse.clone(),
@@ -67,7 +67,7 @@ impl SwarmSetup {
         let mut file = file(case, &warehouse, (drawn, places));
         let mut setup = SwarmSetup::read(&file, &warehouse);
         if setup.is_err() {
-            // The map is too narrow for the kinds that were drawn.
+            // The map is too narrow for the drawn kinds.
             ["fleet", "kinds"].iter().for_each(|key| _ = file.remove(*key));
             setup = SwarmSetup::read(&file, &warehouse);
         }
@@ -83,7 +83,7 @@ impl SwarmSetup {
     }
 }
 
-/// Few robots as often as many.
+/// Draws a number of robots; few are as likely as many.
 fn robots(places: usize, random: &mut Stream) -> usize {
     let most = ((places as f64 * CROWDED) as usize).clamp(1, MOST_ROBOTS);
     1 + (random.unit() * random.between(0.2, 1.0) * most as f64) as usize
@@ -124,7 +124,7 @@ fn file(case: &SwarmCase, warehouse: &Warehouse, (robots, places): (usize, usize
     file
 }
 
-/// The robots' figures: usual ones, others, or two kinds with figures of their own.
+/// Figures of the robots: usual ones, others, or two kinds with figures of their own.
 fn kinds(warehouse: &Warehouse, robots: usize, random: &mut Stream) -> Option<(&'static str, Value)> {
     let figures = |random: &mut Stream| {
         let driving_h = [8.0, 8.0, 2.0, 0.5][random.below(4)];
@@ -158,11 +158,11 @@ fn kinds(warehouse: &Warehouse, robots: usize, random: &mut Stream) -> Option<(&
     let share = 1 + kind;
     let (shuttle, mover) =
         (json!({"name": "shuttle", "share": share, "fleet": one}), json!({"name": "mover", "fleet": two}));
-    // Robots are of the kinds in turn. So few would all be shuttles, which cannot carry every rack of the mixed hall.
+    // Kinds are assigned in turn. So few robots would all be shuttles, which cannot carry every rack of the mixed hall.
     Some(("kinds", if robots <= share { json!([mover, shuttle]) } else { json!([shuttle, mover]) }))
 }
 
-/// What the robots of one kind cannot do, on some floors.
+/// On some floors, draws which abilities the robots of one kind lack.
 fn abilities(file: &mut Map<String, Value>, random: &mut Stream) {
     let lacks_any = random.happens_of(0.3);
     let limits = ["speed", "stop", "none"];
@@ -189,7 +189,7 @@ fn demand(robots: usize, random: &mut Stream) -> Value {
     }
 }
 
-/// A number that is there with this probability, and 0 else. Always takes two numbers off the stream.
+/// A number between `low` and `high` with this probability, else 0. Always takes two numbers off the stream.
 fn at_times(probability: f64, low: f64, high: f64, random: &mut Stream) -> f64 {
     let (is_there, number) = (random.happens_of(probability), random.between(low, high));
     if is_there { number } else { 0.0 }
@@ -228,7 +228,7 @@ fn customers(case: &SwarmCase, random: &mut Stream) -> Value {
     Value::Object(group)
 }
 
-/// What customers and operators do since there are deliveries to several stations.
+/// Habits of customers and operators that were added with deliveries to several stations.
 fn more_wanted(case: &SwarmCase, random: &mut Stream, wanted: &mut Value) {
     for (part, key, probability, (low, high)) in [
         (SwarmPart::Stops, "more_stops", 0.4, (0.05, 0.5)),
@@ -244,7 +244,7 @@ fn more_wanted(case: &SwarmCase, random: &mut Stream, wanted: &mut Value) {
 fn faults(case: &SwarmCase, seconds: f64, random: &mut Stream) -> Value {
     let mut group = Map::new();
     let loss = at_times(0.5, 0.01, 0.3, random);
-    // Most floors have quick radios; on some, messages take seconds, on a few many.
+    // Most floors have quick radios; on some, messages take seconds, on a few many seconds.
     let often = |random: &mut Stream| random.between(0.0, 1.0).powi(4);
     let delay = (at_times(0.5, 0.0, 1.0, random) * often(random) * 8_000.0) as i64;
     let jitter = (at_times(0.5, 0.0, 1.0, random) * often(random) * 10_000.0) as i64;
@@ -271,7 +271,7 @@ fn faults(case: &SwarmCase, seconds: f64, random: &mut Stream) -> Value {
     Value::Object(group)
 }
 
-/// What goes wrong with Giveway itself, and with clocks of robots.
+/// Faults of Giveway itself, and of robots' clocks.
 fn host_faults(case: &SwarmCase, random: &mut Stream, group: &mut Value) {
     for (part, key, low, high) in [
         (SwarmPart::Restarts, "restarts_per_hour", 4.0, 60.0),
@@ -291,7 +291,7 @@ fn host_faults(case: &SwarmCase, random: &mut Stream, group: &mut Value) {
     group["journal_outage_s"] = json!(random.between(2.0, 60.0));
 }
 
-/// Single nodes and rectangles, closed for some minutes each.
+/// Single nodes and rectangles, each closed for some minutes.
 fn closures(case: &SwarmCase, seconds: f64, warehouse: &Warehouse, random: &mut Stream) -> Value {
     let count = if random.happens_of(0.4) { 1 + random.below(4) } else { 0 };
     let mut all = Vec::new();
@@ -351,7 +351,7 @@ fn people(case: &SwarmCase, seconds: f64, random: &mut Stream, sensors: &mut Str
     })
 }
 
-/// A device: sometimes a good one, else a bad one; one that drifts far or is turned says places that are not so.
+/// A device: sometimes a good one, else a bad one; one with large drift or rotation reports wrong places.
 fn sensor(random: &mut Stream) -> Value {
     let good = random.happens_of(0.3);
     let tag = random.happens_of(0.25);

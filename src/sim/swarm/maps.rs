@@ -1,17 +1,17 @@
 //! Maps that a seed draws: those that ship, and random halls.
 //!
 //! Main function: [`draw_map`]. A random hall is made by the rule of `giveway map generate` with drawn parameters, then
-//! parts of it are taken away or changed. Each goes through the checks of every map; one that they refuse is drawn
-//! again. Refuses: to mend a map.
+//! parts of it are removed or changed. Each goes through the checks of every map; one that fails them is drawn again.
+//! Refuses: to repair a map.
 
 use crate::random::Stream;
 use giveway_floor::time::Span;
 use giveway_floor::warehouse::{Blocks, Draft, Users, Warehouse, kiva, lab, mixed, thesis};
 
-/// How often a hall with drawn changes is tried before one without changes is taken.
+/// How many halls with drawn changes are tried before one without changes is taken.
 const TRIES: usize = 8;
 
-/// A map: a random one, or one of those that ship if it may be.
+/// A map: a random one, or, unless `random_only`, perhaps one of those that ship.
 pub(super) fn draw_map(random_only: bool, random: &mut Stream) -> Warehouse {
     let share = random.unit();
     match share {
@@ -37,7 +37,7 @@ fn random_hall(random: &mut Stream) -> Warehouse {
         .expect("the usual hall is well-formed")
 }
 
-/// From a single block to two groups of some; short and long ones; few and many places beside them.
+/// Draws blocks: from a single one to two groups of several; short and long ones; few and many places beside them.
 fn blocks(random: &mut Stream) -> Blocks {
     let mut upto = |low: usize, high: usize| low + random.below(high - low + 1);
     let groups = (upto(1, 2), upto(1, 2));
@@ -60,7 +60,7 @@ fn blocks(random: &mut Stream) -> Blocks {
     }
 }
 
-/// Takes storage nodes and lanes beneath racks away, and sets speed limits.
+/// Removes storage nodes and lanes beneath racks, and sets speed limits.
 fn change(draft: &mut Draft, random: &mut Stream) {
     if random.happens_of(0.4) {
         let share = random.between(0.05, 0.3);

@@ -1,7 +1,7 @@
-//! One case under way, step by step, until a law is broken or everything has ended.
+//! One case in progress, step by step, until a law is broken or everything has ended.
 //!
 //! Main types: [`SwarmRun`], [`SwarmFailure`]. The laws are those of every simulation. Refuses: to go on after a
-//! failure, and to catch a panic; the caller does, and says so with [`SwarmRun::end`].
+//! failure, and to catch a panic; the caller does, and reports it with [`SwarmRun::end`].
 
 use super::case::SwarmCase;
 use super::draw::SwarmSetup;
@@ -11,26 +11,26 @@ use crate::run::Simulation;
 use giveway_fleet::{FloorAction, Input, JobAction, Request, RobotAction, StationOrder};
 use giveway_floor::time::Time;
 
-/// A run that searches more often is a failure: usual are a hundred searches for a robot and hour.
+/// A run with more searches is a failure; a hundred searches per robot and hour are usual.
 const SEARCHES_PER_ROBOT_HOUR: f64 = 2_000.0;
 
 /// How a run failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SwarmFailure {
-    /// What kind of failure it is: a law, or a panic with its place in the sources.
+    /// Kind of failure: a law, or a panic with its place in the sources.
     pub kind: String,
-    /// When.
+    /// Simulated time of the failure.
     pub at: Time,
-    /// What exactly.
+    /// Details of the failure.
     pub words: String,
 }
 
-/// A case under way.
+/// A case in progress.
 pub struct SwarmRun {
     sim: Simulation,
     tally: SwarmTally,
     robots: usize,
-    /// How many searches it may take.
+    /// How many searches the run may take.
     budget: usize,
     failure: Option<SwarmFailure>,
 }
@@ -62,7 +62,7 @@ impl SwarmRun {
         &mut self.sim
     }
 
-    /// One step. Whether there is another one.
+    /// Runs one step. Gives whether there is another one.
     pub fn step(&mut self) -> bool {
         let turn = self.sim.step();
         for input in &turn.inputs {
@@ -81,8 +81,8 @@ impl SwarmRun {
         self.failure.is_none() && !self.sim.is_over()
     }
 
-    /// What happened, and how it failed. `panic` is the kind and the words of a panic that ended a step; after one,
-    /// the state of the fleet is unknown.
+    /// Figures of the run, and its failure, if any. `panic` has the kind and the words of a panic that ended a step;
+    /// after one, the state of the fleet is unknown.
     pub fn end(self, panic: Option<(String, String)>) -> (SwarmTally, Option<SwarmFailure>) {
         let SwarmRun { sim, mut tally, robots, mut failure, .. } = self;
         let at = sim.now();
@@ -113,12 +113,12 @@ impl SwarmRun {
     }
 }
 
-/// What kind of failure a broken law is: its name, and the reason that the fleet has for it.
+/// The kind of failure of a violation: the law's name, and the fleet's reason.
 fn kind(violation: &Violation, words: &str) -> String {
     with_reason(lower(&format!("{violation:?}")), words)
 }
 
-/// The same with the first reason that the words end with, if they do.
+/// The kind with the first reason at the end of the words, if there is one.
 fn with_reason(kind: String, words: &str) -> String {
     let first = words.split("; ").next().unwrap_or_default();
     let reason = first.rsplit(": ").next().and_then(|r| r.strip_prefix("Some("));
@@ -137,7 +137,7 @@ fn lower(text: &str) -> String {
     words
 }
 
-/// What customers and operators do by hand, beside jobs.
+/// Counter for what customers and operators do by hand, besides jobs.
 fn word(input: &Input) -> Option<&'static str> {
     let Input::Ask { request, .. } = input else { return None };
     match request {

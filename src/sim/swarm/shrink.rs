@@ -1,24 +1,24 @@
-//! Makes a case that fails smaller, as long as it fails in the same way.
+//! Makes a failing case smaller, as long as it fails in the same way.
 //!
 //! Main function: [`shrink()`]. Greedy: a smaller case is kept if it fails with the same kind of failure, and the next
-//! ones are made from it, until none is. Refuses: to run anything itself.
+//! ones are derived from it, until none is smaller. Refuses: to run anything itself.
 
 use super::case::{SwarmCase, SwarmPart};
 use super::run::SwarmFailure;
 use giveway_floor::time::Time;
 
-/// The smallest case that was found.
+/// The smallest case found.
 #[derive(Clone, Debug)]
 pub struct Shrunk {
-    /// The case.
+    /// The smallest failing case.
     pub case: SwarmCase,
-    /// How it fails.
+    /// The failure of that case.
     pub failure: SwarmFailure,
     /// How many cases were run.
     pub runs: usize,
 }
 
-/// Shrinks a case that has so many robots and workers and fails. `run` runs a case; at most `most` are run.
+/// Shrinks a failing case that has this many robots and workers. `run` runs a case; at most `most` are run.
 pub fn shrink(
     case: &SwarmCase,
     (robots, workers): (usize, usize),
@@ -30,7 +30,7 @@ pub fn shrink(
     loop {
         let mut smaller = false;
         for cut in SmallerBy::ALL {
-            // A cut that helps is made again.
+            // A successful cut is tried again.
             while best.runs < most
                 && let Some(next) = cut.of(&best, (robots, workers))
             {
@@ -79,7 +79,7 @@ impl SmallerBy {
         SmallerBy::LessTime,
     ];
 
-    /// The smaller case; nothing where it would not be smaller.
+    /// The smaller case; nothing if it would not be smaller.
     fn of(self, best: &Shrunk, (robots, workers): (usize, usize)) -> Option<SwarmCase> {
         let case = &best.case;
         let (robots, workers) = (case.robots.unwrap_or(robots), case.workers.unwrap_or(workers));

@@ -6,22 +6,22 @@ use crate::measure::tally::JobTally;
 use giveway_floor::time::Span;
 use std::collections::BTreeMap;
 
-/// What happened in one run or in many.
+/// Counts of one run or of many.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SwarmTally {
-    /// Runs.
+    /// Number of runs.
     pub runs: u64,
-    /// Robots times simulated hours, with the time in which floors heal.
+    /// Simulated time times the number of robots, including the time in which floors heal.
     pub robot_time: Span,
-    /// Searches for routes.
+    /// Number of searches for routes.
     pub searches: u64,
     /// Racks served at stations.
     pub deliveries: u64,
     /// Assignments that people completed.
     pub human_deliveries: u64,
-    /// What became of jobs of each kind.
+    /// Outcomes of jobs of each kind.
     pub jobs: BTreeMap<&'static str, JobTally>,
-    /// How often each kind of fault, and of act by hand, happened.
+    /// How often each kind of fault, and of manual action, happened.
     pub injected: BTreeMap<&'static str, u64>,
     /// How many runs each map had.
     pub maps: BTreeMap<String, u64>,
@@ -30,12 +30,12 @@ pub struct SwarmTally {
 }
 
 impl SwarmTally {
-    /// The same in hours.
+    /// Simulated hours times the number of robots.
     pub fn robot_hours(&self) -> f64 {
         self.robot_time.as_secs_f64() / 3600.0
     }
 
-    /// Adds what happened in other runs.
+    /// Adds the counts of other runs.
     pub fn add(&mut self, other: &SwarmTally) {
         self.runs += other.runs;
         self.robot_time += other.robot_time;

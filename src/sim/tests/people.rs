@@ -6,7 +6,7 @@ use giveway_fleet::GuidanceReason;
 use giveway_floor::warehouse::kiva;
 use giveway_people::human::IntentState;
 
-/// Robots and workers in the thesis' hall; `workers` is what else is said of the workers.
+/// Robots and workers in the thesis' hall; `workers` has further settings of the workers.
 fn hall(seconds: u32, robots: usize, workers: &str) -> Scenario {
     let text = format!(
         r#"{{"giveway_scenario": 1, "name": "t", "map": "", "robots": {robots}, "period_ms": 100,
@@ -21,7 +21,7 @@ fn method(word: &str) -> Scenario {
     hall(240, 8, &format!(r#", "count": 2, "deviations": {{"causes": "all"}}, "method": "{word}""#))
 }
 
-/// Runs it under all laws; with whether somebody was undecided at some time, and what somebody was up to.
+/// Runs a scenario under all laws; also gives whether a worker was ever undecided, and all kinds of intent seen.
 fn run(scenario: &Scenario) -> (Outcome, bool, std::collections::BTreeSet<&'static str>) {
     let mut sim = simulation(scenario, 3);
     let (mut undecided, mut seen, mut steps) = (false, std::collections::BTreeSet::new(), 0);
@@ -115,7 +115,7 @@ fn routes_that_move_others_are_counted_with_what_they_gain() {
     assert!(found.tried <= counts.plan_failures, "only a robot that found no route moves others: {counts:?}");
 }
 
-/// Runs a crowded hall; with how often workers were told to wait for a robot, and the longest wait in a row, seconds.
+/// Runs a crowded hall; gives how often workers were told to wait for a robot, and the longest wait in a row, seconds.
 fn waits(price: f64) -> (u64, f64) {
     let scenario = hall(600, 20, &format!(r#", "count": 3, "price": {price}"#));
     let mut sim = simulation(&scenario, 5);
@@ -139,7 +139,7 @@ fn waits(price: f64) -> (u64, f64) {
 #[test]
 fn workers_wait_a_moment_for_robots_and_the_more_they_are_worth_the_more_seldom() {
     let (usual, longest) = waits(3.0);
-    // Twelve seconds, what a robot takes to notice, and two for which any message stands.
+    // Twelve seconds, plus the time that a robot takes to notice, plus two seconds for which any message stands.
     assert!(usual > 0 && longest <= 15.5, "{usual} times, {longest} s");
     let (cheap, _) = waits(0.0);
     let (dear, _) = waits(1000.0);

@@ -1,4 +1,4 @@
-//! Postures that headsets' samples lead to, of simulated people whose arms are known.
+//! Postures estimated from headsets' samples, for simulated people whose arms are known.
 
 use crate::picker::motion::{ArmBuild, ArmPose, ArmReach};
 use crate::random::Stream;

@@ -6,12 +6,12 @@ use super::persona::Persona;
 use giveway_floor::geometry::Point;
 use giveway_floor::time::Time;
 
-/// Why a walker moves, or stands, as it does.
+/// Why a walker moves, or stands, as it does; "it" below is the walker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum WalkCause {
     /// It follows its path, works, or waits for work.
     OnPath,
-    /// It stands for a moment, the phone perhaps.
+    /// It stands for a moment, perhaps with the phone.
     Pause,
     /// It looks around while walking.
     LookAround,
@@ -27,14 +27,14 @@ pub enum WalkCause {
     Help,
     /// It was shown a new path and keeps to the old one.
     IgnoresGuidance,
-    /// A robot is near, and it takes that as its persona does.
+    /// It reacts to a robot nearby as its persona does.
     Reaction(Persona),
     /// The scenario sent it to a place that the fleet does not know of.
     Scripted,
 }
 
 impl WalkCause {
-    /// All of them; one of the reactions stands for all.
+    /// All causes, with one reaction in place of all.
     pub const ALL: [WalkCause; 11] = [
         WalkCause::OnPath,
         WalkCause::Pause,
@@ -49,12 +49,12 @@ impl WalkCause {
         WalkCause::Scripted,
     ];
 
-    /// Whether the walker leaves its path for it.
+    /// Whether the cause makes the walker leave its path.
     pub fn is_deviation(self) -> bool {
         !matches!(self, WalkCause::OnPath | WalkCause::Pause | WalkCause::LookAround | WalkCause::Reaction(_))
     }
 
-    /// The word for it in reports.
+    /// The cause's word in reports.
     pub fn word(self) -> &'static str {
         match self {
             WalkCause::OnPath => "on_path",
@@ -75,24 +75,24 @@ impl WalkCause {
 /// A stretch of time with one cause.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CauseStretch {
-    /// When it began.
+    /// When the stretch began.
     pub from: Time,
-    /// When the next one began; for ever while it lasts.
+    /// When the next stretch began; for ever while this one lasts.
     pub to: Time,
-    /// Why.
+    /// The cause of the stretch.
     pub cause: WalkCause,
-    /// Where to, where it goes anywhere.
+    /// Goal of the walker in the stretch, if there is one.
     pub goal: Option<Point>,
 }
 
-/// All segments of one walker, in order, without gaps.
+/// All stretches of one walker, in order, without gaps.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     segments: Vec<CauseStretch>,
 }
 
 impl Log {
-    /// Notes what is so from `now` on; nothing where it is as before.
+    /// Records the cause and goal from `now` on; does nothing if both are unchanged.
     pub(super) fn note(&mut self, now: Time, cause: WalkCause, goal: Option<Point>) {
         if let Some(last) = self.segments.last_mut() {
             let same = last.cause == cause && last.goal == goal;
@@ -104,14 +104,14 @@ impl Log {
         self.segments.push(CauseStretch { from: now, to: Time::MAX, cause, goal });
     }
 
-    /// Closes the log: the walker is gone.
+    /// Closes the log when the walker is gone.
     pub(super) fn close(&mut self, now: Time) {
         if let Some(last) = self.segments.last_mut() {
             last.to = last.to.min(now);
         }
     }
 
-    /// What was so, in order.
+    /// All stretches, in order.
     pub fn segments(&self) -> &[CauseStretch] {
         &self.segments
     }

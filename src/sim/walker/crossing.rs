@@ -1,7 +1,7 @@
-//! How a walker minds robots that are about to cross its way: it slows down, or waits a moment until they are past.
+//! How a walker takes account of robots that are about to cross its path: it slows down, or waits until they are past.
 //!
-//! Refuses: to wait for long, since a robot may wait for the walker; whoever takes no notice of robots, or hurries and
-//! is through first, does not wait at all.
+//! Refuses: to wait for long, since a robot may wait for the walker; a walker that ignores robots, or hurries and is
+//! through first, does not wait at all.
 
 use super::legs::{RobotNear, STANDS_MPS, WalkerSurroundings};
 use super::person::BODY_M;
@@ -12,22 +12,22 @@ use giveway_floor::time::{Span, Time};
 
 /// Room that a walker likes to have between its body and a robot that drives past, metres.
 const COMFORT_M: f64 = 0.3;
-/// It looks so far along its way, metres.
+/// How far a walker looks along its path, metres.
 const AHEAD_M: f64 = 3.0;
-/// And minds robots that cross it within so many seconds.
+/// A walker considers robots that cross its path within this time, seconds.
 const SOON_S: f64 = 3.5;
-/// Slower than this is standing, metres per second.
+/// A slower walker stands, metres per second.
 const CREEPS_MPS: f64 = 0.25;
-/// It waits for so long in all, and then not again for a while.
+/// How long a walker waits in total, and for how long it then does not wait again.
 const WAITS: Span = Span::from_secs(6);
 const NO_MORE: Span = Span::from_secs(8);
-/// Who hurries counts on being this much faster.
+/// Factor on its usual speed that a hurrying walker counts on.
 const HURRY: f64 = 1.3;
 
-/// When a walker is in the way of a robot, and the robot in its own.
+/// Where and when the paths of a walker and a robot cross.
 #[derive(Clone, Copy, Debug)]
 struct Crossing {
-    /// Metres to walk until it comes near the robot's way, and until it has left it behind.
+    /// Metres to walk until the walker comes near the robot's path, and until it has left it behind.
     enters_m: f64,
     leaves_m: f64,
     /// Seconds until the robot is where the two ways meet, and until it has left.
@@ -36,15 +36,15 @@ struct Crossing {
 }
 
 impl Crossing {
-    /// The crossing of a robot's way and a straight one from `at`; nothing where they do not meet ahead of both, or
-    /// the walker is in the robot's way already.
+    /// The crossing of a robot's path and a straight one from `at`; nothing if they do not meet ahead of both, or the
+    /// walker is in the robot's path already.
     fn of(robot: &RobotNear, at: Point, way: Vector) -> Option<Crossing> {
         let speed = robot.velocity.norm();
         if speed < 2.0 * STANDS_MPS {
             return None;
         }
         let drives = robot.velocity / speed;
-        // How fast a step of the walker's leads across the robot's way.
+        // How much a step of the walker leads across the robot's path.
         let across = drives.perp(&way);
         if across.abs() < 0.3 {
             return None;
@@ -66,7 +66,7 @@ impl Crossing {
 }
 
 impl Walker {
-    /// The speed with which it lets robots pass that are about to cross its way, metres per second.
+    /// The speed at which the walker lets robots pass that are about to cross its path, metres per second.
     pub(super) fn pace_for_robots(
         &mut self,
         now: Time,

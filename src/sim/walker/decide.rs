@@ -1,4 +1,4 @@
-//! What a walker decides: what it takes notice of, where it goes, when it gives up waiting.
+//! What a walker decides: what it notices, where it goes, when it gives up waiting.
 //!
 //! Refuses: to move anybody; it sets the route and the wanted speed, the legs do the rest.
 
@@ -13,42 +13,42 @@ use giveway_floor::id::{Dense, WalkNodeId};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::walkway::{EdgeSet, WalkPath, Walkways};
 
-/// So near to the place of a job the walker can work, metres.
+/// A walker this near to the place of a job can work, metres.
 const AT_WORK_M: f64 = 0.6;
-/// Where a colleague stands at that place, beside him will do, metres.
+/// If a colleague stands at that place, this distance to it is enough, metres.
 const BESIDE_WORK_M: f64 = 1.3;
-/// The end of a shown path counts as the place of the job up to this distance, metres.
+/// Largest distance between the end of a shown path and the place of the job, metres.
 const PATH_ENDS_M: f64 = 1.5;
-/// A walker that is shown nothing goes its own way after this.
+/// A walker that is shown no path takes its own way after this.
 const OWN_WAY: Span = Span::from_secs(10);
-/// A robot nearer than this, and coming, is taken notice of, metres.
+/// A robot that approaches is noticed within this distance, metres.
 const NEAR_M: f64 = 3.0;
-/// For so long after a reaction, robots are nothing new.
+/// After a reaction, a walker does not react to robots again for this long.
 const CALM: Span = Span::from_secs(10);
-/// A walkway nearer than this is the one on which the walker stands, metres.
+/// A walkway within this distance is the one that the walker stands on, metres.
 const HERE_M: f64 = 0.3;
-/// A way is looked along so far, in steps of so much, metres.
+/// How far a walker looks along a path, in steps of the second length, metres.
 const LOOK_M: f64 = 3.0;
 const STEP_M: f64 = 0.2;
 /// A walker that has moved this far is no longer blocked by the same robot, metres.
 const GOT_AWAY_M: f64 = 0.5;
-/// A walker that is led aside on its way home stays there for this long.
+/// How long a walker that was led aside on its way home stays there.
 const MAKES_ROOM: Span = Span::from_secs(20);
-/// A walker who is so near to a place aside is there, metres: places beside walls are eased off them.
+/// A walker this near to a place aside has arrived, metres: places beside walls are moved off them.
 const ASIDE_M: f64 = 0.5;
-/// An errand on which the walker has come no nearer to its place for this long is given up.
+/// A walker gives up an errand when it has come no nearer to its place for this long.
 const ERRAND: Span = Span::from_secs(60);
 /// How much longer than its patience a walker waits for a robot that drives past.
 const PASSES: Span = Span::from_secs(5);
-/// Less is no nearer, metres.
+/// A smaller gain is no progress towards a place, metres.
 const NEARER_M: f64 = 0.5;
 /// Robots this near are in the way of a detour, metres.
 const IN_SIGHT_M: f64 = 6.0;
-/// Places that nobody knows of are so far from those that everybody knows, metres.
+/// Least distance of an unknown place from all known ones, metres.
 const UNKNOWN_M: f64 = 1.5;
 
 impl Walker {
-    /// What the device shows, what comes to mind, what robots do.
+    /// Notices what the device shows, impulses, and what robots do.
     pub(super) fn notice(&mut self, now: Time, around: &WalkerSurroundings<'_>, work: &WorkKnowledge<'_>) {
         while let Some((_, shown)) = self.news.pop_front_if(|(due, _)| *due <= now) {
             self.heed(shown, around.walkways);
@@ -59,8 +59,8 @@ impl Walker {
         self.mind_robots(now, around);
     }
 
-    /// Takes what is shown in. Another way to work is followed, or it is not. A walker on an errand keeps
-    /// to it, but takes a way that leads there.
+    /// Takes in what the device shows. The walker follows another path to work or ignores it. A walker on an errand
+    /// keeps to it, but takes a path that leads there.
     fn heed(&mut self, shown: Shown, walkways: &Walkways) {
         let new = self.shown.as_ref().is_none_or(|s| s.version != shown.version);
         let busy =
@@ -92,8 +92,8 @@ impl Walker {
         self.shown = Some(shown);
     }
 
-    /// Only a walker on its way to work follows an impulse. One that the scenario scripts is followed at any time until
-    /// the walker leaves.
+    /// Follows an impulse if the walker is on its way to work. An impulse scripted by the scenario is followed at any
+    /// time until the walker leaves.
     fn follow(
         &mut self,
         impulse: Impulse,
@@ -134,7 +134,7 @@ impl Walker {
         }
     }
 
-    /// A robot that comes nearer is taken as the persona does, once in a while.
+    /// Reacts to an approaching robot as the persona does, at intervals.
     fn mind_robots(&mut self, now: Time, around: &WalkerSurroundings<'_>) {
         let here = self.legs.at;
         let comes = |r: &&RobotNear| {
@@ -166,7 +166,7 @@ impl Walker {
         self.reacts_until = now + Span::from_secs(seconds);
     }
 
-    /// Speed that it wants, metres per second.
+    /// The walker's wanted speed, metres per second.
     pub(super) fn wanted_mps(&self, now: Time) -> f64 {
         let usual = self.traits.speed_mps;
         let told_to_stand = self.shown.as_ref().is_some_and(|s| s.stop);
@@ -186,7 +186,7 @@ impl Walker {
         }
     }
 
-    /// Sets the route where there is none, and goes on to what comes next.
+    /// Sets a route if there is none, and moves on to the next activity.
     pub(super) fn decide(&mut self, now: Time, around: &WalkerSurroundings<'_>, work: &WorkKnowledge<'_>) {
         if let Some(aside) = self.aside {
             return self.step_aside(aside, now, around);
@@ -242,7 +242,7 @@ impl Walker {
         self.ignored = self.ignored.filter(|_| self.followed.is_none());
         let Some(job) = work.job else { return };
         let end = shown.filter(|_| version == self.followed).and_then(|s| s.path.last());
-        // Two who work at one place stand side by side.
+        // Two walkers who work at one place stand side by side.
         let there = |p: Point| {
             let far = if Walker::is_taken(p, around) { BESIDE_WORK_M } else { AT_WORK_M };
             (p - self.legs.at).norm() < far
@@ -259,7 +259,7 @@ impl Walker {
         self.go(job.at, around, None);
     }
 
-    /// Sets the route to a place, around what is cut; whether there is one.
+    /// Sets the route to a place, around the cut walkways; gives whether there is one.
     pub(super) fn go(&mut self, goal: Point, around: &WalkerSurroundings<'_>, cut: Option<&EdgeSet>) -> bool {
         if (goal - self.legs.at).norm() < 0.1 {
             self.legs.route.clear();
@@ -310,7 +310,7 @@ impl Walker {
         now - since > ERRAND
     }
 
-    /// A robot in the way: after some time the walker takes another way, or goes back and tries again.
+    /// Responds to a robot in the way: after some time the walker takes another path, or goes back and tries again.
     pub(super) fn give_up_waiting(
         &mut self,
         now: Time,
@@ -327,7 +327,7 @@ impl Walker {
             return;
         }
         let (since, _) = *self.blocked_since.get_or_insert((now, here));
-        // A robot that drives will soon be past: that is worth a longer wait than one that stands there.
+        // A driving robot will soon be past: that is worth a longer wait than a standing one.
         let more = if self.legs.blocked_by_moving { PASSES } else { Span::ZERO };
         if now - since < self.traits.patience + more {
             return;
@@ -357,7 +357,7 @@ fn leads_to(shown: &Shown, goal: Point) -> bool {
     shown.path.last().is_some_and(|end| (end - goal).norm() < PATH_ENDS_M)
 }
 
-/// The way from a place onto a path and along it.
+/// The route from a place onto a path and along it.
 fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
     let nearest = |s: &[Point]| {
         let piece = Segment { a: s[0], b: s[s.len() - 1] };
@@ -379,8 +379,7 @@ fn join(at: Point, path: &[Point], walkways: &Walkways) -> Vec<Point> {
     points
 }
 
-/// Walkways that robots nearby stand or drive on, but not the one on which the walker stands: it may go back
-/// on that.
+/// Walkways that robots nearby stand or drive on, except the one that the walker stands on, so that it can go back.
 fn cut_by_robots(at: Point, around: &WalkerSurroundings<'_>) -> EdgeSet {
     let mut cut = around.walkways.no_edges();
     for r in around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M) {
@@ -418,7 +417,7 @@ fn is_clear(at: Point, route: impl Iterator<Item = Point>, around: &WalkerSurrou
     true
 }
 
-/// The place farthest from all robots nearby that can be walked to, with the way there.
+/// The place farthest from all robots nearby that the walker can reach, with the route there.
 fn back_off(at: Point, around: &WalkerSurroundings<'_>, cut: &EdgeSet) -> Option<(Point, Vec<Point>)> {
     let walkways = around.walkways;
     let robots = around.robots.iter().filter(|r| (r.at - at).norm() < IN_SIGHT_M);
@@ -436,7 +435,7 @@ fn back_off(at: Point, around: &WalkerSurroundings<'_>, cut: &EdgeSet) -> Option
     ways.next().map(|(p, way)| (p, way.points.into_iter().skip(1).collect()))
 }
 
-/// A place nearby that is out of a robot's way.
+/// A place nearby that is out of a robot's path.
 fn beside(at: Point, robot: &RobotNear, around: &WalkerSurroundings<'_>) -> Option<Point> {
     let clear = |p: Point| !robot.sweeps(p, 10.0) && robot.gap(p) > 0.2;
     let near =
@@ -445,7 +444,7 @@ fn beside(at: Point, robot: &RobotNear, around: &WalkerSurroundings<'_>) -> Opti
     best.map(|(n, _)| around.walkways.nodes()[n].at)
 }
 
-/// A place on the walkways that is none of those that everybody knows.
+/// A place on the walkways that is not one of the known places.
 pub(crate) fn somewhere(walkways: &Walkways, known: &[Point], pick: f64) -> Option<Point> {
     let count = walkways.nodes().len();
     let first = (pick * count as f64) as usize;

@@ -1,25 +1,25 @@
-//! When which cause comes up: one Poisson process for each, and the times that the scenario gives.
+//! When each cause comes up: one Poisson process per cause, and the times that the scenario gives.
 //!
-//! Main types: [`Impulse`], [`Impulses`]. Each cause has its own stream and always takes the same number of
-//! draws, so what comes up when depends on the seed alone, whatever the fleet does. Refuses: to know whether
-//! the walker heeds it.
+//! Main types: [`Impulse`], [`Impulses`]. Each cause has its own stream and always takes the same number of draws, so
+//! impulses and their times depend on the seed alone, whatever the fleet does. Refuses: to know whether the walker
+//! heeds it.
 
 use crate::random::Stream;
 use crate::scenario::Deviations;
 use giveway_floor::time::{Span, Time};
 
-/// Something that comes to a walker's mind. `pick` in `[0, 1)` chooses the place.
+/// An impulse of a walker. `pick` in `[0, 1)` chooses the place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impulse {
-    /// What.
+    /// What the walker has an impulse to do.
     pub kind: ImpulseKind,
-    /// Chooses among the places there are.
+    /// Chooses among the available places.
     pub pick: f64,
-    /// How long it takes, or how long to stay there.
+    /// How long the activity or the stay there takes.
     pub stay: Span,
 }
 
-/// What comes to mind.
+/// Kinds of impulse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ImpulseKind {
     /// To stop for a moment.
@@ -28,13 +28,13 @@ pub enum ImpulseKind {
     Look,
     /// To go to another known place.
     Mind,
-    /// To go to a place nobody knows of.
+    /// To go to a place that nobody knows of.
     Unknown,
     /// To walk about.
     Wander,
     /// To help.
     Help,
-    /// What the scenario says.
+    /// To do what the scenario scripts.
     Scripted,
 }
 
@@ -61,7 +61,7 @@ struct ImpulseClock {
     random: Stream,
 }
 
-/// All that comes to one walker's mind, in time.
+/// All impulses of one walker, in order of time.
 #[derive(Debug)]
 pub struct Impulses {
     clocks: Vec<ImpulseClock>,
@@ -69,11 +69,11 @@ pub struct Impulses {
     random: Stream,
 }
 
-/// Purpose of the streams, see [`Stream::new`]; the kinds follow it.
+/// First purpose of the streams, see [`Stream::new`]; the other kinds follow it.
 const PURPOSE: u64 = 40;
 
 impl Impulses {
-    /// Those of worker number `who`, from the start of the run on.
+    /// The impulses of worker number `who`, from the start of the run.
     pub(crate) fn new(deviations: &Deviations, seed: u64, who: u64, start: Time) -> Impulses {
         let rates = deviations.causes.rates();
         let kinds = [
@@ -97,7 +97,7 @@ impl Impulses {
         Impulses { clocks, scripted, random: Stream::new(seed, PURPOSE, who) }
     }
 
-    /// The next thing that has come up by `now`.
+    /// The next impulse that has come up by `now`.
     pub fn due(&mut self, now: Time) -> Option<Impulse> {
         if self.scripted.pop_if(|at| *at <= now).is_some() {
             return Some(impulse(ImpulseKind::Scripted, &mut self.random));

@@ -1,7 +1,7 @@
-//! How a walker gets along a route: gait, corners, and what it cannot walk through.
+//! How a walker follows a route: gait, corners, and obstacles.
 //!
-//! Main types: [`Legs`], [`WalkerSurroundings`], [`RobotNear`]. Walls are never walked through; a robot is stopped
-//! before, and no walker steps in front of a moving one that it minds. How it gets past other people is in `people`.
+//! Main types: [`Legs`], [`WalkerSurroundings`], [`RobotNear`]. Walls are never walked through; a walker stops before a
+//! robot, and never steps in front of a moving one that it minds. How it gets past other people is in `people`.
 //! Refuses: to know where the route comes from.
 
 use super::person::{BODY_M, PersonNear, SQUEEZE_M, SWAY_M};
@@ -11,62 +11,62 @@ use giveway_floor::warehouse::walkway::Walkways;
 use nalgebra::Rotation2;
 use std::collections::VecDeque;
 
-/// A walker stops so far before a robot, metres.
+/// Distance at which a walker stops before a robot, metres.
 const STAND_OFF_M: f64 = 0.05;
-/// A walker keeps the middle of its body so far from walls where there is room, metres.
+/// Distance of the body's middle from walls, where there is room, metres.
 pub(super) const WALL_M: f64 = 0.3;
-/// A walker takes so much room beside its body for a moving robot, metres.
+/// Room that a walker leaves beside its body for a moving robot, metres.
 const SIDE_M: f64 = 0.1;
-/// A walker stops before a robot that drives towards it when it would be there after so many seconds.
+/// A walker stops before an approaching robot that would reach it within this time, seconds.
 const COMES_S: f64 = 1.2;
-/// A walker caught between walls looks so far for a place from which to go on, metres.
+/// How far a walker caught between walls looks for a place from which to go on, metres.
 const LEAVE_M: f64 = 2.5;
-/// Nearer than this is there, metres.
+/// A walker nearer than this to a place has arrived, metres.
 const THERE_M: f64 = 0.05;
-/// How fast a walker changes its speed, metres per second squared.
+/// Acceleration of a walker, metres per second squared.
 pub(super) const ACCEL_MPS2: f64 = 2.0;
-/// How fast it turns, radians per second.
+/// Turning rate of a walker, radians per second.
 const TURN_RADPS: f64 = 4.0;
-/// Frequency of strides.
+/// Frequency of strides, hertz.
 const SWAY_HZ: f64 = 0.9;
-/// Among people, a point of the route this near may be left aside, metres.
+/// Among people, a point of the route this near may be skipped, metres.
 const SKIPS_M: f64 = 1.5;
 /// A slower robot stands, metres per second.
 pub(super) const STANDS_MPS: f64 = 0.05;
-/// Directions that are tried in turn where the straight one is taken, radians.
+/// Directions tried in turn if the straight one is blocked, radians.
 const TRIES: [f64; 7] = [0.0, 0.5, -0.5, 1.0, -1.0, 1.4, -1.4];
 
 /// A robot as walkers see it.
 #[derive(Clone, Copy, Debug)]
 pub struct RobotNear {
-    /// Its centre.
+    /// The robot's centre.
     pub at: Point,
-    /// How it moves, metres per second.
+    /// The robot's velocity, metres per second.
     pub velocity: Vector,
-    /// Half the side of the square around its outline, metres.
+    /// Half the side of the square around the robot's outline, metres.
     pub half_m: f64,
 }
 
-/// What is around a walker.
+/// The surroundings of a walker.
 #[derive(Clone, Copy, Debug)]
 pub struct WalkerSurroundings<'a> {
-    /// The floor.
+    /// The floor's walkways.
     pub walkways: &'a Walkways,
-    /// Robots, wherever they are.
+    /// All robots.
     pub robots: &'a [RobotNear],
     /// Other people within some metres.
     pub people: &'a [PersonNear],
 }
 
 impl RobotNear {
-    /// Metres between a body and the robot's square; negative where they overlap.
+    /// Distance between a body and the robot's square, metres; negative if they overlap.
     pub fn gap(&self, p: Point) -> f64 {
         let (d, half_m) = (p - self.at, self.half_m);
         let out = Vector::new((d.x.abs() - half_m).max(0.0), (d.y.abs() - half_m).max(0.0));
         out.norm() - BODY_M
     }
 
-    /// Whether a body at `p` is in the way of the robot within the next `seconds`. Standing robots have no way.
+    /// Whether a body at `p` is in the robot's way within the next `seconds`. A standing robot has no way.
     pub fn sweeps(&self, p: Point, seconds: f64) -> bool {
         let speed = self.velocity.norm();
         if speed < STANDS_MPS {
@@ -74,7 +74,7 @@ impl RobotNear {
         }
         let way = self.velocity / speed;
         let d = p - self.at;
-        // Half of the square's extent along the way, and across it: the square keeps to the map's axes.
+        // Half the extent of the square along the way, and across it: the square is aligned to the map's axes.
         let reach = self.half_m * (way.x.abs() + way.y.abs()) + BODY_M;
         let along = d.dot(&way);
         along > 0.0 && along < reach + speed * seconds && d.perp(&way).abs() < reach + SIDE_M
@@ -97,7 +97,7 @@ fn roomy(a: Point, b: Point, wall_m: f64, walkways: &Walkways) -> bool {
     (0..=steps).all(|i| walkways.clearance_m(a + (b - a) * (f64::from(i) / f64::from(steps))) >= wall_m)
 }
 
-/// What keeps a walker from a place.
+/// What blocks a walker from a place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum InTheWay {
     Wall,
@@ -109,32 +109,32 @@ pub(super) enum InTheWay {
 pub struct Legs {
     /// Where the walker is, without its sway.
     pub at: Point,
-    /// Where it walks to, radians.
+    /// Direction of walking, radians.
     pub heading: f64,
-    /// How fast, metres per second.
+    /// Walking speed, metres per second.
     pub speed_mps: f64,
-    /// Points ahead.
+    /// Points of the route ahead.
     pub route: VecDeque<Point>,
     /// Metres walked so far.
     pub walked_m: f64,
-    /// Whether a robot keeps it from going on.
+    /// Whether a robot keeps the walker from going on.
     pub blocked: bool,
     /// Whether one of those robots drives, so that it will soon be past.
     pub blocked_by_moving: bool,
-    /// The person who keeps it from going on.
+    /// Number of the person who keeps the walker from going on.
     pub kept_by: Option<usize>,
-    /// Whether people have kept it for a while.
+    /// Whether people have kept the walker for a while.
     pub is_kept: bool,
-    /// How far off its way it walks to get past people, radians.
+    /// Deviation from the straight way to get past people, radians.
     pub(super) veer: f64,
-    /// Where a colleague walks beside it: so far to the left of the way does it keep, metres.
+    /// Offset to the left of the way if a colleague walks alongside, metres.
     pub(super) beside_m: Option<f64>,
     cut_m: f64,
     phase: f64,
 }
 
 impl Legs {
-    /// Standing somewhere.
+    /// A walker standing at a place.
     pub fn new(at: Point, cut_m: f64, phase: f64) -> Legs {
         let route = VecDeque::new();
         Legs {
@@ -159,15 +159,14 @@ impl Legs {
         self.route = points.into_iter().map(|p| ease(p, walkways)).collect();
     }
 
-    /// Where the trunk is: it sways while walking.
+    /// Position of the trunk, which sways while walking.
     pub fn trunk(&self, now: Time) -> Point {
         let swing = (std::f64::consts::TAU * SWAY_HZ * now.as_secs_f64() + self.phase).sin();
         let side = Vector::new(-self.heading.sin(), self.heading.cos());
         self.at + side * (SWAY_M * swing * (self.speed_mps / 0.8).min(1.0))
     }
 
-    /// Walks for `dt` seconds at up to `wanted` metres per second, minding robots for `foresight` seconds
-    /// ahead.
+    /// Walks for `dt` seconds at up to `wanted` metres per second, considering robots for `foresight` seconds ahead.
     pub fn walk(&mut self, dt: f64, wanted: f64, foresight: f64, around: &WalkerSurroundings<'_>) {
         (self.blocked, self.blocked_by_moving, self.kept_by) = (false, false, None);
         self.pass_corners(around.walkways);
@@ -208,7 +207,7 @@ impl Legs {
                 }
             }
         }
-        // Caught between a wall and a robot is kept by the robot.
+        // A walker caught between a wall and a robot is kept by the robot.
         self.blocked = robot;
         self.speed_mps = 0.0;
         if self.blocked {
@@ -219,7 +218,8 @@ impl Legs {
         }
     }
 
-    /// Walls on all sides of the way: first over the middle of an aisle, if possible from where the rest has room.
+    /// With walls on all sides, goes to the middle of an aisle first, if possible to a point from which the rest has
+    /// room.
     pub(super) fn leave_wall(&mut self, walkways: &Walkways) {
         let Some(&aim) = self.route.front() else { return };
         let near = walkways.near(self.at, LEAVE_M).into_iter().filter(|(_, far)| *far > 2.0 * THERE_M);
@@ -233,7 +233,7 @@ impl Legs {
         }
     }
 
-    /// Whether it need not go over the next point: who gets past people does not swing back to the middle for it.
+    /// Whether the next point can be skipped: a walker getting past people does not swing back to the middle for it.
     fn can_skip(&self, walkways: &Walkways) -> bool {
         let (Some(next), Some(then)) = (self.route.front(), self.route.get(1)) else { return false };
         (next - self.at).norm() < SKIPS_M && roomy(self.at, *then, SQUEEZE_M, walkways)
@@ -253,7 +253,7 @@ impl Legs {
         }
     }
 
-    /// What keeps the body from a place: walls nearer than `wall_m`, or a robot.
+    /// What blocks the body from a place: walls nearer than `wall_m`, or a robot.
     pub(super) fn taken(
         &self,
         to: Point,
@@ -268,7 +268,7 @@ impl Legs {
         }
         let taken = robots.iter().any(|r| {
             let gap = r.gap(to);
-            // No walker walks on towards a robot that cannot stop in time.
+            // A walker does not walk on towards a robot that cannot stop in time.
             let comes = if r.sweeps(to, 3.0) { COMES_S * r.velocity.norm() } else { 0.0 };
             let nearer = gap < STAND_OFF_M + comes && gap <= r.gap(self.at);
             let steps_in = || r.sweeps(to, foresight) && !r.sweeps(self.at, foresight);

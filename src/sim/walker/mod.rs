@@ -1,4 +1,4 @@
-//! A simulated worker: walks where the device shows, works, and now and then does something else.
+//! A simulated worker: walks where the device shows, works, and sometimes does something else.
 //!
 //! Main types: [`Walker`], [`Shown`] (what the device shows), [`WorkKnowledge`] (what it knows of its work),
 //! [`WalkCause`] and [`CauseStretch`] (the truth about it). Legs, character and impulses are files of their own; this
@@ -34,60 +34,60 @@ use impulse::Impulses;
 use legs::Legs;
 use std::collections::VecDeque;
 
-/// A walker that people have kept for so long does something about it.
+/// A walker that people have kept for this long takes action.
 const KEPT: Span = Span::from_millis(1500);
-/// And tries to squeeze past them after this.
+/// After this long, the walker tries to squeeze past.
 const SQUEEZES: Span = Span::from_millis(700);
 
 /// Something to do at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errand {
-    /// Its number.
+    /// Number of the assignment.
     pub id: AssignmentId,
-    /// Where one stands for it.
+    /// Where a person stands for the errand.
     pub at: Point,
-    /// How long it takes.
+    /// Duration of the errand.
     pub stay: Span,
 }
 
-/// What the device shows.
+/// What the device shows the walker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shown {
-    /// Counts up with every new path.
+    /// Version of the path, which counts up with every new one.
     pub version: u64,
-    /// Where to walk; empty where nothing is shown.
+    /// The path to walk; empty if none is shown.
     pub path: Vec<Point>,
-    /// Whether it says that this is another way than before.
+    /// Whether the device says that the path differs from the one before.
     pub redirected: bool,
-    /// Whether it says to stand.
+    /// Whether the device says to stop.
     pub stop: bool,
-    /// Whether it says to leave: the building, or a closed area.
+    /// Whether the device says to leave: the building, or a closed area.
     pub leave: bool,
 }
 
 /// What a walker knows of its work and of the hall.
 #[derive(Clone, Debug)]
 pub struct WorkKnowledge<'a> {
-    /// What is to be done next.
+    /// The next errand.
     pub job: Option<Errand>,
-    /// Places that everybody knows, the fleet too.
+    /// Places that everybody knows, including the fleet.
     pub known: &'a [Point],
-    /// Where colleagues are.
+    /// Positions of colleagues.
     pub colleagues: &'a [Point],
-    /// The colleague with whom it walks.
+    /// The colleague who walks in a pair with this walker.
     pub companion: Option<PersonNear>,
 }
 
-/// What a walker is at.
+/// A walker's current activity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum WalkerDoing {
-    /// Follows what is shown, or its own way to work; or waits for either.
+    /// Follows the shown path, or its own way to work; or waits for either.
     Duty,
-    /// Works until then.
+    /// Works until this time.
     Work(AssignmentId, Time),
-    /// Goes somewhere else, and stays there.
+    /// Goes to another place, and stays there.
     Job { cause: WalkCause, goal: Point, stay: Span, until: Option<Time> },
-    /// Walks about until then.
+    /// Walks about until this time.
     Wander(Time),
     /// Goes to a door for good.
     Leave(Point),
@@ -95,7 +95,7 @@ enum WalkerDoing {
     Gone,
 }
 
-/// A step aside, until when once it is there.
+/// A step aside, with the end of the stay once the walker is there.
 #[derive(Clone, Copy, Debug)]
 struct Aside {
     goal: Point,
@@ -106,9 +106,9 @@ struct Aside {
 /// One worker on the floor.
 #[derive(Debug)]
 pub struct Walker {
-    /// Who it is.
+    /// The walker's character.
     pub traits: Traits,
-    /// Jobs that it has finished, in order; the reader takes them out.
+    /// Assignments that the walker has finished, in order; the reader takes them out.
     pub finished: Vec<AssignmentId>,
     legs: Legs,
     doing: WalkerDoing,
@@ -116,10 +116,10 @@ pub struct Walker {
     heeds: Stream,
     strolls: Stream,
     ignore: f64,
-    /// What the device shows, and what will be noticed when.
+    /// What the device shows, and what the walker will notice later, with times.
     shown: Option<Shown>,
     news: VecDeque<(Time, Shown)>,
-    /// The version of the path that is on the route, and the one that it would not follow.
+    /// The version of the path that the route follows, and the version that the walker ignored.
     followed: Option<u64>,
     ignored: Option<u64>,
     idle_since: Time,
@@ -128,15 +128,15 @@ pub struct Walker {
     reacts_until: Time,
     calm_until: Time,
     blocked_since: Option<(Time, Point)>,
-    /// Its number, and since when people have kept it from walking on, where.
+    /// The walker's number, then since when and where people have kept it from walking on.
     who: usize,
     kept_since: Option<(Time, Point)>,
-    /// How it truly moved last, metres per second.
+    /// The walker's true velocity in the last tick, metres per second.
     velocity: Vector,
-    /// How long it has stood for robots that cross its way, and until when it does not any more.
+    /// How long the walker has stood for crossing robots, and until when it does not wait for any.
     waited: Span,
     waits_no_more_until: Time,
-    /// Since when it has come no nearer to the place of its errand than so many metres.
+    /// Since when the walker has come no nearer to the place of its errand, and how near that was, metres.
     nearer_since: Option<(Time, f64)>,
     detour: bool,
     aside: Option<Aside>,
@@ -144,11 +144,11 @@ pub struct Walker {
 }
 
 impl Walker {
-    /// Worker number `who` of a scenario that began at `start`, coming in at a door.
+    /// Worker number `who` of a scenario that began at `start`, entering at a door.
     pub(super) fn new(workers: &Workers, seed: u64, who: u64, at: Point, start: Time, now: Time) -> Walker {
         let traits = Traits::draw(&workers.personas, Stream::new(seed, 30, who));
         let mut impulses = Impulses::new(&workers.deviations, seed, who, start);
-        // What came up before it came in is forgotten.
+        // Impulses from before the walker entered are dropped.
         while impulses.due(now).is_some() {}
         Walker {
             finished: Vec::new(),
@@ -181,12 +181,12 @@ impl Walker {
         }
     }
 
-    /// Takes what the device shows from now on; it is noticed after the walker's reaction time.
+    /// Takes what the device shows from now on; the walker notices it after its reaction time.
     pub fn hear(&mut self, now: Time, shown: Shown) {
         self.news.push_back((now + self.traits.reaction, shown));
     }
 
-    /// Sends it to a door for good.
+    /// Sends the walker to a door for good.
     pub fn send_home(&mut self, door: Point) {
         if !matches!(self.doing, WalkerDoing::Leave(_) | WalkerDoing::Gone) {
             self.doing = WalkerDoing::Leave(door);
@@ -194,12 +194,12 @@ impl Walker {
         }
     }
 
-    /// Whether it is off the floor.
+    /// Whether the walker is off the floor.
     pub fn is_gone(&self) -> bool {
         self.doing == WalkerDoing::Gone
     }
 
-    /// Lives for `dt` seconds, up to `now`.
+    /// Advances the walker by `dt` seconds, up to `now`.
     pub fn tick(&mut self, now: Time, dt: f64, around: &WalkerSurroundings<'_>, work: &WorkKnowledge<'_>) {
         self.notice(now, around, work);
         self.decide(now, around, work);
@@ -219,12 +219,12 @@ impl Walker {
         }
     }
 
-    /// Where it truly is, and where its head faces.
+    /// The walker's true position, and where its head faces.
     pub fn pose(&self, now: Time) -> Pose {
         Pose { at: self.legs.trunk(now), heading: self.legs.heading + self.head_turn(now) }
     }
 
-    /// As other walkers see it.
+    /// The walker as other walkers see it.
     pub fn seen(&self, now: Time) -> PersonNear {
         let legs = &self.legs;
         PersonNear {
@@ -238,12 +238,12 @@ impl Walker {
         }
     }
 
-    /// Where it truly is on its way, without the sway of its trunk.
+    /// The walker's true position on its way, without the sway of its trunk.
     pub fn way_at(&self) -> Point {
         self.legs.at
     }
 
-    /// How fast it truly walks, metres per second.
+    /// The walker's true speed, metres per second.
     pub fn speed_mps(&self) -> f64 {
         self.legs.speed_mps
     }
@@ -253,13 +253,13 @@ impl Walker {
         self.legs.walked_m
     }
 
-    /// The truth about it so far.
+    /// The truth about the walker so far.
     pub fn log(&self) -> &Log {
         &self.log
     }
 
-    /// The head against the body, radians: up to 60° while looking around, a little while standing with the
-    /// phone.
+    /// The head's direction relative to the body, radians: up to 60° while looking around, slightly turned while
+    /// standing with the phone.
     fn head_turn(&self, now: Time) -> f64 {
         let swing = (1.5 * now.as_secs_f64() + self.traits.phase).sin();
         match () {

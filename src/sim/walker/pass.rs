@@ -1,7 +1,8 @@
-//! What a walker does when people have kept it for a while: it steps out of their way, goes round, or is there already.
+//! What a walker does when people have kept it for a while: it steps out of their way, goes round, or counts as
+//! arrived.
 //!
-//! Also how two who walk together keep side by side. Refuses: to leave two who keep each other standing; of two who
-//! walk, the one with the higher number gives way, and whoever has waited for very long does so whatever its number.
+//! Also how two people who walk as a pair stay side by side. Refuses: to leave two walkers blocking each other; of two,
+//! the one with the higher number gives way, and a walker that has waited very long gives way whatever its number.
 
 use super::legs::WalkerSurroundings;
 use super::person::{APART_M, PersonNear};
@@ -10,35 +11,35 @@ use giveway_floor::geometry::{Point, Segment};
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::walkway::EdgeSet;
 
-/// One that has moved this far is not kept any more, metres.
+/// A walker that has moved this far is no longer kept, metres.
 const GOT_ON_M: f64 = 0.5;
-/// A way that ends so near, where somebody stands, is at its end, metres.
+/// A route that ends this near, at a place taken by a person, counts as completed, metres.
 const ENDS_M: f64 = 1.3;
-/// Who steps out of the way of people goes so far at most, metres.
+/// How far a walker steps out of people's way, at most, metres.
 const STEPS_OUT_M: f64 = 4.0;
-/// And stays there for so long.
+/// How long it stays there.
 const STEPS_OUT: Span = Span::from_secs(3);
-/// Others within this are those who keep it, metres.
+/// Range within which other people count as those who keep the walker, metres.
 const NEAR_M: f64 = 1.6;
-/// Where there is no place aside, one that is so far from others will do, metres.
+/// If there is no clear place aside, a place this far from others will do, metres.
 const AWAY_M: f64 = 1.8;
-/// People this near are in the way of another way.
+/// People this near block a detour, metres.
 const IN_SIGHT_M: f64 = 6.0;
-/// It leaves so much room for those who pass, metres.
+/// Room that a walker leaves for people who pass, metres.
 const ROOM_M: f64 = APART_M + 0.1;
-/// Two who walk together and are this near each other are beside one another, metres.
+/// A pair this near each other walks side by side, metres.
 const TOGETHER_M: f64 = 4.0;
-/// Two who walk together keep so far apart sideways, metres, and mind no more than so much of a lead, metres.
+/// Sideways distance between a pair, metres, and the lead at which the pace correction is largest, metres.
 const SIDE_BY_SIDE_M: f64 = 0.8;
 const LEAD_M: f64 = 1.5;
 
 impl Walker {
-    /// Whether somebody else stands at a place.
+    /// Whether another person stands at a place.
     pub(super) fn is_taken(place: Point, around: &WalkerSurroundings<'_>) -> bool {
         around.people.iter().any(|p| (p.at - place).norm() < ROOM_M)
     }
 
-    /// Somebody in the way: after a moment one of the two does something else.
+    /// Responds to people in the way: after a moment one of the two does something else.
     pub(super) fn get_past_people(&mut self, now: Time, around: &WalkerSurroundings<'_>) {
         let here = self.legs.at;
         self.kept_since = self.kept_since.filter(|(_, at)| (here - at).norm() < GOT_ON_M);
@@ -61,7 +62,7 @@ impl Walker {
             return;
         }
         if let Some(aside) = self.aside.filter(|a| a.until.is_none()) {
-            // Where it is will do as well: the others find their way round it.
+            // The walker's current place will do as well: the others find their way round it.
             self.legs.route.clear();
             self.aside = Some(Aside { until: Some(now + aside.stay), ..aside });
             return;
@@ -86,7 +87,7 @@ impl Walker {
         }
     }
 
-    /// Takes another way to where it goes; whether there is one.
+    /// Takes another path to the end; gives whether there is one.
     fn go_round(&mut self, end: Point, around: &WalkerSurroundings<'_>) -> bool {
         let cut = cut_by_people(self.legs.at, around);
         let before = self.legs.route.clone();
@@ -102,7 +103,7 @@ impl Walker {
         found
     }
 
-    /// Goes to a place nearby where nobody has to pass, and stays there for a moment.
+    /// Goes to a place nearby that is out of people's paths, and stays there for a moment.
     fn step_out(&mut self, around: &WalkerSurroundings<'_>) {
         let here = self.legs.at;
         let ways: Vec<Segment> =
@@ -112,7 +113,7 @@ impl Walker {
                 && around.robots.iter().all(|r| r.gap(*q) > 0.0)
         };
         let clear = |q: &Point| free(q, ROOM_M) && ways.iter().all(|way| way.distance_to(*q) >= ROOM_M);
-        // In a long aisle there is no such place. Away from where others stand, two can pass.
+        // In a long aisle there is no such place. Two can pass away from where others stand.
         let wide = |q: &Point| free(q, AWAY_M);
         let places = around.walkways.standing_places(here, STEPS_OUT_M);
         let cut = cut_by_people(here, around);
@@ -133,14 +134,14 @@ impl Walker {
         }
     }
 
-    /// The speed at which it keeps beside a colleague with whom it walks.
+    /// The speed at which the walker stays beside the colleague of its pair.
     pub(super) fn pace_with(&mut self, companion: Option<PersonNear>, wanted: f64) -> f64 {
         self.legs.beside_m = None;
         let (Some(aim), Some(other)) = (self.legs.route.front(), companion) else { return wanted };
         let d = self.legs.at - other.at;
         let end = self.legs.route.back().map_or(0.0, |end| (end - self.legs.at).norm());
         if other.works && d.norm() < TOGETHER_M && end > 2.0 * TOGETHER_M && self.doing == WalkerDoing::Duty {
-            // It waits until the other is done too: that is never longer than the other's work takes.
+            // The walker waits until the other is done, which is never longer than the other's work takes.
             return 0.0;
         }
         let Some(their_aim) = other.aim else { return wanted };
@@ -151,19 +152,19 @@ impl Walker {
         }
         let side = if self.who < other.who { 0.5 } else { -0.5 };
         self.legs.beside_m = Some(side * SIDE_BY_SIDE_M);
-        // Who is ahead slows down, who is behind hurries a little.
+        // The walker ahead slows down, the one behind hurries a little.
         let lead = (d.dot(&way.normalize()) / LEAD_M).clamp(-1.0, 1.0);
         wanted.min(other.usual_mps) * (1.0 - if lead > 0.0 { 0.6 * lead } else { 0.25 * lead })
     }
 }
 
-/// Where somebody who walks to `aim` is a little later.
+/// Where a person who walks to `aim` is a little later.
 fn beyond(from: Point, aim: Point) -> Point {
     let way = aim - from;
     if way.norm() > 0.0 { from + way.normalize() * way.norm().max(STEPS_OUT_M) } else { aim }
 }
 
-/// Walkways on which people nearby stand, but not the one on which the walker itself stands.
+/// Walkways on which people nearby stand, except the one on which the walker itself stands.
 fn cut_by_people(at: Point, around: &WalkerSurroundings<'_>) -> EdgeSet {
     let mut cut = around.walkways.no_edges();
     for p in around.people.iter().filter(|p| (p.at - at).norm() < IN_SIGHT_M) {

@@ -1,45 +1,46 @@
 //! How walkers get past one another: they step aside early, keep to the right, and make room where they stand.
 //!
-//! Adds to [`Legs`]. Each tick a walker weighs some directions and speeds by how soon they would bring it up
-//! against somebody who walks on as now (velocity obstacles, Fiorini and Shiller 1998), and takes the cheapest. That
-//! two bodies never overlap does not depend on it: a step that would bring it too near is never taken. Refuses: to
-//! know where others are going beyond the way they face.
+//! Adds to [`Legs`]. Each tick a walker rates some directions and speeds by how soon they would bring it up against a
+//! person who walks on as now (velocity obstacles, Fiorini and Shiller 1998), and takes the cheapest. The rule that two
+//! bodies never overlap does not depend on that: a step that would bring it too near is never taken. Refuses: to know
+//! where others are going beyond the way they face.
 
 use super::legs::{ACCEL_MPS2, InTheWay, Legs, WALL_M, WalkerSurroundings};
 use super::person::{APART_M, PASSING_M, PersonNear, SQUEEZE_M};
 use giveway_floor::geometry::{Point, Vector};
 use nalgebra::Rotation2;
 
-/// It looks so far ahead in time, seconds.
+/// How far ahead in time a walker looks, seconds.
 const HORIZON_S: f64 = 3.0;
-/// Who has been kept for a while squeezes past: it looks less far ahead, and standing costs it more.
+/// A walker that has been kept for a while squeezes past: it looks only this far ahead, seconds, and standing costs it
+/// more.
 const CLOSE_S: f64 = 0.6;
 const KEPT_COST: f64 = 4.0;
-/// And so far for walls, seconds.
+/// How far ahead a walker looks for walls, seconds.
 const WALLS_S: f64 = 0.3;
-/// How quickly a walker stops for somebody, metres per second squared.
+/// How quickly a walker brakes for a person, metres per second squared.
 const BRAKE_MPS2: f64 = 4.0;
-/// How quickly it swerves, radians per second.
+/// How quickly a walker swerves, radians per second.
 const VEER_RADPS: f64 = 12.0;
-/// Slower than this it turns on the spot, metres per second.
+/// A walker slower than this turns on the spot, metres per second.
 const SLOW_MPS: f64 = 0.3;
-/// Directions that it weighs, radians off its way.
+/// Directions to rate, radians off the straight way.
 const VEERS: [f64; 13] = [0.0, -0.2, 0.2, -0.4, 0.4, -0.7, 0.7, -1.0, 1.0, -1.3, 1.3, -1.6, 1.6];
-/// Speeds that it weighs, as shares of what it wants.
+/// Speeds to rate, as shares of the wanted one.
 const PACES: [f64; 3] = [1.0, 0.5, 0.0];
-/// What they cost: a radian, all of the speed, being about to touch, a wall, keeping left, a radian of change.
+/// Costs: a radian off, giving up all speed, being about to touch, a wall, keeping left, a radian of change.
 const VEER_COST: f64 = 0.6;
 const PACE_COST: f64 = 2.5;
 const TOUCH_COST: f64 = 4.0;
 const WALL_COST: f64 = 2.0;
 const LEFT_COST: f64 = 0.15;
 const CHANGE_COST: f64 = 0.1;
-/// Who stands makes room for people who come this near, metres, with this speed, metres per second.
+/// A standing walker makes room for people who come this near, metres, at this speed, metres per second.
 const COMES_BY_M: f64 = 2.0;
 const MAKES_ROOM_MPS: f64 = 0.5;
 
 impl Legs {
-    /// A step in the direction and at the speed that cost least.
+    /// Takes a step in the direction and at the speed of least cost.
     pub(super) fn walk_among_people(
         &mut self,
         dt: f64,
@@ -53,7 +54,7 @@ impl Legs {
         let mut best: Option<(f64, f64, f64, Point)> = None;
         for veer in VEERS {
             let direction = Rotation2::new(veer) * straight;
-            // Who walks cannot turn at once.
+            // A walking person cannot turn at once.
             let most = if self.speed_mps < SLOW_MPS { f64::INFINITY } else { VEER_RADPS * dt };
             let turned = self.veer + (veer - self.veer).clamp(-most, most);
             let step = Rotation2::new(turned) * straight;
@@ -85,16 +86,16 @@ impl Legs {
         };
         self.walked_m += (to - self.at).norm();
         (self.at, self.veer, self.speed_mps) = (to, veer, speed);
-        // Who shuffles about in front of somebody is kept too: how long it has got no farther shows whether it is.
+        // A walker that shuffles about in front of a person is kept too: the time without progress shows whether it is.
         let stands = speed < 0.15 * wanted && nearest.is_none();
         (self.blocked, self.kept_by) = (robot && stands, nearest);
         if stands && !robot && speed == 0.0 {
-            // Only a wall can be why.
+            // Only a wall can be the cause.
             self.leave_wall(around.walkways);
         }
     }
 
-    /// What it costs to walk on like that.
+    /// The cost of walking on in this direction at this pace.
     fn cost(&self, veer: f64, pace: f64, velocity: Vector, around: &WalkerSurroundings<'_>) -> f64 {
         let touches = around.people.iter().filter_map(|p| p.meets(self.at, velocity));
         let (horizon, stand) = if self.is_kept { (CLOSE_S, KEPT_COST) } else { (HORIZON_S, PACE_COST) };
@@ -102,7 +103,7 @@ impl Legs {
         let soon = self.at + velocity * WALLS_S;
         let room = around.walkways.clearance_m(soon);
         let wall = room < SQUEEZE_M && room < around.walkways.clearance_m(self.at);
-        // Near walls without need is uncomfortable, so that people go back to the middle.
+        // Being near walls without need is uncomfortable, so people return to the middle.
         let near = if room < WALL_M { 0.1 } else { 0.0 };
         VEER_COST * veer.abs()
             + stand * (1.0 - pace)
@@ -112,14 +113,14 @@ impl Legs {
             + CHANGE_COST * (veer - self.veer).abs()
     }
 
-    /// The person before it who is nearest.
+    /// The nearest person ahead.
     fn nearest_ahead(&self, way: Vector, around: &WalkerSurroundings<'_>) -> Option<usize> {
         let far = |p: &PersonNear| (p.at - self.at).norm();
         let ahead = |p: &&PersonNear| far(p) < 2.0 * APART_M && (p.at - self.at).dot(&way) > 0.0;
         around.people.iter().filter(ahead).min_by(|a, b| far(a).total_cmp(&far(b))).map(|p| p.who)
     }
 
-    /// Who stands steps out of the way of people who come by, as far as walls let it.
+    /// A standing walker steps out of the way of people who come by, as far as walls allow.
     pub(super) fn make_room(&mut self, dt: f64, foresight: f64, around: &WalkerSurroundings<'_>) {
         for p in around.people.iter().filter(|p| p.matters_to(self.at)) {
             let Some(aim) = p.aim.filter(|aim| (aim - p.at).norm() > 0.0) else { continue };
@@ -129,7 +130,7 @@ impl Legs {
             if !(0.0..COMES_BY_M.min(ends)).contains(&along) || left.abs() >= PASSING_M {
                 continue;
             }
-            // People keep to the right, so the left is where it is less in their way.
+            // People keep to the right, so there is less traffic on the left.
             let side = if left < -0.02 { -1.0 } else { 1.0 };
             let to = self.at + Vector::new(-way.y, way.x) * (side * MAKES_ROOM_MPS * dt);
             let hit = around.people.iter().any(|q| q.is_hit(self.at, to));
@@ -141,7 +142,7 @@ impl Legs {
         }
     }
 
-    /// Where it aims: at its route, or beside it where it walks with a colleague and there is room for two.
+    /// The point to aim at: on the route, or beside it if a colleague walks alongside and there is room for two.
     pub(super) fn beside(&self, aim: Point, around: &WalkerSurroundings<'_>) -> Point {
         let (Some(left_m), way) = (self.beside_m, aim - self.at) else { return aim };
         if way.norm() < 2.0 * left_m.abs() && self.route.len() == 1 {

@@ -1,13 +1,13 @@
-//! Who a walker is: how fast, how patient, and how it takes robots.
+//! A walker's character: its speed, its patience, and how it responds to robots.
 //!
-//! Main types: [`Traits`], [`Persona`] (after the personas of HuNavSim, Pérez-Higueras et al. 2023). Refuses:
-//! to change after it was drawn.
+//! Main types: [`Traits`], [`Persona`] (after the personas of HuNavSim, Pérez-Higueras et al. 2023). Refuses: to change
+//! after it was drawn.
 
 use crate::random::Stream;
 use crate::scenario::Personas;
 use giveway_floor::time::Span;
 
-/// How a walker takes a robot that comes nearer.
+/// How a walker responds to a robot that comes nearer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Persona {
     /// It steps aside, or stops.
@@ -20,20 +20,20 @@ pub enum Persona {
     CutsThrough,
 }
 
-/// What is drawn once for a walker.
+/// Traits that are drawn once for a walker.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traits {
-    /// How it takes robots.
+    /// How the walker responds to robots.
     pub persona: Persona,
     /// Usual speed, metres per second: normal with mean 1.2 and deviation 0.2.
     pub speed_mps: f64,
-    /// From what it is told to what it does.
+    /// Reaction time: from a message to the response.
     pub reaction: Span,
-    /// How long it waits behind a robot before it tries another way.
+    /// How long the walker waits behind a robot before it tries another path.
     pub patience: Span,
-    /// How far before a corner it turns, metres.
+    /// How far before a corner the walker turns, metres.
     pub cut_m: f64,
-    /// Where in its stride it starts, radians.
+    /// Initial phase of the walker's stride, radians.
     pub phase: f64,
 }
 
@@ -41,7 +41,7 @@ pub struct Traits {
 pub const SPEEDS: (f64, f64) = (0.8, 1.6);
 
 impl Traits {
-    /// Draws them.
+    /// Draws the traits of a walker.
     pub(crate) fn draw(mix: &Personas, mut random: Stream) -> Traits {
         let share = random.unit();
         let persona = match share {
@@ -60,7 +60,7 @@ impl Traits {
         }
     }
 
-    /// How far ahead in time it minds where a robot is going, seconds.
+    /// How far ahead in time the walker considers where a robot is going, seconds.
     pub fn foresight_s(&self) -> f64 {
         if self.persona == Persona::CutsThrough { 0.4 } else { 1.5 }
     }

@@ -34,7 +34,7 @@ impl TestHall {
         self.job = Some(Errand { id: AssignmentId(1), at, stay: Span::from_secs(5) });
     }
 
-    /// Lets a walker live; `each` looks at it after every tick.
+    /// Advances a walker; calls `each` after every tick.
     fn live(&mut self, walker: &mut Walker, seconds: f64, mut each: impl FnMut(&TestHall, &Walker)) {
         let known: Vec<Point> = ["G0-14", "G12-13"].map(|n| self.place(n)).to_vec();
         for _ in 0..(seconds / DT) as i64 {
@@ -177,7 +177,7 @@ fn nobody_who_minds_robots_steps_in_front_of_one_that_moves() {
     let mut hall = TestHall::new();
     hall.work_at("S4-10");
     let mut w = walker(&hall, &workers(Causes::None, &[], Persona::Hurries), "G0-10");
-    // A robot that drives to and fro on the cross street before it.
+    // A robot that drives to and fro on the cross street before the walker.
     hall.robots = vec![RobotNear { at: hall.place("G0-7"), velocity: Vector::new(1.5, 0.0), half_m: 0.45 }];
     for _ in 0..600 {
         let r = &mut hall.robots[0];
@@ -267,7 +267,7 @@ fn nobody_is_caught_at_the_corner_of_a_rack_on_the_way_to_a_place_in_sight() {
     let goal = |n: &NodeId| hall.walkways.on_floor(hall.warehouse.nodes[*n].at);
     let goals: Vec<Point> = fronts.iter().filter_map(goal).map(|p| ease(p, &hall.walkways)).collect();
     let mut walks = 0;
-    // Pushed anywhere, close to racks too, as robots and other people do.
+    // The walker is pushed anywhere, also close to racks, as robots and other people do.
     for i in 0..130 * 150 {
         let from = Point::new(f64::from(i % 130) * 0.1, f64::from(i / 130) * 0.1);
         if hall.walkways.clearance_m(from) < 0.15 {

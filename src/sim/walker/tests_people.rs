@@ -1,4 +1,4 @@
-//! Walkers among walkers and robots that drive, in the hall of the thesis, without a fleet.
+//! Walkers among other walkers and driving robots, in the hall of the thesis, without a fleet.
 
 use super::*;
 use crate::scenario::Personas;
@@ -30,7 +30,7 @@ impl TestCrowd {
         self.warehouse.nodes[self.warehouse.node_named(name).expect("in the hall")].at
     }
 
-    /// Somebody of whom each seed makes another, on the way from one place to the other.
+    /// Adds a walker on the way from one place to the other; each seed makes a different one.
     fn walks(&mut self, seed: u64, from: Point, to: Point, stay_s: f64, personas: Personas) {
         let workers = Workers { count: 9, personas, ..Workers::default() };
         let who = self.walkers.len();
@@ -39,7 +39,7 @@ impl TestCrowd {
         self.jobs.push(Some(Errand { id, at: to, stay: Span::from_secs_f64(stay_s) }));
     }
 
-    /// One tick of all; how near the middles of any two trunks are then.
+    /// Runs one tick for all; gives the least distance between the middles of two trunks.
     fn tick(&mut self) -> f64 {
         self.now += Span::from_secs_f64(DT);
         let mut people: Vec<PersonNear> = self.walkers.iter().map(|w| w.seen(self.now)).collect();
@@ -64,7 +64,7 @@ impl TestCrowd {
         pairs.map(|(i, j)| (at[i] - at[j]).norm()).fold(f64::INFINITY, f64::min)
     }
 
-    /// Until all have done their work: seconds, and the least distance of two on the way.
+    /// Runs until all have done their work; gives the time, seconds, and the least distance of two on the way.
     fn live(&mut self, limit_s: f64) -> (f64, f64) {
         let mut least = f64::INFINITY;
         while self.jobs.iter().any(Option::is_some) {
@@ -106,7 +106,7 @@ fn four_who_meet_at_a_crossing_pass_one_another() {
         let (seconds, _) = crowd.live(45.0);
         sum += seconds;
     }
-    // Six metres take 7.5 s at the slowest; two who cut one another off step out and try again.
+    // Six metres take 7.5 s at the slowest; two walkers who cut each other off step out and try again.
     assert!(sum / 40.0 < 12.0, "{} s on average", sum / 40.0);
 }
 
@@ -164,8 +164,8 @@ fn eight_who_go_to_and_fro_on_one_floor_all_get_to_their_work() {
     assert!(done > 1000, "{done}");
 }
 
-/// A walker on a cross street, a robot that drives across it. Seconds to get there, least gap, whether it took
-/// another way.
+/// A walker on a cross street, and a robot that drives across it. Gives the seconds to get there, the least gap, and
+/// whether the walker took another path.
 fn crosses(personas: Personas, seed: u64, robot_from_m: f64) -> (f64, f64, bool) {
     let mut crowd = TestCrowd::new();
     let (from, to) = (crowd.place("G0-7"), crowd.place("G6-7"));
@@ -228,6 +228,6 @@ fn two_of_a_pair_walk_side_by_side_where_there_is_room_and_behind_one_another_el
         }
     }
     assert!(all > 2000 && together * 10 > all * 8, "{together} of {all} together");
-    // Streets are a metre wide but for the crossings: less than side by side, more than in single file.
+    // Streets are a metre wide except at crossings: less than two side by side need, more than single file does.
     assert!(beside * 10 > all * 4, "{beside} of {all} side by side");
 }

@@ -1,6 +1,6 @@
 //! People at work cells beside the robots that stand there.
 //!
-//! Refuses: to let the fleet know of the guard: it stops robots whatever the fleet says.
+//! Refuses: to tell the fleet of the guard: it stops robots whatever the fleet commands.
 
 use super::World;
 use super::motion_before::MotionBefore;
@@ -14,13 +14,13 @@ use std::collections::BTreeMap;
 
 /// A robot this near to where racks stand at a station is in the way of hands there, metres.
 const AT_STATION_M: f64 = 0.9;
-/// A robot that is not faster does not move, metres per second.
+/// A robot that is not faster than this stands, metres per second.
 const STANDS_MPS: f64 = 1e-6;
 
-/// People and arms live side by side in steps of this length at most.
+/// Longest step in which people and arms are advanced side by side.
 const BESIDE: Span = Span::from_millis(10);
 
-/// People and arms at work cells live until `to`, side by side.
+/// Advances people and arms at work cells to `to`, side by side.
 fn beside_arms(
     pickers: &mut Pickers,
     arms: &mut SimArms,
@@ -43,7 +43,7 @@ fn beside_arms(
 }
 
 impl World {
-    /// People at work cells live until now; what they say, and how their hands are seen.
+    /// Advances people at work cells; gives what they report, and how devices see their hands.
     pub(super) fn pick_lines(&mut self, from: Time, to: Time, ledger: &Ledger) -> Vec<Input> {
         if self.pickers.is_none() {
             return Vec::new();
@@ -102,12 +102,12 @@ impl World {
         self.robots.iter().filter_map(stands).collect()
     }
 
-    /// The robot arms, if some are on.
+    /// The robot arms, if any is switched on.
     pub fn arms(&self) -> Option<&SimArms> {
         self.arms.as_ref()
     }
 
-    /// Who picks at work cells, if somebody does.
+    /// The pickers at work cells, if there are any.
     pub fn pickers(&self) -> Option<&Pickers> {
         self.pickers.as_ref()
     }
@@ -117,7 +117,7 @@ impl World {
         self.pickers.iter().flat_map(Pickers::away)
     }
 
-    /// Robots at stations where a hand is inside which would move if no guard held them: for the laws.
+    /// Robots held at a hand by a guard alone, which would move otherwise: for the laws.
     pub fn held_at_hands(&self) -> impl Iterator<Item = (RobotId, StationId)> {
         let at = |robot: &super::SimRobot| self.hands_inside.iter().copied().find(|s| self.is_at(robot, *s));
         let held = self.robots.iter().filter(|r| r.body.hand_guard && r.body.would_move());

@@ -1,17 +1,17 @@
-//! What goes wrong with a robot by the rates of a scenario, and what is over.
+//! Begins and ends a robot's faults by the rates of a scenario.
 //!
-//! Adds to [`SimRobot`]. Refuses: what a test brings about at a chosen moment (`incidents.rs`).
+//! Adds to [`SimRobot`]. Refuses: faults that a test causes at a chosen moment (`incidents.rs`).
 
 use super::SimRobot;
 use crate::scenario::Faults;
 use giveway_fleet::Fault;
 use giveway_floor::time::{Span, Time};
 
-/// By how much the clock of a robot is set at most, either way, seconds.
+/// Largest change of a robot's clock, either way, seconds.
 const CLOCK_S: f64 = 3600.0;
 
 impl SimRobot {
-    /// While its charger gives no current, until then, it says so. That ends when it is elsewhere.
+    /// While its charger gives no current, the robot reports that. The fault ends when the robot is elsewhere.
     pub(super) fn mind_charger(&mut self, out_until: Option<Time>) {
         if self.charger_is_out && out_until.is_none() {
             self.body.fault = self.body.fault.filter(|(fault, _)| *fault != Fault::Unplugged);
@@ -22,7 +22,7 @@ impl SimRobot {
         }
     }
 
-    /// What goes wrong with it, and what is over. `charging` says whether it stands on a charger.
+    /// Begins and ends the robot's faults. `charging` says whether it stands on a charger.
     pub(super) fn meet_faults(&mut self, faults: &Faults, charging: bool, from: Time, to: Time) {
         if let Some((_, until)) = self.body.fault {
             self.body.fault = self.body.fault.filter(|_| until > to);
@@ -47,12 +47,12 @@ impl SimRobot {
             self.body.fault = Some((Fault::Unplugged, until));
         } else if moving && happens(faults.manual_drives_per_hour) {
             self.body.take_over(until);
-            // Somebody drives it onto a node meanwhile, if it stands between two.
+            // Meanwhile, a person drives the robot onto a node if it stands between two.
             self.push_on = Some(to + Span::from_secs_f64(faults.repair_s / 2.0));
         }
     }
 
-    /// Its clock is set with this probability.
+    /// Sets the robot's clock with this probability.
     fn set_clock(&mut self, probability: f64) {
         if probability > 0.0 && self.setting.happens(probability) {
             self.clock = Span::from_secs_f64(self.setting.between(-CLOCK_S, CLOCK_S));

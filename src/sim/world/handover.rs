@@ -1,4 +1,4 @@
-//! Robots that stay as they are while the fleet switches to another map: the floor is made anew, they are not.
+//! Robots that stay as they are while the fleet switches to another map: the floor is rebuilt, the robots are not.
 //!
 //! Refuses: to move a robot off the node on which the fleet has it.
 
@@ -6,7 +6,7 @@ use super::World;
 use giveway_fleet::Ledger;
 
 impl World {
-    /// Robots are turned, charged and broken as they were on a floor before this one. Each stands where the fleet has
+    /// Robots keep the heading, charge and faults that they had on the previous floor. Each stands where the fleet has
     /// it.
     pub fn keep_robots_of(&mut self, before: &World) {
         for (robot, was) in self.robots.iter_mut().zip(&before.robots) {
@@ -14,12 +14,12 @@ impl World {
         }
     }
 
-    /// A process has begun that knows nothing of links.
+    /// Reports links again to a new process, which knows nothing of them.
     pub fn say_links_again(&mut self) {
         self.robots.iter_mut().for_each(|r| r.trouble.tell_again());
     }
 
-    /// Another fleet has begun. It may have forgotten robots that had just joined: they stand where they will join
+    /// Prepares for another fleet. It may have forgotten robots that had just joined: they stand where they will join
     /// again.
     pub fn meet_another(&mut self, ledger: &Ledger) {
         self.robots.truncate(ledger.robots.len());

@@ -1,5 +1,5 @@
-//! What goes wrong at a chosen moment with a chosen robot or worker, for experiments and tests; what a scenario's rates
-//! bring about is drawn in `world/mod.rs`.
+//! Faults at a chosen moment of a chosen robot or worker, for experiments and tests; faults by a scenario's rates are
+//! drawn in `world/mod.rs`.
 //!
 //! Refuses: to choose.
 
@@ -10,12 +10,12 @@ use giveway_floor::id::{Dense, NodeId, RackId, RobotId, WorkerId};
 use giveway_floor::time::{Span, Time};
 
 impl World {
-    /// Breaks a robot, for tests of what happens then.
+    /// Breaks a robot until `until`, for tests.
     pub fn fail(&mut self, robot: RobotId, until: Time) {
         self.afflict(robot, Fault::Broken, until);
     }
 
-    /// Something goes wrong with a robot, until then.
+    /// Gives a robot a fault until `until`.
     pub fn afflict(&mut self, robot: RobotId, fault: Fault, until: Time) {
         let body = &mut self.robots[robot.ix()].body;
         match fault {
@@ -24,39 +24,39 @@ impl World {
         }
     }
 
-    /// Empties the battery of a robot, for tests of what happens then.
+    /// Empties the battery of a robot, for tests.
     pub fn drain(&mut self, robot: RobotId) {
         self.set_battery(robot, 0.0);
     }
 
-    /// The battery of a robot has so much charge, of 1.
+    /// Sets the charge of a robot's battery, as a share of 1.
     pub fn set_battery(&mut self, robot: RobotId, charge: f64) {
         self.robots[robot.ix()].body.set_battery(charge);
     }
 
-    /// The radio of a robot is dead until then: it reports nothing, but hears.
+    /// Mutes a robot's radio until `until`: it reports nothing, but hears.
     pub fn mute(&mut self, robot: RobotId, until: Time) {
         self.robots[robot.ix()].mute_until = Some(until);
     }
 
-    /// People push a robot that stands to a place between nodes. Whether it could be.
+    /// People push a standing robot to a place between nodes. Gives whether that was possible.
     pub fn push_away(&mut self, robot: RobotId) -> bool {
         if !self.robots[robot.ix()].body.can_be_pushed() {
             return false;
         }
-        // So that people push it on later, onto a node.
+        // So that people push the robot onto a node later.
         self.pushes = true;
         let before = self.pushed;
         self.push(robot.ix(), false, (self.now, self.now));
         self.pushed > before
     }
 
-    /// The headset of a worker sends nothing until then. Whether there is one.
+    /// Silences the headset of a worker until `until`. Gives whether there is one.
     pub fn silence(&mut self, worker: WorkerId, until: Time) -> bool {
         self.crew.as_mut().is_some_and(|crew| crew.silence(worker, until))
     }
 
-    /// Puts a robot somewhere, for tests of what happens then.
+    /// Puts a robot at a place, for tests.
     ///
     /// # Panics
     /// On a map without nodes, which no validated one is.
@@ -69,13 +69,13 @@ impl World {
         self.pushed += 1;
     }
 
-    /// The rack on a robot is another one, or gone, for tests of what happens then.
+    /// Changes or removes the rack on a robot, for tests.
     pub fn load(&mut self, robot: RobotId, rack: Option<RackId>) {
         let robot = &mut self.robots[robot.ix()];
         (robot.body.rack, robot.had) = (rack, rack);
     }
 
-    /// People take the rack off a robot and set it down, for tests of what happens then.
+    /// People take the rack off a robot and set it down, for tests.
     pub fn take_rack(&mut self, (rack, robot): (RackId, RobotId), node: NodeId) {
         self.racks[rack] = RackAt::Stored(node);
         self.load(robot, None);

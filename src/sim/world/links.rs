@@ -1,7 +1,7 @@
-//! What goes wrong between a robot and Giveway: its link is down, takes no orders for it, or finds that it holds few.
+//! Faults between a robot and Giveway: its link is down, takes no orders for it, or reports that it holds few visits.
 //!
-//! Main type: [`LinkTrouble`]. The link says so, as links of others do. Refuses: radios that lose and delay, which say
-//! nothing (`link.rs`).
+//! Main type: [`LinkTrouble`]. The link reports the fault, as real links do. Refuses: radios that lose and delay
+//! messages, which report nothing (`link.rs`).
 
 use crate::random::Stream;
 use crate::scenario::Faults;
@@ -9,18 +9,18 @@ use giveway_fleet::{Command, Input, LinkState};
 use giveway_floor::id::RobotId;
 use giveway_floor::time::{Span, Time};
 
-/// How few visits a robot holds at least and at most that holds few.
+/// Fewest and most visits of a robot that holds few.
 const FEW: (usize, usize) = (1, 4);
 
-/// What is wrong at the link of one robot.
+/// The fault of one robot's link.
 #[derive(Debug)]
 pub(super) struct LinkTrouble {
     random: Stream,
-    /// How it is, and until when, if it is not as usual.
+    /// The state of the link and its end, if it is not the usual one.
     state: Option<(LinkState, Time)>,
-    /// Whether Giveway was told.
+    /// Whether Giveway knows the state.
     is_told: bool,
-    /// How often something was wrong.
+    /// How often the link had a fault.
     pub count: u64,
 }
 
@@ -29,7 +29,7 @@ impl LinkTrouble {
         LinkTrouble { random, state: None, is_told: true, count: 0 }
     }
 
-    /// Giveway has started again, and knows nothing of links.
+    /// Giveway has restarted, and knows nothing of links.
     pub fn tell_again(&mut self) {
         self.is_told = self.state.is_none();
     }
@@ -44,12 +44,12 @@ impl LinkTrouble {
         self.is_connected() && self.state.as_ref().is_none_or(|(state, _)| state.refuses.is_none())
     }
 
-    /// Whether a command gets through. A limit does, wherever messages do.
+    /// Whether a command gets through. A limit gets through wherever messages do.
     pub fn passes(&self, command: &Command) -> bool {
         self.takes_orders() || self.is_connected() && matches!(command, Command::Limit(_))
     }
 
-    /// What begins to be wrong, and what is over.
+    /// Begins and ends faults.
     fn pass(&mut self, faults: &Faults, from: Time, to: Time) {
         // Rates of zero draw no number, so that older scenarios run as they did.
         let rate = faults.link_outages_per_hour;
@@ -77,7 +77,7 @@ impl LinkTrouble {
         }
     }
 
-    /// What the link says of its robot, if that is another thing than before.
+    /// The link's report on its robot, if it has changed.
     pub fn say(&mut self, robot: RobotId, faults: &Faults, from: Time, to: Time) -> Option<Input> {
         self.pass(faults, from, to);
         if std::mem::replace(&mut self.is_told, true) {

@@ -45,38 +45,38 @@ use std::sync::Arc;
 
 /// Robots of the scenario join with this token.
 const JOINS: Token = Token { asker: ROBOTS, number: 0 };
-/// Robots and people live side by side in steps of this length at most.
+/// Longest step in which robots and people are advanced together.
 const TICK: Span = Span::from_millis(20);
 
 /// A robot with its radio.
 #[derive(Debug)]
 struct SimRobot {
     body: RobotBody,
-    /// The rack that was on it when it was looked at last.
+    /// The rack that was on the robot at the last look.
     had: Option<RackId>,
     orders: Link<Command>,
     reports: Link<Telemetry>,
     luck: Stream,
-    /// Whether people push it, and where to.
+    /// Stream for whether people push the robot, and where to.
     pushes: Stream,
-    /// When they push it on, if it stands between nodes then, or has not been taken up where it is.
+    /// When people push the robot on, if it then stands between nodes, or has not been taken up where it is.
     push_on: Option<Time>,
-    /// How often they found no place for it: they look farther away then.
+    /// How often people found no place for the robot: then they look farther away.
     tries: u32,
-    /// Whether it was switched off and taken away.
+    /// Whether the robot was switched off and taken away.
     off: bool,
-    /// How it stood or moved at the beginning of the step.
+    /// The robot's motion at the beginning of the step.
     before: MotionBefore,
-    /// How far its clock is ahead.
+    /// How far the robot's clock is ahead.
     clock: Span,
-    /// Whether somebody sets it, and how often that has happened.
+    /// Stream for whether a person sets the clock; then how often that has happened.
     setting: Stream,
     clock_steps: u64,
-    /// Whether it says that it gets no current because its charger gives none to any robot.
+    /// Whether the robot reports no current because its charger gives none to any robot.
     charger_is_out: bool,
-    /// Its radio is dead until then.
+    /// Until when the robot's radio is dead.
     mute_until: Option<Time>,
-    /// What is wrong at its link.
+    /// The fault of the robot's link.
     trouble: LinkTrouble,
 }
 
@@ -84,15 +84,15 @@ struct SimRobot {
 #[derive(Debug)]
 pub struct World {
     warehouse: Arc<Warehouse>,
-    /// The worst robot to be in the way of.
+    /// Kinematics of the robot that is worst to be in the way of.
     worst: Kinematics,
     faults: Faults,
-    /// When they end.
+    /// When the faults end.
     faults_end: Option<Time>,
     /// Whether people push robots, on purpose or onto a node.
     pushes: bool,
     outages: Outages,
-    /// How often robots had each kind of fault, and what became of messages of robots that were replaced.
+    /// How often robots had each kind of fault, and message counts of replaced robots.
     afflicted: BTreeMap<&'static str, u64>,
     messages: LinkCounts,
     seed: u64,
@@ -107,9 +107,9 @@ pub struct World {
     /// Racks that were lifted where they did not stand, or set down onto another one.
     misplaced: Vec<(RobotId, RackId)>,
     announcements: Announcements,
-    /// Who picks at work cells; nothing where whole visits are picked at once.
+    /// Pickers at work cells; nothing if whole visits are picked at once.
     pickers: Option<Pickers>,
-    /// Robot arms beside them.
+    /// Robot arms beside the pickers.
     arms: Option<SimArms>,
     /// Robots that began to move while a hand was inside.
     moved_at_hands: Vec<(RobotId, StationId)>,
@@ -187,7 +187,7 @@ impl World {
         world
     }
 
-    /// Moves everything to `now` and says what is seen and ordered.
+    /// Advances everything to `now` and gives observations and requests.
     pub fn advance(&mut self, now: Time, ledger: &Ledger) -> Vec<Input> {
         self.meet(ledger);
         let mut inputs = self.customers.order(now, now - self.now, ledger);
@@ -242,7 +242,7 @@ impl World {
         inputs
     }
 
-    /// Robots that leave are switched off and taken away; those that come back stand where they were registered.
+    /// Robots that leave are switched off and taken away; returning ones stand where they were registered.
     fn come_and_go(&mut self, ledger: &Ledger) {
         for i in 0..self.robots.len() {
             let (id, robot) = (RobotId::at(i), &self.robots[i]);
@@ -254,13 +254,13 @@ impl World {
                 self.messages += robot.reports.counts;
                 let back = self.robot(id, ledger);
                 let before = std::mem::replace(&mut self.robots[i], back);
-                // What the link said of it stands until it says something else.
+                // The link's last report stands until the next one.
                 self.robots[i].trouble = before.trouble;
             }
         }
     }
 
-    /// People push robots elsewhere that stand, and later on those that have not been taken up where they are.
+    /// People push standing robots elsewhere, and later push on those that have not been taken up where they are.
     fn push_robots(&mut self, from: Time, to: Time) {
         if !self.pushes {
             return;
@@ -271,7 +271,7 @@ impl World {
             robot.push_on = robot.push_on.filter(|_| robot.body.is_astray());
             let again = robot.push_on.is_some();
             let due = match robot.push_on {
-                // It cannot say where it is then, and robots would be sent there.
+                // The robot could not report where it is, and other robots would be sent there.
                 _ if !robot.trouble.is_connected() => false,
                 Some(at) => to >= at,
                 None if robot.off => false,
@@ -312,7 +312,7 @@ impl World {
         robot.push_on = astray.then(|| to + Span::from_secs_f64(pause));
     }
 
-    /// Everything is repaired, and nothing goes wrong any more. People still push robots onto nodes that stand between.
+    /// Repairs everything and ends all faults. People still push robots that stand between nodes onto one.
     fn end_faults(&mut self, now: Time) {
         self.faults = self.faults.ended();
         self.outages.end(now);
@@ -328,7 +328,7 @@ impl World {
         }
     }
 
-    /// Until when everything has moved.
+    /// The time up to which everything has moved.
     pub fn now(&self) -> Time {
         self.now
     }
@@ -363,12 +363,12 @@ impl World {
         self.pushed
     }
 
-    /// Customers want nothing new from now on.
+    /// From now on, customers order nothing new.
     pub fn stop_customers(&mut self) {
         self.customers.stop();
     }
 
-    /// What leaves the fleet arrives at robots, arms, people and customers, by their radios where they have some.
+    /// Delivers the fleet's output to robots, arms, people and customers, by radio if they have one.
     pub fn take<'a>(&mut self, now: Time, out: impl Into<LinkOutput<'a>>) {
         let LinkOutput { limits, orders, guidance, warnings, arms, replies } = out.into();
         for reply in replies {
@@ -395,7 +395,7 @@ impl World {
         }
     }
 
-    /// Notes which racks were lifted and set down.
+    /// Records which racks were lifted and set down.
     fn note_racks(&mut self) {
         for robot in &mut self.robots {
             let (id, has) = (robot.body.id, robot.body.rack);
@@ -416,8 +416,8 @@ impl World {
         }
     }
 
-    /// What pickers report when they have all that was wanted; they repeat it until their screen shows that it was
-    /// heard.
+    /// Reports of pickers that have everything they wanted; they repeat them until their screen shows that it was
+    /// received.
     fn picks(&mut self, ledger: &Ledger) -> Vec<Input> {
         let mut said = Vec::new();
         for robot in &self.robots {
@@ -443,12 +443,12 @@ impl World {
         &self.misplaced
     }
 
-    /// The node that a robot truly reached last on its way; people may have pushed it elsewhere since.
+    /// The node that a robot truly reached last; people may have pushed the robot elsewhere since.
     pub fn node_of(&self, robot: RobotId) -> Option<NodeId> {
         self.robots.get(robot.ix()).map(|r| r.body.stood_on)
     }
 
-    /// Robots and people move. Without people each robot goes alone, which is the same and quicker.
+    /// Advances robots and people. Without people each robot is advanced alone, which gives the same and is quicker.
     fn live(&mut self, from: Time, to: Time) {
         if to <= from {
             return;
@@ -467,7 +467,7 @@ impl World {
         }
     }
 
-    /// People walk, robots look out for them, and both are measured.
+    /// Advances people, lets robots look out for them, and measures both.
     fn people(&mut self, from: Time, to: Time) {
         let Some(crew) = &mut self.crew else { return };
         let near = |r: &SimRobot| {
@@ -492,7 +492,7 @@ impl World {
         self.meter.count_pairs(to);
     }
 
-    /// Meetings of robots and people so far, measured where both truly are.
+    /// Encounters of robots and people so far, measured where both truly are.
     pub fn figures(&self) -> EncounterFigures {
         self.meter.so_far()
     }
@@ -512,7 +512,7 @@ impl World {
         self.crew.as_ref().map_or(0, Crew::completed)
     }
 
-    /// Bodies for robots that the fleet knows by now.
+    /// Creates bodies for robots that the fleet has come to know.
     fn meet(&mut self, ledger: &Ledger) {
         for i in self.robots.len()..ledger.robots.len() {
             self.worst = most_dangerous(ledger.kinds());
@@ -520,7 +520,7 @@ impl World {
         }
     }
 
-    /// A robot where the ledger has it, with its radio.
+    /// A robot with its radio, where the ledger has it.
     fn robot(&self, id: RobotId, ledger: &Ledger) -> SimRobot {
         let record = &ledger.robots[id];
         let node = ledger.node_of(id);
@@ -579,7 +579,7 @@ impl World {
         self.robots[robot.ix()].trouble.takes_orders()
     }
 
-    /// Where each robot truly is, how fast, and the serial number of the last visit that it knows: for the laws.
+    /// Where each robot truly is, its speed, and the serial number of the last visit that it knows: for the laws.
     pub fn truth(&self) -> impl Iterator<Item = (RobotId, Telemetry)> {
         self.robots.iter().filter(|r| !r.off).map(|r| (r.body.id, r.body.report(self.now)))
     }

@@ -1,4 +1,4 @@
-//! How a robot stood or moved at the beginning of a step, to tell what it has done since.
+//! A robot's motion at the beginning of a step, to tell what it has done since.
 //!
 //! Main type: [`MotionBefore`]. Refuses: to say why it moved.
 
@@ -16,7 +16,7 @@ pub(super) struct MotionBefore {
 }
 
 impl MotionBefore {
-    /// As it is now.
+    /// The robot's present state.
     pub fn of(robot: &RobotBody) -> MotionBefore {
         MotionBefore { pose: robot.pose, speed_mps: robot.speed_mps }
     }

@@ -1,6 +1,6 @@
-//! Robots that pass people beside the line, in the simulated world: what they are told of people, and where they are.
+//! Simulated robots that pass people beside the line: what the fleet tells them of people, and where they are.
 //!
-//! Adds to [`World`]. Refuses: to tell them where people truly are.
+//! Adds to [`World`]. Refuses: to tell robots where people truly are.
 
 use super::World;
 use giveway_fleet::ForeseenPerson;
@@ -9,15 +9,15 @@ use giveway_floor::id::{Dense, RobotId};
 use giveway_floor::warehouse::Hull;
 
 impl World {
-    /// Robots that may leave the line now, or by an order that is under way, and where each is: they are to be told
-    /// what the fleet believes of people near them.
+    /// Robots that may leave the line now, or by an order under way, with their positions: the fleet tells them what it
+    /// believes of people near them.
     pub fn robots_beside(&self) -> Vec<(RobotId, Point)> {
         let able = self.robots.iter().filter(|r| !r.off && r.body.beside.may);
         let may = able.filter(|r| r.body.may_pass() || !r.orders.is_empty());
         may.map(|r| (r.body.id, r.body.pose.at)).collect()
     }
 
-    /// Robots are told of people near them.
+    /// Tells robots of people near them.
     pub fn foretell(&mut self, near: Vec<(RobotId, Vec<ForeseenPerson>)>) {
         for (robot, people) in near {
             self.robots[robot.ix()].body.beside.people = people;
@@ -37,12 +37,12 @@ impl World {
         self.beside.poses()
     }
 
-    /// What a robot takes of the floor at a pose.
+    /// A robot's outline at a pose.
     pub fn outline(&self, robot: RobotId, pose: Pose) -> Hull {
         self.robots[robot.ix()].body.footprint().at(pose)
     }
 
-    /// Puts a robot so far aside, for tests of the laws.
+    /// Shifts a robot sideways, for tests of the laws.
     pub fn shift(&mut self, robot: RobotId, by: giveway_floor::geometry::Vector) {
         self.robots[robot.ix()].body.pose.at += by;
     }

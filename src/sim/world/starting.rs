@@ -5,7 +5,7 @@
 use giveway_floor::id::{BodyId, NodeId};
 use giveway_floor::warehouse::{NodeKind, Warehouse};
 
-/// Where robots stand at first: chargers, parking places, then beneath racks, spread over the floor.
+/// Starting places of robots: chargers first, then parking places, then nodes beneath racks, spread over the floor.
 pub fn starting_places(warehouse: &Warehouse, robots: usize, body: impl Fn(usize) -> BodyId) -> Vec<NodeId> {
     let mut places = warehouse.nodes_where(|k| k == NodeKind::Charger);
     places.extend(warehouse.nodes_where(|k| k == NodeKind::Parking));

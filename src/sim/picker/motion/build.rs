@@ -1,39 +1,39 @@
 //! A person's build and habits.
 //!
-//! Main types: [`ArmBuild`], [`ArmRest`]. People differ in all of it, and more widely than eight recorded ones do:
-//! size, pace, where the hand rests, how paths bend, where hands end. Refuses: a person of an impossible size.
+//! Main types: [`ArmBuild`], [`ArmRest`]. People differ in size, pace, where the hand rests, how paths bend and where
+//! hands end, more widely than the eight recorded ones. Refuses: a person of an impossible size.
 
 use crate::random::Stream;
 use giveway_people::reach::{ArmPoint, ArmVector};
 
-/// Which arm reaches.
+/// The arm that reaches.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ArmSide {
-    /// The right one.
+    /// The right arm.
     #[default]
     Right,
-    /// The left one.
+    /// The left arm.
     Left,
 }
 
 /// Where a person's arm and head are between movements, as if the right arm reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmRest {
-    /// Finger tip.
+    /// Position of the finger tip.
     pub finger: ArmPoint,
-    /// Shoulder.
+    /// Position of the shoulder.
     pub shoulder: ArmPoint,
-    /// Head.
+    /// Position of the head.
     pub head: ArmPoint,
-    /// Yaw of the head.
+    /// Yaw of the head, radians.
     pub yaw: f64,
-    /// Pitch of the head.
+    /// Pitch of the head, radians.
     pub pitch: f64,
-    /// From wrist to finger tip, a unit vector.
+    /// Direction from wrist to finger tip, a unit vector.
     pub points: ArmVector,
 }
 
-/// A person, metres and radians; all places as if the right arm reached.
+/// A person's build and habits, metres and radians; all places as if the right arm reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmBuild {
     /// The arm that reaches.
@@ -42,58 +42,59 @@ pub struct ArmBuild {
     pub shoulder: ArmPoint,
     /// The head of a person who stands still.
     pub head: ArmPoint,
-    /// From shoulder to elbow.
+    /// Length from shoulder to elbow.
     pub upper_m: f64,
-    /// From elbow to wrist.
+    /// Length from elbow to wrist.
     pub lower_m: f64,
-    /// From wrist to finger tip.
+    /// Length from wrist to finger tip.
     pub hand_m: f64,
-    /// Where the finger tip rests, from the shoulder.
+    /// Resting position of the finger tip, relative to the shoulder.
     pub rest: ArmVector,
-    /// Factor of all times.
+    /// Factor on all durations.
     pub pace: f64,
     /// Share of a movement's time at which it is fastest.
     pub peak: f64,
-    /// Height of the path's bend, in lengths of the way.
+    /// Height of the path's bend, as a share of its length.
     pub bend: f64,
-    /// Where the path bends to: towards the body, outward, up.
+    /// Direction of the bend: towards the body, outward, up.
     pub bends_to: ArmVector,
-    /// Where the hand ends, from where it should.
+    /// Offset of the hand's end position from the target.
     pub ends: ArmVector,
-    /// Turn of the elbow round the line from shoulder to wrist, from straight down outward.
+    /// Rotation of the elbow about the line from shoulder to wrist, from straight down outward.
     pub swivel: f64,
-    /// Share of a target's yaw that the head turns.
+    /// Share of a target's yaw that the head turns by.
     pub yaw_share: f64,
-    /// Share of a target's pitch that the head turns.
+    /// Share of a target's pitch that the head turns by.
     pub pitch_share: f64,
     /// Where the head points when nothing is looked at: yaw and pitch.
     pub ahead: (f64, f64),
-    /// When the head begins to turn after the hand, seconds; mostly before.
+    /// When the head begins to turn, relative to the hand, seconds; mostly before it.
     pub head_starts_s: f64,
-    /// How far shoulder and head go along, metres.
+    /// How far shoulder and head move along, metres.
     pub goes_along_m: (f64, f64),
-    /// Where on the lower arm, and between wrist and finger tip, a sensor sees forearm and hand: shares of the way.
+    /// Where a sensor sees the forearm and the hand: shares of the way along the lower arm, and from wrist to finger
+    /// tip.
     pub seen_at: (f64, f64),
-    /// Where the resting hand points, from wrist to finger tip.
+    /// Direction of the resting hand, from wrist to finger tip.
     pub points: ArmVector,
-    /// Trembling of the hand, metres.
+    /// Tremor of the hand, metres.
     pub tremor_m: f64,
-    /// Probability that eyes wander once during a reach.
+    /// Probability that the eyes wander once during a reach.
     pub wanders: f64,
 }
 
-/// A number around a middle that people differ in, never farther out than twice the deviation.
+/// Draws a personal value around a middle, at most twice the deviation away.
 fn around(middle: f64, deviation: f64, chance: &mut Stream) -> f64 {
     middle + deviation * chance.normal().clamp(-2.0, 2.0)
 }
 
 impl ArmBuild {
-    /// A person of this size who stands `apart_m` before the opening's plane.
+    /// A person of this height who stands `apart_m` before the opening's plane.
     pub fn of_height(height_m: f64, apart_m: f64, chance: &mut Stream) -> ArmBuild {
         let height_m = height_m.clamp(1.4, 2.2);
         let x = -apart_m;
         let (y, z) = (around(-0.18, 0.02, chance), around(0.80 * height_m, 0.02, chance));
-        // From a hand before the belly to one that hangs down.
+        // Between a hand held before the belly and one that hangs down.
         let rest = ArmVector::new(
             chance.between(0.02, 0.26),
             chance.between(-0.10, 0.28),
@@ -137,18 +138,18 @@ impl ArmBuild {
         }
     }
 
-    /// Any grown person.
+    /// A random adult.
     pub fn any(apart_m: f64, chance: &mut Stream) -> ArmBuild {
         let height_m = around(1.74, 0.09, chance);
         ArmBuild::of_height(height_m, apart_m, chance)
     }
 
-    /// Longest distance of the finger tip from the shoulder.
+    /// Greatest distance of the finger tip from the shoulder.
     pub fn longest_m(&self) -> f64 {
         self.upper_m + self.lower_m + self.hand_m
     }
 
-    /// Standing still with the arm at rest; never twice at quite the same place.
+    /// The person standing still with the arm at rest, with a small random variation of the place.
     pub fn rest(&self, chance: &mut Stream) -> ArmRest {
         let jitter = ArmVector::new(chance.normal(), chance.normal(), chance.normal());
         ArmRest {

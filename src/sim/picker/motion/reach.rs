@@ -1,6 +1,6 @@
-//! One movement of a hand from where it is to a place.
+//! One movement of a hand to a place.
 //!
-//! Main types: [`ArmReach`], [`ArmPose`]. All chance is drawn when the reach begins; then it is a
+//! Main types: [`ArmReach`], [`ArmPose`]. All random values are drawn when the reach begins; from then on it is a
 //! function of time. Refuses: to reach farther than the arm is long; the person leans instead.
 
 use super::build::{ArmBuild, ArmRest, ArmSide};
@@ -11,29 +11,29 @@ use giveway_people::reach::{ArmPoint, ArmSample, ArmVector, ReachTarget};
 /// A person at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmPose {
-    /// What a perfect sensor would see; its time is that of the reach.
+    /// What a perfect sensor would see, at the time of the reach.
     pub sample: ArmSample,
-    /// Elbow.
+    /// Position of the elbow.
     pub elbow: ArmPoint,
-    /// Wrist.
+    /// Position of the wrist.
     pub wrist: ArmPoint,
-    /// Yaw and pitch of the eyes.
+    /// Yaw and pitch of the eyes, radians.
     pub gaze: (f64, f64),
 }
 
-/// One movement.
+/// One reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArmReach {
     build: ArmBuild,
     from: ArmRest,
     to: ArmRest,
-    /// Seconds of the first, large movement.
+    /// Duration of the first, large movement, seconds.
     first_s: f64,
-    /// How early its peak is: exponent of the warp.
+    /// Exponent of the warp, which sets how early the speed peaks.
     warp: f64,
     /// Height and direction of the bend, metres.
     bend: ArmVector,
-    /// What the first movement misses, and when the correction begins and how long it takes.
+    /// How far the first movement misses, then the start and duration of the correction.
     missed: ArmVector,
     correction_s: (f64, f64),
     head_s: (f64, f64),
@@ -49,13 +49,13 @@ pub fn minimum_jerk(share: f64) -> f64 {
     s * s * s * (10.0 + s * (6.0 * s - 15.0))
 }
 
-/// Minimum jerk of a warped time: faster at first.
+/// Minimum jerk over a warped time: faster at first.
 fn warped(share: f64, warp: f64) -> f64 {
     let s = share.clamp(0.0, 1.0);
     minimum_jerk(1.0 - libm::pow(1.0 - s, warp))
 }
 
-/// The warp whose peak of speed comes at this share of the time.
+/// The warp for which the speed peaks at this share of the time.
 fn warp_of(peak: f64) -> f64 {
     const STEPS: usize = 60;
     let peak_of = |warp: f64| {
@@ -75,7 +75,7 @@ fn warp_of(peak: f64) -> f64 {
 }
 
 impl ArmReach {
-    /// A reach of this person; `to` is where the finger tip should end and where the place is seen.
+    /// A reach of this person; `to` gives where the finger tip should end and where the place is seen.
     pub fn new(build: &ArmBuild, from: &ArmRest, to: &ReachTarget, chance: &mut Stream) -> ArmReach {
         let to = if build.side == ArmSide::Left { to.mirrored() } else { *to };
         let mut noise = |sd: f64| ArmVector::new(chance.normal(), chance.normal(), chance.normal()) * sd;
@@ -85,7 +85,7 @@ impl ArmReach {
         let going = |metres: f64, chance: &mut Stream| along * metres * libm::exp(0.4 * chance.normal());
         let head = build.head + going(build.goes_along_m.1, chance);
         let mut shoulder = build.shoulder + going(build.goes_along_m.0, chance);
-        // Who cannot get there leans.
+        // A person who cannot reach it leans.
         let lacks = (finger - shoulder).norm() - 0.97 * build.longest_m();
         shoulder += along * lacks.max(0.0);
         let (yaw, pitch) = angles(to.look - head);
@@ -102,7 +102,7 @@ impl ArmReach {
         };
         let way = finger - from.finger;
         let distance = way.norm().max(0.02);
-        // Longer ways take longer, but not in proportion (Fitts 1954).
+        // Longer movements take longer, but not in proportion (Fitts 1954).
         let first_s = build.pace * (0.66 + 0.45 * distance) * libm::exp(0.10 * chance.normal());
         let bends_to = build.bends_to + bend_noise;
         let aside = bends_to - way * (bends_to.dot(&way) / (distance * distance));
@@ -130,7 +130,7 @@ impl ArmReach {
         }
     }
 
-    /// Seconds from the first motion of the hand to the last.
+    /// Seconds from the first to the last motion of the hand.
     pub fn duration_s(&self) -> f64 {
         if self.missed.norm() > 0.0 {
             self.first_s.max(self.correction_s.0 + self.correction_s.1)
@@ -139,12 +139,12 @@ impl ArmReach {
         }
     }
 
-    /// Where the person is when it is over.
+    /// The person's rest position at the end of the reach.
     pub fn end(&self) -> ArmRest {
         self.to
     }
 
-    /// The person so long after the hand began to move; before that and after the end the hand rests.
+    /// The person `t_s` seconds after the hand began to move; the hand rests before the start and after the end.
     pub fn at(&self, t_s: f64) -> ArmPose {
         let (from, to) = (&self.from, &self.to);
         let share = warped(t_s / self.first_s, self.warp);
@@ -180,7 +180,7 @@ impl ArmReach {
         if self.build.side == ArmSide::Left { pose.mirrored() } else { pose }
     }
 
-    /// The elbow, and the wrist where the arm is long enough for it.
+    /// The elbow, and the wrist as far as the arm can reach it.
     fn elbow(&self, shoulder: ArmPoint, wrist: ArmPoint) -> (ArmPoint, ArmPoint) {
         let (a, b) = (self.build.upper_m, self.build.lower_m);
         let way = wrist - shoulder;
@@ -195,7 +195,7 @@ impl ArmReach {
         (shoulder + ahead * along + down * aside, wrist)
     }
 
-    /// Eyes are at the place from shortly before the head turns, but for a glance elsewhere.
+    /// Eyes are at the place from shortly before the head turns, except for a glance elsewhere.
     fn gaze(&self, t_s: f64, yaw: f64, pitch: f64) -> (f64, f64) {
         if t_s < self.looks_from_s {
             return (yaw, pitch);
@@ -210,7 +210,7 @@ impl ArmReach {
 }
 
 impl ArmPose {
-    /// Seen in a mirror.
+    /// The pose, mirrored left to right.
     fn mirrored(&self) -> ArmPose {
         let flip = |p: ArmPoint| ArmPoint::new(p.x, -p.y, p.z);
         ArmPose {

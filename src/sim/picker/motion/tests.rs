@@ -1,11 +1,11 @@
-//! Simulated people beside recorded ones: quantiles of what they do.
+//! Quantiles of simulated people's movements, compared with recorded ones.
 
 use super::*;
 use crate::random::Stream;
 use giveway_people::reach::sample::angles;
 use giveway_people::reach::{ArmPoint, ReachTarget};
 
-/// Places as those that recorded people pointed at: three columns, three rows, 1.5 m ahead; hands end within reach.
+/// Places like those that recorded people pointed at: three columns, three rows, 1.5 m ahead; hands end within reach.
 fn places(build: &ArmBuild) -> Vec<ReachTarget> {
     let mut all = Vec::new();
     for y in [0.9, -0.1, -1.1] {

@@ -1,6 +1,6 @@
-//! For what a picker's hands and eyes go, and how: slots, wrong ones among them, totes, the button, and back to rest.
+//! Where a picker's hands and eyes go, and how: slots (sometimes a wrong one), totes, the button, and back to rest.
 //!
-//! Eyes go first: they are where a hand goes when it sets out, and leave with it. Refuses: to know what comes of it.
+//! Eyes go first: they are at a hand's target when it sets out, and leave with it. Refuses: to judge the outcome.
 
 use super::{Next, PickButton, SimPicker, rests_at};
 use crate::picker::path::HandPath;
@@ -9,33 +9,33 @@ use giveway_fleet::WrongReach;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::SlotName;
 
-/// How deep behind the face pieces lie, metres; and in front of it a hand is straight ahead of its slot.
+/// Depth of pieces behind the face, and distance in front of it at which a hand is straight ahead of its slot, metres.
 const PIECE_M: f64 = 0.12;
 const AHEAD_M: f64 = 0.22;
-/// Pieces lie beside the middle of their slot, by so much in the mean square, metres; fingers keep so far from its
-/// walls.
+/// Offset of pieces from the middle of their slot in the mean square, metres; then the distance that fingers keep from
+/// its walls, metres.
 const STREWN_M: f64 = 0.03;
 const WALL_M: f64 = 0.03;
-/// A hand that carries a piece takes so much longer than one that reaches, as moves to a place do beside reaches in
-/// MTM-1 (Maynard, Stegemerten and Schwab 1948).
+/// Factor by which a hand that carries a piece is slower than one that reaches, as moves compare with reaches in MTM-1
+/// (Maynard, Stegemerten and Schwab 1948).
 const CARRIES: f64 = 1.15;
-/// Where both hands pick, the other one is so far beside, metres.
+/// Distance between the hands where both pick, metres.
 const BESIDE_M: f64 = 0.04;
-/// Eyes that wander are on another slot for so long, seconds.
+/// How long wandering eyes are on another slot, seconds.
 const GLANCES_S: [f64; 2] = [0.25, 0.45];
-/// A hand that goes to another slot than it set out for turns after such a share of its way's time …
+/// A hand that changes its target turns after such a share of the path's duration …
 const TURNS_AFTER: [f64; 2] = [0.3, 0.5];
-/// … and is on its wrong way for this share.
+/// … and is visibly on the wrong path after this share.
 const LEAVES_AFTER: f64 = 0.5;
 
 impl SimPicker {
-    /// The eyes jump.
+    /// Makes the eyes jump to a place.
     pub(super) fn turn_eyes(&mut self, at: Time, place: FacePlace) {
         let head = self.head(at);
         self.eyes.look_at(place, at, head);
     }
 
-    /// Moves a hand, and the other one with it where both pick.
+    /// Moves a hand, and the other one with it if both pick.
     fn reach(&mut self, at: Time, to: FacePlace, next: Next) {
         let main = self.main();
         let both = self.picks_with_both();
@@ -61,7 +61,7 @@ impl SimPicker {
         self.work.as_ref().is_some_and(|w| w.both_hands)
     }
 
-    /// A hand goes to where it rests, if it is not on its way there.
+    /// Sends a hand to its resting place, if it is not on its way there.
     pub(super) fn rest(&mut self, hand: usize, at: Time) {
         let from = self.hands[hand].at(at);
         if self.hands[hand].to() != rests_at(hand) {
@@ -71,12 +71,12 @@ impl SimPicker {
         }
     }
 
-    /// Where a hand is straight ahead of the slot in which it is; nothing of one that is in none.
+    /// The point straight ahead of the slot that a hand is in; nothing if it is in none.
     fn straight_out(&self, at: FacePlace) -> Option<FacePlace> {
         (self.face.depth_m(at) > 0.0).then(|| FacePlace::new(at.x, at.y + PIECE_M + AHEAD_M, at.z))
     }
 
-    /// Where in a slot the hand finds a piece.
+    /// Where the hand finds a piece in a slot.
     fn piece_in(&mut self, slot: SlotName) -> FacePlace {
         let columns = self.face.slots().filter(|(s, _)| s.row() == slot.row()).count();
         let half_m = self.face.width_m() / (2.0 * columns.max(1) as f64);
@@ -85,8 +85,9 @@ impl SimPicker {
         self.face.slot(slot) + FacePlace::new(aside_m.clamp(-room_m.max(0.0), room_m.max(0.0)), -PIECE_M, 0.0)
     }
 
-    /// Chooses for which slot to reach, a wrong one perhaps, and looks at it, or at another one before. Gives the slot
-    /// towards which the hand sets out though it will go elsewhere, and for how long the eyes are elsewhere, seconds.
+    /// Chooses the slot to reach for, perhaps a wrong one, and looks at it, or first at another one. Gives the slot
+    /// towards which the hand first sets out if it will change its target, and for how long the eyes are elsewhere,
+    /// seconds.
     pub(super) fn choose(&mut self, at: Time) -> (Option<SlotName>, f64) {
         let slot = self.work.as_ref().expect("a line is picked").line.slot;
         let (mistakes, changes, wanders) =
@@ -117,7 +118,7 @@ impl SimPicker {
         self.set_out(at, first);
     }
 
-    /// The hand begins to reach for what was chosen.
+    /// The hand sets out to the chosen slot.
     pub(super) fn set_out(&mut self, at: Time, first: Option<SlotName>) {
         let aims_at = self.work.as_ref().expect("a line is picked").aims_at;
         self.go_to(at, first.unwrap_or(aims_at));
@@ -130,7 +131,7 @@ impl SimPicker {
         }
     }
 
-    /// A hand that is on its way to a slot turns to that of the line.
+    /// A hand on its way to a slot turns to the slot of the line.
     pub(super) fn redirect(&mut self, at: Time, from: SlotName) {
         self.astray = Some((at, WrongReach::Slot(from)));
         let slot = self.work.as_ref().expect("it goes to a slot").line.slot;
@@ -159,14 +160,14 @@ impl SimPicker {
         if all.is_empty() { slot } else { all[self.random.below(all.len())] }
     }
 
-    /// What is in hand goes back into its slot.
+    /// The hand puts its pieces back into their slot.
     pub(super) fn put_back(&mut self, at: Time, slot: SlotName) {
         self.turn_eyes(at, self.face.slot(slot));
         let to = self.piece_in(slot);
         self.reach(at, to, Next::PutBack(slot));
     }
 
-    /// What is in hand goes to a tote. The eyes stay on it until it is out of the slot.
+    /// The hand carries its pieces to a tote. The eyes stay on it until it is out of the slot.
     pub(super) fn carry(&mut self, at: Time, tote: usize) {
         let rim = self.over_tote(at, tote, Next::Over(tote));
         let is_out = |place| self.face.depth_m(place) <= 0.0;
@@ -180,7 +181,7 @@ impl SimPicker {
         self.turn_eyes(at, rim);
     }
 
-    /// Gives the middle of the tote's rim.
+    /// Moves the hand over a tote; gives the middle of the tote's rim.
     fn over_tote(&mut self, at: Time, tote: usize, next: Next) -> FacePlace {
         let rim = self.face.tote(tote).expect("it is a tote of the station");
         self.reach(at, rim - FacePlace::new(0.0, 0.0, 0.05), next);

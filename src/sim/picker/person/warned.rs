@@ -1,7 +1,7 @@
-//! What warnings do to a picker, and what they are worth.
+//! How a picker reacts to warnings, and what the warnings are worth.
 //!
-//! A warning is right if it names the place where a hand truly is or goes, or was on its way to a moment ago, and that
-//! place is a wrong one. Refuses: to act on a warning before it has come, and on one that is not right.
+//! A warning is right if it names the place where a hand truly is or goes, or was heading a moment ago, and that place
+//! is a wrong one. Refuses: to act on a warning before it has come, and on one that is not right.
 
 use super::{Next, SimPicker};
 use crate::picker::work::LineWork;
@@ -9,19 +9,19 @@ use giveway_fleet::WrongReach;
 use giveway_floor::time::{Span, Time};
 use giveway_floor::warehouse::SlotName;
 
-/// A person who was warned acts so much later, seconds; and so many do.
+/// Reaction time of a warned person, seconds; then the share of people who react.
 const REACTS_S: f64 = 0.25;
 const REACTS: f64 = 0.95;
-/// Warnings so soon after a hand was astray are about that.
+/// A warning this soon after a hand was astray is about that.
 const ASTRAY: Span = Span::from_secs(1);
 
 impl SimPicker {
-    /// The screen will warn.
+    /// Adds a warning that the screen will show at `at`.
     pub fn warn(&mut self, at: Time, wrong: WrongReach) {
         self.warnings.push((at, wrong));
     }
 
-    /// Hears the next warning, or acts on one, if that happens by then. Whether one of them did.
+    /// Takes the next warning, or acts on one, if that is due by `until`. Gives whether one of them happened.
     pub(super) fn is_warned_until(&mut self, until: Time) -> bool {
         let next = self.warnings.iter().map(|(at, _)| *at).min().filter(|at| *at <= until);
         let acts = self.react.map(|(at, _)| at).filter(|at| *at <= until);
@@ -44,7 +44,7 @@ impl SimPicker {
         }
     }
 
-    /// Whether a hand is wrong where a warning says.
+    /// Whether a hand is wrong at the place that a warning names.
     fn is_wrong(&self, now: Time, warned: WrongReach) -> bool {
         let was_there = self.astray.is_some_and(|(at, wrong)| wrong == warned && now - at < ASTRAY);
         was_there
@@ -54,14 +54,14 @@ impl SimPicker {
             }
     }
 
-    /// Whether a hand goes to this slot or is in it, and should not.
+    /// Whether a hand wrongly goes to this slot or is in it.
     fn is_at_wrong(&self, slot: SlotName, now: Time) -> bool {
         let Some(work) = self.work.as_ref().filter(|w| w.line.slot != slot) else { return false };
         let is_in = || self.hands.iter().any(|hand| self.face.slot_at(hand.at(now)) == Some(slot));
         work.aims_at == slot || self.next == Next::PutBack(slot) || is_in()
     }
 
-    /// Whether a piece is in this tote, or about to be, and should not.
+    /// Whether a piece is wrongly in this tote, or about to be.
     fn is_wrong_tote(&self, tote: usize) -> bool {
         match (self.next, &self.work) {
             (Next::Over(to) | Next::Put(to), Some(work)) => to == tote && to != work.line.tote,
@@ -69,8 +69,8 @@ impl SimPicker {
         }
     }
 
-    /// A reach that was warned of is counted, if it was to a wrong slot, with when the hand passed the face and was at
-    /// the piece, or would have been.
+    /// Counts a reach to a wrong slot that was warned of, with when the hand passed the face and reached the piece, or
+    /// would have.
     pub(super) fn note_lead(&mut self, now: Time) {
         let ends = [self.passes_face(), self.is_at_piece()].map(|at| at.unwrap_or(now));
         let wrong = self.work.as_mut().filter(|w| w.aims_at != w.line.slot);
@@ -79,7 +79,7 @@ impl SimPicker {
         }
     }
 
-    /// Acts on a warning, if it is not too late.
+    /// Acts on a warning, unless it is too late.
     fn mend(&mut self, at: Time, wrong: WrongReach) {
         match (wrong, self.next) {
             (WrongReach::Slot(_), Next::Enter | Next::Out) => self.mend_reach(at),
@@ -99,7 +99,7 @@ impl SimPicker {
         }
     }
 
-    /// A hand that goes to a wrong slot, or searches it, goes to the right one.
+    /// Redirects a hand that goes to a wrong slot, or searches it, to the right one.
     fn mend_reach(&mut self, at: Time) {
         let Some(work) = self.work.as_ref().filter(|w| w.aims_at != w.line.slot) else { return };
         let (wrong, slot) = (work.aims_at, work.line.slot);
@@ -108,7 +108,7 @@ impl SimPicker {
         self.aim(at, slot);
     }
 
-    /// The wrong piece goes back, and the right one is fetched.
+    /// Puts a wrong piece back, and fetches the right one.
     fn mend_grasp(&mut self, at: Time) {
         let Some(work) = self.work.as_mut().filter(|w| w.aims_at != w.line.slot) else { return };
         work.drop_pieces();
@@ -117,11 +117,11 @@ impl SimPicker {
         self.put_back(at, wrong);
     }
 
-    /// A piece that was put into a wrong tote is taken out again.
+    /// Takes a piece out of a wrong tote again.
     fn mend_put(&mut self, at: Time, tote: usize) {
         let is_there = |w: &&mut LineWork| w.misplaced == Some(tote);
         if self.work.as_mut().filter(is_there).is_none() {
-            // Who has begun another line leaves it there.
+            // A person who has begun another line leaves the piece there.
             let done = self.figures.finished.take_if(|w| self.work.is_none() && is_there(&w));
             let Some(done) = done else { return };
             self.work = Some(done);
